@@ -1,0 +1,27 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// A cluster's box, centroid, vector area and second moment, from its two children; one level a dispatch.
+layout(push_constant, scalar) uniform push_block { Range range; };
+READS(topology)
+READS(order)
+UPDATES(bounds)
+UPDATES(clusters)
+
+void main() {
+    uint i = invocation();
+    if (i >= range.count) return;
+    uint node = order[range.first + i];
+    if (topology[node].face != NONE) return;
+    uint left = node + 1, right = topology[left].skip;
+    bounds[node] = Bounds(min(bounds[left].low, bounds[right].low), max(bounds[left].high, bounds[right].high));
+
+    Cluster l = clusters[left], r = clusters[right];
+    float area = l.area + r.area;
+    vec3 center = l.center + (r.area / area) * (r.center - l.center);
+    vec3 to_l = l.center - center, to_r = r.center - center;
+    float moment = l.area * (l.spread + dot(to_l, to_l)) + r.area * (r.spread + dot(to_r, to_r));
+    clusters[node] = Cluster(center, area, l.normal + r.normal, moment / area);
+}

@@ -1,0 +1,26 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// A leaf's box, centroid, vector area and second moment, from its triangle.
+READS(frame)
+READS(positions)
+READS(triangles)
+READS(leaves)
+WRITES(bounds)
+WRITES(clusters)
+
+void main() {
+    uint face = invocation();
+    if (face >= frame[0].faces) return;
+    uvec3 corner = triangles[face];
+    vec3 a = positions[corner.x], b = positions[corner.y], c = positions[corner.z];
+    uint node = leaves[face];
+    bounds[node] = Bounds(min(min(a, b), c), max(max(a, b), c));
+
+    vec3 e0 = b - a, e1 = c - b, e2 = a - c;
+    vec3 normal = 0.5 * cross(e0, c - a);
+    float spread = (dot(e0, e0) + dot(e1, e1) + dot(e2, e2)) / 36.0;
+    clusters[node] = Cluster((a + b + c) / 3.0, length(normal), normal, spread);
+}

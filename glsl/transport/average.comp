@@ -1,0 +1,26 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// A vertex's radiosity: the area-weighted mean of the triangles round it.
+READS(frame)
+READS(corner_starts)
+READS(corners)
+READS(leaves)
+READS(clusters)
+READS(radiosity)
+WRITES(vertex_radiosity)
+
+void main() {
+    uint vertex = invocation();
+    if (vertex >= frame[0].vertices) return;
+    vec3 sum = vec3(0);
+    float area = 0.0;
+    for (uint i = corner_starts[vertex]; i < corner_starts[vertex + 1]; ++i) {
+        float weight = clusters[leaves[corners[i]]].area;
+        sum += weight * radiosity[corners[i]];
+        area += weight;
+    }
+    vertex_radiosity[vertex] = area > 0.0 ? sum / area : vec3(0);
+}

@@ -1,0 +1,33 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+#include "transport/near.glsl"
+
+// Every face far enough for one sample, to every face of the range.
+layout(push_constant, scalar) uniform push_block { Range range; };
+READS(frame)
+READS(topology)
+READS(leaves)
+READS(clusters)
+READS(triangles)
+READS(positions)
+READS(reach)
+READS(irradiance)
+UPDATES(radiosity)
+#include "transport/sample.glsl"
+
+void main() {
+    uint i = invocation();
+    if (i >= range.count) return;
+    uint receiver = range.first + i;
+    vec3 center = clusters[leaves[receiver]].center;
+    vec3 sum = vec3(0);
+    for (uint face = 0; face < frame[0].faces; ++face) {
+        uint node = leaves[face];
+        Cluster emitter = clusters[node];
+        float far = distance2(center, emitter.center) >= reach[face].x ? 1.0 : 0.0;
+        sum += far * irradiance[face] * sample_center(node, emitter, face, center - emitter.center);
+    }
+    radiosity[receiver] = sum;
+}

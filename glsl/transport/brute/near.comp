@@ -1,0 +1,48 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+#include "transport/near.glsl"
+#include "transport/distance.glsl"
+#define NODES 6
+#include "transport/form_factor/edge.glsl"
+
+// Every face too near for one sample, by the edge form, added to every face of the range.
+layout(push_constant, scalar) uniform push_block { Range range; };
+READS(frame)
+READS(leaves)
+READS(clusters)
+READS(triangles)
+READS(positions)
+READS(reach)
+READS(irradiance)
+UPDATES(radiosity)
+
+void main() {
+    uint i = invocation();
+    if (i >= range.count) return;
+    uint receiver = range.first + i;
+    vec3 center = clusters[leaves[receiver]].center;
+    vec3 z_real = frame[0].z_real, z_virtual = frame[0].z_virtual, sigma = frame[0].sigma;
+    vec3 sum = vec3(0);
+    uint face = 0;
+    while (face < frame[0].faces) {
+        // Look for the next near face; `found` is set under a condition only, which every driver gets right.
+        uint found = NONE;
+        while (found == NONE && face < frame[0].faces) {
+            if (distance2(center, clusters[leaves[face]].center) < reach[face].x) found = face;
+            face++;
+        }
+        if (found == NONE) break;
+        Cluster emitter = clusters[leaves[found]];
+        uvec3 corner = triangles[found];
+        vec3 a = positions[corner.x] - center, b = positions[corner.y] - center, c = positions[corner.z] - center;
+        vec3 normal = emitter.normal / emitter.area;
+        float height = -dot(emitter.center - center, normal);
+        vec3 foot = -height * normal;
+        vec3 real = edge_form(sigma, a, b, c, corner, normal, foot, source_height(height, z_real, 1.0));
+        vec3 virt = edge_form(sigma, a, b, c, corner, normal, foot, source_height(height, z_virtual, -1.0));
+        sum += irradiance[found] * frame[0].strength * (z_real * real + z_virtual * virt);
+    }
+    radiosity[receiver] += sum;
+}

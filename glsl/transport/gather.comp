@@ -1,0 +1,23 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// What a node gathers at its own links: the emitters' irradiance times the form factors, in the links' order.
+layout(push_constant, scalar) uniform push_block { Range range; };
+READS(order)
+READS(spans)
+READS(links)
+READS(factors)
+READS(cluster_irradiance)
+UPDATES(gathered)
+
+void main() {
+    uint i = invocation();
+    if (i >= range.count) return;
+    uint receiver = order[range.first + i];
+    uint first = spans[receiver].link, last = first + spans[receiver].links;
+    vec3 sum = vec3(0);
+    for (uint k = first; k < last; ++k) sum += cluster_irradiance[links[k].emitter] * factors[k];
+    gathered[receiver] = sum;
+}

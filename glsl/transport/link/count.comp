@@ -1,0 +1,31 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// How long each receiver's lists will be; one level a dispatch.
+UPDATES(spans)
+READS(handed)
+#include "transport/link/walk.glsl"
+
+uint links = 0, areas = 0, edges = 0, hands = 0;
+void on_link(uint receiver, uint emitter, uint rung) {
+    links++;
+    areas += uint(rung == 1);
+    edges += uint(rung == 2);
+}
+void on_hand(uint emitter) { hands++; }
+
+void main() {
+    uint i = invocation();
+    if (i >= range.count) return;
+    uint receiver = order[range.first + i];
+    uint parent = topology[receiver].parent;
+    uint hand = 0, count = 0;
+    if (parent != NONE) {
+        hand = spans[parent].hand;
+        count = spans[parent].hands;
+    }
+    walk(receiver, hand, count);
+    spans[receiver] = Span(0, links, 0, areas, 0, edges, 0, hands);
+}

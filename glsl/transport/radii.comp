@@ -1,0 +1,31 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// For each rung of the ladder the squared centroid distance from which on chi stays below the rung's threshold.
+// chi = tau q2(sigma s) / (2 s^2) with q2(a) <= 15 + 5a + a^2, solved for s; a channel counts up to sigma s = 20.
+layout(constant_id = 0) const uint TABLE1 = 0;
+READS(frame)
+READS(leaves)
+READS(clusters)
+WRITES(reach)
+
+void main() {
+    uint face = invocation();
+    if (face >= frame[0].faces) return;
+    float tau = clusters[leaves[face]].spread;
+    vec4 result = vec4(0);
+    for (uint channel = 0; channel < 3; ++channel) {
+        float sigma = frame[0].sigma[channel];
+        float real = frame[0].z_real[channel], virt = frame[0].z_virtual[channel];
+        for (uint rung = 0; rung < 4; ++rung) {
+            float k = 2.0 * frame[0].ladder[rung] / tau - sigma * sigma;
+            float s = k > 0.0 ? (5.0 * sigma + sqrt(25.0 * sigma * sigma + 60.0 * k)) / (2.0 * k) : 1e9;
+            if (sigma > 0.0) s = min(s, 20.0 / sigma);
+            float d2 = TABLE1 != 0 ? (s + virt) * (s + virt) : max(0.0, (s - real) * (s + real));
+            result[rung] = max(result[rung], d2);
+        }
+    }
+    reach[face] = result;
+}

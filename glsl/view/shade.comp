@@ -1,0 +1,35 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+#include "light/fresnel.glsl"
+
+// Equation 3: the radiance that leaves the surface towards the eye, from the radiosity interpolated between vertices.
+READS(frame)
+READS(camera)
+READS(triangles)
+READS(positions)
+READS(normals)
+READS(vertex_radiosity)
+READS(hits)
+WRITES(radiance)
+
+void main() {
+    uint pixel = invocation();
+    if (pixel >= camera[0].width * camera[0].height) return;
+    Hit hit = hits[pixel];
+    vec3 color = camera[0].background;
+    if (hit.face != NONE) {
+        uvec3 corner = triangles[hit.face];
+        vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
+        vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
+        vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
+        vec3 B = weight.x * vertex_radiosity[corner.x] + weight.y * vertex_radiosity[corner.y] +
+                 weight.z * vertex_radiosity[corner.z];
+        vec3 toward = camera[0].origin - point;
+        float size = sqrt(dot(normal, normal) * dot(toward, toward));
+        float cosine = size > 0.0 ? abs(dot(normal, toward)) / size : 0.0;
+        color = transmittance(frame[0].eta, cosine) * B * (camera[0].radiance / 3.14159265358979);
+    }
+    radiance[pixel] = color;
+}

@@ -1,0 +1,194 @@
+//! `milkglass eval`: one number a row, to check the kernels from outside.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use csv::StringRecord;
+use glam::DVec3;
+
+use super::{DeviceArgument, check_messages, validation};
+use crate::error::{Error, Input, Result};
+use crate::layout::{Query, Slot};
+use crate::light::fresnel;
+use crate::render::stages::stage;
+use crate::state::{DeviceState, State, Step};
+use crate::transport::form_factor::Distance;
+use crate::transport::form_factor::exact::edge_form_exact;
+use crate::transport::profile::Dipole;
+use crate::view::picture::write_whole;
+
+/// Arguments of `eval`.
+#[derive(Args)]
+#[command(after_help = "Example: milkglass eval form-factor rows.csv -o values.csv --device cpu\n\n\
+    form-factor: v0x,v0y,v0z,v1x,...,v2z,xox,xoy,xoz,sigma_s_prime,sigma_a,eta -> value (Table 1, displaced \
+    sources, no clamp), value_radial\nprofile: r,sigma_s_prime,sigma_a,eta -> value, R_d(r)")]
+pub struct Arguments {
+    /// What to evaluate.
+    kind: Kind,
+    /// The rows, a CSV file with a header.
+    input: PathBuf,
+    /// The same columns and the values.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// The diffuse Fresnel reflectance in the boundary condition.
+    #[arg(long, value_enum, default_value_t)]
+    fresnel: Formula,
+    #[command(flatten)]
+    device: DeviceArgument,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// Form factor of a triangle and a point.
+    FormFactor,
+    /// The diffuse reflectance profile.
+    Profile,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum Formula {
+    /// The published polynomial.
+    #[default]
+    Paper,
+    /// The closed form.
+    Exact,
+}
+
+/// A row, made dimensionless: lengths in units of `unit`.
+struct Row {
+    triangle: [DVec3; 3],
+    dipole: Dipole,
+    unit: f64,
+}
+
+const CORNERS: [&str; 12] =
+    ["v0x", "v0y", "v0z", "v1x", "v1y", "v1z", "v2x", "v2y", "v2z", "xox", "xoy", "xoz"];
+
+/// Evaluates every row and writes the results beside the input's columns.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let file = &arguments.input;
+    let text = std::fs::read_to_string(file).map_err(|e| Input::new(e.to_string()).file(file))?;
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+    let header = reader.headers().map_err(|e| bad_row(file, &e))?.clone();
+    let records =
+        reader.into_records().collect::<std::result::Result<Vec<_>, _>>().map_err(|e| bad_row(file, &e))?;
+    let rows = records
+        .iter()
+        .map(|record| row(arguments, &header, record))
+        .collect::<std::result::Result<Vec<_>, Input>>()?;
+    let values = evaluate(arguments, &rows)?;
+
+    // The input's columns, then the values.
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let names: &[&str] = if arguments.kind == Kind::FormFactor { &["value", "value_radial"] } else { &["value"] };
+    let write = |e: csv::Error| Error::from(Input::new(e.to_string()).file(&arguments.output));
+    writer.write_record(header.iter().chain(names.iter().copied())).map_err(write)?;
+    for (record, value) in records.iter().zip(values) {
+        let cells: Vec<String> = value.iter().take(names.len()).map(|x| format!("{x:e}")).collect();
+        writer.write_record(record.iter().chain(cells.iter().map(String::as_str))).map_err(write)?;
+    }
+    let bytes = writer.into_inner().map_err(|e| Input::new(e.to_string()).file(&arguments.output))?;
+    write_whole(&arguments.output, |beside| std::fs::write(beside, bytes).map_err(|e| e.to_string()))
+}
+
+fn bad_row(file: &Path, error: &csv::Error) -> Input {
+    let input = Input::new(error.to_string()).file(file);
+    match error.position() {
+        Some(position) => input.line(position.line() as usize),
+        None => input,
+    }
+}
+
+/// Reads one record.
+fn row(arguments: &Arguments, header: &StringRecord, record: &StringRecord) -> std::result::Result<Row, Input> {
+    let line = record.position().map_or(0, |position| position.line() as usize);
+    let fault = |key: &str, what: &str| Input::new(what).file(&arguments.input).line(line).key(key);
+    let number = |key: &str| {
+        let column = header.iter().position(|name| name == key);
+        let column = column.ok_or_else(|| fault(key, "this column is missing").expected("a column of this name"))?;
+        let cell = record.get(column).unwrap_or("");
+        let value = cell.parse::<f64>().ok().filter(|x| x.is_finite());
+        value.ok_or_else(|| fault(key, "not a finite number").found(format!("{cell:?}")).expected("a number"))
+    };
+    let at_least = |key: &str, least: f64| {
+        let value = number(key)?;
+        if value >= least {
+            return Ok(value);
+        }
+        Err(fault(key, "out of range").found(value).expected(format!("at least {least}")))
+    };
+
+    // The medium; the row's unit of length is its mean free path.
+    let (scattering, absorption) = (at_least("sigma_s_prime", 0.0)?, at_least("sigma_a", 0.0)?);
+    let eta = at_least("eta", 1.0)?;
+    let unit = 1.0 / (scattering + absorption);
+    if !unit.is_finite() {
+        return Err(fault("sigma_s_prime", "the medium neither scatters nor absorbs").found("0 and 0"));
+    }
+    let inner = match arguments.fresnel {
+        Formula::Paper => fresnel::diffuse_internal_polynomial(eta),
+        Formula::Exact => fresnel::diffuse_internal_exact(eta),
+    };
+    if inner >= 1.0 {
+        let what = "the polynomial F_dr reaches 1 here and means nothing";
+        return Err(fault("eta", what).found(eta).expected("an eta below 3.6, or --fresnel exact"));
+    }
+    let dipole = Dipole::new(scattering * unit, absorption * unit, fresnel::boundary(inner));
+    let mut triangle = [DVec3::ZERO; 3];
+    if arguments.kind == Kind::Profile {
+        triangle[0].x = at_least("r", 0.0)? / unit;
+    } else {
+        let mut v = [0.0; 12];
+        for (value, key) in v.iter_mut().zip(CORNERS) {
+            *value = number(key)?;
+        }
+        let point = |k: usize| DVec3::new(v[k], v[k + 1], v[k + 2]);
+        triangle = [0, 3, 6].map(|k| (point(k) - point(9)) / unit);
+        if (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).length_squared() == 0.0 {
+            return Err(fault("v0x", "the triangle has no area"));
+        }
+    }
+    Ok(Row { triangle, dipole, unit })
+}
+
+/// The values: on a device by its kernels in `f32`, on the CPU in `f64`.
+fn evaluate(arguments: &Arguments, rows: &[Row]) -> Result<Vec<[f64; 2]>> {
+    let device = arguments.device.open(validation())?;
+    let profile = arguments.kind == Kind::Profile;
+    let Some(device) = device else {
+        let value = |row: &Row| {
+            if profile {
+                return [row.dipole.radial(row.triangle[0].length_squared()) / (row.unit * row.unit), 0.0];
+            }
+            let form = |distance| edge_form_exact(&row.triangle, [0, 1, 2], DVec3::ZERO, &row.dipole, distance);
+            [form(Distance::Table1 { clamp: false }), form(Distance::Radial)]
+        };
+        return Ok(rows.iter().map(value).collect());
+    };
+    let mut state = State::default();
+    let narrow = |v: DVec3| v.to_array().map(|x| x as f32);
+    state.data.queries = rows
+        .iter()
+        .map(|row| Query {
+            a: narrow(row.triangle[0]),
+            b: narrow(row.triangle[1]),
+            c: narrow(row.triangle[2]),
+            strength: row.dipole.strength as f32,
+            sigma: row.dipole.sigma as f32,
+            z_real: row.dipole.z_real as f32,
+            z_virtual: row.dipole.z_virtual as f32,
+        })
+        .collect();
+    state.data.answers = vec![[0.0; 3]; rows.len()];
+    let mut twin = DeviceState::new(&device, false);
+    let steps: Vec<Step> = stage("evaluate").into_iter().map(|stage| Step { stage, chunk: 0 }).collect();
+    twin.upload(&state, &[Slot::queries])?;
+    twin.run(&state, &steps)?;
+    twin.download(&mut state, &[Slot::answers])?;
+    check_messages(Some(&device))?;
+    let value = |(row, answer): (&Row, &[f32; 3])| {
+        let [radial, displaced, reflectance] = answer.map(f64::from);
+        if profile { [reflectance / (row.unit * row.unit), 0.0] } else { [displaced, radial] }
+    };
+    Ok(rows.iter().zip(&state.data.answers).map(value).collect())
+}

@@ -1,0 +1,245 @@
+//! One thin file per subcommand, and the arguments they share.
+
+mod conform;
+mod devices;
+mod eval;
+mod lists;
+mod plan;
+mod render;
+mod solve;
+
+use std::ffi::OsString;
+use std::io::Write;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::error::{Error, Input, Result};
+use crate::gpu::{Adapter, Device, Instance};
+use crate::render::plan::{Mode, Options, Transport};
+use crate::scene::Scene;
+
+#[derive(Parser)]
+#[command(name = "milkglass", version, about = "Renders translucent things in Vulkan compute, proved against the CPU")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Render a picture of a scene.
+    Render(render::Arguments),
+    /// Solve light transport only: irradiance and radiosity of every face.
+    Solve(solve::Arguments),
+    /// Show what a scene needs: stages, buffers, and what is left out and why.
+    Plan(plan::Arguments),
+    /// Compare every stage on a device with the CPU reference.
+    Conform(conform::Arguments),
+    /// Evaluate form factors or profiles, one a row of a CSV file.
+    Eval(eval::Arguments),
+    /// List the Vulkan devices and the CPU back end.
+    Devices,
+    /// List the built-in scenes, or print one.
+    Scenes(lists::Scenes),
+    /// List the built-in materials.
+    Materials,
+}
+
+/// The scene, and changes to it.
+#[derive(Args)]
+struct SceneArguments {
+    /// A scene file (TOML), a built-in scene's name, or a mesh (OBJ).
+    scene: String,
+    /// Change a value of the scene: `object.0.material.preset=ketchup`.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+}
+
+impl SceneArguments {
+    /// Loads the scene and reports what was repaired.
+    fn load(&self) -> Result<Scene> {
+        let scene = Scene::load(&self.scene, &self.sets)?;
+        for line in &scene.report {
+            eprintln!("{line}");
+        }
+        Ok(scene)
+    }
+}
+
+/// Where and how to run.
+#[derive(Args)]
+struct RunArguments {
+    #[command(flatten)]
+    device: DeviceArgument,
+    /// What is kept from frame to frame.
+    #[arg(long, value_enum, default_value_t)]
+    mode: ModeArgument,
+    /// How light is carried through the material.
+    #[arg(long, value_enum, default_value_t)]
+    transport: TransportArgument,
+}
+
+#[derive(Args)]
+struct DeviceArgument {
+    /// `cpu`, a device's number in `milkglass devices`, or a part of its name [default: the best Vulkan device].
+    #[arg(long, value_name = "DEVICE")]
+    device: Option<String>,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum ModeArgument {
+    /// Everything from scratch in each frame.
+    #[default]
+    OnTheFly,
+    /// Links and form factors are kept.
+    Render,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum TransportArgument {
+    /// The hierarchical method of Mertens et al. 2003.
+    #[default]
+    Hierarchy,
+    /// Every face to every face.
+    Brute,
+}
+
+impl RunArguments {
+    fn options(&self) -> Options {
+        Options {
+            transport: match self.transport {
+                TransportArgument::Hierarchy => Transport::Hierarchy,
+                TransportArgument::Brute => Transport::Brute,
+            },
+            mode: match self.mode {
+                ModeArgument::OnTheFly => Mode::OnTheFly,
+                ModeArgument::Render => Mode::Render,
+            },
+            ..Options::default()
+        }
+    }
+}
+
+impl DeviceArgument {
+    /// The device asked for, or the best; `None` is the CPU.
+    fn open(&self, validation: bool) -> Result<Option<Device>> {
+        let wish = self.device.as_deref();
+        if wish.is_some_and(|wish| wish.eq_ignore_ascii_case("cpu")) {
+            return Ok(None);
+        }
+        let found = Instance::open(validation).and_then(|instance| Ok((instance.adapters()?, instance)));
+        match (wish, found) {
+            (None, Ok((adapters, instance))) => match best(&adapters) {
+                Some(adapter) => Device::open(&instance, adapter).map(Some),
+                None => {
+                    eprintln!("no usable Vulkan device: running on the CPU");
+                    Ok(None)
+                }
+            },
+            (None, Err(error)) => {
+                eprintln!("running on the CPU: {error}");
+                Ok(None)
+            }
+            (Some(_), Err(error)) => Err(error),
+            (Some(wish), Ok((adapters, instance))) => Device::open(&instance, pick(&adapters, wish)?).map(Some),
+        }
+    }
+}
+
+/// The usable adapter that promises most: discrete, integrated, virtual, then anything.
+fn best(adapters: &[Adapter]) -> Option<&Adapter> {
+    let rank = |adapter: &&Adapter| match adapter.kind {
+        "discrete" => 0,
+        "integrated" => 1,
+        "virtual" => 2,
+        _ => 3,
+    };
+    adapters.iter().filter(|adapter| adapter.unusable.is_none()).min_by_key(rank)
+}
+
+/// The adapter of this number, or the first whose name contains this text.
+fn pick<'a>(adapters: &'a [Adapter], wish: &str) -> Result<&'a Adapter> {
+    let low = wish.to_lowercase();
+    let by_number = wish.parse::<usize>().ok().and_then(|index| adapters.get(index));
+    by_number.or_else(|| adapters.iter().find(|a| a.name.to_lowercase().contains(&low))).ok_or_else(|| {
+        let names: Vec<_> = adapters.iter().enumerate().map(|(i, a)| format!("{i} ({})", a.name)).collect();
+        let known = if names.is_empty() { "no Vulkan device is installed".to_string() } else { names.join(", ") };
+        Error::device(format!("looking for device {wish:?}"), format!("there is none; there are cpu, {known}"))
+    })
+}
+
+/// Whether the environment asks for the validation layer.
+fn validation() -> bool {
+    std::env::var_os("MILKGLASS_VALIDATION").is_some_and(|value| value != "0")
+}
+
+/// Writes a result to standard output; a closed pipe is no error.
+fn print(text: &str) {
+    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+}
+
+/// A table with aligned columns; those named in `right` are aligned to the right.
+fn table(header: &[&str], right: &[usize], rows: &[Vec<String>]) -> String {
+    let width = |k: usize| {
+        rows.iter().map(|row| row[k].chars().count()).chain([header[k].chars().count()]).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..header.len()).map(width).collect();
+    let line = |cells: &mut dyn Iterator<Item = &str>| {
+        let padded = cells.enumerate().map(|(k, cell)| {
+            let gap = " ".repeat(widths[k].saturating_sub(cell.chars().count()));
+            if right.contains(&k) { format!("{gap}{cell}") } else { format!("{cell}{gap}") }
+        });
+        format!("{}\n", padded.collect::<Vec<_>>().join("  ").trim_end())
+    };
+    let mut text = line(&mut header.iter().copied());
+    for row in rows {
+        text += &line(&mut row.iter().map(String::as_str));
+    }
+    text
+}
+
+/// Bytes in a unit that reads well.
+fn size(bytes: u64) -> String {
+    match bytes {
+        0..10_000 => format!("{bytes} B"),
+        10_000..10_000_000 => format!("{:.1} KiB", bytes as f64 / 1024.0),
+        _ => format!("{:.1} MiB", bytes as f64 / 1_048_576.0),
+    }
+}
+
+/// Reports each validation message; one is enough to fail.
+fn check_messages(device: Option<&Device>) -> Result<()> {
+    let messages = device.map(Device::take_messages).unwrap_or_default();
+    for message in &messages {
+        eprintln!("{message}");
+    }
+    if messages.is_empty() {
+        return Ok(());
+    }
+    Err(Error::Check(format!("the validation layer has {} messages", messages.len())))
+}
+
+/// Parses the arguments and runs the command they name.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) if error.use_stderr() => {
+            let text = error.render().to_string();
+            return Err(Input::new(text.trim_start_matches("error: ").trim_end()).into());
+        }
+        Err(error) => {
+            print(&error.render().to_string());
+            return Ok(());
+        }
+    };
+    match cli.command {
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Solve(arguments) => solve::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
+        Command::Conform(arguments) => conform::run(&arguments),
+        Command::Eval(arguments) => eval::run(&arguments),
+        Command::Devices => devices::run(),
+        Command::Scenes(arguments) => lists::scenes(&arguments),
+        Command::Materials => lists::materials(),
+    }
+}

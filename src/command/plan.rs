@@ -1,0 +1,100 @@
+//! `milkglass plan`: what a scene needs, without running it.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use super::{RunArguments, SceneArguments, print, size, table, validation};
+use crate::error::Result;
+use crate::layout::SLOTS;
+use crate::render::run::{Room, Session};
+use crate::view::picture::write_whole;
+
+/// Arguments of `plan`.
+#[derive(Args)]
+#[command(after_help = "Example: milkglass plan lotus --mode render --json plan.json")]
+pub struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    #[command(flatten)]
+    run: RunArguments,
+    /// Also write the plan to this file.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// Prints stages, buffers, and what is left out.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let scene = arguments.scene.load()?;
+    let device = arguments.run.device.open(validation())?;
+    let session = Session::new(&scene, device.as_ref(), arguments.run.options(), Room::default())?;
+    let (state, plan) = (session.state(), &session.plan);
+
+    let frame = &state.data.frame[0];
+    let mut text = format!(
+        "{}: {} triangles, {} vertices, {} nodes, {} chunks of links, {} lights, on {}\n\nstages\n",
+        scene.name,
+        frame.faces,
+        frame.vertices,
+        frame.nodes,
+        state.schedule.chunks.len(),
+        frame.lights,
+        device.as_ref().map_or("cpu", |device| device.name()),
+    );
+    let stages: Vec<_> = plan
+        .stages
+        .iter()
+        .map(|stage| {
+            let writes: Vec<_> = stage.writes.iter().map(|(slot, _, _)| slot.spec().name).collect();
+            vec![stage.name.to_string(), stage.about.to_string(), writes.join(" ")]
+        })
+        .collect();
+    text += &table(&["stage", "does", "writes"], &[], &stages);
+
+    // Lists start with a guess and grow to what a frame turns out to need.
+    let lists = ["handed", "links", "factors", "area_links", "edge_links"];
+    let mut total = 0;
+    let mut buffers = Vec::new();
+    for slot in SLOTS {
+        let (spec, bytes) = (slot.spec(), state.data.bytes(*slot).len() as u64);
+        if bytes > 0 {
+            total += bytes;
+            let note = if lists.contains(&spec.name) { "grows as needed" } else { "" };
+            let count = bytes / spec.stride as u64;
+            buffers.push(vec![
+                spec.name.to_string(),
+                spec.per.to_string(),
+                count.to_string(),
+                size(bytes),
+                note.to_string(),
+            ]);
+        }
+    }
+    buffers.push(vec!["total".into(), String::new(), String::new(), size(total), String::new()]);
+    text += "\nbuffers\n";
+    text += &table(&["buffer", "one per", "elements", "size", ""], &[2, 3], &buffers);
+    text += "\nleft out\n";
+    let left: Vec<_> = plan.left_out.iter().map(|(stage, why)| vec![stage.name.to_string(), why.clone()]).collect();
+    text += &table(&["stage", "because"], &[], &left);
+    print(&text);
+
+    if let Some(path) = &arguments.json {
+        let value = json!({
+            "scene": scene.name,
+            "triangles": frame.faces,
+            "vertices": frame.vertices,
+            "nodes": frame.nodes,
+            "chunks": state.schedule.chunks.len(),
+            "stages": plan.stages.iter().map(|s| json!({"stage": s.name, "does": s.about})).collect::<Vec<_>>(),
+            "buffers": SLOTS.iter().map(|slot| (slot.spec(), state.data.bytes(*slot).len()))
+                .filter(|(_, bytes)| *bytes > 0)
+                .map(|(spec, bytes)| json!({"buffer": spec.name, "per": spec.per, "bytes": bytes}))
+                .collect::<Vec<_>>(),
+            "left_out": plan.left_out.iter().map(|(s, why)| json!({"stage": s.name, "because": why}))
+                .collect::<Vec<_>>(),
+        });
+        write_whole(path, |beside| std::fs::write(beside, format!("{value:#}\n")).map_err(|e| e.to_string()))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,73 @@
+//! `milkglass render`: a picture of a scene.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{RunArguments, SceneArguments, check_messages, validation};
+use crate::error::{Input, Result};
+use crate::layout::Slot;
+use crate::render::plan::Change;
+use crate::render::run::{Room, Session};
+use crate::view::picture::{Picture, check};
+
+/// Arguments of `render`.
+#[derive(Args)]
+#[command(after_help = "Example: milkglass render lotus -o lotus.png --size 800x600 --set camera.exposure=1.5")]
+pub struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    #[command(flatten)]
+    run: RunArguments,
+    /// The picture: `.png` (exposed, sRGB) or `.exr` (linear).
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Width and height in pixels; overrides the scene's.
+    #[arg(long, value_name = "WxH")]
+    size: Option<String>,
+    /// Print each stage's time.
+    #[arg(long)]
+    times: bool,
+}
+
+/// Renders and writes the picture.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    check(&arguments.output)?;
+    let mut scene = arguments.scene.load()?;
+    if let Some(text) = &arguments.size {
+        scene.camera.size = parse_size(text)?;
+    }
+    let device = arguments.run.device.open(validation())?;
+    let mut session = Session::new(&scene, device.as_ref(), arguments.run.options(), Room::default())?;
+    let times = session.frame(Change::Everything)?;
+    if arguments.times {
+        super::solve::print_times(&mut session, &times)?;
+    }
+    session.fetch(&[Slot::radiance])?;
+    let [width, height] = scene.camera.size.map(|n| n as usize);
+    let picture = Picture { width, height, pixels: session.state().data.radiance.clone() };
+    check_messages(device.as_ref())?;
+    picture.save(&arguments.output, scene.camera.exposure, &[])
+}
+
+/// `800x600`, each side from 1 to 16384.
+fn parse_size(text: &str) -> Result<[u32; 2]> {
+    let side = |text: &str| text.trim().parse::<u32>().ok().filter(|n| (1..=16384).contains(n));
+    text.split_once(['x', 'X']).and_then(|(w, h)| Some([side(w)?, side(h)?])).ok_or_else(|| {
+        Input::new("not a picture size").key("--size").found(text).expected("WxH, each 1 to 16384").into()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parse_size;
+
+    #[test]
+    fn sizes() {
+        assert_eq!(parse_size("800x600").unwrap(), [800, 600]);
+        assert_eq!(parse_size("1X1").unwrap(), [1, 1]);
+        for bad in ["800", "0x5", "5x99999", "axb", "", "1x2x3", "-1x4"] {
+            assert!(parse_size(bad).is_err(), "{bad}");
+        }
+    }
+}

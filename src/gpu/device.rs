@@ -1,0 +1,157 @@
+//! An opened device: its queue, its allocator and its pipeline cache.
+
+use std::ffi::CString;
+use std::sync::{Arc, Mutex};
+
+use ash::{ext, vk};
+use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
+use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
+
+use super::fault;
+use super::instance::{Adapter, Instance, Limits};
+use crate::error::{Error, Result};
+
+/// A device with one compute queue. Clones share it.
+#[derive(Clone)]
+pub struct Device(pub(super) Arc<Inner>);
+
+pub(super) struct Inner {
+    pub(super) raw: ash::Device,
+    pub(super) debug: Option<ext::debug_utils::Device>,
+    pub(super) queue: vk::Queue,
+    pub(super) pool: vk::CommandPool,
+    pub(super) cache: vk::PipelineCache,
+    /// `None` only while the device is being destroyed.
+    pub(super) allocator: Mutex<Option<Allocator>>,
+    pub(super) adapter: Adapter,
+    instance: Instance,
+}
+
+impl Device {
+    /// Opens an adapter, or says why it can't be used.
+    pub fn open(instance: &Instance, adapter: &Adapter) -> Result<Self> {
+        let doing = format!("opening {}", adapter.name);
+        if let Some(why) = &adapter.unusable {
+            return Err(Error::device(doing, why));
+        }
+        let priorities = [1.0];
+        let queues = [vk::DeviceQueueCreateInfo::default()
+            .queue_family_index(adapter.queue_family)
+            .queue_priorities(&priorities)];
+        let mut features = vk::PhysicalDeviceVulkan12Features::default().scalar_block_layout(true);
+        let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut features);
+        // SAFETY: `info` and all it points to live through the call; the adapter is this instance's.
+        let raw = unsafe { instance.0.raw.create_device(adapter.physical, &info, None) }
+            .map_err(|code| fault(&doing, code))?;
+        // SAFETY: the family was named in `info`, with one queue.
+        let queue = unsafe { raw.get_device_queue(adapter.queue_family, 0) };
+        let debug = instance.0.debug.as_ref().map(|_| ext::debug_utils::Device::new(&instance.0.raw, &raw));
+        let mut inner = Inner {
+            raw,
+            debug,
+            queue,
+            pool: vk::CommandPool::null(),
+            cache: vk::PipelineCache::null(),
+            allocator: Mutex::new(None),
+            adapter: adapter.clone(),
+            instance: instance.clone(),
+        };
+
+        // What follows lands in `inner` at once, so that a failure frees what came before it.
+        let description = AllocatorCreateDesc {
+            instance: inner.instance.0.raw.clone(),
+            device: inner.raw.clone(),
+            physical_device: adapter.physical,
+            debug_settings: AllocatorDebugSettings::default(),
+            buffer_device_address: false,
+            allocation_sizes: AllocationSizes::default(),
+        };
+        inner.allocator =
+            Mutex::new(Some(Allocator::new(&description).map_err(|error| Error::device(doing.as_str(), error))?));
+        let pool = vk::CommandPoolCreateInfo::default()
+            .flags(vk::CommandPoolCreateFlags::TRANSIENT)
+            .queue_family_index(adapter.queue_family);
+        // SAFETY: the device is alive.
+        unsafe {
+            inner.pool = inner.raw.create_command_pool(&pool, None).map_err(|code| fault(&doing, code))?;
+            inner.cache = inner
+                .raw
+                .create_pipeline_cache(&vk::PipelineCacheCreateInfo::default(), None)
+                .map_err(|code| fault(&doing, code))?;
+        }
+        Ok(Self(Arc::new(inner)))
+    }
+
+    /// The adapter's name.
+    pub fn name(&self) -> &str {
+        &self.0.adapter.name
+    }
+
+    /// The adapter's limits.
+    pub fn limits(&self) -> &Limits {
+        &self.0.adapter.limits
+    }
+
+    /// Takes the validation messages that have come since the last call.
+    pub fn take_messages(&self) -> Vec<String> {
+        self.0.instance.take_messages()
+    }
+
+    /// Submits one recorded command buffer and waits for it.
+    pub(super) fn submit(&self, commands: vk::CommandBuffer, doing: &str) -> Result<()> {
+        let buffers = [commands];
+        let info = [vk::SubmitInfo::default().command_buffers(&buffers)];
+        // SAFETY: the command buffer is complete and of this device; the fence is waited for before it is destroyed.
+        unsafe {
+            let fence = self
+                .0
+                .raw
+                .create_fence(&vk::FenceCreateInfo::default(), None)
+                .map_err(|code| fault(doing, code))?;
+            let done = self
+                .0
+                .raw
+                .queue_submit(self.0.queue, &info, fence)
+                .and_then(|()| self.0.raw.wait_for_fences(&[fence], true, u64::MAX));
+            self.0.raw.destroy_fence(fence, None);
+            done.map_err(|code| fault(doing, code))
+        }
+    }
+
+    /// A command buffer ready to record.
+    pub(super) fn begin(&self, doing: &str) -> Result<vk::CommandBuffer> {
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(self.0.pool).command_buffer_count(1);
+        let once = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the pool is this device's and used by one thread at a time.
+        unsafe {
+            let commands =
+                self.0.raw.allocate_command_buffers(&info).map_err(|code| fault(doing, code))?.swap_remove(0);
+            self.0.raw.begin_command_buffer(commands, &once).map_err(|code| fault(doing, code))?;
+            Ok(commands)
+        }
+    }
+
+    /// Gives a handle the name that tools and validation messages show.
+    pub(super) fn label<T: vk::Handle>(&self, handle: T, name: &str) {
+        if let (Some(debug), Ok(name)) = (&self.0.debug, CString::new(name)) {
+            let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
+            // SAFETY: the handle is alive. A name that could not be set is no loss.
+            let _ = unsafe { debug.set_debug_utils_object_name(&info) };
+        }
+    }
+}
+
+impl Drop for Inner {
+    fn drop(&mut self) {
+        // SAFETY: buffers and kernels hold a clone of the device, so none is left; the allocator goes before it.
+        unsafe {
+            let _ = self.raw.device_wait_idle();
+            if let Ok(mut allocator) = self.allocator.lock() {
+                allocator.take();
+            }
+            self.raw.destroy_pipeline_cache(self.cache, None);
+            self.raw.destroy_command_pool(self.pool, None);
+            self.raw.destroy_device(None);
+        }
+    }
+}

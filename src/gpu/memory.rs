@@ -1,0 +1,164 @@
+//! Named buffers, and the copies between host and device.
+
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
+
+use super::device::Device;
+use super::fault;
+use crate::error::{Error, Result};
+
+/// Largest piece of one copy between host and device, bytes.
+const STAGING: u64 = 32 << 20;
+
+/// A storage buffer on the device. Freed when dropped.
+pub struct Buffer {
+    pub(super) raw: vk::Buffer,
+    name: String,
+    size: u64,
+    allocation: Option<Allocation>,
+    device: Device,
+}
+
+impl Buffer {
+    /// Allocates `size` bytes of device memory under this name (at least 4 bytes, so that an empty list can be bound).
+    pub fn new(device: &Device, name: &str, size: u64) -> Result<Self> {
+        Self::at(device, name, size, MemoryLocation::GpuOnly)
+    }
+
+    fn at(device: &Device, name: &str, size: u64, location: MemoryLocation) -> Result<Self> {
+        let doing = format!("allocating {size} bytes for buffer {name}");
+        let size = size.max(4);
+        let limit = device.limits().allocation_bytes;
+        if size > limit {
+            return Err(Error::device(doing, format!("the device allows {limit} bytes in one allocation")));
+        }
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_SRC
+            | vk::BufferUsageFlags::TRANSFER_DST;
+        let info = vk::BufferCreateInfo::default().size(size).usage(usage);
+        // SAFETY: the device is alive.
+        let raw = unsafe { device.0.raw.create_buffer(&info, None) }.map_err(|code| fault(&doing, code))?;
+        let mut buffer = Self { raw, name: name.to_string(), size, allocation: None, device: device.clone() };
+        device.label(raw, name);
+        // SAFETY: the buffer was just created.
+        let requirements = unsafe { device.0.raw.get_buffer_memory_requirements(raw) };
+        let description = AllocationCreateDesc {
+            name,
+            requirements,
+            location,
+            linear: true,
+            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
+        };
+        let mut allocator = device.0.allocator.lock().map_err(|_| Error::device(doing.as_str(), "the allocator broke"))?;
+        let allocation = allocator
+            .as_mut()
+            .ok_or_else(|| Error::device(doing.as_str(), "the device is closing"))?
+            .allocate(&description)
+            .map_err(|error| Error::device(doing.as_str(), error))?;
+        // SAFETY: memory and offset come from the allocator for just these requirements.
+        let bound = unsafe { device.0.raw.bind_buffer_memory(raw, allocation.memory(), allocation.offset()) };
+        buffer.allocation = Some(allocation);
+        drop(allocator);
+        bound.map_err(|code| fault(&doing, code))?;
+        Ok(buffer)
+    }
+
+    /// Its size in bytes.
+    pub fn size(&self) -> u64 {
+        self.size
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Copies `bytes` to the start of the buffer.
+    pub fn upload(&self, bytes: &[u8]) -> Result<()> {
+        let doing = format!("filling buffer {}", self.name);
+        if bytes.len() as u64 > self.size {
+            return Err(Error::device(doing, format!("{} bytes do not fit {}", bytes.len(), self.size)));
+        }
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        let size = STAGING.min(bytes.len() as u64);
+        let mut staging = Self::at(&self.device, "staging", size, MemoryLocation::CpuToGpu)?;
+        let mut offset = 0;
+        for piece in bytes.chunks(STAGING as usize) {
+            staging.mapped(&doing)?[..piece.len()].copy_from_slice(piece);
+            copy(&self.device, (&staging, 0), (self, offset), piece.len() as u64, &doing)?;
+            offset += piece.len() as u64;
+        }
+        Ok(())
+    }
+
+    /// Copies the start of the buffer to `bytes`.
+    pub fn download(&self, bytes: &mut [u8]) -> Result<()> {
+        let doing = format!("reading buffer {}", self.name);
+        if bytes.len() as u64 > self.size {
+            return Err(Error::device(doing, format!("{} bytes asked of {}", bytes.len(), self.size)));
+        }
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        let size = STAGING.min(bytes.len() as u64);
+        let mut staging = Self::at(&self.device, "staging", size, MemoryLocation::GpuToCpu)?;
+        let mut offset = 0;
+        for piece in bytes.chunks_mut(STAGING as usize) {
+            copy(&self.device, (self, offset), (&staging, 0), piece.len() as u64, &doing)?;
+            piece.copy_from_slice(&staging.mapped(&doing)?[..piece.len()]);
+            offset += piece.len() as u64;
+        }
+        Ok(())
+    }
+
+    fn mapped(&mut self, doing: &str) -> Result<&mut [u8]> {
+        self.allocation
+            .as_mut()
+            .and_then(Allocation::mapped_slice_mut)
+            .ok_or_else(|| Error::device(doing, "the device offers no memory that the host can see"))
+    }
+}
+
+/// One copy on the queue, waited for.
+fn copy(device: &Device, from: (&Buffer, u64), to: (&Buffer, u64), size: u64, doing: &str) -> Result<()> {
+    let commands = device.begin(doing)?;
+    let region = [vk::BufferCopy { src_offset: from.1, dst_offset: to.1, size }];
+    let visible = [vk::MemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+        .dst_access_mask(vk::AccessFlags::HOST_READ)];
+    // SAFETY: both buffers live through the submission; ranges were checked by the callers; the wait ends all use.
+    unsafe {
+        let raw = &device.0.raw;
+        raw.cmd_copy_buffer(commands, from.0.raw, to.0.raw, &region);
+        raw.cmd_pipeline_barrier(
+            commands,
+            vk::PipelineStageFlags::TRANSFER,
+            vk::PipelineStageFlags::HOST,
+            vk::DependencyFlags::empty(),
+            &visible,
+            &[],
+            &[],
+        );
+        let done = raw
+            .end_command_buffer(commands)
+            .map_err(|code| fault(doing, code))
+            .and_then(|()| device.submit(commands, doing));
+        raw.free_command_buffers(device.0.pool, &[commands]);
+        done
+    }
+}
+
+impl Drop for Buffer {
+    fn drop(&mut self) {
+        // SAFETY: every submission is waited for, so the device no longer uses the buffer.
+        unsafe { self.device.0.raw.destroy_buffer(self.raw, None) };
+        if let (Some(allocation), Ok(mut allocator)) = (self.allocation.take(), self.device.0.allocator.lock())
+            && let Some(allocator) = allocator.as_mut()
+        {
+            let _ = allocator.free(allocation);
+        }
+    }
+}

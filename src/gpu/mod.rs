@@ -1,0 +1,37 @@
+//! The only home of `ash` and of `unsafe`: instance, device, memory, kernels, and the recording of a frame.
+//!
+//! Nothing here knows what a stage or a triangle is. Handles own what they need and free themselves.
+
+mod device;
+mod instance;
+mod kernel;
+mod memory;
+mod record;
+
+pub use device::Device;
+pub use instance::{Adapter, Instance, Limits};
+pub use kernel::{Access, Kernel, Kernels, kernel_names, reflect_records};
+pub use memory::Buffer;
+pub use record::{Binding, Recorder, Timing};
+
+use ash::vk;
+
+use crate::error::Error;
+
+/// A Vulkan result code in words, as the user can act on it.
+fn fault(doing: &str, code: vk::Result) -> Error {
+    let what = match code {
+        vk::Result::ERROR_DEVICE_LOST => "the device was lost: its driver crashed, hung or was reset".to_string(),
+        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => "the device is out of memory".to_string(),
+        vk::Result::ERROR_OUT_OF_HOST_MEMORY => "the host is out of memory".to_string(),
+        vk::Result::ERROR_INCOMPATIBLE_DRIVER => "no installed driver supports Vulkan 1.2".to_string(),
+        vk::Result::ERROR_INITIALIZATION_FAILED => "the driver failed to start".to_string(),
+        vk::Result::ERROR_LAYER_NOT_PRESENT => {
+            "the validation layer is not installed (Debian: vulkan-validationlayers)".to_string()
+        }
+        vk::Result::ERROR_EXTENSION_NOT_PRESENT => "the driver lacks an extension that was asked for".to_string(),
+        vk::Result::ERROR_FEATURE_NOT_PRESENT => "the driver lacks a feature that was asked for".to_string(),
+        other => format!("the driver answered {other:?}"),
+    };
+    Error::device(doing, what)
+}

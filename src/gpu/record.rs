@@ -1,0 +1,314 @@
+//! Recording a frame: dispatches, the barriers they need, a label and two timestamps a stage, one submit.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::CString;
+use std::rc::Rc;
+
+use ash::vk;
+use ash::vk::Handle as _;
+
+use super::device::Device;
+use super::fault;
+use super::kernel::Kernel;
+use super::memory::Buffer;
+use crate::error::{Error, Result};
+
+/// Largest number of groups laid out along the first dimension of a dispatch.
+const ROW: u64 = 32768;
+/// Descriptor sets of one pool.
+const SETS: u32 = 256;
+
+/// A part of a buffer under a binding number.
+#[derive(Clone, Copy)]
+pub struct Binding<'a> {
+    /// The binding number.
+    pub number: u32,
+    /// The buffer.
+    pub buffer: &'a Buffer,
+    /// First byte bound.
+    pub offset: u64,
+    /// Number of bytes bound.
+    pub size: u64,
+}
+
+/// How long one labelled part of a frame took.
+#[derive(Clone, Debug)]
+pub struct Timing {
+    /// The label.
+    pub name: String,
+    /// Time on the device, milliseconds.
+    pub milliseconds: f64,
+}
+
+/// A frame being recorded.
+pub struct Recorder {
+    device: Device,
+    commands: vk::CommandBuffer,
+    pools: Vec<vk::DescriptorPool>,
+    left: u32,
+    sets: BTreeMap<(u64, Vec<(u64, u64)>), vk::DescriptorSet>,
+    queries: vk::QueryPool,
+    names: Vec<String>,
+    room: usize,
+    kernels: Vec<Rc<Kernel>>,
+    read: BTreeSet<u64>,
+    written: BTreeSet<u64>,
+    dispatches: usize,
+}
+
+impl Recorder {
+    /// Begins a frame of at most `parts` labelled parts.
+    pub fn new(device: &Device, parts: usize) -> Result<Self> {
+        let doing = "recording a frame";
+        let commands = device.begin(doing)?;
+        let mut recorder = Self {
+            device: device.clone(),
+            commands,
+            pools: Vec::new(),
+            left: 0,
+            sets: BTreeMap::new(),
+            queries: vk::QueryPool::null(),
+            names: Vec::new(),
+            room: 0,
+            kernels: Vec::new(),
+            read: BTreeSet::new(),
+            written: BTreeSet::new(),
+            dispatches: 0,
+        };
+        if device.limits().timestamp_period > 0.0 && parts > 0 {
+            let count = u32::try_from(2 * parts).unwrap_or(u32::MAX);
+            let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(count);
+            // SAFETY: the device is alive; the pool is freed with the recorder.
+            unsafe {
+                recorder.queries = device.0.raw.create_query_pool(&info, None).map_err(|code| fault(doing, code))?;
+                device.0.raw.cmd_reset_query_pool(commands, recorder.queries, 0, count);
+            }
+            recorder.room = parts;
+        }
+        Ok(recorder)
+    }
+
+    /// Runs `body` as a part of this name: a debug label, and a timestamp before and after.
+    pub fn part(&mut self, name: &str, body: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
+        let raw = self.device.0.raw.clone();
+        let index = self.names.len();
+        let timed = index < self.room;
+        if timed {
+            self.names.push(name.to_string());
+        }
+        let debug = self.device.0.debug.clone();
+        // SAFETY: the command buffer is recording; both queries lie within the pool.
+        unsafe {
+            if let (Some(debug), Ok(name)) = (&debug, CString::new(name)) {
+                let label = vk::DebugUtilsLabelEXT::default().label_name(&name);
+                debug.cmd_begin_debug_utils_label(self.commands, &label);
+            }
+            if timed {
+                let stage = vk::PipelineStageFlags::COMPUTE_SHADER;
+                raw.cmd_write_timestamp(self.commands, stage, self.queries, 2 * index as u32);
+            }
+        }
+        let done = body(self);
+        // SAFETY: as above.
+        unsafe {
+            if timed {
+                let stage = vk::PipelineStageFlags::COMPUTE_SHADER;
+                raw.cmd_write_timestamp(self.commands, stage, self.queries, 2 * index as u32 + 1);
+            }
+            if let Some(debug) = &debug {
+                debug.cmd_end_debug_utils_label(self.commands);
+            }
+        }
+        done
+    }
+
+    /// Runs a kernel for `count` invocations; a barrier goes before it where an earlier dispatch demands one.
+    pub fn dispatch(&mut self, kernel: &Rc<Kernel>, bindings: &[Binding<'_>], push: &[u8], count: u64) -> Result<()> {
+        let doing = || format!("recording kernel {}", kernel.name);
+        if count == 0 {
+            return Ok(());
+        }
+        if push.len() != kernel.push_bytes as usize {
+            let (given, takes) = (push.len(), kernel.push_bytes);
+            return Err(Error::device(doing(), format!("{given} bytes of push constants given, it takes {takes}")));
+        }
+        let limit = self.device.limits().binding_bytes;
+        for binding in bindings {
+            if binding.size > limit {
+                let (name, size) = (binding.buffer.name(), binding.size);
+                return Err(Error::device(
+                    doing(),
+                    format!("buffer {name} has {size} bytes, the device binds at most {limit}"),
+                ));
+            }
+        }
+        let set = self.set(kernel, bindings)?;
+        self.order(kernel, bindings);
+
+        // Groups in one row while they fit, else in rows of a fixed length.
+        let groups = count.div_ceil(u64::from(kernel.group));
+        let (across, down) = (groups.min(ROW), groups.div_ceil(ROW));
+        let down = u32::try_from(down).map_err(|_| Error::device(doing(), "too many groups"))?;
+        let raw = &self.device.0.raw;
+        // SAFETY: kernel, set and buffers live until the submission has been waited for.
+        unsafe {
+            raw.cmd_bind_pipeline(self.commands, vk::PipelineBindPoint::COMPUTE, kernel.pipeline);
+            raw.cmd_bind_descriptor_sets(
+                self.commands,
+                vk::PipelineBindPoint::COMPUTE,
+                kernel.layout,
+                0,
+                &[set],
+                &[],
+            );
+            if !push.is_empty() {
+                raw.cmd_push_constants(self.commands, kernel.layout, vk::ShaderStageFlags::COMPUTE, 0, push);
+            }
+            raw.cmd_dispatch(self.commands, across as u32, down, 1);
+        }
+        self.kernels.push(kernel.clone());
+        self.dispatches += 1;
+        Ok(())
+    }
+
+    /// Inserts a barrier if this dispatch reads what was written since the last one, or writes what was used.
+    fn order(&mut self, kernel: &Kernel, bindings: &[Binding<'_>]) {
+        let uses: Vec<_> = kernel
+            .accesses
+            .iter()
+            .filter_map(|access| {
+                let binding = bindings.iter().find(|b| b.number == access.binding)?;
+                Some((binding.buffer.raw.as_raw(), access))
+            })
+            .collect();
+        let hazard = uses.iter().any(|(buffer, access)| {
+            self.written.contains(buffer) || (access.writes && self.read.contains(buffer))
+        });
+        if hazard {
+            let all = vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE;
+            let barrier = [vk::MemoryBarrier::default()
+                .src_access_mask(vk::AccessFlags::SHADER_WRITE)
+                .dst_access_mask(all)];
+            let stage = vk::PipelineStageFlags::COMPUTE_SHADER;
+            // SAFETY: the command buffer is recording.
+            unsafe {
+                self.device.0.raw.cmd_pipeline_barrier(
+                    self.commands,
+                    stage,
+                    stage,
+                    vk::DependencyFlags::empty(),
+                    &barrier,
+                    &[],
+                    &[],
+                );
+            }
+            self.read.clear();
+            self.written.clear();
+        }
+        for (buffer, access) in uses {
+            if access.reads {
+                self.read.insert(buffer);
+            }
+            if access.writes {
+                self.written.insert(buffer);
+            }
+        }
+    }
+
+    /// The descriptor set of this kernel with these buffers, made if need be.
+    fn set(&mut self, kernel: &Kernel, bindings: &[Binding<'_>]) -> Result<vk::DescriptorSet> {
+        let doing = format!("binding the buffers of kernel {}", kernel.name);
+        let mut infos = Vec::with_capacity(kernel.accesses.len());
+        let mut key = Vec::with_capacity(kernel.accesses.len());
+        for access in &kernel.accesses {
+            let binding = bindings
+                .iter()
+                .find(|b| b.number == access.binding)
+                .ok_or_else(|| Error::device(doing.as_str(), format!("nothing is bound at {}", access.binding)))?;
+            key.push((binding.buffer.raw.as_raw(), binding.offset));
+            infos.push([vk::DescriptorBufferInfo {
+                buffer: binding.buffer.raw,
+                offset: binding.offset,
+                range: binding.size.max(4),
+            }]);
+        }
+        let key = (kernel.pipeline.as_raw(), key);
+        if let Some(set) = self.sets.get(&key) {
+            return Ok(*set);
+        }
+        let raw = &self.device.0.raw;
+        // SAFETY: pools and sets are this device's and live as long as the recorder.
+        let set = unsafe {
+            if self.left == 0 {
+                let sizes = [vk::DescriptorPoolSize {
+                    ty: vk::DescriptorType::STORAGE_BUFFER,
+                    descriptor_count: SETS * self.device.limits().storage_buffers.min(32),
+                }];
+                let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS).pool_sizes(&sizes);
+                self.pools.push(raw.create_descriptor_pool(&info, None).map_err(|code| fault(&doing, code))?);
+                self.left = SETS;
+            }
+            let layouts = [kernel.set_layout];
+            let pool = self.pools.last().copied().unwrap_or_default();
+            let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
+            let set = raw.allocate_descriptor_sets(&info).map_err(|code| fault(&doing, code))?[0];
+            let writes: Vec<_> = kernel
+                .accesses
+                .iter()
+                .zip(&infos)
+                .map(|(access, info)| {
+                    vk::WriteDescriptorSet::default()
+                        .dst_set(set)
+                        .dst_binding(access.binding)
+                        .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
+                        .buffer_info(info)
+                })
+                .collect();
+            raw.update_descriptor_sets(&writes, &[]);
+            set
+        };
+        self.left -= 1;
+        self.sets.insert(key, set);
+        Ok(set)
+    }
+
+    /// Submits the frame, waits for it, and returns each part's time on the device.
+    pub fn submit(self) -> Result<Vec<Timing>> {
+        let doing = format!("running a frame of {} dispatches", self.dispatches);
+        let raw = &self.device.0.raw;
+        // SAFETY: the command buffer is complete; every resource it uses is owned by `self` or borrowed by the caller.
+        unsafe { raw.end_command_buffer(self.commands) }.map_err(|code| fault(&doing, code))?;
+        self.device.submit(self.commands, &doing)?;
+        let mut ticks = vec![0u64; 2 * self.names.len()];
+        if !ticks.is_empty() {
+            let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
+            // SAFETY: every query of the range was written by the submission.
+            unsafe { raw.get_query_pool_results(self.queries, 0, &mut ticks, flags) }
+                .map_err(|code| fault(&doing, code))?;
+        }
+        let period = f64::from(self.device.limits().timestamp_period);
+        Ok(self
+            .names
+            .iter()
+            .zip(ticks.chunks_exact(2))
+            .map(|(name, pair)| Timing {
+                name: name.clone(),
+                milliseconds: pair[1].saturating_sub(pair[0]) as f64 * period * 1e-6,
+            })
+            .collect())
+    }
+}
+
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        let raw = &self.device.0.raw;
+        // SAFETY: a submitted frame has been waited for; one that was not submitted is not in use.
+        unsafe {
+            for pool in &self.pools {
+                raw.destroy_descriptor_pool(*pool, None);
+            }
+            raw.destroy_query_pool(self.queries, None);
+            raw.free_command_buffers(self.device.0.pool, &[self.commands]);
+        }
+    }
+}

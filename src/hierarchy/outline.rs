@@ -1,0 +1,118 @@
+//! A tree before it is laid flat: who was merged with whom, and where each cluster is.
+
+use super::{NONE, Tree};
+use glam::DVec3;
+
+/// Clusters by id: the faces first (`0 .. faces`), then the merged ones in order of their making.
+pub(super) struct Outline {
+    /// Number of faces.
+    pub faces: usize,
+    /// The two parts of cluster `faces + k`.
+    pub parts: Vec<[u32; 2]>,
+    /// Centroid of each cluster, length.
+    pub centroid: Vec<DVec3>,
+}
+
+impl Outline {
+    /// Only the faces, nothing merged.
+    pub fn new(centroid: Vec<DVec3>) -> Self {
+        let faces = centroid.len();
+        Self { faces, parts: Vec::with_capacity(faces.saturating_sub(1)), centroid }
+    }
+
+    /// Make a cluster of two; its id is returned.
+    pub fn merge(&mut self, parts: [u32; 2], centroid: DVec3) -> u32 {
+        let id = self.centroid.len() as u32;
+        self.parts.push(parts);
+        self.centroid.push(centroid);
+        id
+    }
+
+    /// Join these clusters under one root, halving them at the median centroid along the longest
+    /// axis of their centroids' bounds; ties go by id. `members` must not be empty.
+    pub fn split_at_medians(&mut self, members: &mut [u32]) -> u32 {
+        // Ranges still to halve; those halved, in order, so that parts come after their whole.
+        let mut cuts = vec![(0, members.len())];
+        let mut next = 0;
+        while next < cuts.len() {
+            let (start, end) = cuts[next];
+            next += 1;
+            if end - start > 1 {
+                let middle = self.halve(&mut members[start..end]) + start;
+                cuts.extend([(start, middle), (middle, end)]);
+            }
+        }
+        // Backwards, every range finds its two halves already made. Range k of more than one
+        // member owns the next two ranges in the order of the list.
+        let mut id = vec![NONE; cuts.len()];
+        let mut last = cuts.len();
+        for k in (0..cuts.len()).rev() {
+            let (start, end) = cuts[k];
+            id[k] = if end - start > 1 {
+                last -= 2;
+                let parts = [id[last], id[last + 1]];
+                let [a, b] = parts.map(|part| self.centroid[part as usize]);
+                self.merge(parts, 0.5 * (a + b))
+            } else {
+                members[start]
+            };
+        }
+        id[0]
+    }
+
+    /// Reorder the members into a lower and an upper half; the size of the lower one.
+    fn halve(&self, members: &mut [u32]) -> usize {
+        let place = |id: u32| self.centroid[id as usize];
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &member in members.iter() {
+            low = low.min(place(member));
+            high = high.max(place(member));
+        }
+        let size = high - low;
+        let axis = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        let middle = members.len() / 2;
+        members.select_nth_unstable_by(middle, |&a, &b| place(a)[axis].total_cmp(&place(b)[axis]).then(a.cmp(&b)));
+        middle
+    }
+
+    /// Lay the tree flat, depth first. Of two parts the one nearer to the leaf laid last goes left,
+    /// so that leaves next to each other in the tree are next to each other in space.
+    pub fn flatten(&self, root: u32) -> Tree {
+        let nodes = self.centroid.len();
+        let mut tree = Tree {
+            skip: vec![0; nodes],
+            parent: Vec::with_capacity(nodes),
+            face: Vec::with_capacity(nodes),
+            level: Vec::with_capacity(nodes),
+        };
+        let mut last = self.centroid[root as usize];
+        let mut open = vec![(root, NONE, 0)];
+        while let Some((id, parent, level)) = open.pop() {
+            let node = tree.face.len() as u32;
+            tree.parent.push(parent);
+            tree.level.push(level);
+            if (id as usize) < self.faces {
+                tree.face.push(id);
+                last = self.centroid[id as usize];
+                continue;
+            }
+            tree.face.push(NONE);
+            let [a, b] = self.parts[id as usize - self.faces];
+            let far = |part: u32| self.centroid[part as usize].distance_squared(last);
+            let (left, right) = if far(b) < far(a) { (b, a) } else { (a, b) };
+            open.extend([(right, node, level + 1), (left, node, level + 1)]);
+        }
+        // A subtree ends where its right child's ends, and that lies behind.
+        for i in (0..nodes).rev() {
+            let leaf = tree.face[i] != NONE;
+            tree.skip[i] = if leaf { i as u32 + 1 } else { tree.skip[tree.skip[i + 1] as usize] };
+        }
+        tree
+    }
+}

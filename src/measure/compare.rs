@@ -1,0 +1,133 @@
+//! Two states word by word: what conformance says of a buffer.
+
+use crate::layout::{Number, Slot};
+use crate::state::{State, Tolerance};
+
+/// How one buffer of the device compares with the reference's.
+#[derive(Clone, Debug, Default)]
+pub struct Comparison {
+    /// Words compared.
+    pub words: usize,
+    /// Words beyond the tolerance.
+    pub failures: usize,
+    /// Largest distance in units in the last place, over all floats.
+    pub ulp: u64,
+    /// Largest |difference| / max(|reference|, floor x the field's largest value), over all floats.
+    pub relative: f64,
+    /// The first failure in words: index, field, both values, both in hex.
+    pub first: Option<String>,
+}
+
+/// Units in the last place between two floats; the largest number where one is no number.
+fn ulp(a: f32, b: f32) -> u64 {
+    if a.is_nan() || b.is_nan() {
+        return u64::MAX;
+    }
+    let order = |x: f32| {
+        let bits = i64::from(x.to_bits() & 0x7fff_ffff);
+        if x.is_sign_negative() { -bits } else { bits }
+    };
+    order(a).abs_diff(order(b))
+}
+
+/// Compares one buffer of two states.
+pub fn compare(slot: Slot, reference: &State, device: &State, tolerance: Tolerance) -> Comparison {
+    let layout = (slot.spec().words)();
+    let (a, b): (&[u32], &[u32]) =
+        (bytemuck::cast_slice(reference.data.bytes(slot)), bytemuck::cast_slice(device.data.bytes(slot)));
+    let mut result = Comparison { words: a.len(), ..Comparison::default() };
+    if a.len() != b.len() {
+        result.failures = a.len().abs_diff(b.len());
+        result.first = Some(format!("{} words on the device, {} expected", b.len(), a.len()));
+        return result;
+    }
+
+    // The largest magnitude of each field, a vector's components together.
+    let group = |k: usize| layout[k].path.trim_end_matches(|c: char| c == '.' || c.is_ascii_digit());
+    let groups: Vec<usize> =
+        (0..layout.len()).map(|k| (0..k).find(|&j| group(j) == group(k)).unwrap_or(k)).collect();
+    let mut largest = vec![0f64; layout.len()];
+    for (i, &word) in a.iter().enumerate() {
+        let value = f64::from(f32::from_bits(word)).abs();
+        if value.is_finite() {
+            let k = groups[i % layout.len()];
+            largest[k] = largest[k].max(value);
+        }
+    }
+
+    for (i, (&x, &y)) in a.iter().zip(b).enumerate() {
+        let k = i % layout.len();
+        let word = &layout[k];
+        let passes = match (tolerance, word.number) {
+            (Tolerance::Float { relative, floor }, Number::Float) if x != y => {
+                let (p, q) = (f32::from_bits(x), f32::from_bits(y));
+                let difference = (f64::from(p) - f64::from(q)).abs();
+                let lowest = f64::from(floor) * largest[groups[k]];
+                let allowed = f64::from(relative) * f64::from(p).abs() + lowest;
+                result.ulp = result.ulp.max(ulp(p, q));
+                result.relative = result.relative.max(difference / f64::from(p).abs().max(lowest).max(1e-38));
+                difference <= allowed
+            }
+            _ => x == y,
+        };
+        if !passes {
+            result.failures += 1;
+            if result.first.is_none() {
+                let show = |bits: u32| match word.number {
+                    Number::Float => format!("{:e} ({bits:#010x})", f32::from_bits(bits)),
+                    Number::Unsigned => format!("{bits} ({bits:#010x})"),
+                };
+                let dot = if word.path.is_empty() { "" } else { "." };
+                result.first = Some(format!(
+                    "{}[{}]{dot}{}: reference {}, device {}",
+                    slot.spec().name,
+                    i / layout.len(),
+                    word.path,
+                    show(x),
+                    show(y)
+                ));
+            }
+        }
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn state(radiosity: Vec<[f32; 3]>) -> State {
+        let mut state = State::default();
+        state.data.radiosity = radiosity;
+        state
+    }
+
+    #[test]
+    fn a_difference_is_found_and_named() {
+        let reference = state(vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+        let device = state(vec![[1.0, 2.0, 3.0], [4.0, 5.001, 6.0]]);
+        let tight = Tolerance::Float { relative: 1e-5, floor: 0.0 };
+        let found = compare(Slot::radiosity, &reference, &device, tight);
+        assert_eq!((found.words, found.failures), (6, 1));
+        assert!(found.first.as_ref().is_some_and(|text| text.starts_with("radiosity[1].1: reference 5e0 (0x40a00000)")));
+        let loose = Tolerance::Float { relative: 1e-3, floor: 0.0 };
+        assert_eq!(compare(Slot::radiosity, &reference, &device, loose).failures, 0);
+        assert_eq!(compare(Slot::radiosity, &reference, &device, Tolerance::Exact).failures, 1);
+    }
+
+    #[test]
+    fn no_number_is_never_within_tolerance() {
+        let tolerance = Tolerance::Float { relative: 1.0, floor: 1.0 };
+        let found = compare(Slot::radiosity, &state(vec![[1.0; 3]]), &state(vec![[1.0, f32::NAN, 1.0]]), tolerance);
+        assert_eq!(found.failures, 1);
+        assert_eq!(found.ulp, u64::MAX);
+    }
+
+    #[test]
+    fn units_in_the_last_place() {
+        assert_eq!(ulp(1.0, 1.0), 0);
+        assert_eq!(ulp(1.0, f32::from_bits(1.0f32.to_bits() + 3)), 3);
+        assert_eq!(ulp(0.0, -0.0), 0);
+        assert_eq!(ulp(f32::from_bits(1), -f32::from_bits(2)), 3);
+    }
+}

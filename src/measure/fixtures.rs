@@ -1,0 +1,186 @@
+//! What conformance runs on: the smallest and ugliest meshes, and one large enough to overflow and to be cut up.
+
+use glam::DVec3;
+
+use crate::error::Result;
+use crate::layout::Query;
+use crate::render::plan::{Change, Mode, Options, Plan};
+use crate::render::run::{Room, Session, size};
+use crate::render::stages::{stage, steps};
+use crate::scene::Mesh;
+use crate::scene::{Distance, Scene};
+use crate::state::{State, Step};
+
+/// A state before its first stage, and the steps to run on it.
+pub struct Fixture {
+    /// Its name, as `--only` takes it.
+    pub name: String,
+    /// The state.
+    pub state: State,
+    /// The steps, in order.
+    pub steps: Vec<Step>,
+}
+
+impl Fixture {
+    /// All stages of a picture of this scene.
+    pub fn of_scene(name: &str, scene: &Scene) -> Result<Self> {
+        Self::new(name, scene, Options::default(), Room::default())
+    }
+
+    /// The stages that these options ask for, with room found by running the reference once.
+    fn new(name: &str, scene: &Scene, options: Options, room: Room) -> Result<Self> {
+        let mut session = Session::new(scene, None, options, room)?;
+        session.frame(Change::Everything)?;
+        let mut state = session.prepared.state.clone();
+        let steps = session.plan.steps(&state, Change::Everything);
+        size(&mut state, &session.plan);
+        state.data.hits = bytemuck::zeroed_vec(state.data.hits.len());
+        state.data.radiance = bytemuck::zeroed_vec(state.data.radiance.len());
+        Ok(Self { name: name.to_string(), state, steps })
+    }
+}
+
+/// A mesh from plain numbers.
+fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Mesh {
+    Mesh {
+        positions: positions.iter().map(|&p| DVec3::from_array(p)).collect(),
+        triangles: triangles.to_vec(),
+        input_face: (0..triangles.len() as u32).collect(),
+        open_edges: 0,
+    }
+}
+
+/// A bent strip of `count` triangles, of uneven sizes.
+fn strip(count: usize) -> Mesh {
+    let vertex = |i: usize| {
+        let t = i as f64 / 2.0;
+        [0.4 * t + 0.1 * (i % 3) as f64, (i % 2) as f64, (0.3 * t).sin()]
+    };
+    let positions: Vec<_> = (0..count + 2).map(vertex).collect();
+    let triangle = |i: usize| {
+        let (a, b, c) = (i as u32, i as u32 + 1, i as u32 + 2);
+        if i % 2 == 0 { [a, c, b] } else { [a, b, c] }
+    };
+    let triangles: Vec<_> = (0..count).map(triangle).collect();
+    mesh(&positions, &triangles)
+}
+
+/// The small scene that every fixture varies.
+fn small(name: &str, sets: &[&str]) -> Result<Scene> {
+    let mut all = vec!["camera.size=[48, 40]".to_string()];
+    all.extend(sets.iter().map(|set| set.to_string()));
+    Scene::load(name, &all)
+}
+
+/// A scene with a mesh of its own.
+fn with_mesh(mesh: Mesh, sets: &[&str]) -> Result<Scene> {
+    let mut all = vec![
+        "camera.position=[4.0, 3.0, 9.0]",
+        "camera.target=[1.0, 0.5, 0.0]",
+        "light.0.direction=[0.3, 0.4, 0.8]",
+        "object.0.detail=0",
+    ];
+    all.extend(sets);
+    let mut scene = small("sphere", &all)?;
+    scene.object.mesh = mesh;
+    Ok(scene)
+}
+
+/// Every fixture.
+pub fn fixtures() -> Result<Vec<Fixture>> {
+    let simple = |name: &str, scene: Scene| Fixture::of_scene(name, &scene);
+    let triangle = || mesh(&[[0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.3]], &[[0, 1, 2]]);
+    let sliver = mesh(
+        &[[0.0; 3], [3.0, 0.0, 0.0], [1.0, 3e-4, 0.0], [1.0, -2.0, 0.5], [1.2, 0.1, 2.0]],
+        &[[0, 1, 2], [0, 3, 1], [1, 4, 2], [2, 4, 0]],
+    );
+    let mut holed = small("sphere", &["object.0.detail=3"])?;
+    holed.object.mesh.triangles.retain(|t| !t.contains(&7) && !t.contains(&30));
+
+    let mut list = vec![
+        simple("one triangle (one node)", with_mesh(triangle(), &[])?)?,
+        simple("strip of 33 triangles (65 nodes)", with_mesh(strip(33), &[])?)?,
+        simple("sliver", with_mesh(sliver, &[])?)?,
+        simple("sphere with holes", holed)?,
+        simple("coarse stiff sphere", small("sphere", &["object.0.detail=3", "object.0.size=200"])?)?,
+        simple("coarse thin sphere", small("sphere", &["object.0.detail=3", "object.0.size=0.5"])?)?,
+        simple("no absorption", small("sphere", &["object.0.detail=3", "object.0.material.preset=spectralon"])?)?,
+    ];
+
+    // No light at all, yet every stage runs: the steps and the room of the lit scene.
+    let lit = small("sphere", &["object.0.detail=2"])?;
+    let mut fixture = Fixture::of_scene("dark", &lit)?;
+    fixture.state.data.lights.clear();
+    fixture.state.data.frame[0].lights = 0;
+    list.push(fixture);
+
+    // Lists that do not fit: both sides must say so, and leave the same behind.
+    let mut fixture = Fixture::of_scene("lists that overflow", &lit)?;
+    fixture.steps.retain(|step| ["refit", "irradiance", "radii", "link"].contains(&step.stage.name));
+    let frame = &mut fixture.state.data.frame[0];
+    [frame.link_room, frame.hand_room] = [frame.link_room / 2, frame.hand_room / 2];
+    list.push(fixture);
+
+    // The displaced sources of Table 1, the median tree, brute force.
+    let mut displaced = small("slab", &["object.0.detail=12"])?;
+    displaced.transport.distance = Distance::Table1;
+    list.push(simple("slab, displaced sources", displaced)?);
+    list.push(simple("slab, median tree", small("slab", &["object.0.detail=12", "transport.hierarchy=median"])?)?);
+    let brute = Options { transport: crate::render::plan::Transport::Brute, ..Options::default() };
+    let sphere = small("sphere", &["object.0.detail=2", "object.0.size=60"])?;
+    list.push(Fixture::new("sphere, brute force", &sphere, brute, Room::default())?);
+
+    // Many small chunks, scratch and kept.
+    let cut = Room { chunk_faces: 200, links: 40, ..Room::default() };
+    let sphere = small("sphere", &["object.0.detail=4"])?;
+    list.push(Fixture::new("sphere in chunks", &sphere, Options::default(), cut)?);
+    let kept = Options { mode: Mode::Render, ..Options::default() };
+    list.push(Fixture::new("sphere in chunks, kept", &sphere, kept, cut)?);
+
+    list.push(queries());
+    list.push(large()?);
+    Ok(list)
+}
+
+/// More than 100,000 faces: lists overflow their first room and bindings are split.
+fn large() -> Result<Fixture> {
+    let sets = ["object.0.detail=224", "transport.receiver_angle=0.5", "transport.emitter_angle=0.5"];
+    let scene = small("slab", &sets)?;
+    let room = Room { chunk_faces: 1 << 16, links: 4, binding: 12 << 20 };
+    let fixture = Fixture::new("slab of 100,000 faces", &scene, Options::default(), room)?;
+    Ok(fixture)
+}
+
+/// Form factors to evaluate one by one: inside, outside, far, above, thin.
+fn queries() -> Fixture {
+    let mut state = State::default();
+    for (i, (offset, height)) in [(0.1, 0.2), (1.5, 0.0), (6.0, 1.0), (0.3, 2.0), (0.9, 0.01)].into_iter().enumerate() {
+        for (thin, sigma) in [(1.0, 0.0), (0.05, 0.5), (1.0, 3.0)] {
+            let shift = [-offset, -0.3 * thin, -height];
+            let corner = |x: f32, y: f32| [x + shift[0], y * thin + shift[1], shift[2]];
+            state.data.queries.push(Query {
+                a: corner(0.0, 0.0),
+                b: corner(1.0 + 0.1 * i as f32, 0.1),
+                c: corner(0.3, 1.0),
+                strength: 0.07,
+                sigma,
+                z_real: 0.3,
+                z_virtual: 1.1,
+            });
+        }
+    }
+    state.data.answers = bytemuck::zeroed_vec(state.data.queries.len());
+    let stages: Vec<_> = stage("evaluate").into_iter().collect();
+    let steps = steps(&stages, &state.schedule);
+    Fixture { name: "single form factors".into(), state, steps }
+}
+
+/// Whether a plan of any fixture runs this stage; every stage must have one.
+pub fn covered(list: &[Fixture], name: &str) -> bool {
+    list.iter().any(|fixture| fixture.steps.iter().any(|step| step.stage.name == name))
+}
+
+/// The inputs of a frame: buffers that no stage writes.
+pub fn inputs() -> impl Iterator<Item = crate::layout::Slot> {
+    Plan::inputs()
+}

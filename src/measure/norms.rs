@@ -1,0 +1,58 @@
+//! How far two sets of radiosities lie apart, as every table of the program reports it.
+
+/// Errors of one colour channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Norms {
+    /// sqrt(sum A dB^2 / sum A B^2).
+    pub l2: f64,
+    /// 99th percentile of |dB| / rms(B).
+    pub p99: f64,
+    /// Maximum of |dB| / rms(B).
+    pub max: f64,
+}
+
+/// Errors per channel of `values` against `reference`, both weighted by `areas`; zero where the reference is black.
+pub fn norms(areas: &[f64], values: &[[f64; 3]], reference: &[[f64; 3]]) -> [Norms; 3] {
+    std::array::from_fn(|channel| {
+        let weighted = |f: &dyn Fn(usize) -> f64| -> f64 { (0..areas.len()).map(|i| areas[i] * f(i)).sum() };
+        let difference = |i: usize| values[i][channel] - reference[i][channel];
+        let power = weighted(&|i| reference[i][channel].powi(2));
+        let whole: f64 = areas.iter().sum();
+        if power <= 0.0 || whole <= 0.0 {
+            return Norms::default();
+        }
+        let rms = (power / whole).sqrt();
+        let mut sizes: Vec<f64> = (0..areas.len()).map(|i| difference(i).abs() / rms).collect();
+        sizes.sort_by(f64::total_cmp);
+        Norms {
+            l2: (weighted(&|i| difference(i).powi(2)) / power).sqrt(),
+            p99: sizes.get((sizes.len() * 99).div_ceil(100).saturating_sub(1)).copied().unwrap_or(0.0),
+            max: sizes.last().copied().unwrap_or(0.0),
+        }
+    })
+}
+
+/// The worst channel.
+pub fn worst(norms: &[Norms; 3]) -> Norms {
+    let of = |f: fn(&Norms) -> f64| norms.iter().map(f).fold(0.0, f64::max);
+    Norms { l2: of(|n| n.l2), p99: of(|n| n.p99), max: of(|n| n.max) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_known_difference() {
+        // One of 100 receivers is off by 10 % of the common value.
+        let areas = vec![2.0; 100];
+        let reference = vec![[1.0, 2.0, 0.0]; 100];
+        let mut values = reference.clone();
+        values[7][0] = 1.1;
+        let n = norms(&areas, &values, &reference);
+        assert!((n[0].l2 - 0.01).abs() < 1e-12 && n[0].p99 < 1e-12 && (n[0].max - 0.1).abs() < 1e-12);
+        assert_eq!(n[1], Norms::default());
+        assert_eq!(n[2], Norms::default());
+        assert_eq!(worst(&n), n[0]);
+    }
+}

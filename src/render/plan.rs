@@ -1,0 +1,134 @@
+//! What a scene needs: the stages of its frame, and each one left out with the reason.
+
+use super::prepare::lit;
+use super::stages::{STAGES, steps};
+use crate::layout::{SLOTS, Slot};
+use crate::state::{Stage, State, Step};
+
+/// How light gets from where it enters to where it leaves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Transport {
+    /// The hierarchical method of Mertens et al. 2003.
+    #[default]
+    Hierarchy,
+    /// Every face to every face.
+    Brute,
+}
+
+/// What survives from frame to frame (section 5.5).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// Everything from scratch in each frame; links are scratch.
+    #[default]
+    OnTheFly,
+    /// Links and form factors are kept: a change of light runs irradiance, pull, gather, push and average only.
+    Render,
+}
+
+/// What the frame is for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Goal {
+    /// A picture.
+    #[default]
+    Picture,
+    /// The radiosity of the faces.
+    Radiosity,
+}
+
+/// What has changed since the last frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// Everything, or there was none.
+    Everything,
+    /// The lights.
+    Light,
+    /// The camera.
+    View,
+}
+
+/// How a scene is to be run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// The transport.
+    pub transport: Transport,
+    /// The mode.
+    pub mode: Mode,
+    /// The goal.
+    pub goal: Goal,
+}
+
+/// The stages of a frame and those left out.
+pub struct Plan {
+    /// The stages that run, in order.
+    pub stages: Vec<&'static Stage>,
+    /// The stages that do not, each with the reason.
+    pub left_out: Vec<(&'static Stage, String)>,
+    options: Options,
+}
+
+impl Plan {
+    /// Decides for this state and these options.
+    pub fn new(state: &State, options: Options) -> Self {
+        let mut plan = Self { stages: Vec::new(), left_out: Vec::new(), options };
+        let dark = !lit(state);
+        for &stage in STAGES {
+            match reason(stage.name, options, dark) {
+                None => plan.stages.push(stage),
+                Some(why) => plan.left_out.push((stage, why)),
+            }
+        }
+        plan
+    }
+
+    /// The steps of a frame after this change.
+    pub fn steps(&self, state: &State, change: Change) -> Vec<Step> {
+        let kept = self.options.mode == Mode::Render && self.options.transport == Transport::Hierarchy;
+        let runs = |stage: &&'static Stage| match change {
+            Change::Everything => true,
+            Change::Light => !matches!(stage.name, "refit" | "visibility") && !(kept && builds_links(stage.name)),
+            Change::View => stage.room == "view",
+        };
+        let stages: Vec<_> = self.stages.iter().copied().filter(runs).collect();
+        steps(&stages, &state.schedule)
+    }
+
+    /// Whether a buffer is touched by any stage of this plan, or is read by the host.
+    pub fn uses(&self, slot: Slot) -> bool {
+        let written = |stages: &[&'static Stage]| stages.iter().any(|s| s.writes.iter().any(|(w, _, _)| *w == slot));
+        let left: Vec<_> = self.left_out.iter().map(|(stage, _)| *stage).collect();
+        written(&self.stages) || !written(&left)
+    }
+
+    /// Buffers that are inputs: no stage writes them.
+    pub fn inputs() -> impl Iterator<Item = Slot> {
+        SLOTS.iter().copied().filter(|slot| !STAGES.iter().any(|s| s.writes.iter().any(|(w, _, _)| w == slot)))
+    }
+}
+
+fn builds_links(name: &str) -> bool {
+    matches!(name, "radii" | "link" | "form_factor")
+}
+
+/// Why this stage has no place in the frame, if it has none.
+fn reason(name: &str, options: Options, dark: bool) -> Option<String> {
+    let needs_light = matches!(
+        name,
+        "irradiance" | "radii" | "pull" | "link" | "form_factor" | "gather" | "push" | "average" | "brute"
+    );
+    let hierarchical = matches!(name, "pull" | "link" | "form_factor" | "gather" | "push");
+    let pictorial = matches!(name, "average" | "visibility" | "shade");
+    if name == "evaluate" {
+        return Some("answers `milkglass eval` only".into());
+    }
+    if pictorial && options.goal == Goal::Radiosity {
+        return Some("no picture is asked for".into());
+    }
+    if needs_light && dark {
+        return Some("no light shines: every radiosity is zero".into());
+    }
+    match options.transport {
+        Transport::Hierarchy if name == "brute" => Some("the hierarchy transports the light".into()),
+        Transport::Brute if hierarchical => Some("brute force needs no clusters".into()),
+        _ => None,
+    }
+}

@@ -1,0 +1,281 @@
+//! The camera: where it stands, where it looks, and how it is fitted to the object when not told.
+
+use super::file::CameraFile;
+use super::range::{self, Checked};
+use super::vector::Vector;
+use crate::error::Input;
+use glam::DVec3;
+
+/// The direction from the object to a fitted camera: from the front, a little above and to the right.
+const FRONT: DVec3 = DVec3::new(0.35, 0.3, 1.0);
+
+/// How much larger than the object the view of a fitted camera is.
+const MARGIN: f64 = 1.08;
+
+/// The vertical field of view when the file gives none, in degrees.
+pub const FOV: f64 = 35.0;
+
+/// The picture size when the file gives none, in pixels.
+pub const SIZE: [u32; 2] = [512, 512];
+
+/// The largest width or height of a picture, in pixels.
+pub const LARGEST_SIZE: u32 = 16_384;
+
+/// A pinhole camera, checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Camera {
+    /// The pinhole, in scene units; never equal to `target`.
+    pub position: DVec3,
+    /// The point in the middle of the picture, in scene units.
+    pub target: DVec3,
+    /// Roughly up, length 1; may be parallel to the view.
+    pub up: DVec3,
+    /// Vertical field of view in degrees, between 0 and 180.
+    pub fov: f64,
+    /// Width and height in pixels, each 1 to 16384.
+    pub size: [u32; 2],
+    /// Factor on radiance before it becomes sRGB, above 0.
+    pub exposure: f64,
+    /// Linear radiance where no object is seen, r g b, at least 0.
+    pub background: [f64; 3],
+}
+
+impl Camera {
+    /// Right, up and forward: of length 1 and perpendicular, right = forward x up.
+    /// When `up` is parallel to the view, the axis least along the view stands in for it.
+    pub fn basis(&self) -> (DVec3, DVec3, DVec3) {
+        frame(
+            (self.target - self.position).normalize_or(DVec3::NEG_Z),
+            self.up,
+        )
+    }
+}
+
+/// What the file says about the camera, checked; gaps are filled by [`Framing::fit`].
+#[derive(Debug, Clone)]
+pub(super) struct Framing {
+    position: Option<DVec3>,
+    target: Option<DVec3>,
+    rest: Camera,
+}
+
+impl Framing {
+    /// Checks `[camera]`.
+    pub(super) fn check(file: &CameraFile) -> Checked<Self> {
+        let at = |key, value: Option<Vector>| value.map(|v| range::point(key, v.0)).transpose();
+        let position = at("camera.position", file.position)?;
+        let target = at("camera.target", file.target)?;
+        if let (Some(position), Some(target)) = (position, target) {
+            apart(position, target)?;
+        }
+        let rest = Camera {
+            position: DVec3::ZERO,
+            target: DVec3::ZERO,
+            up: range::direction("camera.up", file.up.0)?,
+            fov: range::number(
+                "camera.fov",
+                file.fov,
+                |x| x > 0.0 && x < 180.0,
+                "degrees, above 0 and below 180",
+            )?,
+            size: size(&file.size)?,
+            exposure: range::number("camera.exposure", file.exposure, |x| x > 0.0, "above 0")?,
+            background: range::channels(
+                "camera.background",
+                file.background.0,
+                |x| x >= 0.0,
+                "numbers of at least 0",
+            )?,
+        };
+        Ok(Self {
+            position,
+            target,
+            rest,
+        })
+    }
+
+    /// The camera, with a missing position or target fitted to the box `low..high`.
+    pub(super) fn fit(&self, low: DVec3, high: DVec3) -> Checked<Camera> {
+        let target = self.target.unwrap_or((low + high) / 2.0);
+        let position = self.position.unwrap_or_else(|| {
+            let back = FRONT.normalize();
+            target + back * distance(&self.rest, target, -back, low, high)
+        });
+        apart(position, target)?;
+        Ok(Camera {
+            position,
+            target,
+            ..self.rest.clone()
+        })
+    }
+}
+
+/// How far from `target` a camera looking `forward` sees every corner of the box.
+fn distance(camera: &Camera, target: DVec3, forward: DVec3, low: DVec3, high: DVec3) -> f64 {
+    let (right, up, forward) = frame(forward, camera.up);
+    let tall = (camera.fov.to_radians() / 2.0).tan();
+    let wide = tall * f64::from(camera.size[0]) / f64::from(camera.size[1]);
+    let needed = (0..8).map(|corner| {
+        let pick = |axis: usize| {
+            if corner >> axis & 1 == 0 {
+                low[axis]
+            } else {
+                high[axis]
+            }
+        };
+        let offset = DVec3::new(pick(0), pick(1), pick(2)) - target;
+        let across = (offset.dot(right).abs() / wide).max(offset.dot(up).abs() / tall);
+        across * MARGIN - offset.dot(forward)
+    });
+    needed.fold(0.0, f64::max) + (high - low).length() * 1e-3
+}
+
+/// Right, up and forward from a view of length 1 and a rough up.
+fn frame(forward: DVec3, up: DVec3) -> (DVec3, DVec3, DVec3) {
+    let cross = forward.cross(up);
+    let right = if cross.length() > 1e-6 {
+        cross.normalize()
+    } else {
+        let size = forward.abs();
+        let axis = if size.z <= size.x && size.z <= size.y {
+            DVec3::NEG_Z
+        } else if size.y <= size.x {
+            DVec3::Y
+        } else {
+            DVec3::X
+        };
+        forward.cross(axis).normalize()
+    };
+    (right, right.cross(forward), forward)
+}
+
+/// An error when the camera stands on the point it looks at.
+fn apart(position: DVec3, target: DVec3) -> Checked<()> {
+    if position.distance(target) > 1e-9 * position.length().max(1e-6) {
+        return Ok(());
+    }
+    let found = format!("[{}, {}, {}] for both", target.x, target.y, target.z);
+    let what = "the camera stands on the point it looks at";
+    Err(Input::new(what)
+        .key("camera.position")
+        .found(found)
+        .expected("two different points"))
+}
+
+/// Two whole numbers of pixels.
+fn size(found: &[i64]) -> Checked<[u32; 2]> {
+    let pixels = |value: &i64| {
+        u32::try_from(*value)
+            .ok()
+            .filter(|n| (1..=LARGEST_SIZE).contains(n))
+    };
+    if let [width, height] = found
+        && let (Some(width), Some(height)) = (pixels(width), pixels(height))
+    {
+        return Ok([width, height]);
+    }
+    let expected = format!("[width, height], each 1 to {LARGEST_SIZE} pixels");
+    let fault = Input::new("not a picture size").key("camera.size");
+    Err(fault.found(format!("{found:?}")).expected(expected))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn framing(text: &str) -> Result<Framing, String> {
+        let file: CameraFile = toml::from_str(text).map_err(|e| e.message().to_string())?;
+        Framing::check(&file).map_err(|e| e.to_string())
+    }
+
+    fn fitted(text: &str) -> Result<Camera, String> {
+        framing(text)?
+            .fit(DVec3::splat(-1.0), DVec3::new(1.0, 3.0, 1.0))
+            .map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn the_fitted_camera_sees_every_corner() {
+        for text in [
+            "",
+            "size = [100, 400]",
+            "fov = 170",
+            "up = [0.35, 0.3, 1.0]",
+            "target = [4, 0, 0]",
+        ] {
+            let camera = fitted(text).expect(text);
+            let (right, up, forward) = camera.basis();
+            let tall = (camera.fov.to_radians() / 2.0).tan();
+            let wide = tall * f64::from(camera.size[0]) / f64::from(camera.size[1]);
+            for corner in 0..8 {
+                let pick =
+                    |axis: usize, low, high| if corner >> axis & 1 == 0 { low } else { high };
+                let corner = DVec3::new(pick(0, -1.0, 1.0), pick(1, -1.0, 3.0), pick(2, -1.0, 1.0));
+                let seen = corner - camera.position;
+                let depth = seen.dot(forward);
+                assert!(
+                    depth > 0.0 && seen.dot(right).abs() <= depth * wide,
+                    "{text}"
+                );
+                assert!(seen.dot(up).abs() <= depth * tall, "{text}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_basis_is_orthonormal_for_every_up() {
+        for up in [
+            DVec3::X,
+            DVec3::Y,
+            DVec3::Z,
+            DVec3::NEG_Y,
+            DVec3::ONE.normalize(),
+        ] {
+            for view in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_Z, -DVec3::ONE] {
+                let mut camera = fitted("").expect("defaults");
+                camera.up = up;
+                camera.target = camera.position + view;
+                let (r, u, f) = camera.basis();
+                assert!((r.cross(u) + f).length() < 1e-12 && (r.length() - 1.0).abs() < 1e-12);
+                assert!((f - view.normalize()).length() < 1e-12 && r.dot(u).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn names_the_key_at_fault() {
+        let cases = [
+            (
+                "fov = 180",
+                "camera.fov: out of range; found 180; expected degrees, above 0",
+            ),
+            (
+                "size = [0, 512]",
+                "camera.size: not a picture size; found [0, 512]; expected [width",
+            ),
+            ("size = [5]", "camera.size: not a picture size; found [5]"),
+            (
+                "exposure = 0",
+                "camera.exposure: out of range; found 0; expected above 0",
+            ),
+            ("up = [0, 0, 0]", "camera.up: a direction of length zero"),
+            (
+                "background = -1",
+                "camera.background: out of range; found [-1, -1, -1]",
+            ),
+            (
+                "position = [1, 1, 1]\ntarget = [1, 1, 1]",
+                "camera.position: the camera stands on",
+            ),
+            (
+                "position = [nan, 1, 1]",
+                "camera.position: not a finite number; found [NaN, 1, 1]",
+            ),
+        ];
+        for (text, message) in cases {
+            let error = fitted(text).err().unwrap_or_default();
+            assert!(error.starts_with(message), "{error}");
+        }
+        assert!(fitted("position = [0, 1, 0]").is_err_and(|e| e.contains("camera stands")));
+    }
+}

@@ -1,0 +1,197 @@
+//! What an object is made of: scattering and absorption per scene unit, refraction, Fresnel formula.
+
+use super::file::MaterialFile;
+use super::locate;
+use super::preset::{PRESETS, Preset};
+use super::range::{self, Checked};
+use super::vector::Rgb;
+use crate::error::Input;
+use serde::Deserialize;
+
+/// The relative index of refraction of a material that has no preset and gives none.
+pub const ETA: f64 = 1.3;
+
+/// Which diffuse Fresnel reflectance F_dr the dipole's boundary uses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Fresnel {
+    /// The closed form of the integral.
+    #[default]
+    Exact,
+    /// The polynomial that the papers print.
+    Paper,
+}
+
+/// A homogeneous translucent material, checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// The preset's name, `NAME, modified` when keys override it, or `custom`.
+    pub name: String,
+    /// Reduced scattering coefficient per scene unit, r g b, at least 0.
+    pub sigma_s_prime: [f64; 3],
+    /// Absorption coefficient per scene unit, r g b, at least 0; the sum with scattering is above 0.
+    pub sigma_a: [f64; 3],
+    /// Relative index of refraction, r g b, 1 to 4.
+    pub eta: [f64; 3],
+    /// Which formula gives the diffuse Fresnel reflectance.
+    pub fresnel: Fresnel,
+}
+
+impl Material {
+    /// Checks the `material` under `key`, in scene units of `unit_mm` millimetres.
+    pub(super) fn check(file: &MaterialFile, key: &str, unit_mm: f64) -> Checked<Self> {
+        let key = |name: &str| format!("{key}.{name}");
+
+        // The preset, and what overrides it.
+        let preset = file
+            .preset
+            .as_deref()
+            .map(|name| find(name, &key("preset")))
+            .transpose()?;
+        let pick = |name: &str, own: Option<Rgb>, of_preset: Option<[f64; 3]>| {
+            own.map(|rgb| rgb.0).or(of_preset).ok_or_else(|| {
+                let what = "missing: a material needs it, or a preset";
+                Input::new(what)
+                    .key(key(name))
+                    .expected("a number or [r, g, b], per mm")
+            })
+        };
+        let scattering = pick(
+            "sigma_s_prime",
+            file.sigma_s_prime,
+            preset.map(|p| p.sigma_s_prime),
+        )?;
+        let absorption = pick("sigma_a", file.sigma_a, preset.map(|p| p.sigma_a))?;
+        let eta = file
+            .eta
+            .map_or([preset.map_or(ETA, |p| p.eta); 3], |rgb| rgb.0);
+
+        // Ranges.
+        let zero_up = "numbers of at least 0, per mm";
+        range::channels(&key("sigma_s_prime"), scattering, |x| x >= 0.0, zero_up)?;
+        range::channels(&key("sigma_a"), absorption, |x| x >= 0.0, zero_up)?;
+        range::channels(
+            &key("eta"),
+            eta,
+            |x| (1.0..=4.0).contains(&x),
+            "numbers from 1 to 4",
+        )?;
+        let scale = range::number(&key("scale"), file.scale, |x| x > 0.0, "above 0")?;
+
+        // Per scene unit; here a coefficient may overflow, or vanish in all of a channel.
+        let per_unit = |name: &str, values: [f64; 3]| {
+            let values = values.map(|x| x * scale * unit_mm);
+            range::channels(
+                &key(name),
+                values,
+                |_| true,
+                "a finite number after unit and scale",
+            )
+        };
+        let sigma_s_prime = per_unit("sigma_s_prime", scattering)?;
+        let sigma_a = per_unit("sigma_a", absorption)?;
+        if let Some(channel) = (0..3).find(|&c| sigma_s_prime[c] + sigma_a[c] <= 0.0) {
+            let what = "a channel neither scatters nor absorbs";
+            let found = format!("0 for both in channel {}", ["r", "g", "b"][channel]);
+            let expected = "sigma_s_prime + sigma_a above 0 in every channel";
+            return Err(Input::new(what)
+                .key(key("sigma_s_prime"))
+                .found(found)
+                .expected(expected));
+        }
+        let modified = file.sigma_s_prime.is_some() || file.sigma_a.is_some() || file.eta.is_some();
+        let name = match preset {
+            None => "custom".to_owned(),
+            Some(preset) if modified => format!("{}, modified", preset.name),
+            Some(preset) => preset.name.to_owned(),
+        };
+        Ok(Self {
+            name,
+            sigma_s_prime,
+            sigma_a,
+            eta,
+            fresnel: file.fresnel,
+        })
+    }
+}
+
+/// The preset of this name, or an error with the nearest one and all of them.
+fn find(name: &str, key: &str) -> Checked<&'static Preset> {
+    Preset::named(name).ok_or_else(|| {
+        let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
+        let what = locate::with_suggestion("unknown preset", name, &names);
+        Input::new(what)
+            .key(key)
+            .found(name)
+            .expected(names.join(", "))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn material(text: &str, unit_mm: f64) -> Result<Material, String> {
+        let file: MaterialFile = toml::from_str(text).map_err(|e| e.message().to_string())?;
+        Material::check(&file, "object.0.material", unit_mm).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn units_and_scale_multiply_the_coefficients() {
+        let marble = material("preset = 'marble'\nscale = 2.0", 10.0).expect("marble");
+        assert_eq!((marble.name.as_str(), marble.eta), ("Marble", [1.5; 3]));
+        assert!((marble.sigma_s_prime[0] - 43.8).abs() < 1e-12);
+        assert!((marble.sigma_a[2] - 0.142).abs() < 1e-12);
+    }
+
+    #[test]
+    fn explicit_keys_win_over_the_preset() {
+        let text = "preset = 'Skim Milk'\neta = [1.0, 1.2, 4]\nfresnel = 'paper'";
+        let milk = material(text, 1.0).expect("milk");
+        assert_eq!(milk.name, "Skimmilk, modified");
+        assert_eq!((milk.eta, milk.fresnel), ([1.0, 1.2, 4.0], Fresnel::Paper));
+        let own = material("sigma_s_prime = 1\nsigma_a = 0", 1.0).expect("custom");
+        assert_eq!(
+            (own.name.as_str(), own.eta, own.fresnel),
+            ("custom", [ETA; 3], Fresnel::Exact)
+        );
+    }
+
+    #[test]
+    fn names_the_key_at_fault() {
+        let cases = [
+            (
+                "preset = 'marbel'",
+                "object.0.material.preset: unknown preset, did you mean `Marble`?; \
+                 found marbel; expected Apple, Chicken1,",
+            ),
+            ("sigma_a = 1", "object.0.material.sigma_s_prime: missing"),
+            ("sigma_s_prime = 1", "object.0.material.sigma_a: missing"),
+            (
+                "preset = 'apple'\neta = 0.9",
+                "object.0.material.eta: out of range; found [0.9",
+            ),
+            (
+                "preset = 'apple'\nscale = 0",
+                "object.0.material.scale: out of range; found 0",
+            ),
+            (
+                "preset = 'apple'\nsigma_a = -1",
+                "object.0.material.sigma_a: out of range",
+            ),
+            (
+                "sigma_s_prime = [1, 0, 1]\nsigma_a = 0",
+                "object.0.material.sigma_s_prime: a channel neither scatters nor absorbs; \
+                 found 0 for both in channel g",
+            ),
+            (
+                "sigma_s_prime = 1e300\nsigma_a = 0\nscale = 1e300",
+                "object.0.material.sigma_s_prime: not a finite",
+            ),
+        ];
+        for (text, message) in cases {
+            let error = material(text, 1.0).err().unwrap_or_default();
+            assert!(error.starts_with(message), "{error}");
+        }
+    }
+}

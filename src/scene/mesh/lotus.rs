@@ -1,0 +1,246 @@
+//! The lotus: a bowl of two staggered rows of petals, as one closed sheet, thick at the base and
+//! thin at the rim, so that a light inside makes the petals glow.
+//!
+//! The sheet is swept round the y axis. Its middle follows a curve from the bottom to the rim, cut
+//! at a height that draws the petals, and is pushed in and out to cup them; the two walls lie half
+//! a thickness to either side of the middle.
+
+use super::Mesh;
+use super::shape::number;
+use glam::{DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// Petals in a row.
+const PETALS: f64 = 8.0;
+
+/// The Bezier curve of the sheet's middle: radius and height from the bottom to the highest tip.
+const CURVE: [DVec2; 4] = [
+    DVec2::ZERO,
+    DVec2::new(0.84, 0.0),
+    DVec2::new(0.68, 0.52),
+    DVec2::new(0.92, 1.04),
+];
+
+/// The full thickness at the bottom and at the rim.
+const THICKNESS: [f64; 2] = [0.12, 0.03];
+
+/// Where the rounding of the rim begins, as a part of the way from bottom to rim.
+const ROUNDING: f64 = 0.986;
+
+/// Half the width of a petal of the inner row, as a part of half the pitch.
+const INNER_WIDTH: f64 = 0.64;
+
+/// A closed lotus with `cells` round the circle, in units of about half its width.
+pub(super) fn lotus(cells: u32) -> Mesh {
+    let rings = rings(cells);
+    let mut positions = Vec::new();
+    let mut starts = Vec::with_capacity(rings.len());
+    for ring in &rings {
+        starts.push(positions.len());
+        let angle = |cell: u32| TAU * f64::from(cell) / f64::from(ring.cells);
+        positions.extend((0..ring.cells).map(|cell| point(angle(cell), ring.way, ring.side)));
+    }
+
+    let mut triangles = Vec::new();
+    for (pair, start) in rings.windows(2).zip(starts.windows(2)) {
+        let (below, above) = (pair[0].cells as usize, pair[1].cells as usize);
+        join(
+            &positions,
+            (start[0], below),
+            (start[1], above),
+            &mut triangles,
+        );
+    }
+    Mesh::made(positions, triangles)
+}
+
+/// One ring of vertices.
+#[derive(Debug, Clone, Copy)]
+struct Ring {
+    /// The part of the way from the bottom to the rim, 0 to 1.
+    way: f64,
+    /// Which wall: 1 the outer, -1 the inner, and between them over the rim.
+    side: f64,
+    /// Vertices on the ring; 1 at the bottom.
+    cells: u32,
+}
+
+/// The rings from the bottom up the outer wall, over the rim, and down the inner wall.
+fn rings(cells: u32) -> Vec<Ring> {
+    // The wall: even steps, with fewer cells where the circle gets short.
+    let rows = (cells / 4).max(6);
+    let mut wall: Vec<Ring> = (0..=rows)
+        .map(|row| Ring {
+            way: ROUNDING * f64::from(row) / f64::from(rows),
+            side: 1.0,
+            cells,
+        })
+        .collect();
+    let step = 1.3 / f64::from(rows);
+    let mut count = cells;
+    for ring in wall.iter_mut().rev() {
+        let spacing = TAU * curve(ring.way * 0.85)[0].x / f64::from(count);
+        if spacing < 0.6 * step && count.is_multiple_of(2) && count >= 16 {
+            count /= 2;
+        }
+        ring.cells = count;
+    }
+    if let Some(bottom) = wall.first_mut() {
+        bottom.cells = 1;
+    }
+
+    // The rim: a half circle, of which the middle belongs to both walls.
+    let cap = (1..6).map(|step| {
+        let (sine, cosine) = (TAU / 12.0 * f64::from(step)).sin_cos();
+        let side = if step == 3 { 0.0 } else { cosine };
+        Ring {
+            way: ROUNDING + (1.0 - ROUNDING) * sine,
+            side,
+            cells,
+        }
+    });
+    let inner = wall.iter().rev().map(|ring| Ring {
+        side: -1.0,
+        ..*ring
+    });
+    wall.iter().copied().chain(cap).chain(inner).collect()
+}
+
+/// The triangles between two rings, each given by its first vertex and its count. The counts are
+/// the same, or one is twice the other, or one is 1.
+fn join(
+    positions: &[DVec3],
+    (a, na): (usize, usize),
+    (b, nb): (usize, usize),
+    triangles: &mut Vec<[u32; 3]>,
+) {
+    let low = |cell: usize| number(a + cell % na);
+    let high = |cell: usize| number(b + cell % nb);
+    for cell in 0..na.max(nb) {
+        let [a0, a1] = [
+            low(cell * na / na.max(nb)),
+            low((cell + 1) * na / na.max(nb)),
+        ];
+        let [b0, b1] = [
+            high(cell * nb / na.max(nb)),
+            high((cell + 1) * nb / na.max(nb)),
+        ];
+        if na == 1 || (na < nb && a0 == a1) {
+            triangles.push([a0, b0, b1]);
+        } else if nb == 1 || (nb < na && b0 == b1) {
+            triangles.push([a0, b0, a1]);
+        } else {
+            // Two triangles, along the shorter diagonal.
+            let length = |p: u32, q: u32| positions[p as usize].distance(positions[q as usize]);
+            if length(b0, a1) <= length(a0, b1) {
+                triangles.extend([[a0, b0, a1], [a1, b0, b1]]);
+            } else {
+                triangles.extend([[a0, b0, b1], [a0, b1, a1]]);
+            }
+        }
+    }
+}
+
+/// A point of the sheet at an angle, a part of the way from bottom to rim, and a side.
+fn point(angle: f64, way: f64, side: f64) -> DVec3 {
+    let petal = Petal::at(angle);
+    let t = way * petal.height;
+    let [middle, tangent] = curve(t);
+    let normal = DVec2::new(tangent.y, -tangent.x).normalize_or(DVec2::NEG_Y);
+    let thickness = THICKNESS[0] + (THICKNESS[1] - THICKNESS[0]) * smooth(0.05, 0.95, way);
+    let offset = petal.push * smooth(0.2, 0.95, t) + side * thickness / 2.0;
+    let flat = middle + normal * offset;
+    // The poles lie on the axis exactly.
+    let radius = if way == 0.0 { 0.0 } else { flat.x };
+    DVec3::new(radius * angle.cos(), flat.y, radius * angle.sin())
+}
+
+/// The petal rows at an angle.
+#[derive(Debug)]
+struct Petal {
+    /// How far the sheet reaches along the curve, 0 to 1.
+    height: f64,
+    /// How far the rim is pushed outwards.
+    push: f64,
+}
+
+impl Petal {
+    fn at(angle: f64) -> Self {
+        // Distance from the middle of the nearest petal of each row, 0 to 1.
+        let turn = angle * PETALS / TAU;
+        let inner = 2.0 * (turn - turn.round()).abs();
+        let outer = 1.0 - inner;
+
+        // The outline: each petal an arch that runs out into a point.
+        let arch = |x: f64| (1.0 - x * x).max(0.0).sqrt() * 0.76 + 0.24 * (-x / 0.15).exp();
+        let inner_height = 0.46 + 0.54 * arch((inner / 0.88).min(1.0));
+        let outer_height = 0.46 + 0.40 * arch((outer / 0.72).min(1.0));
+        let height = soft_max(inner_height, outer_height, 0.015);
+
+        // The rows: both cupped, the outer one leaning further out.
+        let cup = |x: f64, width: f64| 1.0 - (x / width).powi(2);
+        let inner_push = 0.10 * cup(inner, INNER_WIDTH);
+        let outer_push = 0.15 + 0.07 * cup(outer, 1.0 - INNER_WIDTH);
+        let blend = smooth(INNER_WIDTH - 0.12, INNER_WIDTH + 0.12, inner);
+        Self {
+            height,
+            push: inner_push + (outer_push - inner_push) * blend,
+        }
+    }
+}
+
+/// The point and the tangent of the middle curve, `t` from 0 to 1.
+fn curve(t: f64) -> [DVec2; 2] {
+    let u = 1.0 - t;
+    let [a, b, c, d] = CURVE;
+    let point = a * u * u * u + b * 3.0 * u * u * t + c * 3.0 * u * t * t + d * t * t * t;
+    let tangent = (b - a) * u * u + (c - b) * 2.0 * u * t + (d - c) * t * t;
+    [point, tangent]
+}
+
+/// From 0 at `low` to 1 at `high`, without a corner.
+fn smooth(low: f64, high: f64, x: f64) -> f64 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// The larger of two numbers, rounded off where they are within `width` of each other.
+fn soft_max(a: f64, b: f64, width: f64) -> f64 {
+    f64::midpoint(a + b, ((a - b).powi(2) + width * width).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn walls_are_thick_below_and_thin_at_the_rim() {
+        let gap = |way: f64| point(0.0, way, 1.0).distance(point(0.0, way, -1.0));
+        assert!((gap(0.0) - THICKNESS[0]).abs() < 1e-12);
+        assert!((gap(1.0) - THICKNESS[1]).abs() < 1e-12);
+    }
+
+    #[test]
+    fn every_eighth_of_a_turn_is_the_same() {
+        for step in 0..100 {
+            let angle = TAU * f64::from(step) / 800.0;
+            let (a, b) = (Petal::at(angle), Petal::at(angle + TAU / PETALS));
+            assert!((a.height - b.height).abs() < 1e-9 && (a.push - b.push).abs() < 1e-9);
+            assert!(a.height > 0.46 && a.height <= 1.01);
+        }
+    }
+
+    #[test]
+    fn triangles_are_well_shaped() {
+        let mesh = lotus(256);
+        let quality = |triangle: usize| {
+            let [a, b, c] = mesh.corners(triangle).unwrap_or_default();
+            let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+            (b - a).cross(c - a).length() / (longest * longest)
+        };
+        let worst = (0..mesh.triangles.len())
+            .map(quality)
+            .fold(f64::INFINITY, f64::min);
+        assert!(worst > 0.02, "{worst}");
+    }
+}

@@ -1,0 +1,131 @@
+//! Triangle meshes: read from a file or made as a shape, cleaned, and turned the right way out.
+
+mod clean;
+mod edges;
+mod import;
+mod lotus;
+mod nesting;
+mod orient;
+mod shape;
+
+pub use shape::Shape;
+
+use super::range::Checked;
+use crate::error::Input;
+use glam::DVec3;
+use std::path::Path;
+
+/// A triangle mesh without degenerate faces, unused vertices or two vertices in one place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    /// Vertices, in scene units.
+    pub positions: Vec<DVec3>,
+    /// Corners of each triangle, as indices into `positions`; the outward normal is
+    /// `(p1 - p0) x (p2 - p0)`.
+    pub triangles: Vec<[u32; 3]>,
+    /// For each triangle the face of the input it came from, from 0; polygons count once.
+    pub input_face: Vec<u32>,
+    /// The number of edges that one triangle has alone; 0 when the mesh is closed.
+    pub open_edges: usize,
+}
+
+impl Mesh {
+    /// Reads, cleans and orients a Wavefront OBJ file; repairs and warnings are added to `report`.
+    pub(super) fn read(path: &Path, report: &mut Vec<String>) -> Checked<Self> {
+        let soup = import::read(path)?;
+        let mut mesh = clean::clean(soup, report).map_err(|fault| fault.file(path))?;
+        orient::orient(&mut mesh, report);
+        Ok(mesh)
+    }
+
+    /// A mesh made here, which is known to be closed, clean and outward.
+    fn made(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Self {
+        let input_face = (0..triangles.len())
+            .filter_map(|face| u32::try_from(face).ok())
+            .collect();
+        Self {
+            positions,
+            triangles,
+            input_face,
+            open_edges: 0,
+        }
+    }
+
+    /// The lowest and highest corner of the bounding box, in scene units.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let first = self.positions.first().copied().unwrap_or_default();
+        let both = |(low, high): (DVec3, DVec3), p: &DVec3| (low.min(*p), high.max(*p));
+        self.positions.iter().fold((first, first), both)
+    }
+
+    /// The corners of a triangle; `None` past the last one.
+    pub fn corners(&self, triangle: usize) -> Option<[DVec3; 3]> {
+        let [a, b, c] = *self.triangles.get(triangle)?;
+        let at = |index: u32| self.positions.get(index as usize).copied();
+        Some([at(a)?, at(b)?, at(c)?])
+    }
+
+    /// The enclosed volume in cubic scene units, negative when the mesh is inside out; for an open
+    /// mesh, of the cone from the first vertex.
+    pub fn volume(&self) -> f64 {
+        let apex = self.positions.first().copied().unwrap_or_default();
+        let corners = (0..self.triangles.len()).filter_map(|triangle| self.corners(triangle));
+        corners
+            .map(|[a, b, c]| (a - apex).dot((b - apex).cross(c - apex)) / 6.0)
+            .sum()
+    }
+
+    /// Moves the middle of the bounding box to the origin and scales the largest extent to `size`.
+    pub(super) fn resize(&mut self, size: f64) -> Checked<()> {
+        let (low, high) = self.bounds();
+        let extent = (high - low).max_element();
+        if extent <= 0.0 {
+            return Err(Input::new("the mesh has no extent").key("object.0.size"));
+        }
+        let (middle, factor) = (low + (high - low) / 2.0, size / extent);
+        for position in &mut self.positions {
+            *position = (*position - middle) * factor;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn resizing_centres_and_scales() {
+        let mut mesh = Shape::Slab.build(4);
+        for position in &mut mesh.positions {
+            *position = *position * 7.0 + DVec3::new(100.0, 3.0, -5.0);
+        }
+        mesh.resize(20.0).expect("it has an extent");
+        let (low, high) = mesh.bounds();
+        assert!((low - DVec3::new(-10.0, -10.0, -2.0)).length() < 1e-12);
+        assert!((high - DVec3::new(10.0, 10.0, 2.0)).length() < 1e-12);
+        mesh.positions.truncate(1);
+        assert!(
+            mesh.resize(20.0)
+                .is_err_and(|e| e.to_string().contains("no extent"))
+        );
+    }
+
+    #[test]
+    fn the_whole_way_from_a_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.obj");
+        let cube = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
+                    f 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+        std::fs::write(&path, cube).expect("written");
+        let mut report = Vec::new();
+        let mesh = Mesh::read(&path, &mut report).expect("a cube");
+        assert_eq!((mesh.triangles.len(), mesh.open_edges), (12, 0));
+        assert_eq!(mesh.input_face, [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5]);
+        assert!((mesh.volume() - 1.0).abs() < 1e-12);
+        assert_eq!(
+            report,
+            ["reversed: 2 faces in 1 of 1 connected parts pointed the wrong way"]
+        );
+    }
+}

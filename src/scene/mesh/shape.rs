@@ -1,0 +1,201 @@
+//! Shapes made here: closed, outward, and as fine as their `detail` says.
+
+use super::{Mesh, lotus};
+use glam::DVec3;
+use serde::Deserialize;
+use std::collections::HashMap;
+use std::ops::RangeInclusive;
+
+/// A shape that needs no file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Shape {
+    /// A ball of radius 1 with triangles of nearly the same size; detail: subdivisions.
+    Sphere,
+    /// A box of 1 x 1 x 0.2, thin along z; detail: cells along a long side.
+    Slab,
+    /// An open bowl of petals, about 2 across, opening towards +y; detail: cells round the circle.
+    Lotus,
+}
+
+impl Shape {
+    /// The details that the shape accepts.
+    pub fn details(self) -> RangeInclusive<u32> {
+        match self {
+            Self::Sphere => 0..=8,
+            Self::Slab => 1..=512,
+            Self::Lotus => 16..=2048,
+        }
+    }
+
+    /// The detail when none is given.
+    pub fn usual_detail(self) -> u32 {
+        match self {
+            Self::Sphere => 5,
+            Self::Slab => 32,
+            Self::Lotus => 256,
+        }
+    }
+
+    /// The shape; a detail outside of [`Shape::details`] is brought inside.
+    pub fn build(self, detail: u32) -> Mesh {
+        let detail = detail.clamp(*self.details().start(), *self.details().end());
+        match self {
+            Self::Sphere => sphere(detail),
+            Self::Slab => slab(detail),
+            Self::Lotus => lotus::lotus(detail),
+        }
+    }
+}
+
+/// An icosahedron, its triangles cut into four again and again, its corners pushed out to the ball.
+fn sphere(subdivisions: u32) -> Mesh {
+    let g = f64::midpoint(1.0, 5f64.sqrt());
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for (a, b) in [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)] {
+        for corner in [
+            DVec3::new(0.0, a, b),
+            DVec3::new(a, b, 0.0),
+            DVec3::new(b, 0.0, a),
+        ] {
+            positions.push(corner.normalize());
+        }
+    }
+
+    // The faces of the icosahedron: three corners each 2 / |corner| apart, seen from outside.
+    let edge = 2.0 / (1.0 + g * g).sqrt() + 1e-9;
+    let near = |a: usize, b: usize| positions[a].distance(positions[b]) < edge;
+    for a in 0..12 {
+        for b in a + 1..12 {
+            for c in b + 1..12 {
+                if near(a, b) && near(b, c) && near(c, a) {
+                    let outward = positions[a].dot(positions[b].cross(positions[c])) > 0.0;
+                    let corners = if outward { [a, b, c] } else { [a, c, b] };
+                    triangles.push(corners.map(number));
+                }
+            }
+        }
+    }
+
+    for _ in 0..subdivisions {
+        let mut middles = HashMap::new();
+        let mut finer = Vec::with_capacity(4 * triangles.len());
+        for &[a, b, c] in &triangles {
+            let mut middle = |a: u32, b: u32| {
+                *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                    positions.push((positions[a as usize] + positions[b as usize]).normalize());
+                    number(positions.len() - 1)
+                })
+            };
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        triangles = finer;
+    }
+    Mesh::made(positions, triangles)
+}
+
+/// A box of 1 x 1 x 0.2 with cells that are nearly cubes.
+fn slab(cells: u32) -> Mesh {
+    let counts = [cells, cells, (cells / 5).max(1)];
+    let extent = DVec3::new(1.0, 1.0, 0.2);
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    let mut numbers = HashMap::new();
+    let mut vertex = |place: [u32; 3]| {
+        *numbers.entry(place).or_insert_with(|| {
+            let part = |axis: usize| f64::from(place[axis]) / f64::from(counts[axis]) - 0.5;
+            positions.push(DVec3::new(part(0), part(1), part(2)) * extent);
+            number(positions.len() - 1)
+        })
+    };
+    for axis in 0..3 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        for side in [0, counts[axis]] {
+            for i in 0..counts[u] {
+                for j in 0..counts[v] {
+                    let mut corner = |di: u32, dj: u32| {
+                        let mut place = [side; 3];
+                        (place[u], place[v]) = (i + di, j + dj);
+                        vertex(place)
+                    };
+                    let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+                    if side > 0 {
+                        triangles.extend([[a, b, c], [a, c, d]]);
+                    } else {
+                        triangles.extend([[a, c, b], [a, d, c]]);
+                    }
+                }
+            }
+        }
+    }
+    Mesh::made(positions, triangles)
+}
+
+/// The number of a vertex; shapes have far fewer than 2^32.
+pub(super) fn number(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{clean, edges::Edges, import::Soup, orient};
+    use super::*;
+
+    /// A shape must come through the import untouched.
+    fn check(shape: Shape, detail: u32) -> Mesh {
+        let mesh = shape.build(detail);
+        let edges = Edges::of(&mesh.triangles);
+        assert_eq!((edges.open, edges.crowded), (0, 0), "{shape:?} {detail}");
+        let soup = Soup {
+            positions: mesh.positions.clone(),
+            triangles: mesh.triangles.clone(),
+            input_face: mesh.input_face.clone(),
+            unused: 0,
+        };
+        let mut report = Vec::new();
+        let mut again = clean::clean(soup, &mut report).expect("faces with an area");
+        orient::orient(&mut again, &mut report);
+        assert_eq!(report, Vec::<String>::new(), "{shape:?} {detail}");
+        assert_eq!(again.triangles.len(), mesh.triangles.len());
+        assert!(mesh.volume() > 0.0);
+        mesh
+    }
+
+    #[test]
+    fn spheres_are_closed_and_approach_the_ball() {
+        for detail in 0..=5 {
+            let mesh = check(Shape::Sphere, detail);
+            assert_eq!(mesh.triangles.len(), 20 << (2 * detail));
+            assert!(
+                mesh.positions
+                    .iter()
+                    .all(|p| (p.length() - 1.0).abs() < 1e-12)
+            );
+        }
+        let volume = Shape::Sphere.build(5).volume();
+        assert!((volume / (std::f64::consts::PI * 4.0 / 3.0) - 1.0).abs() < 2e-3);
+    }
+
+    #[test]
+    fn slabs_are_closed_boxes() {
+        for detail in [1, 2, 5, 32, 33] {
+            let mesh = check(Shape::Slab, detail);
+            assert!((mesh.volume() - 0.2).abs() < 1e-12);
+            let (low, high) = mesh.bounds();
+            assert!((high - low - DVec3::new(1.0, 1.0, 0.2)).length() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn lotuses_are_closed_bowls() {
+        for detail in [16, 17, 50, 256] {
+            let mesh = check(Shape::Lotus, detail);
+            let (low, high) = mesh.bounds();
+            let extent = high - low;
+            assert!(
+                extent.x > 1.6 && extent.x < 2.6 && extent.y < extent.x,
+                "{extent}"
+            );
+        }
+    }
+}

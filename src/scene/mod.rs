@@ -1,0 +1,202 @@
+//! What the user wrote, checked: a scene is an object, its material, the lights, a camera, and how
+//! light is transported. It comes from a built-in text, a TOML file, or a mesh file alone.
+//!
+//! Everything is `f64` and in scene units; `unit_mm` says how long one is.
+
+// An error is made once per run and carries all that the user needs; its size does not matter.
+#![allow(clippy::result_large_err)]
+
+mod camera;
+mod file;
+mod light;
+mod locate;
+mod material;
+mod mesh;
+mod preset;
+mod range;
+mod read;
+mod set;
+mod transport;
+mod vector;
+
+pub use camera::Camera;
+pub use light::Light;
+pub use material::{Fresnel, Material};
+pub use mesh::{Mesh, Shape};
+pub use preset::{PRESETS, Preset};
+pub use transport::{Distance, Hierarchy, Transport};
+
+use crate::error::{Input, Result};
+use file::Source;
+use range::Checked;
+use std::path::{Path, PathBuf};
+
+/// The built-in scenes: name, TOML text, and one line about it.
+pub const BUILTIN: &[(&str, &str, &str)] = &[
+    (
+        "lotus",
+        include_str!("builtin/lotus.toml"),
+        "a bowl of petals with a candle in it",
+    ),
+    (
+        "slab",
+        include_str!("builtin/slab.toml"),
+        "a slab of skim milk, a lamp close behind it",
+    ),
+    (
+        "sphere",
+        include_str!("builtin/sphere.toml"),
+        "a marble ball in the sun",
+    ),
+];
+
+/// A scene, checked.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// The built-in name, or the file name without its extension.
+    pub name: String,
+    /// Millimetres per scene unit, above 0.
+    pub unit_mm: f64,
+    /// The camera, fitted to the object where the file leaves it open.
+    pub camera: Camera,
+    /// The lights, in the file's order; perhaps none.
+    pub lights: Vec<Light>,
+    /// The one object.
+    pub object: Object,
+    /// How light is carried through the material.
+    pub transport: Transport,
+    /// Repairs and warnings, one a line, to be shown to the user.
+    pub report: Vec<String>,
+}
+
+/// A mesh and what it is made of.
+#[derive(Debug, Clone)]
+pub struct Object {
+    /// The surface, in scene units.
+    pub mesh: Mesh,
+    /// The inside, with coefficients per scene unit.
+    pub material: Material,
+}
+
+impl Scene {
+    /// Loads a built-in scene by name, a mesh alone by a path that ends in `.obj`, or else a TOML
+    /// file, and applies the `key=value` settings in order.
+    pub fn load(name_or_path: &str, sets: &[String]) -> Result<Self> {
+        let text = Text::find(name_or_path)?;
+        let draft = read::read(&text.toml, &text.file, sets)?;
+        let mut report = Vec::new();
+
+        // The mesh, at its size.
+        let mut mesh = match draft.source {
+            Source::File(path) => Mesh::read(&text.folder.join(path), &mut report)?,
+            Source::Shape(shape, detail) => shape.build(detail),
+        };
+        if let Some(size) = draft.size {
+            mesh.resize(size)
+                .map_err(|fault| locate::from_check(fault, &text.toml, &text.file))?;
+        }
+
+        // The camera, now that there is something to look at.
+        let (low, high) = mesh.bounds();
+        let camera = draft.framing.fit(low, high);
+        let camera = camera.map_err(|fault| locate::from_check(fault, &text.toml, &text.file))?;
+        if draft.lights.is_empty() {
+            report.push("dark: the scene has no [[light]]".to_owned());
+        }
+        Ok(Self {
+            name: text.name,
+            unit_mm: draft.unit_mm,
+            camera,
+            lights: draft.lights,
+            object: Object {
+                mesh,
+                material: draft.material,
+            },
+            transport: draft.transport,
+            report,
+        })
+    }
+}
+
+/// The TOML text of a scene and where it comes from.
+#[derive(Debug)]
+struct Text {
+    name: String,
+    toml: String,
+    /// For error messages.
+    file: PathBuf,
+    /// What paths in the text are relative to.
+    folder: PathBuf,
+}
+
+impl Text {
+    fn find(name_or_path: &str) -> Checked<Self> {
+        // A built-in scene.
+        let built_in = BUILTIN
+            .iter()
+            .find(|(name, ..)| name.eq_ignore_ascii_case(name_or_path));
+        if let Some(&(name, toml, _)) = built_in {
+            let (name, toml) = (name.to_owned(), toml.to_owned());
+            let file = PathBuf::from(&name);
+            return Ok(Self {
+                name,
+                toml,
+                file,
+                folder: PathBuf::new(),
+            });
+        }
+        let path = Path::new(name_or_path);
+        if !path.exists() {
+            let names: Vec<&str> = BUILTIN.iter().map(|(name, ..)| *name).collect();
+            let what = "neither a built-in scene nor a file";
+            let what = locate::with_suggestion(what, name_or_path, &names);
+            let expected = format!("a file, or one of {}", names.join(", "));
+            return Err(Input::new(what).found(name_or_path).expected(expected));
+        }
+
+        // A mesh alone, or a scene file.
+        let name = path
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        let file = path.to_path_buf();
+        if path
+            .extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("obj"))
+        {
+            let folder = PathBuf::new();
+            return Ok(Self {
+                name,
+                toml: around_mesh(name_or_path),
+                file,
+                folder,
+            });
+        }
+        let toml = std::fs::read_to_string(path).map_err(|error| {
+            let expected = "a scene in TOML, or a mesh that ends in .obj";
+            let fault = Input::new("the scene file cannot be read").file(path);
+            fault.found(error).expected(expected)
+        })?;
+        let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+        Ok(Self {
+            name,
+            toml,
+            file,
+            folder,
+        })
+    }
+}
+
+/// The scene of a mesh alone: marble, 20 mm across, one light, a fitted camera.
+fn around_mesh(path: &str) -> String {
+    let path = toml::Value::String(path.to_owned());
+    format!(
+        "unit = \"mm\"\n\n\
+         [[light]]\ntype = \"directional\"\ndirection = [0.35, 0.6, 0.75]\nirradiance = 3.0\n\n\
+         [[object]]\nmesh = {path}\nsize = 20\nmaterial = {{ preset = \"marble\" }}\n"
+    )
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,73 @@
+//! How the work on the tree is cut up: by chunks that fit a binding, and inside a chunk by levels.
+
+use std::ops::Range;
+
+use crate::hierarchy::Tree;
+
+/// A part of the tree that is linked and gathered in one go.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Chunk {
+    /// Its nodes, as a range of the state's `order`.
+    pub nodes: Range<u32>,
+    /// The same by level, root side first; every range lies in `nodes`.
+    pub levels: Vec<Range<u32>>,
+}
+
+/// The chunks of a tree. With more than one, the first is the top of the tree, whose handed-down emitters
+/// every other chunk starts from; the others are whole subtrees.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Schedule {
+    /// The chunks, the top first.
+    pub chunks: Vec<Chunk>,
+}
+
+impl Schedule {
+    /// Cuts the tree into subtrees of at most `faces` faces; returns the nodes in the order of the work, too.
+    pub fn new(tree: &Tree, faces: usize) -> (Self, Vec<u32>) {
+        let nodes = tree.nodes();
+        let small = |node: usize| tree.skip[node] as usize - node <= 2 * faces.max(1) - 1;
+
+        // A subtree's root is a small node whose parent is not small; what lies above them is the top.
+        let mut chunk_of = vec![0u32; nodes];
+        let mut count = 1;
+        let mut node = 0;
+        while node < nodes {
+            if small(node) {
+                chunk_of[node..tree.skip[node] as usize].fill(count);
+                count += 1;
+                node = tree.skip[node] as usize;
+            } else {
+                node += 1;
+            }
+        }
+
+        // Sort by chunk, level, index; a tree that is one chunk has no top.
+        let mut order: Vec<u32> = (0..nodes as u32).collect();
+        order.sort_unstable_by_key(|&i| (chunk_of[i as usize], tree.level[i as usize], i));
+        let mut chunks: Vec<Chunk> = Vec::new();
+        let mut last = (u32::MAX, u32::MAX);
+        for (at, &i) in order.iter().enumerate() {
+            let at = at as u32;
+            let key = (chunk_of[i as usize], tree.level[i as usize]);
+            if key.0 != last.0 {
+                chunks.push(Chunk { nodes: at..at, levels: Vec::new() });
+            }
+            if let Some(chunk) = chunks.last_mut() {
+                if key != last {
+                    chunk.levels.push(at..at);
+                }
+                chunk.nodes.end = at + 1;
+                if let Some(level) = chunk.levels.last_mut() {
+                    level.end = at + 1;
+                }
+            }
+            last = key;
+        }
+        (Self { chunks }, order)
+    }
+
+    /// Every level from the leaves' side to the root, children always before their parents.
+    pub fn upward(&self) -> impl Iterator<Item = Range<u32>> + '_ {
+        self.chunks.iter().rev().flat_map(|chunk| chunk.levels.iter().rev().cloned())
+    }
+}

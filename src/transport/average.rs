@@ -1,0 +1,38 @@
+//! Stage `average`: radiosity at the vertices, for Gouraud interpolation (section 3.2).
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::layout::Slot;
+use crate::state::{Pass, Role, Stage, State, Tolerance, narrow, wide};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "average",
+    room: "transport",
+    about: "radiosity of each vertex: the area-weighted mean of the faces round it",
+    equation: "Mertens et al. 2003, section 3.2",
+    writes: &[(Slot::vertex_radiosity, Role::Output, Tolerance::Float { relative: 5e-6, floor: 1e-7 })],
+    reason: "a short weighted mean of non-negative terms",
+    chunked: false,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _chunk: usize) {
+    let data = &mut state.data;
+    data.vertex_radiosity = (0..data.positions.len())
+        .into_par_iter()
+        .map(|v| {
+            let round = &data.corners[data.corner_starts[v] as usize..data.corner_starts[v + 1] as usize];
+            let area = |&face: &u32| f64::from(data.clusters[data.leaves[face as usize] as usize].area);
+            let sum: glam::DVec3 = round.iter().map(|f| area(f) * wide(data.radiosity[*f as usize])).sum();
+            let whole: f64 = round.iter().map(area).sum();
+            if whole > 0.0 { narrow(sum / whole) } else { [0.0; 3] }
+        })
+        .collect();
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    pass.dispatch(None, &[], &[], pass.state.data.positions.len())
+}

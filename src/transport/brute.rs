@@ -1,0 +1,54 @@
+//! Stage `brute`: every face to every face, the yardstick of the hierarchy.
+
+use rayon::prelude::*;
+
+use super::form_factor::stage::{Emitters, Rung};
+use crate::error::Result;
+use crate::layout::{Range, Slot};
+use crate::state::{Distance, Pass, Role, Stage, State, Tolerance, narrow, wide};
+
+/// Receivers of one dispatch, so that no single one runs for many seconds.
+const RECEIVERS: u32 = 8192;
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "brute",
+    room: "transport",
+    about: "radiosity of each face from every face, one sample or the edge form",
+    equation: "Mertens et al. 2003, equation 6, without clusters",
+    writes: &[(Slot::radiosity, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-6 })],
+    reason: "a sum over all faces in f32: rounding grows with the square root of their number, and e^{-sigma s} by \
+             its argument's; the edge form's share is a difference between edges",
+    chunked: false,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _chunk: usize) {
+    let data = &state.data;
+    let emitters = Emitters::new(data, state.distance);
+    let sum = |receiver: usize| {
+        let center = data.clusters[data.leaves[receiver] as usize].center;
+        let pair = |face: usize| {
+            let leaf = data.leaves[face];
+            let far = super::link::distance2(center, data.clusters[leaf as usize].center) >= data.reach[face][0];
+            let factor = emitters.factor(leaf, wide(center), if far { Rung::Center } else { Rung::Edges });
+            wide(data.irradiance[face]) * factor
+        };
+        narrow((0..data.triangles.len()).map(pair).sum())
+    };
+    let radiosity = (0..data.triangles.len()).into_par_iter().map(sum).collect();
+    state.data.radiosity = radiosity;
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let displaced = u32::from(pass.state.distance == Distance::Table1);
+    let faces = pass.state.data.triangles.len() as u32;
+    for first in (0..faces).step_by(RECEIVERS as usize) {
+        let range = Range { first, count: RECEIVERS.min(faces - first) };
+        for part in ["far", "near"] {
+            pass.dispatch(Some(part), &[displaced], bytemuck::bytes_of(&range), range.count as usize)?;
+        }
+    }
+    Ok(())
+}

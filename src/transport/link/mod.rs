@@ -1,0 +1,153 @@
+//! Stage `link`: which node receives from which, by refining the pair (root, root) with the oracle of section 5.2.
+//!
+//! Receivers are walked level by level. Each takes the emitters that its parent could not settle and, for each,
+//! hands it down to its own children, splits the emitter, or links: count, scan, write, so that every receiver's
+//! links stand together in a fixed order. Lists have fixed room; one that does not fit is noted in the cursor.
+
+mod walk;
+
+pub use walk::{Walk, distance2, rung};
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::layout::{Cursor, Link, Range, Slot, Span};
+use crate::state::{Pass, Role, Stage, State, Tolerance};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "link",
+    room: "transport",
+    about: "links between clusters by the two solid-angle thresholds and the planarity measure",
+    equation: "Mertens et al. 2003, section 5.2; planarity A'/A of section 5.1.1",
+    writes: &[
+        (Slot::spans, Role::Update, Tolerance::Exact),
+        (Slot::handed, Role::Update, Tolerance::Exact),
+        (Slot::cursor, Role::Update, Tolerance::Exact),
+        (Slot::links, Role::Output, Tolerance::Exact),
+        (Slot::area_links, Role::Output, Tolerance::Exact),
+        (Slot::edge_links, Role::Output, Tolerance::Exact),
+    ],
+    reason: "decisions: additions, multiplications and comparisons in f32, the same everywhere",
+    chunked: true,
+    cpu,
+    gpu,
+};
+
+/// One receiver's decisions, in order.
+#[derive(Default)]
+struct Lists {
+    links: Vec<u32>,
+    areas: Vec<u32>,
+    edges: Vec<u32>,
+    hands: Vec<u32>,
+}
+
+fn cpu(state: &mut State, chunk: usize) {
+    open(&mut state.data.cursor[0], chunk);
+    let (link_base, _) = state.part(Slot::links, chunk);
+    let (area_base, _) = state.part(Slot::area_links, chunk);
+    let (edge_base, _) = state.part(Slot::edge_links, chunk);
+    let top = chunk == 0 && state.schedule.chunks.len() > 1;
+    for level in state.schedule.chunks[chunk].levels.clone() {
+        let data = &mut state.data;
+        let receivers = &data.order[level.start as usize..level.end as usize];
+
+        // Every receiver of the level by itself.
+        let walk = Walk::new(data);
+        let lists: Vec<Lists> = receivers.par_iter().map(|&receiver| decide(&walk, data, receiver)).collect();
+
+        // Where each one's lists begin, if all fit.
+        let cursor = &mut data.cursor[0];
+        let mut at = [cursor.links, cursor.areas, cursor.edges, cursor.hands];
+        let sizes = |l: &Lists| [l.links.len(), l.areas.len(), l.edges.len(), l.hands.len()].map(|n| n as u32);
+        let total = lists.iter().map(sizes).fold(at, |sum, n| std::array::from_fn(|k| sum[k] + n[k]));
+        let frame = &data.frame[0];
+        let room = [frame.link_room, frame.area_room, frame.edge_room, frame.hand_room];
+        let fits = total.iter().zip(room).all(|(&total, room)| total <= room);
+        cursor.need_links = cursor.need_links.max(total[0]);
+        cursor.need_areas = cursor.need_areas.max(total[1]);
+        cursor.need_edges = cursor.need_edges.max(total[2]);
+        cursor.need_hands = cursor.need_hands.max(total[3]);
+        if !fits {
+            cursor.overflow = 1;
+        }
+
+        // Write.
+        for (&receiver, list) in receivers.iter().zip(&lists) {
+            let n = if fits { sizes(list) } else { [0; 4] };
+            data.spans[receiver as usize] = Span {
+                link: at[0],
+                links: n[0],
+                area: at[1],
+                areas: n[1],
+                edge: at[2],
+                edges: n[2],
+                hand: at[3],
+                hands: n[3],
+            };
+            if fits {
+                let [link, area, edge, hand] = at.map(|n| n as usize);
+                for (k, &emitter) in list.links.iter().enumerate() {
+                    data.links[link_base + link + k] = Link { receiver, emitter };
+                }
+                for (k, &index) in list.areas.iter().enumerate() {
+                    data.area_links[area_base + area + k] = at[0] + index;
+                }
+                for (k, &index) in list.edges.iter().enumerate() {
+                    data.edge_links[edge_base + edge + k] = at[0] + index;
+                }
+                data.handed[hand..hand + list.hands.len()].copy_from_slice(&list.hands);
+            }
+            at = std::array::from_fn(|k| at[k] + n[k]);
+        }
+        [cursor.links, cursor.areas, cursor.edges, cursor.hands] = at;
+        if top {
+            cursor.kept = cursor.hands;
+        }
+    }
+}
+
+/// Starts a chunk's lists.
+fn open(cursor: &mut Cursor, chunk: usize) {
+    if chunk == 0 {
+        *cursor = Cursor::default();
+    }
+    (cursor.links, cursor.areas, cursor.edges, cursor.hands) = (0, 0, 0, cursor.kept);
+}
+
+fn decide(walk: &Walk<'_>, data: &crate::layout::Buffers, receiver: u32) -> Lists {
+    let parent = data.topology[receiver as usize].parent;
+    let handed = match data.spans.get(parent as usize) {
+        Some(span) => &data.handed[span.hand as usize..(span.hand + span.hands) as usize],
+        None => &[0],
+    };
+    let mut lists = Lists::default();
+    walk.walk(receiver, handed, |decision, emitter| match decision {
+        walk::Decision::HandDown => lists.hands.push(emitter),
+        walk::Decision::Link { rung } => {
+            let index = lists.links.len() as u32;
+            match rung {
+                0 => {}
+                1 => lists.areas.push(index),
+                _ => lists.edges.push(index),
+            }
+            lists.links.push(emitter);
+        }
+    });
+    lists
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let (state, chunk) = (pass.state, pass.chunk);
+    pass.dispatch(Some("open"), &[], &(chunk as u32).to_le_bytes(), 1)?;
+    let keep = u32::from(chunk == 0 && state.schedule.chunks.len() > 1);
+    for level in &state.schedule.chunks[chunk].levels {
+        let range = Range { first: level.start, count: level.end - level.start };
+        let push = bytemuck::bytes_of(&range);
+        pass.dispatch(Some("count"), &[], push, range.count as usize)?;
+        pass.dispatch(Some("scan"), &[], bytemuck::bytes_of(&[range.first, range.count, keep]), 1)?;
+        pass.dispatch(Some("write"), &[], push, range.count as usize)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,50 @@
+//! Stage `pull`: a cluster's irradiance is the mean over its faces, weighted by area. (Section 3.2 averages the
+//! children; without their areas that would not conserve power.)
+
+use crate::error::Result;
+use crate::layout::{Range, Slot};
+use crate::state::{Pass, Role, Stage, State, Tolerance, narrow, wide};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "pull",
+    room: "transport",
+    about: "area-weighted mean irradiance of every cluster",
+    equation: "Mertens et al. 2003, section 3.2, weighted: sum A_k E_k / sum A_k",
+    writes: &[(Slot::cluster_irradiance, Role::Output, Tolerance::Float { relative: 1e-5, floor: 1e-6 })],
+    reason: "a weighted mean a level, some 40 levels of f32 rounding",
+    chunked: false,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _chunk: usize) {
+    let data = &mut state.data;
+
+    // Power and area of each node, straight from its faces.
+    let nodes = data.topology.len();
+    let mut power = vec![glam::DVec3::ZERO; nodes];
+    let mut area = vec![0.0; nodes];
+    for node in (0..nodes).rev() {
+        let place = data.topology[node];
+        if place.face == u32::MAX {
+            let (l, r) = (node + 1, data.topology[node + 1].skip as usize);
+            power[node] = power[l] + power[r];
+            area[node] = area[l] + area[r];
+        } else {
+            area[node] = f64::from(data.clusters[node].area);
+            power[node] = area[node] * wide(data.irradiance[place.face as usize]);
+        }
+    }
+    data.cluster_irradiance = power.iter().zip(&area).map(|(&power, &area)| narrow(power / area)).collect();
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let state = pass.state;
+    pass.dispatch(Some("leaf"), &[], &[], state.data.triangles.len())?;
+    for level in state.schedule.upward() {
+        let range = Range { first: level.start, count: level.end - level.start };
+        pass.dispatch(Some("cluster"), &[], bytemuck::bytes_of(&range), range.count as usize)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,5 @@
+//! From radiosity to a picture.
+
+pub mod picture;
+pub mod shade;
+pub mod visibility;

@@ -1,0 +1,48 @@
+//! Stage `shade`: the radiance that leaves towards the eye, equation 3, from radiosity interpolated between vertices.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::layout::Slot;
+use crate::light::fresnel;
+use crate::state::{Pass, Role, Stage, State, Tolerance, narrow, wide};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "shade",
+    room: "view",
+    about: "radiance of each pixel: Fresnel transmittance times radiosity over pi",
+    equation: "Mertens et al. 2003, equation 3",
+    writes: &[(Slot::radiance, Role::Output, Tolerance::Float { relative: 2e-5, floor: 2e-6 })],
+    reason: "a short chain of f32 operations; the cosine cancels at silhouettes, hence the floor",
+    chunked: false,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _chunk: usize) {
+    let data = &mut state.data;
+    let camera = data.camera[0];
+    let eta = data.frame[0].eta.map(f64::from);
+    data.radiance = data
+        .hits
+        .par_iter()
+        .map(|hit| {
+            let Some(corner) = data.triangles.get(hit.face as usize) else { return camera.background };
+            let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
+            let mix = |values: &[[f32; 3]]| -> DVec3 {
+                corner.iter().zip(weight).map(|(&v, weight)| weight * wide(values[v as usize])).sum()
+            };
+            let toward = (wide(camera.origin) - mix(&data.positions)).normalize_or_zero();
+            let normal = mix(&data.normals).normalize_or_zero();
+            let leaves = eta.map(|eta| fresnel::transmittance(eta, normal.dot(toward).abs()));
+            let scale = f64::from(camera.radiance) / std::f64::consts::PI;
+            narrow(DVec3::from_array(leaves) * mix(&data.vertex_radiosity) * scale)
+        })
+        .collect();
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    pass.dispatch(None, &[], &[], pass.state.data.radiance.len())
+}

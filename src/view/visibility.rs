@@ -1,0 +1,55 @@
+//! Stage `visibility`: the triangle that each pixel's ray meets first.
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::geometry::trace::trace;
+use crate::layout::{Hit, Slot};
+use crate::state::{Pass, Role, Stage, State, Tolerance};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "visibility",
+    room: "view",
+    about: "primary rays through the tree: triangle, barycentric weights and depth of each pixel",
+    equation: "signed volumes; nearest by cross-multiplied fractions",
+    writes: &[(Slot::hits, Role::Output, Tolerance::Float { relative: 2e-6, floor: 1e-6 })],
+    reason: "the triangle is a decision, bit for bit; weights and depth are one f32 division each",
+    chunked: false,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _chunk: usize) {
+    let data = &state.data;
+    let camera = data.camera[0];
+    let (w, h) = (camera.width as f32, camera.height as f32);
+    let hit = |pixel: u32| {
+        // The very ray of the shader: its scale is free, so nothing is divided.
+        let (column, row) = (pixel % camera.width, pixel / camera.width);
+        let x = ((2 * column + 1) as f32 - w) * h;
+        let y = (h - (2 * row + 1) as f32) * w;
+        let z = w * h;
+        let direction =
+            std::array::from_fn(|k| z * camera.forward[k] + x * camera.right[k] + y * camera.up[k]);
+        let nearest = trace(data, camera.origin, direction);
+        if nearest.face == u32::MAX {
+            return Hit { face: u32::MAX, ..Hit::default() };
+        }
+        let weights = nearest.weights.map(f64::from);
+        let sum: f64 = weights.iter().sum();
+        let depth = f64::from(nearest.numerator) / f64::from(nearest.denominator) * f64::from(z);
+        Hit {
+            face: nearest.face,
+            u: (weights[1] / sum) as f32,
+            v: (weights[2] / sum) as f32,
+            depth: depth as f32,
+        }
+    };
+    let hits = (0..camera.width * camera.height).into_par_iter().map(hit).collect();
+    state.data.hits = hits;
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    pass.dispatch(None, &[], &[], pass.state.data.hits.len())
+}

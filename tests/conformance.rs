@@ -1,0 +1,170 @@
+//! Every stage on every fixture and every Vulkan device, against the CPU; and proof that the harness can fail.
+//!
+//! Without a device this fails, unless `MILKGLASS_NO_DEVICE=1` waives it, and then it says so.
+
+use std::sync::Mutex;
+
+use milkglass::gpu::{Adapter, Device, Instance};
+use milkglass::layout::{SLOTS, Slot};
+use milkglass::measure::conform::{Plant, conform};
+use milkglass::measure::fixtures::{covered, fixtures};
+use milkglass::render::plan::{Change, Goal, Mode, Options};
+use milkglass::render::run::{Room, Session};
+use milkglass::render::stages::STAGES;
+use milkglass::scene::Scene;
+
+/// One device at a time: messages belong to the instance that opened it.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// Runs `body` on every usable device, with validation; fails where there is none.
+fn on_devices(body: impl Fn(&Device)) {
+    let _turn = TURN.lock().unwrap_or_else(|broken| broken.into_inner());
+    let instance = match Instance::open(true) {
+        Ok(instance) => instance,
+        Err(error) if std::env::var_os("MILKGLASS_NO_DEVICE").is_some() => {
+            println!("WAIVED by MILKGLASS_NO_DEVICE: {error}");
+            return;
+        }
+        Err(error) => panic!("{error}"),
+    };
+    let usable: Vec<Adapter> = instance.adapters().unwrap().into_iter().filter(|a| a.unusable.is_none()).collect();
+    if usable.is_empty() && std::env::var_os("MILKGLASS_NO_DEVICE").is_some() {
+        println!("WAIVED by MILKGLASS_NO_DEVICE: no usable device");
+        return;
+    }
+    assert!(!usable.is_empty(), "no usable Vulkan device");
+    for adapter in usable {
+        let device = Device::open(&instance, &adapter).unwrap();
+        body(&device);
+        let messages = device.take_messages();
+        assert!(messages.is_empty(), "{}: {}", adapter.name, messages.join("\n"));
+    }
+}
+
+#[test]
+fn every_stage_conforms_on_every_fixture() {
+    let list = fixtures().unwrap();
+    for stage in STAGES {
+        assert!(covered(&list, stage.name), "no fixture runs stage {}", stage.name);
+    }
+    on_devices(|device| {
+        let mut compared = 0;
+        let mut faults = Vec::new();
+        for fixture in &list {
+            let rows = conform(device, fixture, None).unwrap();
+            assert!(!rows.is_empty(), "{} compared nothing", fixture.name);
+            for row in rows {
+                assert!(row.words > 0, "{}: {} compared no word", fixture.name, row.stage);
+                compared += 1;
+                faults.extend(row.faults.into_iter().map(|fault| format!("{}: {fault}", fixture.name)));
+            }
+        }
+        println!("{}: {compared} comparisons", device.name());
+        assert!(faults.is_empty(), "{}:\n{}", device.name(), faults.join("\n"));
+    });
+}
+
+#[test]
+fn a_planted_error_is_reported_by_name() {
+    let list = fixtures().unwrap();
+    on_devices(|device| {
+        for stage in STAGES {
+            // A fixture in which the stage's buffers are not empty.
+            for (slot, _, _) in stage.writes {
+                let fixture = list.iter().find(|fixture| {
+                    fixture.steps.iter().any(|step| step.stage.name == stage.name)
+                        && !fixture.state.data.bytes(*slot).is_empty()
+                        && fixture.state.data.triangles.len() < 2000
+                });
+                let fixture = fixture.unwrap_or_else(|| panic!("no small fixture writes {slot:?}"));
+                let plant = Plant { stage: stage.name, slot: *slot };
+                let rows = conform(device, fixture, Some(plant)).unwrap();
+                let name = slot.spec().name;
+                let seen = rows.iter().any(|row| {
+                    row.stage == stage.name && row.faults.iter().any(|fault| fault.contains(&format!("{name}[0]")))
+                });
+                assert!(seen, "an error planted in {name} after {} went unseen in {}", stage.name, fixture.name);
+            }
+        }
+
+        // And in a buffer that the stage has no business with.
+        let fixture = &list[3];
+        let plant = Plant { stage: "push", slot: Slot::positions };
+        let rows = conform(device, fixture, Some(plant)).unwrap();
+        let seen = |row: &milkglass::measure::conform::Row| {
+            row.faults.iter().any(|fault| fault.contains("changed though not written") && fault.contains("positions[0]"))
+        };
+        assert!(rows.iter().any(seen));
+    });
+}
+
+#[test]
+fn kernels_write_what_their_stage_declares() {
+    use milkglass::gpu::{Kernels, kernel_names};
+    on_devices(|device| {
+        let kernels = Kernels::new(device);
+        for stage in STAGES {
+            let mut written = std::collections::BTreeSet::new();
+            for name in kernel_names().filter(|name| name.split('/').nth(1) == Some(stage.name)) {
+                let kernel = (0..2).find_map(|n| kernels.get(name, &vec![0; n]).ok()).expect(name);
+                let slots = kernel.accesses.iter().filter(|a| a.writes).map(|a| SLOTS[a.binding as usize]);
+                written.extend(slots);
+            }
+            let declared: std::collections::BTreeSet<Slot> = stage.writes.iter().map(|(slot, _, _)| *slot).collect();
+            assert_eq!(written, declared, "stage {}", stage.name);
+        }
+    });
+}
+
+fn scene(sets: &[&str]) -> Scene {
+    Scene::load("sphere", &sets.iter().map(|s| s.to_string()).collect::<Vec<_>>()).unwrap()
+}
+
+fn bits(session: &mut Session, slot: Slot) -> Vec<u8> {
+    session.fetch(&[slot]).unwrap();
+    session.state().data.bytes(slot).to_vec()
+}
+
+#[test]
+fn overflow_and_chunks_change_no_bit() {
+    let scene = scene(&["object.0.detail=4", "camera.size=[32, 32]"]);
+    on_devices(|device| {
+        let mut plain = Session::new(&scene, Some(device), Options::default(), Room::default()).unwrap();
+        plain.frame(Change::Everything).unwrap();
+        let expected = bits(&mut plain, Slot::radiosity);
+        let tight = Room { chunk_faces: 700, links: 1, binding: 1 << 18 };
+        for mode in [Mode::OnTheFly, Mode::Render] {
+            let options = Options { mode, ..Options::default() };
+            let mut cut = Session::new(&scene, Some(device), options, tight).unwrap();
+            cut.frame(Change::Everything).unwrap();
+            assert!(cut.retries > 0, "nothing overflowed");
+            assert!(cut.state().schedule.chunks.len() > 4);
+            assert_eq!(bits(&mut cut, Slot::radiosity), expected);
+            // And once more, from whatever the buffers hold now.
+            cut.frame(Change::Everything).unwrap();
+            assert_eq!(bits(&mut cut, Slot::radiosity), expected);
+        }
+    });
+}
+
+#[test]
+fn render_mode_follows_the_light_bit_for_bit() {
+    let first = scene(&["object.0.detail=4", "camera.size=[32, 32]"]);
+    let second = scene(&["object.0.detail=4", "camera.size=[32, 32]", "light.0.direction=[-1, 0.2, 0.1]"]);
+    on_devices(|device| {
+        for backend in [Some(device), None] {
+            let options = Options { mode: Mode::Render, goal: Goal::Picture, ..Options::default() };
+            let mut kept = Session::new(&first, backend, options, Room::default()).unwrap();
+            kept.frame(Change::Everything).unwrap();
+            let before = bits(&mut kept, Slot::radiance);
+            kept.set_lights(&second.lights).unwrap();
+            let steps = kept.frame(Change::Light).unwrap();
+            assert!(!steps.iter().any(|step| ["link", "form_factor", "refit", "radii"].contains(&step.name.as_str())));
+            let after = bits(&mut kept, Slot::radiance);
+            assert_ne!(before, after);
+            let mut fresh = Session::new(&second, backend, Options::default(), Room::default()).unwrap();
+            fresh.frame(Change::Everything).unwrap();
+            assert_eq!(bits(&mut fresh, Slot::radiance), after);
+        }
+    });
+}

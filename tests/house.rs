@@ -1,0 +1,161 @@
+//! The house rules, read from the sources: who may use whom, where `ash` and `unsafe` live, shaders beside their stages.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The rooms from the top floor down; a room may use those below it, and its own floor only where one room is alone.
+const FLOORS: &[&[&str]] = &[
+    &["main"],
+    &["command"],
+    &["measure"],
+    &["render"],
+    &["transport", "view"],
+    &["light"],
+    &["geometry"],
+    &["state"],
+    &["gpu", "hierarchy", "scene"],
+    &["layout"],
+    &["error"],
+];
+
+/// Every file with this ending below a folder, sorted.
+fn files(folder: &str, ending: &str) -> Vec<PathBuf> {
+    fn visit(folder: &Path, ending: &str, out: &mut Vec<PathBuf>) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                visit(&path, ending, out);
+            } else if path.extension().is_some_and(|e| e == ending) {
+                out.push(path);
+            }
+        }
+    }
+    let mut out = Vec::new();
+    visit(Path::new(folder), ending, &mut out);
+    out.sort();
+    assert!(!out.is_empty(), "no .{ending} below {folder}");
+    out
+}
+
+fn floor(room: &str) -> Option<usize> {
+    FLOORS.iter().position(|rooms| rooms.contains(&room))
+}
+
+/// The rooms named by `crate::ROOM` (or `milkglass::ROOM`) in a source, comments left out.
+fn uses(source: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for line in source.lines().filter(|line| !line.trim_start().starts_with("//")) {
+        for start in ["crate::", "milkglass::"] {
+            for (at, _) in line.match_indices(start) {
+                let rest = &line[at + start.len()..];
+                let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len());
+                found.push(rest[..end].to_string());
+            }
+        }
+    }
+    found
+}
+
+/// What is wrong with a file's uses.
+fn upward(room: &str, source: &str) -> Vec<String> {
+    let own = floor(room).unwrap_or_else(|| panic!("room {room} has no floor"));
+    uses(source)
+        .into_iter()
+        .filter(|used| used != room)
+        .filter(|used| floor(used).is_some_and(|floor| floor <= own))
+        .map(|used| format!("{room} uses {used}"))
+        .collect()
+}
+
+#[test]
+fn arrows_point_downward() {
+    let mut faults = Vec::new();
+    for path in files("src", "rs") {
+        let inner = path.strip_prefix("src").unwrap();
+        let room = inner.iter().next().unwrap().to_string_lossy().trim_end_matches(".rs").to_string();
+        if room == "lib" {
+            continue;
+        }
+        let source = fs::read_to_string(&path).unwrap();
+        faults.extend(upward(&room, &source).into_iter().map(|fault| format!("{}: {fault}", path.display())));
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn an_upward_arrow_is_seen() {
+    assert_eq!(upward("gpu", "use crate::render::plan;\n"), ["gpu uses render"]);
+    assert_eq!(upward("view", "use crate::transport::push;\n"), ["view uses transport"]);
+    assert!(upward("render", "use crate::transport::push;\nuse crate::render::plan;\n").is_empty());
+}
+
+#[test]
+fn vulkan_and_unsafe_stay_in_their_room() {
+    for path in files("src", "rs").into_iter().filter(|path| !path.starts_with("src/gpu")) {
+        let source = fs::read_to_string(&path).unwrap();
+        for word in ["ash::", "unsafe "] {
+            assert!(!source.contains(word), "{} contains {word}", path.display());
+        }
+    }
+}
+
+#[test]
+fn shaders_stand_beside_their_stages() {
+    // glsl/ROOM/NAME.comp or glsl/ROOM/NAME/*.comp belongs to the stage NAME of ROOM, and every stage has one.
+    let mut owners = std::collections::BTreeSet::new();
+    for path in files("glsl", "comp") {
+        let parts: Vec<String> =
+            path.with_extension("").iter().skip(1).map(|part| part.to_string_lossy().into_owned()).collect();
+        let stage = milkglass::render::stages::stage(&parts[1]);
+        assert_eq!(stage.map(|stage| stage.room), Some(parts[0].as_str()), "{} has no stage", path.display());
+        let (file, folder) = (format!("src/{}/{}.rs", parts[0], parts[1]), format!("src/{}/{}", parts[0], parts[1]));
+        assert!(Path::new(&file).exists() || Path::new(&folder).is_dir(), "{file} is missing");
+        owners.insert(parts[1].clone());
+    }
+    for stage in milkglass::render::stages::STAGES {
+        assert!(owners.contains(stage.name), "stage {} has no shader", stage.name);
+    }
+}
+
+#[test]
+fn the_readme_lists_every_stage() {
+    let readme = fs::read_to_string("README.md").unwrap();
+    for stage in milkglass::render::stages::STAGES {
+        assert!(readme.contains(&format!("| `{}` |", stage.name)), "README's table lacks stage {}", stage.name);
+    }
+}
+
+#[test]
+fn files_are_short() {
+    for (folder, ending) in [("src", "rs"), ("glsl", "comp"), ("glsl", "glsl"), ("tests", "rs"), ("bench", "rs")] {
+        for path in files(folder, ending) {
+            let lines = fs::read_to_string(&path).unwrap().lines().count();
+            assert!(lines <= 400, "{} has {lines} lines", path.display());
+        }
+    }
+}
+
+#[test]
+fn device_structs_lie_as_the_host_has_them() {
+    let records = milkglass::layout::records();
+    let mut seen = std::collections::BTreeSet::new();
+    for (kernel, name, members) in milkglass::gpu::reflect_records().unwrap() {
+        if let Some(record) = records.iter().find(|record| record.name == name) {
+            seen.insert(record.name);
+            for (member, offset) in members {
+                if member == "[]" {
+                    assert_eq!(offset, record.size, "{kernel}: stride of {name}");
+                    continue;
+                }
+                let field = record.fields.iter().find(|(field, _, _)| *field == member);
+                assert_eq!(field.map(|f| f.2), Some(offset), "{kernel}: {name}.{member}");
+            }
+        } else if let Some(slot) = milkglass::layout::SLOTS.iter().find(|slot| slot.spec().name == name) {
+            for (_, stride) in members.iter().filter(|(member, _)| member == "[]") {
+                assert_eq!(*stride, slot.spec().stride, "{kernel}: stride of {name}");
+            }
+        }
+    }
+    let missing: Vec<_> = records.iter().map(|r| r.name).filter(|name| !seen.contains(name)).collect();
+    assert!(missing.is_empty(), "no kernel shows the layout of {missing:?}");
+}
