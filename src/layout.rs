@@ -241,6 +241,8 @@ records! {
         need_hands: u32,
         /// Not 0 when a list did not fit: the results are void, and the frame must run again with more room.
         overflow: u32,
+        /// Not 0 when a driver ended a loop early, or would: lavapipe does so after 65,535 iterations.
+        unfinished: u32,
     }
     /// What a primary ray met.
     Hit {

@@ -92,7 +92,9 @@ fn a_planted_error_is_reported_by_name() {
         let plant = Plant { stage: "push", slot: Slot::positions };
         let rows = conform(device, fixture, Some(plant)).unwrap();
         let seen = |row: &milkglass::measure::conform::Row| {
-            row.faults.iter().any(|fault| fault.contains("changed though not written") && fault.contains("positions[0]"))
+            row.faults
+                .iter()
+                .any(|fault| fault.contains("changed though not written") && fault.contains("positions[0]"))
         };
         assert!(rows.iter().any(seen));
     });

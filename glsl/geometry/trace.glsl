@@ -3,8 +3,11 @@
 // A triangle is hit when the three signed volumes of the ray with its edges agree in sign, edges included, so that
 // no ray slips between two triangles. Distances are fractions and are compared across; nothing is divided.
 
+// In place of a triangle where the driver has cut the walk short (lavapipe: after 65,535 iterations).
+const uint UNFINISHED = 0xfffffffeu;
+
 struct Nearest {
-    uint face;        // or NONE
+    uint face;        // or NONE, or UNFINISHED
     vec3 weights;     // signed volumes of the three edges; barycentric once divided by their sum
     float numerator;  // distance along the ray = numerator / denominator, denominator > 0
     float denominator;
@@ -67,5 +70,6 @@ Nearest trace(vec3 origin, vec3 direction) {
         }
         node = met ? node + 1 : place.skip;
     }
+    if (node < frame[0].nodes) nearest.face = UNFINISHED;
     return nearest;
 }

@@ -19,7 +19,7 @@ void main() {
     if (pixel >= camera[0].width * camera[0].height) return;
     Hit hit = hits[pixel];
     vec3 color = camera[0].background;
-    if (hit.face != NONE) {
+    if (hit.face < frame[0].faces) {
         uvec3 corner = triangles[hit.face];
         vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
         vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];

@@ -28,8 +28,8 @@ void main() {
     Nearest nearest = trace(camera[0].origin, direction);
 
     float sum = nearest.weights.x + nearest.weights.y + nearest.weights.z;
-    Hit hit = Hit(NONE, 0.0, 0.0, 0.0);
-    if (nearest.face != NONE) {
+    Hit hit = Hit(nearest.face, 0.0, 0.0, 0.0);
+    if (nearest.face < frame[0].faces) {
         float depth = nearest.numerator / nearest.denominator * z;
         hit = Hit(nearest.face, nearest.weights.y / sum, nearest.weights.z / sum, depth);
     }

@@ -19,8 +19,18 @@ pub fn run() -> Result<()> {
     }
     print(&table(
         &[
-            "device", "name", "driver", "Vulkan", "state", "binding", "allocation", "buffers", "push", "group",
-            "subgroup", "rounding",
+            "device",
+            "name",
+            "driver",
+            "Vulkan",
+            "state",
+            "binding",
+            "allocation",
+            "buffers",
+            "push",
+            "group",
+            "subgroup",
+            "rounding",
         ],
         &[5, 6, 7, 8, 9, 10],
         &rows,

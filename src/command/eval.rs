@@ -61,8 +61,7 @@ struct Row {
     unit: f64,
 }
 
-const CORNERS: [&str; 12] =
-    ["v0x", "v0y", "v0z", "v1x", "v1y", "v1z", "v2x", "v2y", "v2z", "xox", "xoy", "xoz"];
+const CORNERS: [&str; 12] = ["v0x", "v0y", "v0z", "v1x", "v1y", "v1z", "v2x", "v2y", "v2z", "xox", "xoy", "xoz"];
 
 /// Evaluates every row and writes the results beside the input's columns.
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -70,12 +69,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let text = std::fs::read_to_string(file).map_err(|e| Input::new(e.to_string()).file(file))?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let header = reader.headers().map_err(|e| bad_row(file, &e))?.clone();
-    let records =
-        reader.into_records().collect::<std::result::Result<Vec<_>, _>>().map_err(|e| bad_row(file, &e))?;
-    let rows = records
-        .iter()
-        .map(|record| row(arguments, &header, record))
-        .collect::<std::result::Result<Vec<_>, Input>>()?;
+    let records = reader.into_records().collect::<std::result::Result<Vec<_>, _>>().map_err(|e| bad_row(file, &e))?;
+    let rows =
+        records.iter().map(|record| row(arguments, &header, record)).collect::<std::result::Result<Vec<_>, Input>>()?;
     let values = evaluate(arguments, &rows)?;
 
     // The input's columns, then the values.

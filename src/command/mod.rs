@@ -180,9 +180,8 @@ fn print(text: &str) {
 
 /// A table with aligned columns; those named in `right` are aligned to the right.
 fn table(header: &[&str], right: &[usize], rows: &[Vec<String>]) -> String {
-    let width = |k: usize| {
-        rows.iter().map(|row| row[k].chars().count()).chain([header[k].chars().count()]).max().unwrap_or(0)
-    };
+    let width =
+        |k: usize| rows.iter().map(|row| row[k].chars().count()).chain([header[k].chars().count()]).max().unwrap_or(0);
     let widths: Vec<usize> = (0..header.len()).map(width).collect();
     let line = |cells: &mut dyn Iterator<Item = &str>| {
         let padded = cells.enumerate().map(|(k, cell)| {

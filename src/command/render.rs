@@ -6,10 +6,9 @@ use clap::Args;
 
 use super::{RunArguments, SceneArguments, check_messages, validation};
 use crate::error::{Input, Result};
-use crate::layout::Slot;
 use crate::render::plan::Change;
 use crate::render::run::{Room, Session};
-use crate::view::picture::{Picture, check};
+use crate::view::picture::check;
 
 /// Arguments of `render`.
 #[derive(Args)]
@@ -43,9 +42,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.times {
         super::solve::print_times(&mut session, &times)?;
     }
-    session.fetch(&[Slot::radiance])?;
-    let [width, height] = scene.camera.size.map(|n| n as usize);
-    let picture = Picture { width, height, pixels: session.state().data.radiance.clone() };
+    let picture = session.picture()?;
     check_messages(device.as_ref())?;
     picture.save(&arguments.output, scene.camera.exposure, &[])
 }

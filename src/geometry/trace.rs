@@ -3,6 +3,10 @@
 
 use crate::layout::Buffers;
 
+/// In place of a triangle where a driver has cut the walk short: lavapipe ends an invocation's loops, silently, after
+/// 65,535 iterations all together.
+pub const UNFINISHED: u32 = 0xffff_fffe;
+
 /// What a ray met first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {

@@ -103,11 +103,8 @@ impl Device {
         let info = [vk::SubmitInfo::default().command_buffers(&buffers)];
         // SAFETY: the command buffer is complete and of this device; the fence is waited for before it is destroyed.
         unsafe {
-            let fence = self
-                .0
-                .raw
-                .create_fence(&vk::FenceCreateInfo::default(), None)
-                .map_err(|code| fault(doing, code))?;
+            let fence =
+                self.0.raw.create_fence(&vk::FenceCreateInfo::default(), None).map_err(|code| fault(doing, code))?;
             let done = self
                 .0
                 .raw

@@ -141,8 +141,8 @@ impl Instance {
     /// Every adapter, in the loader's order.
     pub fn adapters(&self) -> Result<Vec<Adapter>> {
         // SAFETY: the instance is alive.
-        let list = unsafe { self.0.raw.enumerate_physical_devices() }
-            .map_err(|code| fault("listing Vulkan devices", code))?;
+        let list =
+            unsafe { self.0.raw.enumerate_physical_devices() }.map_err(|code| fault("listing Vulkan devices", code))?;
         Ok(list.into_iter().map(|physical| self.adapter(physical)).collect())
     }
 
@@ -153,8 +153,10 @@ impl Instance {
         let mut more = vk::PhysicalDeviceVulkan12Properties::default();
         let mut third = vk::PhysicalDeviceMaintenance3Properties::default();
         let mut subgroup = vk::PhysicalDeviceSubgroupProperties::default();
-        let mut properties =
-            vk::PhysicalDeviceProperties2::default().push_next(&mut more).push_next(&mut third).push_next(&mut subgroup);
+        let mut properties = vk::PhysicalDeviceProperties2::default()
+            .push_next(&mut more)
+            .push_next(&mut third)
+            .push_next(&mut subgroup);
         let mut features12 = vk::PhysicalDeviceVulkan12Features::default();
         let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut features12);
         // SAFETY: the chains live through the calls; a device of version 1.2 or newer fills them.

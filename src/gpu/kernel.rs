@@ -238,14 +238,12 @@ impl Kernel {
         let entries: Vec<_> = (0..constants.len())
             .map(|i| vk::SpecializationMapEntry { constant_id: i as u32, offset: 4 * i as u32, size: 4 })
             .collect();
-        let special =
-            vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
+        let special = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
         let raw = &device.0.raw;
         // SAFETY: every handle is this device's and lands in `kernel` at once, which frees it if a later step fails.
         unsafe {
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-            kernel.set_layout =
-                raw.create_descriptor_set_layout(&info, None).map_err(|code| fault(&doing, code))?;
+            kernel.set_layout = raw.create_descriptor_set_layout(&info, None).map_err(|code| fault(&doing, code))?;
             let sets = [kernel.set_layout];
             let push = [vk::PushConstantRange {
                 stage_flags: vk::ShaderStageFlags::COMPUTE,

@@ -50,7 +50,8 @@ impl Buffer {
             linear: true,
             allocation_scheme: AllocationScheme::GpuAllocatorManaged,
         };
-        let mut allocator = device.0.allocator.lock().map_err(|_| Error::device(doing.as_str(), "the allocator broke"))?;
+        let mut allocator =
+            device.0.allocator.lock().map_err(|_| Error::device(doing.as_str(), "the allocator broke"))?;
         let allocation = allocator
             .as_mut()
             .ok_or_else(|| Error::device(doing.as_str(), "the device is closing"))?

@@ -153,14 +153,7 @@ impl Recorder {
         // SAFETY: kernel, set and buffers live until the submission has been waited for.
         unsafe {
             raw.cmd_bind_pipeline(self.commands, vk::PipelineBindPoint::COMPUTE, kernel.pipeline);
-            raw.cmd_bind_descriptor_sets(
-                self.commands,
-                vk::PipelineBindPoint::COMPUTE,
-                kernel.layout,
-                0,
-                &[set],
-                &[],
-            );
+            raw.cmd_bind_descriptor_sets(self.commands, vk::PipelineBindPoint::COMPUTE, kernel.layout, 0, &[set], &[]);
             if !push.is_empty() {
                 raw.cmd_push_constants(self.commands, kernel.layout, vk::ShaderStageFlags::COMPUTE, 0, push);
             }
@@ -181,14 +174,13 @@ impl Recorder {
                 Some((binding.buffer.raw.as_raw(), access))
             })
             .collect();
-        let hazard = uses.iter().any(|(buffer, access)| {
-            self.written.contains(buffer) || (access.writes && self.read.contains(buffer))
-        });
+        let hazard = uses
+            .iter()
+            .any(|(buffer, access)| self.written.contains(buffer) || (access.writes && self.read.contains(buffer)));
         if hazard {
             let all = vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE;
-            let barrier = [vk::MemoryBarrier::default()
-                .src_access_mask(vk::AccessFlags::SHADER_WRITE)
-                .dst_access_mask(all)];
+            let barrier =
+                [vk::MemoryBarrier::default().src_access_mask(vk::AccessFlags::SHADER_WRITE).dst_access_mask(all)];
             let stage = vk::PipelineStageFlags::COMPUTE_SHADER;
             // SAFETY: the command buffer is recording.
             unsafe {

@@ -44,8 +44,7 @@ pub fn compare(slot: Slot, reference: &State, device: &State, tolerance: Toleran
 
     // The largest magnitude of each field, a vector's components together.
     let group = |k: usize| layout[k].path.trim_end_matches(|c: char| c == '.' || c.is_ascii_digit());
-    let groups: Vec<usize> =
-        (0..layout.len()).map(|k| (0..k).find(|&j| group(j) == group(k)).unwrap_or(k)).collect();
+    let groups: Vec<usize> = (0..layout.len()).map(|k| (0..k).find(|&j| group(j) == group(k)).unwrap_or(k)).collect();
     let mut largest = vec![0f64; layout.len()];
     for (i, &word) in a.iter().enumerate() {
         let value = f64::from(f32::from_bits(word)).abs();
@@ -109,7 +108,9 @@ mod tests {
         let tight = Tolerance::Float { relative: 1e-5, floor: 0.0 };
         let found = compare(Slot::radiosity, &reference, &device, tight);
         assert_eq!((found.words, found.failures), (6, 1));
-        assert!(found.first.as_ref().is_some_and(|text| text.starts_with("radiosity[1].1: reference 5e0 (0x40a00000)")));
+        assert!(
+            found.first.as_ref().is_some_and(|text| text.starts_with("radiosity[1].1: reference 5e0 (0x40a00000)"))
+        );
         let loose = Tolerance::Float { relative: 1e-3, floor: 0.0 };
         assert_eq!(compare(Slot::radiosity, &reference, &device, loose).failures, 0);
         assert_eq!(compare(Slot::radiosity, &reference, &device, Tolerance::Exact).failures, 1);

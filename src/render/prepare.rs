@@ -167,11 +167,9 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, mesh: &Mes
     state.data.lights = lights
         .iter()
         .map(|light| match light {
-            Light::Directional { direction, irradiance } => LightRecord {
-                kind: 0,
-                place: narrow(*direction),
-                color: irradiance.map(|x| (x / units.light) as f32),
-            },
+            Light::Directional { direction, irradiance } => {
+                LightRecord { kind: 0, place: narrow(*direction), color: irradiance.map(|x| (x / units.light) as f32) }
+            }
             Light::Point { position, intensity } => LightRecord {
                 kind: 1,
                 place: narrow(units.inside(*position)),

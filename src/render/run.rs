@@ -5,19 +5,21 @@ use std::time::Instant;
 use super::plan::{Change, Mode, Options, Plan};
 use super::prepare::{Prepared, Units, camera, lights, prepare, schedule};
 use crate::error::{Error, Result};
+use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
 use crate::layout::{Cursor, Slot};
 use crate::scene::{Camera, Light, Scene};
 use crate::state::{DeviceState, State};
+use crate::view::picture::Picture;
 
-/// Faces of a chunk to begin with; halved as often as a chunk's lists do not fit a binding.
-const CHUNK_FACES: usize = 1 << 17;
+/// Faces of a chunk to begin with; fewer once a chunk's lists turn out not to fit a binding.
+const CHUNK_FACES: usize = 1 << 14;
 /// Largest list on the CPU, bytes: what the smallest devices allow.
 const CPU_BINDING: u64 = 1 << 27;
 /// Largest list anywhere, bytes.
 const MOST_BINDING: u64 = 1 << 29;
 /// Links per face to begin with.
-const LINKS: usize = 160;
+const LINKS: usize = 640;
 
 /// Where the stages run.
 pub enum Backend {
@@ -128,6 +130,9 @@ impl Session {
                 return Ok(times);
             }
             self.fetch(&[Slot::cursor])?;
+            if self.prepared.state.data.cursor[0].unfinished != 0 {
+                return Err(unfinished("linking", "raise transport.receiver_angle and transport.emitter_angle"));
+            }
             if self.prepared.state.data.cursor[0].overflow == 0 {
                 return Ok(times);
             }
@@ -143,6 +148,17 @@ impl Session {
             Backend::Gpu(twin) => twin.download(&mut self.prepared.state, slots),
             Backend::Cpu => Ok(()),
         }
+    }
+
+    /// The picture of the last frame, linear radiance row by row.
+    pub fn picture(&mut self) -> Result<Picture> {
+        self.fetch(&[Slot::hits, Slot::radiance])?;
+        let data = &self.prepared.state.data;
+        if data.hits.iter().any(|hit| hit.face == UNFINISHED) {
+            return Err(unfinished("tracing a ray through the tree", "use a mesh with fewer overlapping parts"));
+        }
+        let [width, height] = self.scene.camera.size.map(|n| n as usize);
+        Ok(Picture { width, height, pixels: data.radiance.clone() })
     }
 
     fn send(&mut self, slots: &[Slot]) -> Result<()> {
@@ -178,35 +194,37 @@ impl Session {
         (self.room.binding.min(u64::from(u32::MAX)) / stride / 64 * 64) as usize
     }
 
-    /// Makes room after an overflow: longer lists, or smaller chunks once a list can't grow.
+    /// Makes room after an overflow: longer lists, or smaller chunks where a list can't grow any more.
     fn grow(&mut self) -> Result<()> {
         let need = self.prepared.state.data.cursor[0];
         let frame = self.prepared.state.data.frame[0];
-        let lists = [
+        let mut lists = [
             ("links", need.need_links, frame.link_room, 12),
             ("area_links", need.need_areas, frame.area_room, 4),
             ("edge_links", need.need_edges, frame.edge_room, 4),
             ("handed", need.need_hands, frame.hand_room, 4),
         ];
+        // Where emitters could not be handed down, what lies below is not counted: then that list at least doubles.
+        if need.need_hands > frame.hand_room {
+            lists[3].1 = need.need_hands.max(frame.hand_room.saturating_mul(2));
+        }
         let mut rooms = lists.map(|(_, _, room, _)| room);
         for (room, (name, need, had, stride)) in rooms.iter_mut().zip(lists) {
-            if need <= had {
-                continue;
-            }
-            // Needs are counted up to the level that overflowed, so a list grows to at least twice its room.
-            let most = self.most(stride);
-            if had as usize >= most || need as usize > most {
-                self.chunk_faces = self.chunk_faces.min(self.largest_chunk()) / 2;
+            let (need, most) = (need as usize, self.most(stride));
+            if need > most {
+                // As many faces as would fit at this density, and a quarter less.
+                let faces = self.largest_chunk().div_ceil(2).min(self.chunk_faces);
+                self.chunk_faces = (faces as f64 * most as f64 / need as f64 * 0.75) as usize;
                 if self.chunk_faces < 16 {
-                    return Err(Error::device(
-                        format!("making room for buffer {name}"),
-                        format!("it needs {need} entries for 16 faces, a binding of the device takes {most}"),
-                    ));
+                    let what =
+                        format!("it needs {need} entries for {faces} faces, a binding of the device takes {most}");
+                    return Err(Error::device(format!("making room for buffer {name}"), what));
                 }
                 return self.cut();
             }
-            *room = ((need as usize + need as usize / 16).max(2 * had as usize).min(most) as u32).next_multiple_of(64);
-            *room = (*room).min(most as u32);
+            if need > had as usize {
+                *room = (need + need / 32).next_multiple_of(64).min(most) as u32;
+            }
         }
         self.set_rooms(rooms);
         self.resize()
@@ -234,6 +252,11 @@ impl Session {
         data.hits = bytemuck::zeroed_vec(pixels);
         data.radiance = bytemuck::zeroed_vec(pixels);
     }
+}
+
+/// The error of a driver that ends loops early.
+fn unfinished(doing: &str, advice: &str) -> Error {
+    Error::device(doing, format!("it takes more than 65,000 steps, where some drivers end a loop; {advice}"))
 }
 
 /// Gives every buffer that a plan's stages write its size, zeroed; the others stay empty.

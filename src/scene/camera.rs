@@ -44,10 +44,7 @@ impl Camera {
     /// Right, up and forward: of length 1 and perpendicular, right = forward x up.
     /// When `up` is parallel to the view, the axis least along the view stands in for it.
     pub fn basis(&self) -> (DVec3, DVec3, DVec3) {
-        frame(
-            (self.target - self.position).normalize_or(DVec3::NEG_Z),
-            self.up,
-        )
+        frame((self.target - self.position).normalize_or(DVec3::NEG_Z), self.up)
     }
 }
 
@@ -72,26 +69,12 @@ impl Framing {
             position: DVec3::ZERO,
             target: DVec3::ZERO,
             up: range::direction("camera.up", file.up.0)?,
-            fov: range::number(
-                "camera.fov",
-                file.fov,
-                |x| x > 0.0 && x < 180.0,
-                "degrees, above 0 and below 180",
-            )?,
+            fov: range::number("camera.fov", file.fov, |x| x > 0.0 && x < 180.0, "degrees, above 0 and below 180")?,
             size: size(&file.size)?,
             exposure: range::number("camera.exposure", file.exposure, |x| x > 0.0, "above 0")?,
-            background: range::channels(
-                "camera.background",
-                file.background.0,
-                |x| x >= 0.0,
-                "numbers of at least 0",
-            )?,
+            background: range::channels("camera.background", file.background.0, |x| x >= 0.0, "numbers of at least 0")?,
         };
-        Ok(Self {
-            position,
-            target,
-            rest,
-        })
+        Ok(Self { position, target, rest })
     }
 
     /// The camera, with a missing position or target fitted to the box `low..high`.
@@ -102,11 +85,7 @@ impl Framing {
             target + back * distance(&self.rest, target, -back, low, high)
         });
         apart(position, target)?;
-        Ok(Camera {
-            position,
-            target,
-            ..self.rest.clone()
-        })
+        Ok(Camera { position, target, ..self.rest.clone() })
     }
 }
 
@@ -117,11 +96,7 @@ fn distance(camera: &Camera, target: DVec3, forward: DVec3, low: DVec3, high: DV
     let wide = tall * f64::from(camera.size[0]) / f64::from(camera.size[1]);
     let needed = (0..8).map(|corner| {
         let pick = |axis: usize| {
-            if corner >> axis & 1 == 0 {
-                low[axis]
-            } else {
-                high[axis]
-            }
+            if corner >> axis & 1 == 0 { low[axis] } else { high[axis] }
         };
         let offset = DVec3::new(pick(0), pick(1), pick(2)) - target;
         let across = (offset.dot(right).abs() / wide).max(offset.dot(up).abs() / tall);
@@ -156,19 +131,12 @@ fn apart(position: DVec3, target: DVec3) -> Checked<()> {
     }
     let found = format!("[{}, {}, {}] for both", target.x, target.y, target.z);
     let what = "the camera stands on the point it looks at";
-    Err(Input::new(what)
-        .key("camera.position")
-        .found(found)
-        .expected("two different points"))
+    Err(Input::new(what).key("camera.position").found(found).expected("two different points"))
 }
 
 /// Two whole numbers of pixels.
 fn size(found: &[i64]) -> Checked<[u32; 2]> {
-    let pixels = |value: &i64| {
-        u32::try_from(*value)
-            .ok()
-            .filter(|n| (1..=LARGEST_SIZE).contains(n))
-    };
+    let pixels = |value: &i64| u32::try_from(*value).ok().filter(|n| (1..=LARGEST_SIZE).contains(n));
     if let [width, height] = found
         && let (Some(width), Some(height)) = (pixels(width), pixels(height))
     {
@@ -189,34 +157,22 @@ mod tests {
     }
 
     fn fitted(text: &str) -> Result<Camera, String> {
-        framing(text)?
-            .fit(DVec3::splat(-1.0), DVec3::new(1.0, 3.0, 1.0))
-            .map_err(|e| e.to_string())
+        framing(text)?.fit(DVec3::splat(-1.0), DVec3::new(1.0, 3.0, 1.0)).map_err(|e| e.to_string())
     }
 
     #[test]
     fn the_fitted_camera_sees_every_corner() {
-        for text in [
-            "",
-            "size = [100, 400]",
-            "fov = 170",
-            "up = [0.35, 0.3, 1.0]",
-            "target = [4, 0, 0]",
-        ] {
+        for text in ["", "size = [100, 400]", "fov = 170", "up = [0.35, 0.3, 1.0]", "target = [4, 0, 0]"] {
             let camera = fitted(text).expect(text);
             let (right, up, forward) = camera.basis();
             let tall = (camera.fov.to_radians() / 2.0).tan();
             let wide = tall * f64::from(camera.size[0]) / f64::from(camera.size[1]);
             for corner in 0..8 {
-                let pick =
-                    |axis: usize, low, high| if corner >> axis & 1 == 0 { low } else { high };
+                let pick = |axis: usize, low, high| if corner >> axis & 1 == 0 { low } else { high };
                 let corner = DVec3::new(pick(0, -1.0, 1.0), pick(1, -1.0, 3.0), pick(2, -1.0, 1.0));
                 let seen = corner - camera.position;
                 let depth = seen.dot(forward);
-                assert!(
-                    depth > 0.0 && seen.dot(right).abs() <= depth * wide,
-                    "{text}"
-                );
+                assert!(depth > 0.0 && seen.dot(right).abs() <= depth * wide, "{text}");
                 assert!(seen.dot(up).abs() <= depth * tall, "{text}");
             }
         }
@@ -224,13 +180,7 @@ mod tests {
 
     #[test]
     fn the_basis_is_orthonormal_for_every_up() {
-        for up in [
-            DVec3::X,
-            DVec3::Y,
-            DVec3::Z,
-            DVec3::NEG_Y,
-            DVec3::ONE.normalize(),
-        ] {
+        for up in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_Y, DVec3::ONE.normalize()] {
             for view in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_Z, -DVec3::ONE] {
                 let mut camera = fitted("").expect("defaults");
                 camera.up = up;
@@ -245,32 +195,14 @@ mod tests {
     #[test]
     fn names_the_key_at_fault() {
         let cases = [
-            (
-                "fov = 180",
-                "camera.fov: out of range; found 180; expected degrees, above 0",
-            ),
-            (
-                "size = [0, 512]",
-                "camera.size: not a picture size; found [0, 512]; expected [width",
-            ),
+            ("fov = 180", "camera.fov: out of range; found 180; expected degrees, above 0"),
+            ("size = [0, 512]", "camera.size: not a picture size; found [0, 512]; expected [width"),
             ("size = [5]", "camera.size: not a picture size; found [5]"),
-            (
-                "exposure = 0",
-                "camera.exposure: out of range; found 0; expected above 0",
-            ),
+            ("exposure = 0", "camera.exposure: out of range; found 0; expected above 0"),
             ("up = [0, 0, 0]", "camera.up: a direction of length zero"),
-            (
-                "background = -1",
-                "camera.background: out of range; found [-1, -1, -1]",
-            ),
-            (
-                "position = [1, 1, 1]\ntarget = [1, 1, 1]",
-                "camera.position: the camera stands on",
-            ),
-            (
-                "position = [nan, 1, 1]",
-                "camera.position: not a finite number; found [NaN, 1, 1]",
-            ),
+            ("background = -1", "camera.background: out of range; found [-1, -1, -1]"),
+            ("position = [1, 1, 1]\ntarget = [1, 1, 1]", "camera.position: the camera stands on"),
+            ("position = [nan, 1, 1]", "camera.position: not a finite number; found [NaN, 1, 1]"),
         ];
         for (text, message) in cases {
             let error = fitted(text).err().unwrap_or_default();

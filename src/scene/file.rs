@@ -113,14 +113,7 @@ pub(super) struct MaterialFile {
 impl Default for MaterialFile {
     fn default() -> Self {
         let fresnel = Fresnel::default();
-        Self {
-            preset: None,
-            scale: 1.0,
-            sigma_s_prime: None,
-            sigma_a: None,
-            eta: None,
-            fresnel,
-        }
+        Self { preset: None, scale: 1.0, sigma_s_prime: None, sigma_a: None, eta: None, fresnel }
     }
 }
 
@@ -187,11 +180,7 @@ impl SceneFile {
             Unit::M => 1e3,
         };
         let framing = Framing::check(&self.camera)?;
-        let lights = self
-            .light
-            .iter()
-            .enumerate()
-            .map(|(index, light)| Light::check(light, index));
+        let lights = self.light.iter().enumerate().map(|(index, light)| Light::check(light, index));
         let lights = lights.collect::<Checked<Vec<Light>>>()?;
         let [object] = self.object.as_slice() else {
             let found = match self.object.len() {
@@ -232,19 +221,13 @@ impl ObjectFile {
             }
             (Some(_), None) if self.detail.is_some() => {
                 let fault = Input::new("a mesh from a file has no such key");
-                Err(fault
-                    .key("object.0.detail")
-                    .expected("mesh, size, material"))
+                Err(fault.key("object.0.detail").expected("mesh, size, material"))
             }
             (Some(path), None) => Ok(Source::File(path.clone())),
             (None, Some(shape)) => {
-                let detail = self
-                    .detail
-                    .unwrap_or_else(|| i64::from(shape.usual_detail()));
+                let detail = self.detail.unwrap_or_else(|| i64::from(shape.usual_detail()));
                 let range = shape.details();
-                let accepted = u32::try_from(detail)
-                    .ok()
-                    .filter(|detail| range.contains(detail));
+                let accepted = u32::try_from(detail).ok().filter(|detail| range.contains(detail));
                 let detail = accepted.ok_or_else(|| {
                     let expected = format!("{} to {}", range.start(), range.end());
                     let fault = Input::new("out of range").key("object.0.detail");

@@ -40,10 +40,7 @@ impl Light {
             LightKind::Point => ("point", ["position", "intensity"]),
         };
         let accepted = format!("type, {}, {}", wanted[0], wanted[1]);
-        if let Some((name, _)) = given
-            .iter()
-            .find(|(name, set)| *set && !wanted.contains(name))
-        {
+        if let Some((name, _)) = given.iter().find(|(name, set)| *set && !wanted.contains(name)) {
             let what = format!("a {kind} light has no such key");
             return Err(Input::new(what).key(key(name)).expected(accepted));
         }
@@ -86,29 +83,17 @@ mod tests {
     #[test]
     fn reads_both_kinds() {
         let sun = light("type = 'directional'\ndirection = [0, 0, 5]\nirradiance = 2");
-        let expected = Light::Directional {
-            direction: DVec3::Z,
-            irradiance: [2.0; 3],
-        };
+        let expected = Light::Directional { direction: DVec3::Z, irradiance: [2.0; 3] };
         assert_eq!(sun, Ok(expected));
         let lamp = light("type = 'point'\nposition = [1, 2, 3]\nintensity = [1, 0.5, 0]");
         let position = DVec3::new(1.0, 2.0, 3.0);
-        assert_eq!(
-            lamp,
-            Ok(Light::Point {
-                position,
-                intensity: [1.0, 0.5, 0.0]
-            })
-        );
+        assert_eq!(lamp, Ok(Light::Point { position, intensity: [1.0, 0.5, 0.0] }));
     }
 
     #[test]
     fn names_the_key_at_fault() {
         let cases = [
-            (
-                "type = 'point'\nintensity = 1",
-                "light.1.position: missing: a point light needs it",
-            ),
+            ("type = 'point'\nintensity = 1", "light.1.position: missing: a point light needs it"),
             (
                 "type = 'directional'\nintensity = 1",
                 "light.1.intensity: a directional light has no such key; \
@@ -118,10 +103,7 @@ mod tests {
                 "type = 'point'\nposition = [0, 0, 1]\nintensity = [1, -2, 3]",
                 "light.1.intensity: out of range; found [1, -2, 3]; expected numbers of at least 0",
             ),
-            (
-                "type = 'spot'",
-                "unknown variant `spot`, expected `directional` or `point`",
-            ),
+            ("type = 'spot'", "unknown variant `spot`, expected `directional` or `point`"),
         ];
         for (text, message) in cases {
             let error = light(text).err().unwrap_or_default();

@@ -30,10 +30,7 @@ pub(super) fn from_check(input: Input, text: &str, file: &Path) -> Input {
 /// A message of serde or TOML as what, found, expected; a misspelt word gets a suggestion.
 pub(super) fn in_words(message: &str) -> Input {
     let first = message.lines().next().unwrap_or_default();
-    for (start, what) in [
-        ("unknown field", "unknown key"),
-        ("unknown variant", "unknown value"),
-    ] {
+    for (start, what) in [("unknown field", "unknown key"), ("unknown variant", "unknown value")] {
         if first.starts_with(start) {
             let words: Vec<&str> = first.split('`').skip(1).step_by(2).collect();
             if let Some((found, accepted)) = words.split_first() {
@@ -142,8 +139,7 @@ fn walk_value(value: &DeValue<'_>, key: &str, visit: &mut dyn FnMut(Range<usize>
 mod tests {
     use super::*;
 
-    const TEXT: &str =
-        "unit = 'mm'\n\n[camera]\nfov = 30\n\n[[light]]\n[[light]]\ntype = 'point'\n";
+    const TEXT: &str = "unit = 'mm'\n\n[camera]\nfov = 30\n\n[[light]]\n[[light]]\ntype = 'point'\n";
 
     #[test]
     fn finds_the_line_of_a_key_or_its_parent() {
@@ -158,15 +154,9 @@ mod tests {
     #[test]
     fn finds_the_key_of_a_span() {
         let byte = TEXT.find("30").unwrap_or_default();
-        assert_eq!(
-            key_at(TEXT, &(byte..byte + 2)).as_deref(),
-            Some("camera.fov")
-        );
+        assert_eq!(key_at(TEXT, &(byte..byte + 2)).as_deref(), Some("camera.fov"));
         let byte = TEXT.find("'point'").unwrap_or_default();
-        assert_eq!(
-            key_at(TEXT, &(byte..byte + 7)).as_deref(),
-            Some("light.1.type")
-        );
+        assert_eq!(key_at(TEXT, &(byte..byte + 7)).as_deref(), Some("light.1.type"));
     }
 
     #[test]
@@ -176,19 +166,10 @@ mod tests {
                 "unknown field `fow`, expected one of `fov`, `up`",
                 "unknown key, did you mean `fov`?; found fow; expected fov, up",
             ),
-            (
-                "unknown field `x`, expected `a` or `b`",
-                "unknown key; found x; expected a, b",
-            ),
-            (
-                "invalid type: string \"a\", expected f64",
-                "invalid type; found string \"a\"; expected f64",
-            ),
+            ("unknown field `x`, expected `a` or `b`", "unknown key; found x; expected a, b"),
+            ("invalid type: string \"a\", expected f64", "invalid type; found string \"a\"; expected f64"),
             ("missing field `type`", "missing field `type`"),
-            (
-                "key with no value, expected `=`",
-                "key with no value; expected `=`",
-            ),
+            ("key with no value, expected `=`", "key with no value; expected `=`"),
         ];
         for (message, words) in cases {
             assert_eq!(in_words(message).to_string(), words);

@@ -43,50 +43,28 @@ impl Material {
         let key = |name: &str| format!("{key}.{name}");
 
         // The preset, and what overrides it.
-        let preset = file
-            .preset
-            .as_deref()
-            .map(|name| find(name, &key("preset")))
-            .transpose()?;
+        let preset = file.preset.as_deref().map(|name| find(name, &key("preset"))).transpose()?;
         let pick = |name: &str, own: Option<Rgb>, of_preset: Option<[f64; 3]>| {
             own.map(|rgb| rgb.0).or(of_preset).ok_or_else(|| {
                 let what = "missing: a material needs it, or a preset";
-                Input::new(what)
-                    .key(key(name))
-                    .expected("a number or [r, g, b], per mm")
+                Input::new(what).key(key(name)).expected("a number or [r, g, b], per mm")
             })
         };
-        let scattering = pick(
-            "sigma_s_prime",
-            file.sigma_s_prime,
-            preset.map(|p| p.sigma_s_prime),
-        )?;
+        let scattering = pick("sigma_s_prime", file.sigma_s_prime, preset.map(|p| p.sigma_s_prime))?;
         let absorption = pick("sigma_a", file.sigma_a, preset.map(|p| p.sigma_a))?;
-        let eta = file
-            .eta
-            .map_or([preset.map_or(ETA, |p| p.eta); 3], |rgb| rgb.0);
+        let eta = file.eta.map_or([preset.map_or(ETA, |p| p.eta); 3], |rgb| rgb.0);
 
         // Ranges.
         let zero_up = "numbers of at least 0, per mm";
         range::channels(&key("sigma_s_prime"), scattering, |x| x >= 0.0, zero_up)?;
         range::channels(&key("sigma_a"), absorption, |x| x >= 0.0, zero_up)?;
-        range::channels(
-            &key("eta"),
-            eta,
-            |x| (1.0..=4.0).contains(&x),
-            "numbers from 1 to 4",
-        )?;
+        range::channels(&key("eta"), eta, |x| (1.0..=4.0).contains(&x), "numbers from 1 to 4")?;
         let scale = range::number(&key("scale"), file.scale, |x| x > 0.0, "above 0")?;
 
         // Per scene unit; here a coefficient may overflow, or vanish in all of a channel.
         let per_unit = |name: &str, values: [f64; 3]| {
             let values = values.map(|x| x * scale * unit_mm);
-            range::channels(
-                &key(name),
-                values,
-                |_| true,
-                "a finite number after unit and scale",
-            )
+            range::channels(&key(name), values, |_| true, "a finite number after unit and scale")
         };
         let sigma_s_prime = per_unit("sigma_s_prime", scattering)?;
         let sigma_a = per_unit("sigma_a", absorption)?;
@@ -94,10 +72,7 @@ impl Material {
             let what = "a channel neither scatters nor absorbs";
             let found = format!("0 for both in channel {}", ["r", "g", "b"][channel]);
             let expected = "sigma_s_prime + sigma_a above 0 in every channel";
-            return Err(Input::new(what)
-                .key(key("sigma_s_prime"))
-                .found(found)
-                .expected(expected));
+            return Err(Input::new(what).key(key("sigma_s_prime")).found(found).expected(expected));
         }
         let modified = file.sigma_s_prime.is_some() || file.sigma_a.is_some() || file.eta.is_some();
         let name = match preset {
@@ -105,13 +80,7 @@ impl Material {
             Some(preset) if modified => format!("{}, modified", preset.name),
             Some(preset) => preset.name.to_owned(),
         };
-        Ok(Self {
-            name,
-            sigma_s_prime,
-            sigma_a,
-            eta,
-            fresnel: file.fresnel,
-        })
+        Ok(Self { name, sigma_s_prime, sigma_a, eta, fresnel: file.fresnel })
     }
 }
 
@@ -120,10 +89,7 @@ fn find(name: &str, key: &str) -> Checked<&'static Preset> {
     Preset::named(name).ok_or_else(|| {
         let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
         let what = locate::with_suggestion("unknown preset", name, &names);
-        Input::new(what)
-            .key(key)
-            .found(name)
-            .expected(names.join(", "))
+        Input::new(what).key(key).found(name).expected(names.join(", "))
     })
 }
 
@@ -151,10 +117,7 @@ mod tests {
         assert_eq!(milk.name, "Skimmilk, modified");
         assert_eq!((milk.eta, milk.fresnel), ([1.0, 1.2, 4.0], Fresnel::Paper));
         let own = material("sigma_s_prime = 1\nsigma_a = 0", 1.0).expect("custom");
-        assert_eq!(
-            (own.name.as_str(), own.eta, own.fresnel),
-            ("custom", [ETA; 3], Fresnel::Exact)
-        );
+        assert_eq!((own.name.as_str(), own.eta, own.fresnel), ("custom", [ETA; 3], Fresnel::Exact));
     }
 
     #[test]
@@ -167,27 +130,15 @@ mod tests {
             ),
             ("sigma_a = 1", "object.0.material.sigma_s_prime: missing"),
             ("sigma_s_prime = 1", "object.0.material.sigma_a: missing"),
-            (
-                "preset = 'apple'\neta = 0.9",
-                "object.0.material.eta: out of range; found [0.9",
-            ),
-            (
-                "preset = 'apple'\nscale = 0",
-                "object.0.material.scale: out of range; found 0",
-            ),
-            (
-                "preset = 'apple'\nsigma_a = -1",
-                "object.0.material.sigma_a: out of range",
-            ),
+            ("preset = 'apple'\neta = 0.9", "object.0.material.eta: out of range; found [0.9"),
+            ("preset = 'apple'\nscale = 0", "object.0.material.scale: out of range; found 0"),
+            ("preset = 'apple'\nsigma_a = -1", "object.0.material.sigma_a: out of range"),
             (
                 "sigma_s_prime = [1, 0, 1]\nsigma_a = 0",
                 "object.0.material.sigma_s_prime: a channel neither scatters nor absorbs; \
                  found 0 for both in channel g",
             ),
-            (
-                "sigma_s_prime = 1e300\nsigma_a = 0\nscale = 1e300",
-                "object.0.material.sigma_s_prime: not a finite",
-            ),
+            ("sigma_s_prime = 1e300\nsigma_a = 0\nscale = 1e300", "object.0.material.sigma_s_prime: not a finite"),
         ];
         for (text, message) in cases {
             let error = material(text, 1.0).err().unwrap_or_default();

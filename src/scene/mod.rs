@@ -33,21 +33,9 @@ use std::path::{Path, PathBuf};
 
 /// The built-in scenes: name, TOML text, and one line about it.
 pub const BUILTIN: &[(&str, &str, &str)] = &[
-    (
-        "lotus",
-        include_str!("builtin/lotus.toml"),
-        "a bowl of petals with a candle in it",
-    ),
-    (
-        "slab",
-        include_str!("builtin/slab.toml"),
-        "a slab of skim milk, a lamp close behind it",
-    ),
-    (
-        "sphere",
-        include_str!("builtin/sphere.toml"),
-        "a marble ball in the sun",
-    ),
+    ("lotus", include_str!("builtin/lotus.toml"), "a bowl of petals with a candle in it"),
+    ("slab", include_str!("builtin/slab.toml"), "a slab of skim milk, a lamp close behind it"),
+    ("sphere", include_str!("builtin/sphere.toml"), "a marble ball in the sun"),
 ];
 
 /// A scene, checked.
@@ -92,8 +80,7 @@ impl Scene {
             Source::Shape(shape, detail) => shape.build(detail),
         };
         if let Some(size) = draft.size {
-            mesh.resize(size)
-                .map_err(|fault| locate::from_check(fault, &text.toml, &text.file))?;
+            mesh.resize(size).map_err(|fault| locate::from_check(fault, &text.toml, &text.file))?;
         }
 
         // The camera, now that there is something to look at.
@@ -108,10 +95,7 @@ impl Scene {
             unit_mm: draft.unit_mm,
             camera,
             lights: draft.lights,
-            object: Object {
-                mesh,
-                material: draft.material,
-            },
+            object: Object { mesh, material: draft.material },
             transport: draft.transport,
             report,
         })
@@ -132,18 +116,11 @@ struct Text {
 impl Text {
     fn find(name_or_path: &str) -> Checked<Self> {
         // A built-in scene.
-        let built_in = BUILTIN
-            .iter()
-            .find(|(name, ..)| name.eq_ignore_ascii_case(name_or_path));
+        let built_in = BUILTIN.iter().find(|(name, ..)| name.eq_ignore_ascii_case(name_or_path));
         if let Some(&(name, toml, _)) = built_in {
             let (name, toml) = (name.to_owned(), toml.to_owned());
             let file = PathBuf::from(&name);
-            return Ok(Self {
-                name,
-                toml,
-                file,
-                folder: PathBuf::new(),
-            });
+            return Ok(Self { name, toml, file, folder: PathBuf::new() });
         }
         let path = Path::new(name_or_path);
         if !path.exists() {
@@ -155,23 +132,11 @@ impl Text {
         }
 
         // A mesh alone, or a scene file.
-        let name = path
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let file = path.to_path_buf();
-        if path
-            .extension()
-            .is_some_and(|end| end.eq_ignore_ascii_case("obj"))
-        {
+        if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("obj")) {
             let folder = PathBuf::new();
-            return Ok(Self {
-                name,
-                toml: around_mesh(name_or_path),
-                file,
-                folder,
-            });
+            return Ok(Self { name, toml: around_mesh(name_or_path), file, folder });
         }
         let toml = std::fs::read_to_string(path).map_err(|error| {
             let expected = "a scene in TOML, or a mesh that ends in .obj";
@@ -179,12 +144,7 @@ impl Text {
             fault.found(error).expected(expected)
         })?;
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-        Ok(Self {
-            name,
-            toml,
-            file,
-            folder,
-        })
+        Ok(Self { name, toml, file, folder })
     }
 }
 

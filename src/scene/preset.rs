@@ -19,9 +19,7 @@ pub struct Preset {
 impl Preset {
     /// The preset of this name; case, spaces, hyphens and underscores do not matter.
     pub fn named(name: &str) -> Option<&'static Self> {
-        PRESETS
-            .iter()
-            .find(|preset| plain(preset.name) == plain(name))
+        PRESETS.iter().find(|preset| plain(preset.name) == plain(name))
     }
 }
 
@@ -136,12 +134,10 @@ mod tests {
     fn reflectances_follow_from_the_coefficients() {
         // The dipole's diffuse reflectance, equation 15 of the paper integrated over the plane.
         for preset in PRESETS {
-            let fdr =
-                -1.440 / preset.eta.powi(2) + 0.710 / preset.eta + 0.668 + 0.0636 * preset.eta;
+            let fdr = -1.440 / preset.eta.powi(2) + 0.710 / preset.eta + 0.668 + 0.0636 * preset.eta;
             let a = (1.0 + fdr) / (1.0 - fdr);
             for c in 0..3 {
-                let albedo =
-                    preset.sigma_s_prime[c] / (preset.sigma_s_prime[c] + preset.sigma_a[c]);
+                let albedo = preset.sigma_s_prime[c] / (preset.sigma_s_prime[c] + preset.sigma_a[c]);
                 let root = (3.0 * (1.0 - albedo)).sqrt();
                 let dipole = albedo / 2.0 * (1.0 + (-4.0 / 3.0 * a * root).exp()) * (-root).exp();
                 let error = (dipole - preset.diffuse_reflectance[c]).abs();

@@ -10,36 +10,19 @@ pub(super) type Checked<T> = Result<T, Input>;
 pub(super) const LARGEST: f64 = 1e9;
 
 /// A number for which `accept` holds; `expected` says in words which those are.
-pub(super) fn number(
-    key: &str,
-    value: f64,
-    accept: impl Fn(f64) -> bool,
-    expected: &str,
-) -> Checked<f64> {
+pub(super) fn number(key: &str, value: f64, accept: impl Fn(f64) -> bool, expected: &str) -> Checked<f64> {
     if value.is_finite() && accept(value) {
         return Ok(value);
     }
-    let what = if value.is_finite() {
-        "out of range"
-    } else {
-        "not a finite number"
-    };
+    let what = if value.is_finite() { "out of range" } else { "not a finite number" };
     Err(Input::new(what).key(key).found(value).expected(expected))
 }
 
 /// Three channels, each for which `accept` holds.
-pub(super) fn channels(
-    key: &str,
-    values: [f64; 3],
-    accept: impl Fn(f64) -> bool,
-    expected: &str,
-) -> Checked<[f64; 3]> {
+pub(super) fn channels(key: &str, values: [f64; 3], accept: impl Fn(f64) -> bool, expected: &str) -> Checked<[f64; 3]> {
     match fault_in(values, &accept) {
         None => Ok(values),
-        Some(what) => Err(Input::new(what)
-            .key(key)
-            .found(list(&values))
-            .expected(expected)),
+        Some(what) => Err(Input::new(what).key(key).found(list(&values)).expected(expected)),
     }
 }
 
@@ -82,17 +65,10 @@ mod tests {
 
     #[test]
     fn says_what_is_wrong_with_a_number() {
-        let positive =
-            |x| number("camera.fov", x, |x| x > 0.0, "above 0").map_err(|e| e.to_string());
+        let positive = |x| number("camera.fov", x, |x| x > 0.0, "above 0").map_err(|e| e.to_string());
         assert_eq!(positive(2.0), Ok(2.0));
-        assert_eq!(
-            positive(-1.0),
-            Err("camera.fov: out of range; found -1; expected above 0".into())
-        );
-        assert_eq!(
-            positive(f64::NAN),
-            Err("camera.fov: not a finite number; found NaN; expected above 0".into())
-        );
+        assert_eq!(positive(-1.0), Err("camera.fov: out of range; found -1; expected above 0".into()));
+        assert_eq!(positive(f64::NAN), Err("camera.fov: not a finite number; found NaN; expected above 0".into()));
     }
 
     #[test]

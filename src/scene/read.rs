@@ -11,8 +11,7 @@ use toml::Table;
 /// Reads `text` of `file`, applies `sets` in order, and checks the result. A fault of the file
 /// itself carries file and line; a fault that a setting brought in names that setting.
 pub(super) fn read(text: &str, file: &Path, sets: &[String]) -> Checked<Draft> {
-    let original: Table =
-        toml::from_str(text).map_err(|error| locate::from_toml(&error, text, file))?;
+    let original: Table = toml::from_str(text).map_err(|error| locate::from_toml(&error, text, file))?;
     changed(&original, sets).or_else(|fault| {
         check_text(text, file)?;
         Err(blame(&original, sets, fault))
@@ -31,21 +30,14 @@ fn changed(original: &Table, sets: &[String]) -> Checked<Draft> {
 
 /// The draft of the text alone; its faults carry file and line.
 fn check_text(text: &str, file: &Path) -> Checked<Draft> {
-    let scene: SceneFile =
-        toml::from_str(text).map_err(|error| locate::from_toml(&error, text, file))?;
-    scene
-        .check()
-        .map_err(|fault| locate::from_check(fault, text, file))
+    let scene: SceneFile = toml::from_str(text).map_err(|error| locate::from_toml(&error, text, file))?;
+    scene.check().map_err(|fault| locate::from_check(fault, text, file))
 }
 
 /// Names the setting that turned a good scene into this fault: the last one before which all was well.
 fn blame(original: &Table, sets: &[String], mut fault: Input) -> Input {
     let good = |count: &usize| changed(original, &sets[..*count]).is_ok();
-    let Some(culprit) = (0..sets.len())
-        .rev()
-        .find(good)
-        .and_then(|count| sets.get(count))
-    else {
+    let Some(culprit) = (0..sets.len()).rev().find(good).and_then(|count| sets.get(count)) else {
         return fault;
     };
     fault.key = Some(match fault.key {
@@ -66,10 +58,7 @@ mod tests {
     fn message(text: &str, sets: &[&str]) -> String {
         let sets: Vec<String> = sets.iter().map(ToString::to_string).collect();
         let result = read(text, Path::new("a.toml"), &sets);
-        result
-            .err()
-            .map(|fault| fault.to_string())
-            .unwrap_or_default()
+        result.err().map(|fault| fault.to_string()).unwrap_or_default()
     }
 
     #[test]
@@ -83,55 +72,19 @@ mod tests {
                 GOOD.replace("size", "sice"),
                 "a.toml:8: object.0.sice: unknown key, did you mean `size`?; found sice; expected mesh",
             ),
-            (
-                GOOD.replace("20", "-20"),
-                "a.toml:8: object.0.size: out of range; found -20",
-            ),
-            (
-                GOOD.replace("preset", "prest"),
-                "a.toml:9: object.0.material.prest: unknown key, did",
-            ),
-            (
-                GOOD.replace("apple", "appel"),
-                "a.toml:9: object.0.material.preset: unknown preset, did",
-            ),
-            (
-                GOOD.replace("'slab'", "'slap'"),
-                "a.toml:7: object.0.shape: unknown value, did you mean `slab`?",
-            ),
-            (
-                GOOD.replace("'slab'", "'slab'\nmesh = 'a'"),
-                "a.toml:7: object.0.shape: both a mesh",
-            ),
-            (
-                GOOD.replace("shape = 'slab'\n", ""),
-                "a.toml:6: object.0: neither a mesh nor a shape",
-            ),
-            (
-                GOOD.replace("size", "detail = 0\nsize"),
-                "a.toml:8: object.0.detail: out of range; found 0",
-            ),
-            (
-                GOOD.replace("[0, 0, 9]", "[0, 9]"),
-                "a.toml:3: light.0.position: invalid length 2",
-            ),
-            (
-                GOOD.replace("intensity = 1\n", ""),
-                "a.toml:1: light.0.intensity: missing",
-            ),
+            (GOOD.replace("20", "-20"), "a.toml:8: object.0.size: out of range; found -20"),
+            (GOOD.replace("preset", "prest"), "a.toml:9: object.0.material.prest: unknown key, did"),
+            (GOOD.replace("apple", "appel"), "a.toml:9: object.0.material.preset: unknown preset, did"),
+            (GOOD.replace("'slab'", "'slap'"), "a.toml:7: object.0.shape: unknown value, did you mean `slab`?"),
+            (GOOD.replace("'slab'", "'slab'\nmesh = 'a'"), "a.toml:7: object.0.shape: both a mesh"),
+            (GOOD.replace("shape = 'slab'\n", ""), "a.toml:6: object.0: neither a mesh nor a shape"),
+            (GOOD.replace("size", "detail = 0\nsize"), "a.toml:8: object.0.detail: out of range; found 0"),
+            (GOOD.replace("[0, 0, 9]", "[0, 9]"), "a.toml:3: light.0.position: invalid length 2"),
+            (GOOD.replace("intensity = 1\n", ""), "a.toml:1: light.0.intensity: missing"),
             (GOOD.replace("= 1\n", "= 1 1\n"), "a.toml:4: "),
-            (
-                format!("{GOOD}[[object]]\nshape = 'slab'"),
-                "a.toml:6: object: one object is supported; found 2",
-            ),
-            (
-                "unit = 'inch'".into(),
-                "a.toml:1: unit: unknown value; found inch; expected um, mm, cm, m",
-            ),
-            (
-                String::new(),
-                "a.toml: object: one object is supported; found no [[object]]; expected exactly",
-            ),
+            (format!("{GOOD}[[object]]\nshape = 'slab'"), "a.toml:6: object: one object is supported; found 2"),
+            ("unit = 'inch'".into(), "a.toml:1: unit: unknown value; found inch; expected um, mm, cm, m"),
+            (String::new(), "a.toml: object: one object is supported; found no [[object]]; expected exactly"),
         ];
         for (text, expected) in cases {
             let found = message(&text, &[]);
@@ -142,26 +95,11 @@ mod tests {
     #[test]
     fn faults_of_a_setting_name_it() {
         let cases: [(&[&str], &str); 6] = [
-            (
-                &["camera.fov=30", "object.0.size=-3"],
-                "--set object.0.size=-3: object.0.size: out of range",
-            ),
-            (
-                &["camera.fow=30", "unit=cm"],
-                "--set camera.fow=30: unknown key, did you mean `fov`?",
-            ),
-            (
-                &["object.1.shape=slab"],
-                "--set object.1.shape=slab: object: one object is supported",
-            ),
-            (
-                &["object.0.material.preset=mable"],
-                "--set object.0.material.preset=mable: object.0.mat",
-            ),
-            (
-                &["light.5.x=1"],
-                "--set light.5.x=1: `light` is a list of 1; it has no `5`",
-            ),
+            (&["camera.fov=30", "object.0.size=-3"], "--set object.0.size=-3: object.0.size: out of range"),
+            (&["camera.fow=30", "unit=cm"], "--set camera.fow=30: unknown key, did you mean `fov`?"),
+            (&["object.1.shape=slab"], "--set object.1.shape=slab: object: one object is supported"),
+            (&["object.0.material.preset=mable"], "--set object.0.material.preset=mable: object.0.mat"),
+            (&["light.5.x=1"], "--set light.5.x=1: `light` is a list of 1; it has no `5`"),
             (&["light"], "--set light: not a setting"),
         ];
         for (sets, expected) in cases {
@@ -176,11 +114,7 @@ mod tests {
         let sets = ["object.0.shape=slab", "object.0.material.preset=whole milk"];
         assert_eq!(message(text, &sets), "");
         assert!(message(text, &sets[..1]).starts_with("a.toml:1: object.0: neither a mesh"));
-        let light = [
-            "light.1.type=point",
-            "light.1.position=[1,2,3]",
-            "light.1.intensity=1",
-        ];
+        let light = ["light.1.type=point", "light.1.position=[1,2,3]", "light.1.intensity=1"];
         assert_eq!(message(GOOD, &light), "");
     }
 }

@@ -8,9 +8,9 @@ use toml::{Table, Value};
 /// made, and the number one past the end of a list appends. The value is TOML, or else plain text.
 pub(super) fn apply(table: &mut Table, set: &str) -> Checked<()> {
     let fault = |what: String| Input::new(what).key(format!("--set {set}"));
-    let (key, value) = set.split_once('=').ok_or_else(|| {
-        fault("not a setting".to_owned()).expected("key=value, such as object.0.size=30")
-    })?;
+    let (key, value) = set
+        .split_once('=')
+        .ok_or_else(|| fault("not a setting".to_owned()).expected("key=value, such as object.0.size=30"))?;
     let parts: Vec<&str> = key.split('.').map(str::trim).collect();
     if parts.iter().any(|part| part.is_empty()) {
         let fault = fault("an empty name in the key".to_owned()).found(format!("`{}`", key.trim()));
@@ -21,9 +21,7 @@ pub(super) fn apply(table: &mut Table, set: &str) -> Checked<()> {
     let mut rest = parts.iter().copied().enumerate().peekable();
     let mut place: Option<&mut Value> = None;
     while let Some((depth, part)) = rest.next() {
-        let list = rest
-            .peek()
-            .is_some_and(|(_, next)| next.parse::<usize>().is_ok());
+        let list = rest.peek().is_some_and(|(_, next)| next.parse::<usize>().is_ok());
         place = Some(match place {
             None => table.entry(part).or_insert_with(|| empty(list)),
             Some(above) => slot(above, part, &parts[..depth].join("."), list)
@@ -37,22 +35,14 @@ pub(super) fn apply(table: &mut Table, set: &str) -> Checked<()> {
 }
 
 /// The value under one part of a key, made when missing; otherwise what is wrong and what is right.
-fn slot<'a>(
-    place: &'a mut Value,
-    part: &str,
-    path: &str,
-    list: bool,
-) -> Result<&'a mut Value, (String, String)> {
+fn slot<'a>(place: &'a mut Value, part: &str, path: &str, list: bool) -> Result<&'a mut Value, (String, String)> {
     match place {
         Value::Table(table) => Ok(table.entry(part).or_insert_with(|| empty(list))),
         Value::Array(array) => {
             let count = array.len();
             let wrong = || {
                 let what = format!("`{path}` is a list of {count}; it has no `{part}`");
-                (
-                    what,
-                    format!("a number from 0 to {count}, the last of which appends"),
-                )
+                (what, format!("a number from 0 to {count}, the last of which appends"))
             };
             let index: usize = part.parse().map_err(|_| wrong())?;
             if index == count {
@@ -62,27 +52,19 @@ fn slot<'a>(
         }
         other => {
             let what = format!("`{path}` is not a table; it has no `{part}`");
-            Err((
-                what,
-                format!("`{path}` itself, of type {}", other.type_str()),
-            ))
+            Err((what, format!("`{path}` itself, of type {}", other.type_str())))
         }
     }
 }
 
 /// What a missing part of a key becomes.
 fn empty(list: bool) -> Value {
-    if list {
-        Value::Array(Vec::new())
-    } else {
-        Value::Table(Table::new())
-    }
+    if list { Value::Array(Vec::new()) } else { Value::Table(Table::new()) }
 }
 
 /// A TOML value, or the text itself.
 fn parse(text: &str) -> Value {
-    text.parse()
-        .unwrap_or_else(|_| Value::String(text.to_owned()))
+    text.parse().unwrap_or_else(|_| Value::String(text.to_owned()))
 }
 
 #[cfg(test)]
@@ -99,27 +81,15 @@ mod tests {
             ("a = [1, 2]", "a.1=5", "{ a = [1, 5] }"),
             ("a = [1, 2]", "a.2=5", "{ a = [1, 2, 5] }"),
             ("", "object.0.size=3", "{ object = [{ size = 3 }] }"),
-            (
-                "[[light]]\nx = 1",
-                "light.0.x=[1, 2]",
-                "{ light = [{ x = [1, 2] }] }",
-            ),
-            (
-                "[[light]]\nx = 1",
-                "light.1.y=true",
-                "{ light = [{ x = 1 }, { y = true }] }",
-            ),
+            ("[[light]]\nx = 1", "light.0.x=[1, 2]", "{ light = [{ x = [1, 2] }] }"),
+            ("[[light]]\nx = 1", "light.1.y=true", "{ light = [{ x = 1 }, { y = true }] }"),
             ("", "a=1\nb=2", "{ a = \"1\\nb=2\" }"),
         ];
         for (text, set, expected) in cases {
             let expected: Table = toml::from_str(&format!("v = {expected}")).expect(expected);
             let mut table: Table = toml::from_str(text).expect(text);
             let result = apply(&mut table, set).map_err(|e| e.to_string());
-            assert_eq!(
-                (result, Some(&Value::Table(table))),
-                (Ok(()), expected.get("v")),
-                "{set}"
-            );
+            assert_eq!((result, Some(&Value::Table(table))), (Ok(()), expected.get("v")), "{set}");
         }
     }
 
@@ -128,26 +98,14 @@ mod tests {
         let cases = [
             ("size", "--set size: not a setting; expected key=value"),
             ("=3", "--set =3: an empty name in the key; found ``"),
-            (
-                "a..b=3",
-                "--set a..b=3: an empty name in the key; found `a..b`",
-            ),
-            (
-                "n.x=3",
-                "--set n.x=3: `n` is not a table; it has no `x`; expected `n` itself, of type integer",
-            ),
-            (
-                "l.2=3",
-                "--set l.2=3: `l` is a list of 1; it has no `2`; expected a number from 0 to 1",
-            ),
+            ("a..b=3", "--set a..b=3: an empty name in the key; found `a..b`"),
+            ("n.x=3", "--set n.x=3: `n` is not a table; it has no `x`; expected `n` itself, of type integer"),
+            ("l.2=3", "--set l.2=3: `l` is a list of 1; it has no `2`; expected a number from 0 to 1"),
             ("l.x=3", "--set l.x=3: `l` is a list of 1; it has no `x`"),
         ];
         for (set, message) in cases {
             let mut table: Table = toml::from_str("n = 1\nl = [7]").expect("a table");
-            let error = apply(&mut table, set)
-                .map_err(|e| e.to_string())
-                .err()
-                .unwrap_or_default();
+            let error = apply(&mut table, set).map_err(|e| e.to_string()).err().unwrap_or_default();
             assert!(error.starts_with(message), "{error}");
         }
     }

@@ -10,10 +10,7 @@ fn sets(texts: &[&str]) -> Vec<String> {
 }
 
 fn message(result: Result<Scene>) -> String {
-    result
-        .err()
-        .map(|error| error.to_string())
-        .unwrap_or_default()
+    result.err().map(|error| error.to_string()).unwrap_or_default()
 }
 
 /// A folder with these files, and the path of the first.
@@ -22,10 +19,7 @@ fn files(contents: &[(&str, &str)]) -> (tempfile::TempDir, String) {
     for (name, text) in contents {
         std::fs::write(folder.path().join(name), text).expect("written");
     }
-    let first = contents
-        .first()
-        .map(|(name, _)| folder.path().join(name))
-        .unwrap_or_default();
+    let first = contents.first().map(|(name, _)| folder.path().join(name)).unwrap_or_default();
     (folder, first.to_string_lossy().into_owned())
 }
 
@@ -54,42 +48,26 @@ fn the_candle_stands_in_the_bowl() {
     let near = |p: &&DVec3| p.x.hypot(p.z) < 2.0;
     let floor = scene.object.mesh.positions.iter().filter(near).map(|p| p.y);
     let floor = floor.fold(f64::NEG_INFINITY, f64::max);
-    assert!(
-        position.y > floor + 3.0 && position.y < high.y,
-        "{floor} {position} {high}"
-    );
+    assert!(position.y > floor + 3.0 && position.y < high.y, "{floor} {position} {high}");
 }
 
 #[test]
 fn a_mesh_alone_is_a_scene_too() {
     let (_folder, path) = files(&[("leaf.obj", TRIANGLE)]);
     let scene = Scene::load(&path, &[]).expect("a triangle");
-    assert_eq!(
-        (scene.name.as_str(), scene.object.material.name.as_str()),
-        ("leaf", "Marble")
-    );
+    assert_eq!((scene.name.as_str(), scene.object.material.name.as_str()), ("leaf", "Marble"));
     let (low, high) = scene.object.mesh.bounds();
-    assert_eq!(
-        (low, high),
-        (DVec3::new(-10.0, -5.0, 0.0), DVec3::new(10.0, 5.0, 0.0))
-    );
+    assert_eq!((low, high), (DVec3::new(-10.0, -5.0, 0.0), DVec3::new(10.0, 5.0, 0.0)));
     assert_eq!(scene.report.len(), 1);
     assert!(scene.report[0].starts_with("open: 3 edges have one face only"));
 
-    let settings = sets(&[
-        "object.0.size=30",
-        "object.0.material.preset=whole-milk",
-        "unit=cm",
-    ]);
+    let settings = sets(&["object.0.size=30", "object.0.material.preset=whole-milk", "unit=cm"]);
     let scene = Scene::load(&path, &settings).expect("a larger triangle");
     assert!((scene.object.mesh.bounds().1.x - 15.0).abs() < 1e-12);
     assert!((scene.object.material.sigma_s_prime[0] - 25.5).abs() < 1e-12);
 
     let error = message(Scene::load(&path, &sets(&["object.0.size=0"])));
-    assert!(
-        error.starts_with("--set object.0.size=0: object.0.size: out of range; found 0"),
-        "{error}"
-    );
+    assert!(error.starts_with("--set object.0.size=0: object.0.size: out of range; found 0"), "{error}");
 }
 
 #[test]
@@ -99,11 +77,7 @@ fn meshes_are_found_beside_the_scene_file_and_keep_their_size() {
     let scene = Scene::load(&path, &[]).expect("a triangle");
     assert_eq!(scene.object.mesh.bounds().1, DVec3::new(4.0, 2.0, 0.0));
     assert_eq!(scene.camera.target, DVec3::new(2.0, 1.0, 0.0));
-    assert!(
-        scene
-            .report
-            .contains(&"dark: the scene has no [[light]]".to_owned())
-    );
+    assert!(scene.report.contains(&"dark: the scene has no [[light]]".to_owned()));
 }
 
 #[test]
@@ -113,33 +87,20 @@ fn what_is_not_there_or_cannot_be_read_is_an_error() {
                     expected a file, or one of lotus, slab, sphere";
     assert_eq!(error, expected);
     let error = message(Scene::load("no/such/horse.obj", &[]));
-    assert!(
-        error.starts_with("neither a built-in scene nor a file; found no/such/horse.obj"),
-        "{error}"
-    );
+    assert!(error.starts_with("neither a built-in scene nor a file; found no/such/horse.obj"), "{error}");
 
-    let (folder, path) = files(&[(
-        "a.toml",
-        "[[object]]\nmesh = 'gone.obj'\nmaterial.preset = 'apple'\n",
-    )]);
+    let (folder, path) = files(&[("a.toml", "[[object]]\nmesh = 'gone.obj'\nmaterial.preset = 'apple'\n")]);
     assert!(message(Scene::load(&path, &[])).ends_with("gone.obj: there is no such mesh file"));
     let error = message(Scene::load(&folder.path().to_string_lossy(), &[]));
-    assert!(
-        error.contains(": the scene file cannot be read; found "),
-        "{error}"
-    );
+    assert!(error.contains(": the scene file cannot be read; found "), "{error}");
     std::fs::write(&path, b"\xff\xfe").expect("written");
     assert!(message(Scene::load(&path, &[])).contains("a.toml: the scene file cannot be read"));
 }
 
 #[test]
 fn a_camera_that_stands_on_its_target_has_a_line() {
-    let text =
-        "[camera]\nposition = [0, 0, 0]\n[[object]]\nshape = 'slab'\nmaterial.preset = 'apple'\n";
+    let text = "[camera]\nposition = [0, 0, 0]\n[[object]]\nshape = 'slab'\nmaterial.preset = 'apple'\n";
     let (_folder, path) = files(&[("a.toml", text)]);
     let error = message(Scene::load(&path, &[]));
-    assert!(
-        error.contains("a.toml:2: camera.position: the camera stands on"),
-        "{error}"
-    );
+    assert!(error.contains("a.toml:2: camera.position: the camera stands on"), "{error}");
 }

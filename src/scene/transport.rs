@@ -7,7 +7,7 @@ use serde::Deserialize;
 /// The largest angle under which a receiver may see a cluster it links to, in steradian.
 pub const RECEIVER_ANGLE: f64 = 0.05;
 /// The largest angle under which an emitter may see the receiver it links to, in steradian.
-pub const EMITTER_ANGLE: f64 = 0.05;
+pub const EMITTER_ANGLE: f64 = 0.07;
 /// The smallest ratio of projected to true area of an emitter that may be linked.
 pub const PLANARITY: f64 = 0.3;
 /// The relative error allowed in one form factor.
@@ -61,12 +61,7 @@ impl Transport {
             distance: file.distance,
             receiver_angle: angle("transport.receiver_angle", file.receiver_angle)?,
             emitter_angle: angle("transport.emitter_angle", file.emitter_angle)?,
-            planarity: range::number(
-                "transport.planarity",
-                file.planarity,
-                |x| (0.0..=1.0).contains(&x),
-                "0 to 1",
-            )?,
+            planarity: range::number("transport.planarity", file.planarity, |x| (0.0..=1.0).contains(&x), "0 to 1")?,
             form_factor_tolerance: range::number(
                 "transport.form_factor_tolerance",
                 file.form_factor_tolerance,
@@ -91,35 +86,17 @@ mod tests {
         let transport = transport("distance = 'table1'").expect("defaults");
         assert_eq!(transport.hierarchy, Hierarchy::FaceClusters);
         assert_eq!(transport.distance, Distance::Table1);
-        assert_eq!(
-            (transport.receiver_angle, transport.planarity),
-            (RECEIVER_ANGLE, PLANARITY)
-        );
+        assert_eq!((transport.receiver_angle, transport.planarity), (RECEIVER_ANGLE, PLANARITY));
     }
 
     #[test]
     fn names_the_key_at_fault() {
         let cases = [
-            (
-                "receiver_angle = 0",
-                "transport.receiver_angle: out of range; found 0; expected ster",
-            ),
-            (
-                "emitter_angle = inf",
-                "transport.emitter_angle: not a finite number; found inf",
-            ),
-            (
-                "planarity = 1.1",
-                "transport.planarity: out of range; found 1.1; expected 0 to 1",
-            ),
-            (
-                "form_factor_tolerance = 0.5",
-                "transport.form_factor_tolerance: out of range",
-            ),
-            (
-                "hierarchy = 'octree'",
-                "unknown variant `octree`, expected `face-clusters` or `median`",
-            ),
+            ("receiver_angle = 0", "transport.receiver_angle: out of range; found 0; expected ster"),
+            ("emitter_angle = inf", "transport.emitter_angle: not a finite number; found inf"),
+            ("planarity = 1.1", "transport.planarity: out of range; found 1.1; expected 0 to 1"),
+            ("form_factor_tolerance = 0.5", "transport.form_factor_tolerance: out of range"),
+            ("hierarchy = 'octree'", "unknown variant `octree`, expected `face-clusters` or `median`"),
         ];
         for (text, message) in cases {
             let error = transport(text).err().unwrap_or_default();

@@ -31,11 +31,7 @@ impl<'de> Visitor<'de> for Three {
     type Value = [f64; 3];
 
     fn expecting(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        out.write_str(if self.one_for_all {
-            "a number or [r, g, b]"
-        } else {
-            "[x, y, z]"
-        })
+        out.write_str(if self.one_for_all { "a number or [r, g, b]" } else { "[x, y, z]" })
     }
 
     fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<[f64; 3], E> {
@@ -59,9 +55,7 @@ impl<'de> Visitor<'de> for Three {
             values.push(value);
         }
         let count = values.len();
-        values
-            .try_into()
-            .map_err(|_| A::Error::invalid_length(count, &self))
+        values.try_into().map_err(|_| A::Error::invalid_length(count, &self))
     }
 }
 
@@ -90,14 +84,8 @@ mod tests {
             ("at = 1", "invalid type: integer `1`, expected [x, y, z]"),
             ("at = [1, 2]", "invalid length 2, expected [x, y, z]"),
             ("at = [1, 2, 3, 4]", "invalid length 4, expected [x, y, z]"),
-            (
-                "colour = 'red'",
-                "invalid type: string \"red\", expected a number or [r, g, b]",
-            ),
-            (
-                "colour = [1, 'x', 2]",
-                "invalid type: string \"x\", expected f64",
-            ),
+            ("colour = 'red'", "invalid type: string \"red\", expected a number or [r, g, b]"),
+            ("colour = [1, 'x', 2]", "invalid type: string \"x\", expected f64"),
         ];
         for (text, message) in cases {
             let error = toml::from_str::<Row>(text).map_err(|e| e.message().to_owned());

@@ -9,6 +9,10 @@ use crate::state::{Distance, Pass, Role, Stage, State, Tolerance, narrow, wide};
 
 /// Receivers of one dispatch, so that no single one runs for many seconds.
 const RECEIVERS: u32 = 8192;
+/// Emitters of one dispatch: lavapipe ends an invocation's loops, silently, after 65,535 iterations all together.
+const FAR_EMITTERS: u32 = 32768;
+/// The same where each may take the edge form's nested loops.
+const NEAR_EMITTERS: u32 = 1024;
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -44,10 +48,14 @@ fn cpu(state: &mut State, _chunk: usize) {
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let displaced = u32::from(pass.state.distance == Distance::Table1);
     let faces = pass.state.data.triangles.len() as u32;
-    for first in (0..faces).step_by(RECEIVERS as usize) {
-        let range = Range { first, count: RECEIVERS.min(faces - first) };
-        for part in ["far", "near"] {
-            pass.dispatch(Some(part), &[displaced], bytemuck::bytes_of(&range), range.count as usize)?;
+    for receiver in (0..faces).step_by(RECEIVERS as usize) {
+        let receivers = Range { first: receiver, count: RECEIVERS.min(faces - receiver) };
+        for (part, most) in [("far", FAR_EMITTERS), ("near", NEAR_EMITTERS)] {
+            for first in (0..faces).step_by(most as usize) {
+                let emitters = Range { first, count: most.min(faces - first) };
+                let push = [receivers, emitters];
+                pass.dispatch(Some(part), &[displaced], bytemuck::bytes_of(&push), receivers.count as usize)?;
+            }
         }
     }
     Ok(())

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::form_factor::exact::edge_form_exact;
 use super::form_factor::Distance;
+use super::form_factor::exact::edge_form_exact;
 use super::profile::Dipole;
 use crate::error::Result;
 use crate::layout::Slot;

@@ -28,8 +28,10 @@ fn cpu(state: &mut State, chunk: usize) {
         .par_iter()
         .map(|&receiver| {
             let span = data.spans[receiver as usize];
-            let links = base + span.link as usize..base + (span.link + span.links) as usize;
-            let terms = data.links[links.clone()].iter().zip(&data.factors[links]);
+            // A list that did not fit is empty and may begin beyond the end.
+            let links = base + span.link as usize..base + span.link as usize + span.links as usize;
+            let part = data.links.get(links.clone()).unwrap_or_default();
+            let terms = part.iter().zip(data.factors.get(links).unwrap_or_default());
             narrow(terms.map(|(l, &f)| wide(data.cluster_irradiance[l.emitter as usize]) * wide(f)).sum())
         })
         .collect();

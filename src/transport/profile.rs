@@ -64,10 +64,7 @@ impl Dipole {
     /// `R_d` from the squared distance `d2` between entry and exit, per area: 1/length^2.
     #[must_use]
     pub fn radial(&self, d2: f64) -> f64 {
-        self.depths()
-            .into_iter()
-            .map(|z| self.strength * z * kernel(self.sigma, (d2 + z * z).sqrt()))
-            .sum()
+        self.depths().into_iter().map(|z| self.strength * z * kernel(self.sigma, (d2 + z * z).sqrt())).sum()
     }
 
     /// Total diffuse reflectance `2 pi int R_d r dr`, no unit, in [0, 1].
@@ -76,10 +73,7 @@ impl Dipole {
     /// whole plane through the receiving point.
     #[must_use]
     pub fn total(&self) -> f64 {
-        self.depths()
-            .into_iter()
-            .map(|z| 2.0 * PI * self.strength * (-self.sigma * z).exp())
-            .sum()
+        self.depths().into_iter().map(|z| 2.0 * PI * self.strength * (-self.sigma * z).exp()).sum()
     }
 }
 

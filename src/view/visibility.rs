@@ -30,8 +30,7 @@ fn cpu(state: &mut State, _chunk: usize) {
         let x = ((2 * column + 1) as f32 - w) * h;
         let y = (h - (2 * row + 1) as f32) * w;
         let z = w * h;
-        let direction =
-            std::array::from_fn(|k| z * camera.forward[k] + x * camera.right[k] + y * camera.up[k]);
+        let direction = std::array::from_fn(|k| z * camera.forward[k] + x * camera.right[k] + y * camera.up[k]);
         let nearest = trace(data, camera.origin, direction);
         if nearest.face == u32::MAX {
             return Hit { face: u32::MAX, ..Hit::default() };
@@ -39,12 +38,7 @@ fn cpu(state: &mut State, _chunk: usize) {
         let weights = nearest.weights.map(f64::from);
         let sum: f64 = weights.iter().sum();
         let depth = f64::from(nearest.numerator) / f64::from(nearest.denominator) * f64::from(z);
-        Hit {
-            face: nearest.face,
-            u: (weights[1] / sum) as f32,
-            v: (weights[2] / sum) as f32,
-            depth: depth as f32,
-        }
+        Hit { face: nearest.face, u: (weights[1] / sum) as f32, v: (weights[2] / sum) as f32, depth: depth as f32 }
     };
     let hits = (0..camera.width * camera.height).into_par_iter().map(hit).collect();
     state.data.hits = hits;

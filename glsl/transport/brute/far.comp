@@ -4,8 +4,8 @@
 #include "invocation.glsl"
 #include "transport/near.glsl"
 
-// Every face far enough for one sample, to every face of the range.
-layout(push_constant, scalar) uniform push_block { Range range; };
+// Every face of a range that is far enough for one sample, to every face of another range.
+layout(push_constant, scalar) uniform push_block { Range range; Range emitters; };
 READS(frame)
 READS(topology)
 READS(leaves)
@@ -23,11 +23,11 @@ void main() {
     uint receiver = range.first + i;
     vec3 center = clusters[leaves[receiver]].center;
     vec3 sum = vec3(0);
-    for (uint face = 0; face < frame[0].faces; ++face) {
+    for (uint face = emitters.first; face < emitters.first + emitters.count; ++face) {
         uint node = leaves[face];
         Cluster emitter = clusters[node];
         float far = distance2(center, emitter.center) >= reach[face].x ? 1.0 : 0.0;
         sum += far * irradiance[face] * sample_center(node, emitter, face, center - emitter.center);
     }
-    radiosity[receiver] = sum;
+    radiosity[receiver] = emitters.first == 0 ? sum : radiosity[receiver] + sum;
 }

@@ -7,8 +7,8 @@
 #define NODES 6
 #include "transport/form_factor/edge.glsl"
 
-// Every face too near for one sample, by the edge form, added to every face of the range.
-layout(push_constant, scalar) uniform push_block { Range range; };
+// Every face of a range that is too near for one sample, by the edge form, added to every face of another range.
+layout(push_constant, scalar) uniform push_block { Range range; Range emitters; };
 READS(frame)
 READS(leaves)
 READS(clusters)
@@ -25,24 +25,27 @@ void main() {
     vec3 center = clusters[leaves[receiver]].center;
     vec3 z_real = frame[0].z_real, z_virtual = frame[0].z_virtual, sigma = frame[0].sigma;
     vec3 sum = vec3(0);
-    uint face = 0;
-    while (face < frame[0].faces) {
-        // Look for the next near face; `found` is set under a condition only, which every driver gets right.
+    uint face = emitters.first, end = emitters.first + emitters.count;
+    while (face < end) {
+        // Look for the next near face; both variables change under a condition only, which every driver gets right.
         uint found = NONE;
-        while (found == NONE && face < frame[0].faces) {
-            if (distance2(center, clusters[leaves[face]].center) < reach[face].x) found = face;
-            face++;
+        while (found == NONE && face < end) {
+            bool near = distance2(center, clusters[leaves[face]].center) < reach[face].x;
+            if (near) found = face;
+            if (!near) face++;
         }
-        if (found == NONE) break;
-        Cluster emitter = clusters[leaves[found]];
-        uvec3 corner = triangles[found];
-        vec3 a = positions[corner.x] - center, b = positions[corner.y] - center, c = positions[corner.z] - center;
-        vec3 normal = emitter.normal / emitter.area;
-        float height = -dot(emitter.center - center, normal);
-        vec3 foot = -height * normal;
-        vec3 real = edge_form(sigma, a, b, c, corner, normal, foot, source_height(height, z_real, 1.0));
-        vec3 virt = edge_form(sigma, a, b, c, corner, normal, foot, source_height(height, z_virtual, -1.0));
-        sum += irradiance[found] * frame[0].strength * (z_real * real + z_virtual * virt);
+        if (found != NONE) {
+            Cluster emitter = clusters[leaves[found]];
+            uvec3 corner = triangles[found];
+            vec3 a = positions[corner.x] - center, b = positions[corner.y] - center, c = positions[corner.z] - center;
+            vec3 normal = emitter.normal / emitter.area;
+            float height = -dot(emitter.center - center, normal);
+            vec3 foot = -height * normal;
+            vec3 real = edge_form(sigma, a, b, c, corner, normal, foot, source_height(height, z_real, 1.0));
+            vec3 virt = edge_form(sigma, a, b, c, corner, normal, foot, source_height(height, z_virtual, -1.0));
+            sum += irradiance[found] * frame[0].strength * (z_real * real + z_virtual * virt);
+            face = found + 1;
+        }
     }
     radiosity[receiver] += sum;
 }

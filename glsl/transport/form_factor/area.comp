@@ -21,7 +21,7 @@ UPDATES(factors)
 
 void main() {
     uint i = invocation();
-    if (i >= cursor[0].areas) return;
+    if (i >= cursor[0].areas || cursor[0].overflow != 0) return;
     Link link = links[area_links[i]];
     Cluster emitter = clusters[link.emitter];
     vec3 receiver = clusters[link.receiver].center;

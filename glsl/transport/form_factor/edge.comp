@@ -19,7 +19,7 @@ UPDATES(factors)
 
 void main() {
     uint i = invocation();
-    if (i >= cursor[0].edges) return;
+    if (i >= cursor[0].edges || cursor[0].overflow != 0) return;
     Link link = links[edge_links[i]];
     Cluster emitter = clusters[link.emitter];
     vec3 receiver = clusters[link.receiver].center;

@@ -16,7 +16,7 @@ WRITES(factors)
 
 void main() {
     uint i = invocation();
-    if (i >= cursor[0].links) return;
+    if (i >= cursor[0].links || cursor[0].overflow != 0) return;
     Link link = links[i];
     Cluster emitter = clusters[link.emitter];
     vec3 d = clusters[link.receiver].center - emitter.center;

@@ -5,6 +5,7 @@
 
 // How long each receiver's lists will be; one level a dispatch.
 UPDATES(spans)
+UPDATES(cursor)
 READS(handed)
 #include "transport/link/walk.glsl"
 
@@ -26,6 +27,6 @@ void main() {
         hand = spans[parent].hand;
         count = spans[parent].hands;
     }
-    walk(receiver, hand, count);
+    if (!walk(receiver, hand, count)) cursor[0].unfinished = 1;
     spans[receiver] = Span(0, links, 0, areas, 0, edges, 0, hands);
 }

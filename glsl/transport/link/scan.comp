@@ -11,6 +11,9 @@ READS(order)
 UPDATES(spans)
 UPDATES(cursor)
 
+// Links that one invocation of `gather` can sum up on a driver that ends loops after 65,535 iterations.
+const uint MOST_LINKS = 65000;
+
 shared uvec4 sums[256];
 
 void main() {
@@ -34,15 +37,19 @@ void main() {
     }
     uvec4 base = uvec4(cursor[0].links, cursor[0].areas, cursor[0].edges, cursor[0].hands);
     uvec4 total = base + sums[255];
-    uvec4 room = uvec4(frame[0].link_room, frame[0].area_room, frame[0].edge_room, frame[0].hand_room);
-    bool fits = all(lessThanEqual(total, room));
-    uvec4 at = fits ? base + sums[self] - sum : base;
+    // Counts stay true beyond the room, so that one more frame with the right room is enough; only emitters that
+    // could not be handed down leave the levels below uncounted.
+    bool links_fit = total.x <= frame[0].link_room && total.y <= frame[0].area_room && total.z <= frame[0].edge_room;
+    bool hands_fit = total.w <= frame[0].hand_room;
+    uvec4 kept = uvec4(uvec3(links_fit ? 1 : 0), hands_fit ? 1 : 0);
+    uvec4 at = base + sums[self] - sum;
     for (uint i = first; i < last; ++i) {
         uint receiver = order[range.first + i];
         Span span = spans[receiver];
-        uvec4 count = fits ? uvec4(span.links, span.areas, span.edges, span.hands) : uvec4(0);
-        spans[receiver] = Span(at.x, count.x, at.y, count.y, at.z, count.z, at.w, count.w);
+        uvec4 count = uvec4(span.links, span.areas, span.edges, span.hands);
+        spans[receiver] = Span(at.x, count.x * kept.x, at.y, count.y * kept.y, at.z, count.z * kept.z, at.w, count.w * kept.w);
         at += count;
+        if (span.links > MOST_LINKS) cursor[0].unfinished = 1;
     }
 
     // Every invocation has read the cursor.
@@ -52,10 +59,7 @@ void main() {
         cursor[0].need_areas = max(cursor[0].need_areas, total.y);
         cursor[0].need_edges = max(cursor[0].need_edges, total.z);
         cursor[0].need_hands = max(cursor[0].need_hands, total.w);
-        if (!fits) {
-            cursor[0].overflow = 1;
-            total = base;
-        }
+        if (!links_fit || !hands_fit) cursor[0].overflow = 1;
         cursor[0].links = total.x;
         cursor[0].areas = total.y;
         cursor[0].edges = total.z;

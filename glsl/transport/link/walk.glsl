@@ -38,7 +38,8 @@ uint rung_of(float d2, vec4 radii) {
     return d2 >= min(radii.y, min(radii.z, radii.w)) ? 1 : 2;
 }
 
-void walk(uint receiver, uint hand, uint hands) {
+// False where the driver has cut the loop short.
+bool walk(uint receiver, uint hand, uint hands) {
     vec3 center = clusters[receiver].center;
     bool inner = topology[receiver].face == NONE;
     vec3 left = center, right = center;
@@ -64,7 +65,9 @@ void walk(uint receiver, uint hand, uint hands) {
         precise float allowed = frame[0].emitter_angle * d2;
         bool splits = !hands_on && face == NONE && (emitter.area > allowed || bent(emitter));
         if (hands_on) on_hand(node);
-        if (!hands_on && !splits) on_link(receiver, node, face == NONE ? 0 : rung_of(d2, reach[min(face, frame[0].faces - 1)]));
+        uint rung = face == NONE ? 0 : rung_of(d2, reach[min(face, frame[0].faces - 1)]);
+        if (!hands_on && !splits) on_link(receiver, node, rung);
         node = splits ? node + 1 : topology[node].skip;
     }
+    return node >= end && next >= lists;
 }

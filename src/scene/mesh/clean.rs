@@ -13,21 +13,11 @@ const SLIVER: f64 = 1e-7;
 
 /// The cleaned mesh, faces in the order of the input; its open edges are not counted yet.
 pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<Mesh> {
-    let Soup {
-        positions,
-        triangles,
-        input_face,
-        unused,
-    } = soup;
+    let Soup { positions, triangles, input_face, unused } = soup;
     let (first, welded) = weld(&positions);
 
     // Faces with three different corners and an area stay.
-    let mut mesh = Mesh {
-        positions: Vec::new(),
-        triangles: Vec::new(),
-        input_face: Vec::new(),
-        open_edges: 0,
-    };
+    let mut mesh = Mesh { positions: Vec::new(), triangles: Vec::new(), input_face: Vec::new(), open_edges: 0 };
     let (mut repeated, mut slivers) = (0, 0);
     for (corners, face) in triangles.iter().zip(input_face) {
         let [a, b, c] = corners.map(|corner| first[corner as usize]);
@@ -43,9 +33,7 @@ pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<Mesh> {
     if mesh.triangles.is_empty() {
         let found = format!("{repeated} with a repeated corner, {slivers} without area");
         let fault = Input::new("every face of the mesh is degenerate");
-        return Err(fault
-            .found(found)
-            .expected("at least one face with an area"));
+        return Err(fault.found(found).expected("at least one face with an area"));
     }
 
     // Vertices are numbered again in the order of first use.
@@ -97,10 +85,7 @@ fn is_sliver([a, b, c]: [DVec3; 3]) -> bool {
     // Scaled to about 1 first: squares of tiny or huge edges would leave the range of f64.
     let scale = ab.abs().max(bc.abs()).max(ca.abs()).max_element();
     let (ab, bc, ca) = (ab / scale, bc / scale, ca / scale);
-    let longest = ab
-        .length_squared()
-        .max(bc.length_squared())
-        .max(ca.length_squared());
+    let longest = ab.length_squared().max(bc.length_squared()).max(ca.length_squared());
     let area = ab.cross(ca).length() / 2.0;
     // A scale of 0 makes the area NaN.
     area.is_nan() || area <= SLIVER * longest
@@ -121,14 +106,8 @@ mod tests {
 
     #[test]
     fn welds_equal_places_and_minus_zero() {
-        let corners = [
-            [0.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [1.0, -0.0, 0.0],
-            [1.0, 1.0, 0.0],
-            [-0.0, 1.0, 0.0],
-        ];
+        let corners =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, -0.0, 0.0], [1.0, 1.0, 0.0], [-0.0, 1.0, 0.0]];
         let mut report = Vec::new();
         let mesh = clean(soup(&corners, &[[0, 1, 2], [3, 4, 5]]), &mut report).expect("a square");
         assert_eq!(mesh.triangles, [[0, 1, 2], [1, 3, 2]]);
@@ -137,13 +116,7 @@ mod tests {
 
     #[test]
     fn drops_what_has_no_area_and_keeps_the_faces_numbers() {
-        let corners = [
-            [0.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [2.0, 0.0, 0.0],
-            [5.0, 5.0, 5.0],
-            [0.0, 1.0, 0.0],
-        ];
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [5.0, 5.0, 5.0], [0.0, 1.0, 0.0]];
         let faces = [[0, 1, 2], [3, 3, 0], [0, 1, 4], [1, 2, 4]];
         let mut report = Vec::new();
         let mesh = clean(soup(&corners, &faces), &mut report).expect("two faces");
@@ -160,28 +133,16 @@ mod tests {
     #[test]
     fn size_does_not_matter() {
         for scale in [1e-90, 1.0, 1e30] {
-            let thin = |y: f64| {
-                is_sliver(
-                    [[0.0, 0.0], [1.0, 0.0], [0.5, y]].map(|[x, y]| DVec3::new(x, y, 0.0) * scale),
-                )
-            };
-            assert!(
-                !thin(1e-3) && !thin(1e-6) && thin(1e-7) && thin(0.0),
-                "{scale}"
-            );
+            let thin =
+                |y: f64| is_sliver([[0.0, 0.0], [1.0, 0.0], [0.5, y]].map(|[x, y]| DVec3::new(x, y, 0.0) * scale));
+            assert!(!thin(1e-3) && !thin(1e-6) && thin(1e-7) && thin(0.0), "{scale}");
         }
     }
 
     #[test]
     fn a_mesh_of_nothing_is_an_error() {
-        let fault = clean(
-            soup(&[[0.0; 3], [1.0; 3]], &[[0, 1, 1], [0, 0, 0]]),
-            &mut Vec::new(),
-        );
+        let fault = clean(soup(&[[0.0; 3], [1.0; 3]], &[[0, 1, 1], [0, 0, 0]]), &mut Vec::new());
         let message = fault.err().map(|e| e.to_string()).unwrap_or_default();
-        assert!(
-            message.starts_with("every face of the mesh is degenerate; found 2 with a rep"),
-            "{message}"
-        );
+        assert!(message.starts_with("every face of the mesh is degenerate; found 2 with a rep"), "{message}");
     }
 }

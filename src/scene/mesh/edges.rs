@@ -22,15 +22,10 @@ impl Edges {
         // Sorted by their two ends, the half-edges of an edge are neighbours.
         let ends = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)];
         let key = |(a, b): (u32, u32)| u64::from(a.min(b)) << 32 | u64::from(a.max(b));
-        let mut sorted: Vec<(u64, u32)> =
-            triangles.iter().flat_map(ends).map(key).zip(0..).collect();
+        let mut sorted: Vec<(u64, u32)> = triangles.iter().flat_map(ends).map(key).zip(0..).collect();
         sorted.par_sort_unstable();
 
-        let mut edges = Self {
-            twin: vec![NONE; sorted.len()],
-            open: 0,
-            crowded: 0,
-        };
+        let mut edges = Self { twin: vec![NONE; sorted.len()], open: 0, crowded: 0 };
         for edge in sorted.chunk_by(|a, b| a.0 == b.0) {
             match edge {
                 [_] => edges.open += 1,

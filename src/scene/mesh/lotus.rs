@@ -14,12 +14,7 @@ use std::f64::consts::TAU;
 const PETALS: f64 = 8.0;
 
 /// The Bezier curve of the sheet's middle: radius and height from the bottom to the highest tip.
-const CURVE: [DVec2; 4] = [
-    DVec2::ZERO,
-    DVec2::new(0.84, 0.0),
-    DVec2::new(0.68, 0.52),
-    DVec2::new(0.92, 1.04),
-];
+const CURVE: [DVec2; 4] = [DVec2::ZERO, DVec2::new(0.84, 0.0), DVec2::new(0.68, 0.52), DVec2::new(0.92, 1.04)];
 
 /// The full thickness at the bottom and at the rim.
 const THICKNESS: [f64; 2] = [0.12, 0.03];
@@ -44,12 +39,7 @@ pub(super) fn lotus(cells: u32) -> Mesh {
     let mut triangles = Vec::new();
     for (pair, start) in rings.windows(2).zip(starts.windows(2)) {
         let (below, above) = (pair[0].cells as usize, pair[1].cells as usize);
-        join(
-            &positions,
-            (start[0], below),
-            (start[1], above),
-            &mut triangles,
-        );
+        join(&positions, (start[0], below), (start[1], above), &mut triangles);
     }
     Mesh::made(positions, triangles)
 }
@@ -69,13 +59,8 @@ struct Ring {
 fn rings(cells: u32) -> Vec<Ring> {
     // The wall: even steps, with fewer cells where the circle gets short.
     let rows = (cells / 4).max(6);
-    let mut wall: Vec<Ring> = (0..=rows)
-        .map(|row| Ring {
-            way: ROUNDING * f64::from(row) / f64::from(rows),
-            side: 1.0,
-            cells,
-        })
-        .collect();
+    let mut wall: Vec<Ring> =
+        (0..=rows).map(|row| Ring { way: ROUNDING * f64::from(row) / f64::from(rows), side: 1.0, cells }).collect();
     let step = 1.3 / f64::from(rows);
     let mut count = cells;
     for ring in wall.iter_mut().rev() {
@@ -93,38 +78,20 @@ fn rings(cells: u32) -> Vec<Ring> {
     let cap = (1..6).map(|step| {
         let (sine, cosine) = (TAU / 12.0 * f64::from(step)).sin_cos();
         let side = if step == 3 { 0.0 } else { cosine };
-        Ring {
-            way: ROUNDING + (1.0 - ROUNDING) * sine,
-            side,
-            cells,
-        }
+        Ring { way: ROUNDING + (1.0 - ROUNDING) * sine, side, cells }
     });
-    let inner = wall.iter().rev().map(|ring| Ring {
-        side: -1.0,
-        ..*ring
-    });
+    let inner = wall.iter().rev().map(|ring| Ring { side: -1.0, ..*ring });
     wall.iter().copied().chain(cap).chain(inner).collect()
 }
 
 /// The triangles between two rings, each given by its first vertex and its count. The counts are
 /// the same, or one is twice the other, or one is 1.
-fn join(
-    positions: &[DVec3],
-    (a, na): (usize, usize),
-    (b, nb): (usize, usize),
-    triangles: &mut Vec<[u32; 3]>,
-) {
+fn join(positions: &[DVec3], (a, na): (usize, usize), (b, nb): (usize, usize), triangles: &mut Vec<[u32; 3]>) {
     let low = |cell: usize| number(a + cell % na);
     let high = |cell: usize| number(b + cell % nb);
     for cell in 0..na.max(nb) {
-        let [a0, a1] = [
-            low(cell * na / na.max(nb)),
-            low((cell + 1) * na / na.max(nb)),
-        ];
-        let [b0, b1] = [
-            high(cell * nb / na.max(nb)),
-            high((cell + 1) * nb / na.max(nb)),
-        ];
+        let [a0, a1] = [low(cell * na / na.max(nb)), low((cell + 1) * na / na.max(nb))];
+        let [b0, b1] = [high(cell * nb / na.max(nb)), high((cell + 1) * nb / na.max(nb))];
         if na == 1 || (na < nb && a0 == a1) {
             triangles.push([a0, b0, b1]);
         } else if nb == 1 || (nb < na && b0 == b1) {
@@ -182,10 +149,7 @@ impl Petal {
         let inner_push = 0.10 * cup(inner, INNER_WIDTH);
         let outer_push = 0.15 + 0.07 * cup(outer, 1.0 - INNER_WIDTH);
         let blend = smooth(INNER_WIDTH - 0.12, INNER_WIDTH + 0.12, inner);
-        Self {
-            height,
-            push: inner_push + (outer_push - inner_push) * blend,
-        }
+        Self { height, push: inner_push + (outer_push - inner_push) * blend }
     }
 }
 
@@ -238,9 +202,7 @@ mod tests {
             let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
             (b - a).cross(c - a).length() / (longest * longest)
         };
-        let worst = (0..mesh.triangles.len())
-            .map(quality)
-            .fold(f64::INFINITY, f64::min);
+        let worst = (0..mesh.triangles.len()).map(quality).fold(f64::INFINITY, f64::min);
         assert!(worst > 0.02, "{worst}");
     }
 }

@@ -40,15 +40,8 @@ impl Mesh {
 
     /// A mesh made here, which is known to be closed, clean and outward.
     fn made(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Self {
-        let input_face = (0..triangles.len())
-            .filter_map(|face| u32::try_from(face).ok())
-            .collect();
-        Self {
-            positions,
-            triangles,
-            input_face,
-            open_edges: 0,
-        }
+        let input_face = (0..triangles.len()).filter_map(|face| u32::try_from(face).ok()).collect();
+        Self { positions, triangles, input_face, open_edges: 0 }
     }
 
     /// The lowest and highest corner of the bounding box, in scene units.
@@ -70,9 +63,7 @@ impl Mesh {
     pub fn volume(&self) -> f64 {
         let apex = self.positions.first().copied().unwrap_or_default();
         let corners = (0..self.triangles.len()).filter_map(|triangle| self.corners(triangle));
-        corners
-            .map(|[a, b, c]| (a - apex).dot((b - apex).cross(c - apex)) / 6.0)
-            .sum()
+        corners.map(|[a, b, c]| (a - apex).dot((b - apex).cross(c - apex)) / 6.0).sum()
     }
 
     /// Moves the middle of the bounding box to the origin and scales the largest extent to `size`.
@@ -105,10 +96,7 @@ mod tests {
         assert!((low - DVec3::new(-10.0, -10.0, -2.0)).length() < 1e-12);
         assert!((high - DVec3::new(10.0, 10.0, 2.0)).length() < 1e-12);
         mesh.positions.truncate(1);
-        assert!(
-            mesh.resize(20.0)
-                .is_err_and(|e| e.to_string().contains("no extent"))
-        );
+        assert!(mesh.resize(20.0).is_err_and(|e| e.to_string().contains("no extent")));
     }
 
     #[test]
@@ -123,9 +111,6 @@ mod tests {
         assert_eq!((mesh.triangles.len(), mesh.open_edges), (12, 0));
         assert_eq!(mesh.input_face, [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5]);
         assert!((mesh.volume() - 1.0).abs() < 1e-12);
-        assert_eq!(
-            report,
-            ["reversed: 2 faces in 1 of 1 connected parts pointed the wrong way"]
-        );
+        assert_eq!(report, ["reversed: 2 faces in 1 of 1 connected parts pointed the wrong way"]);
     }
 }

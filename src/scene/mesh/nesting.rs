@@ -19,11 +19,7 @@ pub(super) fn depths(mesh: &Mesh, parts: &[&[u32]]) -> Vec<usize> {
             return 0;
         }
         let samples = outermost(mesh, faces);
-        let contains = |outer: &usize| {
-            samples
-                .iter()
-                .all(|&sample| winding(mesh, parts[*outer], sample).abs() > 0.5)
-        };
+        let contains = |outer: &usize| samples.iter().all(|&sample| winding(mesh, parts[*outer], sample).abs() > 0.5);
         outside.filter(contains).count()
     };
     parts.par_iter().enumerate().map(depth).collect()
@@ -31,14 +27,9 @@ pub(super) fn depths(mesh: &Mesh, parts: &[&[u32]]) -> Vec<usize> {
 
 /// The bounding box of some faces.
 fn bounds(mesh: &Mesh, faces: &[u32]) -> (DVec3, DVec3) {
-    let corners = faces
-        .iter()
-        .filter_map(|&face| mesh.corners(face as usize))
-        .flatten();
+    let corners = faces.iter().filter_map(|&face| mesh.corners(face as usize)).flatten();
     let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    corners.fold(empty, |(low, high), corner| {
-        (low.min(corner), high.max(corner))
-    })
+    corners.fold(empty, |(low, high), corner| (low.min(corner), high.max(corner)))
 }
 
 /// The centres of the faces that lie furthest along each axis, both ways. Centres, and not
@@ -47,9 +38,7 @@ fn outermost(mesh: &Mesh, faces: &[u32]) -> [DVec3; 6] {
     let mut best = [(f64::NEG_INFINITY, DVec3::ZERO); 6];
     for [a, b, c] in faces.iter().filter_map(|&face| mesh.corners(face as usize)) {
         let centre = (a + b + c) / 3.0;
-        let along = [
-            centre.x, centre.y, centre.z, -centre.x, -centre.y, -centre.z,
-        ];
+        let along = [centre.x, centre.y, centre.z, -centre.x, -centre.y, -centre.z];
         for (best, along) in best.iter_mut().zip(along) {
             if along > best.0 {
                 *best = (along, centre);

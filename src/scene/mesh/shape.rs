@@ -53,11 +53,7 @@ fn sphere(subdivisions: u32) -> Mesh {
     let g = f64::midpoint(1.0, 5f64.sqrt());
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for (a, b) in [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)] {
-        for corner in [
-            DVec3::new(0.0, a, b),
-            DVec3::new(a, b, 0.0),
-            DVec3::new(b, 0.0, a),
-        ] {
+        for corner in [DVec3::new(0.0, a, b), DVec3::new(a, b, 0.0), DVec3::new(b, 0.0, a)] {
             positions.push(corner.normalize());
         }
     }
@@ -166,11 +162,7 @@ mod tests {
         for detail in 0..=5 {
             let mesh = check(Shape::Sphere, detail);
             assert_eq!(mesh.triangles.len(), 20 << (2 * detail));
-            assert!(
-                mesh.positions
-                    .iter()
-                    .all(|p| (p.length() - 1.0).abs() < 1e-12)
-            );
+            assert!(mesh.positions.iter().all(|p| (p.length() - 1.0).abs() < 1e-12));
         }
         let volume = Shape::Sphere.build(5).volume();
         assert!((volume / (std::f64::consts::PI * 4.0 / 3.0) - 1.0).abs() < 2e-3);
@@ -192,10 +184,7 @@ mod tests {
             let mesh = check(Shape::Lotus, detail);
             let (low, high) = mesh.bounds();
             let extent = high - low;
-            assert!(
-                extent.x > 1.6 && extent.x < 2.6 && extent.y < extent.x,
-                "{extent}"
-            );
+            assert!(extent.x > 1.6 && extent.x < 2.6 && extent.y < extent.x, "{extent}");
         }
     }
 }

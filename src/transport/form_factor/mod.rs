@@ -42,11 +42,7 @@ impl Distance {
             Self::Radial => [delta.hypot(z_real), delta.hypot(z_virtual)],
             Self::Table1 { clamp } => {
                 let literal = [(delta + z_real).abs(), (delta - z_virtual).abs()];
-                if clamp {
-                    [literal[0].max(z_real), literal[1].max(z_virtual)]
-                } else {
-                    literal
-                }
+                if clamp { [literal[0].max(z_real), literal[1].max(z_virtual)] } else { literal }
             }
         }
     }

@@ -107,6 +107,9 @@ impl<'a> Emitters<'a> {
 fn cpu(state: &mut State, chunk: usize) {
     let (base, _) = state.part(Slot::links, chunk);
     let data = &state.data;
+    if data.cursor[0].overflow != 0 {
+        return;
+    }
     let links = &data.links[base..base + data.cursor[0].links as usize];
     let emitters = Emitters::new(data, state.distance);
     let factors: Vec<[f32; 3]> = links

@@ -34,6 +34,9 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
+/// Links that one invocation of `gather` can sum up on a driver that ends loops after 65,535 iterations (lavapipe).
+const MOST_LINKS: u32 = 65_000;
+
 /// One receiver's decisions, in order.
 #[derive(Default)]
 struct Lists {
@@ -64,18 +67,26 @@ fn cpu(state: &mut State, chunk: usize) {
         let total = lists.iter().map(sizes).fold(at, |sum, n| std::array::from_fn(|k| sum[k] + n[k]));
         let frame = &data.frame[0];
         let room = [frame.link_room, frame.area_room, frame.edge_room, frame.hand_room];
-        let fits = total.iter().zip(room).all(|(&total, room)| total <= room);
+        let fits: [bool; 4] = {
+            let each: [bool; 4] = std::array::from_fn(|k| total[k] <= room[k]);
+            let links = each[0] && each[1] && each[2];
+            [links, links, links, each[3]]
+        };
         cursor.need_links = cursor.need_links.max(total[0]);
         cursor.need_areas = cursor.need_areas.max(total[1]);
         cursor.need_edges = cursor.need_edges.max(total[2]);
         cursor.need_hands = cursor.need_hands.max(total[3]);
-        if !fits {
+        if fits.contains(&false) {
             cursor.overflow = 1;
         }
 
         // Write.
         for (&receiver, list) in receivers.iter().zip(&lists) {
-            let n = if fits { sizes(list) } else { [0; 4] };
+            let counts = sizes(list);
+            if counts[0] > MOST_LINKS {
+                cursor.unfinished = 1;
+            }
+            let n: [u32; 4] = std::array::from_fn(|k| if fits[k] { counts[k] } else { 0 });
             data.spans[receiver as usize] = Span {
                 link: at[0],
                 links: n[0],
@@ -86,8 +97,8 @@ fn cpu(state: &mut State, chunk: usize) {
                 hand: at[3],
                 hands: n[3],
             };
-            if fits {
-                let [link, area, edge, hand] = at.map(|n| n as usize);
+            let [link, area, edge, hand] = at.map(|n| n as usize);
+            if fits[0] {
                 for (k, &emitter) in list.links.iter().enumerate() {
                     data.links[link_base + link + k] = Link { receiver, emitter };
                 }
@@ -97,9 +108,11 @@ fn cpu(state: &mut State, chunk: usize) {
                 for (k, &index) in list.edges.iter().enumerate() {
                     data.edge_links[edge_base + edge + k] = at[0] + index;
                 }
+            }
+            if fits[3] {
                 data.handed[hand..hand + list.hands.len()].copy_from_slice(&list.hands);
             }
-            at = std::array::from_fn(|k| at[k] + n[k]);
+            at = std::array::from_fn(|k| at[k] + counts[k]);
         }
         [cursor.links, cursor.areas, cursor.edges, cursor.hands] = at;
         if top {

@@ -83,8 +83,7 @@ impl<'a> Walk<'a> {
                 if inner && children.iter().any(far) {
                     tell(Decision::HandDown, node);
                     node = place.skip;
-                } else if place.face == u32::MAX
-                    && (emitter.area > self.frame.emitter_angle * d2 || self.bent(emitter))
+                } else if place.face == u32::MAX && (emitter.area > self.frame.emitter_angle * d2 || self.bent(emitter))
                 {
                     node += 1;
                 } else {

@@ -43,21 +43,10 @@ fn in_vertex(words: &[&str]) -> Option<Input> {
     let weight = values.get(3).copied().unwrap_or(1.0);
     let finite = |value: &&f64| !(**value / weight).is_finite();
     if let Some(value) = values.iter().take(3).find(finite) {
-        let found = if weight == 0.0 {
-            "a weight of 0".to_owned()
-        } else {
-            value.to_string()
-        };
-        return Some(
-            Input::new("a coordinate is not finite")
-                .found(found)
-                .expected(expected),
-        );
+        let found = if weight == 0.0 { "a weight of 0".to_owned() } else { value.to_string() };
+        return Some(Input::new("a coordinate is not finite").found(found).expected(expected));
     }
-    let value = values
-        .iter()
-        .take(3)
-        .find(|value| (**value / weight).abs() > LARGEST)?;
+    let value = values.iter().take(3).find(|value| (**value / weight).abs() > LARGEST)?;
     let fault = Input::new("a coordinate is too large");
     Some(fault.found(format!("{value:e}")).expected(expected))
 }
@@ -67,11 +56,7 @@ fn in_face(words: &[&str], before: usize, vertices: usize) -> Option<Input> {
     for word in words {
         let Ok(index) = index_of(word).parse::<i64>() else {
             let fault = Input::new("a corner of a face is not a vertex number");
-            return Some(
-                fault
-                    .found(format!("`{word}`"))
-                    .expected("such as 7, 7/2, 7//3 or 7/2/3"),
-            );
+            return Some(fault.found(format!("`{word}`")).expected("such as 7, 7/2, 7//3 or 7/2/3"));
         };
         // Negative numbers count back from the last vertex so far.
         let limit = if index < 0 { before } else { vertices };
@@ -101,81 +86,33 @@ mod tests {
     fn every_fault_has_a_line_and_a_reason() {
         let start = "# three\nv 0 0 0\nv 1 0 0\nv 0 1 0\n";
         let cases = [
-            (
-                "f 1 2 0",
-                "a face names a vertex that is not there; found 0; expected 1 to 3, or -3 to -1",
-            ),
-            (
-                "f 1 2 4",
-                "a face names a vertex that is not there; found 4",
-            ),
-            (
-                "f 1 2 -4",
-                "a face names a vertex that is not there; found -4",
-            ),
-            (
-                "f 1 2 99999999999999999999",
-                "a corner of a face is not a vertex number; found `99999",
-            ),
-            (
-                "f 1 2 9223372036854775807",
-                "a face names a vertex that is not there; found 922",
-            ),
-            (
-                "f 1 2 x/1",
-                "a corner of a face is not a vertex number; found `x/1`; expected such as 7",
-            ),
-            (
-                "f 1 2 /1",
-                "a corner of a face is not a vertex number; found `/1`",
-            ),
-            (
-                "f 1 2",
-                "a face has too few corners; found 2; expected three or more",
-            ),
+            ("f 1 2 0", "a face names a vertex that is not there; found 0; expected 1 to 3, or -3 to -1"),
+            ("f 1 2 4", "a face names a vertex that is not there; found 4"),
+            ("f 1 2 -4", "a face names a vertex that is not there; found -4"),
+            ("f 1 2 99999999999999999999", "a corner of a face is not a vertex number; found `99999"),
+            ("f 1 2 9223372036854775807", "a face names a vertex that is not there; found 922"),
+            ("f 1 2 x/1", "a corner of a face is not a vertex number; found `x/1`; expected such as 7"),
+            ("f 1 2 /1", "a corner of a face is not a vertex number; found `/1`"),
+            ("f 1 2", "a face has too few corners; found 2; expected three or more"),
             ("f", "a face has too few corners; found 0"),
-            (
-                "v 1 2",
-                "a vertex has too few coordinates; found 2; expected three numbers",
-            ),
+            ("v 1 2", "a vertex has too few coordinates; found 2; expected three numbers"),
             ("v 1 2 abc", "a coordinate is not a number; found `abc`"),
-            (
-                "v 1 nan 3\nf 1 2 4",
-                "a coordinate is not finite; found NaN",
-            ),
-            (
-                "v 1 2 1e999\nf 1 2 4",
-                "a coordinate is not finite; found inf",
-            ),
-            (
-                "v 1 2 1e40\nf 1 2 4",
-                "a coordinate is too large; found 1e40",
-            ),
-            (
-                "v 1 2 3 0\nf 1 2 4",
-                "a coordinate is not finite; found a weight of 0",
-            ),
+            ("v 1 nan 3\nf 1 2 4", "a coordinate is not finite; found NaN"),
+            ("v 1 2 1e999\nf 1 2 4", "a coordinate is not finite; found inf"),
+            ("v 1 2 1e40\nf 1 2 4", "a coordinate is too large; found 1e40"),
+            ("v 1 2 3 0\nf 1 2 4", "a coordinate is not finite; found a weight of 0"),
         ];
         for (statement, expected) in cases {
             let text = format!("{start}{statement}\nf 1 2 3\n");
-            let error = parse(&text)
-                .err()
-                .map(|e| (e.line, e.to_string()))
-                .unwrap_or_default();
-            assert!(
-                error.0 == Some(5) && error.1.starts_with(expected),
-                "{error:?}"
-            );
+            let error = parse(&text).err().map(|e| (e.line, e.to_string())).unwrap_or_default();
+            assert!(error.0 == Some(5) && error.1.starts_with(expected), "{error:?}");
         }
     }
 
     #[test]
     fn a_coordinate_at_fault_is_found_before_the_face_that_uses_it() {
         let text = "v 0 0 0\nv 1 0 0\nf 1 2 3\n\nv 0 inf 0\n";
-        let error = parse(text)
-            .err()
-            .map(|e| (e.line, e.to_string()))
-            .unwrap_or_default();
+        let error = parse(text).err().map(|e| (e.line, e.to_string())).unwrap_or_default();
         assert_eq!(error.0, Some(5), "{error:?}");
     }
 }

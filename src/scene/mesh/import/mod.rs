@@ -32,9 +32,7 @@ pub(super) struct Soup {
 pub(super) fn read(path: &Path) -> Checked<Soup> {
     let bytes = std::fs::read(path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => Input::new("there is no such mesh file").file(path),
-        _ => Input::new("the mesh file cannot be read")
-            .file(path)
-            .found(error),
+        _ => Input::new("the mesh file cannot be read").file(path).found(error),
     })?;
     // Names and comments may be in any encoding; what matters is ASCII.
     parse(&String::from_utf8_lossy(&bytes)).map_err(|fault| fault.file(path))
@@ -56,9 +54,7 @@ fn parse(text: &str) -> Checked<Soup> {
     })?;
     if soup.triangles.is_empty() {
         let fault = Input::new("the mesh has no faces");
-        return Err(fault
-            .found("no `f` statement")
-            .expected("a Wavefront OBJ file with faces"));
+        return Err(fault.found("no `f` statement").expected("a Wavefront OBJ file with faces"));
     }
     Ok(soup)
 }
@@ -89,8 +85,7 @@ fn join(models: &[tobj::Model], vertices: usize) -> Option<Soup> {
                 return None;
             }
             for pair in others.windows(2) {
-                soup.triangles
-                    .push([base + first, base + pair[0], base + pair[1]]);
+                soup.triangles.push([base + first, base + pair[0], base + pair[1]]);
                 soup.input_face.push(face);
             }
             rest = after;
@@ -172,8 +167,7 @@ mod tests {
 
     #[test]
     fn polygons_become_fans_in_the_files_order() {
-        let text =
-            format!("mtllib gone.mtl\n{SQUARE}v 9 9 9\no a\nf 1/1/1 2//2 3/3 4\no b\nf -3 -2 -1\n");
+        let text = format!("mtllib gone.mtl\n{SQUARE}v 9 9 9\no a\nf 1/1/1 2//2 3/3 4\no b\nf -3 -2 -1\n");
         let soup = parse(&text).expect("a square and a triangle");
         assert_eq!(soup.triangles, [[0, 1, 2], [0, 2, 3], [2, 3, 4]]);
         assert_eq!(soup.input_face, [0, 0, 1]);
@@ -194,31 +188,16 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("gone.obj");
         let error = read(&path).err().map(|e| e.to_string()).unwrap_or_default();
-        assert!(
-            error.ends_with("gone.obj: there is no such mesh file"),
-            "{error}"
-        );
-        let error = read(folder.path())
-            .err()
-            .map(|e| e.to_string())
-            .unwrap_or_default();
-        assert!(
-            error.contains(": the mesh file cannot be read; found "),
-            "{error}"
-        );
+        assert!(error.ends_with("gone.obj: there is no such mesh file"), "{error}");
+        let error = read(folder.path()).err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(error.contains(": the mesh file cannot be read; found "), "{error}");
         for bytes in [&b""[..], b"v 0 0 0\n", b"\xff\xfe\0\0\x80"] {
             std::fs::write(&path, bytes).expect("written");
             let error = read(&path).err().map(|e| e.to_string()).unwrap_or_default();
-            assert!(
-                error.contains("gone.obj: the mesh has no faces; found no `f`"),
-                "{error}"
-            );
+            assert!(error.contains("gone.obj: the mesh has no faces; found no `f`"), "{error}");
         }
         std::fs::write(&path, format!("{SQUARE}f 1 2 7\n")).expect("written");
         let error = read(&path).err().map(|e| e.to_string()).unwrap_or_default();
-        assert!(
-            error.contains("gone.obj:5: a face names a vertex that is not there"),
-            "{error}"
-        );
+        assert!(error.contains("gone.obj:5: a face names a vertex that is not there"), "{error}");
     }
 }

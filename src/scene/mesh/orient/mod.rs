@@ -31,11 +31,7 @@ pub(super) fn orient(mesh: &mut Mesh, report: &mut Vec<String>) {
     for part in parts.iter().filter(|part| !part.closed) {
         let area = |face: &u32| mesh.corners(*face as usize).map_or(0.0, area);
         let signed = |face: &u32| {
-            if reversed[*face as usize] {
-                -area(face)
-            } else {
-                area(face)
-            }
+            if reversed[*face as usize] { -area(face) } else { area(face) }
         };
         if part.faces.iter().map(signed).sum::<f64>() < 0.0 {
             flip(&mut reversed, part);
@@ -67,9 +63,7 @@ pub(super) fn orient(mesh: &mut Mesh, report: &mut Vec<String>) {
     }
     if parts.len() > 1 {
         let (all, closed) = (parts.len(), closed.len());
-        report.push(format!(
-            "parts: {all} connected parts, {closed} of them closed"
-        ));
+        report.push(format!("parts: {all} connected parts, {closed} of them closed"));
     }
     if edges.open > 0 {
         let end = "edges have one face only; light is transported as if the gaps were not there";
@@ -97,10 +91,7 @@ fn split(triangles: &[[u32; 3]], edges: &Edges, reversed: &mut [bool]) -> (Vec<P
             continue;
         }
         part_of[first as usize] = parts.len();
-        let mut part = Part {
-            faces: vec![first],
-            closed: true,
-        };
+        let mut part = Part { faces: vec![first], closed: true };
         let mut next = 0;
         while let Some(&face) = part.faces.get(next) {
             next += 1;
@@ -142,11 +133,7 @@ fn flip(flags: &mut [bool], part: &Part) {
 }
 
 fn apply(triangles: &mut [[u32; 3]], reversed: &[bool]) {
-    for (corners, _) in triangles
-        .iter_mut()
-        .zip(reversed)
-        .filter(|(_, reversed)| **reversed)
-    {
+    for (corners, _) in triangles.iter_mut().zip(reversed).filter(|(_, reversed)| **reversed) {
         corners.swap(1, 2);
     }
 }
@@ -159,9 +146,7 @@ fn area([a, b, c]: [DVec3; 3]) -> f64 {
 fn volume(mesh: &Mesh, faces: &[u32]) -> f64 {
     let corners = || faces.iter().filter_map(|&face| mesh.corners(face as usize));
     let apex = corners().next().map_or(DVec3::ZERO, |[a, ..]| a);
-    corners()
-        .map(|[a, b, c]| (a - apex).dot((b - apex).cross(c - apex)))
-        .sum()
+    corners().map(|[a, b, c]| (a - apex).dot((b - apex).cross(c - apex))).sum()
 }
 
 #[cfg(test)]

@@ -6,32 +6,22 @@ use proptest::prelude::*;
 
 fn ball(radius: f64, middle: DVec3) -> Mesh {
     let mut mesh = Shape::Sphere.build(1);
-    mesh.positions
-        .iter_mut()
-        .for_each(|p| *p = *p * radius + middle);
+    mesh.positions.iter_mut().for_each(|p| *p = *p * radius + middle);
     mesh
 }
 
 fn together(meshes: &[Mesh]) -> Mesh {
-    let mut all = Mesh {
-        positions: vec![],
-        triangles: vec![],
-        input_face: vec![],
-        open_edges: 0,
-    };
+    let mut all = Mesh { positions: vec![], triangles: vec![], input_face: vec![], open_edges: 0 };
     for mesh in meshes {
         let base = all.positions.len() as u32;
         all.positions.extend(&mesh.positions);
-        all.triangles
-            .extend(mesh.triangles.iter().map(|t| t.map(|corner| corner + base)));
+        all.triangles.extend(mesh.triangles.iter().map(|t| t.map(|corner| corner + base)));
     }
     all
 }
 
 fn turned(mut mesh: Mesh) -> Mesh {
-    mesh.triangles
-        .iter_mut()
-        .for_each(|corners| corners.swap(0, 1));
+    mesh.triangles.iter_mut().for_each(|corners| corners.swap(0, 1));
     mesh
 }
 
@@ -44,10 +34,7 @@ fn oriented(mut mesh: Mesh) -> (Mesh, Vec<String>) {
 /// The sign of the volume of each run of `count` faces.
 fn signs(mesh: &Mesh, count: usize) -> Vec<bool> {
     let faces: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-    faces
-        .chunks(count)
-        .map(|part| volume(mesh, part) > 0.0)
-        .collect()
+    faces.chunks(count).map(|part| volume(mesh, part) > 0.0).collect()
 }
 
 #[test]
@@ -79,13 +66,7 @@ fn walls_of_cavities_face_them() {
             .iter()
             .cloned()
             .enumerate()
-            .map(|(index, ball)| {
-                if mask >> index & 1 == 1 {
-                    turned(ball)
-                } else {
-                    ball
-                }
-            })
+            .map(|(index, ball)| if mask >> index & 1 == 1 { turned(ball) } else { ball })
             .collect();
         let (mesh, report) = oriented(together(&mixed));
         assert_eq!(signs(&mesh, 80), [true, false, true, true]);
@@ -95,11 +76,7 @@ fn walls_of_cavities_face_them() {
 
 #[test]
 fn balls_that_overlap_or_only_share_a_box_all_face_outwards() {
-    let balls = [
-        ball(3.0, DVec3::ZERO),
-        ball(0.3, DVec3::new(1.75, 1.75, 1.75)),
-        ball(0.5, DVec3::new(2.3, 1.6, 0.0)),
-    ];
+    let balls = [ball(3.0, DVec3::ZERO), ball(0.3, DVec3::new(1.75, 1.75, 1.75)), ball(0.5, DVec3::new(2.3, 1.6, 0.0))];
     let (mesh, _) = oriented(together(&balls));
     assert_eq!(signs(&mesh, 80), [true, true, true]);
 }
@@ -109,48 +86,27 @@ fn an_open_part_keeps_the_side_of_most_of_its_area() {
     let mut mesh = ball(1.0, DVec3::ZERO);
     mesh.triangles.truncate(60);
     let kept = mesh.triangles.clone();
-    mesh.triangles
-        .iter_mut()
-        .take(20)
-        .for_each(|corners| corners.swap(0, 1));
+    mesh.triangles.iter_mut().take(20).for_each(|corners| corners.swap(0, 1));
     let (mesh, report) = oriented(mesh);
     let normal = |t: &[u32; 3]| {
         let smallest = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
         [t[smallest], t[(smallest + 1) % 3], t[(smallest + 2) % 3]]
     };
-    assert!(
-        mesh.triangles
-            .iter()
-            .map(normal)
-            .eq(kept.iter().map(normal))
-    );
-    assert!(
-        report
-            .iter()
-            .any(|line| line.starts_with("reversed: 20 faces in 1 of "))
-    );
-    let open = format!(
-        "open: {} edges have one face only; light is transported",
-        mesh.open_edges
-    );
+    assert!(mesh.triangles.iter().map(normal).eq(kept.iter().map(normal)));
+    assert!(report.iter().any(|line| line.starts_with("reversed: 20 faces in 1 of ")));
+    let open = format!("open: {} edges have one face only; light is transported", mesh.open_edges);
     assert!(mesh.open_edges > 0 && report.iter().any(|line| line.starts_with(&open)));
 }
 
 #[test]
 fn a_moebius_strip_is_reported() {
-    let mut mesh = Mesh {
-        positions: vec![],
-        triangles: vec![],
-        input_face: vec![],
-        open_edges: 0,
-    };
+    let mut mesh = Mesh { positions: vec![], triangles: vec![], input_face: vec![], open_edges: 0 };
     for step in 0..8u32 {
         let angle = f64::from(step) * std::f64::consts::TAU / 8.0;
         let (sine, cosine) = (angle / 2.0).sin_cos();
         let out = DVec3::new(angle.cos(), angle.sin(), 0.0);
         for side in [-0.3, 0.3] {
-            mesh.positions
-                .push(out * (1.0 + side * cosine) + DVec3::Z * side * sine);
+            mesh.positions.push(out * (1.0 + side * cosine) + DVec3::Z * side * sine);
         }
         let (a, b) = (2 * step, 2 * step + 1);
         let (c, d) = if step == 7 { (1, 0) } else { (a + 2, b + 2) };
@@ -159,34 +115,19 @@ fn a_moebius_strip_is_reported() {
     let (mesh, report) = oriented(mesh);
     assert_eq!(mesh.open_edges, 16);
     let expected = "one-sided: 1 edges have faces that cannot agree on a side";
-    assert!(
-        report.iter().any(|line| line.starts_with(expected)),
-        "{report:?}"
-    );
+    assert!(report.iter().any(|line| line.starts_with(expected)), "{report:?}");
 }
 
 #[test]
 fn crowded_edges_join_nothing() {
     // Two tetrahedra that share an edge: four faces meet there.
-    let mut mesh = Mesh {
-        positions: vec![],
-        triangles: vec![],
-        input_face: vec![],
-        open_edges: 0,
-    };
-    mesh.positions = [
-        [0.0, 0.0, 0.0],
-        [0.0, 0.0, 1.0],
-        [1.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [-1.0, 0.0, 0.0],
-        [0.0, -1.0, 0.0],
-    ]
-    .map(DVec3::from_array)
-    .to_vec();
+    let mut mesh = Mesh { positions: vec![], triangles: vec![], input_face: vec![], open_edges: 0 };
+    mesh.positions =
+        [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]
+            .map(DVec3::from_array)
+            .to_vec();
     for [a, b, c, d] in [[0, 2, 3, 1], [0, 4, 5, 1]] {
-        mesh.triangles
-            .extend([[a, c, b], [a, b, d], [b, c, d], [c, a, d]]);
+        mesh.triangles.extend([[a, c, b], [a, b, d], [b, c, d], [c, a, d]]);
     }
     let (mesh, report) = oriented(mesh);
     assert_eq!(mesh.open_edges, 0);
