@@ -1,15 +1,15 @@
-//! Compiles every `glsl/**/*.comp` to SPIR-V, and writes the GLSL form of `src/layout.rs` for them to include.
+//! Compiles every `glsl/**/*.comp` to SPIR-V, and writes the GLSL form of `src/layout` for them to include.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::{env, fs, process};
 
-#[path = "src/layout.rs"]
+#[path = "src/layout/mod.rs"]
 mod layout;
 
 fn main() {
     println!("cargo::rerun-if-changed=glsl");
-    println!("cargo::rerun-if-changed=src/layout.rs");
+    println!("cargo::rerun-if-changed=src/layout");
     if let Err(message) = run() {
         println!("cargo::error={}", message.trim_end().replace('\n', "\ncargo::error="));
         process::exit(1);
@@ -83,7 +83,7 @@ fn compile(compiler: &shaderc::Compiler, path: &Path, header: &str) -> Result<Ve
         .map_err(|e| e.to_string())
 }
 
-/// The records and buffers of `src/layout.rs` as GLSL.
+/// The records and buffers of `src/layout` as GLSL.
 fn declarations() -> String {
     let mut text = String::from(
         "#extension GL_EXT_scalar_block_layout : require\n\

@@ -2,12 +2,12 @@
 //!
 //! Without a device this fails, unless `MILKGLASS_NO_DEVICE=1` waives it, and then it says so.
 
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 
 use milkglass::gpu::{Adapter, Device, Instance};
 use milkglass::layout::{SLOTS, Slot};
 use milkglass::measure::conform::{Plant, conform};
-use milkglass::measure::fixtures::{covered, fixtures};
+use milkglass::measure::fixtures::{Fixture, covered, fixtures};
 use milkglass::render::plan::{Change, Goal, Mode, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::render::stages::STAGES;
@@ -15,6 +15,12 @@ use milkglass::scene::Scene;
 
 /// One device at a time: messages belong to the instance that opened it.
 static TURN: Mutex<()> = Mutex::new(());
+
+/// The fixtures, made once.
+fn all() -> &'static [Fixture] {
+    static LIST: OnceLock<Vec<Fixture>> = OnceLock::new();
+    LIST.get_or_init(|| fixtures().unwrap())
+}
 
 /// Runs `body` on every usable device, with validation; fails where there is none.
 fn on_devices(body: impl Fn(&Device)) {
@@ -43,14 +49,14 @@ fn on_devices(body: impl Fn(&Device)) {
 
 #[test]
 fn every_stage_conforms_on_every_fixture() {
-    let list = fixtures().unwrap();
+    let list = all();
     for stage in STAGES {
-        assert!(covered(&list, stage.name), "no fixture runs stage {}", stage.name);
+        assert!(covered(list, stage.name), "no fixture runs stage {}", stage.name);
     }
     on_devices(|device| {
         let mut compared = 0;
         let mut faults = Vec::new();
-        for fixture in &list {
+        for fixture in list {
             let rows = conform(device, fixture, None).unwrap();
             assert!(!rows.is_empty(), "{} compared nothing", fixture.name);
             for row in rows {
@@ -66,7 +72,7 @@ fn every_stage_conforms_on_every_fixture() {
 
 #[test]
 fn a_planted_error_is_reported_by_name() {
-    let list = fixtures().unwrap();
+    let list = all();
     on_devices(|device| {
         for stage in STAGES {
             // A fixture in which the stage's buffers are not empty.

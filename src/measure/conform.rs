@@ -43,13 +43,17 @@ pub struct Plant {
     pub slot: Slot,
 }
 
-/// Runs every step of a fixture; one row a stage.
+/// Runs every step of a fixture; one row a stage. With a planted error, only its stage runs on the device.
 pub fn conform(device: &Device, fixture: &Fixture, plant: Option<Plant>) -> Result<Vec<Row>> {
     let mut rows: Vec<Row> = Vec::new();
     let mut twin = DeviceState::new(device, true);
     let mut state = fixture.state.clone();
     let _ = device.take_messages();
     for step in &fixture.steps {
+        if plant.is_some_and(|plant| plant.stage != step.stage.name) {
+            (step.stage.cpu)(&mut state, step.chunk);
+            continue;
+        }
         let (next, row) = one(&mut twin, &state, *step, &fixture.name, plant)?;
         state = next;
         match rows.iter_mut().find(|known| known.stage == row.stage) {
@@ -98,7 +102,7 @@ fn one(twin: &mut DeviceState, before: &State, step: Step, name: &str, plant: Op
     if let Some(plant) = plant.filter(|plant| plant.stage == step.stage.name)
         && let [word, ..] = bytemuck::cast_slice_mut::<u8, u32>(results[0].data.bytes_mut(plant.slot))
     {
-        *word ^= 0x0040_0000;
+        *word ^= 0x4000_0000;
         let copy = *word;
         if let [word, ..] = bytemuck::cast_slice_mut::<u8, u32>(results[1].data.bytes_mut(plant.slot)) {
             *word = copy;

@@ -132,7 +132,7 @@ pub fn fixtures() -> Result<Vec<Fixture>> {
 
     // Many small chunks, scratch and kept.
     let cut = Room { chunk_faces: 200, links: 40, ..Room::default() };
-    let sphere = small("sphere", &["object.0.detail=4"])?;
+    let sphere = small("sphere", &["object.0.detail=3"])?;
     list.push(Fixture::new("sphere in chunks", &sphere, Options::default(), cut)?);
     let kept = Options { mode: Mode::Render, ..Options::default() };
     list.push(Fixture::new("sphere in chunks, kept", &sphere, kept, cut)?);

@@ -1,0 +1,66 @@
+//! The buffers of a frame. A buffer's place in this list is its binding in every shader.
+
+use super::*;
+
+buffers! {
+    /// The numbers that hold for the whole frame; one element.
+    frame: Frame, frame;
+    /// The lights.
+    lights: Light, light;
+    /// The camera; one element.
+    camera: Camera, frame;
+    /// Vertex positions, centred and scaled to unit extent.
+    positions: [f32; 3], vertex;
+    /// Vertex indices of each triangle, in the order of the tree's leaves.
+    triangles: [u32; 3], face;
+    /// Where each vertex's entries in `corners` begin; one more at the end.
+    corner_starts: u32, vertex;
+    /// The triangles round each vertex.
+    corners: u32, corner;
+    /// The tree.
+    topology: Topology, node;
+    /// The leaf node of each triangle.
+    leaves: u32, face;
+    /// All nodes, sorted by chunk, then level, then index.
+    order: u32, node;
+    /// Bounding boxes.
+    bounds: Bounds, node;
+    /// Clusters.
+    clusters: Cluster, node;
+    /// Unit vertex normals, area-weighted.
+    normals: [f32; 3], vertex;
+    /// Irradiance that enters each triangle, E of equation 5.
+    irradiance: [f32; 3], face;
+    /// Area-weighted mean irradiance of each cluster.
+    cluster_irradiance: [f32; 3], node;
+    /// Squared centroid distances beyond which 1, 3, 6, 12 area points serve for a triangle.
+    reach: [f32; 4], face;
+    /// Each receiver's lists.
+    spans: Span, node;
+    /// Emitters that a receiver hands down to its children.
+    handed: u32, hand;
+    /// How full the lists are; one element.
+    cursor: Cursor, frame;
+    /// The links of a chunk, by receiver.
+    links: Link, chunk;
+    /// Form factor of each link, per channel.
+    factors: [f32; 3], chunk;
+    /// Indices of the links that take area points.
+    area_links: u32, chunk;
+    /// Indices of the links that take the edge form.
+    edge_links: u32, chunk;
+    /// Radiosity gathered at each node's own links.
+    gathered: [f32; 3], node;
+    /// Radiosity of each triangle, B of equation 4.
+    radiosity: [f32; 3], face;
+    /// Radiosity averaged at each vertex.
+    vertex_radiosity: [f32; 3], vertex;
+    /// What each pixel's ray met.
+    hits: Hit, pixel;
+    /// Linear radiance of each pixel.
+    radiance: [f32; 3], pixel;
+    /// Form factors to evaluate one by one.
+    queries: Query, query;
+    /// Their values: radial, then displaced sources (Table 1).
+    answers: [f32; 3], query;
+}

@@ -1,0 +1,174 @@
+//! The one source of truth for what lies in a buffer: every record, every buffer, its element and its binding.
+//!
+//! Rust takes its `#[repr(C)]` structs and the [`Buffers`] of a frame from here; the build script reads the same
+//! tables and writes the GLSL structs and buffer declarations (`layout.glsl`), so that neither side can drift.
+//! A test compares the offsets found in the compiled SPIR-V with those of the Rust structs.
+
+#![allow(dead_code)] // the build script includes this file and uses half of it
+
+use bytemuck::Pod;
+
+/// How four bytes are to be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Number {
+    /// An IEEE 754 single.
+    Float,
+    /// An unsigned integer.
+    Unsigned,
+}
+
+/// One four-byte word of an element: its path inside the element, and how to read it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Word {
+    /// `center.1`, `skip`; empty for a plain number.
+    pub path: String,
+    /// How to read it.
+    pub number: Number,
+}
+
+/// Something a buffer can hold: its GLSL type, and its words in order.
+pub trait Element: Pod {
+    /// The GLSL name of the type.
+    const GLSL: &'static str;
+    /// The words of one element, in memory order, without padding.
+    fn words() -> Vec<Word>;
+}
+
+macro_rules! plain {
+    ($($kind:ty, $glsl:literal, $count:literal, $number:ident;)*) => { $(
+        impl Element for $kind {
+            const GLSL: &'static str = $glsl;
+            fn words() -> Vec<Word> {
+                let path = |i: usize| if $count == 1 { String::new() } else { i.to_string() };
+                (0..$count).map(|i| Word { path: path(i), number: Number::$number }).collect()
+            }
+        }
+    )* };
+}
+
+plain! {
+    f32, "float", 1, Float;
+    u32, "uint", 1, Unsigned;
+    [f32; 3], "vec3", 3, Float;
+    [f32; 4], "vec4", 4, Float;
+    [u32; 3], "uvec3", 3, Unsigned;
+}
+
+/// A struct shared by host and device, as the build script and the layout test see it.
+pub struct Record {
+    /// Its name on both sides.
+    pub name: &'static str,
+    /// Field name, GLSL type, and the host's byte offset.
+    pub fields: Vec<(&'static str, &'static str, usize)>,
+    /// The host's size in bytes.
+    pub size: usize,
+}
+
+macro_rules! records {
+    ($($(#[doc = $about:literal])* $name:ident { $($(#[doc = $note:literal])* $field:ident: $kind:ty,)* })*) => {
+        $(
+            $(#[doc = $about])*
+            #[repr(C)]
+            #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+            pub struct $name { $($(#[doc = $note])* pub $field: $kind,)* }
+
+            impl Element for $name {
+                const GLSL: &'static str = stringify!($name);
+                fn words() -> Vec<Word> {
+                    let mut words = Vec::new();
+                    $(for word in <$kind as Element>::words() {
+                        let dot = if word.path.is_empty() { "" } else { "." };
+                        let path = format!("{}{dot}{}", stringify!($field), word.path);
+                        words.push(Word { path, number: word.number });
+                    })*
+                    words
+                }
+            }
+        )*
+        /// Every record, in the order of declaration.
+        pub fn records() -> Vec<Record> {
+            vec![$(Record {
+                name: stringify!($name),
+                fields: vec![$((
+                    stringify!($field),
+                    <$kind as Element>::GLSL,
+                    std::mem::offset_of!($name, $field),
+                ),)*],
+                size: size_of::<$name>(),
+            },)*]
+        }
+    };
+}
+
+/// What is known of a buffer without looking into it.
+pub struct BufferSpec {
+    /// Its name on both sides.
+    pub name: &'static str,
+    /// Of what there is one element each.
+    pub per: &'static str,
+    /// GLSL type of an element.
+    pub glsl: &'static str,
+    /// Bytes of an element.
+    pub stride: usize,
+    /// The words of an element.
+    pub words: fn() -> Vec<Word>,
+    /// Whether a dispatch binds only its chunk's part.
+    pub chunked: bool,
+}
+
+macro_rules! chunked {
+    (chunk) => {
+        true
+    };
+    ($other:ident) => {
+        false
+    };
+}
+
+macro_rules! buffers {
+    ($($(#[doc = $about:literal])* $name:ident: $kind:ty, $per:ident;)*) => {
+        /// Every buffer of a frame, on the host.
+        #[derive(Clone, Debug, Default)]
+        pub struct Buffers { $($(#[doc = $about])* pub $name: Vec<$kind>,)* }
+
+        /// The name of a buffer; its number is its binding in every shader.
+        #[allow(non_camel_case_types)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[repr(usize)]
+        pub enum Slot { $($(#[doc = $about])* $name,)* }
+
+        /// Every buffer's slot, in the order of their numbers.
+        pub const SLOTS: &[Slot] = &[$(Slot::$name,)*];
+
+        impl Slot {
+            /// What is known of this buffer.
+            pub fn spec(self) -> BufferSpec {
+                match self { $(Slot::$name => BufferSpec {
+                    name: stringify!($name),
+                    per: stringify!($per),
+                    glsl: <$kind as Element>::GLSL,
+                    stride: size_of::<$kind>(),
+                    words: <$kind as Element>::words,
+                    chunked: chunked!($per),
+                },)* }
+            }
+        }
+
+        impl Buffers {
+            /// The bytes of a buffer.
+            pub fn bytes(&self, slot: Slot) -> &[u8] {
+                match slot { $(Slot::$name => bytemuck::cast_slice(&self.$name),)* }
+            }
+            /// The bytes of a buffer, to be overwritten.
+            pub fn bytes_mut(&mut self, slot: Slot) -> &mut [u8] {
+                match slot { $(Slot::$name => bytemuck::cast_slice_mut(&mut self.$name),)* }
+            }
+        }
+    };
+}
+
+mod buffers;
+mod records;
+
+pub use buffers::*;
+pub use records::*;

@@ -1,0 +1,186 @@
+//! The structs that host and device share.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::{Element, Record, Word};
+
+records! {
+    /// What holds for the whole frame. Lengths are internal: the object has unit extent.
+    Frame {
+        /// Number of vertices.
+        vertices: u32,
+        /// Number of triangles.
+        faces: u32,
+        /// Number of nodes of the tree, 2 faces - 1.
+        nodes: u32,
+        /// Number of lights.
+        lights: u32,
+        /// Threshold epsilon_1 of section 5.2: largest deviation of the solid angle over a receiver, steradian.
+        receiver_angle: f32,
+        /// Threshold epsilon_2 of section 5.2: largest solid angle of an emitter, steradian.
+        emitter_angle: f32,
+        /// Square of the smallest planarity A'/A (section 5.1.1) of a cluster that may emit.
+        planarity: f32,
+        /// Room for links in one chunk.
+        link_room: u32,
+        /// Room for links whose form factor takes area points, in one chunk.
+        area_room: u32,
+        /// Room for links whose form factor takes the edge form, in one chunk.
+        edge_room: u32,
+        /// Room for emitters handed down from receiver to receiver.
+        hand_room: u32,
+        /// Dipole strength alpha' / (4 pi), per channel.
+        strength: [f32; 3],
+        /// Effective transport coefficient sigma_tr, per channel, 1/length.
+        sigma: [f32; 3],
+        /// Depth of the real source z_r, per channel.
+        z_real: [f32; 3],
+        /// Height of the virtual source z_v, per channel.
+        z_virtual: [f32; 3],
+        /// Relative index of refraction, per channel.
+        eta: [f32; 3],
+        /// chi below which 1 (with second moments), 3, 6 and 12 area points serve.
+        ladder: [f32; 4],
+    }
+    /// A light. Directions point towards it.
+    Light {
+        /// 0 directional, 1 point.
+        kind: u32,
+        /// The unit direction towards the light, or its position.
+        place: [f32; 3],
+        /// Irradiance on a perpendicular plane, or intensity; scaled so that the brightest face is about 1.
+        color: [f32; 3],
+    }
+    /// The camera: the ray through (x, y) in [-1,1]^2 runs along `forward + x right + y up`, not normalised.
+    Camera {
+        /// The eye.
+        origin: [f32; 3],
+        /// Half the picture's width at unit distance.
+        right: [f32; 3],
+        /// Half the picture's height at unit distance.
+        up: [f32; 3],
+        /// The unit viewing direction.
+        forward: [f32; 3],
+        /// Picture width in pixels.
+        width: u32,
+        /// Picture height in pixels.
+        height: u32,
+        /// Linear radiance where nothing is hit, in the scene's units.
+        background: [f32; 3],
+        /// What a radiance of the internal units has to be multiplied by.
+        radiance: f32,
+    }
+    /// A node's place in the tree, stored depth first: the left child of `i` is `i + 1`.
+    Topology {
+        /// The first node after this subtree; also the right child of the parent's left child.
+        skip: u32,
+        /// The parent, or all ones at the root.
+        parent: u32,
+        /// The triangle of a leaf, or all ones.
+        face: u32,
+    }
+    /// A node's bounding box.
+    Bounds {
+        /// Smallest corner.
+        low: [f32; 3],
+        /// Largest corner.
+        high: [f32; 3],
+    }
+    /// A node as a cluster of faces.
+    Cluster {
+        /// Area-weighted centroid.
+        center: [f32; 3],
+        /// Total area A.
+        area: f32,
+        /// Vector area: the sum of A_k N_k; its length is the projected area A' of section 5.1.1.
+        normal: [f32; 3],
+        /// tau: trace of the second moment about the centroid, per area.
+        spread: f32,
+    }
+    /// Where a receiver's lists lie in its chunk.
+    Span {
+        /// First link.
+        link: u32,
+        /// Number of links.
+        links: u32,
+        /// First entry among the links that take area points.
+        area: u32,
+        /// Number of those.
+        areas: u32,
+        /// First entry among the links that take the edge form.
+        edge: u32,
+        /// Number of those.
+        edges: u32,
+        /// First emitter handed down to the children.
+        hand: u32,
+        /// Number of those.
+        hands: u32,
+    }
+    /// One transfer of light.
+    Link {
+        /// The node that receives, at its centre.
+        receiver: u32,
+        /// The node that emits.
+        emitter: u32,
+    }
+    /// How full the lists are, and how full they had to be.
+    Cursor {
+        /// Links of this chunk.
+        links: u32,
+        /// Links that take area points.
+        areas: u32,
+        /// Links that take the edge form.
+        edges: u32,
+        /// Emitters handed down.
+        hands: u32,
+        /// Handed-down emitters of the top of the tree, kept for every chunk.
+        kept: u32,
+        /// Largest count of links met in a chunk.
+        need_links: u32,
+        /// Largest count of links that take area points.
+        need_areas: u32,
+        /// Largest count of links that take the edge form.
+        need_edges: u32,
+        /// Largest count of handed-down emitters.
+        need_hands: u32,
+        /// Not 0 when a list did not fit: the results are void, and the frame must run again with more room.
+        overflow: u32,
+        /// Not 0 when a driver ended a loop early, or would: lavapipe does so after 65,535 iterations.
+        unfinished: u32,
+    }
+    /// What a primary ray met.
+    Hit {
+        /// The triangle, or all ones.
+        face: u32,
+        /// Barycentric weight of the triangle's second corner.
+        u: f32,
+        /// Barycentric weight of the triangle's third corner.
+        v: f32,
+        /// Distance along the ray in multiples of its (unnormalised) direction.
+        depth: f32,
+    }
+    /// A run of elements for one dispatch.
+    Range {
+        /// First element.
+        first: u32,
+        /// Number of elements.
+        count: u32,
+    }
+    /// A single form factor to evaluate, relative to the receiving point, in multiples of a length of its own.
+    Query {
+        /// First corner.
+        a: [f32; 3],
+        /// Second corner.
+        b: [f32; 3],
+        /// Third corner.
+        c: [f32; 3],
+        /// Dipole strength alpha' / (4 pi).
+        strength: f32,
+        /// Effective transport coefficient.
+        sigma: f32,
+        /// Depth of the real source.
+        z_real: f32,
+        /// Height of the virtual source.
+        z_virtual: f32,
+    }
+}
