@@ -1,1 +1,61 @@
-fn main() {}
+//! `cargo bench`: the hierarchy against brute force on the default device, error beside time, in one run.
+//!
+//! Times are the device's own, the median of several frames; each row's ratio is against brute force of the same scene.
+
+use milkglass::error::Result;
+use milkglass::gpu::{Device, Instance};
+use milkglass::measure::norms::worst;
+use milkglass::measure::reference::verify;
+use milkglass::render::plan::{Change, Goal, Mode, Options, Transport};
+use milkglass::render::run::{Room, Session};
+use milkglass::scene::Scene;
+
+/// Median time of a frame after this change, milliseconds.
+fn time(session: &mut Session, change: Change, frames: usize) -> Result<f64> {
+    let mut times = Vec::new();
+    for _ in 0..frames {
+        times.push(session.frame(change)?.iter().map(|part| part.milliseconds).sum::<f64>());
+    }
+    times.sort_by(f64::total_cmp);
+    Ok(times[times.len() / 2])
+}
+
+fn run() -> Result<()> {
+    let instance = Instance::open(false)?;
+    let Some(adapter) = instance.adapters()?.into_iter().find(|adapter| adapter.unusable.is_none()) else {
+        println!("no usable Vulkan device");
+        return Ok(());
+    };
+    let device = Device::open(&instance, &adapter)?;
+    println!("{}, {}", adapter.name, adapter.driver);
+    println!("{:<20} {:<24} {:>10} {:>9} {:>9} {:>9}", "scene", "method", "ms", "faster", "L2", "p99");
+    for (name, set) in [("sphere", "object.0.detail=5"), ("slab", "object.0.detail=64")] {
+        let scene = Scene::load(name, &[set.to_string()])?;
+        let mut baseline = 0.0;
+        for (method, transport, mode, change) in [
+            ("brute force", Transport::Brute, Mode::OnTheFly, Change::Everything),
+            ("hierarchy, from scratch", Transport::Hierarchy, Mode::OnTheFly, Change::Everything),
+            ("hierarchy, new light", Transport::Hierarchy, Mode::Render, Change::Light),
+        ] {
+            let options = Options { transport, mode, goal: Goal::Radiosity };
+            let mut session = Session::new(&scene, Some(&device), options, Room::default())?;
+            session.frame(Change::Everything)?;
+            let ms = time(&mut session, change, if transport == Transport::Brute { 1 } else { 5 })?;
+            if transport == Transport::Brute {
+                baseline = ms;
+            }
+            let error = worst(&verify(&mut session, 500, 1)?);
+            let (l2, p99) = (error.l2, error.p99);
+            let faster = baseline / ms;
+            println!("{name:<20} {method:<24} {ms:>10.2} {faster:>8.1}x {l2:>9.2e} {p99:>9.2e}");
+        }
+    }
+    Ok(())
+}
+
+fn main() {
+    if let Err(error) = run() {
+        eprintln!("{error}");
+        std::process::exit(error.exit_code().into());
+    }
+}

@@ -1,4 +1,49 @@
-//! milkglass
+//! milkglass renders translucent things with hand-written Vulkan compute pipelines, and proves every one of them
+//! against a CPU reference.
+//!
+//! # A frame
+//!
+//! 1. `refit`: positions to faces, clusters and vertex normals;
+//! 2. `irradiance`: the light that enters each face (equation 5);
+//! 3. `radii`: how far a triangle has to be for a cheap form factor;
+//! 4. `pull`: the clusters' mean irradiance;
+//! 5. `link`: who receives from whom (section 5.2); chunk by chunk, with
+//! 6. `form_factor`: how much of it arrives (equations 7 to 13), and
+//! 7. `gather`: what each cluster receives (equation 6);
+//! 8. `push`: from clusters to faces, and `average`: to vertices;
+//! 9. `visibility`: what each pixel sees, and `shade`: with which radiance (equation 3).
+//!
+//! Equations and sections are those of Mertens et al. 2003, "Interactive Rendering of Translucent Deformable Objects".
+//!
+//! # The rooms, from the top floor down; arrows point downward only
+//!
+//! - [`command`]: one thin file a subcommand.
+//! - [`measure`]: conformance, error norms, the brute-force reference.
+//! - [`render`]: from a scene to the stages it needs, the table of stages, and their run on the CPU or a device.
+//! - [`transport`]: Mertens et al.; the mathematics and seven of the stages. [`view`]: from radiosity to a picture.
+//! - [`light`]: light arriving, and Fresnel's formulas.
+//! - [`geometry`]: from positions to clusters; rays through the same tree.
+//! - [`state`]: what a frame works on, what a stage is, and the state's twin on a device.
+//! - [`scene`]: what the user wrote, checked. [`hierarchy`]: from a mesh to a tree. [`gpu`]: the only home of `ash`.
+//! - [`layout`]: the one source of truth for records and buffers, shared with the build script and the shaders.
+//! - [`error`]: one error, by whose fault it is.
+//!
+//! `glsl/` has the same rooms and the same stems: `glsl/transport/gather.comp` is `src/transport/gather.rs`.
+//!
+//! # Words
+//!
+//! - *stage*: a step of the frame, with a CPU reference and GPU kernels of the same name; *kernel*: one shader;
+//!   *step*: a stage, run for one chunk.
+//! - *slot*: the name of a buffer; its number is its binding. *Record*: a struct shared by host and device.
+//! - *cluster*, *node*: a subtree of faces; a leaf is one triangle. *Link*: a node that receives from another.
+//! - *irradiance* E: light that enters, after Fresnel; *radiosity* B: light that leaves, before Fresnel.
+//! - *rung*: how a form factor is evaluated: one sample, 3, 6 or 12 area points, or the edge form.
+//! - *chunk*: the receivers linked in one go; *room*: how much fits a list; *hand down*: leave an emitter to the
+//!   receiver's children.
+//! - *internal units*: the object has unit extent, the brightest light about unit irradiance; both by powers of two.
+
+#![deny(missing_docs)]
+
 pub mod command;
 pub mod error;
 pub mod geometry;

@@ -130,7 +130,7 @@ fn files_are_short() {
     for (folder, ending) in [("src", "rs"), ("glsl", "comp"), ("glsl", "glsl"), ("tests", "rs"), ("bench", "rs")] {
         for path in files(folder, ending) {
             let lines = fs::read_to_string(&path).unwrap().lines().count();
-            assert!(lines <= 400, "{} has {lines} lines", path.display());
+            assert!(lines <= 300, "{} has {lines} lines", path.display());
         }
     }
 }
@@ -139,7 +139,8 @@ fn files_are_short() {
 fn device_structs_lie_as_the_host_has_them() {
     let records = milkglass::layout::records();
     let mut seen = std::collections::BTreeSet::new();
-    for (kernel, name, members) in milkglass::gpu::reflect_records().unwrap() {
+    for found in milkglass::gpu::reflect_records().unwrap() {
+        let (kernel, name, members) = (found.kernel, found.name, found.members);
         if let Some(record) = records.iter().find(|record| record.name == name) {
             seen.insert(record.name);
             for (member, offset) in members {

@@ -1,30 +1,18 @@
-//! Compute kernels: the SPIR-V of the build, what it binds by reflection, and pipelines made when first used.
+//! Compute kernels: pipelines made when first used, from the SPIR-V of the build.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use ash::vk;
-use spirq::prelude::*;
-use spirq::spirv::ExecutionMode;
-use spirq::ty::{AccessType, DescriptorType, Type};
 
 use super::device::Device;
 use super::fault;
+use super::reflect::{Access, reflect, round_to_nearest, words_of};
 use crate::error::{Error, Result};
 
-include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
-
-/// What a kernel does with a buffer, as declared in GLSL by `readonly` and `writeonly`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Access {
-    /// The binding.
-    pub binding: u32,
-    /// Whether it reads.
-    pub reads: bool,
-    /// Whether it writes.
-    pub writes: bool,
-}
+/// A kernel's name and its specialization constants.
+type Key = (String, Vec<u32>);
 
 /// A pipeline and what it binds. Freed when dropped.
 pub struct Kernel {
@@ -45,129 +33,7 @@ pub struct Kernel {
 /// The kernels of a device, each made when first asked for.
 pub struct Kernels {
     device: Device,
-    made: RefCell<BTreeMap<(String, Vec<u32>), Rc<Kernel>>>,
-}
-
-/// The names of all kernels in the program.
-pub fn kernel_names() -> impl Iterator<Item = &'static str> {
-    SPIRV.iter().map(|(name, _)| *name)
-}
-
-fn words_of(name: &str) -> Result<Vec<u32>> {
-    let (_, bytes) = SPIRV
-        .iter()
-        .find(|(known, _)| *known == name)
-        .ok_or_else(|| Error::device(format!("looking for kernel {name}"), "no such shader was built"))?;
-    Ok(bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
-}
-
-/// What reflection finds in a kernel.
-struct Reflected {
-    accesses: Vec<Access>,
-    types: Vec<Type>,
-    push_bytes: u32,
-    group: u32,
-    constants: usize,
-}
-
-fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
-    let doing = || format!("reading kernel {name}");
-    let entries = ReflectConfig::new()
-        .spv(words)
-        .ref_all_rscs(false)
-        .reflect()
-        .map_err(|error| Error::device(doing(), format!("{error:?}")))?;
-    let entry = entries.first().ok_or_else(|| Error::device(doing(), "it has no entry point"))?;
-    let mut found = Reflected { accesses: Vec::new(), types: Vec::new(), push_bytes: 0, group: 0, constants: 0 };
-    for variable in &entry.vars {
-        match variable {
-            Variable::Descriptor { desc_bind, desc_ty: DescriptorType::StorageBuffer(access), ty, .. } => {
-                found.accesses.push(Access {
-                    binding: desc_bind.bind(),
-                    reads: *access != AccessType::WriteOnly,
-                    writes: *access != AccessType::ReadOnly,
-                });
-                found.types.push(ty.clone());
-            }
-            Variable::Descriptor { name: which, .. } => {
-                return Err(Error::device(doing(), format!("{which:?} is no storage buffer")));
-            }
-            Variable::PushConstant { ty, .. } => {
-                found.push_bytes = u32::try_from(ty.nbyte().unwrap_or(0)).unwrap_or(u32::MAX);
-                found.types.push(ty.clone());
-            }
-            Variable::SpecConstant { .. } => found.constants += 1,
-            _ => {}
-        }
-    }
-    found.accesses.sort_by_key(|access| access.binding);
-    for mode in &entry.exec_modes {
-        if mode.exec_mode == ExecutionMode::LocalSize {
-            let sizes = mode.operands.iter().filter_map(|operand| operand.value.to_typeless());
-            found.group = sizes.filter_map(|b| Some(u32::from_le_bytes(b.get(..4)?.try_into().ok()?))).product();
-        }
-    }
-    if found.group == 0 {
-        return Err(Error::device(doing(), "it does not state its group size"));
-    }
-    Ok(found)
-}
-
-/// Every struct in the SPIR-V of every kernel: kernel, struct name, and each member's name and byte offset; then
-/// every runtime array's element struct with its stride as a member called `[]`.
-pub fn reflect_records() -> Result<Vec<(String, String, Vec<(String, usize)>)>> {
-    fn visit(kernel: &str, ty: &Type, out: &mut Vec<(String, String, Vec<(String, usize)>)>) {
-        match ty {
-            Type::Struct(record) => {
-                let members = record
-                    .members
-                    .iter()
-                    .map(|m| (m.name.clone().unwrap_or_default(), m.offset.unwrap_or(usize::MAX)))
-                    .collect();
-                out.push((kernel.to_string(), record.name.clone().unwrap_or_default(), members));
-                for member in &record.members {
-                    visit(kernel, &member.ty, out);
-                    if let Type::Array(array) = &member.ty {
-                        let name = match &*array.element_ty {
-                            Type::Struct(element) => element.name.clone().unwrap_or_default(),
-                            _ => member.name.clone().unwrap_or_default(),
-                        };
-                        out.push((kernel.to_string(), name, vec![("[]".into(), array.stride.unwrap_or(0))]));
-                    }
-                }
-            }
-            Type::Array(array) => visit(kernel, &array.element_ty, out),
-            _ => {}
-        }
-    }
-    let mut out = Vec::new();
-    for name in kernel_names() {
-        for ty in reflect(name, &words_of(name)?)?.types {
-            visit(name, &ty, &mut out);
-        }
-    }
-    Ok(out)
-}
-
-/// Asks for 32-bit rounding to nearest: a capability after the header, an execution mode before the first one.
-fn round_to_nearest(mut words: Vec<u32>) -> Vec<u32> {
-    const OP_ENTRY_POINT: u32 = 15;
-    const OP_EXECUTION_MODE: u32 = 16;
-    let mut at = 5;
-    let mut entry = 0;
-    while at < words.len() {
-        let (op, length) = (words[at] & 0xffff, (words[at] >> 16).max(1) as usize);
-        if op == OP_ENTRY_POINT {
-            entry = words[at + 2];
-        }
-        if op == OP_EXECUTION_MODE {
-            words.splice(at..at, [(4 << 16) | OP_EXECUTION_MODE, entry, 4462, 32]);
-            words.splice(5..5, [(2 << 16) | 17, 4467]);
-            return words;
-        }
-        at += length;
-    }
-    words
+    made: RefCell<BTreeMap<Key, Rc<Kernel>>>,
 }
 
 impl Kernels {

@@ -2,17 +2,21 @@
 //!
 //! Nothing here knows what a stage or a triangle is. Handles own what they need and free themselves.
 
+mod bind;
 mod device;
 mod instance;
 mod kernel;
 mod memory;
 mod record;
+mod reflect;
 
+pub use bind::Binding;
 pub use device::Device;
 pub use instance::{Adapter, Instance, Limits};
-pub use kernel::{Access, Kernel, Kernels, kernel_names, reflect_records};
+pub use kernel::{Kernel, Kernels};
 pub use memory::Buffer;
-pub use record::{Binding, Recorder, Timing};
+pub use record::{Recorder, Timing};
+pub use reflect::{Access, kernel_names, reflect_records};
 
 use ash::vk;
 

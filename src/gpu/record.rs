@@ -1,36 +1,20 @@
 //! Recording a frame: dispatches, the barriers they need, a label and two timestamps a stage, one submit.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::ffi::CString;
 use std::rc::Rc;
 
 use ash::vk;
 use ash::vk::Handle as _;
 
+use super::bind::{Binding, Sets};
 use super::device::Device;
 use super::fault;
 use super::kernel::Kernel;
-use super::memory::Buffer;
 use crate::error::{Error, Result};
 
 /// Largest number of groups laid out along the first dimension of a dispatch.
 const ROW: u64 = 32768;
-/// Descriptor sets of one pool.
-const SETS: u32 = 256;
-
-/// A part of a buffer under a binding number.
-#[derive(Clone, Copy)]
-pub struct Binding<'a> {
-    /// The binding number.
-    pub number: u32,
-    /// The buffer.
-    pub buffer: &'a Buffer,
-    /// First byte bound.
-    pub offset: u64,
-    /// Number of bytes bound.
-    pub size: u64,
-}
-
 /// How long one labelled part of a frame took.
 #[derive(Clone, Debug)]
 pub struct Timing {
@@ -44,9 +28,7 @@ pub struct Timing {
 pub struct Recorder {
     device: Device,
     commands: vk::CommandBuffer,
-    pools: Vec<vk::DescriptorPool>,
-    left: u32,
-    sets: BTreeMap<(u64, Vec<(u64, u64)>), vk::DescriptorSet>,
+    sets: Sets,
     queries: vk::QueryPool,
     names: Vec<String>,
     room: usize,
@@ -64,9 +46,7 @@ impl Recorder {
         let mut recorder = Self {
             device: device.clone(),
             commands,
-            pools: Vec::new(),
-            left: 0,
-            sets: BTreeMap::new(),
+            sets: Sets::new(device),
             queries: vk::QueryPool::null(),
             names: Vec::new(),
             room: 0,
@@ -142,7 +122,7 @@ impl Recorder {
                 ));
             }
         }
-        let set = self.set(kernel, bindings)?;
+        let set = self.sets.get(kernel, bindings)?;
         self.order(kernel, bindings);
 
         // Groups in one row while they fit, else in rows of a fixed length.
@@ -207,63 +187,6 @@ impl Recorder {
         }
     }
 
-    /// The descriptor set of this kernel with these buffers, made if need be.
-    fn set(&mut self, kernel: &Kernel, bindings: &[Binding<'_>]) -> Result<vk::DescriptorSet> {
-        let doing = format!("binding the buffers of kernel {}", kernel.name);
-        let mut infos = Vec::with_capacity(kernel.accesses.len());
-        let mut key = Vec::with_capacity(kernel.accesses.len());
-        for access in &kernel.accesses {
-            let binding = bindings
-                .iter()
-                .find(|b| b.number == access.binding)
-                .ok_or_else(|| Error::device(doing.as_str(), format!("nothing is bound at {}", access.binding)))?;
-            key.push((binding.buffer.raw.as_raw(), binding.offset));
-            infos.push([vk::DescriptorBufferInfo {
-                buffer: binding.buffer.raw,
-                offset: binding.offset,
-                range: binding.size.max(4),
-            }]);
-        }
-        let key = (kernel.pipeline.as_raw(), key);
-        if let Some(set) = self.sets.get(&key) {
-            return Ok(*set);
-        }
-        let raw = &self.device.0.raw;
-        // SAFETY: pools and sets are this device's and live as long as the recorder.
-        let set = unsafe {
-            if self.left == 0 {
-                let sizes = [vk::DescriptorPoolSize {
-                    ty: vk::DescriptorType::STORAGE_BUFFER,
-                    descriptor_count: SETS * self.device.limits().storage_buffers.min(32),
-                }];
-                let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS).pool_sizes(&sizes);
-                self.pools.push(raw.create_descriptor_pool(&info, None).map_err(|code| fault(&doing, code))?);
-                self.left = SETS;
-            }
-            let layouts = [kernel.set_layout];
-            let pool = self.pools.last().copied().unwrap_or_default();
-            let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
-            let set = raw.allocate_descriptor_sets(&info).map_err(|code| fault(&doing, code))?[0];
-            let writes: Vec<_> = kernel
-                .accesses
-                .iter()
-                .zip(&infos)
-                .map(|(access, info)| {
-                    vk::WriteDescriptorSet::default()
-                        .dst_set(set)
-                        .dst_binding(access.binding)
-                        .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
-                        .buffer_info(info)
-                })
-                .collect();
-            raw.update_descriptor_sets(&writes, &[]);
-            set
-        };
-        self.left -= 1;
-        self.sets.insert(key, set);
-        Ok(set)
-    }
-
     /// Submits the frame, waits for it, and returns each part's time on the device.
     pub fn submit(self) -> Result<Vec<Timing>> {
         let doing = format!("running a frame of {} dispatches", self.dispatches);
@@ -296,9 +219,6 @@ impl Drop for Recorder {
         let raw = &self.device.0.raw;
         // SAFETY: a submitted frame has been waited for; one that was not submitted is not in use.
         unsafe {
-            for pool in &self.pools {
-                raw.destroy_descriptor_pool(*pool, None);
-            }
             raw.destroy_query_pool(self.queries, None);
             raw.free_command_buffers(self.device.0.pool, &[self.commands]);
         }

@@ -59,7 +59,7 @@ fn strip(count: usize) -> Mesh {
     let positions: Vec<_> = (0..count + 2).map(vertex).collect();
     let triangle = |i: usize| {
         let (a, b, c) = (i as u32, i as u32 + 1, i as u32 + 2);
-        if i % 2 == 0 { [a, c, b] } else { [a, b, c] }
+        if i.is_multiple_of(2) { [a, c, b] } else { [a, b, c] }
     };
     let triangles: Vec<_> = (0..count).map(triangle).collect();
     mesh(&positions, &triangles)

@@ -85,7 +85,10 @@ impl Plan {
         let kept = self.options.mode == Mode::Render && self.options.transport == Transport::Hierarchy;
         let runs = |stage: &&'static Stage| match change {
             Change::Everything => true,
-            Change::Light => !matches!(stage.name, "refit" | "visibility") && !(kept && builds_links(stage.name)),
+            Change::Light => {
+                let still = matches!(stage.name, "refit" | "visibility") || (kept && builds_links(stage.name));
+                !still
+            }
             Change::View => stage.room == "view",
         };
         let stages: Vec<_> = self.stages.iter().copied().filter(runs).collect();

@@ -3,9 +3,6 @@
 //!
 //! Everything is `f64` and in scene units; `unit_mm` says how long one is.
 
-// An error is made once per run and carries all that the user needs; its size does not matter.
-#![allow(clippy::result_large_err)]
-
 mod camera;
 mod file;
 mod light;

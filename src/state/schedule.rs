@@ -25,7 +25,7 @@ impl Schedule {
     /// Cuts the tree into subtrees of at most `faces` faces; returns the nodes in the order of the work, too.
     pub fn new(tree: &Tree, faces: usize) -> (Self, Vec<u32>) {
         let nodes = tree.nodes();
-        let small = |node: usize| tree.skip[node] as usize - node <= 2 * faces.max(1) - 1;
+        let small = |node: usize| tree.skip[node] as usize - node < 2 * faces.max(1);
 
         // A subtree's root is a small node whose parent is not small; what lies above them is the top.
         let mut chunk_of = vec![0u32; nodes];

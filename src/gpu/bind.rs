@@ -1,0 +1,111 @@
+//! Descriptor sets: which buffer, or part of one, stands at which binding of a kernel.
+
+use std::collections::BTreeMap;
+
+use ash::vk;
+use ash::vk::Handle as _;
+
+use super::device::Device;
+use super::fault;
+use super::kernel::Kernel;
+use super::memory::Buffer;
+use crate::error::{Error, Result};
+
+/// Descriptor sets of one pool.
+const SETS: u32 = 256;
+
+/// A part of a buffer under a binding number.
+#[derive(Clone, Copy)]
+pub struct Binding<'a> {
+    /// The binding number.
+    pub number: u32,
+    /// The buffer.
+    pub buffer: &'a Buffer,
+    /// First byte bound.
+    pub offset: u64,
+    /// Number of bytes bound.
+    pub size: u64,
+}
+
+/// A kernel's pipeline, and buffer and offset at each of its bindings.
+type Key = (u64, Vec<(u64, u64)>);
+
+/// The descriptor sets of one recording. Freed when dropped.
+pub(super) struct Sets {
+    device: Device,
+    pools: Vec<vk::DescriptorPool>,
+    left: u32,
+    made: BTreeMap<Key, vk::DescriptorSet>,
+}
+
+impl Sets {
+    pub(super) fn new(device: &Device) -> Self {
+        Self { device: device.clone(), pools: Vec::new(), left: 0, made: BTreeMap::new() }
+    }
+
+    /// The descriptor set of this kernel with these buffers, made if need be.
+    pub(super) fn get(&mut self, kernel: &Kernel, bindings: &[Binding<'_>]) -> Result<vk::DescriptorSet> {
+        let doing = format!("binding the buffers of kernel {}", kernel.name);
+        let mut infos = Vec::with_capacity(kernel.accesses.len());
+        let mut key = Vec::with_capacity(kernel.accesses.len());
+        for access in &kernel.accesses {
+            let binding = bindings
+                .iter()
+                .find(|b| b.number == access.binding)
+                .ok_or_else(|| Error::device(doing.as_str(), format!("nothing is bound at {}", access.binding)))?;
+            key.push((binding.buffer.raw.as_raw(), binding.offset));
+            infos.push([vk::DescriptorBufferInfo {
+                buffer: binding.buffer.raw,
+                offset: binding.offset,
+                range: binding.size.max(4),
+            }]);
+        }
+        let key = (kernel.pipeline.as_raw(), key);
+        if let Some(set) = self.made.get(&key) {
+            return Ok(*set);
+        }
+        let raw = &self.device.0.raw;
+        // SAFETY: pools and sets are this device's and live as long as the recorder.
+        let set = unsafe {
+            if self.left == 0 {
+                let sizes = [vk::DescriptorPoolSize {
+                    ty: vk::DescriptorType::STORAGE_BUFFER,
+                    descriptor_count: SETS * self.device.limits().storage_buffers.min(32),
+                }];
+                let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS).pool_sizes(&sizes);
+                self.pools.push(raw.create_descriptor_pool(&info, None).map_err(|code| fault(&doing, code))?);
+                self.left = SETS;
+            }
+            let layouts = [kernel.set_layout];
+            let pool = self.pools.last().copied().unwrap_or_default();
+            let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
+            let set = raw.allocate_descriptor_sets(&info).map_err(|code| fault(&doing, code))?[0];
+            let writes: Vec<_> = kernel
+                .accesses
+                .iter()
+                .zip(&infos)
+                .map(|(access, info)| {
+                    vk::WriteDescriptorSet::default()
+                        .dst_set(set)
+                        .dst_binding(access.binding)
+                        .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
+                        .buffer_info(info)
+                })
+                .collect();
+            raw.update_descriptor_sets(&writes, &[]);
+            set
+        };
+        self.left -= 1;
+        self.made.insert(key, set);
+        Ok(set)
+    }
+}
+
+impl Drop for Sets {
+    fn drop(&mut self) {
+        for pool in &self.pools {
+            // SAFETY: the recording has been waited for, or was never submitted.
+            unsafe { self.device.0.raw.destroy_descriptor_pool(*pool, None) };
+        }
+    }
+}

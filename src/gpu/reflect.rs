@@ -1,0 +1,153 @@
+//! What a kernel binds and takes, read from its SPIR-V: no binding, size or group is written twice.
+
+use spirq::prelude::*;
+use spirq::spirv::ExecutionMode;
+use spirq::ty::{AccessType, DescriptorType, Type};
+
+use crate::error::{Error, Result};
+
+include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
+
+/// What a kernel does with a buffer, as declared in GLSL by `readonly` and `writeonly`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Access {
+    /// The binding.
+    pub binding: u32,
+    /// Whether it reads.
+    pub reads: bool,
+    /// Whether it writes.
+    pub writes: bool,
+}
+
+/// The names of all kernels in the program.
+pub fn kernel_names() -> impl Iterator<Item = &'static str> {
+    SPIRV.iter().map(|(name, _)| *name)
+}
+
+pub(super) fn words_of(name: &str) -> Result<Vec<u32>> {
+    let (_, bytes) = SPIRV
+        .iter()
+        .find(|(known, _)| *known == name)
+        .ok_or_else(|| Error::device(format!("looking for kernel {name}"), "no such shader was built"))?;
+    Ok(bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
+}
+
+/// What reflection finds in a kernel.
+pub(super) struct Reflected {
+    pub(super) accesses: Vec<Access>,
+    types: Vec<Type>,
+    pub(super) push_bytes: u32,
+    pub(super) group: u32,
+    pub(super) constants: usize,
+}
+
+pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
+    let doing = || format!("reading kernel {name}");
+    let entries = ReflectConfig::new()
+        .spv(words)
+        .ref_all_rscs(false)
+        .reflect()
+        .map_err(|error| Error::device(doing(), format!("{error:?}")))?;
+    let entry = entries.first().ok_or_else(|| Error::device(doing(), "it has no entry point"))?;
+    let mut found = Reflected { accesses: Vec::new(), types: Vec::new(), push_bytes: 0, group: 0, constants: 0 };
+    for variable in &entry.vars {
+        match variable {
+            Variable::Descriptor { desc_bind, desc_ty: DescriptorType::StorageBuffer(access), ty, .. } => {
+                found.accesses.push(Access {
+                    binding: desc_bind.bind(),
+                    reads: *access != AccessType::WriteOnly,
+                    writes: *access != AccessType::ReadOnly,
+                });
+                found.types.push(ty.clone());
+            }
+            Variable::Descriptor { name: which, .. } => {
+                return Err(Error::device(doing(), format!("{which:?} is no storage buffer")));
+            }
+            Variable::PushConstant { ty, .. } => {
+                found.push_bytes = u32::try_from(ty.nbyte().unwrap_or(0)).unwrap_or(u32::MAX);
+                found.types.push(ty.clone());
+            }
+            Variable::SpecConstant { .. } => found.constants += 1,
+            _ => {}
+        }
+    }
+    found.accesses.sort_by_key(|access| access.binding);
+    for mode in &entry.exec_modes {
+        if mode.exec_mode == ExecutionMode::LocalSize {
+            let sizes = mode.operands.iter().filter_map(|operand| operand.value.to_typeless());
+            found.group = sizes.filter_map(|b| Some(u32::from_le_bytes(b.get(..4)?.try_into().ok()?))).product();
+        }
+    }
+    if found.group == 0 {
+        return Err(Error::device(doing(), "it does not state its group size"));
+    }
+    Ok(found)
+}
+
+/// A struct as a kernel's SPIR-V has it.
+pub struct Struct {
+    /// The kernel.
+    pub kernel: String,
+    /// The struct's name, or the buffer's for an array of plain numbers.
+    pub name: String,
+    /// Each member's name and byte offset; a runtime array's stride goes by the name `[]`.
+    pub members: Vec<(String, usize)>,
+}
+
+/// Every struct in the SPIR-V of every kernel.
+pub fn reflect_records() -> Result<Vec<Struct>> {
+    fn visit(kernel: &str, ty: &Type, out: &mut Vec<Struct>) {
+        match ty {
+            Type::Struct(record) => {
+                let members = record
+                    .members
+                    .iter()
+                    .map(|m| (m.name.clone().unwrap_or_default(), m.offset.unwrap_or(usize::MAX)))
+                    .collect();
+                let name = record.name.clone().unwrap_or_default();
+                out.push(Struct { kernel: kernel.to_string(), name, members });
+                for member in &record.members {
+                    visit(kernel, &member.ty, out);
+                    if let Type::Array(array) = &member.ty {
+                        let name = match &*array.element_ty {
+                            Type::Struct(element) => element.name.clone().unwrap_or_default(),
+                            _ => member.name.clone().unwrap_or_default(),
+                        };
+                        let members = vec![("[]".into(), array.stride.unwrap_or(0))];
+                        out.push(Struct { kernel: kernel.to_string(), name, members });
+                    }
+                }
+            }
+            Type::Array(array) => visit(kernel, &array.element_ty, out),
+            _ => {}
+        }
+    }
+    let mut out = Vec::new();
+    for name in kernel_names() {
+        for ty in reflect(name, &words_of(name)?)?.types {
+            visit(name, &ty, &mut out);
+        }
+    }
+    Ok(out)
+}
+
+/// Asks for 32-bit rounding to nearest: a capability after the header, an execution mode before the first one.
+pub(super) fn round_to_nearest(mut words: Vec<u32>) -> Vec<u32> {
+    const OP_ENTRY_POINT: u32 = 15;
+    const OP_EXECUTION_MODE: u32 = 16;
+    let mut at = 5;
+    let mut entry = 0;
+    while at < words.len() {
+        let (op, length) = (words[at] & 0xffff, (words[at] >> 16).max(1) as usize);
+        if op == OP_ENTRY_POINT {
+            entry = words[at + 2];
+        }
+        if op == OP_EXECUTION_MODE {
+            words.splice(at..at, [(4 << 16) | OP_EXECUTION_MODE, entry, 4462, 32]);
+            words.splice(5..5, [(2 << 16) | 17, 4467]);
+            return words;
+        }
+        at += length;
+    }
+    words
+}
