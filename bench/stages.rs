@@ -33,13 +33,13 @@ fn run() -> Result<()> {
         let scene = Scene::load(name, &[set.to_string()])?;
         let mut baseline = 0.0;
         for (method, transport, mode, change) in [
-            ("brute force", Transport::Brute, Mode::OnTheFly, Change::Everything),
-            ("hierarchy, from scratch", Transport::Hierarchy, Mode::OnTheFly, Change::Everything),
-            ("hierarchy, new light", Transport::Hierarchy, Mode::Render, Change::Light),
+            ("brute force", Transport::Brute, Mode::OnTheFly, Change::EVERYTHING),
+            ("hierarchy, from scratch", Transport::Hierarchy, Mode::OnTheFly, Change::EVERYTHING),
+            ("hierarchy, new light", Transport::Hierarchy, Mode::Render, Change::LIGHT),
         ] {
             let options = Options { transport, mode, goal: Goal::Radiosity };
             let mut session = Session::new(&scene, Some(&device), options, Room::default())?;
-            session.frame(Change::Everything)?;
+            session.frame(Change::EVERYTHING)?;
             let ms = time(&mut session, change, if transport == Transport::Brute { 1 } else { 5 })?;
             if transport == Transport::Brute {
                 baseline = ms;

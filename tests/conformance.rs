@@ -138,18 +138,18 @@ fn overflow_and_chunks_change_no_bit() {
     let scene = scene(&["object.0.detail=4", "camera.size=[32, 32]"]);
     on_devices(|device| {
         let mut plain = Session::new(&scene, Some(device), Options::default(), Room::default()).unwrap();
-        plain.frame(Change::Everything).unwrap();
+        plain.frame(Change::EVERYTHING).unwrap();
         let expected = bits(&mut plain, Slot::radiosity);
         let tight = Room { chunk_faces: 700, links: 1, binding: 1 << 18 };
         for mode in [Mode::OnTheFly, Mode::Render] {
             let options = Options { mode, ..Options::default() };
             let mut cut = Session::new(&scene, Some(device), options, tight).unwrap();
-            cut.frame(Change::Everything).unwrap();
+            cut.frame(Change::EVERYTHING).unwrap();
             assert!(cut.retries > 0, "nothing overflowed");
             assert!(cut.state().schedule.chunks.len() > 4);
             assert_eq!(bits(&mut cut, Slot::radiosity), expected);
             // And once more, from whatever the buffers hold now.
-            cut.frame(Change::Everything).unwrap();
+            cut.frame(Change::EVERYTHING).unwrap();
             assert_eq!(bits(&mut cut, Slot::radiosity), expected);
         }
     });
@@ -163,15 +163,15 @@ fn render_mode_follows_the_light_bit_for_bit() {
         for backend in [Some(device), None] {
             let options = Options { mode: Mode::Render, goal: Goal::Picture, ..Options::default() };
             let mut kept = Session::new(&first, backend, options, Room::default()).unwrap();
-            kept.frame(Change::Everything).unwrap();
+            kept.frame(Change::EVERYTHING).unwrap();
             let before = bits(&mut kept, Slot::radiance);
             kept.set_lights(&second.lights).unwrap();
-            let steps = kept.frame(Change::Light).unwrap();
+            let steps = kept.frame(Change::LIGHT).unwrap();
             assert!(!steps.iter().any(|step| ["link", "form_factor", "refit", "radii"].contains(&step.name.as_str())));
             let after = bits(&mut kept, Slot::radiance);
             assert_ne!(before, after);
             let mut fresh = Session::new(&second, backend, Options::default(), Room::default()).unwrap();
-            fresh.frame(Change::Everything).unwrap();
+            fresh.frame(Change::EVERYTHING).unwrap();
             assert_eq!(bits(&mut fresh, Slot::radiance), after);
         }
     });

@@ -26,7 +26,8 @@ vec3 cross3(vec3 a, vec3 b) {
 // Whether the half line may meet the box before the nearest hit: separating axes, with a margin above rounding.
 bool meets(vec3 low, vec3 high, vec3 origin, vec3 direction, float dd, Nearest nearest) {
     precise vec3 c = 0.5 * (low + high) - origin;
-    precise vec3 h = 0.5 * (high - low) * 1.00001 + 1e-6;
+    precise float margin = 1e-6 * (1.0 + abs(c.x) + abs(c.y) + abs(c.z));
+    precise vec3 h = 0.5 * (high - low) * 1.00001 + margin;
     precise vec3 d = abs(direction);
     vec3 side = abs(cross3(c, direction));
     precise vec3 reach = vec3(h.y * d.z + h.z * d.y, h.z * d.x + h.x * d.z, h.x * d.y + h.y * d.x);

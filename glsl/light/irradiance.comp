@@ -15,7 +15,7 @@ void main() {
     uint face = invocation();
     if (face >= frame[0].faces) return;
     Cluster leaf = clusters[leaves[face]];
-    vec3 normal = leaf.normal / leaf.area;
+    vec3 normal = leaf.area > 0.0 ? leaf.normal / leaf.area : vec3(0);
     vec3 sum = vec3(0);
     for (uint i = 0; i < frame[0].lights; ++i) {
         Light light = lights[i];

@@ -21,7 +21,7 @@ void main() {
         float real = frame[0].z_real[channel], virt = frame[0].z_virtual[channel];
         for (uint rung = 0; rung < 4; ++rung) {
             float k = 2.0 * frame[0].ladder[rung] / tau - sigma * sigma;
-            float s = k > 0.0 ? (5.0 * sigma + sqrt(25.0 * sigma * sigma + 60.0 * k)) / (2.0 * k) : 1e9;
+            float s = tau <= 0.0 ? 0.0 : k > 0.0 ? (5.0 * sigma + sqrt(25.0 * sigma * sigma + 60.0 * k)) / (2.0 * k) : 1e9;
             if (sigma > 0.0) s = min(s, 20.0 / sigma);
             float d2 = TABLE1 != 0 ? (s + virt) * (s + virt) : max(0.0, (s - real) * (s + real));
             result[rung] = max(result[rung], d2);

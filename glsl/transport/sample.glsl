@@ -5,7 +5,7 @@
 
 // Form factor of `node` for a receiver at `d` from its centre.
 vec3 sample_center(uint node, Cluster emitter, uint face, vec3 d) {
-    vec3 mean = emitter.normal / emitter.area;
+    vec3 mean = emitter.area > 0.0 ? emitter.normal / emitter.area : vec3(0);
     vec3 z_real = frame[0].z_real, z_virtual = frame[0].z_virtual, sigma = frame[0].sigma;
 
     // A cluster's displaced sources hang on its mean normal, not normalised; a triangle's on its own.

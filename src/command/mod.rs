@@ -136,11 +136,11 @@ impl DeviceArgument {
                     Ok(None)
                 }
             },
-            (None, Err(error)) => {
+            (None, Err(error)) if !validation => {
                 eprintln!("running on the CPU: {error}");
                 Ok(None)
             }
-            (Some(_), Err(error)) => Err(error),
+            (_, Err(error)) => Err(error),
             (Some(wish), Ok((adapters, instance))) => Device::open(&instance, pick(&adapters, wish)?).map(Some),
         }
     }

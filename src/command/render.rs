@@ -38,7 +38,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let device = arguments.run.device.open(validation())?;
     let mut session = Session::new(&scene, device.as_ref(), arguments.run.options(), Room::default())?;
-    let times = session.frame(Change::Everything)?;
+    let times = session.frame(Change::EVERYTHING)?;
     if arguments.times {
         super::solve::print_times(&mut session, &times)?;
     }

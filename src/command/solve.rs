@@ -68,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let device = arguments.run.device.open(validation())?;
     let options = crate::render::plan::Options { goal: Goal::Radiosity, ..arguments.run.options() };
     let mut session = Session::new(&scene, device.as_ref(), options, Room::default())?;
-    let times = session.frame(Change::Everything)?;
+    let times = session.frame(Change::EVERYTHING)?;
     session.fetch(&[Slot::clusters, Slot::irradiance, Slot::radiosity])?;
     check_messages(device.as_ref())?;
     if let Some((path, format)) = output {

@@ -6,7 +6,15 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{Bounds, Cluster, Range, Slot};
-use crate::state::{Pass, Role, Stage, State, Tolerance, narrow, wide};
+use crate::state::{Field, Pass, Role, Stage, State, Tolerance, narrow, wide};
+
+/// A centre within rounding of the extent; an area and a spread of their own size; a vector area of the area's size.
+const CLUSTER: &[Field] = &[
+    Field { name: "center", relative: 0.0, floor: 2e-6, of: "" },
+    Field { name: "area", relative: 5e-5, floor: 0.0, of: "" },
+    Field { name: "normal", relative: 0.0, floor: 2e-5, of: "area" },
+    Field { name: "spread", relative: 5e-5, floor: 0.0, of: "" },
+];
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -16,7 +24,7 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, section 5.1.1: A' is the length of the vector area",
     writes: &[
         (Slot::bounds, Role::Output, Tolerance::Exact),
-        (Slot::clusters, Role::Output, Tolerance::Float { relative: 2e-5, floor: 2e-6 }),
+        (Slot::clusters, Role::Output, Tolerance::Fields(CLUSTER)),
         (Slot::normals, Role::Output, Tolerance::Float { relative: 1e-5, floor: 1e-5 }),
     ],
     reason: "boxes are minima and maxima; sums climb some 40 levels of f32 rounding, 40 x 2^-24 = 2.4e-6 of the \
@@ -57,10 +65,11 @@ fn cpu(state: &mut State, _chunk: usize) {
         let (l, r) = (node + 1, data.topology[node + 1].skip as usize);
         let (left, right) = (sums[l], sums[r]);
         let area = left.area + right.area;
-        let center = (left.area * left.center + right.area * right.center) / area;
+        let half = if area > 0.0 { right.area / area } else { 0.5 };
+        let center = left.center.lerp(right.center, half);
         let about = |part: Sums| part.area * (part.spread + part.center.distance_squared(center));
-        sums[node] =
-            Sums { area, center, normal: left.normal + right.normal, spread: (about(left) + about(right)) / area };
+        let spread = if area > 0.0 { (about(left) + about(right)) / area } else { 0.0 };
+        sums[node] = Sums { area, center, normal: left.normal + right.normal, spread };
         let merge = |f: fn(DVec3, DVec3) -> DVec3, p: [f32; 3], q: [f32; 3]| narrow(f(wide(p), wide(q)));
         bounds[node] = Bounds {
             low: merge(DVec3::min, bounds[l].low, bounds[r].low),

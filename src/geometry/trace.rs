@@ -36,7 +36,8 @@ fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
 fn meets(low: [f32; 3], high: [f32; 3], origin: [f32; 3], direction: [f32; 3], dd: f32, nearest: &Nearest) -> bool {
     let each = |f: &dyn Fn(usize) -> f32| [f(0), f(1), f(2)];
     let c = each(&|k| 0.5 * (low[k] + high[k]) - origin[k]);
-    let h = each(&|k| 0.5 * (high[k] - low[k]) * 1.00001 + 1e-6);
+    let margin = 1e-6 * (1.0 + c[0].abs() + c[1].abs() + c[2].abs());
+    let h = each(&|k| 0.5 * (high[k] - low[k]) * 1.00001 + margin);
     let d = direction.map(f32::abs);
     let side = cross(c, direction).map(f32::abs);
     let reach = [h[1] * d[2] + h[2] * d[1], h[2] * d[0] + h[0] * d[2], h[0] * d[1] + h[1] * d[0]];

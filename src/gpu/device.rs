@@ -1,7 +1,8 @@
 //! An opened device: its queue, its allocator and its pipeline cache.
 
 use std::ffi::CString;
-use std::sync::{Arc, Mutex};
+use std::rc::Rc;
+use std::sync::Mutex;
 
 use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
@@ -11,9 +12,9 @@ use super::fault;
 use super::instance::{Adapter, Instance, Limits};
 use crate::error::{Error, Result};
 
-/// A device with one compute queue. Clones share it.
+/// A device with one compute queue. Clones share it; it stays on its thread, because its queue and command pool do.
 #[derive(Clone)]
-pub struct Device(pub(super) Arc<Inner>);
+pub struct Device(pub(super) Rc<Inner>);
 
 pub(super) struct Inner {
     pub(super) raw: ash::Device,
@@ -79,7 +80,7 @@ impl Device {
                 .create_pipeline_cache(&vk::PipelineCacheCreateInfo::default(), None)
                 .map_err(|code| fault(&doing, code))?;
         }
-        Ok(Self(Arc::new(inner)))
+        Ok(Self(Rc::new(inner)))
     }
 
     /// The adapter's name.

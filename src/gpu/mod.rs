@@ -10,12 +10,13 @@ mod memory;
 mod record;
 mod reflect;
 
-pub use bind::Binding;
+pub(crate) use bind::Binding;
 pub use device::Device;
 pub use instance::{Adapter, Instance, Limits};
 pub use kernel::{Kernel, Kernels};
 pub use memory::Buffer;
-pub use record::{Recorder, Timing};
+pub(crate) use record::Recorder;
+pub use record::Timing;
 pub use reflect::{Access, kernel_names, reflect_records};
 
 use ash::vk;

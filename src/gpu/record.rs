@@ -20,7 +20,7 @@ const ROW: u64 = 32768;
 pub struct Timing {
     /// The label.
     pub name: String,
-    /// Time on the device, milliseconds.
+    /// Time on the device, milliseconds; not a number where the device has no timestamps.
     pub milliseconds: f64,
 }
 
@@ -73,9 +73,7 @@ impl Recorder {
         let raw = self.device.0.raw.clone();
         let index = self.names.len();
         let timed = index < self.room;
-        if timed {
-            self.names.push(name.to_string());
-        }
+        self.names.push(name.to_string());
         let debug = self.device.0.debug.clone();
         // SAFETY: the command buffer is recording; both queries lie within the pool.
         unsafe {
@@ -189,12 +187,14 @@ impl Recorder {
 
     /// Submits the frame, waits for it, and returns each part's time on the device.
     pub fn submit(self) -> Result<Vec<Timing>> {
-        let doing = format!("running a frame of {} dispatches", self.dispatches);
+        let mut stages = self.names.clone();
+        stages.dedup();
+        let doing = format!("running a frame ({}; {} dispatches)", stages.join(", "), self.dispatches);
         let raw = &self.device.0.raw;
         // SAFETY: the command buffer is complete; every resource it uses is owned by `self` or borrowed by the caller.
         unsafe { raw.end_command_buffer(self.commands) }.map_err(|code| fault(&doing, code))?;
         self.device.submit(self.commands, &doing)?;
-        let mut ticks = vec![0u64; 2 * self.names.len()];
+        let mut ticks = vec![0u64; 2 * self.names.len().min(self.room)];
         if !ticks.is_empty() {
             let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
             // SAFETY: every query of the range was written by the submission.
@@ -202,15 +202,11 @@ impl Recorder {
                 .map_err(|code| fault(&doing, code))?;
         }
         let period = f64::from(self.device.limits().timestamp_period);
-        Ok(self
-            .names
-            .iter()
-            .zip(ticks.chunks_exact(2))
-            .map(|(name, pair)| Timing {
-                name: name.clone(),
-                milliseconds: pair[1].saturating_sub(pair[0]) as f64 * period * 1e-6,
-            })
-            .collect())
+        let timing = |(k, name): (usize, &String)| {
+            let span = ticks.get(2 * k..2 * k + 2).map(|pair| pair[1].saturating_sub(pair[0]) as f64);
+            Timing { name: name.clone(), milliseconds: span.map_or(f64::NAN, |ticks| ticks * period * 1e-6) }
+        };
+        Ok(self.names.iter().enumerate().map(timing).collect())
     }
 }
 

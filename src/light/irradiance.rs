@@ -27,7 +27,8 @@ fn cpu(state: &mut State, _chunk: usize) {
         .into_par_iter()
         .map(|face| {
             let leaf = &data.clusters[data.leaves[face] as usize];
-            let normal = wide(leaf.normal) / f64::from(leaf.area);
+            let area = f64::from(leaf.area);
+            let normal = if area > 0.0 { wide(leaf.normal) / area } else { glam::DVec3::ZERO };
             let mut sum = glam::DVec3::ZERO;
             for light in &data.lights {
                 let mut toward = wide(light.place);

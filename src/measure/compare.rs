@@ -54,18 +54,28 @@ pub fn compare(slot: Slot, reference: &State, device: &State, tolerance: Toleran
         }
     }
 
+    // What a float may differ by: a share of itself, and a floor.
+    let allowance = |i: usize, k: usize| match tolerance {
+        Tolerance::Exact => None,
+        Tolerance::Float { relative, floor } => Some((f64::from(relative), f64::from(floor) * largest[groups[k]])),
+        Tolerance::Fields(fields) => fields.iter().find(|field| field.name == group(k)).map(|field| {
+            let base = i - k;
+            let of = (0..layout.len()).find(|&j| group(j) == field.of).map(|j| f64::from(f32::from_bits(a[base + j])));
+            (f64::from(field.relative), f64::from(field.floor) * of.unwrap_or(1.0))
+        }),
+    };
+
     for (i, (&x, &y)) in a.iter().zip(b).enumerate() {
         let k = i % layout.len();
         let word = &layout[k];
-        let passes = match (tolerance, word.number) {
-            (Tolerance::Float { relative, floor }, Number::Float) if x != y => {
+        let passes = match (allowance(i, k), word.number) {
+            (Some((relative, lowest)), Number::Float) if x != y => {
                 let (p, q) = (f32::from_bits(x), f32::from_bits(y));
                 let difference = (f64::from(p) - f64::from(q)).abs();
-                let lowest = f64::from(floor) * largest[groups[k]];
-                let allowed = f64::from(relative) * f64::from(p).abs() + lowest;
+                let allowed = relative * f64::from(p).abs() + lowest;
                 result.ulp = result.ulp.max(ulp(p, q));
                 result.relative = result.relative.max(difference / f64::from(p).abs().max(lowest).max(1e-38));
-                difference <= allowed
+                p.is_finite() && q.is_finite() && difference <= allowed
             }
             _ => x == y,
         };

@@ -4,8 +4,9 @@ use glam::DVec3;
 
 use crate::error::Result;
 use crate::layout::Query;
-use crate::render::plan::{Change, Mode, Options, Plan};
-use crate::render::run::{Room, Session, size};
+use crate::render::plan::{Change, Mode, Options};
+use crate::render::room::size;
+use crate::render::run::{Room, Session};
 use crate::render::stages::{stage, steps};
 use crate::scene::Mesh;
 use crate::scene::{Distance, Scene};
@@ -30,9 +31,9 @@ impl Fixture {
     /// The stages that these options ask for, with room found by running the reference once.
     fn new(name: &str, scene: &Scene, options: Options, room: Room) -> Result<Self> {
         let mut session = Session::new(scene, None, options, room)?;
-        session.frame(Change::Everything)?;
+        session.frame(Change::EVERYTHING)?;
         let mut state = session.prepared.state.clone();
-        let steps = session.plan.steps(&state, Change::Everything);
+        let steps = session.plan.steps(&state, Change::EVERYTHING);
         size(&mut state, &session.plan);
         state.data.hits = bytemuck::zeroed_vec(state.data.hits.len());
         state.data.radiance = bytemuck::zeroed_vec(state.data.radiance.len());
@@ -117,8 +118,11 @@ pub fn fixtures() -> Result<Vec<Fixture>> {
     // Lists that do not fit: both sides must say so, and leave the same behind.
     let mut fixture = Fixture::of_scene("lists that overflow", &lit)?;
     fixture.steps.retain(|step| ["refit", "irradiance", "radii", "link"].contains(&step.stage.name));
+    let mut session = Session::new(&lit, None, Options::default(), Room::default())?;
+    session.frame(Change::EVERYTHING)?;
+    let need = session.state().data.cursor[0];
     let frame = &mut fixture.state.data.frame[0];
-    [frame.link_room, frame.hand_room] = [frame.link_room / 2, frame.hand_room / 2];
+    [frame.link_room, frame.hand_room] = [need.need_links / 2, need.need_hands / 2];
     list.push(fixture);
 
     // The displaced sources of Table 1, the median tree, brute force.
@@ -178,9 +182,4 @@ fn queries() -> Fixture {
 /// Whether a plan of any fixture runs this stage; every stage must have one.
 pub fn covered(list: &[Fixture], name: &str) -> bool {
     list.iter().any(|fixture| fixture.steps.iter().any(|step| step.stage.name == name))
-}
-
-/// The inputs of a frame: buffers that no stage writes.
-pub fn inputs() -> impl Iterator<Item = crate::layout::Slot> {
-    Plan::inputs()
 }

@@ -19,7 +19,10 @@ pub fn norms(areas: &[f64], values: &[[f64; 3]], reference: &[[f64; 3]]) -> [Nor
         let power = weighted(&|i| reference[i][channel].powi(2));
         let whole: f64 = areas.iter().sum();
         if power <= 0.0 || whole <= 0.0 {
-            return Norms::default();
+            // Nothing to compare with: any light at all is infinitely wrong, and so is what is no number.
+            let dark = (0..areas.len()).all(|i| values[i][channel] == 0.0);
+            let all = if dark { 0.0 } else { f64::INFINITY };
+            return Norms { l2: all, p99: all, max: all };
         }
         let rms = (power / whole).sqrt();
         let mut sizes: Vec<f64> = (0..areas.len()).map(|i| difference(i).abs() / rms).collect();
@@ -34,7 +37,8 @@ pub fn norms(areas: &[f64], values: &[[f64; 3]], reference: &[[f64; 3]]) -> [Nor
 
 /// The worst channel.
 pub fn worst(norms: &[Norms; 3]) -> Norms {
-    let of = |f: fn(&Norms) -> f64| norms.iter().map(f).fold(0.0, f64::max);
+    let larger = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
+    let of = |f: fn(&Norms) -> f64| norms.iter().map(f).fold(0.0, larger);
     Norms { l2: of(|n| n.l2), p99: of(|n| n.p99), max: of(|n| n.max) }
 }
 
@@ -54,5 +58,12 @@ mod tests {
         assert_eq!(n[1], Norms::default());
         assert_eq!(n[2], Norms::default());
         assert_eq!(worst(&n), n[0]);
+
+        // What is no number, and light where there should be none, can't hide.
+        values[3][1] = f64::NAN;
+        values[5][2] = 1e-9;
+        let n = norms(&areas, &values, &reference);
+        assert!(worst(&n).max.is_nan() && worst(&n).l2.is_nan());
+        assert_eq!(n[2].l2, f64::INFINITY);
     }
 }

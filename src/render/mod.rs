@@ -2,5 +2,6 @@
 
 pub mod plan;
 pub mod prepare;
+pub mod room;
 pub mod run;
 pub mod stages;

@@ -35,15 +35,34 @@ pub enum Goal {
     Radiosity,
 }
 
-/// What has changed since the last frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Change {
-    /// Everything, or there was none.
-    Everything,
+/// What has changed since the last frame; changes add up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Change {
+    /// Everything, or there was no frame yet.
+    pub everything: bool,
     /// The lights.
-    Light,
+    pub light: bool,
     /// The camera.
-    View,
+    pub view: bool,
+}
+
+impl Change {
+    /// Everything.
+    pub const EVERYTHING: Self = Self { everything: true, light: false, view: false };
+    /// The lights.
+    pub const LIGHT: Self = Self { everything: false, light: true, view: false };
+    /// The camera.
+    pub const VIEW: Self = Self { everything: false, light: false, view: true };
+
+    /// Both changes.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            everything: self.everything || other.everything,
+            light: self.light || other.light,
+            view: self.view || other.view,
+        }
+    }
 }
 
 /// How a scene is to be run.
@@ -80,26 +99,23 @@ impl Plan {
         plan
     }
 
+    /// The options it was made for.
+    pub fn options(&self) -> Options {
+        self.options
+    }
+
     /// The steps of a frame after this change.
     pub fn steps(&self, state: &State, change: Change) -> Vec<Step> {
         let kept = self.options.mode == Mode::Render && self.options.transport == Transport::Hierarchy;
-        let runs = |stage: &&'static Stage| match change {
-            Change::Everything => true,
-            Change::Light => {
-                let still = matches!(stage.name, "refit" | "visibility") || (kept && builds_links(stage.name));
-                !still
-            }
-            Change::View => stage.room == "view",
+        let runs = |stage: &&'static Stage| match stage.name {
+            _ if change.everything => true,
+            "refit" => false,
+            "visibility" => change.view,
+            "shade" => change.view || change.light,
+            name => change.light && !(kept && builds_links(name)),
         };
         let stages: Vec<_> = self.stages.iter().copied().filter(runs).collect();
         steps(&stages, &state.schedule)
-    }
-
-    /// Whether a buffer is touched by any stage of this plan, or is read by the host.
-    pub fn uses(&self, slot: Slot) -> bool {
-        let written = |stages: &[&'static Stage]| stages.iter().any(|s| s.writes.iter().any(|(w, _, _)| *w == slot));
-        let left: Vec<_> = self.left_out.iter().map(|(stage, _)| *stage).collect();
-        written(&self.stages) || !written(&left)
     }
 
     /// Buffers that are inputs: no stage writes them.

@@ -10,7 +10,7 @@ use crate::hierarchy::{Tree, median};
 use crate::layout::{Camera as CameraRecord, Frame, Light as LightRecord, Topology};
 use crate::light::fresnel;
 use crate::scene::{Camera, Fresnel, Hierarchy, Light, Material, Mesh, Scene, Transport};
-use crate::state::{Distance, Schedule, State};
+use crate::state::{Schedule, State};
 use crate::transport::form_factor::ladder::Ladder;
 use crate::transport::profile::Dipole;
 
@@ -54,11 +54,6 @@ impl Units {
     /// A point of the scene inside the frame.
     pub fn inside(&self, point: DVec3) -> DVec3 {
         (point - self.center) * self.length
-    }
-
-    /// A point of the frame in the scene.
-    pub fn outside(&self, point: DVec3) -> DVec3 {
-        point / self.length + self.center
     }
 }
 
@@ -210,12 +205,4 @@ pub fn schedule(prepared: &mut Prepared, faces: usize) {
 /// Whether any light gives any light at all.
 pub fn lit(state: &State) -> bool {
     state.data.lights.iter().any(|light| light.color.iter().any(|&x| x > 0.0))
-}
-
-/// The name of a distance convention, as scene files have it.
-pub fn distance_name(distance: Distance) -> &'static str {
-    match distance {
-        Distance::Radial => "radial",
-        Distance::Table1 => "table1",
-    }
 }

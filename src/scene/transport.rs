@@ -4,9 +4,9 @@ use super::file::TransportFile;
 use super::range::{self, Checked};
 use serde::Deserialize;
 
-/// The largest angle under which a receiver may see a cluster it links to, in steradian.
+/// How much an emitter's solid angle may vary over a receiver's children, in steradian.
 pub const RECEIVER_ANGLE: f64 = 0.05;
-/// The largest angle under which an emitter may see the receiver it links to, in steradian.
+/// The largest solid angle of a cluster that emits over a link, in steradian.
 pub const EMITTER_ANGLE: f64 = 0.07;
 /// The smallest ratio of projected to true area of an emitter that may be linked.
 pub const PLANARITY: f64 = 0.3;
@@ -17,7 +17,7 @@ pub const FORM_FACTOR_TOLERANCE: f64 = 1e-2;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Hierarchy {
-    /// Neighbouring faces of similar normal are joined, pair by pair.
+    /// Neighbouring clusters are joined, pair by pair, the most compact first.
     #[default]
     FaceClusters,
     /// The box is split at the median centre of its longest axis.
@@ -42,9 +42,9 @@ pub struct Transport {
     pub hierarchy: Hierarchy,
     /// How distances are measured.
     pub distance: Distance,
-    /// epsilon_1: largest solid angle of a linked emitter from the receiver, steradian, above 0.
+    /// epsilon_1: how much an emitter's solid angle may vary over a receiver's children, steradian, above 0.
     pub receiver_angle: f64,
-    /// epsilon_2: largest solid angle of a linked receiver from the emitter, steradian, above 0.
+    /// epsilon_2: largest solid angle of a cluster that emits over a link, steradian, above 0.
     pub emitter_angle: f64,
     /// Smallest A'/A (projected to true area) of an emitter that may be linked, 0 to 1.
     pub planarity: f64,

@@ -87,20 +87,15 @@ impl DeviceState {
     /// The names of guarded buffers whose guard was overwritten.
     pub fn trespasses(&self, state: &State) -> Result<Vec<&'static str>> {
         let mut found = Vec::new();
-        for (slot, buffer) in &self.buffers {
+        for (slot, buffer) in self.buffers.iter().filter(|_| self.guarded) {
             let mut bytes = vec![0; buffer.size() as usize];
             buffer.download(&mut bytes)?;
             let used = state.data.bytes(*slot).len();
-            if self.guarded && bytes[used..].iter().any(|&b| b != GUARD_BYTE) {
+            if bytes[used..].iter().any(|&b| b != GUARD_BYTE) {
                 found.push(slot.spec().name);
             }
         }
         Ok(found)
-    }
-
-    /// Bytes of device memory that the buffers take.
-    pub fn bytes(&self) -> u64 {
-        self.buffers.values().map(Buffer::size).sum()
     }
 
     /// Records and submits these steps as one frame; returns the time of each.

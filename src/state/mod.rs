@@ -24,16 +24,6 @@ pub struct State {
 }
 
 impl State {
-    /// The first link of a chunk's room.
-    pub fn link_base(&self, chunk: usize) -> usize {
-        if self.keep { chunk * self.link_room() } else { 0 }
-    }
-
-    /// The room for links in each chunk.
-    pub fn link_room(&self) -> usize {
-        self.data.frame.first().map_or(0, |frame| frame.link_room as usize)
-    }
-
     /// The part of a buffer that a dispatch of this chunk binds: first element and number of elements.
     pub fn part(&self, slot: Slot, chunk: usize) -> (usize, usize) {
         let spec = slot.spec();
@@ -75,6 +65,21 @@ pub enum Tolerance {
         /// Share of the field's largest value.
         floor: f32,
     },
+    /// Each float field by its own rule; everything that is not a float bit for bit.
+    Fields(&'static [Field]),
+}
+
+/// How near one field of a record has to come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Field {
+    /// The field.
+    pub name: &'static str,
+    /// Share of the value itself.
+    pub relative: f32,
+    /// Added to that: a share of the field `of` of the same element.
+    pub floor: f32,
+    /// The field that the floor is a share of, or empty: of 1.
+    pub of: &'static str,
 }
 
 /// What becomes of a buffer that a stage writes.

@@ -21,6 +21,8 @@ pub static STAGE: Stage = Stage {
 fn cpu(state: &mut State, _chunk: usize) {
     let data = &mut state.data;
 
+    let mean = |power, area| if area > 0.0 { narrow(power / area) } else { [0.0; 3] };
+
     // Power and area of each node, straight from its faces.
     let nodes = data.topology.len();
     let mut power = vec![glam::DVec3::ZERO; nodes];
@@ -36,7 +38,7 @@ fn cpu(state: &mut State, _chunk: usize) {
             power[node] = area[node] * wide(data.irradiance[place.face as usize]);
         }
     }
-    data.cluster_irradiance = power.iter().zip(&area).map(|(&power, &area)| narrow(power / area)).collect();
+    data.cluster_irradiance = power.iter().zip(&area).map(|(&power, &area)| mean(power, area)).collect();
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {

@@ -46,6 +46,9 @@ fn cpu(state: &mut State, _chunk: usize) {
 /// may come nearer by `z_virtual`. Beyond `sigma s = 20` (e^-20 = 2e-9) the channel no longer counts.
 pub fn reach2(tau: f64, dipole: &Dipole, chi: f64, displaced: bool) -> f64 {
     let sigma = dipole.sigma;
+    if tau <= 0.0 {
+        return if displaced { dipole.z_virtual.powi(2) } else { 0.0 };
+    }
     let k = 2.0 * chi / tau - sigma * sigma;
     let mut s = if k > 0.0 { (5.0 * sigma + (25.0 * sigma * sigma + 60.0 * k).sqrt()) / (2.0 * k) } else { 1e9 };
     if sigma > 0.0 {

@@ -10,6 +10,9 @@ READS(order)
 UPDATES(bounds)
 UPDATES(clusters)
 
+// The part of the whole, a half of nothing: triangles may vanish in single precision.
+float share(float part, float whole) { return whole > 0.0 ? part / whole : 0.5; }
+
 void main() {
     uint i = invocation();
     if (i >= range.count) return;
@@ -20,8 +23,8 @@ void main() {
 
     Cluster l = clusters[left], r = clusters[right];
     float area = l.area + r.area;
-    vec3 center = l.center + (r.area / area) * (r.center - l.center);
+    vec3 center = l.center + share(r.area, area) * (r.center - l.center);
     vec3 to_l = l.center - center, to_r = r.center - center;
     float moment = l.area * (l.spread + dot(to_l, to_l)) + r.area * (r.spread + dot(to_r, to_r));
-    clusters[node] = Cluster(center, area, l.normal + r.normal, moment / area);
+    clusters[node] = Cluster(center, area, l.normal + r.normal, area > 0.0 ? moment / area : 0.0);
 }

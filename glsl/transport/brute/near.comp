@@ -38,7 +38,7 @@ void main() {
             Cluster emitter = clusters[leaves[found]];
             uvec3 corner = triangles[found];
             vec3 a = positions[corner.x] - center, b = positions[corner.y] - center, c = positions[corner.z] - center;
-            vec3 normal = emitter.normal / emitter.area;
+            vec3 normal = emitter.area > 0.0 ? emitter.normal / emitter.area : vec3(0);
             float height = -dot(emitter.center - center, normal);
             vec3 foot = -height * normal;
             vec3 real = edge_form(sigma, a, b, c, corner, normal, foot, source_height(height, z_real, 1.0));

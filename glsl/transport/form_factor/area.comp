@@ -28,7 +28,7 @@ void main() {
     uint face = topology[link.emitter].face;
     uvec3 corner = triangles[face];
     vec3 a = positions[corner.x], b = positions[corner.y], c = positions[corner.z];
-    vec3 normal = emitter.normal / emitter.area;
+    vec3 normal = emitter.area > 0.0 ? emitter.normal / emitter.area : vec3(0);
 
     float d2 = distance2(receiver, emitter.center);
     vec4 radii = reach[face];

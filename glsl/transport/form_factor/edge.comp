@@ -25,7 +25,7 @@ void main() {
     vec3 receiver = clusters[link.receiver].center;
     uvec3 corner = triangles[topology[link.emitter].face];
     vec3 a = positions[corner.x] - receiver, b = positions[corner.y] - receiver, c = positions[corner.z] - receiver;
-    vec3 normal = emitter.normal / emitter.area;
+    vec3 normal = emitter.area > 0.0 ? emitter.normal / emitter.area : vec3(0);
     float height = -dot(emitter.center - receiver, normal);
     vec3 foot = -height * normal;
 

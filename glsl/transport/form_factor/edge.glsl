@@ -65,7 +65,8 @@ vec3 edge_form(vec3 sigma, vec3 a, vec3 b, vec3 c, uvec3 id, vec3 normal, vec3 f
     for (uint e = 0; e < 3; ++e) {
         bool swapped = number[e] > number[(e + 1) % 3];
         vec3 p = corner[swapped ? (e + 1) % 3 : e], q = corner[swapped ? e : (e + 1) % 3];
-        vec3 u = normalize(q - p);
+        float size = length(q - p);
+        vec3 u = size > 0.0 ? (q - p) / size : vec3(0);
         float R = dot(cross(p, u), normal);
         vec3 value = edge_integral(sigma, R, dot(p, u), dot(q, u), h, rim, s_m);
         sum += swapped ? -value : value;

@@ -9,6 +9,9 @@ UPDATES(cursor)
 READS(handed)
 #include "transport/link/walk.glsl"
 
+// The longest list of one receiver: lavapipe ends an invocation's loops after 65,535 iterations.
+const uint MOST = 65000;
+
 uint links = 0, areas = 0, edges = 0, hands = 0;
 void on_link(uint receiver, uint emitter, uint rung) {
     links++;
@@ -28,5 +31,10 @@ void main() {
         count = spans[parent].hands;
     }
     if (!walk(receiver, hand, count)) cursor[0].unfinished = 1;
+    // Too long for any driver's loops, and for 32-bit sums: the frame is void.
+    if (links > MOST || hands > MOST) {
+        cursor[0].unfinished = 1;
+        links = areas = edges = hands = 0;
+    }
     spans[receiver] = Span(0, links, 0, areas, 0, edges, 0, hands);
 }

@@ -11,9 +11,6 @@ READS(order)
 UPDATES(spans)
 UPDATES(cursor)
 
-// Links that one invocation of `gather` can sum up on a driver that ends loops after 65,535 iterations.
-const uint MOST_LINKS = 65000;
-
 shared uvec4 sums[256];
 
 void main() {
@@ -49,7 +46,6 @@ void main() {
         uvec4 count = uvec4(span.links, span.areas, span.edges, span.hands);
         spans[receiver] = Span(at.x, count.x * kept.x, at.y, count.y * kept.y, at.z, count.z * kept.z, at.w, count.w * kept.w);
         at += count;
-        if (span.links > MOST_LINKS) cursor[0].unfinished = 1;
     }
 
     // Every invocation has read the cursor.

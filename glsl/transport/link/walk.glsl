@@ -16,17 +16,20 @@ layout(push_constant, scalar) uniform push_block { Range range; };
 void on_link(uint receiver, uint emitter, uint rung);
 void on_hand(uint emitter);
 
+// 2^40: keeps products of tiny areas and distances away from denormals, which a device may flush.
+const float FAR_FROM_DENORMAL = 1099511627776.0;
+
 // Whether |A/d_child^2 - A/d^2| exceeds epsilon_1.
 bool deviates(float area, float d2, float child2) {
-    precise float change = area * abs(d2 - child2);
-    precise float allowed = frame[0].receiver_angle * (d2 * child2);
+    precise float change = (area * FAR_FROM_DENORMAL) * abs(d2 - child2);
+    precise float allowed = (frame[0].receiver_angle * FAR_FROM_DENORMAL) * (d2 * child2);
     return change > allowed;
 }
 
-// Whether A'/A falls short; the factor keeps squares of tiny areas away from denormals.
+// Whether A'/A falls short.
 bool bent(Cluster emitter) {
-    precise vec3 n = emitter.normal * 1099511627776.0;
-    precise float area = emitter.area * 1099511627776.0;
+    precise vec3 n = emitter.normal * FAR_FROM_DENORMAL;
+    precise float area = emitter.area * FAR_FROM_DENORMAL;
     precise float projected = n.x * n.x + n.y * n.y + n.z * n.z;
     precise float needed = frame[0].planarity * (area * area);
     return projected < needed;

@@ -16,6 +16,7 @@ void main() {
     uint node = order[range.first + i];
     if (topology[node].face != NONE) return;
     uint left = node + 1, right = topology[left].skip;
-    float share = clusters[right].area / (clusters[left].area + clusters[right].area);
+    float whole = clusters[left].area + clusters[right].area;
+    float share = whole > 0.0 ? clusters[right].area / whole : 0.5;
     cluster_irradiance[node] = mix(cluster_irradiance[left], cluster_irradiance[right], share);
 }

@@ -6,8 +6,6 @@
 //! derivative of `p(s) = (1 + sigma s) e^(-sigma s) / s^3`. `chi` falls as `s` grows, so that each
 //! threshold is one radius: the choice at run time is a comparison of squared distances.
 
-use crate::transport::profile::Dipole;
-
 /// Number of area rules on the ladder: midpoint with moment, 3, 6 and 12 points.
 pub const RUNGS: usize = 4;
 
@@ -58,56 +56,6 @@ pub fn chi(tau: f64, sigma: f64, s: f64) -> f64 {
     tau * q2(sigma * s) / (2.0 * s * s)
 }
 
-/// For each rung the squared distance, point to centroid, from which it will do: length^2.
-///
-/// It holds for all three channels and, in the radial convention, for both sources (the real one,
-/// being nearer, decides). The values fall from rung to rung. 0: the rung will do everywhere.
-/// Infinity: nowhere, which happens where the triangle is so large against `1/sigma` that the
-/// exponential varies over it at any distance (`sigma^2 tau > 2 chi`).
-#[must_use]
-pub fn reach(tau: f64, dipole: &[Dipole; 3], ladder: &Ladder) -> [f64; RUNGS] {
-    ladder.chi.map(|chi| {
-        let one = |d: &Dipole| (source_reach(tau, d.sigma, chi) - d.z_real * d.z_real).max(0.0);
-        dipole.iter().map(one).fold(0.0, f64::max)
-    })
-}
-
-/// The first rung that will do at the squared distance `d2`, or [`RUNGS`] for the edge form.
-#[must_use]
-pub fn rung(d2: f64, reach: &[f64; RUNGS]) -> usize {
-    reach.iter().position(|&least| d2 >= least).unwrap_or(RUNGS)
-}
-
-/// The squared distance `s^2` from a source at which `chi` falls to `limit`.
-fn source_reach(tau: f64, sigma: f64, limit: f64) -> f64 {
-    if tau <= 0.0 {
-        return 0.0;
-    }
-    // With k = 2 limit / (tau sigma^2) the condition is q2(a) = k a^2; q2/a^2 falls to 1.
-    let k = 2.0 * limit / (tau * sigma * sigma);
-    if k <= 1.0 {
-        return f64::INFINITY;
-    }
-    // So little extinction that q2 = 15.
-    if k > 1e32 {
-        return 7.5 * tau / limit;
-    }
-    // The one positive root of (k-1) a^3 + (k-6) a^2 - 15 a - 15, by Newton's method from the root
-    // of q2 <= a^2 + 5 a + 15: the cubic is convex from its root on, so the steps only go down.
-    let m = k - 1.0;
-    let mut a = (5.0 + (25.0 + 60.0 * m).sqrt()) / (2.0 * m);
-    for _ in 0..64 {
-        let value = ((m * a + (k - 6.0)) * a - 15.0) * a - 15.0;
-        let slope = (3.0 * m * a + 2.0 * (k - 6.0)) * a - 15.0;
-        let next = a - value / slope;
-        if next.is_nan() || next >= a {
-            break;
-        }
-        a = next;
-    }
-    (a / sigma) * (a / sigma)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -120,30 +68,5 @@ mod tests {
         assert_eq!(Ladder::new(f64::NAN), Ladder::new(1e-4));
         let middle = Ladder::new(10f64.powf(-2.5)).chi[0];
         assert!((middle - (0.1f64 * 0.025).sqrt()).abs() < 1e-12);
-    }
-
-    #[test]
-    fn chi_is_at_its_limit_at_the_reach() {
-        for sigma in [1e-17, 1e-6, 1e-3, 0.1, 1.0, 1.4, 1.99999] {
-            for limit in [0.008, 0.1, 1.0] {
-                let s2 = source_reach(limit * 0.5, sigma, limit);
-                assert!((chi(limit * 0.5, sigma, s2.sqrt()) / limit - 1.0).abs() < 1e-12, "{sigma}");
-            }
-        }
-        assert_eq!(source_reach(1.0, 2.0, 2.0), f64::INFINITY);
-        assert_eq!(source_reach(1.0, 0.0, 0.1), 75.0);
-    }
-
-    #[test]
-    fn edge_cases_of_the_reach() {
-        let dipole = [Dipole::new(1.0, 0.0, 2.6), Dipole::new(1.0, 1e-4, 2.6), Dipole::new(2.0, 0.0, 2.6)];
-        let ladder = Ladder::new(1e-3);
-        assert_eq!(reach(0.0, &dipole, &ladder), [0.0; RUNGS]);
-        assert_eq!(rung(0.0, &reach(0.0, &dipole, &ladder)), 0);
-        let some = reach(0.5, &dipole, &ladder);
-        assert!(some.is_sorted_by(|a, b| a >= b));
-        assert_eq!(rung(some[1], &some), 1);
-        assert_eq!(rung(some[3].next_down(), &some), RUNGS);
-        assert_eq!(reach(1e9, &dipole, &ladder), [f64::INFINITY; RUNGS]);
     }
 }

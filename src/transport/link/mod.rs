@@ -34,8 +34,8 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// Links that one invocation of `gather` can sum up on a driver that ends loops after 65,535 iterations (lavapipe).
-const MOST_LINKS: u32 = 65_000;
+/// The longest list of one receiver: lavapipe ends an invocation's loops after 65,535 iterations.
+const MOST: usize = 65_000;
 
 /// One receiver's decisions, in order.
 #[derive(Default)]
@@ -58,10 +58,14 @@ fn cpu(state: &mut State, chunk: usize) {
 
         // Every receiver of the level by itself.
         let walk = Walk::new(data);
-        let lists: Vec<Lists> = receivers.par_iter().map(|&receiver| decide(&walk, data, receiver)).collect();
+        let mut lists: Vec<Lists> = receivers.par_iter().map(|&receiver| decide(&walk, data, receiver)).collect();
 
         // Where each one's lists begin, if all fit.
         let cursor = &mut data.cursor[0];
+        for list in lists.iter_mut().filter(|list| list.links.len() > MOST || list.hands.len() > MOST) {
+            cursor.unfinished = 1;
+            *list = Lists::default();
+        }
         let mut at = [cursor.links, cursor.areas, cursor.edges, cursor.hands];
         let sizes = |l: &Lists| [l.links.len(), l.areas.len(), l.edges.len(), l.hands.len()].map(|n| n as u32);
         let total = lists.iter().map(sizes).fold(at, |sum, n| std::array::from_fn(|k| sum[k] + n[k]));
@@ -83,9 +87,6 @@ fn cpu(state: &mut State, chunk: usize) {
         // Write.
         for (&receiver, list) in receivers.iter().zip(&lists) {
             let counts = sizes(list);
-            if counts[0] > MOST_LINKS {
-                cursor.unfinished = 1;
-            }
             let n: [u32; 4] = std::array::from_fn(|k| if fits[k] { counts[k] } else { 0 });
             data.spans[receiver as usize] = Span {
                 link: at[0],
@@ -132,7 +133,8 @@ fn open(cursor: &mut Cursor, chunk: usize) {
 fn decide(walk: &Walk<'_>, data: &crate::layout::Buffers, receiver: u32) -> Lists {
     let parent = data.topology[receiver as usize].parent;
     let handed = match data.spans.get(parent as usize) {
-        Some(span) => &data.handed[span.hand as usize..(span.hand + span.hands) as usize],
+        // A list that did not fit is empty and may begin beyond the end.
+        Some(span) => data.handed.get(span.hand as usize..span.hand as usize + span.hands as usize).unwrap_or_default(),
         None => &[0],
     };
     let mut lists = Lists::default();

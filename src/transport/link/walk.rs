@@ -23,6 +23,9 @@ pub struct Walk<'a> {
     reach: &'a [[f32; 4]],
 }
 
+/// 2^40: keeps products of tiny areas and distances away from denormals, which a device may flush.
+const FAR_FROM_DENORMAL: f32 = 1_099_511_627_776.0;
+
 /// Squared distance, summed from x to z.
 pub fn distance2(a: [f32; 3], b: [f32; 3]) -> f32 {
     let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -48,16 +51,15 @@ impl<'a> Walk<'a> {
 
     /// Whether |A/d_child^2 - A/d^2| exceeds epsilon_1.
     fn deviates(&self, area: f32, d2: f32, child2: f32) -> bool {
-        let change = area * (d2 - child2).abs();
-        let allowed = self.frame.receiver_angle * (d2 * child2);
+        let change = (area * FAR_FROM_DENORMAL) * (d2 - child2).abs();
+        let allowed = (self.frame.receiver_angle * FAR_FROM_DENORMAL) * (d2 * child2);
         change > allowed
     }
 
-    /// Whether A'/A falls short; the factor 2^40 keeps squares of tiny areas away from denormals.
+    /// Whether A'/A falls short.
     fn bent(&self, emitter: &Cluster) -> bool {
-        const FACTOR: f32 = 1_099_511_627_776.0;
-        let n = emitter.normal.map(|x| x * FACTOR);
-        let area = emitter.area * FACTOR;
+        let n = emitter.normal.map(|x| x * FAR_FROM_DENORMAL);
+        let area = emitter.area * FAR_FROM_DENORMAL;
         n[0] * n[0] + n[1] * n[1] + n[2] * n[2] < self.frame.planarity * (area * area)
     }
 

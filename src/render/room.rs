@@ -1,0 +1,141 @@
+//! How much room the lists of links get: chunks that fit the device's bindings, and more after an overflow.
+
+use super::plan::Plan;
+use super::prepare::schedule;
+use super::run::{Backend, Session};
+use crate::error::{Error, Result};
+use crate::layout::{Cursor, Slot};
+use crate::state::State;
+
+/// Faces of a chunk to begin with; fewer once a chunk's lists turn out not to fit a binding.
+const CHUNK_FACES: usize = 1 << 14;
+/// Largest list on the CPU, bytes: what the smallest devices allow.
+pub(super) const CPU_BINDING: u64 = 1 << 27;
+/// Most that is kept between frames on the CPU, bytes.
+const CPU_ALLOCATION: u64 = 1 << 32;
+/// Largest list anywhere, bytes.
+const MOST_BINDING: u64 = 1 << 29;
+/// Links per face to begin with.
+const LINKS: usize = 640;
+
+/// First sizes, for tests that want lists to overflow or chunks to be small.
+#[derive(Clone, Copy, Debug)]
+pub struct Room {
+    /// Faces of a chunk.
+    pub chunk_faces: usize,
+    /// Links per face of a chunk.
+    pub links: usize,
+    /// Largest list, bytes; further limited by the device.
+    pub binding: u64,
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Self { chunk_faces: CHUNK_FACES, links: LINKS, binding: MOST_BINDING }
+    }
+}
+
+impl Session {
+    /// Cuts the tree into chunks, gives every list its first room, and sends the inputs.
+    pub(super) fn cut(&mut self) -> Result<()> {
+        schedule(&mut self.prepared, self.chunk_faces);
+        let faces = self.largest_chunk().div_ceil(2);
+        let room = |per: usize, stride| ((faces * per).clamp(64, self.most(stride)) / 64 * 64) as u32;
+        let rooms = [room(self.room.links, 12), room(16, 4), room(4, 4), room(96, 4)];
+        self.set_rooms(rooms);
+        self.resize()
+    }
+
+    /// Room for links, those with area points, those with the edge form, and hand-downs.
+    fn set_rooms(&mut self, rooms: [u32; 4]) {
+        let frame = &mut self.prepared.state.data.frame[0];
+        [frame.link_room, frame.area_room, frame.edge_room, frame.hand_room] = rooms;
+    }
+
+    fn largest_chunk(&self) -> usize {
+        let sizes = self.prepared.state.schedule.chunks.iter().map(|c| c.nodes.len());
+        sizes.max().unwrap_or(0)
+    }
+
+    /// Elements of this many bytes that one list can have, a multiple of 64.
+    fn most(&self, stride: u64) -> usize {
+        (self.room.binding.min(u64::from(u32::MAX)) / stride / 64 * 64) as usize
+    }
+
+    /// Makes room after an overflow: longer lists, or smaller chunks where a list can't grow any more.
+    pub(super) fn grow(&mut self) -> Result<()> {
+        let need = self.prepared.state.data.cursor[0];
+        let frame = self.prepared.state.data.frame[0];
+        let mut lists = [
+            ("links", need.need_links, frame.link_room, 12),
+            ("area_links", need.need_areas, frame.area_room, 4),
+            ("edge_links", need.need_edges, frame.edge_room, 4),
+            ("handed", need.need_hands, frame.hand_room, 4),
+        ];
+        // Where emitters could not be handed down, what lies below is not counted: then that list at least doubles.
+        if need.need_hands > frame.hand_room {
+            lists[3].1 = need.need_hands.max(frame.hand_room.saturating_mul(2));
+        }
+        let mut rooms = lists.map(|(_, _, room, _)| room);
+        for (room, (name, need, had, stride)) in rooms.iter_mut().zip(lists) {
+            let (need, most) = (need as usize, self.most(stride));
+            if need > most {
+                // As many faces as would fit at this density, and a quarter less.
+                let faces = self.largest_chunk().div_ceil(2).min(self.chunk_faces);
+                self.chunk_faces = (faces as f64 * most as f64 / need as f64 * 0.75) as usize;
+                if self.chunk_faces < 16 {
+                    let what =
+                        format!("it needs {need} entries for {faces} faces, a binding of the device takes {most}");
+                    return Err(Error::device(format!("making room for buffer {name}"), what));
+                }
+                return self.cut();
+            }
+            if need > had as usize {
+                *room = (need + need / 32).next_multiple_of(64).min(most) as u32;
+            }
+        }
+        self.set_rooms(rooms);
+        self.resize()
+    }
+
+    /// Refuses to keep more than one allocation can hold.
+    pub(super) fn check_kept(&self) -> Result<()> {
+        let state = &self.prepared.state;
+        let bytes = 12 * u64::from(state.data.frame[0].link_room) * state.schedule.chunks.len() as u64;
+        let most = match &self.backend {
+            Backend::Gpu(twin) => twin.device().limits().allocation_bytes,
+            Backend::Cpu => CPU_ALLOCATION,
+        };
+        if state.keep && bytes > most {
+            let what = format!("they may take {bytes} bytes, one allocation holds {most}; use --mode on-the-fly");
+            return Err(Error::device("keeping form factors between frames", what));
+        }
+        Ok(())
+    }
+}
+
+/// Gives every buffer that a plan's stages write its size, zeroed; the others stay empty.
+pub fn size(state: &mut State, plan: &Plan) {
+    let chunks = if state.keep { state.schedule.chunks.len() } else { 1 };
+    let used = |slot: Slot| plan.stages.iter().any(|s| s.writes.iter().any(|(w, _, _)| *w == slot));
+    let data = &mut state.data;
+    let frame = data.frame[0];
+    let (vertices, faces, nodes) = (frame.vertices as usize, frame.faces as usize, frame.nodes as usize);
+    let per = |slot: Slot, count: usize| if used(slot) { count } else { 0 };
+    data.bounds = bytemuck::zeroed_vec(nodes);
+    data.clusters = bytemuck::zeroed_vec(nodes);
+    data.normals = bytemuck::zeroed_vec(vertices);
+    data.irradiance = bytemuck::zeroed_vec(faces);
+    data.cluster_irradiance = bytemuck::zeroed_vec(per(Slot::cluster_irradiance, nodes));
+    data.reach = bytemuck::zeroed_vec(per(Slot::reach, faces));
+    data.spans = bytemuck::zeroed_vec(per(Slot::spans, nodes));
+    data.handed = bytemuck::zeroed_vec(per(Slot::handed, frame.hand_room as usize));
+    data.cursor = vec![Cursor::default()];
+    data.links = bytemuck::zeroed_vec(per(Slot::links, chunks * frame.link_room as usize));
+    data.factors = bytemuck::zeroed_vec(per(Slot::factors, chunks * frame.link_room as usize));
+    data.area_links = bytemuck::zeroed_vec(per(Slot::area_links, chunks * frame.area_room as usize));
+    data.edge_links = bytemuck::zeroed_vec(per(Slot::edge_links, chunks * frame.edge_room as usize));
+    data.gathered = bytemuck::zeroed_vec(per(Slot::gathered, nodes));
+    data.radiosity = bytemuck::zeroed_vec(faces);
+    data.vertex_radiosity = bytemuck::zeroed_vec(vertices);
+}

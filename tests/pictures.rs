@@ -1,0 +1,104 @@
+//! The built-in scenes against small reference pictures, compared as an eye would: blurred a little, in CIE Lab.
+//!
+//! After a wanted change of look: `milkglass render NAME --size 240x240 -o tests/pictures/NAME.png`.
+
+use std::path::Path;
+
+use milkglass::gpu::{Device, Instance};
+use milkglass::render::plan::{Change, Options};
+use milkglass::render::run::{Room, Session};
+use milkglass::scene::{BUILTIN, Scene};
+
+/// Colour differences that no one notices: on average, and in the worst hundredth of the picture.
+const MEAN: f64 = 0.5;
+const WORST: f64 = 2.5;
+
+/// Lab values of an 8-bit sRGB picture after a 3 x 3 mean.
+fn lab(bytes: &[u8], width: usize, height: usize) -> Vec<[f64; 3]> {
+    let linear = |byte: u8| {
+        let x = f64::from(byte) / 255.0;
+        if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+    };
+    let at = |x: usize, y: usize, c: usize| linear(bytes[3 * (y * width + x) + c]);
+    let curve = |t: f64| if t > 0.008_856 { t.cbrt() } else { 7.787 * t + 16.0 / 116.0 };
+    let mut out = Vec::with_capacity(width * height);
+    for y in 0..height {
+        for x in 0..width {
+            let mut rgb = [0.0; 3];
+            let mut count = 0.0;
+            for v in y.saturating_sub(1)..(y + 2).min(height) {
+                for u in x.saturating_sub(1)..(x + 2).min(width) {
+                    count += 1.0;
+                    rgb.iter_mut().enumerate().for_each(|(c, sum)| *sum += at(u, v, c));
+                }
+            }
+            let [r, g, b] = rgb.map(|sum| sum / count);
+            let xyz = [
+                (0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.9505,
+                0.2126 * r + 0.7152 * g + 0.0722 * b,
+                (0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.089,
+            ];
+            let [fx, fy, fz] = xyz.map(curve);
+            out.push([116.0 * fy - 16.0, 500.0 * (fx - fy), 200.0 * (fy - fz)]);
+        }
+    }
+    out
+}
+
+/// Mean and 99th percentile of the colour difference.
+fn difference(a: &[u8], b: &[u8], width: usize, height: usize) -> (f64, f64) {
+    let mut all: Vec<f64> = lab(a, width, height)
+        .iter()
+        .zip(lab(b, width, height))
+        .map(|(p, q)| (0..3).map(|k| (p[k] - q[k]).powi(2)).sum::<f64>().sqrt())
+        .collect();
+    all.sort_by(f64::total_cmp);
+    (all.iter().sum::<f64>() / all.len() as f64, all[all.len() * 99 / 100])
+}
+
+fn reference(name: &str) -> (Vec<u8>, usize, usize) {
+    let path = Path::new("tests/pictures").join(format!("{name}.png"));
+    let picture = image::open(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display())).to_rgb8();
+    let (width, height) = picture.dimensions();
+    (picture.into_raw(), width as usize, height as usize)
+}
+
+fn render(name: &str, width: usize, height: usize, device: Option<&Device>) -> Vec<u8> {
+    let scene = Scene::load(name, &[format!("camera.size=[{width}, {height}]")]).unwrap();
+    let mut session = Session::new(&scene, device, Options::default(), Room::default()).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    session.picture().unwrap().bytes(scene.camera.exposure)
+}
+
+#[test]
+fn the_built_in_scenes_look_as_they_did() {
+    let device = Instance::open(false).ok().and_then(|instance| {
+        let adapter = instance.adapters().ok()?.into_iter().find(|adapter| adapter.unusable.is_none())?;
+        Device::open(&instance, &adapter).ok()
+    });
+    assert!(device.is_some() || std::env::var_os("MILKGLASS_NO_DEVICE").is_some(), "no usable Vulkan device");
+    for (name, _, _) in BUILTIN {
+        let (expected, width, height) = reference(name);
+        let on_cpu = render(name, width, height, None);
+        let (mean, worst) = difference(&expected, &on_cpu, width, height);
+        assert!(mean < MEAN && worst < WORST, "{name} on the CPU: mean {mean}, 99th percentile {worst}");
+        if let Some(device) = &device {
+            // Device and CPU: at most one step of 255 in any channel.
+            let on_device = render(name, width, height, Some(device));
+            let steps = on_cpu.iter().zip(&on_device).map(|(a, b)| a.abs_diff(*b)).max();
+            assert!(steps <= Some(1), "{name}: device and CPU differ by {steps:?} of 255");
+        }
+    }
+}
+
+#[test]
+fn a_different_picture_is_noticed() {
+    let (expected, width, height) = reference("sphere");
+    let darker: Vec<u8> = expected.iter().map(|&x| (f64::from(x) * 0.95) as u8).collect();
+    let (mean, worst) = difference(&expected, &darker, width, height);
+    assert!(mean > MEAN || worst > WORST, "5 % darker went unseen: {mean}, {worst}");
+    let mut shifted = expected.clone();
+    shifted.rotate_right(3 * 4);
+    let (mean, worst) = difference(&expected, &shifted, width, height);
+    assert!(mean > MEAN || worst > WORST, "a shift by 4 pixels went unseen: {mean}, {worst}");
+}
