@@ -38,10 +38,12 @@ enum Command {
     /// Evaluate form factors or profiles, one a row of a CSV file.
     Eval(eval::Arguments),
     /// List the Vulkan devices and the CPU back end.
+    #[command(after_help = "Example: milkglass devices")]
     Devices,
     /// List the built-in scenes, or print one.
     Scenes(lists::Scenes),
     /// List the built-in materials.
+    #[command(after_help = "Example: milkglass materials")]
     Materials,
 }
 
