@@ -163,11 +163,13 @@ fn best(adapters: &[Adapter]) -> Option<&Adapter> {
 fn pick<'a>(adapters: &'a [Adapter], wish: &str) -> Result<&'a Adapter> {
     let low = wish.to_lowercase();
     let by_number = wish.parse::<usize>().ok().and_then(|index| adapters.get(index));
-    by_number.or_else(|| adapters.iter().find(|a| a.name.to_lowercase().contains(&low))).ok_or_else(|| {
-        let names: Vec<_> = adapters.iter().enumerate().map(|(i, a)| format!("{i} ({})", a.name)).collect();
-        let known = if names.is_empty() { "no Vulkan device is installed".to_string() } else { names.join(", ") };
-        Error::device(format!("looking for device {wish:?}"), format!("there is none; there are cpu, {known}"))
-    })
+    by_number.or_else(|| adapters.iter().find(|a| !low.is_empty() && a.name.to_lowercase().contains(&low))).ok_or_else(
+        || {
+            let names: Vec<_> = adapters.iter().enumerate().map(|(i, a)| format!("{i} ({})", a.name)).collect();
+            let known = if names.is_empty() { "no Vulkan device is installed".to_string() } else { names.join(", ") };
+            Error::device(format!("looking for device {wish:?}"), format!("there is none; there are cpu, {known}"))
+        },
+    )
 }
 
 /// Whether the environment asks for the validation layer.
