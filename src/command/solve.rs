@@ -1,6 +1,7 @@
 //! `milkglass solve`: light transport only, one row a face.
 
 use std::fmt::Write as _;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -28,8 +29,8 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Compare with brute force in f64 at this many seeded faces, and print the error per channel.
-    #[arg(long, value_name = "FACES")]
-    verify: Option<usize>,
+    #[arg(long, value_name = "FACES", allow_negative_numbers = true)]
+    verify: Option<NonZeroUsize>,
     /// Seed of the faces that `--verify` takes.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -82,7 +83,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         print_times(&mut session, &times)?;
     }
     if let Some(count) = arguments.verify {
-        let norms = verify(&mut session, count, arguments.seed)?;
+        let norms = verify(&mut session, count.get(), arguments.seed)?;
         let all = worst(&norms);
         let row = |name: &str, n: &crate::measure::norms::Norms| {
             vec![name.to_string(), format!("{:.3e}", n.l2), format!("{:.3e}", n.p99), format!("{:.3e}", n.max)]
