@@ -69,6 +69,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let text = std::fs::read_to_string(file).map_err(|e| Input::new(e.to_string()).file(file))?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let header = reader.headers().map_err(|e| bad_row(file, &e))?.clone();
+    let dipole = ["sigma_s_prime", "sigma_a", "eta"];
+    let places: &[&str] = if arguments.kind == Kind::FormFactor { &CORNERS } else { &["r"] };
+    if let Some(key) = places.iter().chain(&dipole).find(|key| !header.iter().any(|name| name == **key)) {
+        let fault = Input::new("this column is missing").file(file).line(1).key(*key);
+        return Err(fault.expected("a column of this name").into());
+    }
     let records = reader.into_records().collect::<std::result::Result<Vec<_>, _>>().map_err(|e| bad_row(file, &e))?;
     let rows =
         records.iter().map(|record| row(arguments, &header, record)).collect::<std::result::Result<Vec<_>, Input>>()?;
@@ -101,8 +107,7 @@ fn row(arguments: &Arguments, header: &StringRecord, record: &StringRecord) -> s
     let fault = |key: &str, what: &str| Input::new(what).file(&arguments.input).line(line).key(key);
     let number = |key: &str| {
         let column = header.iter().position(|name| name == key);
-        let column = column.ok_or_else(|| fault(key, "this column is missing").expected("a column of this name"))?;
-        let cell = record.get(column).unwrap_or("");
+        let cell = column.and_then(|column| record.get(column)).unwrap_or("");
         let value = cell.parse::<f64>().ok().filter(|x| x.is_finite());
         value.ok_or_else(|| fault(key, "not a finite number").found(format!("{cell:?}")).expected("a number"))
     };
@@ -127,7 +132,7 @@ fn row(arguments: &Arguments, header: &StringRecord, record: &StringRecord) -> s
     };
     if inner >= 1.0 {
         let what = "the polynomial F_dr reaches 1 here and means nothing";
-        return Err(fault("eta", what).found(eta).expected("an eta below 3.6, or --fresnel exact"));
+        return Err(fault("eta", what).found(eta).expected("an eta below 3.8, or --fresnel exact"));
     }
     let dipole = Dipole::new(scattering * unit, absorption * unit, fresnel::boundary(inner));
     let mut triangle = [DVec3::ZERO; 3];
