@@ -61,6 +61,10 @@ fn narrow(v: DVec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
+/// The largest reduced extinction inside a frame: a mean free path of a millionth of the object. Anything denser is
+/// brought down to it with its albedo kept: light leaves where it enters, and `f32` positions say no more than that.
+const DENSEST: f64 = 1e6;
+
 /// The dipole of each channel in internal units.
 pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
     std::array::from_fn(|channel| {
@@ -69,8 +73,10 @@ pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
             Fresnel::Exact => fresnel::diffuse_internal_exact(eta),
             Fresnel::Paper => fresnel::diffuse_internal_polynomial(eta),
         };
-        let coefficient = |value: [f64; 3]| value[channel] / length;
-        Dipole::new(coefficient(material.sigma_s_prime), coefficient(material.sigma_a), fresnel::boundary(inner))
+        let (scattering, absorption) = (material.sigma_s_prime[channel], material.sigma_a[channel]);
+        let thinning = (DENSEST * length / (scattering + absorption)).min(1.0);
+        let coefficient = |value: f64| value * thinning / length;
+        Dipole::new(coefficient(scattering), coefficient(absorption), fresnel::boundary(inner))
     })
 }
 
