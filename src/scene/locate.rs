@@ -47,7 +47,14 @@ pub(super) fn in_words(message: &str) -> Input {
         Some((what @ ("invalid type" | "invalid value"), found)) => Input::new(what).found(found),
         _ => Input::new(fault),
     };
-    input.expected = expected.map(str::to_owned);
+    // The types' names are those of the sources.
+    input.expected = expected.map(|expected| match expected {
+        "f64" => "a number".to_owned(),
+        "i64" => "a whole number".to_owned(),
+        "a sequence" => "a list".to_owned(),
+        words if words.starts_with("struct ") => "a table".to_owned(),
+        words => words.to_owned(),
+    });
     input
 }
 
@@ -167,7 +174,7 @@ mod tests {
                 "unknown key, did you mean `fov`?; found fow; expected fov, up",
             ),
             ("unknown field `x`, expected `a` or `b`", "unknown key; found x; expected a, b"),
-            ("invalid type: string \"a\", expected f64", "invalid type; found string \"a\"; expected f64"),
+            ("invalid type: string \"a\", expected f64", "invalid type; found string \"a\"; expected a number"),
             ("missing field `type`", "missing field `type`"),
             ("key with no value, expected `=`", "key with no value; expected `=`"),
         ];
