@@ -65,6 +65,10 @@ fn narrow(v: DVec3) -> [f32; 3] {
 /// brought down to it with its albedo kept: light leaves where it enters, and `f32` positions say no more than that.
 const DENSEST: f64 = 1e6;
 
+/// The smallest: anything thinner is brought up to it. So little light comes back that none is seen, but powers of the
+/// depths stay within `f32`.
+const THINNEST: f64 = 1e-11;
+
 /// The dipole of each channel in internal units.
 pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
     std::array::from_fn(|channel| {
@@ -74,8 +78,9 @@ pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
             Fresnel::Paper => fresnel::diffuse_internal_polynomial(eta),
         };
         let (scattering, absorption) = (material.sigma_s_prime[channel], material.sigma_a[channel]);
-        let thinning = (DENSEST * length / (scattering + absorption)).min(1.0);
-        let coefficient = |value: f64| value * thinning / length;
+        let limit = |extinction: f64| extinction * length / (scattering + absorption);
+        let change = limit(DENSEST).min(1.0).max(limit(THINNEST));
+        let coefficient = |value: f64| value * change / length;
         Dipole::new(coefficient(scattering), coefficient(absorption), fresnel::boundary(inner))
     })
 }

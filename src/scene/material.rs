@@ -68,7 +68,7 @@ impl Material {
         };
         let sigma_s_prime = per_unit("sigma_s_prime", scattering)?;
         let sigma_a = per_unit("sigma_a", absorption)?;
-        if let Some(channel) = (0..3).find(|&c| sigma_s_prime[c] + sigma_a[c] <= 0.0) {
+        if let Some(channel) = (0..3).find(|&c| sigma_s_prime[c] + sigma_a[c] < f64::MIN_POSITIVE) {
             let what = "a channel neither scatters nor absorbs";
             let found = format!("0 for both in channel {}", ["r", "g", "b"][channel]);
             let expected = "sigma_s_prime + sigma_a above 0 in every channel";
