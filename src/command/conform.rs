@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             vec![device.clone(), row.fixture.clone(), row.stage.to_string(), words, ulp, relative, verdict]
         })
         .collect();
-    print(&table(&["device", "fixture", "stage", "words", "ulp", "relative", "verdict"], &[3, 4, 5], &cells));
+    print(&table(&["device", "fixture", "stage", "words", "ulp", "relative", "verdict"], &[3, 4, 5], &cells))?;
     if let Some(path) = &arguments.json {
         let value: Vec<_> = rows
             .iter()
@@ -98,6 +98,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if faults > 0 {
         return Err(Error::Check(format!("{faults} differences beyond tolerance")));
     }
-    print(&format!("{} comparisons, all conform\n", rows.len()));
+    print(&format!("{} comparisons, all conform\n", rows.len()))?;
     Ok(())
 }

@@ -18,12 +18,12 @@ pub struct Scenes {
 pub fn scenes(arguments: &Scenes) -> Result<()> {
     let Some(name) = &arguments.name else {
         let rows: Vec<_> = BUILTIN.iter().map(|(name, _, about)| vec![name.to_string(), about.to_string()]).collect();
-        print(&table(&["scene", "what it shows"], &[], &rows));
+        print(&table(&["scene", "what it shows"], &[], &rows))?;
         return Ok(());
     };
     match BUILTIN.iter().find(|(known, _, _)| known.eq_ignore_ascii_case(name)) {
         Some((_, text, _)) => {
-            print(text);
+            print(text)?;
             Ok(())
         }
         None => {
@@ -47,6 +47,6 @@ pub fn materials() -> Result<()> {
         &["material", "sigma_s' per mm (r g b)", "sigma_a per mm (r g b)", "eta", "diffuse reflectance (r g b)"],
         &[],
         &rows,
-    ));
+    ))?;
     Ok(())
 }

@@ -15,7 +15,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::error::{Error, Input, Result};
 use crate::gpu::{Adapter, Device, Instance};
+use crate::hierarchy::face_cluster::Method;
 use crate::render::plan::{Mode, Options, Transport};
+use crate::render::run::{Room, Session};
 use crate::scene::Scene;
 
 #[derive(Parser)]
@@ -172,14 +174,30 @@ fn pick<'a>(adapters: &'a [Adapter], wish: &str) -> Result<&'a Adapter> {
     )
 }
 
+/// A session on this device; what there is to say of it goes to standard error.
+fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Result<Session> {
+    let session = Session::new(scene, device, options, Room::default())?;
+    match session.prepared.method {
+        Method::Merged => {}
+        Method::TooDeep => eprintln!("tree: merging neighbours made it too deep; split at medians instead"),
+        Method::TooEntangled => eprintln!("tree: clusters have too many neighbours to merge; split at medians instead"),
+    }
+    Ok(session)
+}
+
 /// Whether the environment asks for the validation layer.
 fn validation() -> bool {
     std::env::var_os("MILKGLASS_VALIDATION").is_some_and(|value| value != "0")
 }
 
-/// Writes a result to standard output; a closed pipe is no error.
-fn print(text: &str) {
-    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+/// Writes a result to standard output; a reader that has gone away is no error.
+fn print(text: &str) -> Result<()> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Input::new(format!("standard output could not be written: {error}")).into())
+        }
+        _ => Ok(()),
+    }
 }
 
 /// A table with aligned columns; those named in `right` are aligned to the right.
@@ -231,7 +249,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
             return Err(Input::new(text.trim_start_matches("error: ").trim_end()).into());
         }
         Err(error) => {
-            print(&error.render().to_string());
+            print(&error.render().to_string())?;
             return Ok(());
         }
     };

@@ -5,10 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::{RunArguments, SceneArguments, print, size, table, validation};
+use super::{RunArguments, SceneArguments, open_session, print, size, table, validation};
 use crate::error::Result;
 use crate::layout::SLOTS;
-use crate::render::run::{Room, Session};
 use crate::view::picture::write_whole;
 
 /// Arguments of `plan`.
@@ -28,7 +27,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let scene = arguments.scene.load()?;
     let device = arguments.run.device.open(validation())?;
-    let session = Session::new(&scene, device.as_ref(), arguments.run.options(), Room::default())?;
+    let session = open_session(&scene, device.as_ref(), arguments.run.options())?;
     let (state, plan) = (session.state(), &session.plan);
 
     let frame = &state.data.frame[0];
@@ -47,10 +46,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .iter()
         .map(|stage| {
             let writes: Vec<_> = stage.writes.iter().map(|(slot, _, _)| slot.spec().name).collect();
-            vec![stage.name.to_string(), stage.about.to_string(), writes.join(" ")]
+            vec![stage.name.to_string(), stage.about.to_string(), stage.equation.to_string(), writes.join(" ")]
         })
         .collect();
-    text += &table(&["stage", "does", "writes"], &[], &stages);
+    text += &table(&["stage", "does", "from", "writes"], &[], &stages);
 
     // Lists start with a guess and grow to what a frame turns out to need.
     let lists = ["handed", "links", "factors", "area_links", "edge_links"];
@@ -77,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     text += "\nleft out\n";
     let left: Vec<_> = plan.left_out.iter().map(|(stage, why)| vec![stage.name.to_string(), why.clone()]).collect();
     text += &table(&["stage", "because"], &[], &left);
-    print(&text);
+    print(&text)?;
 
     if let Some(path) = &arguments.json {
         let value = json!({

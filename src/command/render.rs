@@ -4,10 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{RunArguments, SceneArguments, check_messages, validation};
+use super::{RunArguments, SceneArguments, check_messages, open_session, validation};
 use crate::error::{Input, Result};
 use crate::render::plan::Change;
-use crate::render::run::{Room, Session};
 use crate::view::picture::check;
 
 /// Arguments of `render`.
@@ -37,14 +36,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         scene.camera.size = parse_size(text)?;
     }
     let device = arguments.run.device.open(validation())?;
-    let mut session = Session::new(&scene, device.as_ref(), arguments.run.options(), Room::default())?;
+    let mut session = open_session(&scene, device.as_ref(), arguments.run.options())?;
     let times = session.frame(Change::EVERYTHING)?;
     if arguments.times {
         super::solve::print_times(&mut session, &times)?;
     }
     let picture = session.picture()?;
     check_messages(device.as_ref())?;
-    picture.save(&arguments.output, scene.camera.exposure, &[])
+    picture.save(&arguments.output, scene.camera.exposure)
 }
 
 /// `800x600`, each side from 1 to 16384.

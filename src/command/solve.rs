@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use glam::DVec3;
 
-use super::{RunArguments, SceneArguments, check_messages, print, table, validation};
+use super::{RunArguments, SceneArguments, check_messages, open_session, print, table, validation};
 use crate::error::{Input, Result};
 use crate::gpu::Timing;
 use crate::layout::Slot;
 use crate::measure::norms::worst;
 use crate::measure::reference::verify;
 use crate::render::plan::{Change, Goal};
-use crate::render::run::{Room, Session};
+use crate::render::run::Session;
 use crate::view::picture::write_whole;
 
 /// Arguments of `solve`.
@@ -68,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let scene = arguments.scene.load()?;
     let device = arguments.run.device.open(validation())?;
     let options = crate::render::plan::Options { goal: Goal::Radiosity, ..arguments.run.options() };
-    let mut session = Session::new(&scene, device.as_ref(), options, Room::default())?;
+    let mut session = open_session(&scene, device.as_ref(), options)?;
     let times = session.frame(Change::EVERYTHING)?;
     session.fetch(&[Slot::clusters, Slot::irradiance, Slot::radiosity])?;
     check_messages(device.as_ref())?;
@@ -89,7 +89,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             vec![name.to_string(), format!("{:.3e}", n.l2), format!("{:.3e}", n.p99), format!("{:.3e}", n.max)]
         };
         let rows = [row("r", &norms[0]), row("g", &norms[1]), row("b", &norms[2]), row("worst", &all)];
-        print(&table(&["channel", "L2", "p99", "max"], &[1, 2, 3], &rows));
+        print(&table(&["channel", "L2", "p99", "max"], &[1, 2, 3], &rows))?;
     }
     Ok(())
 }
@@ -109,9 +109,9 @@ pub fn print_times(session: &mut Session, times: &[Timing]) -> Result<()> {
     let rows: Vec<_> = rows.into_iter().map(|(name, ms)| vec![name, format!("{ms:.3}")]).collect();
     let data = &session.state().data;
     let links: u64 = data.spans.iter().map(|span| u64::from(span.links)).sum();
-    print(&table(&["stage", "ms"], &[1], &rows));
+    print(&table(&["stage", "ms"], &[1], &rows))?;
     if links > 0 {
-        print(&format!("{links} links, {:.1} a triangle\n", links as f64 / data.triangles.len() as f64));
+        print(&format!("{links} links, {:.1} a triangle\n", links as f64 / data.triangles.len() as f64))?;
     }
     Ok(())
 }

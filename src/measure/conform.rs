@@ -130,7 +130,11 @@ fn one(twin: &mut DeviceState, before: &State, step: Step, name: &str, plant: Op
         if found.failures > 0 {
             let what = if written.is_some() { "beyond tolerance" } else { "changed though not written" };
             let first = found.first.unwrap_or_default();
-            row.faults.push(format!("{step:?} {what}, {} of {} words: {first}", found.failures, found.words));
+            let mut fault = format!("{step:?} {what}, {} of {} words: {first}", found.failures, found.words);
+            if tolerance != Tolerance::Exact {
+                fault += &format!("; the tolerance is {tolerance:?} because {}", step.stage.reason);
+            }
+            row.faults.push(fault);
         }
         if results[0].data.bytes(slot) != results[1].data.bytes(slot) {
             row.faults.push(format!("{step:?} two runs differ in buffer {}", slot.spec().name));

@@ -1,6 +1,7 @@
 //! Brute force in `f64` with near-exact form factors at a few receivers: what every method's error is measured against.
 
 use glam::DVec3;
+use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
 
 use crate::error::Result;
@@ -65,6 +66,7 @@ pub fn radiosity(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
     };
     faces
         .par_iter()
+        .progress_count(faces.len() as u64)
         .map(|&receiver| {
             let x = emitters[receiver].center;
             let mut sum = [0.0; 3];

@@ -72,7 +72,12 @@ impl Framing {
             fov: range::number("camera.fov", file.fov, |x| x > 0.0 && x < 180.0, "degrees, above 0 and below 180")?,
             size: size(&file.size)?,
             exposure: range::number("camera.exposure", file.exposure, |x| x > 0.0, "above 0")?,
-            background: range::channels("camera.background", file.background.0, |x| x >= 0.0, "numbers of at least 0")?,
+            background: range::channels(
+                "camera.background",
+                file.background.0,
+                |x| (0.0..=1e20).contains(&x),
+                "numbers from 0 to 1e20",
+            )?,
         };
         Ok(Self { position, target, rest })
     }

@@ -15,14 +15,6 @@ pub struct Picture {
     pub pixels: Vec<[f32; 3]>,
 }
 
-/// A further layer of an OpenEXR file: a name, its channels' names, and one value a channel a pixel.
-pub struct Layer {
-    /// The layer's name, `irradiance`.
-    pub name: &'static str,
-    /// Its channels, each with a name and a value a pixel.
-    pub channels: Vec<(&'static str, Vec<f32>)>,
-}
-
 /// The sRGB transfer curve, from linear 0..1 to encoded 0..1.
 pub fn encode(linear: f64) -> f64 {
     let x = linear.clamp(0.0, 1.0);
@@ -36,8 +28,8 @@ impl Picture {
         self.pixels.iter().flat_map(|pixel| pixel.iter().map(byte)).collect()
     }
 
-    /// Writes a `.png` or an `.exr`, by the name's ending; the layers go to the EXR only.
-    pub fn save(&self, path: &Path, exposure: f64, layers: &[Layer]) -> Result<()> {
+    /// Writes a `.png` or an `.exr`, by the name's ending.
+    pub fn save(&self, path: &Path, exposure: f64) -> Result<()> {
         match kind(path)? {
             Kind::Png => write_whole(path, |beside| {
                 let size = (self.width as u32, self.height as u32);
@@ -51,23 +43,16 @@ impl Picture {
                 )
                 .map_err(|e| e.to_string())
             }),
-            Kind::Exr => write_whole(path, |beside| self.exr(beside, layers)),
+            Kind::Exr => write_whole(path, |beside| self.exr(beside)),
         }
     }
 
-    fn exr(&self, path: &Path, layers: &[Layer]) -> std::result::Result<(), String> {
-        use exr::prelude::*;
-        let size = Vec2(self.width, self.height);
-        let channel = |name: &str, values: Vec<f32>| AnyChannel::new(name, FlatSamples::F32(values));
-        let color = |k: usize| self.pixels.iter().map(|p| p[k]).collect::<Vec<_>>();
-        let mut channels: Vec<_> = [("R", 0), ("G", 1), ("B", 2)].map(|(name, k)| channel(name, color(k))).into();
-        for layer in layers {
-            for (name, values) in &layer.channels {
-                channels.push(channel(&format!("{}.{name}", layer.name), values.clone()));
-            }
-        }
-        let image = Image::from_channels(size, AnyChannels::sort(channels.into()));
-        image.write().to_file(path).map_err(|e| e.to_string())
+    fn exr(&self, path: &Path) -> std::result::Result<(), String> {
+        let pixel = |x: usize, y: usize| {
+            let [r, g, b] = self.pixels[y * self.width + x];
+            (r, g, b)
+        };
+        exr::prelude::write_rgb_file(path, self.width, self.height, pixel).map_err(|e| e.to_string())
     }
 }
 

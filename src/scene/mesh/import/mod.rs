@@ -30,6 +30,9 @@ pub(super) struct Soup {
 
 /// Reads a file; every fault carries the file, and the line if one statement is to blame.
 pub(super) fn read(path: &Path) -> Checked<Soup> {
+    if path.exists() && !path.is_file() {
+        return Err(Input::new("the mesh is not a plain file").file(path).expected("a Wavefront OBJ file"));
+    }
     let bytes = std::fs::read(path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => Input::new("there is no such mesh file").file(path),
         _ => Input::new("the mesh file cannot be read").file(path).found(error),
@@ -190,7 +193,7 @@ mod tests {
         let error = read(&path).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.ends_with("gone.obj: there is no such mesh file"), "{error}");
         let error = read(folder.path()).err().map(|e| e.to_string()).unwrap_or_default();
-        assert!(error.contains(": the mesh file cannot be read; found "), "{error}");
+        assert!(error.contains(": the mesh is not a plain file; expected"), "{error}");
         for bytes in [&b""[..], b"v 0 0 0\n", b"\xff\xfe\0\0\x80"] {
             std::fs::write(&path, bytes).expect("written");
             let error = read(&path).err().map(|e| e.to_string()).unwrap_or_default();
