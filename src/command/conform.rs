@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let mut list: Vec<Fixture> = Vec::new();
     if arguments.scenes.is_empty() {
-        list.extend(fixtures()?.into_iter().filter(|fixture| fixture.name.contains(&arguments.only)));
+        list.extend(fixtures(&arguments.only)?);
     }
     for name in &arguments.scenes {
         list.push(Fixture::of_scene(name, &Scene::load(name, &[])?)?);

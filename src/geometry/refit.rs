@@ -5,7 +5,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Bounds, Cluster, Range, Slot};
+use crate::layout::{Bounds, Cluster, Slot};
 use crate::state::{Field, Pass, Role, Stage, State, Tolerance, narrow, wide};
 
 /// A centre within rounding of the extent; an area and a spread of their own size; a vector area of the area's size.
@@ -100,9 +100,6 @@ fn cpu(state: &mut State, _chunk: usize) {
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let state = pass.state;
     pass.dispatch(Some("leaf"), &[], &[], state.data.triangles.len())?;
-    for level in state.schedule.upward() {
-        let range = Range { first: level.start, count: level.end - level.start };
-        pass.dispatch(Some("cluster"), &[], bytemuck::bytes_of(&range), range.count as usize)?;
-    }
+    pass.climb("cluster")?;
     pass.dispatch(Some("normal"), &[], &[], state.data.positions.len())
 }

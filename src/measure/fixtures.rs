@@ -2,14 +2,14 @@
 
 use glam::DVec3;
 
-use crate::error::Result;
+use crate::error::{Input, Result};
 use crate::layout::Query;
-use crate::render::plan::{Change, Mode, Options};
+use crate::render::plan::{Change, Mode, Options, Transport};
 use crate::render::room::size;
 use crate::render::run::{Room, Session};
 use crate::render::stages::{stage, steps};
 use crate::scene::Mesh;
-use crate::scene::{Distance, Scene};
+use crate::scene::Scene;
 use crate::state::{State, Step};
 
 /// A state before its first stage, and the steps to run on it.
@@ -87,76 +87,102 @@ fn with_mesh(mesh: Mesh, sets: &[&str]) -> Result<Scene> {
     Ok(scene)
 }
 
-/// Every fixture.
-pub fn fixtures() -> Result<Vec<Fixture>> {
-    let simple = |name: &str, scene: Scene| Fixture::of_scene(name, &scene);
-    let triangle = || mesh(&[[0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.3]], &[[0, 1, 2]]);
-    let sliver = mesh(
-        &[[0.0; 3], [3.0, 0.0, 0.0], [1.0, 3e-4, 0.0], [1.0, -2.0, 0.5], [1.2, 0.1, 2.0]],
-        &[[0, 1, 2], [0, 3, 1], [1, 4, 2], [2, 4, 0]],
-    );
-    let mut holed = small("sphere", &["object.0.detail=3"])?;
-    holed.object.mesh.triangles.retain(|t| !t.contains(&7) && !t.contains(&30));
+/// A fixture from its name.
+type Maker = fn(&str) -> Result<Fixture>;
 
-    let mut list = vec![
-        simple("one triangle (one node)", with_mesh(triangle(), &[])?)?,
-        simple("strip of 33 triangles (65 nodes)", with_mesh(strip(33), &[])?)?,
-        simple("sliver", with_mesh(sliver, &[])?)?,
-        simple("sphere with holes", holed)?,
-        simple("coarse stiff sphere", small("sphere", &["object.0.detail=3", "object.0.size=200"])?)?,
-        simple("coarse thin sphere", small("sphere", &["object.0.detail=3", "object.0.size=0.5"])?)?,
-        simple("no absorption", small("sphere", &["object.0.detail=3", "object.0.material.preset=spectralon"])?)?,
-    ];
+/// Every fixture: its name, and how it is made.
+const FIXTURES: &[(&str, Maker)] = &[
+    ("one triangle (one node)", |name| {
+        let one = mesh(&[[0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.3]], &[[0, 1, 2]]);
+        Fixture::of_scene(name, &with_mesh(one, &[])?)
+    }),
+    ("strip of 33 triangles (65 nodes)", |name| Fixture::of_scene(name, &with_mesh(strip(33), &[])?)),
+    ("sliver", |name| {
+        let corners = [[0.0; 3], [3.0, 0.0, 0.0], [1.0, 3e-4, 0.0], [1.0, -2.0, 0.5], [1.2, 0.1, 2.0]];
+        let sliver = mesh(&corners, &[[0, 1, 2], [0, 3, 1], [1, 4, 2], [2, 4, 0]]);
+        Fixture::of_scene(name, &with_mesh(sliver, &[])?)
+    }),
+    ("triangle that vanishes in f32", |name| {
+        let corners = [
+            [0.0; 3],
+            [3.0, 0.0, 0.0],
+            [1.0, 2.0, 0.0],
+            [2.9, 1.9, 1.0],
+            [2.9 + 1e-9, 1.9, 1.0],
+            [2.9, 1.9 + 1e-9, 1.0],
+        ];
+        Fixture::of_scene(name, &with_mesh(mesh(&corners, &[[0, 1, 2], [3, 4, 5], [3, 5, 4]]), &[])?)
+    }),
+    ("sphere with holes", |name| {
+        let mut holed = small("sphere", &["object.0.detail=3"])?;
+        holed.object.mesh.triangles.retain(|t| !t.contains(&7) && !t.contains(&30));
+        Fixture::of_scene(name, &holed)
+    }),
+    ("stiff sphere", |name| varied(name, "sphere", &["object.0.detail=3", "object.0.size=200"])),
+    ("thin sphere", |name| varied(name, "sphere", &["object.0.detail=3", "object.0.size=0.5"])),
+    ("no absorption", |name| varied(name, "sphere", &["object.0.detail=3", "object.0.material.preset=spectralon"])),
+    ("candle in a bowl", |name| varied(name, "lotus", &["object.0.detail=32"])),
+    ("dark", |name| {
+        // No light at all, yet every stage runs.
+        let mut fixture = varied(name, "sphere", &["object.0.detail=2"])?;
+        fixture.state.data.lights.clear();
+        fixture.state.data.frame[0].lights = 0;
+        Ok(fixture)
+    }),
+    ("lists that overflow", |name| {
+        // Both sides must say so, and leave the same behind: half the room that is needed.
+        let scene = small("sphere", &["object.0.detail=2"])?;
+        let mut session = Session::new(&scene, None, Options::default(), Room::default())?;
+        session.frame(Change::EVERYTHING)?;
+        let need = session.state().data.cursor[0];
+        let mut fixture = Fixture::of_scene(name, &scene)?;
+        let frame = &mut fixture.state.data.frame[0];
+        [frame.link_room, frame.hand_room] = [need.need_links / 2, need.need_hands / 2];
+        Ok(fixture)
+    }),
+    ("slab, displaced sources", |name| varied(name, "slab", &["object.0.detail=12", "transport.distance=table1"])),
+    ("slab, median tree", |name| varied(name, "slab", &["object.0.detail=12", "transport.hierarchy=median"])),
+    ("sphere, brute force", |name| {
+        let options = Options { transport: Transport::Brute, ..Options::default() };
+        Fixture::new(name, &small("sphere", &["object.0.detail=2", "object.0.size=60"])?, options, Room::default())
+    }),
+    ("sphere in chunks", |name| chunks(name, Mode::OnTheFly)),
+    ("sphere in chunks, kept", |name| chunks(name, Mode::Render)),
+    ("single form factors", |name| Ok(queries(name))),
+    ("slab of 100,000 faces", large),
+];
 
-    // No light at all, yet every stage runs: the steps and the room of the lit scene.
-    let lit = small("sphere", &["object.0.detail=2"])?;
-    let mut fixture = Fixture::of_scene("dark", &lit)?;
-    fixture.state.data.lights.clear();
-    fixture.state.data.frame[0].lights = 0;
-    list.push(fixture);
+/// The fixtures whose name contains `only`.
+pub fn fixtures(only: &str) -> Result<Vec<Fixture>> {
+    let chosen: Vec<_> = FIXTURES.iter().filter(|(name, _)| name.contains(only)).collect();
+    if chosen.is_empty() {
+        let names: Vec<_> = FIXTURES.iter().map(|(name, _)| *name).collect();
+        return Err(Input::new("no fixture has this in its name").found(only).expected(names.join("; ")).into());
+    }
+    chosen.into_iter().map(|(name, make)| make(name)).collect()
+}
 
-    // Lists that do not fit: both sides must say so, and leave the same behind.
-    let mut fixture = Fixture::of_scene("lists that overflow", &lit)?;
-    fixture.steps.retain(|step| ["refit", "irradiance", "radii", "link"].contains(&step.stage.name));
-    let mut session = Session::new(&lit, None, Options::default(), Room::default())?;
-    session.frame(Change::EVERYTHING)?;
-    let need = session.state().data.cursor[0];
-    let frame = &mut fixture.state.data.frame[0];
-    [frame.link_room, frame.hand_room] = [need.need_links / 2, need.need_hands / 2];
-    list.push(fixture);
+/// A built-in scene with these settings.
+fn varied(name: &str, scene: &str, sets: &[&str]) -> Result<Fixture> {
+    Fixture::of_scene(name, &small(scene, sets)?)
+}
 
-    // The displaced sources of Table 1, the median tree, brute force.
-    let mut displaced = small("slab", &["object.0.detail=12"])?;
-    displaced.transport.distance = Distance::Table1;
-    list.push(simple("slab, displaced sources", displaced)?);
-    list.push(simple("slab, median tree", small("slab", &["object.0.detail=12", "transport.hierarchy=median"])?)?);
-    let brute = Options { transport: crate::render::plan::Transport::Brute, ..Options::default() };
-    let sphere = small("sphere", &["object.0.detail=2", "object.0.size=60"])?;
-    list.push(Fixture::new("sphere, brute force", &sphere, brute, Room::default())?);
-
-    // Many small chunks, scratch and kept.
-    let cut = Room { chunk_faces: 200, links: 40, ..Room::default() };
-    let sphere = small("sphere", &["object.0.detail=3"])?;
-    list.push(Fixture::new("sphere in chunks", &sphere, Options::default(), cut)?);
-    let kept = Options { mode: Mode::Render, ..Options::default() };
-    list.push(Fixture::new("sphere in chunks, kept", &sphere, kept, cut)?);
-
-    list.push(queries());
-    list.push(large()?);
-    Ok(list)
+/// Many small chunks.
+fn chunks(name: &str, mode: Mode) -> Result<Fixture> {
+    let room = Room { chunk_faces: 200, links: 40, ..Room::default() };
+    Fixture::new(name, &small("sphere", &["object.0.detail=3"])?, Options { mode, ..Options::default() }, room)
 }
 
 /// More than 100,000 faces: lists overflow their first room and bindings are split.
-fn large() -> Result<Fixture> {
+fn large(name: &str) -> Result<Fixture> {
     let sets = ["object.0.detail=224", "transport.receiver_angle=0.5", "transport.emitter_angle=0.5"];
     let scene = small("slab", &sets)?;
     let room = Room { chunk_faces: 1 << 16, links: 4, binding: 12 << 20 };
-    let fixture = Fixture::new("slab of 100,000 faces", &scene, Options::default(), room)?;
-    Ok(fixture)
+    Fixture::new(name, &scene, Options::default(), room)
 }
 
 /// Form factors to evaluate one by one: inside, outside, far, above, thin.
-fn queries() -> Fixture {
+fn queries(name: &str) -> Fixture {
     let mut state = State::default();
     for (i, (offset, height)) in [(0.1, 0.2), (1.5, 0.0), (6.0, 1.0), (0.3, 2.0), (0.9, 0.01)].into_iter().enumerate() {
         for (thin, sigma) in [(1.0, 0.0), (0.05, 0.5), (1.0, 3.0)] {
@@ -176,7 +202,7 @@ fn queries() -> Fixture {
     state.data.answers = bytemuck::zeroed_vec(state.data.queries.len());
     let stages: Vec<_> = stage("evaluate").into_iter().collect();
     let steps = steps(&stages, &state.schedule);
-    Fixture { name: "single form factors".into(), state, steps }
+    Fixture { name: name.to_string(), state, steps }
 }
 
 /// Whether a plan of any fixture runs this stage; every stage must have one.

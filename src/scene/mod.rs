@@ -77,13 +77,13 @@ impl Scene {
             Source::Shape(shape, detail) => shape.build(detail),
         };
         if let Some(size) = draft.size {
-            mesh.resize(size).map_err(|fault| locate::from_check(fault, &text.toml, &text.file))?;
+            mesh.resize(size).map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
         }
 
         // The camera, now that there is something to look at.
         let (low, high) = mesh.bounds();
         let camera = draft.framing.fit(low, high);
-        let camera = camera.map_err(|fault| locate::from_check(fault, &text.toml, &text.file))?;
+        let camera = camera.map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
         if draft.lights.is_empty() {
             report.push("dark: the scene has no [[light]]".to_owned());
         }

@@ -18,6 +18,19 @@ pub(super) fn read(text: &str, file: &Path, sets: &[String]) -> Checked<Draft> {
     })
 }
 
+/// Places a fault that shows only once the mesh is there: at the setting of that very key, or in the text.
+pub(super) fn place(fault: Input, text: &str, file: &Path, sets: &[String]) -> Input {
+    let key_of = |set: &&String| set.split('=').next().map(str::trim).map(str::to_owned);
+    let culprit = sets.iter().rev().find(|set| fault.key.is_some() && key_of(set) == fault.key);
+    match (culprit, &fault.key) {
+        (Some(set), Some(key)) => {
+            let key = format!("--set {set}: {key}");
+            Input { key: Some(key), ..fault }
+        }
+        _ => locate::from_check(fault, text, file),
+    }
+}
+
 /// The draft of the table after these settings.
 fn changed(original: &Table, sets: &[String]) -> Checked<Draft> {
     let mut table = original.clone();

@@ -103,4 +103,9 @@ fn a_camera_that_stands_on_its_target_has_a_line() {
     let (_folder, path) = files(&[("a.toml", text)]);
     let error = message(Scene::load(&path, &[]));
     assert!(error.contains("a.toml:2: camera.position: the camera stands on"), "{error}");
+
+    // Brought in by a setting, the fault is the setting's.
+    let sets = ["camera.position=[0,0,0]".to_owned()];
+    let error = message(Scene::load("sphere", &sets));
+    assert!(error.starts_with("--set camera.position=[0,0,0]: camera.position: the camera stands on"), "{error}");
 }

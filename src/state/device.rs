@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::{State, Step};
 use crate::error::Result;
 use crate::gpu::{Binding, Buffer, Device, Kernels, Recorder, Timing};
-use crate::layout::{SLOTS, Slot};
+use crate::layout::{Range, SLOTS, Slot};
 
 /// Bytes after the end of each buffer that no kernel may touch, when guarded.
 const GUARD: u64 = 64;
@@ -133,5 +133,14 @@ impl Pass<'_> {
             });
         }
         self.recorder.dispatch(&kernel, &bindings, push, count as u64)
+    }
+
+    /// Runs the stage's kernel `part` once a level of the tree, children always before their parents.
+    pub fn climb(&mut self, part: &str) -> Result<()> {
+        for level in self.state.schedule.upward() {
+            let range = Range { first: level.start, count: level.end - level.start };
+            self.dispatch(Some(part), &[], bytemuck::bytes_of(&range), range.count as usize)?;
+        }
+        Ok(())
     }
 }

@@ -2,7 +2,7 @@
 //! children; without their areas that would not conserve power.)
 
 use crate::error::Result;
-use crate::layout::{Range, Slot};
+use crate::layout::Slot;
 use crate::state::{Pass, Role, Stage, State, Tolerance, narrow, wide};
 
 /// The table's entry.
@@ -42,11 +42,6 @@ fn cpu(state: &mut State, _chunk: usize) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let state = pass.state;
-    pass.dispatch(Some("leaf"), &[], &[], state.data.triangles.len())?;
-    for level in state.schedule.upward() {
-        let range = Range { first: level.start, count: level.end - level.start };
-        pass.dispatch(Some("cluster"), &[], bytemuck::bytes_of(&range), range.count as usize)?;
-    }
-    Ok(())
+    pass.dispatch(Some("leaf"), &[], &[], pass.state.data.triangles.len())?;
+    pass.climb("cluster")
 }
