@@ -1,16 +1,16 @@
 //! How much room the lists of links get: chunks that fit the device's bindings, and more after an overflow.
 
 use super::plan::Plan;
-use super::prepare::schedule;
-use super::run::{Backend, Session};
+use super::prepare::{Prepared, schedule};
 use crate::error::{Error, Result};
+use crate::gpu::Limits;
 use crate::layout::{Cursor, Slot};
 use crate::state::State;
 
 /// Faces of a chunk to begin with; fewer once a chunk's lists turn out not to fit a binding.
 const CHUNK_FACES: usize = 1 << 14;
 /// Largest list on the CPU, bytes: what the smallest devices allow.
-pub(super) const CPU_BINDING: u64 = 1 << 27;
+const CPU_BINDING: u64 = 1 << 27;
 /// Most that is kept between frames on the CPU, bytes.
 const CPU_ALLOCATION: u64 = 1 << 32;
 /// Largest list anywhere, bytes.
@@ -35,37 +35,45 @@ impl Default for Room {
     }
 }
 
-impl Session {
-    /// Cuts the tree into chunks, gives every list its first room, and sends the inputs.
-    pub(super) fn cut(&mut self) -> Result<()> {
-        schedule(&mut self.prepared, self.chunk_faces);
-        let faces = self.largest_chunk().div_ceil(2);
-        let room = |per: usize, stride| ((faces * per).clamp(64, self.most(stride)) / 64 * 64) as u32;
-        let rooms = [room(self.room.links, 12), room(16, 4), room(4, 4), room(96, 4)];
-        self.set_rooms(rooms);
-        self.resize()
+/// How the lists are cut up and how long they are, on one device.
+pub struct Lists {
+    /// Links per face to begin with.
+    links: usize,
+    /// Faces of a chunk.
+    chunk_faces: usize,
+    /// Largest list of a chunk, bytes.
+    binding: u64,
+    /// Largest list of all chunks together, where they are kept, bytes.
+    allocation: u64,
+}
+
+impl Lists {
+    /// For a device, or for the CPU where there is none.
+    pub fn new(room: Room, device: Option<&Limits>) -> Self {
+        let (binding, allocation) =
+            device.map_or((CPU_BINDING, CPU_ALLOCATION), |limits| (limits.binding_bytes, limits.allocation_bytes));
+        Self { links: room.links, chunk_faces: room.chunk_faces, binding: room.binding.min(binding), allocation }
     }
 
-    /// Room for links, those with area points, those with the edge form, and hand-downs.
-    fn set_rooms(&mut self, rooms: [u32; 4]) {
-        let frame = &mut self.prepared.state.data.frame[0];
-        [frame.link_room, frame.area_room, frame.edge_room, frame.hand_room] = rooms;
-    }
-
-    fn largest_chunk(&self) -> usize {
-        let sizes = self.prepared.state.schedule.chunks.iter().map(|c| c.nodes.len());
-        sizes.max().unwrap_or(0)
+    /// Cuts the tree into chunks and gives every list its first room.
+    pub fn cut(&self, prepared: &mut Prepared) {
+        schedule(prepared, self.chunk_faces);
+        let faces = largest_chunk(prepared);
+        let chunks = prepared.state.schedule.chunks.len().max(1);
+        let kept = if prepared.state.keep { (self.allocation / 12) as usize / chunks } else { usize::MAX };
+        let room = |per: usize, stride| ((faces * per).min(kept).min(self.most(stride)).max(64) / 64 * 64) as u32;
+        set(prepared, [room(self.links, 12), room(16, 4), room(4, 4), room(96, 4)]);
     }
 
     /// Elements of this many bytes that one list can have, a multiple of 64.
     fn most(&self, stride: u64) -> usize {
-        (self.room.binding.min(u64::from(u32::MAX)) / stride / 64 * 64) as usize
+        (self.binding.min(u64::from(u32::MAX)) / stride / 64 * 64) as usize
     }
 
     /// Makes room after an overflow: longer lists, or smaller chunks where a list can't grow any more.
-    pub(super) fn grow(&mut self) -> Result<()> {
-        let need = self.prepared.state.data.cursor[0];
-        let frame = self.prepared.state.data.frame[0];
+    pub fn grow(&mut self, prepared: &mut Prepared) -> Result<()> {
+        let need = prepared.state.data.cursor[0];
+        let frame = prepared.state.data.frame[0];
         let mut lists = [
             ("links", need.need_links, frame.link_room, 12),
             ("area_links", need.need_areas, frame.area_room, 4),
@@ -81,37 +89,42 @@ impl Session {
             let (need, most) = (need as usize, self.most(stride));
             if need > most {
                 // As many faces as would fit at this density, and a quarter less.
-                let faces = self.largest_chunk().div_ceil(2).min(self.chunk_faces);
+                let faces = largest_chunk(prepared).min(self.chunk_faces);
                 self.chunk_faces = (faces as f64 * most as f64 / need as f64 * 0.75) as usize;
                 if self.chunk_faces < 16 {
                     let what =
                         format!("it needs {need} entries for {faces} faces, a binding of the device takes {most}");
                     return Err(Error::device(format!("making room for buffer {name}"), what));
                 }
-                return self.cut();
+                self.cut(prepared);
+                return Ok(());
             }
             if need > had as usize {
                 *room = (need + need / 32).next_multiple_of(64).min(most) as u32;
             }
         }
-        self.set_rooms(rooms);
-        self.resize()
-    }
+        set(prepared, rooms);
 
-    /// Refuses to keep more than one allocation can hold.
-    pub(super) fn check_kept(&self) -> Result<()> {
-        let state = &self.prepared.state;
-        let bytes = 12 * u64::from(state.data.frame[0].link_room) * state.schedule.chunks.len() as u64;
-        let most = match &self.backend {
-            Backend::Gpu(twin) => twin.device().limits().allocation_bytes,
-            Backend::Cpu => CPU_ALLOCATION,
-        };
-        if state.keep && bytes > most {
-            let what = format!("they may take {bytes} bytes, one allocation holds {most}; use --mode on-the-fly");
+        // What is kept has to fit one allocation.
+        let bytes = 12 * u64::from(rooms[0]) * prepared.state.schedule.chunks.len() as u64;
+        if prepared.state.keep && bytes > self.allocation {
+            let most = self.allocation;
+            let what = format!("they take {bytes} bytes, one allocation holds {most}; use --mode on-the-fly");
             return Err(Error::device("keeping form factors between frames", what));
         }
         Ok(())
     }
+}
+
+/// Faces of the largest chunk.
+fn largest_chunk(prepared: &Prepared) -> usize {
+    prepared.state.schedule.chunks.iter().map(|chunk| chunk.nodes.len()).max().unwrap_or(0).div_ceil(2)
+}
+
+/// Sets the room for links, those with area points, those with the edge form, and hand-downs.
+fn set(prepared: &mut Prepared, rooms: [u32; 4]) {
+    let frame = &mut prepared.state.data.frame[0];
+    [frame.link_room, frame.area_room, frame.edge_room, frame.hand_room] = rooms;
 }
 
 /// Gives every buffer that a plan's stages write its size, zeroed; the others stay empty.

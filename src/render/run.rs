@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::plan::{Change, Mode, Options, Plan};
 use super::prepare::{Prepared, Units, camera, lights, prepare};
 pub use super::room::Room;
-use super::room::{CPU_BINDING, size};
+use super::room::{Lists, size};
 use crate::error::{Error, Result};
 use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
@@ -33,8 +33,7 @@ pub struct Session {
     /// How often a frame had to run again because a list overflowed.
     pub retries: usize,
     scene: Scene,
-    pub(super) room: Room,
-    pub(super) chunk_faces: usize,
+    lists: Lists,
     pending: Change,
 }
 
@@ -44,23 +43,12 @@ impl Session {
         let mut prepared = prepare(scene);
         prepared.state.keep = options.mode == Mode::Render;
         let plan = Plan::new(&prepared.state, options);
-        let (backend, allowed) = match device {
-            Some(device) => (Backend::Gpu(DeviceState::new(device, false)), device.limits().binding_bytes),
-            None => (Backend::Cpu, CPU_BINDING),
-        };
-        let room = Room { binding: room.binding.min(allowed), ..room };
-        let chunk_faces = room.chunk_faces;
-        let mut session = Self {
-            prepared,
-            plan,
-            backend,
-            retries: 0,
-            scene: scene.clone(),
-            room,
-            chunk_faces,
-            pending: Change::EVERYTHING,
-        };
-        session.cut()?;
+        let lists = Lists::new(room, device.map(Device::limits));
+        lists.cut(&mut prepared);
+        let backend = device.map_or(Backend::Cpu, |device| Backend::Gpu(DeviceState::new(device, false)));
+        let mut session =
+            Self { prepared, plan, backend, retries: 0, scene: scene.clone(), lists, pending: Change::EVERYTHING };
+        session.resize()?;
         Ok(session)
     }
 
@@ -136,7 +124,8 @@ impl Session {
                 return Ok(times);
             }
             self.retries += 1;
-            self.grow()?;
+            self.lists.grow(&mut self.prepared)?;
+            self.resize()?;
             change = Change::EVERYTHING;
         }
     }
@@ -168,8 +157,7 @@ impl Session {
     }
 
     /// Gives every buffer its size and sends the inputs.
-    pub(super) fn resize(&mut self) -> Result<()> {
-        self.check_kept()?;
+    fn resize(&mut self) -> Result<()> {
         size(&mut self.prepared.state, &self.plan);
         self.size_picture();
         let inputs: Vec<Slot> = Plan::inputs().collect();
