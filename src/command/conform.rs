@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::{DeviceArgument, pick, print, table};
-use crate::error::{Error, Result};
+use super::{pick, print, table};
+use crate::error::{Error, Input, Result};
 use crate::gpu::{Adapter, Device, Instance};
 use crate::measure::conform::{Row, conform};
 use crate::measure::fixtures::{Fixture, fixtures};
@@ -19,8 +19,9 @@ use crate::view::picture::write_whole;
 pub struct Arguments {
     /// Scenes to compare on; without any, the built-in fixtures.
     scenes: Vec<String>,
-    #[command(flatten)]
-    device: DeviceArgument,
+    /// A device's number in `milkglass devices`, or a part of its name [default: every Vulkan device].
+    #[arg(long, value_name = "DEVICE")]
+    device: Option<String>,
     /// Run without the validation layer.
     #[arg(long)]
     no_validation: bool,
@@ -36,8 +37,11 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let instance = Instance::open(!arguments.no_validation)?;
     let adapters = instance.adapters()?;
-    let chosen: Vec<&Adapter> = match arguments.device.device.as_deref() {
-        Some("cpu") => return Err(Error::device("comparing devices with the CPU", "the CPU is the reference itself")),
+    let chosen: Vec<&Adapter> = match arguments.device.as_deref() {
+        Some("cpu") => {
+            let fault = Input::new("the CPU is the reference itself").key("--device").found("cpu");
+            return Err(fault.expected("a Vulkan device").into());
+        }
         Some(wish) => vec![pick(&adapters, wish)?],
         None => adapters.iter().filter(|adapter| adapter.unusable.is_none()).collect(),
     };
@@ -68,7 +72,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let cells: Vec<_> = rows
         .iter()
         .map(|(device, row)| {
-            let ulp = if row.ulp == u64::MAX { "no number".to_string() } else { row.ulp.to_string() };
+            // Near zero the distance in units in the last place says nothing.
+            let ulp = if row.ulp > 1_000_000 { "-".to_string() } else { row.ulp.to_string() };
             let verdict = if row.faults.is_empty() { "conforms".to_string() } else { "DIFFERS".to_string() };
             let (words, relative) = (row.words.to_string(), format!("{:.1e}", row.relative));
             vec![device.clone(), row.fixture.clone(), row.stage.to_string(), words, ulp, relative, verdict]

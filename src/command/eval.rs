@@ -66,6 +66,9 @@ const CORNERS: [&str; 12] = ["v0x", "v0y", "v0z", "v1x", "v1y", "v1z", "v2x", "v
 /// Evaluates every row and writes the results beside the input's columns.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let file = &arguments.input;
+    if file == &arguments.output {
+        return Err(Input::new("the output would replace the input").key("-o").found(file.display()).into());
+    }
     let text = std::fs::read_to_string(file).map_err(|e| Input::new(e.to_string()).file(file))?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let header = reader.headers().map_err(|e| bad_row(file, &e))?.clone();

@@ -54,7 +54,7 @@ enum Command {
 struct SceneArguments {
     /// A scene file (TOML), a built-in scene's name, or a mesh (OBJ).
     scene: String,
-    /// Change a value of the scene: `object.0.material.preset=ketchup`.
+    /// Change a value of the scene: `object.0.material.preset=ketchup`, `'light.0.intensity=[9,9,9]'`.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
 }
@@ -75,7 +75,7 @@ impl SceneArguments {
 struct RunArguments {
     #[command(flatten)]
     device: DeviceArgument,
-    /// What is kept from frame to frame.
+    /// What is kept from frame to frame; one frame costs the same either way.
     #[arg(long, value_enum, default_value_t)]
     mode: ModeArgument,
     /// How light is carried through the material.

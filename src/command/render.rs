@@ -1,6 +1,7 @@
 //! `milkglass render`: a picture of a scene.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use clap::Args;
 
@@ -30,6 +31,7 @@ pub struct Arguments {
 
 /// Renders and writes the picture.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    let start = Instant::now();
     check(&arguments.output)?;
     let mut scene = arguments.scene.load()?;
     if let Some(text) = &arguments.size {
@@ -43,7 +45,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let picture = session.picture()?;
     check_messages(device.as_ref())?;
-    picture.save(&arguments.output, scene.camera.exposure)
+    picture.save(&arguments.output, scene.camera.exposure)?;
+    let place = device.as_ref().map_or("the CPU", |device| device.name());
+    let seconds = start.elapsed().as_secs_f64();
+    let (file, width, height) = (arguments.output.display(), picture.width, picture.height);
+    eprintln!("{file}: {width} x {height}, on {place}, {seconds:.1} s");
+    Ok(())
 }
 
 /// `800x600`, each side from 1 to 16384.

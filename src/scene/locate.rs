@@ -47,6 +47,12 @@ pub(super) fn in_words(message: &str) -> Input {
         Some((what @ ("invalid type" | "invalid value"), found)) => Input::new(what).found(found),
         _ => Input::new(fault),
     };
+    // One bracket too few is the commonest slip: [light] for [[light]].
+    if input.found.as_deref() == Some("map") && expected == Some("a sequence") {
+        input.found = Some("a table".to_owned());
+        input.expected = Some("a list of tables: [[light]], [[object]] with double brackets".to_owned());
+        return input;
+    }
     // The types' names are those of the sources.
     input.expected = expected.map(|expected| match expected {
         "f64" => "a number".to_owned(),

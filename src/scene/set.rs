@@ -31,7 +31,28 @@ pub(super) fn apply(table: &mut Table, set: &str) -> Checked<()> {
     if let Some(place) = place {
         *place = parse(value.trim());
     }
+    if let [.., "material", "preset"] = parts[..] {
+        forget_coefficients(table, &parts[..parts.len() - 1]);
+    }
     Ok(())
+}
+
+/// A preset that is set means the whole preset: coefficients of the file would hide it.
+fn forget_coefficients(table: &mut Table, path: &[&str]) {
+    let Some((first, rest)) = path.split_first() else { return };
+    let mut place = table.get_mut(*first);
+    for part in rest {
+        place = match place {
+            Some(Value::Table(table)) => table.get_mut(*part),
+            Some(Value::Array(list)) => part.parse::<usize>().ok().and_then(|index| list.get_mut(index)),
+            _ => None,
+        };
+    }
+    if let Some(Value::Table(material)) = place {
+        for key in ["sigma_s_prime", "sigma_a", "eta"] {
+            material.remove(key);
+        }
+    }
 }
 
 /// The value under one part of a key, made when missing; otherwise what is wrong and what is right.

@@ -109,3 +109,15 @@ fn a_camera_that_stands_on_its_target_has_a_line() {
     let error = message(Scene::load("sphere", &sets));
     assert!(error.starts_with("--set camera.position=[0,0,0]: camera.position: the camera stands on"), "{error}");
 }
+
+#[test]
+fn a_preset_that_is_set_is_the_whole_preset() {
+    let material = |sets: &[&str]| {
+        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        Scene::load("lotus", &sets).expect("a scene").object.material
+    };
+    let marble = material(&["object.0.material.preset=marble"]);
+    assert_eq!((marble.name.as_str(), marble.sigma_s_prime, marble.eta), ("Marble", [2.19, 2.62, 3.0], [1.5; 3]));
+    let denser = material(&["object.0.material.preset=marble", "object.0.material.eta=1.2"]);
+    assert_eq!((denser.sigma_a, denser.eta), (marble.sigma_a, [1.2; 3]));
+}
