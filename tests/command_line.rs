@@ -60,7 +60,10 @@ fn a_printed_scene_is_a_scene_file() {
 fn render_writes_a_png_and_nothing_else() {
     let here = folder(&[]);
     let (out, err) = good(&here, &format!("render {SMALL} -o a.png --size 16x12"));
-    assert!(out.is_empty() && err.starts_with("a.png: 16 x 12, on the CPU, ") && err.lines().count() == 1, "{out}{err}");
+    assert!(
+        out.is_empty() && err.starts_with("a.png: 16 x 12, on the CPU, ") && err.lines().count() == 1,
+        "{out}{err}"
+    );
     assert_eq!(names(here.path()), ["a.png"]);
     let png = bytes(&here, "a.png");
     assert_eq!((&png[1..4], &png[16..24]), (&b"PNG"[..], &[0, 0, 0, 16, 0, 0, 0, 12][..]));
