@@ -71,6 +71,20 @@ fn every_stage_conforms_on_every_fixture() {
 }
 
 #[test]
+fn the_overflowing_fixtures_overflow() {
+    let after = |name: &str| {
+        let fixture = all().iter().find(|fixture| fixture.name == name).unwrap();
+        let mut state = fixture.state.clone();
+        fixture.steps.iter().for_each(|step| (step.stage.cpu)(&mut state, step.chunk));
+        (state.data.cursor[0], state.data.frame[0])
+    };
+    let (cursor, frame) = after("links that overflow");
+    assert!(cursor.overflow == 1 && cursor.need_links > frame.link_room, "{cursor:?}");
+    let (cursor, frame) = after("hand-downs that overflow");
+    assert!(cursor.overflow == 1 && cursor.need_hands > frame.hand_room, "{cursor:?}");
+}
+
+#[test]
 fn a_planted_error_is_reported_by_name() {
     let list = all();
     on_devices(|device| {

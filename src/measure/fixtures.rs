@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::error::{Input, Result};
-use crate::layout::Query;
+use crate::layout::{Cursor, Frame, Query};
 use crate::render::plan::{Change, Mode, Options, Transport};
 use crate::render::room::size;
 use crate::render::run::{Room, Session};
@@ -129,17 +129,8 @@ const FIXTURES: &[(&str, Maker)] = &[
         fixture.state.data.frame[0].lights = 0;
         Ok(fixture)
     }),
-    ("lists that overflow", |name| {
-        // Both sides must say so, and leave the same behind: half the room that is needed.
-        let scene = small("sphere", &["object.0.detail=2"])?;
-        let mut session = Session::new(&scene, None, Options::default(), Room::default())?;
-        session.frame(Change::EVERYTHING)?;
-        let need = session.state().data.cursor[0];
-        let mut fixture = Fixture::of_scene(name, &scene)?;
-        let frame = &mut fixture.state.data.frame[0];
-        [frame.link_room, frame.hand_room] = [need.need_links / 2, need.need_hands / 2];
-        Ok(fixture)
-    }),
+    ("links that overflow", |name| half_the_room(name, |frame, need| frame.link_room = need.need_links / 2)),
+    ("hand-downs that overflow", |name| half_the_room(name, |frame, need| frame.hand_room = need.need_hands / 2)),
     ("slab, displaced sources", |name| varied(name, "slab", &["object.0.detail=12", "transport.distance=table1"])),
     ("slab, median tree", |name| varied(name, "slab", &["object.0.detail=12", "transport.hierarchy=median"])),
     ("sphere, brute force", |name| {
@@ -165,6 +156,16 @@ pub fn fixtures(only: &str) -> Result<Vec<Fixture>> {
 /// A built-in scene with these settings.
 fn varied(name: &str, scene: &str, sets: &[&str]) -> Result<Fixture> {
     Fixture::of_scene(name, &small(scene, sets)?)
+}
+
+/// A list that does not fit: both sides must say so, and leave the same behind.
+fn half_the_room(name: &str, halve: fn(&mut Frame, &Cursor)) -> Result<Fixture> {
+    let scene = small("sphere", &["object.0.detail=2"])?;
+    let mut session = Session::new(&scene, None, Options::default(), Room::default())?;
+    session.frame(Change::EVERYTHING)?;
+    let mut fixture = Fixture::of_scene(name, &scene)?;
+    halve(&mut fixture.state.data.frame[0], &session.state().data.cursor[0]);
+    Ok(fixture)
 }
 
 /// Many small chunks.
