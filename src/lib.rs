@@ -44,7 +44,9 @@
 
 #![deny(missing_docs)]
 
+pub mod baseline;
 pub mod command;
+pub mod dipole;
 pub mod error;
 pub mod geometry;
 pub mod gpu;

@@ -75,7 +75,7 @@ fn the_overflowing_fixtures_overflow() {
     let after = |name: &str| {
         let fixture = all().iter().find(|fixture| fixture.name == name).unwrap();
         let mut state = fixture.state.clone();
-        fixture.steps.iter().for_each(|step| (step.stage.cpu)(&mut state, step.chunk));
+        fixture.steps.iter().for_each(|step| (step.stage.cpu)(&mut state, step.at));
         (state.data.cursor[0], state.data.frame[0])
     };
     let (cursor, frame) = after("links that overflow");
@@ -128,7 +128,7 @@ fn kernels_write_what_their_stage_declares() {
         for stage in STAGES {
             let mut written = std::collections::BTreeSet::new();
             for name in kernel_names().filter(|name| name.split('/').nth(1) == Some(stage.name)) {
-                let kernel = (0..2).find_map(|n| kernels.get(name, &vec![0; n]).ok()).expect(name);
+                let kernel = (0..6).find_map(|n| kernels.get(name, &vec![0; n]).ok()).expect(name);
                 let slots = kernel.accesses.iter().filter(|a| a.writes).map(|a| SLOTS[a.binding as usize]);
                 written.extend(slots);
             }
@@ -149,18 +149,28 @@ fn bits(session: &mut Session, slot: Slot) -> Vec<u8> {
 
 #[test]
 fn overflow_and_chunks_change_no_bit() {
-    let scene = scene(&["object.0.detail=4", "camera.size=[32, 32]"]);
+    for scheme in ["blocks", "links"] {
+        overflow_changes_no_bit(&scene(&[
+            "object.0.detail=4",
+            "camera.size=[32, 32]",
+            &format!("transport.scheme={scheme}"),
+        ]));
+    }
+}
+
+fn overflow_changes_no_bit(scene: &Scene) {
     on_devices(|device| {
-        let mut plain = Session::new(&scene, Some(device), Options::default(), Room::default()).unwrap();
+        let mut plain = Session::new(scene, Some(device), Options::default(), Room::default()).unwrap();
         plain.frame(Change::EVERYTHING).unwrap();
         let expected = bits(&mut plain, Slot::radiosity);
-        let tight = Room { chunk_faces: 700, links: 1, binding: 1 << 18 };
+        let tight = Room { chunk_faces: 700, links: 1, batch_blocks: 60, binding: 1 << 18 };
         for mode in [Mode::OnTheFly, Mode::Render] {
             let options = Options { mode, ..Options::default() };
-            let mut cut = Session::new(&scene, Some(device), options, tight).unwrap();
+            let mut cut = Session::new(scene, Some(device), options, tight).unwrap();
             cut.frame(Change::EVERYTHING).unwrap();
             assert!(cut.retries > 0, "nothing overflowed");
-            assert!(cut.state().schedule.chunks.len() > 4);
+            let schedule = &cut.state().schedule;
+            assert!(schedule.chunks.len().max(schedule.batches.len()) > 4);
             assert_eq!(bits(&mut cut, Slot::radiosity), expected);
             // And once more, from whatever the buffers hold now.
             cut.frame(Change::EVERYTHING).unwrap();
@@ -171,8 +181,9 @@ fn overflow_and_chunks_change_no_bit() {
 
 #[test]
 fn render_mode_follows_the_light_bit_for_bit() {
-    let first = scene(&["object.0.detail=4", "camera.size=[32, 32]"]);
-    let second = scene(&["object.0.detail=4", "camera.size=[32, 32]", "light.0.direction=[-1, 0.2, 0.1]"]);
+    let links = "transport.scheme=links";
+    let first = scene(&["object.0.detail=4", "camera.size=[32, 32]", links]);
+    let second = scene(&["object.0.detail=4", "camera.size=[32, 32]", links, "light.0.direction=[-1, 0.2, 0.1]"]);
     on_devices(|device| {
         for backend in [Some(device), None] {
             let options = Options { mode: Mode::Render, goal: Goal::Picture, ..Options::default() };
@@ -181,7 +192,9 @@ fn render_mode_follows_the_light_bit_for_bit() {
             let before = bits(&mut kept, Slot::radiance);
             kept.set_lights(&second.lights).unwrap();
             let steps = kept.frame(Change::LIGHT).unwrap();
-            assert!(!steps.iter().any(|step| ["link", "form_factor", "refit", "radii"].contains(&step.name.as_str())));
+            assert!(
+                !steps.iter().any(|step| ["refine", "form_factor", "refit", "reach"].contains(&step.name.as_str()))
+            );
             let after = bits(&mut kept, Slot::radiance);
             assert_ne!(before, after);
             let mut fresh = Session::new(&second, backend, Options::default(), Room::default()).unwrap();

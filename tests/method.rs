@@ -17,6 +17,9 @@ fn solved(name: &str, sets: &[&str], options: Options) -> Session {
     session
 }
 
+/// The scheme as published.
+const LINKS: &str = "transport.scheme=links";
+
 fn radiosity() -> Options {
     Options { goal: Goal::Radiosity, ..Options::default() }
 }
@@ -33,7 +36,7 @@ fn faces(data: &Buffers, node: u32) -> impl Iterator<Item = usize> + '_ {
 
 #[test]
 fn every_pair_of_faces_is_settled_exactly_once() {
-    let session = solved("lotus", &["object.0.detail=16"], radiosity());
+    let session = solved("lotus", &["object.0.detail=16", LINKS], radiosity());
     let data = &session.state().data;
     let count = data.triangles.len();
     let mut settled = vec![0u8; count * count];
@@ -93,7 +96,7 @@ impl Refinement<'_> {
 #[test]
 fn links_are_those_of_the_oracle_in_double_precision() {
     for (name, set) in [("lotus", "object.0.detail=24"), ("slab", "object.0.detail=11")] {
-        let session = solved(name, &[set], radiosity());
+        let session = solved(name, &[set, LINKS], radiosity());
         let data = &session.state().data;
         let mut expected = Refinement { data, links: Vec::new(), ties: Vec::new() };
         expected.refine(0, 0);
@@ -114,7 +117,7 @@ fn links_are_those_of_the_oracle_in_double_precision() {
 
 #[test]
 fn area_and_irradiance_are_conserved() {
-    let session = solved("lotus", &["object.0.detail=32"], radiosity());
+    let session = solved("lotus", &["object.0.detail=32", LINKS], radiosity());
     let data = &session.state().data;
     for (node, cluster) in data.clusters.iter().enumerate() {
         let (mut area, mut power, mut center) = (0.0, DVec3::ZERO, DVec3::ZERO);
@@ -189,7 +192,7 @@ fn the_answer_is_near_brute_force() {
         // The solid angle looks at the emitter's midpoint, not at the displaced sources of Table 1, which may be nearer.
         for (distance, l2) in [("radial", 0.01), ("table1", 0.02)] {
             let distance = format!("transport.distance={distance}");
-            let mut session = solved(name, &[set, &distance], radiosity());
+            let mut session = solved(name, &[set, &distance, LINKS], radiosity());
             let error = worst(&verify(&mut session, 300, 5).unwrap());
             println!("{name} {distance}: {error:?}");
             assert!(error.l2 <= l2 && error.p99 <= 0.05, "{name}, {distance}: {error:?}");

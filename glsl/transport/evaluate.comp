@@ -2,9 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 #include "invocation.glsl"
-#include "transport/profile.glsl"
+#include "dipole/profile.glsl"
 #define NODES 12
-#include "transport/form_factor/edge.glsl"
+#include "dipole/form_factor/edge.glsl"
 
 // Single form factors at the origin: radial, displaced sources (Table 1, unclamped), and the profile at |a|.
 READS(queries)

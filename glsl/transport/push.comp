@@ -1,19 +1,37 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
-#include "invocation.glsl"
 
-// B of a face is what was gathered at its leaf and at every cluster above it.
-READS(frame)
-READS(topology)
+// B of a face: what it received itself, and its block's expansion at its centroid. What falls below zero is cut off,
+// and counts as error. Channels of no group are black.
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const uint ALIVE = 7;
+layout(constant_id = 1) const uint ESTIMATE = 0;
+layout(push_constant, scalar) uniform push_block { Range range; };
+READS(blocks)
+READS(spheres)
 READS(leaves)
-READS(gathered)
+READS(clusters)
+READS(expansions)
+READS(received)
+UPDATES(estimate)
 WRITES(radiosity)
+#include "transport/gather/receiver.glsl"
 
 void main() {
-    uint face = invocation();
-    if (face >= frame[0].faces) return;
-    vec3 sum = vec3(0);
-    for (uint node = leaves[face]; node != NONE; node = topology[node].parent) sum += gathered[node];
-    radiosity[face] = sum;
+    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    Receiver self = receiver_at(group * gl_WorkGroupSize.x + gl_LocalInvocationIndex);
+    if (!self.present) return;
+    Expansion e = expansions[range.first + self.run];
+    vec3 d = self.x - spheres[range.first + self.run].center;
+    vec3 value = e.value + d.x * e.x + d.y * e.y + d.z * e.z;
+    value += 0.5 * (d.x * d.x * e.xx + d.y * d.y * e.yy + d.z * d.z * e.zz) + d.y * d.z * e.yz + d.z * d.x * e.zx + d.x * d.y * e.xy;
+    vec3 sum = received[self.face] + value;
+    bvec3 alive = bvec3((ALIVE & 1u) != 0, (ALIVE & 2u) != 0, (ALIVE & 4u) != 0);
+    radiosity[self.face] = mix(vec3(0), max(sum, vec3(0)), alive);
+    if (ESTIMATE != 0) {
+        float d2 = dot(d, d);
+        vec3 squared = estimate[self.face] + e.error + e.bend * (d2 * d2 * d2);
+        estimate[self.face] = mix(vec3(0), sqrt(squared) + max(-sum, vec3(0)), alive);
+    }
 }

@@ -7,14 +7,14 @@ use csv::StringRecord;
 use glam::DVec3;
 
 use super::{DeviceArgument, check_messages, validation};
+use crate::dipole::form_factor::Distance;
+use crate::dipole::form_factor::exact::edge_form_exact;
+use crate::dipole::profile::Dipole;
 use crate::error::{Error, Input, Result};
 use crate::layout::{Query, Slot};
 use crate::light::fresnel;
 use crate::render::stages::stage;
-use crate::state::{DeviceState, State, Step};
-use crate::transport::form_factor::Distance;
-use crate::transport::form_factor::exact::edge_form_exact;
-use crate::transport::profile::Dipole;
+use crate::state::{DeviceState, Place, State, Step};
 use crate::view::picture::write_whole;
 
 /// Arguments of `eval`.
@@ -185,7 +185,7 @@ fn evaluate(arguments: &Arguments, rows: &[Row]) -> Result<Vec<[f64; 2]>> {
         .collect();
     state.data.answers = vec![[0.0; 3]; rows.len()];
     let mut twin = DeviceState::new(&device, false);
-    let steps: Vec<Step> = stage("evaluate").into_iter().map(|stage| Step { stage, chunk: 0 }).collect();
+    let steps: Vec<Step> = stage("evaluate").into_iter().map(|stage| Step { stage, at: Place::default() }).collect();
     twin.upload(&state, &[Slot::queries])?;
     twin.run(&state, &steps)?;
     twin.download(&mut state, &[Slot::answers])?;

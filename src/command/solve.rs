@@ -96,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// Prints the time of each stage, its chunks together, and the number of links.
 pub fn print_times(session: &mut Session, times: &[Timing]) -> Result<()> {
-    session.fetch(&[Slot::spans])?;
+    session.fetch(&[Slot::spans, Slot::runs])?;
     let mut rows: Vec<(String, f64)> = Vec::new();
     for time in times {
         match rows.iter_mut().find(|(name, _)| *name == time.name) {
@@ -110,6 +110,18 @@ pub fn print_times(session: &mut Session, times: &[Timing]) -> Result<()> {
     let data = &session.state().data;
     let links: u64 = data.spans.iter().map(|span| u64::from(span.links)).sum();
     print(&table(&["stage", "ms"], &[1], &rows))?;
+    let count = |of: fn(&crate::layout::Runs) -> u32| data.runs.iter().map(|run| u64::from(of(run))).sum::<u64>();
+    let lists = [
+        ("expanded", count(|run| run.expanded)),
+        ("direct", count(|run| run.direct)),
+        ("area points", count(|run| run.area)),
+        ("edge form", count(|run| run.edge)),
+        ("dropped", count(|run| run.dropped)),
+    ];
+    if !data.runs.is_empty() {
+        let per = |(name, n): &(&str, u64)| format!("{:.1} {name}", *n as f64 / data.blocks.len() as f64);
+        print(&format!("a block: {}\n", lists.iter().map(per).collect::<Vec<_>>().join(", ")))?;
+    }
     if links > 0 {
         print(&format!("{links} links, {:.1} a triangle\n", links as f64 / data.triangles.len() as f64))?;
     }

@@ -1,12 +1,14 @@
 //! Stage `refit`: positions to face geometry, to the boxes, centroids, vector areas and second moments of clusters,
 //! bottom-up, and to vertex normals. Runs again whenever the shape changes.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Bounds, Cluster, Slot};
-use crate::state::{Field, Pass, Role, Stage, State, Tolerance, narrow, wide};
+use crate::layout::{Block, Bounds, Cluster, Slot, Sphere};
+use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
 
 /// A centre within rounding of the extent; an area and a spread of their own size; a vector area of the area's size.
 const CLUSTER: &[Field] = &[
@@ -14,6 +16,13 @@ const CLUSTER: &[Field] = &[
     Field { name: "area", relative: 5e-5, floor: 0.0, of: "" },
     Field { name: "normal", relative: 0.0, floor: 2e-5, of: "area" },
     Field { name: "spread", relative: 5e-5, floor: 0.0, of: "" },
+];
+
+/// A block's sphere within rounding of the extent.
+const SPHERE: &[Field] = &[
+    Field { name: "center", relative: 0.0, floor: 4e-6, of: "" },
+    Field { name: "radius", relative: 1e-5, floor: 4e-6, of: "" },
+    Field { name: "reach", relative: 1e-3, floor: 0.0, of: "" },
 ];
 
 /// The table's entry.
@@ -25,11 +34,12 @@ pub static STAGE: Stage = Stage {
     writes: &[
         (Slot::bounds, Role::Output, Tolerance::Exact),
         (Slot::clusters, Role::Output, Tolerance::Fields(CLUSTER)),
+        (Slot::spheres, Role::Output, Tolerance::Fields(SPHERE)),
         (Slot::normals, Role::Output, Tolerance::Float { relative: 1e-5, floor: 1e-5 }),
     ],
     reason: "boxes are minima and maxima; sums climb some 40 levels of f32 rounding, 40 x 2^-24 = 2.4e-6 of the \
              extent; a sliver's area is a cross product that cancels",
-    chunked: false,
+    unit: Unit::Frame,
     cpu,
     gpu,
 };
@@ -43,7 +53,7 @@ struct Sums {
     spread: f64,
 }
 
-fn cpu(state: &mut State, _chunk: usize) {
+fn cpu(state: &mut State, _at: Place) {
     let data = &mut state.data;
     let nodes = data.topology.len();
     let corner = |face: usize, k: usize| wide(data.positions[data.triangles[face][k] as usize]);
@@ -87,6 +97,11 @@ fn cpu(state: &mut State, _chunk: usize) {
         })
         .collect();
 
+    // The spheres round the blocks' receivers.
+    let disc = f64::max(sums.first().map_or(0.0, |root| root.area) / (TAU * data.blocks.len() as f64), 1e-30);
+    data.spheres =
+        data.blocks.iter().map(|block| sphere(block, disc, |face| sums[data.leaves[face] as usize].center)).collect();
+
     // Vertex normals from the triangles round each vertex.
     let around = |v: usize| &data.corners[data.corner_starts[v] as usize..data.corner_starts[v + 1] as usize];
     data.normals = (0..data.positions.len())
@@ -97,9 +112,22 @@ fn cpu(state: &mut State, _chunk: usize) {
         .collect();
 }
 
+/// The sphere round a block's receivers; its reach grows with their spread against that of a usual block's `disc`.
+fn sphere(block: &Block, disc: f64, center_of: impl Fn(usize) -> DVec3) -> Sphere {
+    let points = || (block.first as usize..(block.first + block.count) as usize).map(&center_of);
+    let low = points().fold(DVec3::INFINITY, DVec3::min);
+    let high = points().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let center = 0.5 * (low + high);
+    let squares = || points().map(|x| x.distance_squared(center));
+    let spread = squares().sum::<f64>() / f64::from(block.count);
+    let radius = squares().fold(0.0, f64::max).sqrt();
+    Sphere { center: narrow(center), radius: radius as f32, reach: (spread / disc).sqrt().max(1.0) as f32 }
+}
+
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let state = pass.state;
     pass.dispatch(Some("leaf"), &[], &[], state.data.triangles.len())?;
-    pass.climb("cluster")?;
+    pass.climb("cluster", &[])?;
+    pass.dispatch(Some("block"), &[], &[], state.data.blocks.len())?;
     pass.dispatch(Some("normal"), &[], &[], state.data.positions.len())
 }

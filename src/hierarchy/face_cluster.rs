@@ -37,15 +37,15 @@ pub fn build(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Tree, Method) {
         return (Tree::default(), Method::Merged);
     }
     let Some(mut merging) = Merging::new(positions, triangles).run() else {
-        return (median::build(positions, triangles), Method::TooEntangled);
+        return (median::build(positions, triangles, 1), Method::TooEntangled);
     };
     // What no edge connects is joined from the top.
     let clusters = merging.outline.centroid.len() as u32;
     let mut roots: Vec<u32> = (0..clusters).filter(|&id| merging.into[id as usize] == NONE).collect();
-    let root = merging.outline.split_at_medians(&mut roots);
+    let root = merging.outline.split_at_medians(&mut roots, 1);
     let tree = merging.outline.flatten(root);
     if tree.depth() > DEEPEST {
-        return (median::build(positions, triangles), Method::TooDeep);
+        return (median::build(positions, triangles, 1), Method::TooDeep);
     }
     (tree, Method::Merged)
 }

@@ -8,15 +8,15 @@ use super::{Tree, face_area_and_centroid};
 use glam::DVec3;
 
 /// The median-split tree over `triangles`: indices into `positions`, all in range, fewer than 2^31
-/// triangles. An empty mesh gives an empty tree.
+/// triangles. Clusters of `block` faces (1 or more) come out full. An empty mesh gives an empty tree.
 #[must_use]
-pub fn build(positions: &[DVec3], triangles: &[[u32; 3]]) -> Tree {
+pub fn build(positions: &[DVec3], triangles: &[[u32; 3]], block: usize) -> Tree {
     if triangles.is_empty() {
         return Tree::default();
     }
     let centroid = triangles.iter().map(|t| face_area_and_centroid(positions, *t).1).collect();
     let mut outline = Outline::new(centroid);
     let mut members: Vec<u32> = (0..triangles.len() as u32).collect();
-    let root = outline.split_at_medians(&mut members);
+    let root = outline.split_at_medians(&mut members, block);
     outline.flatten(root)
 }

@@ -29,8 +29,9 @@ impl Outline {
     }
 
     /// Join these clusters under one root, halving them at the median centroid along the longest
-    /// axis of their centroids' bounds; ties go by id. `members` must not be empty.
-    pub fn split_at_medians(&mut self, members: &mut [u32]) -> u32 {
+    /// axis of their centroids' bounds; ties go by id. Ranges of more than `block` members are cut at multiples of it, so
+    /// that whole blocks are clusters. `members` must not be empty.
+    pub fn split_at_medians(&mut self, members: &mut [u32], block: usize) -> u32 {
         // Ranges still to halve; those halved, in order, so that parts come after their whole.
         let mut cuts = vec![(0, members.len())];
         let mut next = 0;
@@ -38,7 +39,7 @@ impl Outline {
             let (start, end) = cuts[next];
             next += 1;
             if end - start > 1 {
-                let middle = self.halve(&mut members[start..end]) + start;
+                let middle = self.halve(&mut members[start..end], block) + start;
                 cuts.extend([(start, middle), (middle, end)]);
             }
         }
@@ -61,7 +62,7 @@ impl Outline {
     }
 
     /// Reorder the members into a lower and an upper half; the size of the lower one.
-    fn halve(&self, members: &mut [u32]) -> usize {
+    fn halve(&self, members: &mut [u32], block: usize) -> usize {
         let place = |id: u32| self.centroid[id as usize];
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for &member in members.iter() {
@@ -76,7 +77,8 @@ impl Outline {
         } else {
             2
         };
-        let middle = members.len() / 2;
+        let half = members.len() / 2;
+        let middle = if members.len() > block { half.next_multiple_of(block) } else { half };
         members.select_nth_unstable_by(middle, |&a, &b| place(a)[axis].total_cmp(&place(b)[axis]).then(a.cmp(&b)));
         middle
     }

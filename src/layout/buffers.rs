@@ -33,6 +33,30 @@ buffers! {
     irradiance: [f32; 3], face;
     /// Area-weighted mean irradiance of each cluster.
     cluster_irradiance: [f32; 3], node;
+    /// The blocks of receivers.
+    blocks: Block, block;
+    /// Their bounding spheres.
+    spheres: Sphere, block;
+    /// Emitters' moments, a part a group of channels: one a node, rounded up.
+    moments: Moment, group;
+    /// What the walk looks at, a part a group of channels: one a node, rounded up.
+    emitters: Emitter, group;
+    /// The receivers of the coarse solution.
+    samples: Sample, sample;
+    /// Root of the area-weighted mean of B^2, from the coarse solution; one element.
+    level: [f32; 3], frame;
+    /// How far a link's error reaches: for each rule a table of distances over the logarithm of its strength.
+    ranges: f32, table;
+    /// Where the lists of each block lie in its batch, a part a batch and group.
+    runs: Runs, batch;
+    /// The blocks' lists, one after the other: nodes.
+    entries: u32, batch;
+    /// What distant emitters give each block.
+    expansions: Expansion, block;
+    /// Radiosity of each triangle from its block's direct, area and edge lists.
+    received: [f32; 3], face;
+    /// Estimated error of the radiosity of each triangle.
+    estimate: [f32; 3], face;
     /// Squared centroid distances beyond which 1, 3, 6, 12 area points serve for a triangle.
     reach: [f32; 4], face;
     /// Each receiver's lists.

@@ -112,16 +112,35 @@ pub struct BufferSpec {
     pub stride: usize,
     /// The words of an element.
     pub words: fn() -> Vec<Word>,
-    /// Whether a dispatch binds only its chunk's part.
-    pub chunked: bool,
+    /// Into what parts it is cut, of which a dispatch binds one.
+    pub cut: Cut,
 }
 
-macro_rules! chunked {
+/// Into what parts a buffer is cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cut {
+    /// It is bound whole.
+    Whole,
+    /// One part a chunk of the tree, where links are kept.
+    Chunk,
+    /// One part a group of channels.
+    Group,
+    /// One part a batch of blocks and group of channels, where lists are kept.
+    Batch,
+}
+
+macro_rules! cut {
     (chunk) => {
-        true
+        Cut::Chunk
+    };
+    (group) => {
+        Cut::Group
+    };
+    (batch) => {
+        Cut::Batch
     };
     ($other:ident) => {
-        false
+        Cut::Whole
     };
 }
 
@@ -149,7 +168,7 @@ macro_rules! buffers {
                     glsl: <$kind as Element>::GLSL,
                     stride: size_of::<$kind>(),
                     words: <$kind as Element>::words,
-                    chunked: chunked!($per),
+                    cut: cut!($per),
                 },)* }
             }
         }

@@ -39,8 +39,110 @@ records! {
         z_virtual: [f32; 3],
         /// Relative index of refraction, per channel.
         eta: [f32; 3],
+        /// Number of blocks of receivers.
+        blocks: u32,
+        /// Room for list entries in one batch.
+        entry_room: u32,
+        /// Largest error of one link, in units of the reference level.
+        link_error: f32,
+        /// Irradiance of each channel as a multiple of its group's lead channel.
+        tint: [f32; 3],
         /// chi below which 1 (with second moments), 3, 6 and 12 area points serve.
         ladder: [f32; 4],
+    }
+    /// A block of receivers: a maximal node of at most 16 faces.
+    Block {
+        /// The node.
+        node: u32,
+        /// Its first triangle.
+        first: u32,
+        /// Number of its triangles.
+        count: u32,
+    }
+    /// Where a block's receivers are.
+    Sphere {
+        /// Middle of the box round the centroids.
+        center: [f32; 3],
+        /// Distance of the farthest centroid.
+        radius: f32,
+        /// How many times farther than for a block of usual size an emitter has to be, to be expanded.
+        reach: f32,
+    }
+    /// Moments of the light that enters a cluster, by the irradiance of its group's lead channel.
+    Moment {
+        /// Centroid of the light (order 1 and 2) or of the area.
+        center: [f32; 3],
+        /// W: the sum of area times irradiance.
+        weight: f32,
+        /// Second moments about the centre per weight: xx, yy, zz.
+        diagonal: [f32; 3],
+        /// Bound on the distance of any point of the cluster from the centre.
+        radius: f32,
+        /// Second moments: yz, zx, xy.
+        mixed: [f32; 3],
+        /// Distance from which on the coarse solution takes the cluster as one.
+        coarse: f32,
+    }
+    /// A node as the walk sees it. Distances run from the centre to a block's sphere.
+    Emitter {
+        /// The moments' centre; from where on its light counts for nothing, far below 0 where it has none.
+        place: [f32; 4],
+        /// From where on one expansion serves a whole block of usual size; one link, and for a triangle one sample
+        /// with its second moment; 6 area points, for a triangle.
+        reach: [f32; 3],
+        /// The first node after its subtree.
+        skip: u32,
+    }
+    /// A receiver of the coarse solution.
+    Sample {
+        /// The triangle.
+        face: u32,
+        /// How likely a draw is to choose it.
+        chance: f32,
+        /// Its radiosity.
+        value: [f32; 3],
+    }
+    /// Where a block's lists lie, one after the other.
+    Runs {
+        /// First entry.
+        first: u32,
+        /// Emitters expanded once for the whole block.
+        expanded: u32,
+        /// Emitters evaluated for each receiver.
+        direct: u32,
+        /// Triangles that take area points.
+        area: u32,
+        /// Triangles that take the edge form.
+        edge: u32,
+        /// Emitters left out because they count for nothing.
+        dropped: u32,
+    }
+    /// Radiosity of a block as a quadratic in the offset from its centre, per channel.
+    Expansion {
+        /// Value at the centre.
+        value: [f32; 3],
+        /// Derivative along x.
+        x: [f32; 3],
+        /// Derivative along y.
+        y: [f32; 3],
+        /// Derivative along z.
+        z: [f32; 3],
+        /// Second derivative.
+        xx: [f32; 3],
+        /// Second derivative.
+        yy: [f32; 3],
+        /// Second derivative.
+        zz: [f32; 3],
+        /// Second derivative.
+        yz: [f32; 3],
+        /// Second derivative.
+        zx: [f32; 3],
+        /// Second derivative.
+        xy: [f32; 3],
+        /// Squared estimate of the emitters' error.
+        error: [f32; 3],
+        /// Squared estimate of the expansion's error at unit offset; it grows with the cube of the offset.
+        bend: [f32; 3],
     }
     /// A light. Directions point towards it.
     Light {
@@ -143,6 +245,10 @@ records! {
         need_edges: u32,
         /// Largest count of handed-down emitters.
         need_hands: u32,
+        /// Entries of this batch.
+        entries: u32,
+        /// Largest count of entries met in a batch.
+        need_entries: u32,
         /// Not 0 when a list did not fit: the results are void, and the frame must run again with more room.
         overflow: u32,
         /// Not 0 when a driver ended a loop early, or would: lavapipe does so after 65,535 iterations.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::fresnel;
 use crate::error::Result;
 use crate::layout::Slot;
-use crate::state::{Pass, Role, Stage, State, Tolerance, narrow, wide};
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -15,12 +15,12 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, equation 5",
     writes: &[(Slot::irradiance, Role::Output, Tolerance::Float { relative: 2e-5, floor: 2e-6 })],
     reason: "a short sum of products; the cosine cancels where light grazes, hence the floor",
-    chunked: false,
+    unit: Unit::Frame,
     cpu,
     gpu,
 };
 
-fn cpu(state: &mut State, _chunk: usize) {
+fn cpu(state: &mut State, _at: Place) {
     let data = &mut state.data;
     let eta = data.frame[0].eta.map(f64::from);
     data.irradiance = (0..data.triangles.len())

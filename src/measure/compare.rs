@@ -58,11 +58,14 @@ pub fn compare(slot: Slot, reference: &State, device: &State, tolerance: Toleran
     let allowance = |i: usize, k: usize| match tolerance {
         Tolerance::Exact => None,
         Tolerance::Float { relative, floor } => Some((f64::from(relative), f64::from(floor) * largest[groups[k]])),
-        Tolerance::Fields(fields) => fields.iter().find(|field| field.name == group(k)).map(|field| {
-            let base = i - k;
-            let of = (0..layout.len()).find(|&j| group(j) == field.of).map(|j| f64::from(f32::from_bits(a[base + j])));
-            (f64::from(field.relative), f64::from(field.floor) * of.unwrap_or(1.0))
-        }),
+        Tolerance::Fields(fields) => {
+            fields.iter().find(|field| field.name == group(k) || field.name == layout[k].path).map(|field| {
+                let base = i - k;
+                let of =
+                    (0..layout.len()).find(|&j| group(j) == field.of).map(|j| f64::from(f32::from_bits(a[base + j])));
+                (f64::from(field.relative), f64::from(field.floor) * of.unwrap_or(1.0))
+            })
+        }
     };
 
     for (i, (&x, &y)) in a.iter().zip(b).enumerate() {

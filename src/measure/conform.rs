@@ -51,7 +51,7 @@ pub fn conform(device: &Device, fixture: &Fixture, plant: Option<Plant>) -> Resu
     let _ = device.take_messages();
     for step in &fixture.steps {
         if plant.is_some_and(|plant| plant.stage != step.stage.name) {
-            (step.stage.cpu)(&mut state, step.chunk);
+            (step.stage.cpu)(&mut state, step.at);
             continue;
         }
         let (next, row) = one(&mut twin, &state, *step, &fixture.name, plant)?;
@@ -75,7 +75,7 @@ fn poison(state: &mut State, step: Step) {
     for (slot, role, _) in step.stage.writes {
         if *role == Role::Output {
             let stride = slot.spec().stride;
-            let (first, count) = state.part(*slot, step.chunk);
+            let (first, count) = state.part(*slot, step.at);
             let bytes = &mut state.data.bytes_mut(*slot)[first * stride..(first + count) * stride];
             bytemuck::cast_slice_mut::<u8, u32>(bytes).fill(POISON);
         }
@@ -87,7 +87,7 @@ fn one(twin: &mut DeviceState, before: &State, step: Step, name: &str, plant: Op
     let mut poisoned = before.clone();
     poison(&mut poisoned, step);
     let mut reference = poisoned.clone();
-    (step.stage.cpu)(&mut reference, step.chunk);
+    (step.stage.cpu)(&mut reference, step.at);
 
     // Twice on the device, from the same bits.
     let mut results = Vec::new();

@@ -10,7 +10,7 @@ use crate::render::run::{Room, Session};
 use crate::render::stages::{stage, steps};
 use crate::scene::Mesh;
 use crate::scene::Scene;
-use crate::state::{State, Step};
+use crate::state::{Scheme, State, Step};
 
 /// A state before its first stage, and the steps to run on it.
 pub struct Fixture {
@@ -87,22 +87,25 @@ fn with_mesh(mesh: Mesh, sets: &[&str]) -> Result<Scene> {
     Ok(scene)
 }
 
+/// Sets the scheme as published.
+const LINKS: &str = "transport.scheme=links";
+
 /// A fixture from its name.
 type Maker = fn(&str) -> Result<Fixture>;
 
-/// Every fixture: its name, and how it is made.
-const FIXTURES: &[(&str, Maker)] = &[
-    ("one triangle (one node)", |name| {
+/// Scenes that both schemes run on.
+const SCENES: &[(&str, fn() -> Result<Scene>)] = &[
+    ("one triangle (one node)", || {
         let one = mesh(&[[0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.3]], &[[0, 1, 2]]);
-        Fixture::of_scene(name, &with_mesh(one, &[])?)
+        with_mesh(one, &[])
     }),
-    ("strip of 33 triangles (65 nodes)", |name| Fixture::of_scene(name, &with_mesh(strip(33), &[])?)),
-    ("sliver", |name| {
+    ("strip of 33 triangles (65 nodes)", || with_mesh(strip(33), &[])),
+    ("sliver", || {
         let corners = [[0.0; 3], [3.0, 0.0, 0.0], [1.0, 3e-4, 0.0], [1.0, -2.0, 0.5], [1.2, 0.1, 2.0]];
         let sliver = mesh(&corners, &[[0, 1, 2], [0, 3, 1], [1, 4, 2], [2, 4, 0]]);
-        Fixture::of_scene(name, &with_mesh(sliver, &[])?)
+        with_mesh(sliver, &[])
     }),
-    ("triangle that vanishes in f32", |name| {
+    ("triangle that vanishes in f32", || {
         let corners = [
             [0.0; 3],
             [3.0, 0.0, 0.0],
@@ -111,17 +114,21 @@ const FIXTURES: &[(&str, Maker)] = &[
             [2.9 + 1e-9, 1.9, 1.0],
             [2.9, 1.9 + 1e-9, 1.0],
         ];
-        Fixture::of_scene(name, &with_mesh(mesh(&corners, &[[0, 1, 2], [3, 4, 5], [3, 5, 4]]), &[])?)
+        with_mesh(mesh(&corners, &[[0, 1, 2], [3, 4, 5], [3, 5, 4]]), &[])
     }),
-    ("sphere with holes", |name| {
+    ("sphere with holes", || {
         let mut holed = small("sphere", &["object.0.detail=3"])?;
         holed.object.mesh.triangles.retain(|t| !t.contains(&7) && !t.contains(&30));
-        Fixture::of_scene(name, &holed)
+        Ok(holed)
     }),
-    ("stiff sphere", |name| varied(name, "sphere", &["object.0.detail=3", "object.0.size=200"])),
-    ("thin sphere", |name| varied(name, "sphere", &["object.0.detail=3", "object.0.size=0.5"])),
-    ("no absorption", |name| varied(name, "sphere", &["object.0.detail=3", "object.0.material.preset=spectralon"])),
-    ("candle in a bowl", |name| varied(name, "lotus", &["object.0.detail=32"])),
+    ("stiff sphere", || small("sphere", &["object.0.detail=3", "object.0.size=200"])),
+    ("thin sphere", || small("sphere", &["object.0.detail=3", "object.0.size=0.5"])),
+    ("no absorption", || small("sphere", &["object.0.detail=3", "object.0.material.preset=spectralon"])),
+    ("candle in a bowl", || small("lotus", &["object.0.detail=32"])),
+];
+
+/// Every other fixture: its name, and how it is made.
+const FIXTURES: &[(&str, Maker)] = &[
     ("dark", |name| {
         // No light at all, yet every stage runs.
         let mut fixture = varied(name, "sphere", &["object.0.detail=2"])?;
@@ -129,28 +136,64 @@ const FIXTURES: &[(&str, Maker)] = &[
         fixture.state.data.frame[0].lights = 0;
         Ok(fixture)
     }),
-    ("links that overflow", |name| half_the_room(name, |frame, need| frame.link_room = need.need_links / 2)),
-    ("hand-downs that overflow", |name| half_the_room(name, |frame, need| frame.hand_room = need.need_hands / 2)),
+    ("moments of order 0", |name| varied(name, "sphere", &["object.0.detail=3", "transport.order=0"])),
+    ("moments of order 1", |name| varied(name, "sphere", &["object.0.detail=3", "transport.order=1"])),
+    ("lights of two colours", |name| {
+        let lights = ["object.0.detail=3", "light.0.irradiance=[3.0, 1.0, 0.0]"];
+        let mut scene = small("sphere", &lights)?;
+        scene
+            .lights
+            .push(crate::scene::Light::Point { position: DVec3::new(3.0, 30.0, 4.0), intensity: [90.0, 700.0, 0.0] });
+        Fixture::of_scene(name, &scene)
+    }),
+    ("entries that overflow", |name| half_the_room(name, "", |frame, need| frame.entry_room = need.need_entries / 2)),
+    ("links that overflow", |name| half_the_room(name, LINKS, |frame, need| frame.link_room = need.need_links / 2)),
+    ("hand-downs that overflow", |name| {
+        half_the_room(name, LINKS, |frame, need| frame.hand_room = need.need_hands / 2)
+    }),
     ("slab, displaced sources", |name| varied(name, "slab", &["object.0.detail=12", "transport.distance=table1"])),
-    ("slab, median tree", |name| varied(name, "slab", &["object.0.detail=12", "transport.hierarchy=median"])),
+    ("slab, median tree", |name| varied(name, "slab", &["object.0.detail=12", LINKS, "transport.hierarchy=median"])),
+    ("slab, face clusters", |name| varied(name, "slab", &["object.0.detail=12", "transport.hierarchy=face-clusters"])),
     ("sphere, brute force", |name| {
         let options = Options { transport: Transport::Brute, ..Options::default() };
         Fixture::new(name, &small("sphere", &["object.0.detail=2", "object.0.size=60"])?, options, Room::default())
     }),
-    ("sphere in chunks", |name| chunks(name, Mode::OnTheFly)),
-    ("sphere in chunks, kept", |name| chunks(name, Mode::Render)),
+    ("sphere in batches", |name| chunks(name, "", Mode::OnTheFly)),
+    ("sphere in batches, kept", |name| chunks(name, "", Mode::Render)),
+    ("sphere in chunks", |name| chunks(name, LINKS, Mode::OnTheFly)),
+    ("sphere in chunks, kept", |name| chunks(name, LINKS, Mode::Render)),
     ("single form factors", |name| Ok(queries(name))),
-    ("slab of 100,000 faces", large),
+    ("slab of 100,000 faces", |name| large(name, &["transport.tolerance=0.1"])),
+    ("slab of 100,000 faces, links", |name| {
+        large(name, &["transport.receiver_angle=0.5", "transport.emitter_angle=0.5"])
+    }),
 ];
 
 /// The fixtures whose name contains `only`.
 pub fn fixtures(only: &str) -> Result<Vec<Fixture>> {
-    let chosen: Vec<_> = FIXTURES.iter().filter(|(name, _)| name.contains(only)).collect();
-    if chosen.is_empty() {
-        let names: Vec<_> = FIXTURES.iter().map(|(name, _)| *name).collect();
+    let mut made = Vec::new();
+    let mut names = Vec::new();
+    for (name, scene) in SCENES {
+        for scheme in [Scheme::Blocks, Scheme::Links] {
+            let name = if scheme == Scheme::Links { format!("{name}, links") } else { name.to_string() };
+            if name.contains(only) {
+                let mut scene = scene()?;
+                scene.transport.scheme = scheme;
+                made.push(Fixture::of_scene(&name, &scene)?);
+            }
+            names.push(name);
+        }
+    }
+    for (name, make) in FIXTURES {
+        if name.contains(only) {
+            made.push(make(name)?);
+        }
+        names.push(name.to_string());
+    }
+    if made.is_empty() {
         return Err(Input::new("no fixture has this in its name").found(only).expected(names.join("; ")).into());
     }
-    chosen.into_iter().map(|(name, make)| make(name)).collect()
+    Ok(made)
 }
 
 /// A built-in scene with these settings.
@@ -159,8 +202,9 @@ fn varied(name: &str, scene: &str, sets: &[&str]) -> Result<Fixture> {
 }
 
 /// A list that does not fit: both sides must say so, and leave the same behind.
-fn half_the_room(name: &str, halve: fn(&mut Frame, &Cursor)) -> Result<Fixture> {
-    let scene = small("sphere", &["object.0.detail=2"])?;
+fn half_the_room(name: &str, scheme: &str, halve: fn(&mut Frame, &Cursor)) -> Result<Fixture> {
+    let sets: Vec<&str> = ["object.0.detail=2", scheme].into_iter().filter(|set| !set.is_empty()).collect();
+    let scene = small("sphere", &sets)?;
     let mut session = Session::new(&scene, None, Options::default(), Room::default())?;
     session.frame(Change::EVERYTHING)?;
     let mut fixture = Fixture::of_scene(name, &scene)?;
@@ -169,16 +213,16 @@ fn half_the_room(name: &str, halve: fn(&mut Frame, &Cursor)) -> Result<Fixture> 
 }
 
 /// Many small chunks.
-fn chunks(name: &str, mode: Mode) -> Result<Fixture> {
-    let room = Room { chunk_faces: 200, links: 40, ..Room::default() };
-    Fixture::new(name, &small("sphere", &["object.0.detail=3"])?, Options { mode, ..Options::default() }, room)
+fn chunks(name: &str, scheme: &str, mode: Mode) -> Result<Fixture> {
+    let room = Room { chunk_faces: 200, links: 40, batch_blocks: 30, ..Room::default() };
+    let sets: Vec<&str> = ["object.0.detail=3", scheme].into_iter().filter(|set| !set.is_empty()).collect();
+    Fixture::new(name, &small("sphere", &sets)?, Options { mode, ..Options::default() }, room)
 }
 
 /// More than 100,000 faces: lists overflow their first room and bindings are split.
-fn large(name: &str) -> Result<Fixture> {
-    let sets = ["object.0.detail=224", "transport.receiver_angle=0.5", "transport.emitter_angle=0.5"];
-    let scene = small("slab", &sets)?;
-    let room = Room { chunk_faces: 1 << 16, links: 4, binding: 12 << 20 };
+fn large(name: &str, method: &[&str]) -> Result<Fixture> {
+    let scene = small("slab", &[&["object.0.detail=224"], method].concat())?;
+    let room = Room { chunk_faces: 1 << 16, links: 4, binding: 12 << 20, ..Room::default() };
     Fixture::new(name, &scene, Options::default(), room)
 }
 
@@ -202,7 +246,7 @@ fn queries(name: &str) -> Fixture {
     }
     state.data.answers = bytemuck::zeroed_vec(state.data.queries.len());
     let stages: Vec<_> = stage("evaluate").into_iter().collect();
-    let steps = steps(&stages, &state.schedule);
+    let steps = steps(&stages, &state.schedule, state.groups.len());
     Fixture { name: name.to_string(), state, steps }
 }
 

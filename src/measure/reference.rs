@@ -4,15 +4,15 @@ use glam::DVec3;
 use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
 
+use crate::dipole::form_factor::exact::edge_form_exact;
+use crate::dipole::form_factor::ladder::chi;
+use crate::dipole::form_factor::points::{SIX, TWELVE, midpoint_moment, sampled, trace};
+use crate::dipole::profile::Dipole;
 use crate::error::Result;
 use crate::layout::Slot;
 use crate::measure::norms::{Norms, norms};
 use crate::render::run::Session;
 use crate::state::{Distance, State, wide};
-use crate::transport::form_factor::exact::edge_form_exact;
-use crate::transport::form_factor::ladder::chi;
-use crate::transport::form_factor::points::{SIX, TWELVE, midpoint_moment, sampled, trace};
-use crate::transport::profile::Dipole;
 
 /// chi below which one sample with its second moment, 6 points and 12 points are within about 5e-6 of the exact
 /// form factor; above the last, graded quadrature along the edges.
@@ -43,8 +43,8 @@ pub fn radiosity(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
     let data = &state.data;
     let dipoles = [0, 1, 2].map(|channel| Dipole::of(&data.frame[0], channel));
     let distance = match state.distance {
-        Distance::Radial => crate::transport::form_factor::Distance::Radial,
-        Distance::Table1 => crate::transport::form_factor::Distance::Table1 { clamp: true },
+        Distance::Radial => crate::dipole::form_factor::Distance::Radial,
+        Distance::Table1 => crate::dipole::form_factor::Distance::Table1 { clamp: true },
     };
     let corners = |face: usize| data.triangles[face].map(|v| wide(data.positions[v as usize]));
     let emitters: Vec<Emitter> = (0..data.triangles.len()).map(|face| Emitter::new(corners(face))).collect();
@@ -138,7 +138,7 @@ mod tests {
         let dipole = Dipole::new(2.0, 0.3, 2.6);
         for x in [DVec3::new(3.0, 1.0, 0.5), DVec3::new(-1.0, 4.0, 2.0)] {
             let emitter = Emitter::new(corners);
-            let plain = midpoint_moment(&corners, x, &dipole, crate::transport::form_factor::Distance::Radial);
+            let plain = midpoint_moment(&corners, x, &dipole, crate::dipole::form_factor::Distance::Radial);
             assert!((emitter.far(x - emitter.center, &dipole) / plain - 1.0).abs() < 1e-12);
         }
     }

@@ -3,7 +3,7 @@
 use super::prepare::lit;
 use super::stages::{STAGES, steps};
 use crate::layout::{SLOTS, Slot};
-use crate::state::{Stage, State, Step};
+use crate::state::{Scheme, Stage, State, Step};
 
 /// How light gets from where it enters to where it leaves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,15 +44,19 @@ pub struct Change {
     pub light: bool,
     /// The camera.
     pub view: bool,
+    /// Nothing, yet light is to be carried again over the lists there are: what a frame under resting light costs.
+    pub again: bool,
 }
 
 impl Change {
     /// Everything.
-    pub const EVERYTHING: Self = Self { everything: true, light: false, view: false };
+    pub const EVERYTHING: Self = Self { everything: true, light: false, view: false, again: false };
     /// The lights.
-    pub const LIGHT: Self = Self { everything: false, light: true, view: false };
+    pub const LIGHT: Self = Self { everything: false, light: true, view: false, again: false };
     /// The camera.
-    pub const VIEW: Self = Self { everything: false, light: false, view: true };
+    pub const VIEW: Self = Self { everything: false, light: false, view: true, again: false };
+    /// Nothing, but light is carried again.
+    pub const AGAIN: Self = Self { everything: false, light: false, view: false, again: true };
 
     /// Both changes.
     #[must_use]
@@ -61,6 +65,7 @@ impl Change {
             everything: self.everything || other.everything,
             light: self.light || other.light,
             view: self.view || other.view,
+            again: self.again || other.again,
         }
     }
 }
@@ -91,7 +96,7 @@ impl Plan {
         let mut plan = Self { stages: Vec::new(), left_out: Vec::new(), options };
         let dark = !lit(state);
         for &stage in STAGES {
-            match reason(stage.name, options, dark) {
+            match reason(stage.name, options, state.method.scheme, dark) {
                 None => plan.stages.push(stage),
                 Some(why) => plan.left_out.push((stage, why)),
             }
@@ -111,11 +116,12 @@ impl Plan {
             _ if change.everything => true,
             "refit" => false,
             "visibility" => change.view,
-            "shade" => change.view || change.light,
+            "shade" => change.view || change.light || change.again,
+            name if change.again && !change.light => AGAIN.contains(&name),
             name => change.light && !(kept && builds_links(name)),
         };
         let stages: Vec<_> = self.stages.iter().copied().filter(runs).collect();
-        steps(&stages, &state.schedule)
+        steps(&stages, &state.schedule, state.groups.len())
     }
 
     /// Buffers that are inputs: no stage writes them.
@@ -124,17 +130,22 @@ impl Plan {
     }
 }
 
+/// Stages that a change of light can leave alone where links are kept.
 fn builds_links(name: &str) -> bool {
-    matches!(name, "radii" | "link" | "form_factor")
+    matches!(name, "reach" | "refine" | "form_factor")
 }
 
+/// Stages that carry light over lists that are there.
+const AGAIN: [&str; 5] = ["gather", "push", "collect", "spread", "average"];
+/// Stages of the hierarchy with blocks.
+const BLOCKS: [&str; 6] = ["pull", "level", "radii", "link", "gather", "push"];
+/// Stages of the hierarchy as published.
+const LINKS: [&str; 6] = ["reach", "mean", "refine", "form_factor", "collect", "spread"];
+
 /// Why this stage has no place in the frame, if it has none.
-fn reason(name: &str, options: Options, dark: bool) -> Option<String> {
-    let needs_light = matches!(
-        name,
-        "irradiance" | "radii" | "pull" | "link" | "form_factor" | "gather" | "push" | "average" | "brute"
-    );
-    let hierarchical = matches!(name, "pull" | "link" | "form_factor" | "gather" | "push");
+fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -> Option<String> {
+    let (blocks, links) = (BLOCKS.contains(&name), LINKS.contains(&name));
+    let needs_light = blocks || links || matches!(name, "irradiance" | "average" | "brute");
     let pictorial = matches!(name, "average" | "visibility" | "shade");
     if name == "evaluate" {
         return Some("answers `milkglass eval` only".into());
@@ -147,7 +158,9 @@ fn reason(name: &str, options: Options, dark: bool) -> Option<String> {
     }
     match options.transport {
         Transport::Hierarchy if name == "brute" => Some("the hierarchy transports the light".into()),
-        Transport::Brute if hierarchical => Some("brute force needs no clusters".into()),
+        Transport::Hierarchy if links && scheme == Scheme::Blocks => Some("scheme blocks carries the light".into()),
+        Transport::Hierarchy if blocks && scheme == Scheme::Links => Some("scheme links carries the light".into()),
+        Transport::Brute if blocks || links && name != "reach" => Some("brute force needs no clusters".into()),
         _ => None,
     }
 }

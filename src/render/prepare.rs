@@ -5,14 +5,15 @@
 
 use glam::DVec3;
 
+use crate::dipole::form_factor::ladder::Ladder;
+use crate::dipole::profile::Dipole;
 use crate::hierarchy::face_cluster::{self, Method};
 use crate::hierarchy::{Tree, median};
-use crate::layout::{Camera as CameraRecord, Frame, Light as LightRecord, Topology};
+use crate::layout::{Block, Camera as CameraRecord, Frame, Light as LightRecord, Topology};
 use crate::light::fresnel;
 use crate::scene::{Camera, Fresnel, Hierarchy, Light, Material, Mesh, Scene, Transport};
-use crate::state::{Schedule, State};
-use crate::transport::form_factor::ladder::Ladder;
-use crate::transport::profile::Dipole;
+use crate::state::{Group, Method as Switches, Schedule, Scheme, State};
+use crate::transport::gather::PLACES;
 
 /// How internal numbers relate to the scene's.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,12 +91,22 @@ pub fn prepare(scene: &Scene) -> Prepared {
     let mesh = &scene.object.mesh;
     let (tree, method) = match scene.transport.hierarchy {
         Hierarchy::FaceClusters => face_cluster::build(&mesh.positions, &mesh.triangles),
-        Hierarchy::Median => (median::build(&mesh.positions, &mesh.triangles), Method::Merged),
+        Hierarchy::Median => (median::build(&mesh.positions, &mesh.triangles, PLACES), Method::Merged),
     };
     let mut units = Units::of(&mesh.positions);
     let mut state = State { distance: scene.transport.distance, ..State::default() };
     let faces = topology(&mut state, mesh, &tree, units);
     frame(&mut state, &scene.object.material, &scene.transport, units);
+    state.method = Switches {
+        scheme: scene.transport.scheme,
+        order: scene.transport.order,
+        nodes: edge_nodes(scene.transport.tolerance),
+        estimate: false,
+    };
+    if scene.transport.scheme == Scheme::Blocks {
+        state.data.blocks = blocks(&state);
+        state.data.frame[0].blocks = state.data.blocks.len() as u32;
+    }
     lights(&mut state, &scene.lights, &mut units, mesh);
     camera(&mut state, &scene.camera, units);
     Prepared { state, units, tree, method, faces }
@@ -137,6 +148,39 @@ fn topology(state: &mut State, mesh: &Mesh, tree: &Tree, units: Units) -> Vec<u3
     faces
 }
 
+/// The maximal nodes of at most 16 faces, in the order of the tree.
+fn blocks(state: &State) -> Vec<Block> {
+    let topology = &state.data.topology;
+    let mut blocks = Vec::new();
+    let mut node = 0;
+    while node < topology.len() {
+        let skip = topology[node].skip as usize;
+        let count = (skip - node).div_ceil(2);
+        if count > PLACES {
+            node += 1;
+            continue;
+        }
+        let first = blocks.last().map_or(0, |last: &Block| last.first + last.count);
+        blocks.push(Block { node: node as u32, first, count: count as u32 });
+        node = skip;
+    }
+    blocks
+}
+
+/// Nodes an edge of the edge form: errors of neighbours cancel in part, so that few are enough for a loose tolerance.
+fn edge_nodes(tolerance: f64) -> u32 {
+    match tolerance {
+        t if t >= 5e-3 => 3,
+        t if t >= 2e-4 => 6,
+        _ => 12,
+    }
+}
+
+/// The largest error of a link, in units of the reference level, for a tolerance.
+fn link_error(tolerance: f64) -> f64 {
+    tolerance
+}
+
 fn frame(state: &mut State, material: &Material, transport: &Transport, units: Units) {
     let dipoles = dipoles(material, units.length);
     let of = |f: fn(&Dipole) -> f64| dipoles.each_ref().map(|dipole| f(dipole) as f32);
@@ -152,9 +196,38 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
         z_real: of(|d| d.z_real),
         z_virtual: of(|d| d.z_virtual),
         eta: material.eta.map(|eta| eta as f32),
+        link_error: link_error(transport.tolerance) as f32,
         ladder: Ladder::new(transport.form_factor_tolerance).chi.map(|chi| chi as f32),
         ..Frame::default()
     }];
+}
+
+/// Which channels are carried together: those whose lights and refraction differ by a factor alone. Black ones, without
+/// light or without scattering, are in no group.
+fn group(state: &mut State, lights: &[Light]) {
+    let frame = &mut state.data.frame[0];
+    let color = |light: &Light| match light {
+        Light::Directional { irradiance, .. } => *irradiance,
+        Light::Point { intensity, .. } => *intensity,
+    };
+    let most = [0, 1, 2].map(|c| lights.iter().map(|light| color(light)[c]).fold(0.0, f64::max));
+    let mut open: Vec<usize> = (0..3).filter(|&c| most[c] > 0.0 && frame.strength[c] > 0.0).collect();
+    open.sort_by(|&a, &b| most[b].total_cmp(&most[a]).then(a.cmp(&b)));
+    frame.tint = [1.0; 3];
+    state.groups.clear();
+    while let Some(&lead) = open.first() {
+        let alike = |c: usize| {
+            let ratio = most[c] / most[lead];
+            let scaled = |light: &Light| (color(light)[c] - ratio * color(light)[lead]).abs() <= 1e-6 * most[c];
+            frame.eta[c] == frame.eta[lead] && lights.iter().all(scaled)
+        };
+        let members: Vec<usize> = open.iter().copied().filter(|&c| alike(c)).collect();
+        for &c in &members {
+            frame.tint[c] = (most[c] / most[lead]) as f32;
+        }
+        state.groups.push(Group { channels: members.iter().map(|c| 1 << c).sum(), lead: lead as u32 });
+        open.retain(|c| !members.contains(c));
+    }
 }
 
 /// Puts the lights in place, scaled to the brightest irradiance they give anywhere on the mesh.
@@ -184,6 +257,7 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, mesh: &Mes
         })
         .collect();
     state.data.frame[0].lights = lights.len() as u32;
+    group(state, lights);
     if let Some(camera) = state.data.camera.first_mut() {
         camera.radiance = units.light as f32;
     }

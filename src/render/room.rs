@@ -5,7 +5,8 @@ use super::prepare::{Prepared, schedule};
 use crate::error::{Error, Result};
 use crate::gpu::Limits;
 use crate::layout::{Cursor, Slot};
-use crate::state::State;
+use crate::state::{Scheme, State};
+use crate::transport::radii::{ENTRIES as ENTRIES_OF_A_LAW, LAWS};
 
 /// Faces of a chunk to begin with; fewer once a chunk's lists turn out not to fit a binding.
 const CHUNK_FACES: usize = 1 << 14;
@@ -15,6 +16,10 @@ const CPU_BINDING: u64 = 1 << 27;
 const CPU_ALLOCATION: u64 = 1 << 32;
 /// Largest list anywhere, bytes.
 const MOST_BINDING: u64 = 1 << 29;
+/// Blocks of a batch at most: with 65,000 entries each their sum still fits 32 bits.
+const MOST_BLOCKS: usize = 1 << 16;
+/// Entries of a block's lists to begin with.
+const ENTRIES: usize = 256;
 /// Links per face to begin with.
 const LINKS: usize = 640;
 
@@ -25,13 +30,15 @@ pub struct Room {
     pub chunk_faces: usize,
     /// Links per face of a chunk.
     pub links: usize,
+    /// Blocks of a batch at most.
+    pub batch_blocks: usize,
     /// Largest list, bytes; further limited by the device.
     pub binding: u64,
 }
 
 impl Default for Room {
     fn default() -> Self {
-        Self { chunk_faces: CHUNK_FACES, links: LINKS, binding: MOST_BINDING }
+        Self { chunk_faces: CHUNK_FACES, links: LINKS, batch_blocks: MOST_BLOCKS, binding: MOST_BINDING }
     }
 }
 
@@ -43,6 +50,8 @@ pub struct Lists {
     chunk_faces: usize,
     /// Largest list of a chunk, bytes.
     binding: u64,
+    /// Blocks of a batch at most.
+    batch_blocks: usize,
     /// Largest list of all chunks together, where they are kept, bytes.
     allocation: u64,
 }
@@ -52,17 +61,38 @@ impl Lists {
     pub fn new(room: Room, device: Option<&Limits>) -> Self {
         let (binding, allocation) =
             device.map_or((CPU_BINDING, CPU_ALLOCATION), |limits| (limits.binding_bytes, limits.allocation_bytes));
-        Self { links: room.links, chunk_faces: room.chunk_faces, binding: room.binding.min(binding), allocation }
+        Self {
+            links: room.links,
+            chunk_faces: room.chunk_faces,
+            batch_blocks: room.batch_blocks.clamp(1, MOST_BLOCKS),
+            binding: room.binding.min(binding),
+            allocation,
+        }
     }
 
     /// Cuts the tree into chunks and gives every list its first room.
     pub fn cut(&self, prepared: &mut Prepared) {
+        if prepared.state.method.scheme == Scheme::Blocks {
+            schedule(prepared, usize::MAX / 4);
+            self.batches(&mut prepared.state, ENTRIES * self.links / LINKS);
+            return;
+        }
         schedule(prepared, self.chunk_faces);
         let faces = largest_chunk(prepared);
         let chunks = prepared.state.schedule.chunks.len().max(1);
         let kept = if prepared.state.keep { (self.allocation / 12) as usize / chunks } else { usize::MAX };
         let room = |per: usize, stride| ((faces * per).min(kept).min(self.most(stride)).max(64) / 64 * 64) as u32;
         set(prepared, [room(self.links, 12), room(16, 4), room(4, 4), room(96, 4)]);
+    }
+
+    /// Cuts the blocks into batches and gives their lists room for so many entries a block.
+    fn batches(&self, state: &mut State, per_block: usize) {
+        let blocks = state.data.blocks.len();
+        let batches = blocks.div_ceil(self.batch_blocks.min(self.most(4) / per_block.max(1)).max(1)).max(1);
+        let each = blocks.div_ceil(batches);
+        let batch = |k: usize| (k * each).min(blocks) as u32..((k + 1) * each).min(blocks) as u32;
+        state.schedule.batches = (0..batches).map(batch).filter(|batch| !batch.is_empty()).collect();
+        state.data.frame[0].entry_room = ((each * per_block).max(64) / 64 * 64).min(self.most(4)) as u32;
     }
 
     /// Elements of this many bytes that one list can have, a multiple of 64.
@@ -72,6 +102,9 @@ impl Lists {
 
     /// Makes room after an overflow: longer lists, or smaller chunks where a list can't grow any more.
     pub fn grow(&mut self, prepared: &mut Prepared) -> Result<()> {
+        if prepared.state.method.scheme == Scheme::Blocks {
+            return self.grow_batches(&mut prepared.state);
+        }
         let need = prepared.state.data.cursor[0];
         let frame = prepared.state.data.frame[0];
         let mut lists = [
@@ -116,6 +149,33 @@ impl Lists {
     }
 }
 
+impl Lists {
+    /// The same for the lists of blocks.
+    fn grow_batches(&mut self, state: &mut State) -> Result<()> {
+        let need = state.data.cursor[0].need_entries as usize;
+        let each = state.schedule.batches.iter().map(|batch| batch.len()).max().unwrap_or(1);
+        let most = self.most(4);
+        if need > most && each == 1 {
+            let what = format!("one block of receivers needs {need} entries, a binding of the device takes {most}");
+            return Err(Error::device("making room for buffer entries", what));
+        }
+        if need > most {
+            self.batch_blocks = (each as f64 * most as f64 / need as f64 * 0.75).max(1.0) as usize;
+            self.batches(state, most / self.batch_blocks);
+        } else {
+            state.data.frame[0].entry_room = (need + need / 32).next_multiple_of(64).min(most) as u32;
+        }
+        let parts = (state.schedule.batches.len() * state.groups.len()) as u64;
+        let bytes = 4 * u64::from(state.data.frame[0].entry_room) * parts;
+        if state.keep && bytes > self.allocation {
+            let most = self.allocation;
+            let what = format!("they take {bytes} bytes, one allocation holds {most}; use --mode on-the-fly");
+            return Err(Error::device("keeping lists between frames", what));
+        }
+        Ok(())
+    }
+}
+
 /// Faces of the largest chunk.
 fn largest_chunk(prepared: &Prepared) -> usize {
     prepared.state.schedule.chunks.iter().map(|chunk| chunk.nodes.len()).max().unwrap_or(0).div_ceil(2)
@@ -140,6 +200,21 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.normals = bytemuck::zeroed_vec(vertices);
     data.irradiance = bytemuck::zeroed_vec(faces);
     data.cluster_irradiance = bytemuck::zeroed_vec(per(Slot::cluster_irradiance, nodes));
+    let part = |count: usize| count.next_multiple_of(64);
+    let (groups, blocks) = (state.groups.len(), data.blocks.len());
+    let batches = if state.keep { groups * state.schedule.batches.len() } else { 1 };
+    let each = state.schedule.batches.iter().map(|batch| batch.len()).max().unwrap_or(0);
+    data.spheres = bytemuck::zeroed_vec(blocks);
+    data.moments = bytemuck::zeroed_vec(per(Slot::moments, groups * part(nodes)));
+    data.emitters = bytemuck::zeroed_vec(per(Slot::emitters, groups * part(nodes)));
+    data.samples = bytemuck::zeroed_vec(per(Slot::samples, 256));
+    data.level = bytemuck::zeroed_vec(per(Slot::level, 1));
+    data.ranges = bytemuck::zeroed_vec(per(Slot::ranges, LAWS * (ENTRIES_OF_A_LAW + 2)));
+    data.runs = bytemuck::zeroed_vec(per(Slot::runs, batches * part(each)));
+    data.entries = bytemuck::zeroed_vec(per(Slot::entries, batches * frame.entry_room as usize));
+    data.expansions = bytemuck::zeroed_vec(per(Slot::expansions, blocks));
+    data.received = bytemuck::zeroed_vec(per(Slot::received, faces));
+    data.estimate = bytemuck::zeroed_vec(per(Slot::estimate, faces));
     data.reach = bytemuck::zeroed_vec(per(Slot::reach, faces));
     data.spans = bytemuck::zeroed_vec(per(Slot::spans, nodes));
     data.handed = bytemuck::zeroed_vec(per(Slot::handed, frame.hand_room as usize));

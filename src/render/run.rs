@@ -69,13 +69,14 @@ impl Session {
 
     /// Replaces the lights.
     pub fn set_lights(&mut self, list: &[Light]) -> Result<()> {
+        let groups = self.prepared.state.groups.clone();
         self.scene.lights = list.to_vec();
         lights(&mut self.prepared.state, list, &mut self.prepared.units, &self.scene.object.mesh);
         self.pending = self.pending.and(Change::LIGHT);
 
-        // The first light of all, or the last one gone: other stages run.
+        // The first light of all, or the last one gone, or channels that part: other stages run.
         let plan = Plan::new(&self.prepared.state, self.plan.options());
-        if plan.stages.len() != self.plan.stages.len() {
+        if plan.stages.len() != self.plan.stages.len() || groups != self.prepared.state.groups {
             self.plan = plan;
             self.pending = Change::EVERYTHING;
             return self.resize();
@@ -104,14 +105,14 @@ impl Session {
                     let state = &mut self.prepared.state;
                     let mut time = |step: &crate::state::Step| {
                         let start = Instant::now();
-                        (step.stage.cpu)(state, step.chunk);
+                        (step.stage.cpu)(state, step.at);
                         let milliseconds = start.elapsed().as_secs_f64() * 1e3;
                         Timing { name: step.stage.name.to_string(), milliseconds }
                     };
                     steps.iter().map(&mut time).collect()
                 }
             };
-            if !steps.iter().any(|step| step.stage.name == "link") {
+            if !steps.iter().any(|step| ["link", "refine"].contains(&step.stage.name)) {
                 self.pending = Change::default();
                 return Ok(times);
             }

@@ -1,9 +1,10 @@
 //! The table of stages. Conformance, profile, plan and the README go by it; adding a stage adds a line here.
 
+use crate::baseline::{brute, collect, form_factor, mean, reach, refine, spread};
 use crate::geometry::refit;
 use crate::light::irradiance;
-use crate::state::{Schedule, Stage, Step};
-use crate::transport::{average, brute, evaluate, form_factor, gather, link, pull, push, radii};
+use crate::state::{Place, Schedule, Stage, Step, Unit};
+use crate::transport::{average, evaluate, gather, level, link, pull, push, radii};
 use crate::view::{shade, visibility};
 
 /// Every stage, in the order of a frame; the last two are no part of one: `brute` takes the place of
@@ -11,10 +12,16 @@ use crate::view::{shade, visibility};
 pub static STAGES: &[&Stage] = &[
     &refit::STAGE,
     &irradiance::STAGE,
-    &radii::STAGE,
-    &pull::STAGE,
-    &link::STAGE,
+    &reach::STAGE,
+    &mean::STAGE,
+    &refine::STAGE,
     &form_factor::STAGE,
+    &collect::STAGE,
+    &spread::STAGE,
+    &pull::STAGE,
+    &level::STAGE,
+    &radii::STAGE,
+    &link::STAGE,
     &gather::STAGE,
     &push::STAGE,
     &average::STAGE,
@@ -29,20 +36,22 @@ pub fn stage(name: &str) -> Option<&'static Stage> {
     STAGES.iter().copied().find(|stage| stage.name == name)
 }
 
-/// The steps of these stages, in the table's order. Stages that work by chunks take turns, chunk after chunk,
-/// because chunks may share their room.
-pub fn steps(stages: &[&'static Stage], schedule: &Schedule) -> Vec<Step> {
+/// The steps of these stages, in the table's order. Stages that work by chunks, groups or batches
+/// take turns, part after part, because parts may share their room.
+pub fn steps(stages: &[&'static Stage], schedule: &Schedule, groups: usize) -> Vec<Step> {
     let mut steps = Vec::new();
     let mut rest = stages;
     while let Some(first) = rest.first() {
-        let length = rest.iter().take_while(|stage| stage.chunked == first.chunked).count();
+        let length = rest.iter().take_while(|stage| stage.unit == first.unit).count();
         let (run, after) = rest.split_at(length);
-        if first.chunked {
-            for chunk in 0..schedule.chunks.len() {
-                steps.extend(run.iter().map(|&stage| Step { stage, chunk }));
-            }
-        } else {
-            steps.extend(run.iter().map(|&stage| Step { stage, chunk: 0 }));
+        let (groups, chunks) = match first.unit {
+            Unit::Frame => (1, 1),
+            Unit::Chunk => (1, schedule.chunks.len()),
+            Unit::Group => (groups, 1),
+            Unit::Batch => (groups, schedule.batches.len()),
+        };
+        for (group, chunk) in (0..groups).flat_map(|group| (0..chunks).map(move |chunk| (group, chunk))) {
+            steps.extend(run.iter().map(|&stage| Step { stage, at: Place { chunk, group } }));
         }
         rest = after;
     }

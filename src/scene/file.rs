@@ -6,7 +6,7 @@ use super::light::Light;
 use super::material::{Fresnel, Material};
 use super::mesh::Shape;
 use super::range::{self, Checked};
-use super::transport::{self, Distance, Hierarchy, Transport};
+use super::transport::{self, Distance, Hierarchy, Oracle, Scheme, Transport};
 use super::vector::{Rgb, Vector};
 use crate::error::Input;
 use serde::Deserialize;
@@ -121,22 +121,30 @@ impl Default for MaterialFile {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct TransportFile {
-    pub hierarchy: Hierarchy,
+    pub scheme: Option<Scheme>,
+    pub oracle: Option<Oracle>,
+    pub tolerance: f64,
+    pub order: u32,
+    pub hierarchy: Option<Hierarchy>,
     pub distance: Distance,
-    pub receiver_angle: f64,
-    pub emitter_angle: f64,
-    pub planarity: f64,
+    pub receiver_angle: Option<f64>,
+    pub emitter_angle: Option<f64>,
+    pub planarity: Option<f64>,
     pub form_factor_tolerance: f64,
 }
 
 impl Default for TransportFile {
     fn default() -> Self {
         Self {
-            hierarchy: Hierarchy::default(),
+            scheme: None,
+            oracle: None,
+            tolerance: transport::TOLERANCE,
+            order: 2,
+            hierarchy: None,
             distance: Distance::default(),
-            receiver_angle: transport::RECEIVER_ANGLE,
-            emitter_angle: transport::EMITTER_ANGLE,
-            planarity: transport::PLANARITY,
+            receiver_angle: None,
+            emitter_angle: None,
+            planarity: None,
             form_factor_tolerance: transport::FORM_FACTOR_TOLERANCE,
         }
     }

@@ -2,8 +2,11 @@
 
 use super::file::TransportFile;
 use super::range::{self, Checked};
+use crate::error::Input;
 use serde::Deserialize;
 
+/// Relative error of the radiosity to be met.
+pub const TOLERANCE: f64 = 1e-3;
 /// How much an emitter's solid angle may vary over a receiver's children, in steradian.
 pub const RECEIVER_ANGLE: f64 = 0.05;
 /// The largest solid angle of a cluster that emits over a link, in steradian.
@@ -24,6 +27,27 @@ pub enum Hierarchy {
     Median,
 }
 
+/// How clusters give light to receivers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scheme {
+    /// Emitters with moments, chosen by what they contribute, to blocks of receivers.
+    #[default]
+    Blocks,
+    /// Pairs of clusters, as published.
+    Links,
+}
+
+/// What decides whether a cluster is taken as one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Oracle {
+    /// What taking it as one may change the radiosity by.
+    Contribution,
+    /// Its solid angle, as published.
+    SolidAngle,
+}
+
 /// From where to where the dipole's distances are measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -38,6 +62,14 @@ pub enum Distance {
 /// The settings of light transport, checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transport {
+    /// How clusters give light to receivers.
+    pub scheme: Scheme,
+    /// Why that scheme, for a plan.
+    pub because: &'static str,
+    /// Scheme blocks: relative error of the radiosity to be met (L2, worst channel), 1e-6 to 0.5.
+    pub tolerance: f64,
+    /// Scheme blocks: order of the emitters' moments, 0 to 2.
+    pub order: u32,
     /// How faces are grouped.
     pub hierarchy: Hierarchy,
     /// How distances are measured.
@@ -55,13 +87,32 @@ pub struct Transport {
 impl Transport {
     /// Checks `[transport]`.
     pub(super) fn check(file: &TransportFile) -> Checked<Self> {
+        let (scheme, because) = scheme(file)?;
+        let tree = match scheme {
+            Scheme::Blocks => Hierarchy::Median,
+            Scheme::Links => Hierarchy::FaceClusters,
+        };
         let angle = |key, value| range::number(key, value, |x| x > 0.0, "steradian, above 0");
         Ok(Self {
-            hierarchy: file.hierarchy,
+            scheme,
+            because,
+            tolerance: range::number(
+                "transport.tolerance",
+                file.tolerance,
+                |x| (1e-6..=0.5).contains(&x),
+                "1e-6 to 0.5",
+            )?,
+            order: range::number("transport.order", f64::from(file.order), |x| x <= 2.0, "0, 1 or 2")? as u32,
+            hierarchy: file.hierarchy.unwrap_or(tree),
             distance: file.distance,
-            receiver_angle: angle("transport.receiver_angle", file.receiver_angle)?,
-            emitter_angle: angle("transport.emitter_angle", file.emitter_angle)?,
-            planarity: range::number("transport.planarity", file.planarity, |x| (0.0..=1.0).contains(&x), "0 to 1")?,
+            receiver_angle: angle("transport.receiver_angle", file.receiver_angle.unwrap_or(RECEIVER_ANGLE))?,
+            emitter_angle: angle("transport.emitter_angle", file.emitter_angle.unwrap_or(EMITTER_ANGLE))?,
+            planarity: range::number(
+                "transport.planarity",
+                file.planarity.unwrap_or(PLANARITY),
+                |x| (0.0..=1.0).contains(&x),
+                "0 to 1",
+            )?,
             form_factor_tolerance: range::number(
                 "transport.form_factor_tolerance",
                 file.form_factor_tolerance,
@@ -69,6 +120,35 @@ impl Transport {
                 "1e-4 to 1e-1",
             )?,
         })
+    }
+}
+
+/// The scheme that the keys ask for, and why; keys that contradict each other are an error.
+fn scheme(file: &TransportFile) -> Checked<(Scheme, &'static str)> {
+    let angles = file.receiver_angle.or(file.emitter_angle).or(file.planarity).is_some();
+    let mut reasons = Vec::new();
+    if let Some(scheme) = file.scheme {
+        reasons.push((scheme, "transport.scheme says so"));
+    }
+    if let Some(oracle) = file.oracle {
+        let scheme = if oracle == Oracle::Contribution { Scheme::Blocks } else { Scheme::Links };
+        reasons.push((scheme, "transport.oracle belongs to it"));
+    }
+    if angles {
+        reasons.push((Scheme::Links, "receiver_angle, emitter_angle or planarity is given"));
+    }
+    if file.distance == Distance::Table1 {
+        reasons.push((Scheme::Links, "moments serve radial distances only, transport.distance is table1"));
+    }
+    let chosen =
+        reasons.first().copied().unwrap_or((Scheme::Blocks, "it meets transport.tolerance with the least work"));
+    match reasons.iter().find(|(scheme, _)| *scheme != chosen.0) {
+        Some((_, other)) => Err(Input::new("keys of [transport] contradict each other")
+            .found(format!("{} for one scheme, {other} for the other", chosen.1))
+            .expected(
+                "keys of one scheme: blocks (tolerance, order) or links (receiver_angle, emitter_angle, planarity)",
+            )),
+        None => Ok(chosen),
     }
 }
 
@@ -84,7 +164,7 @@ mod tests {
     #[test]
     fn everything_has_a_default() {
         let transport = transport("distance = 'table1'").expect("defaults");
-        assert_eq!(transport.hierarchy, Hierarchy::FaceClusters);
+        assert_eq!((transport.hierarchy, transport.scheme), (Hierarchy::FaceClusters, Scheme::Links));
         assert_eq!(transport.distance, Distance::Table1);
         assert_eq!((transport.receiver_angle, transport.planarity), (RECEIVER_ANGLE, PLANARITY));
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{State, Step};
+use super::{Place, State, Step};
 use crate::error::Result;
 use crate::gpu::{Binding, Buffer, Device, Kernels, Recorder, Timing};
 use crate::layout::{Range, SLOTS, Slot};
@@ -24,8 +24,8 @@ pub struct DeviceState {
 pub struct Pass<'a> {
     /// The host's state: sizes, schedule and settings only; its contents may be older than the device's.
     pub state: &'a State,
-    /// The chunk at hand.
-    pub chunk: usize,
+    /// The part of the work at hand.
+    pub at: Place,
     twin: &'a DeviceState,
     recorder: &'a mut Recorder,
     room: &'static str,
@@ -104,7 +104,7 @@ impl DeviceState {
         for step in steps {
             recorder.part(step.stage.name, |recorder| {
                 let (room, stage) = (step.stage.room, step.stage.name);
-                (step.stage.gpu)(&mut Pass { state, chunk: step.chunk, twin: self, recorder, room, stage })
+                (step.stage.gpu)(&mut Pass { state, at: step.at, twin: self, recorder, room, stage })
             })?;
         }
         recorder.submit()
@@ -112,6 +112,11 @@ impl DeviceState {
 }
 
 impl Pass<'_> {
+    /// Invocations that run in lockstep on the device.
+    pub fn subgroup(&self) -> usize {
+        self.twin.device.limits().subgroup_size.max(1) as usize
+    }
+
     /// Runs the stage's own kernel for `count` invocations, or its kernel of the name `part`.
     pub fn dispatch(&mut self, part: Option<&str>, constants: &[u32], push: &[u8], count: usize) -> Result<()> {
         let name = match part {
@@ -124,7 +129,7 @@ impl Pass<'_> {
             let Some(&slot) = SLOTS.get(access.binding as usize) else { continue };
             let Some(buffer) = self.twin.buffers.get(&slot) else { continue };
             let stride = slot.spec().stride as u64;
-            let (first, count) = self.state.part(slot, self.chunk);
+            let (first, count) = self.state.part(slot, self.at);
             bindings.push(Binding {
                 number: access.binding,
                 buffer,
@@ -136,10 +141,10 @@ impl Pass<'_> {
     }
 
     /// Runs the stage's kernel `part` once a level of the tree, children always before their parents.
-    pub fn climb(&mut self, part: &str) -> Result<()> {
+    pub fn climb(&mut self, part: &str, constants: &[u32]) -> Result<()> {
         for level in self.state.schedule.upward() {
             let range = Range { first: level.start, count: level.end - level.start };
-            self.dispatch(Some(part), &[], bytemuck::bytes_of(&range), range.count as usize)?;
+            self.dispatch(Some(part), constants, bytemuck::bytes_of(&range), range.count as usize)?;
         }
         Ok(())
     }

@@ -7,8 +7,8 @@ pub use device::{DeviceState, Pass};
 pub use schedule::{Chunk, Schedule};
 
 use crate::error::Result;
-use crate::layout::{Buffers, Slot};
-pub use crate::scene::Distance;
+use crate::layout::{Buffers, Cut, Slot};
+pub use crate::scene::{Distance, Scheme};
 
 /// All that a frame reads and writes on the host, and how its work is cut up.
 #[derive(Clone, Debug, Default)]
@@ -19,36 +19,93 @@ pub struct State {
     pub schedule: Schedule,
     /// The distance convention.
     pub distance: Distance,
-    /// Whether each chunk keeps links and form factors for later frames, or all share one room.
+    /// Whether each chunk or batch keeps its lists for later frames, or all share one room.
     pub keep: bool,
+    /// The groups of channels that are carried together; a black channel is in none.
+    pub groups: Vec<Group>,
+    /// How the blocks' transport is to be done.
+    pub method: Method,
 }
 
 impl State {
-    /// The part of a buffer that a dispatch of this chunk binds: first element and number of elements.
-    pub fn part(&self, slot: Slot, chunk: usize) -> (usize, usize) {
+    /// The part of a buffer that a dispatch of this part of the work binds: first element and number of elements.
+    pub fn part(&self, slot: Slot, at: Place) -> (usize, usize) {
         let spec = slot.spec();
         let all = self.data.bytes(slot).len() / spec.stride;
-        let parts = self.schedule.chunks.len().max(1);
-        if !spec.chunked || !self.keep {
-            return (0, all);
-        }
+        let batches = self.schedule.batches.len().max(1);
+        let (part, parts) = match spec.cut {
+            Cut::Chunk if self.keep => (at.chunk, self.schedule.chunks.len().max(1)),
+            Cut::Batch if self.keep => (at.group * batches + at.chunk, self.groups.len().max(1) * batches),
+            Cut::Group => (at.group, self.groups.len().max(1)),
+            _ => return (0, all),
+        };
         let room = all / parts;
-        (chunk * room, room)
+        (part * room, room)
     }
 }
 
-/// One piece of a frame: a stage, and for a stage that works by chunks the chunk.
+/// Colour channels that are carried together: their irradiances are proportional on every face.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Group {
+    /// Bit c is set for channel c.
+    pub channels: u32,
+    /// The channel whose irradiance weighs the moments; the others' are that times `frame.tint`.
+    pub lead: u32,
+}
+
+/// Which part of the work: all zero for a stage that works on everything at once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Place {
+    /// The chunk of the tree, or the batch of blocks.
+    pub chunk: usize,
+    /// The group of channels.
+    pub group: usize,
+}
+
+/// How often a stage runs in a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// Once.
+    Frame,
+    /// Once a chunk of the tree.
+    Chunk,
+    /// Once a group of channels.
+    Group,
+    /// Once a batch of blocks, for each group of channels.
+    Batch,
+}
+
+/// The switches of the hierarchical transport, fixed for a session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Method {
+    /// How clusters give light to receivers.
+    pub scheme: Scheme,
+    /// Order of the emitters' moments: 0 a point at the centroid of area, 1 at the centroid of light, 2 with second moments.
+    pub order: u32,
+    /// Nodes an edge of the edge form: 3, 6 or 12.
+    pub nodes: u32,
+    /// Whether an error estimate is carried along.
+    pub estimate: bool,
+}
+
+impl Default for Method {
+    fn default() -> Self {
+        Self { scheme: Scheme::Blocks, order: 2, nodes: 6, estimate: false }
+    }
+}
+
+/// One piece of a frame: a stage, and the part of the work.
 #[derive(Clone, Copy)]
 pub struct Step {
     /// The stage.
     pub stage: &'static Stage,
-    /// The chunk; 0 for a stage that works on everything at once.
-    pub chunk: usize,
+    /// The part of the work.
+    pub at: Place,
 }
 
 impl std::fmt::Debug for Step {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(out, "{}[{}]", self.stage.name, self.chunk)
+        write!(out, "{}[{}.{}]", self.stage.name, self.at.group, self.at.chunk)
     }
 }
 
@@ -105,10 +162,10 @@ pub struct Stage {
     pub writes: &'static [(Slot, Role, Tolerance)],
     /// Why the tolerances are what they are.
     pub reason: &'static str,
-    /// Whether it runs once a chunk.
-    pub chunked: bool,
+    /// How often it runs.
+    pub unit: Unit,
     /// The reference.
-    pub cpu: fn(&mut State, usize),
+    pub cpu: fn(&mut State, Place),
     /// Records its dispatches.
     pub gpu: fn(&mut Pass<'_>) -> Result<()>,
 }

@@ -19,6 +19,8 @@ pub struct Chunk {
 pub struct Schedule {
     /// The chunks, the top first.
     pub chunks: Vec<Chunk>,
+    /// The blocks of receivers, cut into ranges whose lists fit a binding; empty where no blocks are used.
+    pub batches: Vec<Range<u32>>,
 }
 
 impl Schedule {
@@ -63,7 +65,7 @@ impl Schedule {
             }
             last = key;
         }
-        (Self { chunks }, order)
+        (Self { chunks, batches: Vec::new() }, order)
     }
 
     /// Every level from the leaves' side to the root, children always before their parents.

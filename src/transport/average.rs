@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::Slot;
-use crate::state::{Pass, Role, Stage, State, Tolerance, narrow, wide};
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -14,12 +14,12 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, section 3.2",
     writes: &[(Slot::vertex_radiosity, Role::Output, Tolerance::Float { relative: 5e-6, floor: 1e-7 })],
     reason: "a short weighted mean of non-negative terms",
-    chunked: false,
+    unit: Unit::Frame,
     cpu,
     gpu,
 };
 
-fn cpu(state: &mut State, _chunk: usize) {
+fn cpu(state: &mut State, _at: Place) {
     let data = &mut state.data;
     data.vertex_radiosity = (0..data.positions.len())
         .into_par_iter()

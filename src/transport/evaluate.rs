@@ -3,12 +3,12 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::form_factor::Distance;
-use super::form_factor::exact::edge_form_exact;
-use super::profile::Dipole;
+use crate::dipole::form_factor::Distance;
+use crate::dipole::form_factor::exact::edge_form_exact;
+use crate::dipole::profile::Dipole;
 use crate::error::Result;
 use crate::layout::Slot;
-use crate::state::{Pass, Role, Stage, State, Tolerance, wide};
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -18,12 +18,12 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, Table 1 and equation 7",
     writes: &[(Slot::answers, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-5 })],
     reason: "twelve nodes an edge against graded quadrature in f64; edges of a far or thin triangle cancel",
-    chunked: false,
+    unit: Unit::Frame,
     cpu,
     gpu,
 };
 
-fn cpu(state: &mut State, _chunk: usize) {
+fn cpu(state: &mut State, _at: Place) {
     let answer = |query: &crate::layout::Query| {
         let triangle = [query.a, query.b, query.c].map(wide);
         let dipole = Dipole {

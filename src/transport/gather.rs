@@ -1,47 +1,220 @@
-//! Stage `gather`: what each node receives at its centre over its own links, E times F summed (equation 6).
+//! Stage `gather`: what each block's emitters give its receivers: distant ones expanded once about the block's centre,
+//! nearer ones at each receiver, triangles too near for one sample by area points or the edge form.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
+use super::link::batch;
+use crate::dipole::form_factor::Distance;
+use crate::dipole::form_factor::edge::edge_form;
+use crate::dipole::form_factor::gauss::{Node, legendre};
+use crate::dipole::form_factor::points::{SIX, sampled};
+use crate::dipole::jet::Jets;
 use crate::error::Result;
-use crate::layout::{Range, Slot};
-use crate::state::{Pass, Role, Stage, State, Tolerance, narrow, wide};
+use crate::layout::{Buffers, Expansion, Moment, Range, Runs, Slot};
+use crate::state::{Group, Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
+
+/// Places of a block: receivers, and empty ones to fill up.
+pub const PLACES: usize = 16;
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
     name: "gather",
     room: "transport",
-    about: "sum of irradiance times form factor over each node's links",
-    equation: "Mertens et al. 2003, equation 6",
-    writes: &[(Slot::gathered, Role::Update, Tolerance::Float { relative: 3e-5, floor: 1e-7 })],
-    reason: "a sum of non-negative terms in fixed order: n terms of f32 rounding, n up to a few thousand",
-    chunked: true,
+    about: "light of each block's lists: expanded once a block, or evaluated at each receiver",
+    equation: "B += W [p0 + (p1 tr Q + p2 d.Q.d)/2] (C.1); near triangles: equation 6 by area points or the edge form",
+    writes: &[
+        (Slot::expansions, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-6 }),
+        (Slot::received, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-6 }),
+        (Slot::estimate, Role::Update, Tolerance::Float { relative: 1e-2, floor: 1e-6 }),
+    ],
+    reason: "sums of some hundred terms whose quadrupoles cancel in part, e^-a with the rounding of a; an estimate is a \
+             ratio of such terms",
+    unit: Unit::Batch,
     cpu,
     gpu,
 };
 
-fn cpu(state: &mut State, chunk: usize) {
-    let nodes = state.schedule.chunks[chunk].nodes.clone();
-    let (base, _) = state.part(Slot::links, chunk);
-    let data = &mut state.data;
-    let receivers = &data.order[nodes.start as usize..nodes.end as usize];
-    let sums: Vec<[f32; 3]> = receivers
-        .par_iter()
-        .map(|&receiver| {
-            let span = data.spans[receiver as usize];
-            // A list that did not fit is empty and may begin beyond the end.
-            let links = base + span.link as usize..base + span.link as usize + span.links as usize;
-            let part = data.links.get(links.clone()).unwrap_or_default();
-            let terms = part.iter().zip(data.factors.get(links).unwrap_or_default());
-            narrow(terms.map(|(l, &f)| wide(data.cluster_irradiance[l.emitter as usize]) * wide(f)).sum())
+/// How much of a link is lost, squared, per the law of its order.
+fn lost(jets: &Jets, c: usize, m: &Moment, d2: f64, order: u32) -> f64 {
+    let chi = jets.unit_chi(c, d2) * m.diagonal.iter().copied().map(f64::from).sum::<f64>();
+    let share = match order {
+        2 => 0.5 * chi.powf(1.5),
+        1 => chi,
+        _ => chi.sqrt(),
+    };
+    (f64::from(m.weight) * jets.at(c, d2).value * share.min(1.0)).powi(2)
+}
+
+/// The distant emitters of a block, about its centre.
+fn expand(
+    jets: &Jets,
+    order: u32,
+    estimate: bool,
+    center: DVec3,
+    moments: &[Moment],
+    list: &[u32],
+    out: &mut Expansion,
+) {
+    for c in jets.channels() {
+        let mut sum = [0.0; 12];
+        for &node in list {
+            let m = &moments[node as usize];
+            let d = center - wide(m.center);
+            let d2 = d.length_squared();
+            let jet = jets.at(c, d2);
+            let w = f64::from(m.weight);
+            let (first, second) = (w * jet.first, w * jet.second);
+            let (gradient, diagonal) = (first * d, first + second * d * d);
+            let mixed = second * DVec3::new(d.y * d.z, d.z * d.x, d.x * d.y);
+            let unit = jets.unit_chi(c, d2);
+            let bend = (0.5 * w * jet.value * unit.powf(1.5)).powi(2);
+            let terms = [
+                jets.link(c, m, center, order),
+                gradient.x,
+                gradient.y,
+                gradient.z,
+                diagonal.x,
+                diagonal.y,
+                diagonal.z,
+                mixed.x,
+                mixed.y,
+                mixed.z,
+                if estimate { lost(jets, c, m, d2, order) } else { 0.0 },
+                if estimate { bend } else { 0.0 },
+            ];
+            for (sum, term) in sum.iter_mut().zip(terms) {
+                *sum += term;
+            }
+        }
+        let fields = [
+            &mut out.value,
+            &mut out.x,
+            &mut out.y,
+            &mut out.z,
+            &mut out.xx,
+            &mut out.yy,
+            &mut out.zz,
+            &mut out.yz,
+            &mut out.zx,
+            &mut out.xy,
+            &mut out.error,
+            &mut out.bend,
+        ];
+        for (field, sum) in fields.into_iter().zip(sum) {
+            field[c] = sum as f32;
+        }
+    }
+}
+
+/// What one receiver gets from the other lists, and the squared estimate of what it misses.
+struct Near<'a> {
+    data: &'a Buffers,
+    moments: &'a [Moment],
+    jets: Jets,
+    order: u32,
+    nodes: Vec<Node>,
+}
+
+impl Near<'_> {
+    fn receive(&self, x: DVec3, run: &Runs, entries: &[u32], c: usize) -> (f64, f64) {
+        let (direct, rest) = entries[run.expanded as usize..].split_at(run.direct as usize);
+        let (area, rest) = rest.split_at(run.area as usize);
+        let edge = &rest[..run.edge as usize];
+        let (mut sum, mut error) = (0.0, 0.0);
+        for &node in direct {
+            let m = &self.moments[node as usize];
+            sum += self.jets.link(c, m, x, self.order);
+            error += lost(&self.jets, c, m, x.distance_squared(wide(m.center)), self.order);
+        }
+        let dipole = self.jets.dipole(c);
+        let corners = |node: u32| {
+            let face = self.data.topology[node as usize].face as usize;
+            (face, self.data.triangles[face], self.data.triangles[face].map(|v| wide(self.data.positions[v as usize])))
+        };
+        for &node in area {
+            let m = &self.moments[node as usize];
+            let (face, _, triangle) = corners(node);
+            let area = f64::from(self.data.clusters[self.data.leaves[face] as usize].area).max(1e-37);
+            sum += f64::from(m.weight) / area * sampled(&triangle, x, dipole, Distance::Radial, &SIX);
+            let d2 = x.distance_squared(wide(m.center));
+            let chi = self.jets.unit_chi(c, d2) * m.diagonal.iter().copied().map(f64::from).sum::<f64>();
+            error += (f64::from(m.weight) * self.jets.at(c, d2).value * (0.045 * chi.powi(3)).min(1.0)).powi(2);
+        }
+        let tint = f64::from(self.data.frame[0].tint[c]).max(1e-37);
+        for &node in edge {
+            let (face, corner, triangle) = corners(node);
+            let factor = edge_form(&triangle, corner, x, dipole, Distance::Radial, &self.nodes);
+            sum += f64::from(self.data.irradiance[face][c]) / tint * factor;
+        }
+        (sum, error)
+    }
+}
+
+fn cpu(state: &mut State, at: Place) {
+    let (blocks, run_base, entry_base) = batch(state, at);
+    let (base, _) = state.part(Slot::moments, at);
+    let Group { channels, .. } = state.groups[at.group];
+    let method = state.method;
+    let data = &state.data;
+    let near = Near {
+        data,
+        moments: &data.moments[base..],
+        jets: Jets::new(&data.frame[0], channels),
+        order: method.order,
+        nodes: legendre(method.nodes as usize),
+    };
+    let results: Vec<_> = blocks
+        .clone()
+        .into_par_iter()
+        .map(|number| {
+            let run = data.runs[run_base + number - blocks.start];
+            let list = &data.entries[entry_base + run.first as usize..];
+            let mut expansion = data.expansions[number];
+            let center = wide(data.spheres[number].center);
+            let far = &list[..run.expanded as usize];
+            expand(&near.jets, method.order, method.estimate, center, near.moments, far, &mut expansion);
+            let block = data.blocks[number];
+            let receive = |face: usize| {
+                let x = wide(data.clusters[data.leaves[face] as usize].center);
+                let (mut sum, mut error) = (data.received[face], data.estimate[face]);
+                for c in near.jets.channels() {
+                    let (value, squared) = near.receive(x, &run, list, c);
+                    let dropped = 0.5
+                        * 0.05
+                        * data.frame[0].link_error as f64
+                        * f64::from(run.dropped)
+                        * f64::from(data.level[0][c]);
+                    sum[c] = value as f32;
+                    if method.estimate {
+                        error[c] = (squared + dropped * dropped) as f32;
+                    }
+                }
+                (face, sum, error)
+            };
+            let faces = block.first as usize..(block.first + block.count) as usize;
+            (number, expansion, faces.map(receive).collect::<Vec<_>>())
         })
         .collect();
-    for (&receiver, sum) in receivers.iter().zip(sums) {
-        data.gathered[receiver as usize] = sum;
+    for (number, expansion, faces) in results {
+        state.data.expansions[number] = expansion;
+        for (face, sum, error) in faces {
+            state.data.received[face] = sum;
+            state.data.estimate[face] = error;
+        }
     }
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let nodes = pass.state.schedule.chunks[pass.chunk].nodes.clone();
-    let range = Range { first: nodes.start, count: nodes.end - nodes.start };
-    pass.dispatch(None, &[], bytemuck::bytes_of(&range), range.count as usize)
+    let blocks = pass.state.schedule.batches[pass.at.chunk].clone();
+    let range = Range { first: blocks.start, count: blocks.end - blocks.start };
+    let push = bytemuck::bytes_of(&range);
+    let (group, method) = (pass.state.groups[pass.at.group], pass.state.method);
+    let (count, estimate) = (range.count as usize, u32::from(method.estimate));
+    let alone = u32::from(pass.state.groups.len() == 1);
+    pass.dispatch(Some("expand"), &[group.channels, method.order, estimate, alone], push, count)?;
+    let places = count * PLACES;
+    pass.dispatch(Some("direct"), &[group.channels, method.order, estimate], push, places)?;
+    pass.dispatch(Some("area"), &[group.channels, estimate], push, places)?;
+    pass.dispatch(Some("edge"), &[group.channels, method.nodes], push, places)
 }

@@ -1,14 +1,14 @@
-//! Mertens et al. 2003: from the light that enters to the light that leaves, by a hierarchy of clusters.
+//! Mertens et al. 2003, made to meet an error: from the light that enters to the light that leaves, by a hierarchy of
+//! clusters with moments, and blocks of receivers.
 //!
-//! [`profile`] and [`form_factor`] are the mathematics; the other modules are the stages, in the order of a frame.
+//! The modules are the stages, in the order of a frame: `pull`, `level`, `radii`, `link`, `gather`, `push`, `average`;
+//! `evaluate` answers single questions.
 
 pub mod average;
-pub mod brute;
 pub mod evaluate;
-pub mod form_factor;
 pub mod gather;
+pub mod level;
 pub mod link;
-pub mod profile;
 pub mod pull;
 pub mod push;
 pub mod radii;

@@ -1,47 +1,118 @@
-//! Stage `pull`: a cluster's irradiance is the mean over its faces, weighted by area. (Section 3.2 averages the
-//! children; without their areas that would not conserve power.)
+//! Stage `pull`: the light that enters every cluster, as moments: its sum W, its centroid, and its second moments.
+//! (Section 3.2 of the paper averages irradiance; moments up to the second are what makes few links enough.)
+
+use glam::DVec3;
 
 use crate::error::Result;
-use crate::layout::Slot;
-use crate::state::{Pass, Role, Stage, State, Tolerance, narrow, wide};
+use crate::layout::{Moment, Slot};
+use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+
+/// Second moments as a share of their trace and the square of the radius; the rest by their own size or the extent.
+const MOMENT: &[Field] = &[
+    Field { name: "center", relative: 0.0, floor: 4e-6, of: "" },
+    Field { name: "weight", relative: 5e-5, floor: 0.0, of: "" },
+    Field { name: "diagonal", relative: 1e-4, floor: 2e-6, of: "radius" },
+    Field { name: "mixed", relative: 1e-4, floor: 2e-6, of: "radius" },
+    Field { name: "radius", relative: 1e-4, floor: 4e-6, of: "" },
+    Field { name: "coarse", relative: 1e-3, floor: 1e-5, of: "" },
+];
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
     name: "pull",
     room: "transport",
-    about: "area-weighted mean irradiance of every cluster",
-    equation: "Mertens et al. 2003, section 3.2, weighted: sum A_k E_k / sum A_k",
-    writes: &[(Slot::cluster_irradiance, Role::Output, Tolerance::Float { relative: 1e-5, floor: 1e-6 })],
-    reason: "a weighted mean a level, some 40 levels of f32 rounding",
-    chunked: false,
+    about: "moments of the light entering every cluster: sum, centroid, second moments",
+    equation: "W = sum A_k E_k, c = sum A_k E_k x_k / W, Q = sum A_k E_k [(x_k-c)(x_k-c)^T + M_k] / W",
+    writes: &[(Slot::moments, Role::Output, Tolerance::Fields(MOMENT))],
+    reason: "sums climb some 40 levels of f32 rounding, 40 x 2^-24 = 2.4e-6 of the extent",
+    unit: Unit::Group,
     cpu,
     gpu,
 };
 
-fn cpu(state: &mut State, _chunk: usize) {
+/// chi below which the coarse solution takes a cluster as one.
+const COARSE: f64 = 0.3;
+
+/// Sums over the faces below a node.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    weight: f64,
+    center: DVec3,
+    diagonal: DVec3,
+    mixed: DVec3,
+    radius: f64,
+}
+
+fn cpu(state: &mut State, at: Place) {
+    let (base, _) = state.part(Slot::moments, at);
+    let (lead, order) = (state.groups[at.group].lead as usize, state.method.order);
     let data = &mut state.data;
-
-    let mean = |power, area| if area > 0.0 { narrow(power / area) } else { [0.0; 3] };
-
-    // Power and area of each node, straight from its faces.
     let nodes = data.topology.len();
-    let mut power = vec![glam::DVec3::ZERO; nodes];
-    let mut area = vec![0.0; nodes];
+    let products = |v: DVec3| (v * v, DVec3::new(v.y * v.z, v.z * v.x, v.x * v.y));
+
+    let mut sums = vec![Sums::default(); nodes];
     for node in (0..nodes).rev() {
         let place = data.topology[node];
-        if place.face == u32::MAX {
-            let (l, r) = (node + 1, data.topology[node + 1].skip as usize);
-            power[node] = power[l] + power[r];
-            area[node] = area[l] + area[r];
-        } else {
-            area[node] = f64::from(data.clusters[node].area);
-            power[node] = area[node] * wide(data.irradiance[place.face as usize]);
+        if place.face != u32::MAX {
+            let face = place.face as usize;
+            let corner = data.triangles[face].map(|v| wide(data.positions[v as usize]));
+            let center = wide(data.clusters[node].center);
+            let mut sum = Sums { center, ..Sums::default() };
+            for k in 0..3 {
+                let (diagonal, mixed) = products(corner[(k + 1) % 3] - corner[k]);
+                sum.diagonal += diagonal / 36.0;
+                sum.mixed += mixed / 36.0;
+                sum.radius = sum.radius.max(corner[k].distance(center));
+            }
+            sum.weight = f64::from(data.clusters[node].area) * f64::from(data.irradiance[face][lead]);
+            sums[node] = sum;
+            continue;
         }
+        let (l, r) = (sums[node + 1], sums[data.topology[node + 1].skip as usize]);
+        let weight = l.weight + r.weight;
+        let share = if weight > 0.0 { r.weight / weight } else { 0.5 };
+        let center = if order == 0 { wide(data.clusters[node].center) } else { l.center.lerp(r.center, share) };
+        let about = |part: Sums| {
+            let (diagonal, mixed) = products(part.center - center);
+            (part.diagonal + diagonal, part.mixed + mixed)
+        };
+        let ((l2, lm), (r2, rm)) = (about(l), about(r));
+        let spheres = (l.center.distance(center) + l.radius).max(r.center.distance(center) + r.radius);
+        let (low, high) = (wide(data.bounds[node].low), wide(data.bounds[node].high));
+        let corner = (center - low).max(high - center).length();
+        sums[node] = Sums {
+            weight,
+            center,
+            diagonal: l2.lerp(r2, share),
+            mixed: lm.lerp(rm, share),
+            radius: spheres.min(corner),
+        };
     }
-    data.cluster_irradiance = power.iter().zip(&area).map(|(&power, &area)| mean(power, area)).collect();
+
+    let sigma = data.frame[0].sigma.map(f64::from);
+    for (node, sum) in sums.iter().enumerate() {
+        let tau = sum.diagonal.element_sum().max(1e-30);
+        let farthest = sigma.iter().map(|&sigma| coarse(tau, sigma)).fold(0.0, f64::max);
+        data.moments[base + node] = Moment {
+            center: narrow(sum.center),
+            weight: sum.weight as f32,
+            diagonal: narrow(sum.diagonal),
+            radius: sum.radius as f32,
+            mixed: narrow(sum.mixed),
+            coarse: (sum.radius + farthest) as f32,
+        };
+    }
+}
+
+/// Distance from which on chi = tau q2(sigma s) / (2 s^2) stays below the coarse solution's limit, q2 <= 15 + 5a + a^2.
+fn coarse(tau: f64, sigma: f64) -> f64 {
+    let k = 2.0 * COARSE / tau - sigma * sigma;
+    let s = if k > 0.0 { (5.0 * sigma + (25.0 * sigma * sigma + 60.0 * k).sqrt()) / (2.0 * k) } else { 4.0 };
+    s.min(if sigma > 0.0 { 20.0 / sigma } else { 4.0 }).min(4.0)
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    pass.dispatch(Some("leaf"), &[], &[], pass.state.data.triangles.len())?;
-    pass.climb("cluster")
+    let (lead, order) = (pass.state.groups[pass.at.group].lead, pass.state.method.order);
+    pass.dispatch(Some("leaf"), &[lead], &[], pass.state.data.triangles.len())?;
+    pass.climb("cluster", &[order])
 }

@@ -1,36 +1,79 @@
-//! Stage `push`: a face's radiosity B is what was gathered at its leaf and at every cluster above it (section 3.2).
+//! Stage `push`: a face's radiosity B: what it received itself, and its block's expansion at its centroid (section 3.2
+//! adds up clusters' constants; here a block hands down a quadratic).
 
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::Slot;
-use crate::state::{Pass, Role, Stage, State, Tolerance, narrow, wide};
+use crate::layout::{Expansion, Range, Slot};
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
+use crate::transport::gather::PLACES;
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
     name: "push",
     room: "transport",
-    about: "radiosity of each face: the sum of what it and its clusters gathered",
-    equation: "Mertens et al. 2003, section 3.2",
-    writes: &[(Slot::radiosity, Role::Output, Tolerance::Float { relative: 5e-6, floor: 1e-7 })],
-    reason: "a sum of some 40 non-negative terms",
-    chunked: false,
+    about: "radiosity of each face: what it received itself, and its block's expansion at its centroid",
+    equation: "B = max(0, received + f + g.d + d.H.d / 2), d from the block's centre (section 3.2, to second order)",
+    writes: &[
+        (Slot::estimate, Role::Update, Tolerance::Float { relative: 1e-4, floor: 1e-6 }),
+        (Slot::radiosity, Role::Output, Tolerance::Float { relative: 2e-5, floor: 1e-6 }),
+    ],
+    reason: "a short sum whose terms may cancel in part",
+    unit: Unit::Frame,
     cpu,
     gpu,
 };
 
-fn cpu(state: &mut State, _chunk: usize) {
-    let data = &mut state.data;
-    data.radiosity = data
-        .leaves
-        .par_iter()
-        .map(|&leaf| {
-            let up = |&node: &u32| Some(data.topology[node as usize].parent).filter(|&parent| parent != u32::MAX);
-            narrow(std::iter::successors(Some(leaf), up).map(|node| wide(data.gathered[node as usize])).sum())
-        })
-        .collect();
+/// The channels of any group.
+fn alive(state: &State) -> u32 {
+    state.groups.iter().fold(0, |mask, group| mask | group.channels)
+}
+
+/// The expansion of one channel at an offset.
+fn expanded(e: &Expansion, c: usize, d: glam::DVec3) -> f64 {
+    let at = |field: &[f32; 3]| f64::from(field[c]);
+    let linear = d.x * at(&e.x) + d.y * at(&e.y) + d.z * at(&e.z);
+    let squares = d.x * d.x * at(&e.xx) + d.y * d.y * at(&e.yy) + d.z * d.z * at(&e.zz);
+    let mixed = d.y * d.z * at(&e.yz) + d.z * d.x * at(&e.zx) + d.x * d.y * at(&e.xy);
+    at(&e.value) + linear + 0.5 * squares + mixed
+}
+
+fn cpu(state: &mut State, _at: Place) {
+    let (mask, estimate) = (alive(state), state.method.estimate);
+    let data = &state.data;
+    let push = |number: usize| {
+        let (block, e) = (data.blocks[number], &data.expansions[number]);
+        let center = wide(data.spheres[number].center);
+        let face = move |face: usize| {
+            let d = wide(data.clusters[data.leaves[face] as usize].center) - center;
+            let (mut value, mut error) = ([0.0; 3], data.estimate[face]);
+            for c in 0..3 {
+                if mask >> c & 1 == 0 {
+                    error[c] = if estimate { 0.0 } else { error[c] };
+                    continue;
+                }
+                let sum = f64::from(data.received[face][c]) + expanded(e, c, d);
+                value[c] = sum.max(0.0) as f32;
+                if estimate {
+                    let bend = f64::from(e.bend[c]) * d.length_squared().powi(3);
+                    let squared = f64::from(error[c]) + f64::from(e.error[c]) + bend;
+                    error[c] = (squared.sqrt() + (-sum).max(0.0)) as f32;
+                }
+            }
+            (face, value, error)
+        };
+        (block.first as usize..(block.first + block.count) as usize).map(face).collect::<Vec<_>>()
+    };
+    let results: Vec<_> = (0..data.blocks.len()).into_par_iter().flat_map_iter(push).collect();
+    for (face, value, error) in results {
+        state.data.radiosity[face] = value;
+        state.data.estimate[face] = error;
+    }
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    pass.dispatch(None, &[], &[], pass.state.data.triangles.len())
+    let blocks = pass.state.data.blocks.len();
+    let range = Range { first: 0, count: blocks as u32 };
+    let constants = [alive(pass.state), u32::from(pass.state.method.estimate)];
+    pass.dispatch(None, &constants, bytemuck::bytes_of(&range), blocks * PLACES)
 }

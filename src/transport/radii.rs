@@ -1,63 +1,149 @@
-//! Stage `radii`: how far a triangle must be for each rung of the form factor's ladder. Folding the criterion chi
-//! into squared distances beforehand keeps square roots out of the decisions.
+//! Stage `radii`: the oracle, folded into distances. How much of the light of a link is lost falls with distance
+//! whatever the law, so each threshold becomes one distance a node; the walk then only adds, multiplies and compares.
+//!
+//! A law `factor W tau^n sum_j z_j p(s_j) (q2 / (2 s_j^2))^n` separates into the node's strength `W tau^n` and a function
+//! of distance alone, the same for all nodes. Its inverse is tabled once a frame: a node takes a look at a table.
 
 use rayon::prelude::*;
 
-use super::profile::Dipole;
+use crate::dipole::form_factor::ladder::q2;
+use crate::dipole::jet::Jets;
 use crate::error::Result;
-use crate::layout::Slot;
-use crate::state::{Distance, Pass, Role, Stage, State, Tolerance};
+use crate::layout::{Emitter, Slot};
+use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit};
+
+/// A logarithm's rounding, 60 x 2^-24, moves the argument by that share of the table's depth.
+const EMITTER: &[Field] = &[
+    Field { name: "place.3", relative: 5e-4, floor: 1e-6, of: "" },
+    Field { name: "reach", relative: 5e-4, floor: 1e-6, of: "" },
+];
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
     name: "radii",
     room: "transport",
-    about: "squared distances beyond which 1, 3, 6, 12 area points serve for a triangle",
-    equation: "chi = tau q2(sigma s) / (2 s^2) solved for s, with q2(a) <= 15 + 5a + a^2",
-    writes: &[(Slot::reach, Role::Output, Tolerance::Float { relative: 2e-5, floor: 1e-7 })],
-    reason: "a short chain of f32 operations; k = 2 chi / tau - sigma^2 cancels where both are large",
-    chunked: false,
+    about: "the oracle as distances: from where on a node is dropped, expanded, linked, or takes area points",
+    equation: "factor W tau^n strength sum_j z_j p(s_j) (q2/(2 s_j^2))^n <= error x level, solved for the distance",
+    writes: &[
+        (Slot::ranges, Role::Output, Tolerance::Float { relative: 1e-3, floor: 1e-6 }),
+        (Slot::emitters, Role::Output, Tolerance::Fields(EMITTER)),
+    ],
+    reason: "logarithms of up to 60 binary orders and a bisection: rounding moves the argument by up to 1e-5",
+    unit: Unit::Group,
     cpu,
     gpu,
 };
 
-fn cpu(state: &mut State, _chunk: usize) {
-    let data = &mut state.data;
-    let frame = data.frame[0];
-    let dipoles = [0, 1, 2].map(|channel| Dipole::of(&frame, channel));
-    let chi = frame.ladder.map(f64::from);
-    let displaced = state.distance == Distance::Table1;
-    data.reach = data
-        .leaves
-        .par_iter()
-        .map(|&leaf| {
-            let tau = f64::from(data.clusters[leaf as usize].spread);
-            chi.map(|chi| {
-                let far = |dipole: &Dipole| reach2(tau, dipole, chi, displaced);
-                dipoles.iter().map(far).fold(0.0, f64::max) as f32
-            })
-        })
-        .collect();
+/// The error laws: 0 magnitude, 1 cluster's moments, 2 block's expansion, 3 triangle's one sample, 4 its 6 points.
+pub const LAWS: usize = 5;
+/// Entries of each law's table, after its top and its depth.
+pub const ENTRIES: usize = 128;
+const DEEPEST: f64 = 60.0;
+const FARTHEST: f64 = 4.0;
+
+/// Shares of a link's allowed error: below this its light is left out ...
+const NOTHING: f64 = 0.05;
+/// ... below this one link always serves ...
+const FAINT: f64 = 0.3;
+/// ... and this is what a block's expansion may add.
+const RECEIVER_SHARE: f64 = 0.3;
+
+/// Exponent n and factor of each law for the moments' order.
+fn laws(order: u32) -> ([f64; LAWS], [f64; LAWS]) {
+    let cluster = 0.5 + 0.5 * f64::from(order);
+    let (triangle, sample) = if order == 2 { (2.0, 1.5) } else { (1.0, 0.55) };
+    ([0.0, cluster, 1.5, triangle, 3.0], [1.0, if order == 2 { 0.5 } else { 1.0 }, 0.5, sample, 0.045])
 }
 
-/// Squared distance from a triangle's centroid beyond which chi stays below a threshold, for one channel.
-///
-/// `tau`: trace of the triangle's second moment. Radial sources lie `z` off the surface, which helps; displaced ones
-/// may come nearer by `z_virtual`. Beyond `sigma s = 20` (e^-20 = 2e-9) the channel no longer counts.
-pub fn reach2(tau: f64, dipole: &Dipole, chi: f64, displaced: bool) -> f64 {
-    let sigma = dipole.sigma;
-    if tau <= 0.0 {
-        return if displaced { dipole.z_virtual.powi(2) } else { 0.0 };
-    }
-    let k = 2.0 * chi / tau - sigma * sigma;
-    let mut s = if k > 0.0 { (5.0 * sigma + (25.0 * sigma * sigma + 60.0 * k).sqrt()) / (2.0 * k) } else { 1e9 };
-    if sigma > 0.0 {
-        s = s.min(20.0 / sigma);
-    }
-    if displaced { (s + dipole.z_virtual).powi(2) } else { (s * s - dipole.z_real * dipole.z_real).max(0.0) }
+/// The binary logarithm of a law at a distance: the largest over the channels.
+fn law(jets: &Jets, level: [f32; 3], u: f64, power: f64) -> f64 {
+    let channel = |c: usize| {
+        let dipole = jets.dipole(c);
+        let source = |z: f64| {
+            let s2 = u * u + z * z;
+            let a = dipole.sigma * s2.sqrt();
+            (z * (1.0 + a)).log2() - a * std::f64::consts::LOG2_E - 1.5 * s2.log2()
+                + power * ((0.5 * q2(a)).log2() - s2.log2())
+        };
+        let [real, virt] = dipole.depths().map(source);
+        let both = real.max(virt) + (1.0 + (real.min(virt) - real.max(virt)).exp2()).log2();
+        both + dipole.strength.max(1e-37).log2() - f64::from(level[c]).log2()
+    };
+    jets.channels().map(channel).fold(-1e30, f64::max)
+}
+
+/// One law's table: its logarithm at distance 0, how far it falls, and the distances of evenly spaced values.
+fn table(jets: &Jets, level: [f32; 3], power: f64) -> Vec<f32> {
+    let top = law(jets, level, 0.0, power);
+    let depth = DEEPEST.min(top - law(jets, level, FARTHEST, power));
+    let solve = |entry: usize| {
+        let wanted = top - depth * entry as f64 / (ENTRIES - 1) as f64;
+        let (mut low, mut high) = (0.0, std::f64::consts::SQRT_2);
+        for _ in 0..30 {
+            let middle: f64 = 0.5 * (low + high);
+            if law(jets, level, middle.powi(4), power) <= wanted { high = middle } else { low = middle }
+        }
+        if entry == 0 { 0.0 } else { high.powi(4) as f32 }
+    };
+    [top as f32, depth as f32].into_iter().chain((0..ENTRIES).map(solve)).collect()
+}
+
+fn cpu(state: &mut State, at: Place) {
+    let (base, _) = state.part(Slot::moments, at);
+    let (group, order) = (state.groups[at.group], state.method.order);
+    let data = &mut state.data;
+    let frame = data.frame[0];
+    let jets = Jets::new(&frame, group.channels);
+    let (power, factor) = laws(order);
+    data.ranges = power.into_par_iter().flat_map(|power| table(&jets, data.level[0], power)).collect();
+
+    let range = |law: usize, strength: f64, allowed: f64| {
+        let table = &data.ranges[law * (ENTRIES + 2)..];
+        let (top, depth) = (f64::from(table[0]), f64::from(table[1]));
+        let at = (top - (allowed.log2() - strength - factor[law].log2())) / depth.max(1e-6) * (ENTRIES - 1) as f64;
+        if at <= 0.0 || at.is_nan() {
+            return 0.0;
+        }
+        if at >= (ENTRIES - 1) as f64 {
+            return FARTHEST;
+        }
+        let entry = at as usize;
+        let (low, high) = (f64::from(table[2 + entry]), f64::from(table[3 + entry]));
+        low + (high - low) * (at - entry as f64)
+    };
+    let error = f64::from(frame.link_error);
+    let disc = f64::from(data.clusters[0].area) / (std::f64::consts::TAU * f64::from(frame.blocks));
+    let emitter = |node: usize| {
+        let m = &data.moments[base + node];
+        let skip = data.topology[node].skip;
+        let [x, y, z] = m.center;
+        let mut emitter = Emitter { place: [x, y, z, -1e9], reach: [0.0; 3], skip };
+        if m.weight > 0.0 {
+            let (weight, radius) = (f64::from(m.weight).log2(), f64::from(m.radius));
+            let tau = m.diagonal.iter().copied().map(f64::from).sum::<f64>().max(1e-30).log2();
+            let leaf = skip as usize == node + 1;
+            let rule = if leaf { 3 } else { 1 };
+            let faint = range(0, weight, FAINT * error);
+            let accept = faint.min(range(rule, weight + power[rule] * tau, error));
+            let expand = range(2, weight + power[2] * disc.max(1e-30).log2(), RECEIVER_SHARE * error);
+            // The laws hold at a cluster's nearest point, a triangle's at its centroid; at distance 0 they hold everywhere.
+            let reach = |radius: f64, range: f64| if range > 0.0 { (radius + range) as f32 } else { -1e9 };
+            let edge = if leaf { 0.0 } else { radius };
+            emitter.place[3] = reach(radius, range(0, weight, NOTHING * error));
+            emitter.reach[1] = reach(edge, accept);
+            emitter.reach[0] = reach(edge, accept.max(faint.min(expand)));
+            if leaf {
+                emitter.reach[2] = reach(edge, faint.min(range(4, weight + power[4] * tau, error)));
+            }
+        }
+        emitter
+    };
+    let emitters: Vec<Emitter> = (0..data.topology.len()).into_par_iter().map(emitter).collect();
+    data.emitters[base..base + emitters.len()].copy_from_slice(&emitters);
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let displaced = u32::from(pass.state.distance == Distance::Table1);
-    pass.dispatch(None, &[displaced], &[], pass.state.data.triangles.len())
+    let (group, order) = (pass.state.groups[pass.at.group], pass.state.method.order);
+    pass.dispatch(Some("table"), &[group.channels, order], &[], LAWS * ENTRIES)?;
+    pass.dispatch(Some("node"), &[order], &[], pass.state.data.topology.len())
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::layout::Slot;
 use crate::light::fresnel;
-use crate::state::{Pass, Role, Stage, State, Tolerance, narrow, wide};
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -16,12 +16,12 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, equation 3",
     writes: &[(Slot::radiance, Role::Output, Tolerance::Float { relative: 2e-5, floor: 2e-6 })],
     reason: "a short chain of f32 operations; the cosine cancels at silhouettes, hence the floor",
-    chunked: false,
+    unit: Unit::Frame,
     cpu,
     gpu,
 };
 
-fn cpu(state: &mut State, _chunk: usize) {
+fn cpu(state: &mut State, _at: Place) {
     let data = &mut state.data;
     let camera = data.camera[0];
     let eta = data.frame[0].eta.map(f64::from);

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::geometry::trace::trace;
 use crate::layout::{Hit, Slot};
-use crate::state::{Pass, Role, Stage, State, Tolerance};
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -15,12 +15,12 @@ pub static STAGE: Stage = Stage {
     equation: "signed volumes; nearest by cross-multiplied fractions",
     writes: &[(Slot::hits, Role::Output, Tolerance::Float { relative: 2e-6, floor: 1e-6 })],
     reason: "the triangle is a decision, bit for bit; weights and depth are one f32 division each",
-    chunked: false,
+    unit: Unit::Frame,
     cpu,
     gpu,
 };
 
-fn cpu(state: &mut State, _chunk: usize) {
+fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;
     let camera = data.camera[0];
     let (w, h) = (camera.width as f32, camera.height as f32);

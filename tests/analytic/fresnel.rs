@@ -1,8 +1,8 @@
 //! Walsh's closed form against quadrature of the directional transmittance, and the polynomial.
 
 use crate::materials::MATERIALS;
+use milkglass::dipole::form_factor::gauss::legendre;
 use milkglass::light::fresnel::*;
-use milkglass::transport::form_factor::gauss::legendre;
 
 /// `1 - 2 int T(mu) mu dmu`, the range cut at the critical angle and bent to tame its square root.
 fn diffuse_reflectance(eta: f64) -> f64 {

@@ -10,13 +10,13 @@ use proptest::prelude::*;
 /// Build both trees twice, check them, and hand back the merged one.
 fn both(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Tree, Method) {
     let (merged, method) = face_cluster::build(positions, triangles);
-    let split = median::build(positions, triangles);
+    let split = median::build(positions, triangles, 1);
     merged.check(triangles.len()).unwrap();
     split.check(triangles.len()).unwrap();
     assert!(merged.depth() <= DEEPEST);
     assert!(split.depth() <= triangles.len().max(1).next_power_of_two().ilog2());
     assert_eq!(merged, face_cluster::build(positions, triangles).0);
-    assert_eq!(split, median::build(positions, triangles));
+    assert_eq!(split, median::build(positions, triangles, 1));
     (merged, method)
 }
 

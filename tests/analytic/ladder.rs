@@ -4,10 +4,10 @@ use crate::materials::channels;
 use crate::quadrature::Area;
 use crate::seeded::{Seeded, percentile};
 use glam::DVec3;
-use milkglass::transport::form_factor::{Distance, vector_area};
-use milkglass::transport::form_factor::{ladder, ladder::Ladder, points};
-use milkglass::transport::profile::Dipole;
-use milkglass::transport::radii;
+use milkglass::baseline::reach;
+use milkglass::dipole::form_factor::{Distance, vector_area};
+use milkglass::dipole::form_factor::{ladder, ladder::Ladder, points};
+use milkglass::dipole::profile::Dipole;
 
 /// A random triangle of extent about 1 whose angles are all above 30 degrees, centred at 0.
 fn well_shaped(random: &mut Seeded) -> [DVec3; 3] {
@@ -66,7 +66,7 @@ fn every_rung_keeps_its_tolerance() {
                     z_virtual: unit.z_virtual / scale,
                     ..*unit
                 };
-                let reach = radii::reach2(points::trace(&triangle), &dipole, made.chi[rung], false);
+                let reach = reach::reach2(points::trace(&triangle), &dipole, made.chi[rung], false);
                 // Where every distance will do, or the radius is cut off because e^-20 no longer counts.
                 let cut = dipole.sigma * (reach + dipole.z_real * dipole.z_real).sqrt() > 19.999;
                 if reach == 0.0 || cut {

@@ -1,8 +1,8 @@
 //! Integrals by means that share nothing with the code under test but the integrand.
 
 use glam::DVec3;
-use milkglass::transport::form_factor::gauss::{Node, legendre};
-use milkglass::transport::profile::kernel;
+use milkglass::dipole::form_factor::gauss::{Node, legendre};
+use milkglass::dipole::profile::kernel;
 
 /// `int_low^high f` on panels that double from `finest` upward, 16 nodes each.
 pub fn on_line(low: f64, high: f64, finest: f64, f: impl Fn(f64) -> f64) -> f64 {

@@ -3,38 +3,19 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// How long each receiver's lists will be; one level a dispatch.
-UPDATES(spans)
+// How long each block's lists will be.
+UPDATES(runs)
 UPDATES(cursor)
-READS(handed)
 #include "transport/link/walk.glsl"
 
-// The longest list of one receiver: lavapipe ends an invocation's loops after 65,535 iterations.
-const uint MOST = 65000;
-
-uint links = 0, areas = 0, edges = 0, hands = 0;
-void on_link(uint receiver, uint emitter, uint rung) {
-    links++;
-    areas += uint(rung == 1);
-    edges += uint(rung == 2);
+uint count[6] = uint[6](0, 0, 0, 0, 0, 0);
+void on_emitter(uint kind, uint node) {
+    for (uint k = 0; k < 6; ++k) count[k] += uint(kind == k);
 }
-void on_hand(uint emitter) { hands++; }
 
 void main() {
     uint i = invocation();
     if (i >= range.count) return;
-    uint receiver = order[range.first + i];
-    uint parent = topology[receiver].parent;
-    uint hand = 0, count = 0;
-    if (parent != NONE) {
-        hand = spans[parent].hand;
-        count = spans[parent].hands;
-    }
-    if (!walk(receiver, hand, count)) cursor[0].unfinished = 1;
-    // Too long for any driver's loops, and for 32-bit sums: the frame is void.
-    if (links > MOST || hands > MOST) {
-        cursor[0].unfinished = 1;
-        links = areas = edges = hands = 0;
-    }
-    spans[receiver] = Span(0, links, 0, areas, 0, edges, 0, hands);
+    if (!walk(range.first + i)) cursor[0].unfinished = 1;
+    runs[i] = Runs(0, count[EXPANDED], count[DIRECT], count[AREA], count[EDGE], count[DROPPED]);
 }

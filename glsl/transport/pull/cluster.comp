@@ -3,12 +3,16 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// A cluster's irradiance is the area-weighted mean of its children's; one level a dispatch.
+// A cluster's moments from its two children's, by the parallel axes; one level a dispatch.
+layout(constant_id = 0) const uint ORDER = 2;
 layout(push_constant, scalar) uniform push_block { Range range; };
+READS(frame)
 READS(topology)
 READS(order)
+READS(bounds)
 READS(clusters)
-UPDATES(cluster_irradiance)
+UPDATES(moments)
+#include "transport/pull/coarse.glsl"
 
 void main() {
     uint i = invocation();
@@ -16,7 +20,17 @@ void main() {
     uint node = order[range.first + i];
     if (topology[node].face != NONE) return;
     uint left = node + 1, right = topology[left].skip;
-    float whole = clusters[left].area + clusters[right].area;
-    float share = whole > 0.0 ? clusters[right].area / whole : 0.5;
-    cluster_irradiance[node] = mix(cluster_irradiance[left], cluster_irradiance[right], share);
+    Moment l = moments[left], r = moments[right];
+    float weight = l.weight + r.weight;
+    // Nothing to weigh: the middle will do.
+    float share = weight > 0.0 ? r.weight / weight : 0.5;
+    vec3 center = ORDER == 0 ? clusters[node].center : l.center + share * (r.center - l.center);
+    vec3 to_l = l.center - center, to_r = r.center - center;
+    vec3 diagonal = mix(l.diagonal + to_l * to_l, r.diagonal + to_r * to_r, share);
+    vec3 mixed = mix(l.mixed + to_l.yzx * to_l.zxy, r.mixed + to_r.yzx * to_r.zxy, share);
+    // Two bounds on the radius: round the children's spheres, and round the box.
+    float spheres = max(length(to_l) + l.radius, length(to_r) + r.radius);
+    vec3 corner = max(center - bounds[node].low, bounds[node].high - center);
+    float radius = min(spheres, length(corner));
+    moments[node] = Moment(center, weight, diagonal, radius, mixed, coarse_distance(diagonal, radius));
 }

@@ -3,14 +3,28 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// A leaf's irradiance is its face's.
+// A triangle's moments: its light at the centroid, and its own second moment.
+layout(constant_id = 0) const uint LEAD = 0;
 READS(frame)
 READS(leaves)
+READS(triangles)
+READS(positions)
+READS(clusters)
 READS(irradiance)
-WRITES(cluster_irradiance)
+WRITES(moments)
+#include "transport/pull/coarse.glsl"
 
 void main() {
     uint face = invocation();
     if (face >= frame[0].faces) return;
-    cluster_irradiance[leaves[face]] = irradiance[face];
+    uint node = leaves[face];
+    uvec3 corner = triangles[face];
+    vec3 a = positions[corner.x], b = positions[corner.y], c = positions[corner.z];
+    vec3 center = clusters[node].center;
+    vec3 p = b - a, q = c - b, r = a - c;
+    vec3 diagonal = (p * p + q * q + r * r) / 36.0;
+    vec3 mixed = (p.yzx * p.zxy + q.yzx * q.zxy + r.yzx * r.zxy) / 36.0;
+    float radius = sqrt(max(dot(a - center, a - center), max(dot(b - center, b - center), dot(c - center, c - center))));
+    float weight = clusters[node].area * irradiance[face][LEAD];
+    moments[node] = Moment(center, weight, diagonal, radius, mixed, coarse_distance(diagonal, radius));
 }

@@ -1,0 +1,61 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+
+// Near triangles by 6 area points, each at every receiver of the block.
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const uint CHANNELS = 7;
+layout(constant_id = 1) const uint ESTIMATE = 0;
+layout(push_constant, scalar) uniform push_block { Range range; };
+READS(frame)
+READS(blocks)
+READS(leaves)
+READS(clusters)
+READS(topology)
+READS(triangles)
+READS(positions)
+READS(moments)
+READS(runs)
+READS(entries)
+UPDATES(received)
+UPDATES(estimate)
+#include "dipole/jet.glsl"
+#include "dipole/form_factor/points.glsl"
+#include "transport/channels.glsl"
+#include "transport/gather/receiver.glsl"
+
+void main() {
+    Dipole dipoles[3] = Dipole[3](dipole_of(0), dipole_of(1), dipole_of(2));
+    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    Receiver self = receiver_at(group * gl_WorkGroupSize.x + gl_LocalInvocationIndex);
+    Runs run = runs[self.run];
+    uint first = run.first + run.expanded + run.direct;
+    vec3 sum = vec3(0), error = vec3(0);
+    for (uint k = 0; k < run.area; ++k) {
+        uint node = entries[first + k];
+        uvec3 corner = triangles[topology[node].face];
+        vec3 a = self.x - positions[corner.x], b = self.x - positions[corner.y], c = self.x - positions[corner.z];
+        float weight = moments[node].weight;
+        for (uint j = 0; j < 6; ++j) {
+            vec4 point = RULE[RULE_FIRST[1] + j];
+            vec3 d = point.x * a + point.y * b + point.z * c;
+            float d2 = dot(d, d);
+            EACH_CHANNEL({ sum[c] += weight * point.w * jet(dipoles[c], d2).x; })
+        }
+        if (ESTIMATE != 0) {
+            Moment m = moments[node];
+            vec3 d = self.x - m.center;
+            float d2 = dot(d, d);
+            EACH_CHANNEL({
+                vec3 p = jet(dipoles[c], d2);
+                float z2 = dipoles[c].z2.x;
+                float chi = 0.5 * p.z * (d2 + z2) / max(p.x, 1e-37) * (m.diagonal.x + m.diagonal.y + m.diagonal.z);
+                float lost = weight * p.x * min(0.045 * chi * chi * chi, 1.0);
+                error[c] += lost * lost;
+            })
+        }
+    }
+    if (!self.present || run.area == 0) return;
+    received[self.face] += only_group(sum, vec3(0));
+    if (ESTIMATE != 0) estimate[self.face] += only_group(error, vec3(0));
+}

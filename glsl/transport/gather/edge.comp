@@ -1,0 +1,46 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+
+// The nearest triangles by the edge form, each at every receiver of the block.
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const uint CHANNELS = 7;
+layout(constant_id = 1) const uint NODES = 6;
+layout(push_constant, scalar) uniform push_block { Range range; };
+READS(frame)
+READS(blocks)
+READS(leaves)
+READS(clusters)
+READS(topology)
+READS(triangles)
+READS(positions)
+READS(irradiance)
+READS(runs)
+READS(entries)
+UPDATES(received)
+#include "dipole/form_factor/edge.glsl"
+#include "transport/channels.glsl"
+#include "transport/gather/receiver.glsl"
+
+void main() {
+    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    Receiver self = receiver_at(group * gl_WorkGroupSize.x + gl_LocalInvocationIndex);
+    Runs run = runs[self.run];
+    uint first = run.first + run.expanded + run.direct + run.area;
+    vec3 z_real = frame[0].z_real, z_virtual = frame[0].z_virtual, sigma = frame[0].sigma;
+    vec3 sum = vec3(0);
+    for (uint k = 0; k < run.edge; ++k) {
+        uint node = entries[first + k], face = topology[node].face;
+        Cluster emitter = clusters[node];
+        uvec3 corner = triangles[face];
+        vec3 a = positions[corner.x] - self.x, b = positions[corner.y] - self.x, c = positions[corner.z] - self.x;
+        vec3 normal = emitter.area > 0.0 ? emitter.normal / emitter.area : vec3(0);
+        float height = -dot(emitter.center - self.x, normal);
+        vec3 foot = -height * normal;
+        vec3 real = edge_form(sigma, a, b, c, corner, normal, foot, sqrt(height * height + z_real * z_real));
+        vec3 virt = edge_form(sigma, a, b, c, corner, normal, foot, sqrt(height * height + z_virtual * z_virtual));
+        sum += irradiance[face] * (z_real * real + z_virtual * virt);
+    }
+    if (!self.present || run.edge == 0) return;
+    received[self.face] += only_group(frame[0].strength * sum, vec3(0));
+}

@@ -1,0 +1,13 @@
+// One invocation a receiver: 16 places a block, of which the last may be empty.
+const uint PLACES = 16;
+
+struct Receiver { uint run; uint face; bool present; vec3 x; };
+
+// The includer reads blocks, leaves and clusters, and has `range`.
+Receiver receiver_at(uint place) {
+    uint run = min(place / PLACES, range.count - 1);
+    Block block = blocks[range.first + run];
+    uint slot = place % PLACES;
+    uint face = block.first + min(slot, block.count - 1);
+    return Receiver(run, face, place / PLACES < range.count && slot < block.count, clusters[leaves[face]].center);
+}

@@ -1,0 +1,38 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+
+// Root of the area-weighted mean of B^2 over the samples, each by its chance.
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const uint CHANNELS = 7;
+READS(frame)
+READS(leaves)
+READS(clusters)
+READS(samples)
+UPDATES(level)
+#include "transport/channels.glsl"
+
+const uint SAMPLES = 256;
+shared vec3 sums[64];
+
+void main() {
+    uint self = gl_LocalInvocationIndex;
+    // Relative to the largest value and the mean area, so that squares stay within range.
+    vec3 most = vec3(1e-30);
+    for (uint k = 0; k < SAMPLES; ++k) most = max(most, samples[k].value);
+    float mean = clusters[0].area / float(frame[0].faces);
+    vec3 sum = vec3(0);
+    for (uint k = self; k < SAMPLES; k += 64) {
+        Sample one = samples[k];
+        vec3 value = one.value / most;
+        float share = mean > 0.0 ? clusters[leaves[one.face]].area / mean : 0.0;
+        sum += value * value * (share / (one.chance * float(frame[0].faces)));
+    }
+    sums[self] = sum;
+    barrier();
+    for (uint step = 32; step > 0; step /= 2) {
+        if (self < step) sums[self] += sums[self + step];
+        barrier();
+    }
+    if (self == 0) level[0] = only_group(max(most * sqrt(sums[0] / float(SAMPLES)), vec3(1e-30)), level[0]);
+}

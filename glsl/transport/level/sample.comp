@@ -1,0 +1,71 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// The coarse solution at a few receivers: one half evenly among the triangles, one half where the light is.
+layout(constant_id = 0) const uint CHANNELS = 7;
+READS(frame)
+READS(topology)
+READS(leaves)
+READS(clusters)
+READS(moments)
+WRITES(samples)
+#include "dipole/near.glsl"
+#include "dipole/jet.glsl"
+#include "transport/channels.glsl"
+
+const uint SAMPLES = 256;
+
+// The triangle at this share of the light: decisions, so exact.
+uint by_light(uint k) {
+    precise float target = moments[0].weight * ((float(k) + 0.5) * (1.0 / 128.0));
+    uint node = 0;
+    while (topology[node].face == NONE) {
+        uint left = node + 1, right = topology[left].skip;
+        float before = moments[left].weight;
+        bool goes_left = target < before || !(moments[right].weight > 0.0);
+        precise float rest = target - before;
+        if (!goes_left) target = rest;
+        node = goes_left ? left : right;
+    }
+    return node;
+}
+
+void main() {
+    uint k = invocation();
+    if (k >= SAMPLES) return;
+    uint even = min(uint((float(k) + 0.5) * (1.0 / 128.0) * float(frame[0].faces)), frame[0].faces - 1);
+    uint leaf = k < 128 ? leaves[even] : by_light(k - 128);
+    vec3 x = clusters[leaf].center;
+    float whole = moments[0].weight;
+    float light = whole > 0.0 ? moments[leaf].weight / whole : 0.0;
+
+    vec3 plane = 6.2831853 * frame[0].strength * frame[0].tint *
+        (exp(-frame[0].sigma * frame[0].z_real) + exp(-frame[0].sigma * frame[0].z_virtual));
+    Dipole dipoles[3] = Dipole[3](dipole_of(0), dipole_of(1), dipole_of(2));
+    vec3 sum = vec3(0);
+    uint node = 0, end = frame[0].nodes;
+    while (node < end) {
+        Moment m = moments[node];
+        uint skip = topology[node].skip;
+        bool lit = m.weight > 0.0, leaf_here = skip == node + 1;
+        float d2 = distance2(x, m.center);
+        precise float reach2 = m.coarse * m.coarse;
+        bool far = d2 >= reach2;
+        if (lit && (far || leaf_here)) {
+            vec3 d = x - m.center;
+            float tau = m.diagonal.x + m.diagonal.y + m.diagonal.z;
+            float along = dot(m.diagonal, d * d) + 2.0 * dot(m.mixed, d.yzx * d.zxy);
+            EACH_CHANNEL({
+                vec3 p = jet(dipoles[c], d2);
+                float value = m.weight * (far ? p.x + 0.5 * (p.y * tau + p.z * along) : p.x);
+                // No triangle gives more than the whole plane would.
+                float area = leaf_here ? max(clusters[node].area, 1e-30) : 1.0;
+                sum[c] += far ? value : min(value, plane[c] * m.weight / area);
+            })
+        }
+        node = lit && !far && !leaf_here ? node + 1 : skip;
+    }
+    samples[k] = Sample(topology[leaf].face, 0.5 / float(frame[0].faces) + 0.5 * light, max(sum, vec3(0)));
+}

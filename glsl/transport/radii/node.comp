@@ -1,0 +1,55 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// Each node's distances: where its light counts for nothing, where one link serves, one expansion, 6 area points.
+layout(constant_id = 0) const uint ORDER = 2;
+READS(frame)
+READS(topology)
+READS(clusters)
+READS(moments)
+READS(ranges)
+WRITES(emitters)
+#include "transport/radii/laws.glsl"
+
+// Distance from which on a link of the strength W tau^n, as a logarithm, keeps within `allowed`.
+float range_of(uint which, float strength, float allowed) {
+    uint base = which * (ENTRIES + 2);
+    float top = ranges[base], depth = ranges[base + 1];
+    float wanted = log2(allowed) - strength - log2(factor_of(which));
+    float at = (top - wanted) / max(depth, 1e-6) * float(ENTRIES - 1);
+    if (!(at > 0.0)) return 0.0;
+    if (at >= float(ENTRIES - 1)) return FARTHEST;
+    uint entry = uint(at);
+    return mix(ranges[base + 2 + entry], ranges[base + 3 + entry], at - float(entry));
+}
+
+// A law that holds at distance 0 holds everywhere.
+float reach(float radius, float range) { return range > 0.0 ? radius + range : -1e9; }
+
+void main() {
+    uint node = invocation();
+    if (node >= frame[0].nodes) return;
+    Moment m = moments[node];
+    uint skip = topology[node].skip;
+    Emitter emitter = Emitter(vec4(m.center, -1e9), vec3(0), skip);
+    if (m.weight > 0.0) {
+        float error = frame[0].link_error;
+        float weight = log2(m.weight), tau = log2(max(m.diagonal.x + m.diagonal.y + m.diagonal.z, 1e-30));
+        bool leaf = skip == node + 1;
+        uint rule = leaf ? 3 : 1;
+        float faint = range_of(0, weight, FAINT * error);
+        float accept = min(faint, range_of(rule, weight + power_of(rule) * tau, error));
+        // A flat disc of a block's mean area: blocks of another spread scale this distance.
+        float disc = log2(max(clusters[0].area / (6.2831853 * float(frame[0].blocks)), 1e-30));
+        float expand = min(faint, range_of(2, weight + power_of(2) * disc, RECEIVER_SHARE * error));
+        // The laws hold at a cluster's nearest point; a triangle's at its centroid.
+        float radius = leaf ? 0.0 : m.radius;
+        emitter.place.w = reach(m.radius, range_of(0, weight, NOTHING * error));
+        emitter.reach.y = reach(radius, accept);
+        emitter.reach.x = reach(radius, max(accept, expand));
+        if (leaf) emitter.reach.z = reach(radius, min(faint, range_of(4, weight + power_of(4) * tau, error)));
+    }
+    emitters[node] = emitter;
+}

@@ -1,0 +1,136 @@
+//! Stage `form_factor`: F of every link, by one sample, by area points, or by the edge form for the nearest triangles.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::refine::rung;
+use crate::dipole::distance2;
+use crate::dipole::form_factor::edge::edge_form;
+use crate::dipole::form_factor::gauss;
+use crate::dipole::form_factor::points::{SIX, THREE, TWELVE, midpoint_moment, sampled};
+use crate::dipole::profile::{Dipole, kernel};
+use crate::error::Result;
+use crate::layout::{Buffers, Slot};
+use crate::state::{Distance, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "form_factor",
+    room: "baseline",
+    about: "form factor of every link: one sample, area points, or the edge form",
+    equation: "Mertens et al. 2003, equations 7 to 13, free of cancellation",
+    writes: &[(Slot::factors, Role::Output, Tolerance::Float { relative: 1e-4, floor: 2e-7 })],
+    reason: "e^{-a} carries the rounding of a, up to 100 x 2^-24; an edge's integral is rounded at 2^-24 of itself, and \
+             the edges of a sliver cancel down to a small share of it, hence the floor of some 3 x 2^-24",
+    unit: Unit::Chunk,
+    cpu,
+    gpu,
+};
+
+/// How a form factor is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rung {
+    /// One sample at the centre, with the second moment of a triangle.
+    Center,
+    /// An area rule: 0, 1, 2 for 3, 6, 12 points.
+    Points(usize),
+    /// The edge form.
+    Edges,
+}
+
+/// Everything the form factor of a node depends on.
+pub struct Emitters<'a> {
+    data: &'a Buffers,
+    distance: crate::dipole::form_factor::Distance,
+    dipoles: [Dipole; 3],
+}
+
+impl<'a> Emitters<'a> {
+    /// Over the tree and material of `data`.
+    pub fn new(data: &'a Buffers, distance: Distance) -> Self {
+        let distance = match distance {
+            Distance::Radial => crate::dipole::form_factor::Distance::Radial,
+            Distance::Table1 => crate::dipole::form_factor::Distance::Table1 { clamp: true },
+        };
+        Self { data, distance, dipoles: [0, 1, 2].map(|channel| Dipole::of(&data.frame[0], channel)) }
+    }
+
+    /// The rung of a link of this node to a receiver at `center`: the shader's decision.
+    pub fn rung(&self, node: u32, center: [f32; 3]) -> Rung {
+        let Some(&reach) = self.data.reach.get(self.data.topology[node as usize].face as usize) else {
+            return Rung::Center;
+        };
+        let d2 = distance2(center, self.data.clusters[node as usize].center);
+        match rung(d2, reach) {
+            0 => Rung::Center,
+            1 if d2 >= reach[1] => Rung::Points(0),
+            1 if d2 >= reach[2] => Rung::Points(1),
+            1 => Rung::Points(2),
+            _ => Rung::Edges,
+        }
+    }
+
+    /// The form factor per channel of a node for a receiver at `x`.
+    pub fn factor(&self, node: u32, x: DVec3, rung: Rung) -> DVec3 {
+        let Some(corner) = self.data.triangles.get(self.data.topology[node as usize].face as usize) else {
+            return self.cluster(node, x);
+        };
+        let triangle = corner.map(|v| wide(self.data.positions[v as usize]));
+        let channel = |dipole: &Dipole| match rung {
+            Rung::Center => midpoint_moment(&triangle, x, dipole, self.distance),
+            Rung::Points(rule) => {
+                let rule: &[_] = [&THREE[..], &SIX[..], &TWELVE[..]][rule.min(2)];
+                sampled(&triangle, x, dipole, self.distance, rule)
+            }
+            Rung::Edges => edge_form(&triangle, *corner, x, dipole, self.distance, &gauss::SIX),
+        };
+        DVec3::from_array(self.dipoles.each_ref().map(channel))
+    }
+
+    /// One sample at a cluster's centre; displaced sources hang on its mean normal, which is shorter than 1.
+    fn cluster(&self, node: u32, x: DVec3) -> DVec3 {
+        let cluster = &self.data.clusters[node as usize];
+        let (center, area) = (wide(cluster.center), f64::from(cluster.area));
+        let mean = wide(cluster.normal) / area;
+        let channel = |dipole: &Dipole| {
+            let source = |z: f64, side: f64| {
+                let s2 = match self.distance {
+                    crate::dipole::form_factor::Distance::Radial => x.distance_squared(center) + z * z,
+                    crate::dipole::form_factor::Distance::Table1 { .. } => {
+                        x.distance_squared(center - side * z * mean).max(z * z)
+                    }
+                };
+                z * kernel(dipole.sigma, s2.sqrt())
+            };
+            area * dipole.strength * (source(dipole.z_real, 1.0) + source(dipole.z_virtual, -1.0))
+        };
+        DVec3::from_array(self.dipoles.each_ref().map(channel))
+    }
+}
+
+fn cpu(state: &mut State, at: Place) {
+    let (base, _) = state.part(Slot::links, at);
+    let data = &state.data;
+    if data.cursor[0].overflow != 0 {
+        return;
+    }
+    let links = &data.links[base..base + data.cursor[0].links as usize];
+    let emitters = Emitters::new(data, state.distance);
+    let factors: Vec<[f32; 3]> = links
+        .par_iter()
+        .map(|link| {
+            let center = data.clusters[link.receiver as usize].center;
+            narrow(emitters.factor(link.emitter, wide(center), emitters.rung(link.emitter, center)))
+        })
+        .collect();
+    state.data.factors[base..base + factors.len()].copy_from_slice(&factors);
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let displaced = u32::from(pass.state.distance == Distance::Table1);
+    let frame = pass.state.data.frame[0];
+    for (part, room) in [("far", frame.link_room), ("area", frame.area_room), ("edge", frame.edge_room)] {
+        pass.dispatch(Some(part), &[displaced], &[], room as usize)?;
+    }
+    Ok(())
+}

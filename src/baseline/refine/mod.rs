@@ -1,0 +1,169 @@
+//! Stage `refine`: which node receives from which, by refining the pair (root, root) with the oracle of section 5.2.
+//!
+//! Receivers are walked level by level. Each takes the emitters that its parent could not settle and, for each,
+//! hands it down to its own children, splits the emitter, or links: count, scan, write, so that every receiver's
+//! links stand together in a fixed order. Lists have fixed room; one that does not fit is noted in the cursor.
+
+mod walk;
+
+pub use walk::{Walk, rung};
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::layout::{Cursor, Link, Range, Slot, Span};
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "refine",
+    room: "baseline",
+    about: "links between clusters by the two solid-angle thresholds and the planarity measure",
+    equation: "Mertens et al. 2003, section 5.2; planarity A'/A of section 5.1.1",
+    writes: &[
+        (Slot::spans, Role::Update, Tolerance::Exact),
+        (Slot::handed, Role::Update, Tolerance::Exact),
+        (Slot::cursor, Role::Update, Tolerance::Exact),
+        (Slot::links, Role::Output, Tolerance::Exact),
+        (Slot::area_links, Role::Output, Tolerance::Exact),
+        (Slot::edge_links, Role::Output, Tolerance::Exact),
+    ],
+    reason: "decisions: additions, multiplications and comparisons in f32, the same everywhere",
+    unit: Unit::Chunk,
+    cpu,
+    gpu,
+};
+
+/// The longest list of one receiver: lavapipe ends an invocation's loops after 65,535 iterations.
+const MOST: usize = 65_000;
+
+/// One receiver's decisions, in order.
+#[derive(Default)]
+struct Lists {
+    links: Vec<u32>,
+    areas: Vec<u32>,
+    edges: Vec<u32>,
+    hands: Vec<u32>,
+}
+
+fn cpu(state: &mut State, at: Place) {
+    let chunk = at.chunk;
+    open(&mut state.data.cursor[0], chunk);
+    let (link_base, _) = state.part(Slot::links, at);
+    let (area_base, _) = state.part(Slot::area_links, at);
+    let (edge_base, _) = state.part(Slot::edge_links, at);
+    let top = chunk == 0 && state.schedule.chunks.len() > 1;
+    for level in state.schedule.chunks[chunk].levels.clone() {
+        let data = &mut state.data;
+        let receivers = &data.order[level.start as usize..level.end as usize];
+
+        // Every receiver of the level by itself.
+        let walk = Walk::new(data);
+        let mut lists: Vec<Lists> = receivers.par_iter().map(|&receiver| decide(&walk, data, receiver)).collect();
+
+        // Where each one's lists begin, if all fit.
+        let cursor = &mut data.cursor[0];
+        for list in lists.iter_mut().filter(|list| list.links.len() > MOST || list.hands.len() > MOST) {
+            cursor.unfinished = 1;
+            *list = Lists::default();
+        }
+        let mut next = [cursor.links, cursor.areas, cursor.edges, cursor.hands];
+        let sizes = |l: &Lists| [l.links.len(), l.areas.len(), l.edges.len(), l.hands.len()].map(|n| n as u32);
+        let total = lists.iter().map(sizes).fold(next, |sum, n| std::array::from_fn(|k| sum[k] + n[k]));
+        let frame = &data.frame[0];
+        let room = [frame.link_room, frame.area_room, frame.edge_room, frame.hand_room];
+        let fits: [bool; 4] = {
+            let each: [bool; 4] = std::array::from_fn(|k| total[k] <= room[k]);
+            let links = each[0] && each[1] && each[2];
+            [links, links, links, each[3]]
+        };
+        cursor.need_links = cursor.need_links.max(total[0]);
+        cursor.need_areas = cursor.need_areas.max(total[1]);
+        cursor.need_edges = cursor.need_edges.max(total[2]);
+        cursor.need_hands = cursor.need_hands.max(total[3]);
+        if fits.contains(&false) {
+            cursor.overflow = 1;
+        }
+
+        // Write.
+        for (&receiver, list) in receivers.iter().zip(&lists) {
+            let counts = sizes(list);
+            let n: [u32; 4] = std::array::from_fn(|k| if fits[k] { counts[k] } else { 0 });
+            data.spans[receiver as usize] = Span {
+                link: next[0],
+                links: n[0],
+                area: next[1],
+                areas: n[1],
+                edge: next[2],
+                edges: n[2],
+                hand: next[3],
+                hands: n[3],
+            };
+            let [link, area, edge, hand] = next.map(|n| n as usize);
+            if fits[0] {
+                for (k, &emitter) in list.links.iter().enumerate() {
+                    data.links[link_base + link + k] = Link { receiver, emitter };
+                }
+                for (k, &index) in list.areas.iter().enumerate() {
+                    data.area_links[area_base + area + k] = next[0] + index;
+                }
+                for (k, &index) in list.edges.iter().enumerate() {
+                    data.edge_links[edge_base + edge + k] = next[0] + index;
+                }
+            }
+            if fits[3] {
+                data.handed[hand..hand + list.hands.len()].copy_from_slice(&list.hands);
+            }
+            next = std::array::from_fn(|k| next[k] + counts[k]);
+        }
+        [cursor.links, cursor.areas, cursor.edges, cursor.hands] = next;
+        if top {
+            cursor.kept = cursor.hands;
+        }
+    }
+}
+
+/// Starts a chunk's lists.
+fn open(cursor: &mut Cursor, chunk: usize) {
+    if chunk == 0 {
+        *cursor = Cursor::default();
+    }
+    (cursor.links, cursor.areas, cursor.edges, cursor.hands) = (0, 0, 0, cursor.kept);
+}
+
+fn decide(walk: &Walk<'_>, data: &crate::layout::Buffers, receiver: u32) -> Lists {
+    let parent = data.topology[receiver as usize].parent;
+    let handed = match data.spans.get(parent as usize) {
+        // A list that did not fit is empty and may begin beyond the end.
+        Some(span) => data.handed.get(span.hand as usize..span.hand as usize + span.hands as usize).unwrap_or_default(),
+        None => &[0],
+    };
+    let mut lists = Lists::default();
+    walk.walk(receiver, handed, |decision, emitter| match decision {
+        walk::Decision::HandDown => lists.hands.push(emitter),
+        walk::Decision::Link { rung } => {
+            let index = lists.links.len() as u32;
+            match rung {
+                0 => {}
+                1 => lists.areas.push(index),
+                _ => lists.edges.push(index),
+            }
+            lists.links.push(emitter);
+        }
+    });
+    lists
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let (state, chunk) = (pass.state, pass.at.chunk);
+    pass.dispatch(Some("open"), &[], &(chunk as u32).to_le_bytes(), 1)?;
+    let keep = u32::from(chunk == 0 && state.schedule.chunks.len() > 1);
+    for level in &state.schedule.chunks[chunk].levels {
+        let range = Range { first: level.start, count: level.end - level.start };
+        let push = bytemuck::bytes_of(&range);
+        pass.dispatch(Some("count"), &[], push, range.count as usize)?;
+        pass.dispatch(Some("scan"), &[], bytemuck::bytes_of(&[range.first, range.count, keep]), 1)?;
+        pass.dispatch(Some("write"), &[], push, range.count as usize)?;
+    }
+    Ok(())
+}

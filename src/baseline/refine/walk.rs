@@ -1,0 +1,94 @@
+//! The oracle of section 5.2 as a walk over emitters: decisions, so `f32` additions, multiplications and comparisons
+//! only, in the order of `glsl/baseline/refine/walk.glsl`, and the two agree bit for bit.
+
+use crate::dipole::distance2;
+use crate::layout::{Buffers, Cluster, Frame, Topology};
+
+/// What becomes of an emitter at a receiver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decision {
+    /// The receiver's children settle it.
+    HandDown,
+    /// It is linked; rung 0 takes one sample, 1 area points, 2 the edge form.
+    Link {
+        /// Which evaluation of the form factor.
+        rung: u32,
+    },
+}
+
+/// What the walk looks at.
+pub struct Walk<'a> {
+    frame: Frame,
+    topology: &'a [Topology],
+    clusters: &'a [Cluster],
+    reach: &'a [[f32; 4]],
+}
+
+/// 2^40: keeps products of tiny areas and distances away from denormals, which a device may flush.
+const FAR_FROM_DENORMAL: f32 = 1_099_511_627_776.0;
+
+/// Which evaluation serves at this squared distance, for a triangle with these radii.
+pub fn rung(d2: f32, radii: [f32; 4]) -> u32 {
+    if d2 >= radii[0] {
+        0
+    } else if d2 >= radii[1].min(radii[2].min(radii[3])) {
+        1
+    } else {
+        2
+    }
+}
+
+impl<'a> Walk<'a> {
+    /// Over the tree and radii of `data`.
+    pub fn new(data: &'a Buffers) -> Self {
+        Self { frame: data.frame[0], topology: &data.topology, clusters: &data.clusters, reach: &data.reach }
+    }
+
+    /// Whether |A/d_child^2 - A/d^2| exceeds epsilon_1.
+    fn deviates(&self, area: f32, d2: f32, child2: f32) -> bool {
+        let change = (area * FAR_FROM_DENORMAL) * (d2 - child2).abs();
+        let allowed = (self.frame.receiver_angle * FAR_FROM_DENORMAL) * (d2 * child2);
+        change > allowed
+    }
+
+    /// Whether A'/A falls short.
+    fn bent(&self, emitter: &Cluster) -> bool {
+        let n = emitter.normal.map(|x| x * FAR_FROM_DENORMAL);
+        let area = emitter.area * FAR_FROM_DENORMAL;
+        n[0] * n[0] + n[1] * n[1] + n[2] * n[2] < self.frame.planarity * (area * area)
+    }
+
+    /// Goes through the emitters handed to this receiver and tells each decision, with the emitter, in order.
+    pub fn walk(&self, receiver: u32, handed: &[u32], mut tell: impl FnMut(Decision, u32)) {
+        let receiver = receiver as usize;
+        let center = self.clusters[receiver].center;
+        let inner = self.topology[receiver].face == u32::MAX;
+        let children = if inner {
+            let right = self.topology[receiver + 1].skip as usize;
+            [self.clusters[receiver + 1].center, self.clusters[right].center]
+        } else {
+            [center; 2]
+        };
+        for &start in handed {
+            let mut node = start;
+            let end = self.topology[start as usize].skip;
+            while node < end {
+                let emitter = &self.clusters[node as usize];
+                let place = self.topology[node as usize];
+                let d2 = distance2(center, emitter.center);
+                let far = |child: &[f32; 3]| self.deviates(emitter.area, d2, distance2(*child, emitter.center));
+                if inner && children.iter().any(far) {
+                    tell(Decision::HandDown, node);
+                    node = place.skip;
+                } else if place.face == u32::MAX && (emitter.area > self.frame.emitter_angle * d2 || self.bent(emitter))
+                {
+                    node += 1;
+                } else {
+                    let rung = self.reach.get(place.face as usize).map_or(0, |&radii| rung(d2, radii));
+                    tell(Decision::Link { rung }, node);
+                    node = place.skip;
+                }
+            }
+        }
+    }
+}

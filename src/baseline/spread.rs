@@ -1,0 +1,36 @@
+//! Stage `spread`: a face's radiosity B is what was gathered at its leaf and at every cluster above it (section 3.2).
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::layout::Slot;
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "spread",
+    room: "baseline",
+    about: "radiosity of each face: the sum of what it and its clusters gathered",
+    equation: "Mertens et al. 2003, section 3.2",
+    writes: &[(Slot::radiosity, Role::Output, Tolerance::Float { relative: 5e-6, floor: 1e-7 })],
+    reason: "a sum of some 40 non-negative terms",
+    unit: Unit::Frame,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _at: Place) {
+    let data = &mut state.data;
+    data.radiosity = data
+        .leaves
+        .par_iter()
+        .map(|&leaf| {
+            let up = |&node: &u32| Some(data.topology[node as usize].parent).filter(|&parent| parent != u32::MAX);
+            narrow(std::iter::successors(Some(leaf), up).map(|node| wide(data.gathered[node as usize])).sum())
+        })
+        .collect();
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    pass.dispatch(None, &[], &[], pass.state.data.triangles.len())
+}

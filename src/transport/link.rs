@@ -1,0 +1,135 @@
+//! Stage `link`: for each block of receivers which emitters it expands, links directly, or takes triangle by triangle.
+//!
+//! Decisions: `f32` additions, multiplications and comparisons in the order of `glsl/transport/link/walk.glsl`, so that
+//! all devices agree bit for bit. Lists are counted, placed by a prefix sum, written; there is no fixed capacity a block.
+
+use rayon::prelude::*;
+
+use crate::dipole::distance2;
+use crate::error::Result;
+use crate::layout::{Cursor, Emitter, Range, Runs, Slot, Sphere};
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "link",
+    room: "transport",
+    about: "the lists of each block: emitters to expand, to link directly, to take by area points or the edge form",
+    equation: "Mertens et al. 2003, section 5.2, by contribution: |x - c|^2 >= (radius of the rule + radius of the block)^2",
+    writes: &[
+        (Slot::runs, Role::Update, Tolerance::Exact),
+        (Slot::cursor, Role::Update, Tolerance::Exact),
+        (Slot::entries, Role::Output, Tolerance::Exact),
+    ],
+    reason: "decisions: additions, multiplications and comparisons in f32, the same everywhere",
+    unit: Unit::Batch,
+    cpu,
+    gpu,
+};
+
+/// What becomes of an emitter at a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// It counts for nothing.
+    Dropped,
+    /// It is expanded about the block's centre.
+    Expanded,
+    /// It is evaluated at each receiver.
+    Direct,
+    /// A triangle that takes area points.
+    Area,
+    /// A triangle that takes the edge form.
+    Edge,
+    /// Its children settle it.
+    Opened,
+}
+
+/// Whether a squared distance is at least (reach + radius)^2; a reach far below 0 is always passed.
+fn beyond(d2: f32, reach: f32, radius: f32) -> bool {
+    let sum = (reach + radius).max(0.0);
+    d2 >= sum * sum
+}
+
+/// Walks the tree of emitters for a block and tells each decision, in order.
+pub fn walk(sphere: &Sphere, emitters: &[Emitter], mut tell: impl FnMut(Kind, u32)) {
+    let mut node = 0;
+    while node < emitters.len() {
+        let e = &emitters[node];
+        let ([x, y, z, drop], [expand, accept, area]) = (e.place, e.reach);
+        let d2 = distance2(sphere.center, [x, y, z]);
+        let kind = if beyond(d2, drop, sphere.radius) {
+            Kind::Dropped
+        } else if beyond(d2, expand * sphere.reach, sphere.radius) {
+            Kind::Expanded
+        } else if beyond(d2, accept, sphere.radius) {
+            Kind::Direct
+        } else if e.skip as usize != node + 1 {
+            Kind::Opened
+        } else if beyond(d2, area, sphere.radius) {
+            Kind::Area
+        } else {
+            Kind::Edge
+        };
+        tell(kind, node as u32);
+        node = if kind == Kind::Opened { node + 1 } else { e.skip as usize };
+    }
+}
+
+/// The batch's blocks and the lists' part.
+pub fn batch(state: &State, at: Place) -> (std::ops::Range<usize>, usize, usize) {
+    let blocks = state.schedule.batches[at.chunk].clone();
+    (blocks.start as usize..blocks.end as usize, state.part(Slot::runs, at).0, state.part(Slot::entries, at).0)
+}
+
+fn cpu(state: &mut State, at: Place) {
+    let (blocks, run_base, entry_base) = batch(state, at);
+    let (base, _) = state.part(Slot::emitters, at);
+    let data = &mut state.data;
+    if at == Place::default() {
+        data.cursor[0] = Cursor::default();
+    }
+    let emitters = &data.emitters[base..base + data.topology.len()];
+    let lists: Vec<[Vec<u32>; 6]> = data.spheres[blocks]
+        .par_iter()
+        .map(|sphere| {
+            let mut lists: [Vec<u32>; 6] = Default::default();
+            walk(sphere, emitters, |kind, node| lists[kind as usize].push(node));
+            lists
+        })
+        .collect();
+
+    let kept = Kind::Expanded as usize..=Kind::Edge as usize;
+    let total: usize = lists.iter().map(|lists| lists[kept.clone()].iter().map(Vec::len).sum::<usize>()).sum();
+    let fits = total <= data.frame[0].entry_room as usize;
+    let cursor = &mut data.cursor[0];
+    cursor.entries = total as u32;
+    cursor.need_entries = cursor.need_entries.max(total as u32);
+    cursor.overflow |= u32::from(!fits);
+
+    let mut next = 0;
+    for (i, lists) in lists.iter().enumerate() {
+        let [dropped, expanded, direct, area, edge, _] = lists.each_ref().map(|list| list.len() as u32);
+        data.runs[run_base + i] = if fits {
+            Runs { first: next, expanded, direct, area, edge, dropped }
+        } else {
+            Runs { dropped, ..Runs::default() }
+        };
+        for list in lists[kept.clone()].iter().filter(|_| fits) {
+            let start = entry_base + next as usize;
+            data.entries[start..start + list.len()].copy_from_slice(list);
+            next += list.len() as u32;
+        }
+    }
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let blocks = pass.state.schedule.batches[pass.at.chunk].clone();
+    let range = Range { first: blocks.start, count: blocks.end - blocks.start };
+    let push = bytemuck::bytes_of(&range);
+    if pass.at == Place::default() {
+        pass.dispatch(Some("open"), &[], &[], 1)?;
+    }
+    pass.dispatch(Some("count"), &[], push, range.count as usize)?;
+    pass.dispatch(Some("scan"), &[], push, 1)?;
+    pass.dispatch(Some("write"), &[], push, range.count as usize)
+}
