@@ -7,6 +7,7 @@ mod lists;
 mod plan;
 mod render;
 mod solve;
+mod stress;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -37,6 +38,8 @@ enum Command {
     Plan(plan::Arguments),
     /// Compare every stage on a device with the CPU reference.
     Conform(conform::Arguments),
+    /// Run the table of extreme cases: fallback, finite or not, worst error against f64.
+    Stress(stress::Arguments),
     /// Evaluate form factors or profiles, one a row of a CSV file.
     Eval(eval::Arguments),
     /// List the Vulkan devices and the CPU back end.
@@ -258,6 +261,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Conform(arguments) => conform::run(&arguments),
+        Command::Stress(arguments) => stress::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Devices => devices::run(),
         Command::Scenes(arguments) => lists::scenes(&arguments),

@@ -226,9 +226,13 @@ fn large(name: &str, method: &[&str]) -> Result<Fixture> {
     Fixture::new(name, &scene, Options::default(), room)
 }
 
-/// Form factors to evaluate one by one: inside, outside, far, above, thin.
+/// Form factors to evaluate one by one: inside, outside, far, above, thin, very far, and without area.
 fn queries(name: &str) -> Fixture {
     let mut state = State::default();
+    let (medium, nowhere) =
+        (Query { strength: 0.07, z_real: 0.3, z_virtual: 1.1, ..Query::default() }, [1.0, 2.0, 3.0]);
+    let (a, b, c) = ([9e5, 0.0, 5e5], [9e5, 1.0, 5e5], [9e5, 0.3, 5e5 + 1.0]);
+    state.data.queries = vec![Query { a, b, c, ..medium }, Query { a: nowhere, b: nowhere, c: nowhere, ..medium }];
     for (i, (offset, height)) in [(0.1, 0.2), (1.5, 0.0), (6.0, 1.0), (0.3, 2.0), (0.9, 0.01)].into_iter().enumerate() {
         for (thin, sigma) in [(1.0, 0.0), (0.05, 0.5), (1.0, 3.0)] {
             let shift = [-offset, -0.3 * thin, -height];

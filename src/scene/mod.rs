@@ -67,7 +67,16 @@ impl Scene {
     /// Loads a built-in scene by name, a mesh alone by a path that ends in `.obj`, or else a TOML
     /// file, and applies the `key=value` settings in order.
     pub fn load(name_or_path: &str, sets: &[String]) -> Result<Self> {
-        let text = Text::find(name_or_path)?;
+        Self::of(Text::find(name_or_path)?, sets)
+    }
+
+    /// Reads the text of a scene file, called `name` in messages, and applies the `key=value` settings in order.
+    pub fn parse(name: &str, toml: &str, sets: &[String]) -> Result<Self> {
+        let (name, file) = (name.to_owned(), PathBuf::from(name));
+        Self::of(Text { name, toml: toml.to_owned(), file, folder: PathBuf::new() }, sets)
+    }
+
+    fn of(text: Text, sets: &[String]) -> Result<Self> {
         let draft = read::read(&text.toml, &text.file, sets)?;
         let mut report = Vec::new();
 

@@ -1,0 +1,90 @@
+//! `milkglass stress`: the table of extreme cases.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{DeviceArgument, check_messages, print, table, validation};
+use crate::error::{Error, Input, Result};
+use crate::measure::stress::{Bound, Outcome, Worst, stress};
+use crate::view::picture::write_whole;
+
+/// Arguments of `stress`.
+#[derive(Args)]
+#[command(
+    after_help = "Example: milkglass stress --csv stress.csv\n         milkglass stress --only sliver --device cpu"
+)]
+pub struct Arguments {
+    #[command(flatten)]
+    device: DeviceArgument,
+    /// Only cases whose name contains this.
+    #[arg(long, value_name = "NAME", default_value = "")]
+    only: String,
+    /// Also write the table to this file, with the reasons of the bounds.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+}
+
+/// Runs the cases, prints the table, and fails if one of them does.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let device = arguments.device.open(validation())?;
+    let outcomes = stress(device.as_ref(), &arguments.only, None)?;
+    check_messages(device.as_ref())?;
+    let rows: Vec<_> = outcomes.iter().map(row).collect();
+    let header =
+        ["case", "finite", "L2", "max", "bounds", "brute L2", "max", "bounds", "verdict", "documented fallback"];
+    print(&table(&header, &[2, 3, 5, 6], &rows))?;
+    if let Some(path) = &arguments.csv {
+        let text = csv(&outcomes).map_err(|e| Input::new(e).file(path))?;
+        write_whole(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))?;
+    }
+    for outcome in &outcomes {
+        for fault in &outcome.faults {
+            eprintln!("{}: {fault}", outcome.case.name);
+        }
+    }
+    let failed = outcomes.iter().filter(|outcome| !outcome.faults.is_empty()).count();
+    if failed > 0 {
+        return Err(Error::Check(format!("{failed} of {} cases fail", outcomes.len())));
+    }
+    print(&format!("{} cases, all pass\n", outcomes.len()))
+}
+
+fn finite(outcome: &Outcome) -> String {
+    if outcome.sound { "yes" } else { "NO" }.to_string()
+}
+
+fn verdict(outcome: &Outcome) -> String {
+    if outcome.faults.is_empty() { "passes" } else { "FAILS" }.to_string()
+}
+
+fn row(outcome: &Outcome) -> Vec<String> {
+    let case = outcome.case;
+    let errors = |error: Worst, bound: Bound| {
+        [format!("{:.1e}", error.l2), format!("{:.1e}", error.max), format!("{:.0e} {:.0e}", bound.l2, bound.max)]
+    };
+    let mut cells = vec![case.name.to_string(), finite(outcome)];
+    cells.extend(errors(outcome.usual, case.bound));
+    cells.extend(errors(outcome.brute, case.brute));
+    cells.extend([verdict(outcome), case.fallback.to_string()]);
+    cells
+}
+
+fn csv(outcomes: &[Outcome]) -> std::result::Result<Vec<u8>, String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let errors = ["l2", "max", "bound_l2", "bound_max", "brute_l2", "brute_max", "brute_bound_l2", "brute_bound_max"];
+    let header = ["case", "finite"].iter().chain(&errors).chain(&["verdict", "fallback", "reason"]);
+    writer.write_record(header).map_err(|e| e.to_string())?;
+    for outcome in outcomes {
+        let case = outcome.case;
+        let (usual, brute) = (outcome.usual, outcome.brute);
+        let numbers = [usual.l2, usual.max, case.bound.l2, case.bound.max, brute.l2, brute.max]
+            .into_iter()
+            .chain([case.brute.l2, case.brute.max])
+            .map(|x| format!("{x:e}"));
+        let before = [case.name.to_string(), finite(outcome)];
+        let after = [verdict(outcome), case.fallback.to_string(), case.reason.to_string()];
+        writer.write_record(before.into_iter().chain(numbers).chain(after)).map_err(|e| e.to_string())?;
+    }
+    writer.into_inner().map_err(|e| e.to_string())
+}

@@ -1,0 +1,167 @@
+//! Single form factors: the stage `evaluate` and brute force, against graded quadrature in `f64`.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{Found, Plant, Worst};
+use crate::dipole::form_factor::exact::edge_form_exact;
+use crate::dipole::form_factor::{Distance, vector_area};
+use crate::dipole::profile::Dipole;
+use crate::error::Result;
+use crate::gpu::Device;
+use crate::layout::{Query, SLOTS, Slot};
+use crate::light::fresnel::{boundary, diffuse_internal_exact};
+use crate::render::plan::{Change, Goal, Options, Transport};
+use crate::render::run::{Room, Session};
+use crate::render::stages::stage;
+use crate::scene::{Fresnel, Light, Material, Mesh, Scene};
+use crate::state::{DeviceState, Place, State, Step};
+
+/// Three media, one a channel: reduced scattering and absorption, 1/length, and the index of refraction.
+pub(super) type Media = [[f64; 3]; 3];
+
+/// A triangle, a point that receives from it, and three media between them.
+pub(super) struct Pair {
+    /// Corners, counter-clockwise, in the media's unit of length.
+    pub triangle: [DVec3; 3],
+    /// The receiving point.
+    pub point: DVec3,
+    /// The media.
+    pub media: Media,
+}
+
+/// Of R_full: from this share on a form factor may not come out as zero. Below it the edges of a thin triangle cancel.
+const SEEN: f64 = 1e-6;
+/// From this value on at least one form factor of a case has to be seen. It is far above the smallest `f32`.
+const ANY: f64 = 1e-30;
+
+impl Pair {
+    fn dipoles(&self) -> [Dipole; 3] {
+        self.media.map(|[s, a, eta]| Dipole::new(s, a, boundary(diffuse_internal_exact(eta))))
+    }
+
+    /// The form factors to nearly all digits.
+    fn exact(&self) -> [f64; 3] {
+        let form = |dipole: &Dipole| {
+            let corners = self.triangle.map(|corner| corner - self.point);
+            edge_form_exact(&corners, [0, 1, 2], DVec3::ZERO, dipole, Distance::Radial)
+        };
+        self.dipoles().each_ref().map(form)
+    }
+
+    /// What `milkglass eval` asks: relative to the point, in mean free paths, channel by channel.
+    fn queries(&self) -> [Query; 3] {
+        std::array::from_fn(|channel| {
+            let [s, a, eta] = self.media[channel];
+            let unit = 1.0 / (s + a);
+            let corner = |k: usize| ((self.triangle[k] - self.point) / unit).to_array().map(|x| x as f32);
+            let dipole = Dipole::new(s * unit, a * unit, boundary(diffuse_internal_exact(eta)));
+            Query {
+                a: corner(0),
+                b: corner(1),
+                c: corner(2),
+                strength: dipole.strength as f32,
+                sigma: dipole.sigma as f32,
+                z_real: dipole.z_real as f32,
+                z_virtual: dipole.z_virtual as f32,
+            }
+        })
+    }
+
+    /// A scene of two triangles: the lit one, and a small one round the point, which faces away from the light.
+    fn scene(&self) -> Result<Scene> {
+        let mut scene = super::solve::scene(&[])?;
+        let normal = vector_area(&self.triangle).try_normalize().unwrap_or(DVec3::Z);
+        let spread = self.triangle.iter().map(|corner| corner.distance(self.point)).fold(0.0, f64::max);
+        let (u, v) = normal.any_orthonormal_pair();
+        let small = [-u - v, 2.0 * v - u, 2.0 * u - v].map(|d| self.point + 1e-4 * spread * d);
+        scene.object.mesh = Mesh {
+            positions: self.triangle.into_iter().chain(small).collect(),
+            triangles: vec![[0, 1, 2], [3, 4, 5]],
+            input_face: vec![0, 1],
+            open_edges: 6,
+        };
+        scene.object.material = Material {
+            name: "extreme".into(),
+            sigma_s_prime: self.media.map(|[s, ..]| s),
+            sigma_a: self.media.map(|[_, a, _]| a),
+            eta: self.media.map(|[.., eta]| eta),
+            fresnel: Fresnel::Exact,
+        };
+        scene.lights = vec![Light::Directional { direction: normal, irradiance: [1.0; 3] }];
+        Ok(scene)
+    }
+}
+
+/// The form factors of these pairs by `evaluate` and by brute force.
+pub(super) fn run(pairs: &[Pair], device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 2]> {
+    // One twin for all: its kernels are made once.
+    let mut twin = device.map(|device| DeviceState::new(device, false));
+    let mut evaluated = evaluate(pairs, twin.as_mut())?;
+    if let Some(plant) = plant {
+        plant.apply(&mut evaluated);
+    }
+    let brute = pairs.iter().map(|pair| brute(pair, twin.as_mut())).collect::<Result<Vec<_>>>()?;
+    let exact: Vec<_> = pairs.par_iter().map(Pair::exact).collect();
+    Ok([judge(pairs, &exact, &evaluated), judge(pairs, &exact, &brute)])
+}
+
+fn judge(pairs: &[Pair], exact: &[[f64; 3]], values: &[[f32; 3]]) -> Found {
+    let mut found = Found::default();
+    found.look("form factors", values);
+    let (mut sum, mut max, mut zeros, mut any) = (0.0, 0.0, 0, false);
+    for ((pair, exact), values) in pairs.iter().zip(exact).zip(values) {
+        for ((dipole, &exact), value) in pair.dipoles().iter().zip(exact).zip(values.map(f64::from)) {
+            // Where nothing scatters, R_full is 0 and so must F be.
+            let full = if dipole.total() > 0.0 { dipole.total() } else { f64::MIN_POSITIVE };
+            let error = (value - exact).abs() / full;
+            sum += error * error;
+            max = if error.is_nan() || error > max { error } else { max };
+            zeros += usize::from(value == 0.0 && exact > SEEN * full);
+            any |= exact > ANY;
+        }
+    }
+    if any && values.iter().flatten().all(|&value| value == 0.0) {
+        found.faults.push("all form factors are 0 and should not be".into());
+    }
+    if zeros > 0 {
+        found.faults.push(format!("{zeros} form factors are 0 and should not be"));
+    }
+    found.error = Worst { l2: (sum / (3 * pairs.len()) as f64).sqrt(), max };
+    found
+}
+
+/// The stage `evaluate`.
+fn evaluate(pairs: &[Pair], twin: Option<&mut DeviceState>) -> Result<Vec<[f32; 3]>> {
+    let mut state = State::default();
+    state.data.queries = pairs.iter().flat_map(Pair::queries).collect();
+    state.data.answers = vec![[0.0; 3]; state.data.queries.len()];
+    let steps: Vec<Step> = stage("evaluate").into_iter().map(|stage| Step { stage, at: Place::default() }).collect();
+    steps_on(&mut state, &steps, twin, &[Slot::answers])?;
+    let radial = |answers: &[[f32; 3]]| [answers[0][0], answers[1][0], answers[2][0]];
+    Ok(state.data.answers.chunks_exact(3).map(radial).collect())
+}
+
+/// Runs these steps on the device or on the CPU, and brings back these buffers.
+fn steps_on(state: &mut State, steps: &[Step], twin: Option<&mut DeviceState>, slots: &[Slot]) -> Result<()> {
+    let Some(twin) = twin else {
+        steps.iter().for_each(|step| (step.stage.cpu)(state, step.at));
+        return Ok(());
+    };
+    twin.upload(state, SLOTS)?;
+    twin.run(state, steps)?;
+    twin.download(state, slots)
+}
+
+/// Brute force over the two triangles: what the point receives, per irradiance of the lit one.
+fn brute(pair: &Pair, twin: Option<&mut DeviceState>) -> Result<[f32; 3]> {
+    let options = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
+    let mut session = Session::new(&pair.scene()?, None, options, Room::default())?;
+    let steps = session.plan.steps(session.state(), Change::EVERYTHING);
+    steps_on(&mut session.prepared.state, &steps, twin, &[Slot::irradiance, Slot::radiosity])?;
+    let place = |face: u32| session.prepared.faces.iter().position(|&f| f == face).unwrap_or(0);
+    let data = &session.state().data;
+    let (light, received) = (data.irradiance[place(0)], data.radiosity[place(1)]);
+    // A triangle without area takes no light; then nothing may arrive.
+    Ok(std::array::from_fn(|c| if light[c] == 0.0 { received[c] } else { received[c] / light[c] }))
+}

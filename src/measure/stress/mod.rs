@@ -1,0 +1,209 @@
+//! The extreme cases: scenes and form factors at the edge of what there is, each with what the program does about it,
+//! how far from `f64` its answer may lie, and why.
+//!
+//! A case passes when every value is a number, none is negative, none is zero where light belongs, and the errors keep
+//! within the case's own bounds: of the device's usual method and of the `f32` brute force beside it.
+
+mod factor;
+mod factors;
+mod materials;
+mod meshes;
+mod places;
+mod solve;
+
+use crate::error::{Input, Result};
+use crate::gpu::Device;
+use crate::measure::norms::Norms;
+
+/// How large an error may be; no unit, below 1, or else darkness would pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound {
+    /// Of the L2 error: sqrt(sum A dB^2 / sum A B^2); for form factors the root mean square of the scaled errors.
+    pub l2: f64,
+    /// Of the largest error: |dB| / rms(B); for form factors |F - F_ref| / R_full, the scaled error.
+    pub max: f64,
+}
+
+/// Where the answer has to be zero, to the last bit.
+pub const ZERO: Bound = Bound { l2: 0.0, max: 0.0 };
+
+/// What today's clusters need: they bound angles, not errors, and hold the irradiance of a face to that of its cluster.
+const CLUSTERS: Bound = Bound { l2: 1e-2, max: 5e-2 };
+/// What brute force needs: one sample with its second moment up to chi = 0.1, and sums in `f32`.
+const BRUTE: Bound = Bound { l2: 1e-4, max: 5e-4 };
+/// Why these two are enough for most scenes.
+const USUAL_REASON: &str = "only clustering accounts for the first: its angles bound no error; brute force \
+                                       takes one sample up to chi = 0.1, wrong by parts in a thousand of a far face";
+
+/// One extreme case.
+pub struct Case {
+    /// Its name, as `--only` takes it.
+    pub name: &'static str,
+    /// What the program does here, and where that differs from the ordinary.
+    pub fallback: &'static str,
+    /// What the device's usual method may be wrong by; for form factors, the stage `evaluate`.
+    pub bound: Bound,
+    /// What brute force in `f32` on the same device may be wrong by.
+    pub brute: Bound,
+    /// Why the bounds are what they are.
+    pub reason: &'static str,
+    /// What is computed.
+    kind: Kind,
+}
+
+/// What a case computes.
+enum Kind {
+    /// Form factors of single triangles at single points, by the edge form.
+    Factors(fn() -> Vec<factor::Pair>),
+    /// The radiosity of a scene.
+    Scene(fn() -> Result<solve::Setup>),
+}
+
+/// Errors of a case by one method, worst channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Worst {
+    /// As [`Bound::l2`].
+    pub l2: f64,
+    /// As [`Bound::max`].
+    pub max: f64,
+}
+
+impl From<Norms> for Worst {
+    fn from(norms: Norms) -> Self {
+        Self { l2: norms.l2, max: norms.max }
+    }
+}
+
+/// How a case went.
+pub struct Outcome {
+    /// The case.
+    pub case: &'static Case,
+    /// Whether every value was a finite number of at least 0.
+    pub sound: bool,
+    /// Errors of the usual method, or of the stage `evaluate`.
+    pub usual: Worst,
+    /// Errors of brute force in `f32`.
+    pub brute: Worst,
+    /// Everything that is wrong; empty when the case passes.
+    pub faults: Vec<String>,
+}
+
+/// A deliberate change to what the device answers, to prove that the table can fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plant {
+    /// One value is not a number.
+    NotANumber,
+    /// One value is infinite.
+    Infinite,
+    /// One value is negative.
+    Negative,
+    /// Everything is zero.
+    Dark,
+    /// Every value is larger by a tenth.
+    TenthMore,
+    /// Every value is larger by 1e-30.
+    Trace,
+}
+
+impl Plant {
+    /// Changes values as planned.
+    fn apply(self, values: &mut [[f32; 3]]) {
+        let every = |values: &mut [[f32; 3]], f: fn(f32) -> f32| values.iter_mut().flatten().for_each(|x| *x = f(*x));
+        let one = |values: &mut [[f32; 3]], x: f32| values.iter_mut().skip(1).take(1).for_each(|value| value[1] = x);
+        match self {
+            Self::NotANumber => one(values, f32::NAN),
+            Self::Infinite => one(values, f32::INFINITY),
+            Self::Negative => one(values, -1e-30),
+            Self::Dark => every(values, |_| 0.0),
+            Self::TenthMore => every(values, |x| x * 1.1),
+            Self::Trace => every(values, |x| x + 1e-30),
+        }
+    }
+}
+
+/// What one method made of a case: its errors, and what is wrong beyond them.
+#[derive(Default)]
+struct Found {
+    error: Worst,
+    unsound: bool,
+    faults: Vec<String>,
+}
+
+impl Found {
+    /// Counts the values that are no numbers, infinite or negative.
+    fn look(&mut self, what: &str, values: &[[f32; 3]]) {
+        let bad = values.iter().flatten().filter(|x| !(x.is_finite() && **x >= 0.0)).count();
+        if bad > 0 {
+            self.unsound = true;
+            self.faults.push(format!("{bad} values of {what} are not finite, or negative"));
+        }
+    }
+}
+
+/// Every case: single form factors, then materials, then meshes, places and lights.
+fn cases() -> impl Iterator<Item = &'static Case> {
+    factors::CASES.iter().chain(materials::CASES).chain(places::CASES)
+}
+
+/// Runs the cases whose name contains `only`, on a device or, without one, on the CPU.
+pub fn stress(device: Option<&Device>, only: &str, plant: Option<Plant>) -> Result<Vec<Outcome>> {
+    let chosen: Vec<_> = cases().filter(|case| case.name.contains(only)).collect();
+    if chosen.is_empty() {
+        let names: Vec<_> = cases().map(|case| case.name).collect();
+        return Err(Input::new("no case has this in its name").found(only).expected(names.join("; ")).into());
+    }
+    chosen.into_iter().map(|case| run(case, device, plant)).collect()
+}
+
+fn run(case: &'static Case, device: Option<&Device>, plant: Option<Plant>) -> Result<Outcome> {
+    let [usual, brute] = match case.kind {
+        Kind::Factors(pairs) => factor::run(&pairs(), device, plant)?,
+        Kind::Scene(make) => solve::run(&make()?, device, plant)?,
+    };
+    let sound = !usual.unsound && !brute.unsound;
+    let mut faults = Vec::new();
+    for (method, found, bound) in [("the method", &usual, case.bound), ("brute force", &brute, case.brute)] {
+        faults.extend(found.faults.iter().map(|fault| format!("{method}: {fault}")));
+        for (norm, error, bound) in [("L2", found.error.l2, bound.l2), ("largest", found.error.max, bound.max)] {
+            // What is no number is beyond any bound.
+            if error.is_nan() || error > bound {
+                faults.push(format!("{method}: the {norm} error {error:.2e} is beyond {bound:.0e}: {}", case.reason));
+            }
+        }
+    }
+    Ok(Outcome { case, sound, usual: usual.error, brute: brute.error, faults })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_case_says_what_it_does_and_darkness_fails_its_bound() {
+        let mut names: Vec<_> = cases().map(|case| case.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), cases().count(), "two cases have one name");
+        for case in cases() {
+            assert!(!case.fallback.is_empty() && !case.reason.is_empty(), "{}", case.name);
+            for bound in [case.bound, case.brute] {
+                assert!(bound.l2 < 1.0 && bound.max < 1.0 && bound.l2 <= bound.max, "{}", case.name);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_planted_is_found() {
+        let fails = |only: &str, plant| stress(None, only, plant).unwrap().iter().all(|o| !o.faults.is_empty());
+        let passes = |only: &str| stress(None, only, None).unwrap().iter().all(|o| o.faults.is_empty());
+        for only in ["inside a triangle", "one lit face"] {
+            assert!(passes(only), "{only}");
+            for plant in [Plant::NotANumber, Plant::Infinite, Plant::Negative, Plant::Dark, Plant::TenthMore] {
+                assert!(fails(only, Some(plant)), "{only}: {plant:?}");
+            }
+        }
+        // Zero means zero.
+        assert!(passes("no light at all") && fails("no light at all", Some(Plant::Trace)));
+        assert!(stress(None, "no such case", None).is_err());
+    }
+}

@@ -1,0 +1,213 @@
+//! The cases of meshes, of where and how large they are, and of light.
+
+use glam::DVec3;
+
+use super::meshes::{both, doubled, even, mesh, reversed, sheet, turn, turned};
+use super::solve::{Setup, scene};
+use super::{BRUTE, Bound, CLUSTERS, Case, Kind, USUAL_REASON, ZERO};
+use crate::error::Result;
+use crate::light::fresnel::transmittance;
+use crate::scene::Light;
+
+/// The base scene, larger by this factor, the material thinner by it.
+fn scaled(factor: f64) -> Result<Setup> {
+    let setup =
+        Setup::new(&[&format!("object.0.size={factor:e}"), &format!("object.0.material.scale={:e}", 1.0 / factor)])?;
+    Ok(setup.against(scene(&[])?, [1.0; 3]))
+}
+
+/// A sheet under a light at this angle over its plane; its radiosity against that under a light from above.
+fn grazing(angle: f64) -> Result<Setup> {
+    let mesh = || turned(sheet(&even(16), &even(16)));
+    let (cos, sin) = (angle.cos(), angle.sin());
+    let light = |x: f64, z: f64| Light::Directional { direction: turn(DVec3::new(x, 0.0, z)), irradiance: [1.0; 3] };
+    let mut above = Setup::new(&[])?.mesh(mesh());
+    above.scene.lights = vec![light(0.0, 1.0)];
+    let mut setup = Setup::new(&[])?.mesh(mesh());
+    setup.scene.lights = vec![light(cos, sin)];
+    let eta = setup.scene.object.material.eta;
+    Ok(setup.against(above.scene, eta.map(|eta| sin * transmittance(eta, sin) / transmittance(eta, 1.0))))
+}
+
+/// A lamp of this intensity near the ball, against one of 1 W/sr.
+fn lamp(intensity: f64) -> Result<Setup> {
+    let one = || {
+        let sets = ["light.0={ type = \"point\", position = [0.8, 0.5, 0.9], intensity = 1 }"];
+        Setup::new(&sets)
+    };
+    let mut setup = one()?;
+    if let Light::Point { intensity: channels, .. } = &mut setup.scene.lights[0] {
+        *channels = [intensity; 3];
+    }
+    Ok(setup.against(one()?.scene, [intensity; 3]))
+}
+
+/// Meshes, places and lights at their extremes.
+pub(super) static CASES: &[Case] = &[
+    Case {
+        name: "scene scale 1e-6",
+        fallback: "none: internal lengths are scaled to the object by a power of two",
+        bound: CLUSTERS,
+        brute: BRUTE,
+        reason: USUAL_REASON,
+        kind: Kind::Scene(|| scaled(1e-6)),
+    },
+    Case {
+        name: "scene scale 1e6",
+        fallback: "none: internal lengths are scaled to the object by a power of two",
+        bound: CLUSTERS,
+        brute: BRUTE,
+        reason: USUAL_REASON,
+        kind: Kind::Scene(|| scaled(1e6)),
+    },
+    Case {
+        name: "1e6 extents from the origin",
+        fallback: "none: positions and lights are centred in f64 before they become f32",
+        bound: CLUSTERS,
+        brute: BRUTE,
+        reason: USUAL_REASON,
+        kind: Kind::Scene(|| {
+            let lit = || {
+                let sets =
+                    ["light.0.irradiance=0.2", "light.1={ type='point', position=[0.8, -0.5, 0.9], intensity=1 }"];
+                Setup::new(&sets)
+            };
+            let (mut setup, offset) = (lit()?, DVec3::new(1e6, -1e6, 7e5));
+            setup.scene.object.mesh.positions.iter_mut().for_each(|p| *p += offset);
+            setup.scene.camera.position += offset;
+            setup.scene.camera.target += offset;
+            for light in &mut setup.scene.lights {
+                if let Light::Point { position, .. } = light {
+                    *position += offset;
+                }
+            }
+            Ok(setup.against(lit()?.scene, [1.0; 3]))
+        }),
+    },
+    Case {
+        name: "slivers of 1e-6",
+        fallback: "none; import drops what is thinner than 1e-7",
+        bound: CLUSTERS,
+        brute: BRUTE,
+        reason: USUAL_REASON,
+        kind: Kind::Scene(|| Ok(Setup::new(&[])?.mesh(turned(sheet(&doubled(10, 1e-6), &even(10)))))),
+    },
+    Case {
+        name: "zero-area faces",
+        fallback: "import drops them; one that comes up emits nothing and receives like any other",
+        bound: CLUSTERS,
+        brute: BRUTE,
+        reason: USUAL_REASON,
+        kind: Kind::Scene(|| {
+            let mut flat = turned(sheet(&even(8), &even(8)));
+            flat.triangles.splice(5..5, [[3, 3, 3], [0, 1, 0]]);
+            flat.triangles.extend([[20, 21, 21], [0, 1, 2], [0, 4, 8], [80, 80, 80]]);
+            Ok(Setup::new(&[])?.mesh(mesh(flat.positions, flat.triangles)))
+        }),
+    },
+    Case {
+        name: "a slab as thin as z_r",
+        fallback: "none: both sides are half spaces to the dipole, and distances are radial",
+        bound: CLUSTERS,
+        brute: BRUTE,
+        reason: USUAL_REASON,
+        kind: Kind::Scene(|| {
+            let mut setup = Setup::new(&["object.0.shape=slab", "object.0.detail=12"])?;
+            let material = &setup.scene.object.material;
+            let factor = 1.0 / (material.sigma_s_prime[1] + material.sigma_a[1]) / 0.2;
+            setup.scene.object.mesh.positions.iter_mut().for_each(|p| p.z *= factor);
+            Ok(setup)
+        }),
+    },
+    Case {
+        name: "two coincident sheets",
+        fallback: "none",
+        bound: CLUSTERS,
+        brute: BRUTE,
+        reason: USUAL_REASON,
+        kind: Kind::Scene(|| {
+            let one = || turned(sheet(&even(14), &even(14)));
+            let lights = ["light.1={ type='directional', direction=[-0.5, -0.3, -0.9], irradiance=[0.3, 0.9, 0.6] }"];
+            Ok(Setup::new(&lights)?.mesh(both(one(), reversed(one()))))
+        }),
+    },
+    Case {
+        name: "light at grazing, 1e-3 rad",
+        fallback: "none",
+        bound: CLUSTERS,
+        brute: Bound { l2: 5e-4, max: 1e-3 },
+        reason: "as elsewhere; and a normal and a direction rounded to 2^-24 change a cosine of 1e-3 by 1e-4 of it, E by twice that",
+        kind: Kind::Scene(|| grazing(1e-3)),
+    },
+    Case {
+        name: "light tangent to a sheet",
+        fallback: "zero: nothing enters at a cosine of 0",
+        bound: ZERO,
+        brute: ZERO,
+        reason: "the cosine is exactly 0, and transmittance 0 there",
+        kind: Kind::Scene(|| {
+            Ok(Setup::new(&["light.0.direction=[1, 0, 0]"])?.mesh(sheet(&even(12), &even(12))).dark())
+        }),
+    },
+    Case {
+        name: "light tangent to a slab",
+        fallback: "none: four of its sides take no light of their own",
+        bound: CLUSTERS,
+        brute: BRUTE,
+        reason: USUAL_REASON,
+        kind: Kind::Scene(|| Setup::new(&["object.0.shape=slab", "object.0.detail=12", "light.0.direction=[1, 0, 0]"])),
+    },
+    Case {
+        name: "intensity 1e-30",
+        fallback: "none: light is scaled by a power of two to about 1 before it becomes f32",
+        bound: CLUSTERS,
+        brute: BRUTE,
+        reason: USUAL_REASON,
+        kind: Kind::Scene(|| lamp(1e-30)),
+    },
+    Case {
+        name: "intensity 1e30",
+        fallback: "a scene file refuses more than 1e20 by name; the same scaling holds and is what runs here",
+        bound: CLUSTERS,
+        brute: BRUTE,
+        reason: USUAL_REASON,
+        kind: Kind::Scene(|| Ok(Setup { refused: "light.0.irradiance=1e30", ..lamp(1e30)? })),
+    },
+    Case {
+        name: "one lit face among dark ones",
+        fallback: "none",
+        bound: CLUSTERS,
+        brute: Bound { l2: 5e-4, max: 2e-3 },
+        reason: "only clustering accounts for the first; of a single emitter the errors of one sample up to chi = 0.1 do not average",
+        kind: Kind::Scene(|| {
+            let mut flat = turned(sheet(&even(16), &even(16)));
+            flat.triangles[271].swap(1, 2);
+            let mut setup = Setup::new(&[])?.mesh(flat);
+            setup.scene.lights = vec![Light::Directional { direction: turn(-DVec3::Z), irradiance: [1.0; 3] }];
+            Ok(setup)
+        }),
+    },
+    Case {
+        name: "one lit sliver among dark faces",
+        fallback: "none",
+        bound: Bound { l2: 2e-1, max: 8e-1 },
+        brute: Bound { l2: 5e-2, max: 3e-1 },
+        reason: "a cluster lays its light at its centre, not where its one lit face is; a sliver's edges cancel to 1e-5 of \
+                 themselves, so that the rounding of each is hundredths of its light",
+        kind: Kind::Scene(|| {
+            let mut flat = sheet(&doubled(10, 1e-5), &even(10));
+            flat.triangles[2 * (19 * 4 + 9)].swap(1, 2);
+            let mut setup = Setup::new(&[])?.mesh(flat);
+            setup.scene.lights = vec![Light::Directional { direction: -DVec3::Z, irradiance: [1.0; 3] }];
+            Ok(setup)
+        }),
+    },
+    Case {
+        name: "no light at all",
+        fallback: "zero: no stage of the transport runs",
+        bound: ZERO,
+        brute: ZERO,
+        reason: "buffers that no stage writes are zeroed",
+        kind: Kind::Scene(|| Ok(Setup::new(&["light=[]"])?.dark())),
+    },
+];

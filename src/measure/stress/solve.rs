@@ -1,0 +1,174 @@
+//! Scenes: the usual method and brute force on a device, against a sum over all faces in `f64`.
+
+use super::{Found, Plant};
+use crate::error::Result;
+use crate::gpu::Device;
+use crate::layout::Slot;
+use crate::measure::norms::{norms, worst};
+use crate::measure::reference::{radiosity, sample};
+use crate::render::plan::{Change, Goal, Options, Transport};
+use crate::render::run::{Room, Session};
+use crate::render::stages::stage;
+use crate::scene::{Mesh, Scene};
+use crate::state::Place;
+
+/// A scene, and what its radiosity has to be.
+pub(super) struct Setup {
+    /// The scene.
+    pub scene: Scene,
+    /// What it is measured against.
+    pub against: Against,
+    /// A setting that a scene file must refuse, where the case goes beyond what it may say; or empty.
+    pub refused: &'static str,
+}
+
+/// What a scene's radiosity has to be.
+pub(super) enum Against {
+    /// That of the same scene in `f64`.
+    Itself,
+    /// That of another scene in `f64`, with the same faces in the same order, times a factor per channel.
+    Another(Box<Scene>, [f64; 3]),
+    /// Exactly zero.
+    Darkness,
+}
+
+/// Receivers to compare at; of fewer faces all.
+const RECEIVERS: usize = 48;
+/// Of the reference's rms: from this value on a radiosity may not come out as zero.
+const SEEN: f64 = 1e-6;
+
+/// What every scene here starts from: a ball of marble, 1 mm across, in the sun.
+const BASE: &str = r#"
+unit = "mm"
+[camera]
+size = [24, 24]
+[[light]]
+type = "directional"
+direction = [0.35, 0.6, 0.75]
+irradiance = [1.0, 0.8, 0.6]
+[[object]]
+shape = "sphere"
+detail = 2
+size = 1
+material = { sigma_s_prime = [22, 26, 30], sigma_a = [0.02, 0.04, 0.07], eta = 1.5 }
+"#;
+
+/// The base scene with these settings.
+pub(super) fn scene(sets: &[&str]) -> Result<Scene> {
+    let sets: Vec<String> = sets.iter().map(|set| set.to_string()).collect();
+    Scene::parse("stress", BASE, &sets)
+}
+
+impl Setup {
+    /// The base scene with these settings, against itself in `f64`.
+    pub fn new(sets: &[&str]) -> Result<Self> {
+        Ok(Self { scene: scene(sets)?, against: Against::Itself, refused: "" })
+    }
+
+    /// With a mesh of its own.
+    pub fn mesh(mut self, mesh: Mesh) -> Self {
+        self.scene.object.mesh = mesh;
+        self
+    }
+
+    /// Against the radiosity of another scene, times a factor per channel.
+    pub fn against(mut self, other: Scene, factor: [f64; 3]) -> Self {
+        self.against = Against::Another(Box::new(other), factor);
+        self
+    }
+
+    /// Against exactly zero.
+    pub fn dark(mut self) -> Self {
+        self.against = Against::Darkness;
+        self
+    }
+}
+
+/// The radiosity of a scene at these faces of its mesh, in scene units: irradiance in `f64` on the CPU, rounded once,
+/// then every face's near-exact form factor.
+fn reference(scene: &Scene, faces: &[usize]) -> Result<Vec<[f64; 3]>> {
+    let options = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
+    let mut session = Session::new(scene, None, options, Room::default())?;
+    for stage in ["refit", "irradiance"].into_iter().filter_map(stage) {
+        (stage.cpu)(&mut session.prepared.state, Place::default());
+    }
+    let mut place = vec![0; session.prepared.faces.len()];
+    for (at, &face) in session.prepared.faces.iter().enumerate() {
+        place[face as usize] = at;
+    }
+    let places: Vec<usize> = faces.iter().map(|&face| place[face]).collect();
+    let values = radiosity(session.state(), &places);
+    Ok(values.into_iter().map(|value| value.map(|x| x * session.units().light)).collect())
+}
+
+/// The radiosity by the usual method, a picture included, and by brute force.
+pub(super) fn run(setup: &Setup, device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 2]> {
+    let mesh = &setup.scene.object.mesh;
+    let faces = sample(mesh.triangles.len(), RECEIVERS, 1);
+    let expected = match &setup.against {
+        Against::Itself => reference(&setup.scene, &faces)?,
+        Against::Darkness => vec![[0.0; 3]; faces.len()],
+        Against::Another(scene, factor) => {
+            let times = |value: [f64; 3]| [0, 1, 2].map(|c| value[c] * factor[c]);
+            reference(scene, &faces)?.into_iter().map(times).collect()
+        }
+    };
+    let picture = Options { goal: Goal::Picture, ..Options::default() };
+    let brute = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
+    let mut usual = method(setup, device, picture, plant, &faces, &expected)?;
+    if !setup.refused.is_empty() && scene(&[setup.refused]).is_ok() {
+        usual.faults.push(format!("a scene file may say {}, which is documented as refused", setup.refused));
+    }
+    Ok([usual, method(setup, device, brute, None, &faces, &expected)?])
+}
+
+fn method(
+    setup: &Setup,
+    device: Option<&Device>,
+    options: Options,
+    plant: Option<Plant>,
+    faces: &[usize],
+    expected: &[[f64; 3]],
+) -> Result<Found> {
+    let mut session = Session::new(&setup.scene, device, options, Room::default())?;
+    session.frame(Change::EVERYTHING)?;
+    session.fetch(&[Slot::irradiance, Slot::radiosity, Slot::vertex_radiosity, Slot::radiance])?;
+    if let Some(plant) = plant {
+        plant.apply(&mut session.prepared.state.data.radiosity);
+    }
+
+    // Every value of every face, vertex and pixel.
+    let mut found = Found::default();
+    let data = &session.state().data;
+    found.look("irradiance", &data.irradiance);
+    found.look("radiosity", &data.radiosity);
+    found.look("vertex radiosity", &data.vertex_radiosity);
+    found.look("radiance", &data.radiance);
+    if matches!(setup.against, Against::Darkness) && data.radiosity.iter().flatten().any(|&x| x != 0.0) {
+        found.faults.push("there is light where there can be none".into());
+    }
+
+    // The sample against the reference, in scene units.
+    let mesh = &setup.scene.object.mesh;
+    let mut values = vec![[0.0; 3]; mesh.triangles.len()];
+    for (value, &face) in data.radiosity.iter().zip(&session.prepared.faces) {
+        values[face as usize] = value.map(|x| f64::from(x) * session.units().light);
+    }
+    let values: Vec<[f64; 3]> = faces.iter().map(|&face| values[face]).collect();
+    let area = |&face: &usize| mesh.corners(face).map_or(0.0, |[a, b, c]| 0.5 * (b - a).cross(c - a).length());
+    let areas: Vec<f64> = faces.iter().map(area).collect();
+    found.error = worst(&norms(&areas, &values, expected)).into();
+
+    let largest = |channel: usize| expected.iter().map(|value| value[channel]).fold(0.0, f64::max);
+    let zeros: usize = [0, 1, 2]
+        .map(|c| {
+            let seen = SEEN * largest(c);
+            values.iter().zip(expected).filter(|(v, e)| v[c] == 0.0 && e[c] > seen).count()
+        })
+        .iter()
+        .sum();
+    if zeros > 0 {
+        found.faults.push(format!("{zeros} radiosities are 0 and should not be"));
+    }
+    Ok(found)
+}
