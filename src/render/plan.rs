@@ -44,15 +44,20 @@ pub struct Change {
     pub light: bool,
     /// The camera.
     pub view: bool,
+    /// Nothing, yet radiosity is summed again from what is known of the light: over kept links gather, push and
+    /// average; where links are scratch they are made anew.
+    pub resum: bool,
 }
 
 impl Change {
     /// Everything.
-    pub const EVERYTHING: Self = Self { everything: true, light: false, view: false };
+    pub const EVERYTHING: Self = Self { everything: true, light: false, view: false, resum: false };
     /// The lights.
-    pub const LIGHT: Self = Self { everything: false, light: true, view: false };
+    pub const LIGHT: Self = Self { everything: false, light: true, view: false, resum: false };
     /// The camera.
-    pub const VIEW: Self = Self { everything: false, light: false, view: true };
+    pub const VIEW: Self = Self { everything: false, light: false, view: true, resum: false };
+    /// Nothing, yet radiosity is summed again.
+    pub const RESUM: Self = Self { everything: false, light: false, view: false, resum: true };
 
     /// Both changes.
     #[must_use]
@@ -61,6 +66,7 @@ impl Change {
             everything: self.everything || other.everything,
             light: self.light || other.light,
             view: self.view || other.view,
+            resum: self.resum || other.resum,
         }
     }
 }
@@ -111,8 +117,9 @@ impl Plan {
             _ if change.everything => true,
             "refit" => false,
             "visibility" => change.view,
-            "shade" => change.view || change.light,
-            name => change.light && !(kept && builds_links(name)),
+            "shade" => change.view || change.light || change.resum,
+            name if kept && builds_links(name) => false,
+            name => change.light || (change.resum && sums(name)),
         };
         let stages: Vec<_> = self.stages.iter().copied().filter(runs).collect();
         steps(&stages, &state.schedule)
@@ -126,6 +133,11 @@ impl Plan {
 
 fn builds_links(name: &str) -> bool {
     matches!(name, "radii" | "link" | "form_factor")
+}
+
+/// Whether a stage lies between known irradiance and radiosity.
+fn sums(name: &str) -> bool {
+    matches!(name, "link" | "form_factor" | "gather" | "push" | "average" | "brute")
 }
 
 /// Why this stage has no place in the frame, if it has none.
@@ -149,5 +161,28 @@ fn reason(name: &str, options: Options, dark: bool) -> Option<String> {
         Transport::Hierarchy if name == "brute" => Some("the hierarchy transports the light".into()),
         Transport::Brute if hierarchical => Some("brute force needs no clusters".into()),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(transport: Transport, mode: Mode, change: Change) -> Vec<&'static str> {
+        let mut state = State::default();
+        state.schedule.chunks.push(crate::state::Chunk::default());
+        state.data.lights.push(crate::layout::Light { color: [1.0; 3], ..Default::default() });
+        let plan = Plan::new(&state, Options { transport, mode, goal: Goal::Radiosity });
+        plan.steps(&state, change).iter().map(|step| step.stage.name).collect()
+    }
+
+    #[test]
+    fn a_resum_leaves_the_light_alone() {
+        let (tree, brute) = (Transport::Hierarchy, Transport::Brute);
+        assert_eq!(names(tree, Mode::Render, Change::RESUM), ["gather", "push"]);
+        assert_eq!(names(tree, Mode::OnTheFly, Change::RESUM), ["link", "form_factor", "gather", "push"]);
+        assert_eq!(names(brute, Mode::Render, Change::RESUM), ["brute"]);
+        assert_eq!(names(tree, Mode::Render, Change::LIGHT), ["irradiance", "pull", "gather", "push"]);
+        assert_eq!(names(tree, Mode::Render, Change::VIEW), [""; 0]);
     }
 }

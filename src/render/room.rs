@@ -15,6 +15,8 @@ const CPU_BINDING: u64 = 1 << 27;
 const CPU_ALLOCATION: u64 = 1 << 32;
 /// Largest list anywhere, bytes.
 const MOST_BINDING: u64 = 1 << 29;
+/// What is being done where links and form factors turn out to be too many to keep, as the error says it.
+pub const KEEPING: &str = "keeping form factors between frames";
 /// Links per face to begin with.
 const LINKS: usize = 640;
 
@@ -110,7 +112,7 @@ impl Lists {
         if prepared.state.keep && bytes > self.allocation {
             let most = self.allocation;
             let what = format!("they take {bytes} bytes, one allocation holds {most}; use --mode on-the-fly");
-            return Err(Error::device("keeping form factors between frames", what));
+            return Err(Error::device(KEEPING, what));
         }
         Ok(())
     }
