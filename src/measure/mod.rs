@@ -1,7 +1,8 @@
-//! The measuring: conformance, error norms, references.
+//! The measuring: conformance, error norms, references, error against time.
 
 pub mod compare;
 pub mod conform;
 pub mod fixtures;
 pub mod norms;
+pub mod pareto;
 pub mod reference;
