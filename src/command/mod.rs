@@ -4,6 +4,7 @@ mod conform;
 mod devices;
 mod eval;
 mod lists;
+mod pareto;
 mod plan;
 mod render;
 mod solve;
@@ -37,6 +38,8 @@ enum Command {
     Plan(plan::Arguments),
     /// Compare every stage on a device with the CPU reference.
     Conform(conform::Arguments),
+    /// Measure error against run time: methods, settings, and the Pareto front.
+    Pareto(pareto::Arguments),
     /// Evaluate form factors or profiles, one a row of a CSV file.
     Eval(eval::Arguments),
     /// List the Vulkan devices and the CPU back end.
@@ -258,6 +261,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Conform(arguments) => conform::run(&arguments),
+        Command::Pareto(arguments) => pareto::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Devices => devices::run(),
         Command::Scenes(arguments) => lists::scenes(&arguments),
