@@ -127,6 +127,14 @@ fn the_readme_lists_every_stage() {
 }
 
 #[test]
+fn the_readme_lists_every_method() {
+    let readme = fs::read_to_string("README.md").unwrap();
+    for method in milkglass::measure::pareto::METHODS {
+        assert!(readme.contains(&format!("| `{}` |", method.name)), "README's table lacks method {}", method.name);
+    }
+}
+
+#[test]
 fn files_are_short() {
     for (folder, ending) in [("src", "rs"), ("glsl", "comp"), ("glsl", "glsl"), ("tests", "rs"), ("bench", "rs")] {
         for path in files(folder, ending) {

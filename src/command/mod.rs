@@ -4,6 +4,7 @@ mod conform;
 mod devices;
 mod eval;
 mod lists;
+mod pareto;
 mod plan;
 mod render;
 mod solve;
@@ -40,6 +41,8 @@ enum Command {
     Conform(conform::Arguments),
     /// Run the table of extreme cases: fallback, finite or not, worst error against f64.
     Stress(stress::Arguments),
+    /// Measure error against run time: methods, settings, and the Pareto front.
+    Pareto(pareto::Arguments),
     /// Evaluate form factors or profiles, one a row of a CSV file.
     Eval(eval::Arguments),
     /// List the Vulkan devices and the CPU back end.
@@ -262,6 +265,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Conform(arguments) => conform::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
+        Command::Pareto(arguments) => pareto::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Devices => devices::run(),
         Command::Scenes(arguments) => lists::scenes(&arguments),

@@ -88,6 +88,11 @@ impl Device {
         &self.0.adapter.name
     }
 
+    /// The driver's name and version.
+    pub fn driver(&self) -> &str {
+        &self.0.adapter.driver
+    }
+
     /// The adapter's limits.
     pub fn limits(&self) -> &Limits {
         &self.0.adapter.limits

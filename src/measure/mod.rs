@@ -1,8 +1,9 @@
-//! The measuring: conformance, error norms, references, extreme cases.
+//! The measuring: conformance, error norms, references, error against time, extreme cases.
 
 pub mod compare;
 pub mod conform;
 pub mod fixtures;
 pub mod norms;
+pub mod pareto;
 pub mod reference;
 pub mod stress;

@@ -44,19 +44,20 @@ pub struct Change {
     pub light: bool,
     /// The camera.
     pub view: bool,
-    /// Nothing, yet light is to be carried again over the lists there are: what a frame under resting light costs.
-    pub again: bool,
+    /// Nothing, yet radiosity is summed again from what is known of the light: over kept links gather, push and
+    /// average; where links are scratch they are made anew.
+    pub resum: bool,
 }
 
 impl Change {
     /// Everything.
-    pub const EVERYTHING: Self = Self { everything: true, light: false, view: false, again: false };
+    pub const EVERYTHING: Self = Self { everything: true, light: false, view: false, resum: false };
     /// The lights.
-    pub const LIGHT: Self = Self { everything: false, light: true, view: false, again: false };
+    pub const LIGHT: Self = Self { everything: false, light: true, view: false, resum: false };
     /// The camera.
-    pub const VIEW: Self = Self { everything: false, light: false, view: true, again: false };
-    /// Nothing, but light is carried again.
-    pub const AGAIN: Self = Self { everything: false, light: false, view: false, again: true };
+    pub const VIEW: Self = Self { everything: false, light: false, view: true, resum: false };
+    /// Nothing, yet radiosity is summed again.
+    pub const RESUM: Self = Self { everything: false, light: false, view: false, resum: true };
 
     /// Both changes.
     #[must_use]
@@ -65,7 +66,7 @@ impl Change {
             everything: self.everything || other.everything,
             light: self.light || other.light,
             view: self.view || other.view,
-            again: self.again || other.again,
+            resum: self.resum || other.resum,
         }
     }
 }
@@ -116,9 +117,11 @@ impl Plan {
             _ if change.everything => true,
             "refit" => false,
             "visibility" => change.view,
-            "shade" => change.view || change.light || change.again,
-            name if change.again && !change.light => AGAIN.contains(&name),
-            name => change.light && !(kept && builds_links(name)),
+            "shade" => change.view || change.light || change.resum,
+            name if kept && builds_links(name) => false,
+            // The lists of blocks depend on the light.
+            "link" if kept => change.light,
+            name => change.light || (change.resum && sums(name)),
         };
         let stages: Vec<_> = self.stages.iter().copied().filter(runs).collect();
         steps(&stages, &state.schedule, state.groups.len())
@@ -135,12 +138,15 @@ fn builds_links(name: &str) -> bool {
     matches!(name, "reach" | "refine" | "form_factor")
 }
 
-/// Stages that carry light over lists that are there.
-const AGAIN: [&str; 5] = ["gather", "push", "collect", "spread", "average"];
 /// Stages of the hierarchy with blocks.
 const BLOCKS: [&str; 6] = ["pull", "level", "radii", "link", "gather", "push"];
 /// Stages of the hierarchy as published.
 const LINKS: [&str; 6] = ["reach", "mean", "refine", "form_factor", "collect", "spread"];
+
+/// Whether a stage lies between known irradiance, with its moments and distances, and radiosity.
+fn sums(name: &str) -> bool {
+    matches!(name, "link" | "gather" | "push" | "refine" | "form_factor" | "collect" | "spread" | "average" | "brute")
+}
 
 /// Why this stage has no place in the frame, if it has none.
 fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -> Option<String> {
@@ -162,5 +168,28 @@ fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -> Option<St
         Transport::Hierarchy if blocks && scheme == Scheme::Links => Some("scheme links carries the light".into()),
         Transport::Brute if blocks || links && name != "reach" => Some("brute force needs no clusters".into()),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(transport: Transport, mode: Mode, change: Change) -> Vec<&'static str> {
+        let mut state = State::default();
+        state.schedule.chunks.push(crate::state::Chunk::default());
+        state.data.lights.push(crate::layout::Light { color: [1.0; 3], ..Default::default() });
+        let plan = Plan::new(&state, Options { transport, mode, goal: Goal::Radiosity });
+        plan.steps(&state, change).iter().map(|step| step.stage.name).collect()
+    }
+
+    #[test]
+    fn a_resum_leaves_the_light_alone() {
+        let (tree, brute) = (Transport::Hierarchy, Transport::Brute);
+        assert_eq!(names(tree, Mode::Render, Change::RESUM), ["gather", "push"]);
+        assert_eq!(names(tree, Mode::OnTheFly, Change::RESUM), ["link", "form_factor", "gather", "push"]);
+        assert_eq!(names(brute, Mode::Render, Change::RESUM), ["brute"]);
+        assert_eq!(names(tree, Mode::Render, Change::LIGHT), ["irradiance", "pull", "gather", "push"]);
+        assert_eq!(names(tree, Mode::Render, Change::VIEW), [""; 0]);
     }
 }

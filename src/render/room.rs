@@ -20,6 +20,8 @@ const MOST_BINDING: u64 = 1 << 29;
 const MOST_BLOCKS: usize = 1 << 16;
 /// Entries of a block's lists to begin with.
 const ENTRIES: usize = 256;
+/// What is being done where links and form factors turn out to be too many to keep, as the error says it.
+pub const KEEPING: &str = "keeping form factors between frames";
 /// Links per face to begin with.
 const LINKS: usize = 640;
 
@@ -143,7 +145,7 @@ impl Lists {
         if prepared.state.keep && bytes > self.allocation {
             let most = self.allocation;
             let what = format!("they take {bytes} bytes, one allocation holds {most}; use --mode on-the-fly");
-            return Err(Error::device("keeping form factors between frames", what));
+            return Err(Error::device(KEEPING, what));
         }
         Ok(())
     }

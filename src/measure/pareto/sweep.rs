@@ -1,0 +1,177 @@
+//! The run: every method at every setting that its time allows, warmed up, then several frames each.
+
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::pace::Pace;
+use super::{Bench, Leaves, Lighting, Method, Opened, Point, Run, Sweep, Yardstick};
+use crate::error::Result;
+
+/// What is measured, and how long it may take.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The methods, in the order of the tables.
+    pub methods: Vec<&'static Method>,
+    /// Settings of each method, counted from the coarsest.
+    pub values: usize,
+    /// Frames of each point after the first, of whose times the median is taken; at least 1.
+    pub repeat: usize,
+    /// Receivers that errors are taken at, at least 1.
+    pub samples: usize,
+    /// Seed of the receivers.
+    pub seed: u64,
+    /// Seconds that one point may take with all its frames, above 0.
+    pub budget: f64,
+}
+
+/// Measures everything.
+pub fn sweep(bench: &Bench<'_>, settings: &Settings) -> Result<Sweep> {
+    let yardstick = Yardstick::new(bench.scene, settings.samples, settings.seed)?;
+    let values = |method: &Method| method.values.len().min(settings.values);
+    let count = settings.methods.iter().map(|method| values(method) * Lighting::ALL.len()).sum::<usize>();
+    let style = ProgressStyle::with_template("{pos}/{len} {wide_bar} {msg}");
+    let bar = ProgressBar::new(count as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let mut points = Vec::new();
+    let mut pace = Pace::open(bench.device)?;
+    for &method in &settings.methods {
+        let course = || Course { settings, seconds: Vec::new(), beyond: false };
+        let mut courses = Lighting::ALL.map(|lighting| (lighting, course()));
+        for &value in method.values.iter().take(values(method)) {
+            for (lighting, course) in &mut courses {
+                let mut point = Point { method, value, lighting: *lighting, run: Err(String::new()) };
+                bar.set_message(format!("{} {}, {}", method.name, point.setting(), lighting.name()));
+                let before = pace.seconds()?;
+                point.run = course.measure(bench, &yardstick, &point)?;
+                if let Ok(run) = &mut point.run {
+                    run.busy = before.max(pace.seconds()?);
+                }
+                points.push(point);
+                bar.inc(1);
+            }
+        }
+    }
+    for run in points.iter_mut().filter_map(|point: &mut Point| point.run.as_mut().ok()) {
+        run.busy = pace.share(run.busy);
+    }
+    bar.finish_and_clear();
+    let midpoint = yardstick.discretisation(Leaves::Midpoint);
+    Ok(Sweep { points, samples: yardstick.samples(), midpoint })
+}
+
+/// One method under one lighting, from coarse to fine.
+struct Course<'a> {
+    settings: &'a Settings,
+    /// Settings so far, and the seconds that each took, its opening included.
+    seconds: Vec<(f64, f64)>,
+    /// Whether a setting was beyond the budget, and with it every finer one.
+    beyond: bool,
+}
+
+impl Course<'_> {
+    /// Measures a point, or says why not.
+    fn measure(
+        &mut self,
+        bench: &Bench<'_>,
+        yardstick: &Yardstick,
+        point: &Point,
+    ) -> Result<std::result::Result<Run, String>> {
+        if self.beyond {
+            return Ok(Err("finer than one beyond the budget".into()));
+        }
+        let repeat = self.settings.repeat;
+        let expected = match (self.seconds.is_empty(), point.method.foretell) {
+            (true, Some(foretell)) => foretell(bench, point.lighting)? * (repeat + 1) as f64,
+            _ => foretold(&self.seconds, point.value),
+        };
+        if let Some(why) = self.excess(expected) {
+            return Ok(Err(why));
+        }
+        let start = Instant::now();
+        let mut solver = match (point.method.open)(bench, point.lighting, point.value)? {
+            Opened::Ready(solver) => solver,
+            Opened::NotOffered(why) => return Ok(Err(why)),
+        };
+
+        // The first frame tells how long the others will take.
+        let (mut walls, mut devices) = (Vec::new(), Vec::new());
+        for frame in 0..repeat {
+            let before = Instant::now();
+            devices.push(solver.frame()?);
+            let seconds = before.elapsed().as_secs_f64();
+            walls.push(seconds * 1e3);
+            if frame == 0
+                && let Some(why) = self.excess(start.elapsed().as_secs_f64() + seconds * (repeat - 1) as f64)
+            {
+                return Ok(Err(why));
+            }
+        }
+        self.seconds.push((point.value, start.elapsed().as_secs_f64()));
+        walls.sort_by(f64::total_cmp);
+        let mut devices: Vec<f64> = devices.into_iter().flatten().collect();
+        devices.sort_by(f64::total_cmp);
+        let [own, total] = yardstick.errors(point.method, &solver.radiosity()?);
+        Ok(Ok(Run {
+            device_ms: (devices.len() == walls.len()).then(|| median(&devices)),
+            wall_ms: median(&walls),
+            range_ms: [walls[0], walls[walls.len() - 1]],
+            busy: 1.0,
+            own,
+            total,
+            links_per_face: solver.links_per_face()?,
+        }))
+    }
+
+    /// Why a point that takes so many seconds is left out, if it is.
+    fn excess(&mut self, seconds: f64) -> Option<String> {
+        let budget = self.settings.budget;
+        self.beyond = seconds > budget;
+        self.beyond.then(|| format!("would take {seconds:.0} s or so, beyond --budget {budget}"))
+    }
+}
+
+/// The middle of sorted numbers, of which there is at least one; of an even number the mean of both.
+fn median(sorted: &[f64]) -> f64 {
+    let half = sorted.len() / 2;
+    if sorted.len().is_multiple_of(2) { 0.5 * (sorted[half - 1] + sorted[half]) } else { sorted[half] }
+}
+
+/// Seconds at the next setting: the power law through the last two, or what the last one took.
+fn foretold(seconds: &[(f64, f64)], value: f64) -> f64 {
+    match seconds {
+        [.., (v0, t0), (v1, t1)] if v0 != v1 => {
+            let slope = (t1 / t0).ln() / (v1 / v0).ln();
+            t1 * (value / v1).powf(slope.clamp(-4.0, 0.0))
+        }
+        [.., (_, last)] => *last,
+        [] => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_middle() {
+        assert_eq!(median(&[1.0, 2.0, 9.0]), 2.0);
+        assert_eq!(median(&[1.0, 2.0, 4.0, 9.0]), 3.0);
+    }
+
+    #[test]
+    fn the_next_time_follows_the_last_two() {
+        assert_eq!(foretold(&[], 0.1), 0.0);
+        assert_eq!(foretold(&[(0.2, 3.0)], 0.1), 3.0);
+        assert!((foretold(&[(0.2, 1.0), (0.1, 4.0)], 0.05) - 16.0).abs() < 1e-12);
+        assert!((foretold(&[(0.2, 4.0), (0.1, 1.0)], 0.05) - 1.0).abs() < 1e-12, "noise is no trend");
+    }
+
+    #[test]
+    fn what_is_beyond_the_budget_ends_the_course() {
+        let settings = Settings { methods: Vec::new(), values: 1, repeat: 5, samples: 1, seed: 1, budget: 10.0 };
+        let mut course = Course { settings: &settings, seconds: Vec::new(), beyond: false };
+        assert_eq!(course.excess(9.9), None);
+        assert!(course.excess(11.0).is_some_and(|why| why.contains("11 s") && why.contains("--budget 10")));
+        assert!(course.beyond);
+    }
+}

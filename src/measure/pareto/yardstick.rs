@@ -1,0 +1,154 @@
+//! What errors are measured against: sums over all faces in `f64` at a few seeded receivers.
+
+use rayon::prelude::*;
+
+use super::Method;
+use crate::dipole::form_factor::Distance as Sources;
+use crate::dipole::form_factor::points::sampled;
+use crate::dipole::profile::Dipole;
+use crate::error::{Input, Result};
+use crate::measure::norms::{Norms, norms, worst};
+use crate::measure::reference::{radiosity, sample};
+use crate::render::plan::{Goal, Options, Transport};
+use crate::render::prepare::lit;
+use crate::render::run::{Room, Session};
+use crate::render::stages::stage;
+use crate::scene::Scene;
+use crate::state::{Distance, State, wide};
+
+/// How a method treats a single triangle, at its finest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Leaves {
+    /// One sample at its centroid, times its area.
+    Midpoint,
+    /// The integral over its area, within the form factor's tolerance.
+    Exact,
+}
+
+impl Leaves {
+    /// In one word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Midpoint => "midpoint",
+            Self::Exact => "integral",
+        }
+    }
+}
+
+/// One sample at the centroid.
+const CENTER: [[f64; 4]; 1] = [[1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0]];
+
+/// Brute force at a sample of receivers, in the scene's units.
+pub struct Yardstick {
+    /// The mesh's triangles that receive.
+    faces: Vec<usize>,
+    areas: Vec<f64>,
+    exact: Vec<[f64; 3]>,
+    midpoint: Vec<[f64; 3]>,
+}
+
+impl Yardstick {
+    /// For `count` seeded faces of a scene; a dark one is an error, because nothing can be measured in it.
+    pub fn new(scene: &Scene, count: usize, seed: u64) -> Result<Self> {
+        let options = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
+        let mut session = Session::new(scene, None, options, Room::default())?;
+        if !lit(session.state()) {
+            let fault = Input::new("no light shines, so there is no error to measure").key("light");
+            return Err(fault.expected("at least one [[light]] that is not black").into());
+        }
+        let faces = sample(session.prepared.faces.len(), count, seed);
+
+        // The stages that a sum starts from, by the reference; then the sums, in the order of the tree.
+        for name in ["refit", "irradiance"] {
+            if let Some(stage) = stage(name) {
+                (stage.cpu)(&mut session.prepared.state, crate::state::Place::default());
+            }
+        }
+        let mut places = vec![0; session.prepared.faces.len()];
+        for (place, &face) in session.prepared.faces.iter().enumerate() {
+            places[face as usize] = place;
+        }
+        let places: Vec<usize> = faces.iter().map(|&face| places[face]).collect();
+        let (state, light) = (session.state(), session.units().light);
+        let area = |&place: &usize| f64::from(state.data.clusters[state.data.leaves[place] as usize].area);
+        let scaled = |sums: Vec<[f64; 3]>| sums.into_iter().map(|sum| sum.map(|x| x * light)).collect();
+        Ok(Self {
+            areas: places.iter().map(area).collect(),
+            exact: scaled(radiosity(state, &places)),
+            midpoint: scaled(midpoint(state, &places)),
+            faces,
+        })
+    }
+
+    /// Receivers.
+    pub fn samples(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// The errors, worst channel, of the radiosity of every triangle of the mesh: against the method's own leaf sums,
+    /// and against the area integral.
+    pub fn errors(&self, method: &Method, radiosity: &[[f64; 3]]) -> [Norms; 2] {
+        let values: Vec<[f64; 3]> = self.faces.iter().map(|&face| radiosity[face]).collect();
+        [method.leaves, Leaves::Exact].map(|leaves| worst(&norms(&self.areas, &values, self.sums(leaves))))
+    }
+
+    /// The error of these leaf sums, without any clustering, against the area integral, worst channel.
+    pub fn discretisation(&self, leaves: Leaves) -> Norms {
+        worst(&norms(&self.areas, self.sums(leaves), &self.exact))
+    }
+
+    fn sums(&self, leaves: Leaves) -> &[[f64; 3]] {
+        match leaves {
+            Leaves::Midpoint => &self.midpoint,
+            Leaves::Exact => &self.exact,
+        }
+    }
+}
+
+/// Radiosity at the centroids of these faces by one sample a face, in `f64`.
+fn midpoint(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
+    let data = &state.data;
+    let dipoles = [0, 1, 2].map(|channel| Dipole::of(&data.frame[0], channel));
+    let distance = match state.distance {
+        Distance::Radial => Sources::Radial,
+        Distance::Table1 => Sources::Table1 { clamp: true },
+    };
+    let corners = |face: usize| data.triangles[face].map(|v| wide(data.positions[v as usize]));
+    let one = |&receiver: &usize| {
+        let [a, b, c] = corners(receiver);
+        let x = (a + b + c) / 3.0;
+        let mut sum = [0.0; 3];
+        for (face, light) in data.irradiance.iter().enumerate().filter(|(_, light)| **light != [0.0; 3]) {
+            let corners = corners(face);
+            for (channel, dipole) in dipoles.iter().enumerate() {
+                sum[channel] += f64::from(light[channel]) * sampled(&corners, x, dipole, distance, &CENTER);
+            }
+        }
+        sum
+    };
+    faces.par_iter().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The L2 error of midpoint sums on the built-in ball at this size, millimetres.
+    fn midpoint_error(size: &str) -> f64 {
+        let sets = ["object.0.detail=2".to_string(), format!("object.0.size={size}")];
+        let scene = Scene::load("sphere", &sets).unwrap();
+        Yardstick::new(&scene, 40, 1).unwrap().discretisation(Leaves::Midpoint).l2
+    }
+
+    #[test]
+    fn midpoint_sums_are_good_where_faces_are_small_against_the_mean_free_path() {
+        let (small, large) = (midpoint_error("0.5"), midpoint_error("50"));
+        assert!(small < 1e-2 && large > 0.1, "{small} {large}");
+    }
+
+    #[test]
+    fn a_dark_scene_is_refused() {
+        let scene = Scene::load("sphere", &["light.0.irradiance=0".to_string(), "object.0.detail=0".to_string()]);
+        assert!(Yardstick::new(&scene.unwrap(), 4, 1).is_err_and(|e| e.exit_code() == 2));
+    }
+}

@@ -1,0 +1,83 @@
+//! `milkglass pareto` from outside: what it prints and writes, and what it refuses. No test asks how long anything took.
+
+mod shell;
+
+use shell::{bad, folder, good, names, read};
+
+/// What makes it small and quick.
+const SMALL: &str = "pareto sphere --set object.0.detail=2 --quick --samples 40";
+
+/// A CSV as its header and its rows.
+fn rows(text: &str) -> (Vec<String>, Vec<Vec<String>>) {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let cells = |record: &csv::StringRecord| record.iter().map(str::to_string).collect::<Vec<_>>();
+    let header = cells(reader.headers().unwrap());
+    (header, reader.records().map(|record| cells(&record.unwrap())).collect())
+}
+
+#[test]
+fn table_csv_and_svg_appear() {
+    for device in ["", "--device cpu"] {
+        let here = folder(&[]);
+        let (out, err) =
+            good(&here, &format!("{SMALL} {device} --methods links,links-kept,brute --csv a.csv --svg a.svg"));
+        for words in
+            ["sphere: 320 faces, 10 mm across, Marble", "light moves", "light rests", "own L2", "total L2", "1e-3"]
+        {
+            assert!(out.contains(words), "{words} {device}\n{out}");
+        }
+        assert!(out.contains("n/a: links-kept, light rests, angle 0.2 0.1: the same as links"), "{out}");
+        assert!(device.is_empty() || err.is_empty(), "no bars but to a terminal: {err}");
+        assert_eq!(names(here.path()), ["a.csv", "a.svg"]);
+
+        // Two settings of two methods and one of the third, under both lights.
+        let (header, rows) = rows(&read(&here, "a.csv"));
+        let cell = |row: &[String], name: &str| row[header.iter().position(|h| h == name).unwrap()].clone();
+        let number = |row: &[String], name: &str| cell(row, name).parse::<f64>().unwrap();
+        assert_eq!(rows.len(), 10, "{rows:?}");
+        let measured: Vec<_> = rows.iter().filter(|row| cell(row, "left_out").is_empty()).collect();
+        assert_eq!(measured.len(), 8, "{rows:?}");
+        for row in measured {
+            assert!(number(row, "wall_low_ms") <= number(row, "wall_ms"), "{row:?}");
+            assert!(number(row, "wall_ms") <= number(row, "wall_high_ms"), "{row:?}");
+            assert_eq!((number(row, "samples"), number(row, "frames"), number(row, "faces")), (40.0, 5.0, 320.0));
+            // Both methods integrate over their leaves: one error, and brute force has next to none.
+            assert_eq!((cell(row, "own_l2"), number(row, "leaves_l2")), (cell(row, "total_l2"), 0.0));
+            let brute = cell(row, "method") == "brute";
+            assert!(number(row, "own_l2") < if brute { 1e-3 } else { 0.1 }, "{row:?}");
+            assert_eq!(cell(row, "links_per_face").is_empty(), brute);
+            assert_eq!(cell(row, "device_ms").is_empty(), device.ends_with("cpu"), "{row:?}");
+        }
+        let svg = read(&here, "a.svg");
+        assert!(svg.starts_with("<svg") && svg.contains("links-kept") && svg.contains("light rests"));
+    }
+}
+
+#[test]
+fn methods_can_be_chosen_and_the_budget_leaves_some_out() {
+    let here = folder(&[]);
+    let (out, _) = good(&here, &format!("{SMALL} --device cpu --methods brute --budget 1e-9"));
+    assert!(out.contains("n/a: brute, light moves: would take") && out.contains("beyond --budget"), "{out}");
+    assert!(!out.contains("links-kept"), "{out}");
+}
+
+#[test]
+fn bad_arguments_are_named() {
+    let here = folder(&[("dark.toml", "[[object]]\nshape = 'sphere'\ndetail = 1\nmaterial = { preset = 'marble' }\n")]);
+    let cases: &[(&str, &[&str])] = &[
+        ("--methods links,magic", &["--methods: unknown method; found magic; expected ", "links-kept"]),
+        ("--repeat 4", &["--repeat", "5"]),
+        ("--samples 0", &["--samples"]),
+        ("--samples -3", &["--samples"]),
+        ("--budget 0", &["--budget: out of range"]),
+        ("--budget nan", &["--budget: out of range"]),
+        ("--csv a.svg", &["--csv: the name says the format", "a.svg", ".csv"]),
+        ("--svg a", &["--svg: the name says the format", ".svg"]),
+        ("--csv gone/a.csv", &["gone/a.csv: could not be written"]),
+    ];
+    for (rest, words) in cases {
+        bad(&here, &format!("{SMALL} --device cpu --methods brute {rest}"), 2, words);
+    }
+    bad(&here, "pareto dark.toml --quick --device cpu", 2, &["light: no light shines"]);
+    bad(&here, "pareto", 2, &["SCENE"]);
+}
