@@ -1,12 +1,14 @@
 //! What the hierarchy of [`crate::transport`] is measured against.
 //!
 //! The method as Mertens et al. 2003 published it (links chosen by solid angles, one sample a link): `mean`, `reach`,
-//! `refine`, `form_factor`, `collect`, `spread`; and every face to every face: `brute`.
+//! `refine`, `form_factor`, `collect`, `spread`; every face to every face: `brute`; and an irradiance octree in native
+//! code: [`octree`].
 
 pub mod brute;
 pub mod collect;
 pub mod form_factor;
 pub mod mean;
+pub mod octree;
 pub mod reach;
 pub mod refine;
 pub mod spread;
