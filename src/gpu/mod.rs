@@ -15,8 +15,8 @@ pub use device::Device;
 pub use instance::{Adapter, Instance, Limits};
 pub use kernel::{Kernel, Kernels};
 pub use memory::Buffer;
-pub(crate) use record::Recorder;
 pub use record::Timing;
+pub(crate) use record::{Recorder, Work};
 pub use reflect::{Access, kernel_names, reflect_records};
 
 use ash::vk;

@@ -11,6 +11,7 @@ use super::bind::{Binding, Sets};
 use super::device::Device;
 use super::fault;
 use super::kernel::Kernel;
+use super::memory::Buffer;
 use crate::error::{Error, Result};
 
 /// Largest number of groups laid out along the first dimension of a dispatch.
@@ -22,6 +23,15 @@ pub struct Timing {
     pub name: String,
     /// Time on the device, milliseconds; not a number where the device has no timestamps.
     pub milliseconds: f64,
+}
+
+/// How much a dispatch does.
+#[derive(Clone, Copy)]
+pub enum Work<'a> {
+    /// So many invocations, rounded up to whole groups.
+    Invocations(u64),
+    /// As many groups as the three numbers at this byte of a buffer say.
+    Groups(&'a Buffer, u64),
 }
 
 /// A frame being recorded.
@@ -100,10 +110,16 @@ impl Recorder {
         done
     }
 
-    /// Runs a kernel for `count` invocations; a barrier goes before it where an earlier dispatch demands one.
-    pub fn dispatch(&mut self, kernel: &Rc<Kernel>, bindings: &[Binding<'_>], push: &[u8], count: u64) -> Result<()> {
+    /// Runs a kernel; a barrier goes before it where an earlier dispatch demands one.
+    pub fn dispatch(
+        &mut self,
+        kernel: &Rc<Kernel>,
+        bindings: &[Binding<'_>],
+        push: &[u8],
+        work: Work<'_>,
+    ) -> Result<()> {
         let doing = || format!("recording kernel {}", kernel.name);
-        if count == 0 {
+        if matches!(work, Work::Invocations(0)) {
             return Ok(());
         }
         if push.len() != kernel.push_bytes as usize {
@@ -121,10 +137,13 @@ impl Recorder {
             }
         }
         let set = self.sets.get(kernel, bindings)?;
-        self.order(kernel, bindings);
+        self.order(kernel, bindings, work);
 
         // Groups in one row while they fit, else in rows of a fixed length.
-        let groups = count.div_ceil(u64::from(kernel.group));
+        let groups = match work {
+            Work::Invocations(count) => count.div_ceil(u64::from(kernel.group)),
+            Work::Groups(..) => 0,
+        };
         let (across, down) = (groups.min(ROW), groups.div_ceil(ROW));
         let down = u32::try_from(down).map_err(|_| Error::device(doing(), "too many groups"))?;
         let raw = &self.device.0.raw;
@@ -135,7 +154,10 @@ impl Recorder {
             if !push.is_empty() {
                 raw.cmd_push_constants(self.commands, kernel.layout, vk::ShaderStageFlags::COMPUTE, 0, push);
             }
-            raw.cmd_dispatch(self.commands, across as u32, down, 1);
+            match work {
+                Work::Invocations(_) => raw.cmd_dispatch(self.commands, across as u32, down, 1),
+                Work::Groups(buffer, offset) => raw.cmd_dispatch_indirect(self.commands, buffer.raw, offset),
+            }
         }
         self.kernels.push(kernel.clone());
         self.dispatches += 1;
@@ -143,7 +165,7 @@ impl Recorder {
     }
 
     /// Inserts a barrier if this dispatch reads what was written since the last one, or writes what was used.
-    fn order(&mut self, kernel: &Kernel, bindings: &[Binding<'_>]) {
+    fn order(&mut self, kernel: &Kernel, bindings: &[Binding<'_>], work: Work<'_>) {
         let uses: Vec<_> = kernel
             .accesses
             .iter()
@@ -152,14 +174,20 @@ impl Recorder {
                 Some((binding.buffer.raw.as_raw(), access))
             })
             .collect();
-        let hazard = uses
-            .iter()
-            .any(|(buffer, access)| self.written.contains(buffer) || (access.writes && self.read.contains(buffer)));
+        let counted = match work {
+            Work::Groups(buffer, _) => Some(buffer.raw.as_raw()),
+            Work::Invocations(_) => None,
+        };
+        let hazard = counted.is_some_and(|buffer| self.written.contains(&buffer))
+            || uses
+                .iter()
+                .any(|(buffer, access)| self.written.contains(buffer) || (access.writes && self.read.contains(buffer)));
         if hazard {
-            let all = vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE;
+            let all =
+                vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE | vk::AccessFlags::INDIRECT_COMMAND_READ;
             let barrier =
                 [vk::MemoryBarrier::default().src_access_mask(vk::AccessFlags::SHADER_WRITE).dst_access_mask(all)];
-            let stage = vk::PipelineStageFlags::COMPUTE_SHADER;
+            let stage = vk::PipelineStageFlags::COMPUTE_SHADER | vk::PipelineStageFlags::DRAW_INDIRECT;
             // SAFETY: the command buffer is recording.
             unsafe {
                 self.device.0.raw.cmd_pipeline_barrier(
@@ -175,6 +203,7 @@ impl Recorder {
             self.read.clear();
             self.written.clear();
         }
+        self.read.extend(counted);
         for (buffer, access) in uses {
             if access.reads {
                 self.read.insert(buffer);

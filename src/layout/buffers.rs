@@ -49,6 +49,10 @@ buffers! {
     ranges: f32, table;
     /// Where the lists of each block lie in its batch, a part a batch and group.
     runs: Runs, batch;
+    /// The blocks of a batch that take area points or the edge form, by their place in the batch.
+    near: u32, batch;
+    /// Groups to dispatch for them, then their number; a part is 64 elements for the sake of its offset.
+    near_groups: [u32; 3], batch;
     /// The blocks' lists, one after the other: nodes.
     entries: u32, batch;
     /// What distant emitters give each block.

@@ -177,8 +177,16 @@ fn edge_nodes(tolerance: f64) -> u32 {
 }
 
 /// The largest error of a link, in units of the reference level, for a tolerance.
+///
+/// The error of a solution falls more slowly than that of a link: links' errors cancel in part. Measured on the built-in
+/// scenes and nine meshes, materials from ketchup to whole milk and sizes from 1 to 500 mm: the largest that met each
+/// tolerance on all of them, interpolated in the logarithm.
 fn link_error(tolerance: f64) -> f64 {
-    tolerance
+    const MET: [(f64, f64); 5] = [(1e-5, 2e-6), (1e-4, 1e-4), (1e-3, 2.5e-3), (1e-2, 0.035), (0.1, 0.5)];
+    let row = MET.windows(2).find(|pair| tolerance <= pair[1].0).unwrap_or(&MET[3..]);
+    let [(low, at_low), (high, at_high)] = [row[0], row[1]];
+    let part = ((tolerance / low).ln() / (high / low).ln()).clamp(0.0, 1.0);
+    at_low * (at_high / at_low).powf(part)
 }
 
 fn frame(state: &mut State, material: &Material, transport: &Transport, units: Units) {

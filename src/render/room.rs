@@ -213,6 +213,8 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.level = bytemuck::zeroed_vec(per(Slot::level, 1));
     data.ranges = bytemuck::zeroed_vec(per(Slot::ranges, LAWS * (ENTRIES_OF_A_LAW + 2)));
     data.runs = bytemuck::zeroed_vec(per(Slot::runs, batches * part(each)));
+    data.near = bytemuck::zeroed_vec(per(Slot::near, batches * part(each)));
+    data.near_groups = bytemuck::zeroed_vec(per(Slot::near_groups, batches * 64));
     data.entries = bytemuck::zeroed_vec(per(Slot::entries, batches * frame.entry_room as usize));
     data.expansions = bytemuck::zeroed_vec(per(Slot::expansions, blocks));
     data.received = bytemuck::zeroed_vec(per(Slot::received, faces));

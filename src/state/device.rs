@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{Place, State, Step};
 use crate::error::Result;
-use crate::gpu::{Binding, Buffer, Device, Kernels, Recorder, Timing};
+use crate::gpu::{Binding, Buffer, Device, Kernels, Recorder, Timing, Work};
 use crate::layout::{Range, SLOTS, Slot};
 
 /// Bytes after the end of each buffer that no kernel may touch, when guarded.
@@ -123,7 +123,19 @@ impl Pass<'_> {
             Some(part) => format!("{}/{}/{part}", self.room, self.stage),
             None => format!("{}/{}", self.room, self.stage),
         };
-        let kernel = self.twin.kernels.get(&name, constants)?;
+        self.submit(&name, constants, push, Work::Invocations(count as u64))
+    }
+
+    /// The same for as many groups as the first element of this buffer's part says: three numbers, written earlier.
+    pub fn dispatch_counted(&mut self, part: &str, constants: &[u32], push: &[u8], groups: Slot) -> Result<()> {
+        let name = format!("{}/{}/{part}", self.room, self.stage);
+        let Some(buffer) = self.twin.buffers.get(&groups) else { return Ok(()) };
+        let offset = self.state.part(groups, self.at).0 * groups.spec().stride;
+        self.submit(&name, constants, push, Work::Groups(buffer, offset as u64))
+    }
+
+    fn submit(&mut self, name: &str, constants: &[u32], push: &[u8], work: Work<'_>) -> Result<()> {
+        let kernel = self.twin.kernels.get(name, constants)?;
         let mut bindings = Vec::with_capacity(kernel.accesses.len());
         for access in &kernel.accesses {
             let Some(&slot) = SLOTS.get(access.binding as usize) else { continue };
@@ -137,7 +149,7 @@ impl Pass<'_> {
                 size: (count as u64 * stride).max(4),
             });
         }
-        self.recorder.dispatch(&kernel, &bindings, push, count as u64)
+        self.recorder.dispatch(&kernel, &bindings, push, work)
     }
 
     /// Runs the stage's kernel `part` once a level of the tree, children always before their parents.

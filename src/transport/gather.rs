@@ -215,6 +215,6 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     pass.dispatch(Some("expand"), &[group.channels, method.order, estimate, alone], push, count)?;
     let places = count * PLACES;
     pass.dispatch(Some("direct"), &[group.channels, method.order, estimate], push, places)?;
-    pass.dispatch(Some("area"), &[group.channels, estimate], push, places)?;
-    pass.dispatch(Some("edge"), &[group.channels, method.nodes], push, places)
+    pass.dispatch_counted("area", &[group.channels, estimate], push, Slot::near_groups)?;
+    pass.dispatch_counted("edge", &[group.channels, method.nodes], push, Slot::near_groups)
 }

@@ -5,6 +5,7 @@
 
 use rayon::prelude::*;
 
+use super::gather::PLACES;
 use crate::dipole::distance2;
 use crate::error::Result;
 use crate::layout::{Cursor, Emitter, Range, Runs, Slot, Sphere};
@@ -20,12 +21,17 @@ pub static STAGE: Stage = Stage {
         (Slot::runs, Role::Update, Tolerance::Exact),
         (Slot::cursor, Role::Update, Tolerance::Exact),
         (Slot::entries, Role::Output, Tolerance::Exact),
+        (Slot::near, Role::Update, Tolerance::Exact),
+        (Slot::near_groups, Role::Update, Tolerance::Exact),
     ],
     reason: "decisions: additions, multiplications and comparisons in f32, the same everywhere",
     unit: Unit::Batch,
     cpu,
     gpu,
 };
+
+/// Receivers in a group of the kernels that `near_groups` counts for.
+const PLACES_A_GROUP: usize = 64;
 
 /// What becomes of an emitter at a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,6 +112,9 @@ fn cpu(state: &mut State, at: Place) {
     cursor.need_entries = cursor.need_entries.max(total as u32);
     cursor.overflow |= u32::from(!fits);
 
+    let (near_base, groups_base) = (state.part(Slot::near, at).0, state.part(Slot::near_groups, at).0);
+    let data = &mut state.data;
+    let mut near = 0;
     let mut next = 0;
     for (i, lists) in lists.iter().enumerate() {
         let [dropped, expanded, direct, area, edge, _] = lists.each_ref().map(|list| list.len() as u32);
@@ -119,7 +128,14 @@ fn cpu(state: &mut State, at: Place) {
             data.entries[start..start + list.len()].copy_from_slice(list);
             next += list.len() as u32;
         }
+        if fits && area + edge > 0 {
+            data.near[near_base + near] = i as u32;
+            near += 1;
+        }
     }
+    let groups = (near * PLACES).div_ceil(PLACES_A_GROUP) as u32;
+    data.near_groups[groups_base] = [groups, 1, 1];
+    data.near_groups[groups_base + 1] = [near as u32, 0, 0];
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {

@@ -17,6 +17,8 @@ READS(positions)
 READS(moments)
 READS(runs)
 READS(entries)
+READS(near)
+READS(near_groups)
 UPDATES(received)
 UPDATES(estimate)
 #include "dipole/jet.glsl"
@@ -27,7 +29,8 @@ UPDATES(estimate)
 void main() {
     Dipole dipoles[3] = Dipole[3](dipole_of(0), dipole_of(1), dipole_of(2));
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    Receiver self = receiver_at(group * gl_WorkGroupSize.x + gl_LocalInvocationIndex);
+    uint place = group * gl_WorkGroupSize.x + gl_LocalInvocationIndex, blocks_near = near_groups[1].x;
+    Receiver self = receiver_of(near[min(place / PLACES, blocks_near - 1)], place, place / PLACES < blocks_near);
     Runs run = runs[self.run];
     uint first = run.first + run.expanded + run.direct;
     vec3 sum = vec3(0), error = vec3(0);

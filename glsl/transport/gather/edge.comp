@@ -17,6 +17,8 @@ READS(positions)
 READS(irradiance)
 READS(runs)
 READS(entries)
+READS(near)
+READS(near_groups)
 UPDATES(received)
 #include "dipole/form_factor/edge.glsl"
 #include "transport/channels.glsl"
@@ -24,7 +26,8 @@ UPDATES(received)
 
 void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    Receiver self = receiver_at(group * gl_WorkGroupSize.x + gl_LocalInvocationIndex);
+    uint place = group * gl_WorkGroupSize.x + gl_LocalInvocationIndex, blocks_near = near_groups[1].x;
+    Receiver self = receiver_of(near[min(place / PLACES, blocks_near - 1)], place, place / PLACES < blocks_near);
     Runs run = runs[self.run];
     uint first = run.first + run.expanded + run.direct + run.area;
     vec3 z_real = frame[0].z_real, z_virtual = frame[0].z_virtual, sigma = frame[0].sigma;

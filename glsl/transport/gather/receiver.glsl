@@ -4,10 +4,13 @@ const uint PLACES = 16;
 struct Receiver { uint run; uint face; bool present; vec3 x; };
 
 // The includer reads blocks, leaves and clusters, and has `range`.
-Receiver receiver_at(uint place) {
-    uint run = min(place / PLACES, range.count - 1);
+Receiver receiver_of(uint run, uint place, bool present) {
     Block block = blocks[range.first + run];
     uint slot = place % PLACES;
     uint face = block.first + min(slot, block.count - 1);
-    return Receiver(run, face, place / PLACES < range.count && slot < block.count, clusters[leaves[face]].center);
+    return Receiver(run, face, present && slot < block.count, clusters[leaves[face]].center);
+}
+
+Receiver receiver_at(uint place) {
+    return receiver_of(min(place / PLACES, range.count - 1), place, place / PLACES < range.count);
 }

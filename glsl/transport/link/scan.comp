@@ -9,34 +9,45 @@ layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 UPDATES(runs)
 UPDATES(cursor)
+UPDATES(near)
+UPDATES(near_groups)
 
-shared uint sums[256];
+shared uvec2 sums[256];
 
 void main() {
     uint self = gl_LocalInvocationIndex;
     uint each = (range.count + 255) / 256;
     uint first = min(range.count, self * each), last = min(range.count, first + each);
-    uint sum = 0;
-    for (uint i = first; i < last; ++i) sum += runs[i].expanded + runs[i].direct + runs[i].area + runs[i].edge;
+    // Entries, and blocks that have near triangles.
+    uvec2 sum = uvec2(0);
+    for (uint i = first; i < last; ++i) {
+        Runs one = runs[i];
+        sum += uvec2(one.expanded + one.direct + one.area + one.edge, min(one.area + one.edge, 1));
+    }
 
     // Inclusive scan of the invocations' sums.
     sums[self] = sum;
     barrier();
     for (uint step = 1; step < 256; step *= 2) {
-        uint other = self >= step ? sums[self - step] : 0;
+        uvec2 other = self >= step ? sums[self - step] : uvec2(0);
         barrier();
         sums[self] += other;
         barrier();
     }
-    uint total = sums[255];
+    uint total = sums[255].x;
     bool fits = total <= frame[0].entry_room;
-    uint at = sums[self] - sum;
+    uint at = sums[self].x - sum.x, next_near = sums[self].y - sum.y;
     for (uint i = first; i < last; ++i) {
         Runs one = runs[i];
         runs[i] = fits ? Runs(at, one.expanded, one.direct, one.area, one.edge, one.dropped) : Runs(0, 0, 0, 0, 0, one.dropped);
         at += one.expanded + one.direct + one.area + one.edge;
+        if (fits && one.area + one.edge > 0) near[next_near++] = i;
     }
     if (self == 0) {
+        // 64 receivers a group of the kernels that take near triangles, 16 a block.
+        uint blocks_near = fits ? sums[255].y : 0;
+        near_groups[0] = uvec3((blocks_near + 3) / 4, 1, 1);
+        near_groups[1] = uvec3(blocks_near, 0, 0);
         cursor[0].entries = total;
         cursor[0].need_entries = max(cursor[0].need_entries, total);
         cursor[0].overflow = max(cursor[0].overflow, uint(!fits));
