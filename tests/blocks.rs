@@ -121,7 +121,7 @@ fn moments_are_sums_over_faces() {
     let room = data.moments.len() / state.groups.len();
     for (k, group) in state.groups.iter().enumerate() {
         for node in (0..data.topology.len()).step_by(7) {
-            let m = &data.moments[k * room + node];
+            let (m, s) = (&data.moments[k * room + node], &data.spreads[k * room + node]);
             let (mut weight, mut first) = (0.0, DVec3::ZERO);
             let light = |face: usize| {
                 let leaf = &data.clusters[data.leaves[face] as usize];
@@ -144,10 +144,10 @@ fn moments_are_sums_over_faces() {
                 trace += w * (x.distance_squared(center) + f64::from(leaf.spread)) / weight;
                 for v in data.triangles[face] {
                     let far = wide(data.positions[v as usize]).distance(wide(m.center));
-                    assert!(far <= f64::from(m.radius) * 1.00001, "radius of node {node}");
+                    assert!(far <= f64::from(s.radius) * 1.00001, "radius of node {node}");
                 }
             }
-            let sum = m.diagonal.iter().copied().map(f64::from).sum::<f64>();
+            let sum = s.diagonal.iter().copied().map(f64::from).sum::<f64>();
             assert!((sum - trace).abs() < 1e-4 * trace, "second moments of node {node}");
         }
     }

@@ -6,7 +6,7 @@
 use glam::{DMat3, DVec3};
 
 use super::profile::Dipole;
-use crate::layout::{Frame, Moment};
+use crate::layout::{Frame, Moment, Spread};
 
 /// Value and two derivatives at one distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,11 +42,35 @@ pub struct Jets {
     mask: u32,
 }
 
-/// The symmetric matrix of second moments.
-fn tensor(m: &Moment) -> DMat3 {
-    let [xx, yy, zz] = m.diagonal.map(f64::from);
-    let [yz, zx, xy] = m.mixed.map(f64::from);
-    DMat3::from_cols_array(&[xx, xy, zx, xy, yy, yz, zx, yz, zz])
+/// A cluster's light: its sum, centroid and second moments.
+#[derive(Clone, Copy, Debug)]
+pub struct Cloud {
+    /// W: the sum of area times irradiance.
+    pub weight: f64,
+    /// Its centroid.
+    pub center: DVec3,
+    /// Second moments about the centre per weight: xx, yy, zz; then yz, zx, xy.
+    pub moments: [DVec3; 2],
+}
+
+impl Cloud {
+    /// As it is stored.
+    #[must_use]
+    pub fn new(m: &Moment, s: &Spread) -> Self {
+        Self { weight: m.weight.into(), center: point(m.center), moments: [point(s.diagonal), point(s.mixed)] }
+    }
+
+    /// tau: the trace of the second moments.
+    #[must_use]
+    pub fn trace(&self) -> f64 {
+        self.moments[0].element_sum()
+    }
+
+    /// The symmetric matrix of second moments.
+    fn tensor(&self) -> DMat3 {
+        let ([xx, yy, zz], [yz, zx, xy]) = (self.moments[0].to_array(), self.moments[1].to_array());
+        DMat3::from_cols_array(&[xx, xy, zx, xy, yy, yz, zx, yz, zz])
+    }
 }
 
 fn point(v: [f32; 3]) -> DVec3 {
@@ -90,16 +114,14 @@ impl Jets {
 
     /// What a cluster gives a receiver at `x`: `W [p0 + (p1 tr Q + p2 d.Q.d) / 2]`; without Q below order 2.
     #[must_use]
-    pub fn link(&self, channel: usize, m: &Moment, x: DVec3, order: u32) -> f64 {
-        let d = x - point(m.center);
+    pub fn link(&self, channel: usize, m: &Cloud, x: DVec3, order: u32) -> f64 {
+        let d = x - m.center;
         let jet = self.at(channel, d.length_squared());
         let mut value = jet.value;
         if order == 2 {
-            let q = tensor(m);
-            let trace = q.x_axis.x + q.y_axis.y + q.z_axis.z;
-            value += 0.5 * (jet.first * trace + jet.second * d.dot(q * d));
+            value += 0.5 * (jet.first * m.trace() + jet.second * d.dot(m.tensor() * d));
         }
-        f64::from(m.weight) * value
+        m.weight * value
     }
 
     /// `chi = tau q2 / (2 s^2)` of the channel as the kernels take it, for tau = 1: from the jet itself, with the real

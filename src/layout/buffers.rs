@@ -39,6 +39,8 @@ buffers! {
     spheres: Sphere, block;
     /// Emitters' moments, a part a group of channels: one a node, rounded up.
     moments: Moment, group;
+    /// Their second moments, likewise.
+    spreads: Spread, group;
     /// What the walk looks at, a part a group of channels: one a node, rounded up.
     emitters: Emitter, group;
     /// The receivers of the coarse solution.

@@ -74,6 +74,9 @@ records! {
         center: [f32; 3],
         /// W: the sum of area times irradiance.
         weight: f32,
+    }
+    /// Second moments of that light: apart from the first, so that millions of nodes fit a binding.
+    Spread {
         /// Second moments about the centre per weight: xx, yy, zz.
         diagonal: [f32; 3],
         /// Bound on the distance of any point of the cluster from the centre.

@@ -208,6 +208,7 @@ pub fn size(state: &mut State, plan: &Plan) {
     let each = state.schedule.batches.iter().map(|batch| batch.len()).max().unwrap_or(0);
     data.spheres = bytemuck::zeroed_vec(blocks);
     data.moments = bytemuck::zeroed_vec(per(Slot::moments, groups * part(nodes)));
+    data.spreads = bytemuck::zeroed_vec(per(Slot::spreads, groups * part(nodes)));
     data.emitters = bytemuck::zeroed_vec(per(Slot::emitters, groups * part(nodes)));
     data.samples = bytemuck::zeroed_vec(per(Slot::samples, 256));
     data.level = bytemuck::zeroed_vec(per(Slot::level, 1));

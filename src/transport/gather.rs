@@ -9,9 +9,9 @@ use crate::dipole::form_factor::Distance;
 use crate::dipole::form_factor::edge::edge_form;
 use crate::dipole::form_factor::gauss::{Node, legendre};
 use crate::dipole::form_factor::points::{SIX, sampled};
-use crate::dipole::jet::Jets;
+use crate::dipole::jet::{Cloud, Jets};
 use crate::error::Result;
-use crate::layout::{Buffers, Expansion, Moment, Range, Runs, Slot};
+use crate::layout::{Buffers, Expansion, Range, Runs, Slot};
 use crate::state::{Group, Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
 
 /// Places of a block: receivers, and empty ones to fill up.
@@ -36,14 +36,14 @@ pub static STAGE: Stage = Stage {
 };
 
 /// How much of a link is lost, squared, per the law of its order.
-fn lost(jets: &Jets, c: usize, m: &Moment, d2: f64, order: u32) -> f64 {
-    let chi = jets.unit_chi(c, d2) * m.diagonal.iter().copied().map(f64::from).sum::<f64>();
+fn lost(jets: &Jets, c: usize, m: &Cloud, d2: f64, order: u32) -> f64 {
+    let chi = jets.unit_chi(c, d2) * m.trace();
     let share = match order {
         2 => 0.5 * chi.powf(1.5),
         1 => chi,
         _ => chi.sqrt(),
     };
-    (f64::from(m.weight) * jets.at(c, d2).value * share.min(1.0)).powi(2)
+    (m.weight * jets.at(c, d2).value * share.min(1.0)).powi(2)
 }
 
 /// The distant emitters of a block, about its centre.
@@ -52,18 +52,18 @@ fn expand(
     order: u32,
     estimate: bool,
     center: DVec3,
-    moments: &[Moment],
+    cloud: &(dyn Fn(u32) -> Cloud + Sync),
     list: &[u32],
     out: &mut Expansion,
 ) {
     for c in jets.channels() {
         let mut sum = [0.0; 12];
         for &node in list {
-            let m = &moments[node as usize];
-            let d = center - wide(m.center);
+            let m = &cloud(node);
+            let d = center - m.center;
             let d2 = d.length_squared();
             let jet = jets.at(c, d2);
-            let w = f64::from(m.weight);
+            let w = m.weight;
             let (first, second) = (w * jet.first, w * jet.second);
             let (gradient, diagonal) = (first * d, first + second * d * d);
             let mixed = second * DVec3::new(d.y * d.z, d.z * d.x, d.x * d.y);
@@ -110,7 +110,7 @@ fn expand(
 /// What one receiver gets from the other lists, and the squared estimate of what it misses.
 struct Near<'a> {
     data: &'a Buffers,
-    moments: &'a [Moment],
+    cloud: &'a (dyn Fn(u32) -> Cloud + Sync),
     jets: Jets,
     order: u32,
     nodes: Vec<Node>,
@@ -123,9 +123,9 @@ impl Near<'_> {
         let edge = &rest[..run.edge as usize];
         let (mut sum, mut error) = (0.0, 0.0);
         for &node in direct {
-            let m = &self.moments[node as usize];
+            let m = &(self.cloud)(node);
             sum += self.jets.link(c, m, x, self.order);
-            error += lost(&self.jets, c, m, x.distance_squared(wide(m.center)), self.order);
+            error += lost(&self.jets, c, m, x.distance_squared(m.center), self.order);
         }
         let dipole = self.jets.dipole(c);
         let corners = |node: u32| {
@@ -133,13 +133,13 @@ impl Near<'_> {
             (face, self.data.triangles[face], self.data.triangles[face].map(|v| wide(self.data.positions[v as usize])))
         };
         for &node in area {
-            let m = &self.moments[node as usize];
+            let m = &(self.cloud)(node);
             let (face, _, triangle) = corners(node);
             let area = f64::from(self.data.clusters[self.data.leaves[face] as usize].area).max(1e-37);
-            sum += f64::from(m.weight) / area * sampled(&triangle, x, dipole, Distance::Radial, &SIX);
-            let d2 = x.distance_squared(wide(m.center));
-            let chi = self.jets.unit_chi(c, d2) * m.diagonal.iter().copied().map(f64::from).sum::<f64>();
-            error += (f64::from(m.weight) * self.jets.at(c, d2).value * (0.045 * chi.powi(3)).min(1.0)).powi(2);
+            sum += m.weight / area * sampled(&triangle, x, dipole, Distance::Radial, &SIX);
+            let d2 = x.distance_squared(m.center);
+            let chi = self.jets.unit_chi(c, d2) * m.trace();
+            error += (m.weight * self.jets.at(c, d2).value * (0.045 * chi.powi(3)).min(1.0)).powi(2);
         }
         let tint = f64::from(self.data.frame[0].tint[c]).max(1e-37);
         for &node in edge {
@@ -157,9 +157,10 @@ fn cpu(state: &mut State, at: Place) {
     let Group { channels, .. } = state.groups[at.group];
     let method = state.method;
     let data = &state.data;
+    let cloud = |node: u32| Cloud::new(&data.moments[base + node as usize], &data.spreads[base + node as usize]);
     let near = Near {
         data,
-        moments: &data.moments[base..],
+        cloud: &cloud,
         jets: Jets::new(&data.frame[0], channels),
         order: method.order,
         nodes: legendre(method.nodes as usize),
@@ -173,7 +174,7 @@ fn cpu(state: &mut State, at: Place) {
             let mut expansion = data.expansions[number];
             let center = wide(data.spheres[number].center);
             let far = &list[..run.expanded as usize];
-            expand(&near.jets, method.order, method.estimate, center, near.moments, far, &mut expansion);
+            expand(&near.jets, method.order, method.estimate, center, near.cloud, far, &mut expansion);
             let block = data.blocks[number];
             let receive = |face: usize| {
                 let x = wide(data.clusters[data.leaves[face] as usize].center);

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use crate::dipole::distance2;
-use crate::dipole::jet::Jets;
+use crate::dipole::jet::{Cloud, Jets};
 use crate::error::Result;
 use crate::layout::{Moment, Sample, Slot};
 use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
@@ -37,7 +37,7 @@ fn cpu(state: &mut State, at: Place) {
     let (base, _) = state.part(Slot::moments, at);
     let group = state.groups[at.group];
     let data = &mut state.data;
-    let moments = &data.moments[base..];
+    let (moments, spreads) = (&data.moments[base..], &data.spreads[base..]);
     let jets = Jets::new(&data.frame[0], group.channels);
 
     let faces = data.triangles.len() as u32;
@@ -49,16 +49,16 @@ fn cpu(state: &mut State, at: Place) {
         let mut sum = [0.0; 3];
         let (mut node, end) = (0, data.topology.len());
         while node < end {
-            let m = &moments[node];
+            let (m, s) = (&moments[node], &spreads[node]);
             let skip = data.topology[node].skip as usize;
             let (lit, leaf) = (m.weight > 0.0, skip == node + 1);
-            let far = distance2(x, m.center) >= m.coarse * m.coarse;
+            let far = distance2(x, m.center) >= s.coarse * s.coarse;
             if lit && (far || leaf) {
                 let area = f64::from(data.clusters[node].area).max(1e-30);
                 for c in jets.channels() {
                     let near = jets.plane(c) * f64::from(m.weight) / area;
                     let center = jets.at(c, wide(x).distance_squared(wide(m.center))).value * f64::from(m.weight);
-                    sum[c] += if far { jets.link(c, m, wide(x), 2) } else { center.min(near) };
+                    sum[c] += if far { jets.link(c, &Cloud::new(m, s), wide(x), 2) } else { center.min(near) };
                 }
             }
             node = if lit && !far && !leaf { node + 1 } else { skip };

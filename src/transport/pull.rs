@@ -4,13 +4,17 @@
 use glam::DVec3;
 
 use crate::error::Result;
-use crate::layout::{Moment, Slot};
+use crate::layout::{Moment, Slot, Spread};
 use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
 
-/// Second moments as a share of their trace and the square of the radius; the rest by their own size or the extent.
+/// By their own size or the extent.
 const MOMENT: &[Field] = &[
     Field { name: "center", relative: 0.0, floor: 4e-6, of: "" },
     Field { name: "weight", relative: 5e-5, floor: 0.0, of: "" },
+];
+
+/// Second moments as a share of their trace and the square of the radius.
+const SPREAD: &[Field] = &[
     Field { name: "diagonal", relative: 1e-4, floor: 2e-6, of: "radius" },
     Field { name: "mixed", relative: 1e-4, floor: 2e-6, of: "radius" },
     Field { name: "radius", relative: 1e-4, floor: 4e-6, of: "" },
@@ -23,7 +27,10 @@ pub static STAGE: Stage = Stage {
     room: "transport",
     about: "moments of the light entering every cluster: sum, centroid, second moments",
     equation: "W = sum A_k E_k, c = sum A_k E_k x_k / W, Q = sum A_k E_k [(x_k-c)(x_k-c)^T + M_k] / W",
-    writes: &[(Slot::moments, Role::Output, Tolerance::Fields(MOMENT))],
+    writes: &[
+        (Slot::moments, Role::Output, Tolerance::Fields(MOMENT)),
+        (Slot::spreads, Role::Output, Tolerance::Fields(SPREAD)),
+    ],
     reason: "sums climb some 40 levels of f32 rounding, 40 x 2^-24 = 2.4e-6 of the extent",
     unit: Unit::Group,
     cpu,
@@ -93,9 +100,8 @@ fn cpu(state: &mut State, at: Place) {
     for (node, sum) in sums.iter().enumerate() {
         let tau = sum.diagonal.element_sum().max(1e-30);
         let farthest = sigma.iter().map(|&sigma| coarse(tau, sigma)).fold(0.0, f64::max);
-        data.moments[base + node] = Moment {
-            center: narrow(sum.center),
-            weight: sum.weight as f32,
+        data.moments[base + node] = Moment { center: narrow(sum.center), weight: sum.weight as f32 };
+        data.spreads[base + node] = Spread {
             diagonal: narrow(sum.diagonal),
             radius: sum.radius as f32,
             mixed: narrow(sum.mixed),

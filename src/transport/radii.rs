@@ -114,13 +114,13 @@ fn cpu(state: &mut State, at: Place) {
     let error = f64::from(frame.link_error);
     let disc = f64::from(data.clusters[0].area) / (std::f64::consts::TAU * f64::from(frame.blocks));
     let emitter = |node: usize| {
-        let m = &data.moments[base + node];
+        let (m, s) = (&data.moments[base + node], &data.spreads[base + node]);
         let skip = data.topology[node].skip;
         let [x, y, z] = m.center;
         let mut emitter = Emitter { place: [x, y, z, -1e9], reach: [0.0; 3], skip };
         if m.weight > 0.0 {
-            let (weight, radius) = (f64::from(m.weight).log2(), f64::from(m.radius));
-            let tau = m.diagonal.iter().copied().map(f64::from).sum::<f64>().max(1e-30).log2();
+            let (weight, radius) = (f64::from(m.weight).log2(), f64::from(s.radius));
+            let tau = s.diagonal.iter().copied().map(f64::from).sum::<f64>().max(1e-30).log2();
             let leaf = skip as usize == node + 1;
             let rule = if leaf { 3 } else { 1 };
             let faint = range(0, weight, FAINT * error);

@@ -15,6 +15,7 @@ READS(topology)
 READS(triangles)
 READS(positions)
 READS(moments)
+READS(spreads)
 READS(runs)
 READS(entries)
 READS(near)
@@ -22,6 +23,7 @@ READS(near_groups)
 UPDATES(received)
 UPDATES(estimate)
 #include "dipole/jet.glsl"
+#include "transport/cloud.glsl"
 #include "dipole/form_factor/points.glsl"
 #include "transport/channels.glsl"
 #include "transport/gather/receiver.glsl"
@@ -46,7 +48,7 @@ void main() {
             EACH_CHANNEL({ sum[c] += weight * point.w * jet(dipoles[c], d2).x; })
         }
         if (ESTIMATE != 0) {
-            Moment m = moments[node];
+            Cloud m = cloud_of(node);
             vec3 d = self.x - m.center;
             float d2 = dot(d, d);
             EACH_CHANNEL({

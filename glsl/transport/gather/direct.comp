@@ -15,12 +15,14 @@ READS(blocks)
 READS(leaves)
 READS(clusters)
 READS(moments)
+READS(spreads)
 READS(runs)
 READS(entries)
 READS(level)
 UPDATES(received)
 UPDATES(estimate)
 #include "dipole/jet.glsl"
+#include "transport/cloud.glsl"
 #include "transport/channels.glsl"
 #include "transport/gather/receiver.glsl"
 
@@ -34,7 +36,7 @@ void main() {
     uint first = run.first + run.expanded, count = run.direct;
     vec3 sum = vec3(0), error = vec3(0);
     for (uint at = 0; at < count; at += width) {
-        Moment load = moments[entries[first + min(at + mine, count - 1)]];
+        Cloud load = cloud_of(entries[first + min(at + mine, count - 1)]);
         uint last = min(width, count - at);
         for (uint k = 0; k < last; ++k) {
             uint from = base + k;

@@ -12,11 +12,13 @@ layout(constant_id = 3) const uint ALONE = 1;
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 READS(moments)
+READS(spreads)
 READS(spheres)
 READS(runs)
 READS(entries)
 UPDATES(expansions)
 #include "dipole/jet.glsl"
+#include "transport/cloud.glsl"
 #include "transport/channels.glsl"
 
 void main() {
@@ -30,7 +32,7 @@ void main() {
     vec3 gradient[3] = vec3[3](vec3(0), vec3(0), vec3(0));
     vec3 diagonal[3] = vec3[3](vec3(0), vec3(0), vec3(0)), mixed[3] = vec3[3](vec3(0), vec3(0), vec3(0));
     for (uint k = first; k < last; ++k) {
-        Moment m = moments[entries[k]];
+        Cloud m = cloud_of(entries[k]);
         vec3 d = center - m.center;
         float d2 = dot(d, d);
         vec3 cross_terms = d.yzx * d.zxy;

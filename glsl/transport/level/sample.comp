@@ -10,6 +10,7 @@ READS(topology)
 READS(leaves)
 READS(clusters)
 READS(moments)
+READS(spreads)
 WRITES(samples)
 #include "dipole/near.glsl"
 #include "dipole/jet.glsl"
@@ -48,15 +49,16 @@ void main() {
     uint node = 0, end = frame[0].nodes;
     while (node < end) {
         Moment m = moments[node];
+        Spread s = spreads[node];
         uint skip = topology[node].skip;
         bool lit = m.weight > 0.0, leaf_here = skip == node + 1;
         float d2 = distance2(x, m.center);
-        precise float reach2 = m.coarse * m.coarse;
+        precise float reach2 = s.coarse * s.coarse;
         bool far = d2 >= reach2;
         if (lit && (far || leaf_here)) {
             vec3 d = x - m.center;
-            float tau = m.diagonal.x + m.diagonal.y + m.diagonal.z;
-            float along = dot(m.diagonal, d * d) + 2.0 * dot(m.mixed, d.yzx * d.zxy);
+            float tau = s.diagonal.x + s.diagonal.y + s.diagonal.z;
+            float along = dot(s.diagonal, d * d) + 2.0 * dot(s.mixed, d.yzx * d.zxy);
             EACH_CHANNEL({
                 vec3 p = jet(dipoles[c], d2);
                 float value = m.weight * (far ? p.x + 0.5 * (p.y * tau + p.z * along) : p.x);

@@ -12,6 +12,7 @@ READS(order)
 READS(bounds)
 READS(clusters)
 UPDATES(moments)
+UPDATES(spreads)
 #include "transport/pull/coarse.glsl"
 
 void main() {
@@ -21,16 +22,18 @@ void main() {
     if (topology[node].face != NONE) return;
     uint left = node + 1, right = topology[left].skip;
     Moment l = moments[left], r = moments[right];
+    Spread ls = spreads[left], rs = spreads[right];
     float weight = l.weight + r.weight;
     // Nothing to weigh: the middle will do.
     float share = weight > 0.0 ? r.weight / weight : 0.5;
     vec3 center = ORDER == 0 ? clusters[node].center : l.center + share * (r.center - l.center);
     vec3 to_l = l.center - center, to_r = r.center - center;
-    vec3 diagonal = mix(l.diagonal + to_l * to_l, r.diagonal + to_r * to_r, share);
-    vec3 mixed = mix(l.mixed + to_l.yzx * to_l.zxy, r.mixed + to_r.yzx * to_r.zxy, share);
+    vec3 diagonal = mix(ls.diagonal + to_l * to_l, rs.diagonal + to_r * to_r, share);
+    vec3 mixed = mix(ls.mixed + to_l.yzx * to_l.zxy, rs.mixed + to_r.yzx * to_r.zxy, share);
     // Two bounds on the radius: round the children's spheres, and round the box.
-    float spheres = max(length(to_l) + l.radius, length(to_r) + r.radius);
+    float spheres = max(length(to_l) + ls.radius, length(to_r) + rs.radius);
     vec3 corner = max(center - bounds[node].low, bounds[node].high - center);
     float radius = min(spheres, length(corner));
-    moments[node] = Moment(center, weight, diagonal, radius, mixed, coarse_distance(diagonal, radius));
+    moments[node] = Moment(center, weight);
+    spreads[node] = Spread(diagonal, radius, mixed, coarse_distance(diagonal, radius));
 }

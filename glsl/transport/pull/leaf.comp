@@ -12,6 +12,7 @@ READS(positions)
 READS(clusters)
 READS(irradiance)
 WRITES(moments)
+WRITES(spreads)
 #include "transport/pull/coarse.glsl"
 
 void main() {
@@ -26,5 +27,6 @@ void main() {
     vec3 mixed = (p.yzx * p.zxy + q.yzx * q.zxy + r.yzx * r.zxy) / 36.0;
     float radius = sqrt(max(dot(a - center, a - center), max(dot(b - center, b - center), dot(c - center, c - center))));
     float weight = clusters[node].area * irradiance[face][LEAD];
-    moments[node] = Moment(center, weight, diagonal, radius, mixed, coarse_distance(diagonal, radius));
+    moments[node] = Moment(center, weight);
+    spreads[node] = Spread(diagonal, radius, mixed, coarse_distance(diagonal, radius));
 }

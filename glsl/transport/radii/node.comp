@@ -9,6 +9,7 @@ READS(frame)
 READS(topology)
 READS(clusters)
 READS(moments)
+READS(spreads)
 READS(ranges)
 WRITES(emitters)
 #include "transport/radii/laws.glsl"
@@ -32,11 +33,12 @@ void main() {
     uint node = invocation();
     if (node >= frame[0].nodes) return;
     Moment m = moments[node];
+    Spread spread = spreads[node];
     uint skip = topology[node].skip;
     Emitter emitter = Emitter(vec4(m.center, -1e9), vec3(0), skip);
     if (m.weight > 0.0) {
         float error = frame[0].link_error;
-        float weight = log2(m.weight), tau = log2(max(m.diagonal.x + m.diagonal.y + m.diagonal.z, 1e-30));
+        float weight = log2(m.weight), tau = log2(max(spread.diagonal.x + spread.diagonal.y + spread.diagonal.z, 1e-30));
         bool leaf = skip == node + 1;
         uint rule = leaf ? 3 : 1;
         float faint = range_of(0, weight, FAINT * error);
@@ -45,8 +47,8 @@ void main() {
         float disc = log2(max(clusters[0].area / (6.2831853 * float(frame[0].blocks)), 1e-30));
         float expand = min(faint, range_of(2, weight + power_of(2) * disc, RECEIVER_SHARE * error));
         // The laws hold at a cluster's nearest point; a triangle's at its centroid.
-        float radius = leaf ? 0.0 : m.radius;
-        emitter.place.w = reach(m.radius, range_of(0, weight, NOTHING * error));
+        float radius = leaf ? 0.0 : spread.radius;
+        emitter.place.w = reach(spread.radius, range_of(0, weight, NOTHING * error));
         emitter.reach.y = reach(radius, accept);
         emitter.reach.x = reach(radius, max(accept, expand));
         if (leaf) emitter.reach.z = reach(radius, min(faint, range_of(4, weight + power_of(4) * tau, error)));
