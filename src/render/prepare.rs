@@ -182,7 +182,7 @@ fn edge_nodes(tolerance: f64) -> u32 {
 /// scenes and nine meshes, materials from ketchup to whole milk and sizes from 1 to 500 mm: the largest that met each
 /// tolerance on all of them, interpolated in the logarithm.
 fn link_error(tolerance: f64) -> f64 {
-    const MET: [(f64, f64); 5] = [(1e-5, 2e-6), (1e-4, 1e-4), (1e-3, 2.5e-3), (1e-2, 0.035), (0.1, 0.5)];
+    const MET: [(f64, f64); 5] = [(1e-5, 2e-6), (1e-4, 5e-5), (1e-3, 1e-3), (1e-2, 0.02), (0.1, 0.1)];
     let row = MET.windows(2).find(|pair| tolerance <= pair[1].0).unwrap_or(&MET[3..]);
     let [(low, at_low), (high, at_high)] = [row[0], row[1]];
     let part = ((tolerance / low).ln() / (high / low).ln()).clamp(0.0, 1.0);

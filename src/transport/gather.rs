@@ -5,6 +5,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::link::batch;
+use super::radii::NOTHING;
 use crate::dipole::form_factor::Distance;
 use crate::dipole::form_factor::edge::edge_form;
 use crate::dipole::form_factor::gauss::{Node, legendre};
@@ -182,7 +183,7 @@ fn cpu(state: &mut State, at: Place) {
                 for c in near.jets.channels() {
                     let (value, squared) = near.receive(x, &run, list, c);
                     let dropped = 0.5
-                        * 0.05
+                        * NOTHING
                         * data.frame[0].link_error as f64
                         * f64::from(run.dropped)
                         * f64::from(data.level[0][c]);

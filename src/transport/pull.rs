@@ -3,6 +3,7 @@
 
 use glam::DVec3;
 
+use crate::dipole::form_factor::ladder::chi_distance;
 use crate::error::Result;
 use crate::layout::{Moment, Slot, Spread};
 use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
@@ -98,8 +99,7 @@ fn cpu(state: &mut State, at: Place) {
 
     let sigma = data.frame[0].sigma.map(f64::from);
     for (node, sum) in sums.iter().enumerate() {
-        let tau = sum.diagonal.element_sum().max(1e-30);
-        let farthest = sigma.iter().map(|&sigma| coarse(tau, sigma)).fold(0.0, f64::max);
+        let farthest = chi_distance(sum.diagonal.element_sum(), sigma, COARSE);
         data.moments[base + node] = Moment { center: narrow(sum.center), weight: sum.weight as f32 };
         data.spreads[base + node] = Spread {
             diagonal: narrow(sum.diagonal),
@@ -108,13 +108,6 @@ fn cpu(state: &mut State, at: Place) {
             coarse: (sum.radius + farthest) as f32,
         };
     }
-}
-
-/// Distance from which on chi = tau q2(sigma s) / (2 s^2) stays below the coarse solution's limit, q2 <= 15 + 5a + a^2.
-fn coarse(tau: f64, sigma: f64) -> f64 {
-    let k = 2.0 * COARSE / tau - sigma * sigma;
-    let s = if k > 0.0 { (5.0 * sigma + (25.0 * sigma * sigma + 60.0 * k).sqrt()) / (2.0 * k) } else { 4.0 };
-    s.min(if sigma > 0.0 { 20.0 / sigma } else { 4.0 }).min(4.0)
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {

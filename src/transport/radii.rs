@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use crate::dipole::form_factor::ladder::q2;
+use crate::dipole::form_factor::ladder::{chi_distance, q2};
 use crate::dipole::jet::Jets;
 use crate::error::Result;
 use crate::layout::{Emitter, Slot};
@@ -42,11 +42,18 @@ const DEEPEST: f64 = 60.0;
 const FARTHEST: f64 = 4.0;
 
 /// Shares of a link's allowed error: below this its light is left out ...
-const NOTHING: f64 = 0.05;
-/// ... below this one link always serves ...
-const FAINT: f64 = 0.3;
+pub const NOTHING: f64 = 0.01;
 /// ... and this is what a block's expansion may add.
 const RECEIVER_SHARE: f64 = 0.3;
+
+/// How much stricter the laws are within the real source's depth: there the nearest point is as good as any other, and
+/// no slack is left for links that err alike.
+const ALIKE: f64 = 16.0;
+
+/// Largest chi at which the laws of a cluster, of one sample and of 6 area points hold: they are expansions in chi.
+const CLUSTER_CHI: f64 = 1.0;
+const SAMPLE_CHI: f64 = 0.35;
+const AREA_CHI: f64 = 0.7;
 
 /// Exponent n and factor of each law for the moments' order.
 fn laws(order: u32) -> ([f64; LAWS], [f64; LAWS]) {
@@ -67,7 +74,9 @@ fn law(jets: &Jets, level: [f32; 3], u: f64, power: f64) -> f64 {
         };
         let [real, virt] = dipole.depths().map(source);
         let both = real.max(virt) + (1.0 + (real.min(virt) - real.max(virt)).exp2()).log2();
-        both + dipole.strength.max(1e-37).log2() - f64::from(level[c]).log2()
+        let depth2 = dipole.z_real * dipole.z_real;
+        let alike = if power > 0.0 { (1.0 + ALIKE * depth2 / (u * u + depth2)).log2() } else { 0.0 };
+        both + alike + dipole.strength.max(1e-37).log2() - f64::from(level[c]).log2()
     };
     jets.channels().map(channel).fold(-1e30, f64::max)
 }
@@ -113,6 +122,8 @@ fn cpu(state: &mut State, at: Place) {
     };
     let error = f64::from(frame.link_error);
     let disc = f64::from(data.clusters[0].area) / (std::f64::consts::TAU * f64::from(frame.blocks));
+    let sigma = frame.sigma.map(f64::from);
+    let nearest = frame.z_real.iter().copied().map(f64::from).fold(f64::INFINITY, f64::min);
     let emitter = |node: usize| {
         let (m, s) = (&data.moments[base + node], &data.spreads[base + node]);
         let skip = data.topology[node].skip;
@@ -123,17 +134,21 @@ fn cpu(state: &mut State, at: Place) {
             let tau = s.diagonal.iter().copied().map(f64::from).sum::<f64>().max(1e-30).log2();
             let leaf = skip as usize == node + 1;
             let rule = if leaf { 3 } else { 1 };
-            let faint = range(0, weight, FAINT * error);
-            let accept = faint.min(range(rule, weight + power[rule] * tau, error));
+            let valid = |chi: f64| {
+                let s = chi_distance(tau.exp2(), sigma, chi);
+                (s * s - nearest * nearest).max(0.0).sqrt()
+            };
+            let accept = range(rule, weight + power[rule] * tau, error);
+            let accept = accept.max(valid(if leaf { SAMPLE_CHI } else { CLUSTER_CHI }));
             let expand = range(2, weight + power[2] * disc.max(1e-30).log2(), RECEIVER_SHARE * error);
             // The laws hold at a cluster's nearest point, a triangle's at its centroid; at distance 0 they hold everywhere.
             let reach = |radius: f64, range: f64| if range > 0.0 { (radius + range) as f32 } else { -1e9 };
             let edge = if leaf { 0.0 } else { radius };
             emitter.place[3] = reach(radius, range(0, weight, NOTHING * error));
             emitter.reach[1] = reach(edge, accept);
-            emitter.reach[0] = reach(edge, accept.max(faint.min(expand)));
+            emitter.reach[0] = reach(edge, accept.max(expand));
             if leaf {
-                emitter.reach[2] = reach(edge, faint.min(range(4, weight + power[4] * tau, error)));
+                emitter.reach[2] = reach(edge, valid(AREA_CHI).max(range(4, weight + power[4] * tau, error)));
             }
         }
         emitter

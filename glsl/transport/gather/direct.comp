@@ -64,7 +64,7 @@ void main() {
     received[self.face] = only_group(sum, received[self.face]);
     if (ESTIMATE != 0) {
         // What was left out adds up, all of one sign; half of the bound is typical.
-        vec3 dropped = 0.5 * 0.05 * frame[0].link_error * float(run.dropped) * level[0];
+        vec3 dropped = 0.5 * 0.01 * frame[0].link_error * float(run.dropped) * level[0];
         estimate[self.face] = only_group(error + dropped * dropped, estimate[self.face]);
     }
 }

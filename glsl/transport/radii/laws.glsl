@@ -16,8 +16,12 @@ float factor_of(uint law) {
     if (law == 3) return whole ? 1.5 : 0.55;
     return law == 0 ? 1.0 : law == 2 ? 0.5 : 0.045;
 }
-// Shares of a link's allowed error: below the first its light is left out; below the second one link always serves;
-// the last is what a block's expansion may add.
-const float NOTHING = 0.05;
-const float FAINT = 0.3;
+// Shares of a link's allowed error: light fainter than the first is left out; the other is what a block's expansion adds.
+const float NOTHING = 0.01;
 const float RECEIVER_SHARE = 0.3;
+// Largest chi at which the laws of a cluster, of one sample and of 6 area points hold.
+const float CLUSTER_CHI = 1.0;
+const float SAMPLE_CHI = 0.35;
+const float AREA_CHI = 0.7;
+// How much stricter the laws are within the real source's depth.
+const float ALIKE = 16.0;

@@ -13,6 +13,7 @@ READS(spreads)
 READS(ranges)
 WRITES(emitters)
 #include "transport/radii/laws.glsl"
+#include "transport/chi.glsl"
 
 // Distance from which on a link of the strength W tau^n, as a logarithm, keeps within `allowed`.
 float range_of(uint which, float strength, float allowed) {
@@ -24,6 +25,12 @@ float range_of(uint which, float strength, float allowed) {
     if (at >= float(ENTRIES - 1)) return FARTHEST;
     uint entry = uint(at);
     return mix(ranges[base + 2 + entry], ranges[base + 3 + entry], at - float(entry));
+}
+
+// Nearer than this a law says nothing: it is an expansion in chi. Sources lie at least z_r off the surface.
+float valid(float trace, float chi) {
+    float s = chi_distance(trace, chi), z = min(frame[0].z_real.x, min(frame[0].z_real.y, frame[0].z_real.z));
+    return sqrt(max(0.0, (s - z) * (s + z)));
 }
 
 // A law that holds at distance 0 holds everywhere.
@@ -41,17 +48,17 @@ void main() {
         float weight = log2(m.weight), tau = log2(max(spread.diagonal.x + spread.diagonal.y + spread.diagonal.z, 1e-30));
         bool leaf = skip == node + 1;
         uint rule = leaf ? 3 : 1;
-        float faint = range_of(0, weight, FAINT * error);
-        float accept = min(faint, range_of(rule, weight + power_of(rule) * tau, error));
+        float trace = spread.diagonal.x + spread.diagonal.y + spread.diagonal.z;
+        float accept = max(valid(trace, leaf ? SAMPLE_CHI : CLUSTER_CHI), range_of(rule, weight + power_of(rule) * tau, error));
         // A flat disc of a block's mean area: blocks of another spread scale this distance.
         float disc = log2(max(clusters[0].area / (6.2831853 * float(frame[0].blocks)), 1e-30));
-        float expand = min(faint, range_of(2, weight + power_of(2) * disc, RECEIVER_SHARE * error));
+        float expand = range_of(2, weight + power_of(2) * disc, RECEIVER_SHARE * error);
         // The laws hold at a cluster's nearest point; a triangle's at its centroid.
         float radius = leaf ? 0.0 : spread.radius;
         emitter.place.w = reach(spread.radius, range_of(0, weight, NOTHING * error));
         emitter.reach.y = reach(radius, accept);
         emitter.reach.x = reach(radius, max(accept, expand));
-        if (leaf) emitter.reach.z = reach(radius, min(faint, range_of(4, weight + power_of(4) * tau, error)));
+        if (leaf) emitter.reach.z = reach(radius, max(valid(trace, AREA_CHI), range_of(4, weight + power_of(4) * tau, error)));
     }
     emitters[node] = emitter;
 }

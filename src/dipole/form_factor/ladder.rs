@@ -56,6 +56,18 @@ pub fn chi(tau: f64, sigma: f64, s: f64) -> f64 {
     tau * q2(sigma * s) / (2.0 * s * s)
 }
 
+/// Distance between source and centroid from which on `chi` stays below `limit` in every channel, with
+/// q2(a) <= 15 + 5a + a^2; at most 4, four times an object's extent. A channel counts up to sigma s = 20 (e^-20 = 2e-9).
+#[must_use]
+pub fn chi_distance(tau: f64, sigma: [f64; 3], limit: f64) -> f64 {
+    let channel = |sigma: f64| {
+        let k = 2.0 * limit / tau.max(1e-30) - sigma * sigma;
+        let s = if k > 0.0 { (5.0 * sigma + (25.0 * sigma * sigma + 60.0 * k).sqrt()) / (2.0 * k) } else { 4.0 };
+        s.min(if sigma > 0.0 { 20.0 / sigma } else { 4.0 }).min(4.0)
+    };
+    sigma.map(channel).into_iter().fold(0.0, f64::max)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
