@@ -5,6 +5,7 @@
 //! only the summing runs. Beside each time stands the error of the very frames that were timed, twice too: against
 //! brute force over the method's own leaf sums, and against the area integral over the same faces.
 
+mod frames;
 mod front;
 mod method;
 mod pace;
