@@ -55,6 +55,41 @@ fn table_csv_and_svg_appear() {
 }
 
 #[test]
+fn all_methods_are_measured_side_by_side() {
+    for device in ["", "--device cpu"] {
+        let here = folder(&[]);
+        let (out, _) = good(&here, &format!("{SMALL} {device} --csv a.csv --svg a.svg --budget 60"));
+        let (header, rows) = rows(&read(&here, "a.csv"));
+        let cell = |row: &[String], name: &str| row[header.iter().position(|h| h == name).unwrap()].clone();
+        let number = |row: &[String], name: &str| cell(row, name).parse::<f64>().unwrap();
+        let mut names: Vec<String> = rows.iter().map(|row| cell(row, "method")).collect();
+        names.dedup();
+        assert_eq!(names, ["blocks", "links", "links-kept", "octree", "brute"]);
+        assert!(out.contains("against its own leaf sums") && out.contains("against the area integral"), "{out}");
+        for row in rows.iter().filter(|row| cell(row, "left_out").is_empty()) {
+            let octree = cell(row, "method") == "octree";
+            assert!(number(row, "own_l2") < 0.2, "{row:?}");
+            // The octree sums midpoints, has no links, and knows no clock but the wall's.
+            assert_eq!(number(row, "leaves_l2") > 0.0, octree, "{row:?}");
+            assert_eq!(cell(row, "device_ms").is_empty(), octree || device.ends_with("cpu"), "{row:?}");
+            // At most every face to every face, for each group of channels.
+            let links = cell(row, "links_per_face");
+            assert!(links.is_empty() || number(row, "links_per_face") <= 3.0 * 320.0, "{row:?}");
+        }
+    }
+}
+
+#[test]
+fn displaced_sources_leave_out_what_serves_radial_ones_only() {
+    let here = folder(&[]);
+    let line = format!("{SMALL} --device cpu --methods blocks,octree,brute --set transport.distance=table1");
+    let (out, _) = good(&here, &line);
+    for words in ["n/a: blocks, light moves", "n/a: octree, light rests", "radial distances only"] {
+        assert!(out.contains(words), "{words}\n{out}");
+    }
+}
+
+#[test]
 fn methods_can_be_chosen_and_the_budget_leaves_some_out() {
     let here = folder(&[]);
     let (out, _) = good(&here, &format!("{SMALL} --device cpu --methods brute --budget 1e-9"));

@@ -33,7 +33,9 @@ impl Frames {
 impl Solver for Frames {
     fn frame(&mut self) -> Result<Option<f64>> {
         let milliseconds = self.session.frame(self.change)?.iter().map(|part| part.milliseconds).sum::<f64>();
-        let timed = matches!(self.session.backend, Backend::Gpu(_)) && milliseconds.is_finite();
+        let on_device = matches!(self.session.backend, Backend::Gpu(_))
+            && self.session.plan.options().transport != Transport::Octree;
+        let timed = on_device && milliseconds.is_finite();
         Ok(timed.then_some(milliseconds))
     }
 

@@ -86,6 +86,15 @@ pub static METHODS: &[Method] = &[
         foretell: None,
     },
     Method {
+        name: "octree",
+        about: "the irradiance octree of Jensen and Buhler 2002 on the host's cores; a resting light keeps the tree",
+        parameter: "angle",
+        values: &[0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01],
+        leaves: Leaves::Midpoint,
+        open: octree,
+        foretell: None,
+    },
+    Method {
         name: "brute",
         about: "every face to every face, one sample or the edge form",
         parameter: "",
@@ -141,6 +150,17 @@ fn links_kept(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opene
     }
     let options = Options { transport: Transport::Hierarchy, mode: Mode::Render, goal: Goal::Radiosity };
     Frames::open(&at_angle(bench.scene, angle), bench.device, options, Change::LIGHT)
+}
+
+/// Irradiance comes from the device, if there is one; radiosity stays on the host.
+fn octree(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opened> {
+    if bench.scene.transport.distance != Distance::Radial {
+        return Ok(Opened::NotOffered("the octree serves radial distances only".into()));
+    }
+    let mut scene = bench.scene.clone();
+    scene.transport.octree_angle = angle;
+    let options = Options { transport: Transport::Octree, mode: Mode::Render, goal: Goal::Radiosity };
+    Frames::open(&scene, bench.device, options, change(lighting))
 }
 
 /// Every face to every face.

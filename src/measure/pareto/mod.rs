@@ -50,7 +50,8 @@ impl Lighting {
 /// What was measured of a method at one setting under one lighting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// Median time on the device by its timestamps, milliseconds; none on the CPU and where a queue has none.
+    /// Median time on the device by its timestamps, milliseconds; none on the CPU, where a queue has none, and of
+    /// the octree, which runs on the host.
     pub device_ms: Option<f64>,
     /// Median wall-clock time of the whole frame, recording and waiting included, milliseconds.
     pub wall_ms: f64,
