@@ -20,28 +20,29 @@ fn table_csv_and_svg_appear() {
     for device in ["", "--device cpu"] {
         let here = folder(&[]);
         let (out, err) =
-            good(&here, &format!("{SMALL} {device} --methods links,links-kept,brute --csv a.csv --svg a.svg"));
+            good(&here, &format!("{SMALL} {device} --methods blocks,links,links-kept,brute --csv a.csv --svg a.svg"));
         for words in
             ["sphere: 320 faces, 10 mm across, Marble", "light moves", "light rests", "own L2", "total L2", "1e-3"]
         {
             assert!(out.contains(words), "{words} {device}\n{out}");
         }
         assert!(out.contains("n/a: links-kept, light rests, angle 0.2 0.1: the same as links"), "{out}");
+        assert!(out.contains("its ratio to that of blocks"), "{out}");
         assert!(device.is_empty() || err.is_empty(), "no bars but to a terminal: {err}");
         assert_eq!(names(here.path()), ["a.csv", "a.svg"]);
 
-        // Two settings of two methods and one of the third, under both lights.
+        // Two settings of three methods and one of the fourth, under both lights.
         let (header, rows) = rows(&read(&here, "a.csv"));
         let cell = |row: &[String], name: &str| row[header.iter().position(|h| h == name).unwrap()].clone();
         let number = |row: &[String], name: &str| cell(row, name).parse::<f64>().unwrap();
-        assert_eq!(rows.len(), 10, "{rows:?}");
+        assert_eq!(rows.len(), 14, "{rows:?}");
         let measured: Vec<_> = rows.iter().filter(|row| cell(row, "left_out").is_empty()).collect();
-        assert_eq!(measured.len(), 8, "{rows:?}");
+        assert_eq!(measured.len(), 12, "{rows:?}");
         for row in measured {
             assert!(number(row, "wall_low_ms") <= number(row, "wall_ms"), "{row:?}");
             assert!(number(row, "wall_ms") <= number(row, "wall_high_ms"), "{row:?}");
             assert_eq!((number(row, "samples"), number(row, "frames"), number(row, "faces")), (40.0, 5.0, 320.0));
-            // Both methods integrate over their leaves: one error, and brute force has next to none.
+            // All methods integrate over their leaves: one error, and brute force has next to none.
             assert_eq!((cell(row, "own_l2"), number(row, "leaves_l2")), (cell(row, "total_l2"), 0.0));
             let brute = cell(row, "method") == "brute";
             assert!(number(row, "own_l2") < if brute { 1e-3 } else { 0.1 }, "{row:?}");
@@ -50,6 +51,41 @@ fn table_csv_and_svg_appear() {
         }
         let svg = read(&here, "a.svg");
         assert!(svg.starts_with("<svg") && svg.contains("links-kept") && svg.contains("light rests"));
+    }
+}
+
+#[test]
+fn all_methods_are_measured_side_by_side() {
+    for device in ["", "--device cpu"] {
+        let here = folder(&[]);
+        let (out, _) = good(&here, &format!("{SMALL} {device} --csv a.csv --svg a.svg --budget 60"));
+        let (header, rows) = rows(&read(&here, "a.csv"));
+        let cell = |row: &[String], name: &str| row[header.iter().position(|h| h == name).unwrap()].clone();
+        let number = |row: &[String], name: &str| cell(row, name).parse::<f64>().unwrap();
+        let mut names: Vec<String> = rows.iter().map(|row| cell(row, "method")).collect();
+        names.dedup();
+        assert_eq!(names, ["blocks", "links", "links-kept", "octree", "brute"]);
+        assert!(out.contains("against its own leaf sums") && out.contains("against the area integral"), "{out}");
+        for row in rows.iter().filter(|row| cell(row, "left_out").is_empty()) {
+            let octree = cell(row, "method") == "octree";
+            assert!(number(row, "own_l2") < 0.2, "{row:?}");
+            // The octree sums midpoints, has no links, and knows no clock but the wall's.
+            assert_eq!(number(row, "leaves_l2") > 0.0, octree, "{row:?}");
+            assert_eq!(cell(row, "device_ms").is_empty(), octree || device.ends_with("cpu"), "{row:?}");
+            // At most every face to every face, for each group of channels.
+            let links = cell(row, "links_per_face");
+            assert!(links.is_empty() || number(row, "links_per_face") <= 3.0 * 320.0, "{row:?}");
+        }
+    }
+}
+
+#[test]
+fn displaced_sources_leave_out_what_serves_radial_ones_only() {
+    let here = folder(&[]);
+    let line = format!("{SMALL} --device cpu --methods blocks,octree,brute --set transport.distance=table1");
+    let (out, _) = good(&here, &line);
+    for words in ["n/a: blocks, light moves", "n/a: octree, light rests", "radial distances only"] {
+        assert!(out.contains(words), "{words}\n{out}");
     }
 }
 

@@ -110,6 +110,8 @@ enum TransportArgument {
     /// The hierarchical method of Mertens et al. 2003.
     #[default]
     Hierarchy,
+    /// The irradiance octree of Jensen and Buhler 2002: on the host's cores, whatever the device.
+    Octree,
     /// Every face to every face.
     Brute,
 }
@@ -119,6 +121,7 @@ impl RunArguments {
         Options {
             transport: match self.transport {
                 TransportArgument::Hierarchy => Transport::Hierarchy,
+                TransportArgument::Octree => Transport::Octree,
                 TransportArgument::Brute => Transport::Brute,
             },
             mode: match self.mode {

@@ -8,6 +8,8 @@ use serde_json::json;
 use super::{RunArguments, SceneArguments, open_session, print, size, table, validation};
 use crate::error::Result;
 use crate::layout::SLOTS;
+use crate::render::octree;
+use crate::render::plan::{Change, before_transport};
 use crate::view::picture::write_whole;
 
 /// Arguments of `plan`.
@@ -41,7 +43,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         frame.lights,
         device.as_ref().map_or("cpu", |device| device.name()),
     );
-    let stages: Vec<_> = plan
+    let mut stages: Vec<_> = plan
         .stages
         .iter()
         .map(|stage| {
@@ -49,6 +51,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             vec![stage.name.to_string(), stage.about.to_string(), stage.equation.to_string(), writes.join(" ")]
         })
         .collect();
+    if plan.octree(Change::EVERYTHING) {
+        let place = plan.stages.iter().position(|stage| !before_transport(stage.name)).unwrap_or(stages.len());
+        stages.insert(place, [octree::NAME, octree::ABOUT, octree::EQUATION, "radiosity"].map(String::from).to_vec());
+    }
     text += &table(&["stage", "does", "from", "writes"], &[], &stages);
 
     // Lists start with a guess and grow to what a frame turns out to need.
@@ -85,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "vertices": frame.vertices,
             "nodes": frame.nodes,
             "chunks": state.schedule.chunks.len(),
-            "stages": plan.stages.iter().map(|s| json!({"stage": s.name, "does": s.about})).collect::<Vec<_>>(),
+            "stages": stages.iter().map(|row| json!({"stage": row[0], "does": row[1]})).collect::<Vec<_>>(),
             "buffers": SLOTS.iter().map(|slot| (slot.spec(), state.data.bytes(*slot).len()))
                 .filter(|(_, bytes)| *bytes > 0)
                 .map(|(spec, bytes)| json!({"buffer": spec.name, "per": spec.per, "bytes": bytes}))

@@ -11,6 +11,8 @@ pub enum Transport {
     /// The hierarchical method of Mertens et al. 2003.
     #[default]
     Hierarchy,
+    /// The irradiance octree of Jensen and Buhler 2002, on the host.
+    Octree,
     /// Every face to every face.
     Brute,
 }
@@ -127,6 +129,13 @@ impl Plan {
         steps(&stages, &state.schedule, state.groups.len())
     }
 
+    /// Whether the octree takes its turn in a frame after this change.
+    pub fn octree(&self, change: Change) -> bool {
+        let sees = self.stages.iter().any(|stage| stage.name == "irradiance");
+        let summed = change.everything || change.light || change.resum;
+        self.options.transport == Transport::Octree && sees && summed
+    }
+
     /// Buffers that are inputs: no stage writes them.
     pub fn inputs() -> impl Iterator<Item = Slot> {
         SLOTS.iter().copied().filter(|slot| !STAGES.iter().any(|s| s.writes.iter().any(|(w, _, _)| w == slot)))
@@ -142,6 +151,11 @@ fn builds_links(name: &str) -> bool {
 const BLOCKS: [&str; 6] = ["pull", "level", "radii", "link", "gather", "push"];
 /// Stages of the hierarchy as published.
 const LINKS: [&str; 6] = ["reach", "mean", "refine", "form_factor", "collect", "spread"];
+
+/// Whether a stage comes before the light is carried through the material, whatever carries it.
+pub fn before_transport(name: &str) -> bool {
+    matches!(name, "refit" | "irradiance")
+}
 
 /// Whether a stage lies between known irradiance, with its moments and distances, and radiosity.
 fn sums(name: &str) -> bool {
@@ -166,6 +180,9 @@ fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -> Option<St
         Transport::Hierarchy if name == "brute" => Some("the hierarchy transports the light".into()),
         Transport::Hierarchy if links && scheme == Scheme::Blocks => Some("scheme blocks carries the light".into()),
         Transport::Hierarchy if blocks && scheme == Scheme::Links => Some("scheme links carries the light".into()),
+        Transport::Octree if blocks || links || name == "brute" => {
+            Some("the octree carries the light, in native code on the host".into())
+        }
         Transport::Brute if blocks || links && name != "reach" => Some("brute force needs no clusters".into()),
         _ => None,
     }
@@ -175,21 +192,49 @@ fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -> Option<St
 mod tests {
     use super::*;
 
-    fn names(transport: Transport, mode: Mode, change: Change) -> Vec<&'static str> {
+    fn plan(scheme: Scheme, transport: Transport, mode: Mode) -> (State, Plan) {
         let mut state = State::default();
+        state.method.scheme = scheme;
         state.schedule.chunks.push(crate::state::Chunk::default());
+        state.schedule.batches.push(0..1);
+        state.groups.push(crate::state::Group { channels: 7, lead: 0 });
         state.data.lights.push(crate::layout::Light { color: [1.0; 3], ..Default::default() });
         let plan = Plan::new(&state, Options { transport, mode, goal: Goal::Radiosity });
+        (state, plan)
+    }
+
+    fn names(scheme: Scheme, mode: Mode, change: Change) -> Vec<&'static str> {
+        let (state, plan) = plan(scheme, Transport::Hierarchy, mode);
         plan.steps(&state, change).iter().map(|step| step.stage.name).collect()
     }
 
     #[test]
     fn a_resum_leaves_the_light_alone() {
-        let (tree, brute) = (Transport::Hierarchy, Transport::Brute);
-        assert_eq!(names(tree, Mode::Render, Change::RESUM), ["gather", "push"]);
-        assert_eq!(names(tree, Mode::OnTheFly, Change::RESUM), ["link", "form_factor", "gather", "push"]);
-        assert_eq!(names(brute, Mode::Render, Change::RESUM), ["brute"]);
-        assert_eq!(names(tree, Mode::Render, Change::LIGHT), ["irradiance", "pull", "gather", "push"]);
-        assert_eq!(names(tree, Mode::Render, Change::VIEW), [""; 0]);
+        assert_eq!(names(Scheme::Blocks, Mode::Render, Change::RESUM), ["gather", "push"]);
+        assert_eq!(names(Scheme::Blocks, Mode::OnTheFly, Change::RESUM), ["link", "gather", "push"]);
+        assert_eq!(names(Scheme::Links, Mode::Render, Change::RESUM), ["collect", "spread"]);
+        let anew = ["refine", "form_factor", "collect", "spread"];
+        assert_eq!(names(Scheme::Links, Mode::OnTheFly, Change::RESUM), anew);
+        let (state, plan) = plan(Scheme::Blocks, Transport::Brute, Mode::Render);
+        assert_eq!(plan.steps(&state, Change::RESUM).iter().map(|s| s.stage.name).collect::<Vec<_>>(), ["brute"]);
+    }
+
+    #[test]
+    fn a_new_light_leaves_the_shape_alone() {
+        let blocks = ["irradiance", "pull", "level", "radii", "link", "gather", "push"];
+        assert_eq!(names(Scheme::Blocks, Mode::Render, Change::LIGHT), blocks);
+        assert_eq!(names(Scheme::Links, Mode::Render, Change::LIGHT), ["irradiance", "mean", "collect", "spread"]);
+        assert_eq!(names(Scheme::Blocks, Mode::Render, Change::VIEW), [""; 0]);
+    }
+
+    #[test]
+    fn the_octree_takes_the_place_of_every_other_transport() {
+        let (state, plan) = plan(Scheme::Links, Transport::Octree, Mode::OnTheFly);
+        assert_eq!(plan.stages.iter().map(|stage| stage.name).collect::<Vec<_>>(), ["refit", "irradiance"]);
+        assert!(plan.left_out.iter().any(|(stage, why)| stage.name == "refine" && why.contains("on the host")));
+        for (change, runs) in [(Change::LIGHT, true), (Change::RESUM, true), (Change::VIEW, false)] {
+            assert_eq!(plan.octree(change), runs, "{change:?}");
+        }
+        assert_eq!(plan.steps(&state, Change::LIGHT).len(), 1);
     }
 }

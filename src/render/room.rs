@@ -20,8 +20,8 @@ const MOST_BINDING: u64 = 1 << 29;
 const MOST_BLOCKS: usize = 1 << 16;
 /// Entries of a block's lists to begin with.
 const ENTRIES: usize = 256;
-/// What is being done where links and form factors turn out to be too many to keep, as the error says it.
-pub const KEEPING: &str = "keeping form factors between frames";
+/// What is being done where lists, or links and their form factors, turn out to be too many to keep, as the error says it.
+pub const KEEPING: &str = "keeping lists between frames";
 /// Links per face to begin with.
 const LINKS: usize = 640;
 
@@ -172,7 +172,7 @@ impl Lists {
         if state.keep && bytes > self.allocation {
             let most = self.allocation;
             let what = format!("they take {bytes} bytes, one allocation holds {most}; use --mode on-the-fly");
-            return Err(Error::device("keeping lists between frames", what));
+            return Err(Error::device(KEEPING, what));
         }
         Ok(())
     }

@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use super::plan::{Change, Mode, Options, Plan};
+use super::octree::OctreeTransport;
+use super::plan::{Change, Mode, Options, Plan, Transport, before_transport};
 use super::prepare::{Prepared, Units, camera, lights, prepare};
 pub use super::room::Room;
 use super::room::{Lists, size};
@@ -11,7 +12,7 @@ use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
 use crate::layout::Slot;
 use crate::scene::{Camera, Light, Scene};
-use crate::state::{DeviceState, State};
+use crate::state::{DeviceState, State, Step};
 use crate::view::picture::Picture;
 
 /// Where the stages run.
@@ -35,19 +36,24 @@ pub struct Session {
     scene: Scene,
     lists: Lists,
     pending: Change,
+    octree: Option<OctreeTransport>,
 }
 
 impl Session {
     /// Prepares a scene for a device, or for the CPU where there is none.
     pub fn new(scene: &Scene, device: Option<&Device>, options: Options, room: Room) -> Result<Self> {
+        let octree = match options.transport {
+            Transport::Octree => Some(OctreeTransport::new(&scene.transport)?),
+            _ => None,
+        };
         let mut prepared = prepare(scene);
         prepared.state.keep = options.mode == Mode::Render;
         let plan = Plan::new(&prepared.state, options);
         let lists = Lists::new(room, device.map(Device::limits));
         lists.cut(&mut prepared);
         let backend = device.map_or(Backend::Cpu, |device| Backend::Gpu(DeviceState::new(device, false)));
-        let mut session =
-            Self { prepared, plan, backend, retries: 0, scene: scene.clone(), lists, pending: Change::EVERYTHING };
+        let (scene, pending) = (scene.clone(), Change::EVERYTHING);
+        let mut session = Self { prepared, plan, backend, retries: 0, scene, lists, pending, octree };
         session.resize()?;
         Ok(session)
     }
@@ -94,24 +100,12 @@ impl Session {
     }
 
     /// Runs one frame: what has changed since the last one, and what `change` adds to it. Returns each step's time,
-    /// on the device, or on the host's clock for the CPU.
+    /// on the device, or on the host's clock for the CPU and the octree.
     pub fn frame(&mut self, change: Change) -> Result<Vec<Timing>> {
         let mut change = self.pending.and(change);
         loop {
             let steps = self.plan.steps(&self.prepared.state, change);
-            let times = match &mut self.backend {
-                Backend::Gpu(twin) => twin.run(&self.prepared.state, &steps)?,
-                Backend::Cpu => {
-                    let state = &mut self.prepared.state;
-                    let mut time = |step: &crate::state::Step| {
-                        let start = Instant::now();
-                        (step.stage.cpu)(state, step.at);
-                        let milliseconds = start.elapsed().as_secs_f64() * 1e3;
-                        Timing { name: step.stage.name.to_string(), milliseconds }
-                    };
-                    steps.iter().map(&mut time).collect()
-                }
-            };
+            let times = if self.plan.octree(change) { self.run_octree(&steps, change)? } else { self.run(&steps)? };
             if !steps.iter().any(|step| ["link", "refine"].contains(&step.stage.name)) {
                 self.pending = Change::default();
                 return Ok(times);
@@ -131,10 +125,52 @@ impl Session {
         }
     }
 
-    /// Brings these buffers to the host.
+    /// Runs these steps where the stages run.
+    fn run(&mut self, steps: &[Step]) -> Result<Vec<Timing>> {
+        match &mut self.backend {
+            Backend::Gpu(_) if steps.is_empty() => Ok(Vec::new()),
+            Backend::Gpu(twin) => twin.run(&self.prepared.state, steps),
+            Backend::Cpu => {
+                let state = &mut self.prepared.state;
+                let mut time = |step: &Step| {
+                    let start = Instant::now();
+                    (step.stage.cpu)(state, step.at);
+                    let milliseconds = start.elapsed().as_secs_f64() * 1e3;
+                    Timing { name: step.stage.name.to_string(), milliseconds }
+                };
+                Ok(steps.iter().map(&mut time).collect())
+            }
+        }
+    }
+
+    /// The same with the octree in its place among them. A device is only told of the radiosity that it works on.
+    fn run_octree(&mut self, steps: &[Step], change: Change) -> Result<Vec<Timing>> {
+        let place = steps.iter().position(|step| !before_transport(step.stage.name)).unwrap_or(steps.len());
+        let (before, after) = steps.split_at(place);
+        let mut times = self.run(before)?;
+        if change.everything {
+            self.fetch(&[Slot::clusters])?;
+        }
+        let light = change.everything || change.light;
+        if light {
+            self.fetch(&[Slot::irradiance])?;
+        }
+        if let Some(octree) = &mut self.octree {
+            times.push(octree.run(&mut self.prepared.state, light));
+        }
+        if !after.is_empty() {
+            self.send(&[Slot::radiosity])?;
+        }
+        times.extend(self.run(after)?);
+        Ok(times)
+    }
+
+    /// Brings these buffers to the host. The octree's radiosity is there already.
     pub fn fetch(&mut self, slots: &[Slot]) -> Result<()> {
+        let there = |slot: &Slot| self.octree.is_some() && *slot == Slot::radiosity;
+        let slots: Vec<Slot> = slots.iter().copied().filter(|slot| !there(slot)).collect();
         match &self.backend {
-            Backend::Gpu(twin) => twin.download(&mut self.prepared.state, slots),
+            Backend::Gpu(twin) => twin.download(&mut self.prepared.state, &slots),
             Backend::Cpu => Ok(()),
         }
     }

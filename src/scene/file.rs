@@ -131,6 +131,7 @@ pub(super) struct TransportFile {
     pub emitter_angle: Option<f64>,
     pub planarity: Option<f64>,
     pub form_factor_tolerance: f64,
+    pub octree_angle: f64,
 }
 
 impl Default for TransportFile {
@@ -146,6 +147,7 @@ impl Default for TransportFile {
             emitter_angle: None,
             planarity: None,
             form_factor_tolerance: transport::FORM_FACTOR_TOLERANCE,
+            octree_angle: transport::OCTREE_ANGLE,
         }
     }
 }

@@ -16,6 +16,9 @@ pub const PLANARITY: f64 = 0.3;
 /// The relative error allowed in one form factor.
 pub const FORM_FACTOR_TOLERANCE: f64 = 1e-2;
 
+/// From which solid angle on a cell of the octree is opened, in steradian.
+pub const OCTREE_ANGLE: f64 = 0.2;
+
 /// How faces are grouped into clusters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -82,6 +85,8 @@ pub struct Transport {
     pub planarity: f64,
     /// Relative error allowed in one form factor, 1e-4 to 1e-1.
     pub form_factor_tolerance: f64,
+    /// The irradiance octree: the solid angle from which on a cell is opened, steradian, above 0.
+    pub octree_angle: f64,
 }
 
 impl Transport {
@@ -119,6 +124,7 @@ impl Transport {
                 |x| (1e-4..=1e-1).contains(&x),
                 "1e-4 to 1e-1",
             )?,
+            octree_angle: angle("transport.octree_angle", file.octree_angle)?,
         })
     }
 }
@@ -174,6 +180,7 @@ mod tests {
         let cases = [
             ("receiver_angle = 0", "transport.receiver_angle: out of range; found 0; expected ster"),
             ("emitter_angle = inf", "transport.emitter_angle: not a finite number; found inf"),
+            ("octree_angle = 0", "transport.octree_angle: out of range; found 0; expected steradian, above 0"),
             ("planarity = 1.1", "transport.planarity: out of range; found 1.1; expected 0 to 1"),
             ("form_factor_tolerance = 0.5", "transport.form_factor_tolerance: out of range"),
             ("hierarchy = 'octree'", "unknown variant `octree`, expected `face-clusters` or `median`"),

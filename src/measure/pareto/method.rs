@@ -2,14 +2,12 @@
 
 use std::time::Instant;
 
+use super::frames::Frames;
 use super::{Leaves, Lighting};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::Device;
-use crate::layout::Slot;
 use crate::render::plan::{Change, Goal, Mode, Options, Transport};
-use crate::render::room::KEEPING;
-use crate::render::run::{Backend, Room, Session};
-use crate::scene::Scene;
+use crate::scene::{Distance, Hierarchy, Scene, Scheme};
 
 /// What is solved, and where.
 #[derive(Clone, Copy)]
@@ -53,12 +51,22 @@ pub trait Solver {
     fn frame(&mut self) -> Result<Option<f64>>;
     /// The last frame's radiosity of every triangle of the mesh, in the scene's units.
     fn radiosity(&mut self) -> Result<Vec<[f64; 3]>>;
-    /// Links that the last frame summed, per face, if it has links.
+    /// Links that the last frame summed, per face, if it has links. Of blocks, the mean over the faces of what each of
+    /// them adds up: its block's list, in which an emitter that is expanded once for all of them counts by that share.
     fn links_per_face(&mut self) -> Result<Option<f64>>;
 }
 
 /// Every method, the one that ratios are taken to first.
 pub static METHODS: &[Method] = &[
+    Method {
+        name: "blocks",
+        about: "emitters with moments to blocks of receivers; a resting light keeps the lists",
+        parameter: "tolerance",
+        values: &[1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5],
+        leaves: Leaves::Exact,
+        open: blocks,
+        foretell: None,
+    },
     Method {
         name: "links",
         about: "Mertens et al. 2003; a new light builds everything anew, a resting one keeps links and form factors",
@@ -78,6 +86,15 @@ pub static METHODS: &[Method] = &[
         foretell: None,
     },
     Method {
+        name: "octree",
+        about: "the irradiance octree of Jensen and Buhler 2002 on the host's cores; a resting light keeps the tree",
+        parameter: "angle",
+        values: &[0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01],
+        leaves: Leaves::Midpoint,
+        open: octree,
+        foretell: None,
+    },
+    Method {
         name: "brute",
         about: "every face to every face, one sample or the edge form",
         parameter: "",
@@ -91,19 +108,40 @@ pub static METHODS: &[Method] = &[
 /// epsilon_1 and epsilon_2 of section 5.2, both at once, steradian.
 const ANGLES: &[f64] = &[0.2, 0.1, 0.05, 0.03, 0.02];
 
+/// What depends on a light that does so.
+fn change(lighting: Lighting) -> Change {
+    match lighting {
+        Lighting::Moves => Change::LIGHT,
+        Lighting::Rests => Change::RESUM,
+    }
+}
+
+fn blocks(bench: &Bench<'_>, lighting: Lighting, tolerance: f64) -> Result<Opened> {
+    if bench.scene.transport.distance != Distance::Radial {
+        return Ok(Opened::NotOffered("moments serve radial distances only".into()));
+    }
+    let mut scene = bench.scene.clone();
+    (scene.transport.scheme, scene.transport.hierarchy) = (Scheme::Blocks, Hierarchy::Median);
+    scene.transport.tolerance = tolerance;
+    let options = Options { transport: Transport::Hierarchy, mode: Mode::Render, goal: Goal::Radiosity };
+    Frames::open(&scene, bench.device, options, change(lighting))
+}
+
+/// The scene with the hierarchy as published.
 fn at_angle(scene: &Scene, angle: f64) -> Scene {
     let mut scene = scene.clone();
+    (scene.transport.scheme, scene.transport.hierarchy) = (Scheme::Links, Hierarchy::FaceClusters);
     (scene.transport.receiver_angle, scene.transport.emitter_angle) = (angle, angle);
     scene
 }
 
 fn links(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opened> {
-    let (mode, change) = match lighting {
-        Lighting::Moves => (Mode::OnTheFly, Change::LIGHT),
-        Lighting::Rests => (Mode::Render, Change::RESUM),
+    let mode = match lighting {
+        Lighting::Moves => Mode::OnTheFly,
+        Lighting::Rests => Mode::Render,
     };
     let options = Options { transport: Transport::Hierarchy, mode, goal: Goal::Radiosity };
-    Frames::open(&at_angle(bench.scene, angle), bench.device, options, change)
+    Frames::open(&at_angle(bench.scene, angle), bench.device, options, change(lighting))
 }
 
 fn links_kept(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opened> {
@@ -114,14 +152,21 @@ fn links_kept(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opene
     Frames::open(&at_angle(bench.scene, angle), bench.device, options, Change::LIGHT)
 }
 
+/// Irradiance comes from the device, if there is one; radiosity stays on the host.
+fn octree(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opened> {
+    if bench.scene.transport.distance != Distance::Radial {
+        return Ok(Opened::NotOffered("the octree serves radial distances only".into()));
+    }
+    let mut scene = bench.scene.clone();
+    scene.transport.octree_angle = angle;
+    let options = Options { transport: Transport::Octree, mode: Mode::Render, goal: Goal::Radiosity };
+    Frames::open(&scene, bench.device, options, change(lighting))
+}
+
 /// Every face to every face.
 pub(super) fn brute(bench: &Bench<'_>, lighting: Lighting, _: f64) -> Result<Opened> {
-    let change = match lighting {
-        Lighting::Moves => Change::LIGHT,
-        Lighting::Rests => Change::RESUM,
-    };
     let options = Options { transport: Transport::Brute, mode: Mode::OnTheFly, goal: Goal::Radiosity };
-    Frames::open(bench.scene, bench.device, options, change)
+    Frames::open(bench.scene, bench.device, options, change(lighting))
 }
 
 /// Faces of the thinned mesh that tells how fast pairs of faces go.
@@ -145,51 +190,4 @@ fn brute_seconds(bench: &Bench<'_>, lighting: Lighting) -> Result<f64> {
     let start = Instant::now();
     solver.frame()?;
     Ok(start.elapsed().as_secs_f64() * pairs)
-}
-
-/// A session, and what changes before each frame.
-struct Frames {
-    session: Session,
-    change: Change,
-}
-
-impl Frames {
-    fn open(scene: &Scene, device: Option<&Device>, options: Options, change: Change) -> Result<Opened> {
-        let mut session = Session::new(scene, device, options, Room::default())?;
-        match session.frame(Change::EVERYTHING) {
-            Ok(_) => Ok(Opened::Ready(Box::new(Self { session, change }))),
-            Err(Error::Device { doing, what }) if doing == KEEPING => {
-                Ok(Opened::NotOffered(format!("too many links to keep: {what}")))
-            }
-            Err(error) => Err(error),
-        }
-    }
-}
-
-impl Solver for Frames {
-    fn frame(&mut self) -> Result<Option<f64>> {
-        let milliseconds = self.session.frame(self.change)?.iter().map(|part| part.milliseconds).sum::<f64>();
-        let timed = matches!(self.session.backend, Backend::Gpu(_)) && milliseconds.is_finite();
-        Ok(timed.then_some(milliseconds))
-    }
-
-    fn radiosity(&mut self) -> Result<Vec<[f64; 3]>> {
-        self.session.fetch(&[Slot::radiosity])?;
-        let light = self.session.units().light;
-        let mut values = vec![[0.0; 3]; self.session.prepared.faces.len()];
-        for (&face, &value) in self.session.prepared.faces.iter().zip(&self.session.state().data.radiosity) {
-            values[face as usize] = value.map(|x| f64::from(x) * light);
-        }
-        Ok(values)
-    }
-
-    fn links_per_face(&mut self) -> Result<Option<f64>> {
-        if self.session.plan.options().transport != Transport::Hierarchy {
-            return Ok(None);
-        }
-        self.session.fetch(&[Slot::spans])?;
-        let data = &self.session.state().data;
-        let links: u64 = data.spans.iter().map(|span| u64::from(span.links)).sum();
-        Ok(Some(links as f64 / data.triangles.len() as f64))
-    }
 }

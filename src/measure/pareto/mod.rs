@@ -5,6 +5,7 @@
 //! only the summing runs. Beside each time stands the error of the very frames that were timed, twice too: against
 //! brute force over the method's own leaf sums, and against the area integral over the same faces.
 
+mod frames;
 mod front;
 mod method;
 mod pace;
@@ -49,7 +50,8 @@ impl Lighting {
 /// What was measured of a method at one setting under one lighting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// Median time on the device by its timestamps, milliseconds; none on the CPU and where a queue has none.
+    /// Median time on the device by its timestamps, milliseconds; none on the CPU, where a queue has none, and of
+    /// the octree, which runs on the host.
     pub device_ms: Option<f64>,
     /// Median wall-clock time of the whole frame, recording and waiting included, milliseconds.
     pub wall_ms: f64,

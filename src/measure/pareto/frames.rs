@@ -1,0 +1,81 @@
+//! A method of the program's own at work: a session, frame after frame.
+
+use super::{Opened, Solver};
+use crate::error::{Error, Result};
+use crate::gpu::Device;
+use crate::layout::Slot;
+use crate::render::plan::{Change, Options, Transport};
+use crate::render::room::KEEPING;
+use crate::render::run::{Backend, Room, Session};
+use crate::scene::{Scene, Scheme};
+use crate::state::{Place, State};
+
+/// A session, and what changes before each frame.
+pub(super) struct Frames {
+    session: Session,
+    change: Change,
+}
+
+impl Frames {
+    /// At its first frame; before each later one, `change` happens.
+    pub(super) fn open(scene: &Scene, device: Option<&Device>, options: Options, change: Change) -> Result<Opened> {
+        let mut session = Session::new(scene, device, options, Room::default())?;
+        match session.frame(Change::EVERYTHING) {
+            Ok(_) => Ok(Opened::Ready(Box::new(Self { session, change }))),
+            Err(Error::Device { doing, what }) if doing == KEEPING => {
+                Ok(Opened::NotOffered(format!("too much to keep: {what}")))
+            }
+            Err(error) => Err(error),
+        }
+    }
+}
+
+impl Solver for Frames {
+    fn frame(&mut self) -> Result<Option<f64>> {
+        let milliseconds = self.session.frame(self.change)?.iter().map(|part| part.milliseconds).sum::<f64>();
+        let on_device = matches!(self.session.backend, Backend::Gpu(_))
+            && self.session.plan.options().transport != Transport::Octree;
+        let timed = on_device && milliseconds.is_finite();
+        Ok(timed.then_some(milliseconds))
+    }
+
+    fn radiosity(&mut self) -> Result<Vec<[f64; 3]>> {
+        self.session.fetch(&[Slot::radiosity])?;
+        let light = self.session.units().light;
+        let mut values = vec![[0.0; 3]; self.session.prepared.faces.len()];
+        for (&face, &value) in self.session.prepared.faces.iter().zip(&self.session.state().data.radiosity) {
+            values[face as usize] = value.map(|x| f64::from(x) * light);
+        }
+        Ok(values)
+    }
+
+    fn links_per_face(&mut self) -> Result<Option<f64>> {
+        if self.session.plan.options().transport != Transport::Hierarchy {
+            return Ok(None);
+        }
+        self.session.fetch(&[Slot::spans, Slot::runs])?;
+        let state = self.session.state();
+        let links: u64 = match state.method.scheme {
+            Scheme::Blocks => entries(state),
+            Scheme::Links => state.data.spans.iter().map(|span| u64::from(span.links)).sum(),
+        };
+        Ok(Some(links as f64 / state.data.triangles.len() as f64))
+    }
+}
+
+/// Entries of the kept lists of all blocks: those that are expanded once, the others once for each of the block's
+/// faces. Groups of channels have lists of their own, and each counts.
+fn entries(state: &State) -> u64 {
+    let mut sum = 0;
+    for group in 0..state.groups.len() {
+        for (chunk, batch) in state.schedule.batches.iter().enumerate() {
+            let (first, _) = state.part(Slot::runs, Place { chunk, group });
+            let blocks = &state.data.blocks[batch.start as usize..batch.end as usize];
+            for (block, run) in blocks.iter().zip(&state.data.runs[first..]) {
+                let each = [run.direct, run.area, run.edge].map(u64::from).iter().sum::<u64>();
+                sum += u64::from(run.expanded) + u64::from(block.count) * each;
+            }
+        }
+    }
+    sum
+}
