@@ -93,8 +93,11 @@ const LINKS: &str = "transport.scheme=links";
 /// A fixture from its name.
 type Maker = fn(&str) -> Result<Fixture>;
 
+/// A scene, made when it is asked for.
+type SceneMaker = fn() -> Result<Scene>;
+
 /// Scenes that both schemes run on.
-const SCENES: &[(&str, fn() -> Result<Scene>)] = &[
+const SCENES: &[(&str, SceneMaker)] = &[
     ("one triangle (one node)", || {
         let one = mesh(&[[0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.3]], &[[0, 1, 2]]);
         with_mesh(one, &[])
