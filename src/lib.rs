@@ -18,7 +18,8 @@
 //! # The rooms, from the top floor down; arrows point downward only
 //!
 //! - [`command`]: one thin file a subcommand.
-//! - [`measure`]: conformance, error norms, the brute-force reference, error against run time, the extreme cases.
+//! - [`measure`]: conformance, error norms, the brute-force reference, error against run time, the extreme cases,
+//!   the tables of Mertens et al. beside ours.
 //! - [`render`]: from a scene to the stages it needs, the table of stages, and their run on the CPU or a device.
 //! - [`transport`]: Mertens et al.; the mathematics and seven of the stages. [`view`]: from radiosity to a picture.
 //! - [`light`]: light arriving, and Fresnel's formulas.

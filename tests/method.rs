@@ -217,6 +217,25 @@ fn finer_thresholds_come_nearer() {
 }
 
 #[test]
+fn point_samples_are_worse_near_than_the_edge_form() {
+    // A stiff slab of coarse triangles: some 100 samples each, and all that counts is near.
+    for distance in ["radial", "table1"] {
+        let distance = format!("transport.distance={distance}");
+        let sets = ["object.0.detail=6", "object.0.size=50", "object.0.material.preset=marble", &distance, LINKS];
+        let [exact, sampled] = ["exact", "point-sampling"].map(|near| {
+            let near = format!("transport.near={near}");
+            let mut session = solved("slab", &[&sets[..], &[&near]].concat(), radiosity());
+            assert!(session.state().data.spans.iter().any(|span| span.edges > 0), "no triangle is near");
+            worst(&verify(&mut session, 60, 5).unwrap())
+        });
+        println!("{distance}: exact {exact:?}, sampled {sampled:?}");
+        assert!(exact.l2 < 0.02 && sampled.l2 > 5.0 * exact.l2 && sampled.p99 > 5.0 * exact.p99, "{distance}");
+        // Yet it is the same integral.
+        assert!(sampled.l2 < 0.5, "{sampled:?}");
+    }
+}
+
+#[test]
 fn a_moved_camera_and_light_give_a_fresh_picture() {
     let sets = ["object.0.detail=2", "camera.size=[24, 20]"];
     let moved = ["camera.position=[9.0, 8.0, 20.0]", "camera.size=[30, 20]", "light.0.direction=[-1.0, 0.1, 0.2]"];

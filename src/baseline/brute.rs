@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::form_factor::{Emitters, Rung};
 use crate::error::Result;
 use crate::layout::{Range, Slot};
-use crate::state::{Distance, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{Distance, Near, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
 
 /// Receivers of one dispatch, so that no single one runs for many seconds.
 const RECEIVERS: u32 = 8192;
@@ -30,7 +30,7 @@ pub static STAGE: Stage = Stage {
 
 fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;
-    let emitters = Emitters::new(data, state.distance);
+    let emitters = Emitters::new(data, state.distance, Near::Exact);
     let sum = |receiver: usize| {
         let center = data.clusters[data.leaves[receiver] as usize].center;
         let pair = |face: usize| {

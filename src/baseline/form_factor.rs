@@ -1,4 +1,5 @@
-//! Stage `form_factor`: F of every link, by one sample, by area points, or by the edge form for the nearest triangles.
+//! Stage `form_factor`: F of every link, by one sample, by area points, or for the nearest triangles by the edge form;
+//! instead of the last, by uniform point samples, if `transport.near` asks for what the paper compares with.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -8,10 +9,11 @@ use crate::dipole::distance2;
 use crate::dipole::form_factor::edge::edge_form;
 use crate::dipole::form_factor::gauss;
 use crate::dipole::form_factor::points::{SIX, THREE, TWELVE, midpoint_moment, sampled};
+use crate::dipole::form_factor::uniform;
 use crate::dipole::profile::{Dipole, kernel};
 use crate::error::Result;
 use crate::layout::{Buffers, Slot};
-use crate::state::{Distance, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{Distance, Near, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -36,23 +38,26 @@ pub enum Rung {
     Points(usize),
     /// The edge form.
     Edges,
+    /// So many uniform point samples.
+    Uniform(u32),
 }
 
 /// Everything the form factor of a node depends on.
 pub struct Emitters<'a> {
     data: &'a Buffers,
     distance: crate::dipole::form_factor::Distance,
+    near: Near,
     dipoles: [Dipole; 3],
 }
 
 impl<'a> Emitters<'a> {
     /// Over the tree and material of `data`.
-    pub fn new(data: &'a Buffers, distance: Distance) -> Self {
+    pub fn new(data: &'a Buffers, distance: Distance, near: Near) -> Self {
         let distance = match distance {
             Distance::Radial => crate::dipole::form_factor::Distance::Radial,
             Distance::Table1 => crate::dipole::form_factor::Distance::Table1 { clamp: true },
         };
-        Self { data, distance, dipoles: [0, 1, 2].map(|channel| Dipole::of(&data.frame[0], channel)) }
+        Self { data, distance, near, dipoles: [0, 1, 2].map(|channel| Dipole::of(&data.frame[0], channel)) }
     }
 
     /// The rung of a link of this node to a receiver at `center`: the shader's decision.
@@ -66,15 +71,21 @@ impl<'a> Emitters<'a> {
             1 if d2 >= reach[1] => Rung::Points(0),
             1 if d2 >= reach[2] => Rung::Points(1),
             1 => Rung::Points(2),
+            _ if self.near == Near::PointSampling => {
+                let area = self.data.clusters[node as usize].area;
+                Rung::Uniform(uniform::count(area, uniform::density(&self.data.frame[0])))
+            }
             _ => Rung::Edges,
         }
     }
 
     /// The form factor per channel of a node for a receiver at `x`.
     pub fn factor(&self, node: u32, x: DVec3, rung: Rung) -> DVec3 {
-        let Some(corner) = self.data.triangles.get(self.data.topology[node as usize].face as usize) else {
+        let face = self.data.topology[node as usize].face;
+        let Some(corner) = self.data.triangles.get(face as usize) else {
             return self.cluster(node, x);
         };
+        let cloud = if let Rung::Uniform(count) = rung { uniform::samples(face, count) } else { Vec::new() };
         let triangle = corner.map(|v| wide(self.data.positions[v as usize]));
         let channel = |dipole: &Dipole| match rung {
             Rung::Center => midpoint_moment(&triangle, x, dipole, self.distance),
@@ -82,6 +93,7 @@ impl<'a> Emitters<'a> {
                 let rule: &[_] = [&THREE[..], &SIX[..], &TWELVE[..]][rule.min(2)];
                 sampled(&triangle, x, dipole, self.distance, rule)
             }
+            Rung::Uniform(_) => sampled(&triangle, x, dipole, self.distance, &cloud),
             Rung::Edges => edge_form(&triangle, *corner, x, dipole, self.distance, &gauss::SIX),
         };
         DVec3::from_array(self.dipoles.each_ref().map(channel))
@@ -115,7 +127,7 @@ fn cpu(state: &mut State, at: Place) {
         return;
     }
     let links = &data.links[base..base + data.cursor[0].links as usize];
-    let emitters = Emitters::new(data, state.distance);
+    let emitters = Emitters::new(data, state.distance, state.method.near);
     let factors: Vec<[f32; 3]> = links
         .par_iter()
         .map(|link| {
@@ -129,8 +141,14 @@ fn cpu(state: &mut State, at: Place) {
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let displaced = u32::from(pass.state.distance == Distance::Table1);
     let frame = pass.state.data.frame[0];
-    for (part, room) in [("far", frame.link_room), ("area", frame.area_room), ("edge", frame.edge_room)] {
+    for (part, room) in [("far", frame.link_room), ("area", frame.area_room)] {
         pass.dispatch(Some(part), &[displaced], &[], room as usize)?;
     }
-    Ok(())
+    let room = frame.edge_room as usize;
+    match pass.state.method.near {
+        Near::Exact => pass.dispatch(Some("edge"), &[displaced], &[], room),
+        Near::PointSampling => {
+            pass.dispatch(Some("uniform"), &[displaced], &uniform::density(&frame).to_le_bytes(), room)
+        }
+    }
 }

@@ -157,6 +157,13 @@ const FIXTURES: &[(&str, Maker)] = &[
     ("slab, displaced sources", |name| varied(name, "slab", &["object.0.detail=12", "transport.distance=table1"])),
     ("slab, median tree", |name| varied(name, "slab", &["object.0.detail=12", LINKS, "transport.hierarchy=median"])),
     ("slab, face clusters", |name| varied(name, "slab", &["object.0.detail=12", "transport.hierarchy=face-clusters"])),
+    ("stiff sphere, point samples", |name| {
+        varied(name, "sphere", &["object.0.detail=3", "object.0.size=200", "transport.near=point-sampling"])
+    }),
+    ("thin slab, point samples, displaced sources", |name| {
+        let sets = ["object.0.detail=6", "transport.near=point-sampling", "transport.distance=table1"];
+        varied(name, "slab", &sets)
+    }),
     ("sphere, brute force", |name| {
         let options = Options { transport: Transport::Brute, ..Options::default() };
         Fixture::new(name, &small("sphere", &["object.0.detail=2", "object.0.size=60"])?, options, Room::default())

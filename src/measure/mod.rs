@@ -1,4 +1,4 @@
-//! The measuring: conformance, error norms, references, error against time, extreme cases.
+//! The measuring: conformance, error norms, references, error against time, extreme cases, the paper's tables.
 
 pub mod compare;
 pub mod conform;
@@ -7,3 +7,4 @@ pub mod norms;
 pub mod pareto;
 pub mod reference;
 pub mod stress;
+pub mod tables;

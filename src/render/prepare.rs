@@ -102,6 +102,7 @@ pub fn prepare(scene: &Scene) -> Prepared {
         order: scene.transport.order,
         nodes: edge_nodes(scene.transport.tolerance),
         estimate: false,
+        near: scene.transport.near,
     };
     if scene.transport.scheme == Scheme::Blocks {
         state.data.blocks = blocks(&state);

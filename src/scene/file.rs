@@ -6,7 +6,7 @@ use super::light::Light;
 use super::material::{Fresnel, Material};
 use super::mesh::Shape;
 use super::range::{self, Checked};
-use super::transport::{self, Distance, Hierarchy, Oracle, Scheme, Transport};
+use super::transport::{self, Distance, Hierarchy, Near, Oracle, Scheme, Transport};
 use super::vector::{Rgb, Vector};
 use crate::error::Input;
 use serde::Deserialize;
@@ -127,6 +127,7 @@ pub(super) struct TransportFile {
     pub order: u32,
     pub hierarchy: Option<Hierarchy>,
     pub distance: Distance,
+    pub near: Near,
     pub receiver_angle: Option<f64>,
     pub emitter_angle: Option<f64>,
     pub planarity: Option<f64>,
@@ -143,6 +144,7 @@ impl Default for TransportFile {
             order: 2,
             hierarchy: None,
             distance: Distance::default(),
+            near: Near::default(),
             receiver_angle: None,
             emitter_angle: None,
             planarity: None,

@@ -21,7 +21,7 @@ pub use light::Light;
 pub use material::{Fresnel, Material};
 pub use mesh::{Mesh, Shape};
 pub use preset::{PRESETS, Preset};
-pub use transport::{Distance, Hierarchy, Oracle, Scheme, Transport};
+pub use transport::{Distance, Hierarchy, Near, Oracle, Scheme, Transport};
 
 use crate::error::{Input, Result};
 use file::Source;

@@ -62,6 +62,17 @@ pub enum Distance {
     Table1,
 }
 
+/// How a triangle too near for a few samples gives light to a receiver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Near {
+    /// By the line integral over its edges.
+    #[default]
+    Exact,
+    /// By uniform point samples, one for each disc of a mean free path, as the paper's table 5 compares with.
+    PointSampling,
+}
+
 /// The settings of light transport, checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transport {
@@ -77,6 +88,8 @@ pub struct Transport {
     pub hierarchy: Hierarchy,
     /// How distances are measured.
     pub distance: Distance,
+    /// How near triangles are evaluated.
+    pub near: Near,
     /// epsilon_1: how much an emitter's solid angle may vary over a receiver's children, steradian, above 0.
     pub receiver_angle: f64,
     /// epsilon_2: largest solid angle of a cluster that emits over a link, steradian, above 0.
@@ -110,6 +123,7 @@ impl Transport {
             order: range::number("transport.order", f64::from(file.order), |x| x <= 2.0, "0, 1 or 2")? as u32,
             hierarchy: file.hierarchy.unwrap_or(tree),
             distance: file.distance,
+            near: file.near,
             receiver_angle: angle("transport.receiver_angle", file.receiver_angle.unwrap_or(RECEIVER_ANGLE))?,
             emitter_angle: angle("transport.emitter_angle", file.emitter_angle.unwrap_or(EMITTER_ANGLE))?,
             planarity: range::number(
@@ -146,6 +160,10 @@ fn scheme(file: &TransportFile) -> Checked<(Scheme, &'static str)> {
     if file.distance == Distance::Table1 {
         reasons.push((Scheme::Links, "moments serve radial distances only, transport.distance is table1"));
     }
+    if file.near == Near::PointSampling {
+        reasons
+            .push((Scheme::Links, "transport.near is point-sampling, which is there to compare the paper's own with"));
+    }
     let chosen =
         reasons.first().copied().unwrap_or((Scheme::Blocks, "it meets transport.tolerance with the least work"));
     match reasons.iter().find(|(scheme, _)| *scheme != chosen.0) {
@@ -171,8 +189,16 @@ mod tests {
     fn everything_has_a_default() {
         let transport = transport("distance = 'table1'").expect("defaults");
         assert_eq!((transport.hierarchy, transport.scheme), (Hierarchy::FaceClusters, Scheme::Links));
-        assert_eq!(transport.distance, Distance::Table1);
+        assert_eq!((transport.distance, transport.near), (Distance::Table1, Near::Exact));
         assert_eq!((transport.receiver_angle, transport.planarity), (RECEIVER_ANGLE, PLANARITY));
+    }
+
+    #[test]
+    fn point_samples_belong_to_the_published_scheme() {
+        let sampled = transport("near = 'point-sampling'").expect("a scheme");
+        assert_eq!((sampled.scheme, sampled.near), (Scheme::Links, Near::PointSampling));
+        let error = transport("near = 'point-sampling'\nscheme = 'blocks'").err().unwrap_or_default();
+        assert!(error.contains("contradict") && error.contains("point-sampling"), "{error}");
     }
 
     #[test]

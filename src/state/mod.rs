@@ -8,7 +8,7 @@ pub use schedule::{Chunk, Schedule};
 
 use crate::error::Result;
 use crate::layout::{Buffers, Cut, Slot};
-pub use crate::scene::{Distance, Scheme};
+pub use crate::scene::{Distance, Near, Scheme};
 
 /// All that a frame reads and writes on the host, and how its work is cut up.
 #[derive(Clone, Debug, Default)]
@@ -86,11 +86,13 @@ pub struct Method {
     pub nodes: u32,
     /// Whether an error estimate is carried along.
     pub estimate: bool,
+    /// How the scheme as published evaluates triangles too near for a few samples.
+    pub near: Near,
 }
 
 impl Default for Method {
     fn default() -> Self {
-        Self { scheme: Scheme::Blocks, order: 2, nodes: 6, estimate: false }
+        Self { scheme: Scheme::Blocks, order: 2, nodes: 6, estimate: false, near: Near::Exact }
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! Three ways to the same number, from dear to cheap: [`exact`] (reference), [`edge`] (a line
 //! integral, three edges), [`points`] (samples on the area); [`ladder`] says which one will do.
+//! [`uniform`] is what the paper compares its own with.
 //! All in `f64` and in the caller's unit of length; `F` has no unit and lies in [0, total].
 
 pub mod edge;
@@ -10,6 +11,7 @@ pub mod footprint;
 pub mod gauss;
 pub mod ladder;
 pub mod points;
+pub mod uniform;
 
 use crate::dipole::profile::Dipole;
 use glam::DVec3;

@@ -1,0 +1,28 @@
+// Uniform point samples of a triangle: how many, and where. A decision, so exact: one product, and integers.
+const uint MOST_SAMPLES = 4096;
+const uint ONE = 1u << 24;
+
+// One for each disc of a mean free path.
+uint sample_count(float area, float density) {
+    precise float wanted = area * density;
+    return wanted < float(MOST_SAMPLES) ? max(uint(ceil(wanted)), 1) : MOST_SAMPLES;
+}
+
+// A number whose every bit depends on every bit of x.
+uint mixed(uint x) {
+    x = (x ^ x >> 16) * 0x7feb352du;
+    x = (x ^ x >> 15) * 0x846ca68bu;
+    return x ^ x >> 16;
+}
+
+// Barycentric coordinates of sample k of a face; one alone stands at the centroid.
+vec3 sample_place(uint face, uint k, uint count) {
+    if (count == 1) return vec3(1.0 / 3.0);
+    uint first = mixed(mixed(face) ^ k);
+    uint a = first >> 8, b = mixed(first ^ 0x9e3779b9u) >> 8;
+    if (a + b > ONE) {
+        a = ONE - a;
+        b = ONE - b;
+    }
+    return vec3(a, b, ONE - a - b) / float(ONE);
+}

@@ -1,0 +1,46 @@
+//! Tables 3, 4 and 5 and figures 3, 4 and 5 of Mertens et al. 2003, measured anew beside what the paper prints.
+//!
+//! Absolute times of 2003 mean nothing today: what is compared is how times grow within one run, and their ratios. The
+//! paper's columns map to ours so: *on-the-fly* is a frame with everything anew (`refit` to `spread`), *render* is a new
+//! light over kept links and form factors (`irradiance`, `mean`, `collect`, `spread`), *form factor* is
+//! `transport.near = "exact"`, *point sampling* is `transport.near = "point-sampling"`. Incremental mode, which promotes
+//! and demotes links, does not exist here. Its models are lost but the horse: shapes made here stand in, with as many
+//! triangles as their detail allows; all trees are face clusters. Its solid angles are not told: one value for both is
+//! found from the links a triangle of a table's first row, and kept for its other rows.
+
+pub mod curves;
+mod figures;
+pub mod given;
+mod models;
+pub mod paper;
+mod print;
+pub mod segments;
+mod solve;
+
+pub use figures::{figure_3, figure_4, given};
+pub use print::{table_3, table_4, table_5};
+
+use crate::error::Result;
+use crate::gpu::Device;
+
+/// Where and on what the tables are measured.
+#[derive(Clone, Copy)]
+pub struct Bench<'a> {
+    /// The device; none is the CPU.
+    pub device: Option<&'a Device>,
+    /// Meshes from files, beside the shapes made here.
+    pub meshes: &'a [String],
+    /// Faces at which errors are measured.
+    pub samples: usize,
+    /// The paper's rows of more triangles are left out.
+    pub most_faces: usize,
+}
+
+/// A table as it is printed, line by line as it is measured.
+pub type Tell<'a> = &'a mut dyn FnMut(&str);
+
+/// One table: says its rows to `Tell` as they come.
+pub type Table = fn(&Bench<'_>, Tell<'_>) -> Result<()>;
+
+/// The tables that are measured, by the names that `--only` takes.
+pub const TABLES: [(&str, Table); 3] = [("table 3", table_3), ("table 4", table_4), ("table 5, figure 5", table_5)];

@@ -1,0 +1,83 @@
+//! The models to measure on: shapes made here, as near to the paper's triangle counts as their detail allows, and meshes
+//! from files as they are; and the solid angles, which the paper does not tell, from the links a triangle that it does.
+
+use crate::error::Result;
+use crate::gpu::Device;
+use crate::scene::{Scene, Shape};
+
+use super::solve::{Kept, Solved};
+
+/// Marble in the sun, in the scheme as published.
+const SETTINGS: [&str; 2] = ["object.0.material.preset=marble", "transport.scheme=links"];
+
+/// A built-in shape of `extent` millimetres with about so many triangles.
+pub fn shape(name: &str, faces: usize, extent: f64) -> Result<Scene> {
+    let kind = match name {
+        "lotus" => Shape::Lotus,
+        "slab" => Shape::Slab,
+        _ => Shape::Sphere,
+    };
+    let detail = detail(kind, faces);
+    let own =
+        [format!("object.0.shape={name}"), format!("object.0.detail={detail}"), format!("object.0.size={extent}")];
+    let mut scene = Scene::load("sphere", &[&own[..], &SETTINGS.map(String::from)].concat())?;
+    scene.name = name.to_string();
+    Ok(scene)
+}
+
+/// A mesh from a file at this largest extent, in the sun, of marble.
+pub fn mesh(path: &str, extent: f64) -> Result<Scene> {
+    let own = [format!("object.0.size={extent}")];
+    Scene::load(path, &[&own[..], &SETTINGS.map(String::from)].concat())
+}
+
+/// The detail whose triangles are nearest to so many, by ratio.
+fn detail(shape: Shape, faces: usize) -> u32 {
+    let count = |detail: u32| shape.build(detail).triangles.len() as f64;
+    let off = |detail: u32| (count(detail) / faces as f64).ln().abs();
+    let range = shape.details();
+    let candidates = if shape == Shape::Sphere {
+        range
+    } else {
+        // Triangles grow with the square of the detail.
+        let usual = shape.usual_detail();
+        let guess = (f64::from(usual) * (faces as f64 / count(usual)).sqrt()) as u32;
+        guess.saturating_sub(2).max(*range.start())..=(guess + 3).min(*range.end())
+    };
+    candidates.min_by(|&a, &b| off(a).total_cmp(&off(b))).unwrap_or_else(|| shape.usual_detail())
+}
+
+/// Both solid angles of section 5.2, steradian, with which this scene has so many links a triangle.
+pub fn angle(scene: &Scene, device: Option<&Device>, links_per_face: f64) -> Result<f64> {
+    let (mut fine, mut coarse) = (1e-2f64, 10.0f64);
+    for _ in 0..9 {
+        let middle = (fine * coarse).sqrt();
+        let solved = Solved::new(&at_angle(scene, middle), device, Kept::Nothing)?;
+        if solved.links_per_face() > links_per_face { fine = middle } else { coarse = middle }
+    }
+    Ok((fine * coarse).sqrt())
+}
+
+/// The scene with both solid angles at this value.
+#[must_use]
+pub fn at_angle(scene: &Scene, angle: f64) -> Scene {
+    let mut scene = scene.clone();
+    (scene.transport.receiver_angle, scene.transport.emitter_angle) = (angle, angle);
+    scene
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shapes_have_the_triangles_asked_for() {
+        for (name, asked, slack) in [("lotus", 8764, 0.05), ("slab", 2016, 0.08), ("sphere", 5000, 0.03)] {
+            let scene = shape(name, asked, 40.0).unwrap();
+            let found = scene.object.mesh.triangles.len() as f64;
+            assert!((found / asked as f64 - 1.0).abs() < slack, "{name}: {found} for {asked}");
+            let (low, high) = scene.object.mesh.bounds();
+            assert!(((high - low).max_element() - 40.0).abs() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! One model solved by the scheme as published: links, times, error against brute force in `f64`.
+
+use crate::error::{Error, Result};
+use crate::gpu::Device;
+use crate::layout::Slot;
+use crate::measure::norms::{Norms, norms, worst};
+use crate::measure::reference::{radiosity, sample};
+use crate::render::plan::{Change, Goal, Mode, Options};
+use crate::render::room::KEEPING;
+use crate::render::run::{Room, Session};
+use crate::scene::Scene;
+
+/// Frames timed at most, and milliseconds together after which no further one is.
+const FRAMES: usize = 5;
+const LONG: f64 = 2000.0;
+
+/// What is kept between frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kept {
+    /// Nothing: the paper's on-the-fly mode.
+    Nothing,
+    /// Links and form factors: the paper's render mode.
+    Links,
+}
+
+/// Radiosity by brute force in `f64`, at some faces.
+pub struct Truth {
+    faces: Vec<usize>,
+    radiosity: Vec<[f64; 3]>,
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times.get(times.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// A model after its first frame, which warms everything up.
+pub struct Solved {
+    session: Session,
+    change: Change,
+}
+
+impl Solved {
+    /// Opens and solves a scene.
+    pub fn new(scene: &Scene, device: Option<&Device>, kept: Kept) -> Result<Self> {
+        let (mode, change) = match kept {
+            Kept::Nothing => (Mode::OnTheFly, Change::EVERYTHING),
+            Kept::Links => (Mode::Render, Change::LIGHT),
+        };
+        let options = Options { mode, goal: Goal::Radiosity, ..Options::default() };
+        let mut session = Session::new(scene, device, options, Room::default())?;
+        session.frame(Change::EVERYTHING)?;
+        session.fetch(&[Slot::spans, Slot::irradiance, Slot::radiosity, Slot::clusters])?;
+        Ok(Self { session, change })
+    }
+
+    /// The same, or nothing where a device can't keep so many links.
+    pub fn if_it_fits(scene: &Scene, device: Option<&Device>, kept: Kept) -> Result<Option<Self>> {
+        match Self::new(scene, device, kept) {
+            Ok(solved) => Ok(Some(solved)),
+            Err(Error::Device { doing, .. }) if doing == KEEPING => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Triangles.
+    #[must_use]
+    pub fn faces(&self) -> usize {
+        self.session.state().data.triangles.len()
+    }
+
+    /// All links.
+    #[must_use]
+    pub fn links(&self) -> u64 {
+        self.session.state().data.spans.iter().map(|span| u64::from(span.links)).sum()
+    }
+
+    /// Links of triangles too near for a few samples: by the edge form, or by uniform samples.
+    #[must_use]
+    pub fn near_links(&self) -> u64 {
+        self.session.state().data.spans.iter().map(|span| u64::from(span.edges)).sum()
+    }
+
+    /// Links a triangle.
+    #[must_use]
+    pub fn links_per_face(&self) -> f64 {
+        self.links() as f64 / self.faces().max(1) as f64
+    }
+
+    /// Median milliseconds of a frame in its mode.
+    pub fn time(&mut self) -> Result<f64> {
+        let mut times = Vec::new();
+        while times.len() < FRAMES && times.iter().sum::<f64>() < LONG {
+            times.push(self.frame()?[0]);
+        }
+        Ok(median(times))
+    }
+
+    /// The same of two that are to be compared, frame by frame in turn, so that a busy machine slows both: of the whole
+    /// frame, and of its stage `form_factor`.
+    pub fn time_beside(&mut self, other: &mut Self) -> Result<[[f64; 2]; 2]> {
+        let mut times: [[Vec<f64>; 2]; 2] = Default::default();
+        while times[0][0].len() < FRAMES && times.iter().flat_map(|of| &of[0]).sum::<f64>() < LONG {
+            for (solved, times) in [&mut *self, &mut *other].into_iter().zip(&mut times) {
+                let [whole, part] = solved.frame()?;
+                times[0].push(whole);
+                times[1].push(part);
+            }
+        }
+        Ok(times.map(|of| of.map(median)))
+    }
+
+    /// Milliseconds of one frame, and of its stage `form_factor`.
+    fn frame(&mut self) -> Result<[f64; 2]> {
+        let parts = self.session.frame(self.change)?;
+        let of = |name: &str| parts.iter().filter(|p| name.is_empty() || p.name == name).map(|p| p.milliseconds).sum();
+        Ok([of(""), of("form_factor")])
+    }
+
+    /// What the radiosity should be, at so many seeded faces.
+    #[must_use]
+    pub fn truth(&self, samples: usize) -> Truth {
+        let faces = sample(self.faces(), samples, 1);
+        let radiosity = radiosity(self.session.state(), &faces);
+        Truth { faces, radiosity }
+    }
+
+    /// The error against that, of the worst channel.
+    #[must_use]
+    pub fn error(&self, truth: &Truth) -> Norms {
+        let data = &self.session.state().data;
+        let area = |&face: &usize| f64::from(data.clusters[data.leaves[face] as usize].area);
+        let areas: Vec<f64> = truth.faces.iter().map(area).collect();
+        let values: Vec<[f64; 3]> = truth.faces.iter().map(|&face| data.radiosity[face].map(f64::from)).collect();
+        worst(&norms(&areas, &values, &truth.radiosity))
+    }
+
+    /// How the radiosity differs from another solution of the same scene, relative to its rms over the faces: as it is,
+    /// and after averaging at the vertices as a picture shows it. Noise that is left there is of low frequency.
+    #[must_use]
+    pub fn noise(&self, other: &Self) -> [f64; 2] {
+        let (data, theirs) = (&self.session.state().data, &other.session.state().data.radiosity);
+        let count = data.radiosity.len().max(1) as f64;
+        let difference = |face: usize, c: usize| f64::from(data.radiosity[face][c]) - f64::from(theirs[face][c]);
+        let mut largest = [0.0f64; 2];
+        for c in 0..3 {
+            let rms = (theirs.iter().map(|b| f64::from(b[c]).powi(2)).sum::<f64>() / count).sqrt();
+            let faces = (0..theirs.len()).map(|face| difference(face, c).powi(2)).sum::<f64>() / count;
+            let vertices = data.corner_starts.windows(2).map(|range| {
+                let around = &data.corners[range[0] as usize..range[1] as usize];
+                around.iter().map(|&face| difference(face as usize, c)).sum::<f64>() / around.len().max(1) as f64
+            });
+            let vertices = vertices.map(|x| x * x).sum::<f64>() / data.positions.len().max(1) as f64;
+            for (largest, square) in largest.iter_mut().zip([faces, vertices]) {
+                *largest = largest.max(if rms > 0.0 { square.sqrt() / rms } else { 0.0 });
+            }
+        }
+        largest
+    }
+
+    /// Mean number of uniform samples that the criterion asks for on a triangle.
+    #[must_use]
+    pub fn samples(&self) -> f64 {
+        use crate::dipole::form_factor::uniform::{count, density};
+        let data = &self.session.state().data;
+        let each = data.leaves.iter().map(|&leaf| count(data.clusters[leaf as usize].area, density(&data.frame[0])));
+        each.map(f64::from).sum::<f64>() / data.leaves.len().max(1) as f64
+    }
+}
