@@ -5,12 +5,12 @@
 //!
 //! 1. `refit`: positions to faces, clusters and vertex normals;
 //! 2. `irradiance`: the light that enters each face (equation 5);
-//! 3. `radii`: how far a triangle has to be for a cheap form factor;
-//! 4. `pull`: the clusters' mean irradiance;
-//! 5. `link`: who receives from whom (section 5.2); chunk by chunk, with
-//! 6. `form_factor`: how much of it arrives (equations 7 to 13), and
-//! 7. `gather`: what each cluster receives (equation 6);
-//! 8. `push`: from clusters to faces, and `average`: to vertices;
+//! 3. `pull`: moments of the light that enters every cluster;
+//! 4. `level`: how bright the object will be, roughly;
+//! 5. `radii`: how far from a cluster what may be done with it, so that the tolerance is met;
+//! 6. `link`: which emitters each block of receivers expands, links, or takes triangle by triangle;
+//! 7. `gather`: what they give the block;
+//! 8. `push`: from blocks to faces, and `average`: to vertices;
 //! 9. `visibility`: what each pixel sees, and `shade`: with which radiance (equation 3).
 //!
 //! Equations and sections are those of Mertens et al. 2003, "Interactive Rendering of Translucent Deformable Objects".
@@ -21,7 +21,9 @@
 //! - [`measure`]: conformance, error norms, the brute-force reference, error against run time, the extreme cases,
 //!   the tables of Mertens et al. beside ours.
 //! - [`render`]: from a scene to the stages it needs, the table of stages, and their run on the CPU or a device.
-//! - [`transport`]: Mertens et al.; the mathematics and seven of the stages. [`view`]: from radiosity to a picture.
+//! - [`transport`]: Mertens et al., made to meet an error. [`baseline`]: the same as published, brute force, an octree.
+//!   [`view`]: from radiosity to a picture.
+//! - [`dipole`]: the profile, its derivatives, form factors: the mathematics of both.
 //! - [`light`]: light arriving, and Fresnel's formulas.
 //! - [`geometry`]: from positions to clusters; rays through the same tree.
 //! - [`state`]: what a frame works on, what a stage is, and the state's twin on a device.
@@ -34,11 +36,14 @@
 //! # Words
 //!
 //! - *stage*: a step of the frame, with a CPU reference and GPU kernels of the same name; *kernel*: one shader;
-//!   *step*: a stage, run for one chunk.
+//!   *step*: a stage, run for one chunk, group or batch.
 //! - *slot*: the name of a buffer; its number is its binding. *Record*: a struct shared by host and device.
 //! - *cluster*, *node*: a subtree of faces; a leaf is one triangle. *Link*: a node that receives from another.
 //! - *irradiance* E: light that enters, after Fresnel; *radiosity* B: light that leaves, before Fresnel.
 //! - *rung*: how a form factor is evaluated: one sample, 3, 6 or 12 area points, or the edge form.
+//! - *block*: a maximal node of at most 16 faces, whose receivers share their lists; *batch*: blocks linked in one go;
+//!   *group*: channels whose irradiances are proportional, carried together.
+//! - *moments*: sum W, centroid and second moments Q of a cluster's light; *expansion*: a quadratic about a block's centre.
 //! - *chunk*: the receivers linked in one go; *room*: how much fits a list; *hand down*: leave an emitter to the
 //!   receiver's children.
 //! - *internal units*: the object has unit extent, the brightest light about unit irradiance; both by powers of two.

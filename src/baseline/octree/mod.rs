@@ -6,11 +6,11 @@
 //! opened. Each source adds `E A R_d(d)`, with the dipole's distance taken from the place where light enters.
 //!
 //! What makes it fast changes nothing of that:
-//! - 16 neighbouring receivers walk the tree together ([`traverse`]); a cell is opened for all where one of them, or
+//! - 16 neighbouring receivers walk the tree together (`traverse`); a cell is opened for all where one of them, or
 //!   the nearest point of their common box, wants it open. So no receiver gets less than it asks for.
 //! - The up to eight children of a cell lie side by side and are judged at once.
-//! - What the walk accepts is a list, evaluated afterwards for the 16 receivers at once ([`direct`]), or, with AVX-512,
-//!   by a table that fits two registers ([`table`]).
+//! - What the walk accepts is a list, evaluated afterwards for the 16 receivers at once (`direct`), or, with AVX-512,
+//!   by a table that fits two registers (`table`).
 //! - Unlit cells and samples are not in the tree; only their area counts.
 
 mod build;
