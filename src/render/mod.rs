@@ -1,5 +1,6 @@
 //! From a scene to the stages it needs ([`plan`]), and a plan run on the CPU or a device ([`run`]).
 
+pub mod aov;
 pub mod plan;
 pub mod prepare;
 pub mod room;

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::plan::{Change, Mode, Options, Plan};
+use super::plan::{Change, Mode, Options, Plan, Transport};
 use super::prepare::{Prepared, Units, camera, lights, prepare};
 pub use super::room::Room;
 use super::room::{Lists, size};
@@ -11,7 +11,7 @@ use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
 use crate::layout::Slot;
 use crate::scene::{Camera, Light, Scene};
-use crate::state::{DeviceState, State};
+use crate::state::{DeviceState, Scheme, State};
 use crate::view::picture::Picture;
 
 /// Where the stages run.
@@ -42,6 +42,8 @@ impl Session {
     pub fn new(scene: &Scene, device: Option<&Device>, options: Options, room: Room) -> Result<Self> {
         let mut prepared = prepare(scene);
         prepared.state.keep = options.mode == Mode::Render;
+        let blocks = prepared.state.method.scheme == Scheme::Blocks && options.transport == Transport::Hierarchy;
+        prepared.state.method.estimate = options.estimate && blocks;
         let plan = Plan::new(&prepared.state, options);
         let lists = Lists::new(room, device.map(Device::limits));
         lists.cut(&mut prepared);
@@ -164,7 +166,7 @@ impl Session {
         let inputs: Vec<Slot> = Plan::inputs().collect();
         self.send(&inputs)?;
         // What no stage of the plan writes must be zero where a stage or the host reads it.
-        let blank: Vec<Slot> = [Slot::irradiance, Slot::radiosity, Slot::vertex_radiosity]
+        let blank: Vec<Slot> = [Slot::irradiance, Slot::radiosity, Slot::vertex_radiosity, Slot::estimate]
             .into_iter()
             .filter(|slot| !self.plan.stages.iter().any(|s| s.writes.iter().any(|(w, _, _)| w == slot)))
             .collect();

@@ -102,7 +102,7 @@ fn links(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opened> {
         Lighting::Moves => (Mode::OnTheFly, Change::LIGHT),
         Lighting::Rests => (Mode::Render, Change::RESUM),
     };
-    let options = Options { transport: Transport::Hierarchy, mode, goal: Goal::Radiosity };
+    let options = Options { transport: Transport::Hierarchy, mode, goal: Goal::Radiosity, estimate: false };
     Frames::open(&at_angle(bench.scene, angle), bench.device, options, change)
 }
 
@@ -110,7 +110,7 @@ fn links_kept(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opene
     if lighting == Lighting::Rests {
         return Ok(Opened::NotOffered("the same as links".into()));
     }
-    let options = Options { transport: Transport::Hierarchy, mode: Mode::Render, goal: Goal::Radiosity };
+    let options = Options { transport: Transport::Hierarchy, mode: Mode::Render, goal: Goal::Radiosity, estimate: false };
     Frames::open(&at_angle(bench.scene, angle), bench.device, options, Change::LIGHT)
 }
 
@@ -120,7 +120,7 @@ pub(super) fn brute(bench: &Bench<'_>, lighting: Lighting, _: f64) -> Result<Ope
         Lighting::Moves => Change::LIGHT,
         Lighting::Rests => Change::RESUM,
     };
-    let options = Options { transport: Transport::Brute, mode: Mode::OnTheFly, goal: Goal::Radiosity };
+    let options = Options { transport: Transport::Brute, mode: Mode::OnTheFly, goal: Goal::Radiosity, estimate: false };
     Frames::open(bench.scene, bench.device, options, change)
 }
 
