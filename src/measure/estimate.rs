@@ -41,14 +41,20 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 }
 
 impl Quality {
-    /// Of these estimates for these errors, one of each a receiver.
+    /// Of these estimates for these errors, one of each a receiver, three channels each. A receiver is covered if it is in
+    /// every channel; sizes and ranks are those of the three together, the root of their squares.
     #[must_use]
-    pub fn of(estimates: &[f64], errors: &[f64]) -> Self {
-        let covered = estimates.iter().zip(errors).filter(|(estimate, error)| error <= estimate).count();
+    pub fn of(estimates: &[[f64; 3]], errors: &[[f64; 3]]) -> Self {
+        let within = |(estimate, error): &(&[f64; 3], &[f64; 3])| (0..3).all(|c| error[c] <= estimate[c]);
+        let covered = estimates.iter().zip(errors).filter(within).count();
+        let whole = |list: &[[f64; 3]]| -> Vec<f64> {
+            list.iter().map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt()).collect()
+        };
+        let (estimate, error) = (whole(estimates), whole(errors));
         Self {
             covered: covered as f64 / errors.len().max(1) as f64,
-            ratio: p99(estimates) / p99(errors),
-            rank: correlation(&ranks(estimates), &ranks(errors)),
+            ratio: p99(&estimate) / p99(&error),
+            rank: correlation(&ranks(&estimate), &ranks(&error)),
         }
     }
 }
@@ -59,14 +65,16 @@ mod tests {
 
     #[test]
     fn a_constant_knows_nothing_and_twice_the_error_all() {
-        let errors: Vec<f64> = (0..1000).map(|k| f64::from(k * 7919 % 1000)).collect();
-        let twice: Vec<f64> = errors.iter().map(|x| 2.0 * x).collect();
-        let quality = Quality::of(&twice, &errors);
-        assert!((quality.covered, quality.ratio) == (1.0, 2.0) && (quality.rank - 1.0).abs() < 1e-12, "{quality:?}");
-        let quality = Quality::of(&[899.0; 1000], &errors);
-        assert_eq!((quality.covered, quality.rank), (0.9, 0.0));
-        let falling: Vec<f64> = errors.iter().map(|x| -x.powi(3)).collect();
-        assert!((Quality::of(&falling, &errors).rank + 1.0).abs() < 1e-12);
+        let errors: Vec<[f64; 3]> = (0..1000).map(|k| [0.0, f64::from(k * 7919 % 1000), 0.0]).collect();
+        let of =
+            |f: &dyn Fn(f64) -> f64| -> Vec<[f64; 3]> { errors.iter().map(|[_, x, _]| [0.0, f(*x), 0.0]).collect() };
+        let twice = Quality::of(&of(&|x| 2.0 * x), &errors);
+        assert!((twice.covered, twice.ratio) == (1.0, 2.0) && (twice.rank - 1.0).abs() < 1e-12, "{twice:?}");
+        let constant = Quality::of(&of(&|_| 899.0), &errors);
+        assert_eq!((constant.covered, constant.rank), (0.9, 0.0));
+        assert!((Quality::of(&of(&|x| 1.0 / (x + 1.0)), &errors).rank + 1.0).abs() < 1e-12);
+        // One channel too low is enough to be uncovered.
+        assert_eq!(Quality::of(&[[9.0, 1.0, 9.0], [9.0; 3]], &[[1.0, 2.0, 1.0]; 2]).covered, 0.5);
         assert_eq!(ranks(&[2.0, 1.0, 2.0, 2.0]), [2.0, 0.0, 2.0, 2.0]);
     }
 }

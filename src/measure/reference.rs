@@ -121,8 +121,8 @@ impl Emitter {
 pub struct Checked {
     /// Error per channel.
     pub norms: [Norms; 3],
-    /// The worth of the error estimate per channel, where there is one; `None` also for channels without light.
-    pub estimate: [Option<Quality>; 3],
+    /// The worth of the error estimate, where there is one.
+    pub estimate: Option<Quality>,
 }
 
 /// The error of a session's last frame at `count` seeded receivers, and what its estimate of that error is worth.
@@ -135,13 +135,13 @@ pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> 
     let area = |&face: &usize| f64::from(data.clusters[data.leaves[face] as usize].area);
     let areas: Vec<f64> = faces.iter().map(area).collect();
     let values: Vec<[f64; 3]> = faces.iter().map(|&face| data.radiosity[face].map(f64::from)).collect();
-    let quality = |c: usize| {
-        let lit = state.method.estimate && reference.iter().any(|b| b[c] > 0.0);
-        let errors = || values.iter().zip(&reference).map(|(value, b)| (value[c] - b[c]).abs()).collect::<Vec<_>>();
-        let estimates = || faces.iter().map(|&face| f64::from(data.estimate[face][c])).collect::<Vec<_>>();
-        lit.then(|| Quality::of(&estimates(), &errors()))
-    };
-    Ok(Checked { norms: norms(&areas, &values, &reference), estimate: [0, 1, 2].map(quality) })
+    let estimate = state.method.estimate.then(|| {
+        let error = |(value, b): (&[f64; 3], &[f64; 3])| [0, 1, 2].map(|c| (value[c] - b[c]).abs());
+        let errors: Vec<[f64; 3]> = values.iter().zip(&reference).map(error).collect();
+        let estimates: Vec<[f64; 3]> = faces.iter().map(|&face| data.estimate[face].map(f64::from)).collect();
+        Quality::of(&estimates, &errors)
+    });
+    Ok(Checked { norms: norms(&areas, &values, &reference), estimate })
 }
 
 /// The error alone, per channel.

@@ -20,45 +20,40 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
     let light = |value: DVec3| narrow(value * units.light);
 
     let links = links(state);
-    let hit = |hit: &Hit| data.triangles.get(hit.face as usize).map(|corner| (hit.face as usize, corner, *hit));
-    let shown: Vec<_> = data.hits.iter().map(hit).collect();
-    let blend = |corner: &[u32; 3], hit: &Hit, values: &[[f32; 3]]| -> DVec3 {
-        let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
-        corner.iter().zip(weight).map(|(&v, weight)| weight * wide(values[v as usize])).sum()
+    let shown: Vec<Option<&Hit>> =
+        data.hits.iter().map(|hit| ((hit.face as usize) < data.triangles.len()).then_some(hit)).collect();
+    let own = |values: &[[f32; 3]]| -> Vec<[f32; 3]> {
+        shown.iter().map(|hit| hit.map_or([0.0; 3], |hit| light(wide(values[hit.face as usize])))).collect()
     };
-    let colour = |of: &dyn Fn(usize, &[u32; 3], &Hit) -> [f32; 3]| -> Vec<[f32; 3]> {
-        shown.iter().map(|hit| hit.map_or([0.0; 3], |(face, corner, hit)| of(face, corner, &hit))).collect()
+    // Between the triangle's corners, as the picture has it.
+    let blend = |values: &[[f32; 3]], done: &dyn Fn(DVec3) -> [f32; 3]| -> Vec<[f32; 3]> {
+        let mixed = |hit: &Hit| {
+            let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
+            let corners = data.triangles[hit.face as usize].iter().zip(weight);
+            done(corners.map(|(&v, weight)| weight * wide(values[v as usize])).sum())
+        };
+        shown.iter().map(|hit| hit.map_or([0.0; 3], mixed)).collect()
     };
-    let number = |of: &dyn Fn(usize) -> u32| {
-        Samples::Whole(shown.iter().map(|hit| hit.map_or(u32::MAX, |(face, _, _)| of(face))).collect())
+    let number = |nothing: u32, of: &dyn Fn(usize) -> u32| {
+        Samples::Whole(shown.iter().map(|hit| hit.map_or(nothing, |hit| of(hit.face as usize))).collect())
     };
 
     let rgb = ["R", "G", "B"];
+    let normals = blend(&data.normals, &|normal| narrow(normal.normalize_or_zero()));
     let mut layers = vec![
-        Layer::vector("irradiance", rgb, &colour(&|face, _, _| light(wide(data.irradiance[face])))),
-        Layer::vector(
-            "radiosity",
-            rgb,
-            &colour(&|_, corner, hit| light(blend(corner, hit, &data.vertex_radiosity))),
-        ),
-        Layer::vector(
-            "normal",
-            ["X", "Y", "Z"],
-            &colour(&|_, corner, hit| narrow(blend(corner, hit, &data.normals).normalize_or_zero())),
-        ),
+        Layer::vector("irradiance", rgb, &own(&data.irradiance)),
+        Layer::vector("radiosity", rgb, &blend(&data.vertex_radiosity, &light)),
+        Layer::vector("normal", ["X", "Y", "Z"], &normals),
     ];
     if state.method.estimate {
-        layers.push(Layer::vector("error_estimate", rgb, &colour(&|face, _, _| light(wide(data.estimate[face])))));
+        layers.push(Layer::vector("error_estimate", rgb, &own(&data.estimate)));
     }
     // The rays' directions have a component of 1 along the view.
-    let depth = |hit: &Option<(usize, &[u32; 3], Hit)>| {
-        hit.map_or(f32::INFINITY, |(_, _, hit)| (f64::from(hit.depth) / units.length) as f32)
-    };
+    let depth = |hit: &Option<&Hit>| hit.map_or(f32::INFINITY, |hit| (f64::from(hit.depth) / units.length) as f32);
     layers.push(Layer::single("depth", "Z", Samples::Float(shown.iter().map(depth).collect())));
-    layers.push(Layer::single("object", "id", number(&|_| 0)));
-    layers.push(Layer::single("triangle", "id", number(&|face| session.prepared.faces[face])));
-    let count = shown.iter().map(|hit| hit.map_or(0, |(face, _, _)| links.get(face).copied().unwrap_or(0)));
-    layers.push(Layer::single("links", "count", Samples::Whole(count.collect())));
+    layers.push(Layer::single("object", "id", number(u32::MAX, &|_| 0)));
+    layers.push(Layer::single("triangle", "id", number(u32::MAX, &|face| session.prepared.faces[face])));
+    layers.push(Layer::single("links", "count", number(0, &|face| links[face])));
     Ok(layers)
 }
 

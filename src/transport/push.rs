@@ -3,9 +3,9 @@
 
 use rayon::prelude::*;
 
+use super::estimate;
 use crate::error::Result;
 use crate::layout::{Expansion, Range, Slot};
-use super::estimate;
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
 use crate::transport::gather::PLACES;
 

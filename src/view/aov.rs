@@ -16,7 +16,7 @@ use crate::error::Result;
 pub enum Samples {
     /// Linear, in the scene's units.
     Float(Vec<f32>),
-    /// Numbers of things; all ones where there is nothing.
+    /// Numbers of things, and how many; no thing has the number of all ones.
     Whole(Vec<u32>),
 }
 
@@ -37,7 +37,7 @@ impl Layer {
         Self { name, channels: (0..3).map(one).collect() }
     }
 
-    /// One channel of the layer's own name's meaning.
+    /// One value a pixel.
     #[must_use]
     pub fn single(name: &'static str, channel: &'static str, samples: Samples) -> Self {
         Self { name, channels: vec![(channel, samples)] }
@@ -57,12 +57,7 @@ pub fn save(picture: &Picture, layers: &[Layer], path: &Path) -> Result<()> {
             AnyChannel::new(*name, flat)
         };
         let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = layer.channels.iter().map(channel).collect();
-        ExrLayer::new(
-            size,
-            LayerAttributes::named(layer.name),
-            Encoding::FAST_LOSSLESS,
-            AnyChannels::sort(channels),
-        )
+        ExrLayer::new(size, LayerAttributes::named(layer.name), Encoding::FAST_LOSSLESS, AnyChannels::sort(channels))
     };
     let all: Vec<_> = std::iter::once(&first).chain(layers).map(layer).collect();
     let image = Image::from_layers(ImageAttributes::with_size(size), all);
