@@ -47,7 +47,7 @@ fn run() -> Result<()> {
             ("hierarchy, from scratch", Transport::Hierarchy, Mode::OnTheFly, Change::EVERYTHING),
             ("hierarchy, new light", Transport::Hierarchy, Mode::Render, Change::LIGHT),
         ] {
-            let options = Options { transport, mode, goal: Goal::Radiosity };
+            let options = Options { transport, mode, goal: Goal::Radiosity, ..Options::default() };
             let mut session = Session::new(&scene, Some(&device), options, Room::default())?;
             session.frame(Change::EVERYTHING)?;
             let ms = time(&mut session, change, if transport == Transport::Brute { 1 } else { 5 })?;

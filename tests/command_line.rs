@@ -109,7 +109,7 @@ fn solve_writes_one_row_a_face() {
     let here = folder(&[("m.obj", quads), ("a.toml", &scene)]);
     good(&here, "solve a.toml -o a.csv --device cpu");
     let (header, rows) = numbers(&read(&here, "a.csv"));
-    assert_eq!(header, "face,cx,cy,cz,area,E_r,E_g,E_b,B_r,B_g,B_b,input_face");
+    assert_eq!(header, "face,cx,cy,cz,area,E_r,E_g,E_b,B_r,B_g,B_b,input_face,err_r,err_g,err_b");
     assert_eq!(rows.len(), 4);
     let centers = [[8.0 / 3.0, 2.0 / 3.0], [4.0 / 3.0, 4.0 / 3.0], [20.0 / 3.0, 2.0 / 3.0], [16.0 / 3.0, 4.0 / 3.0]];
     for (face, row) in rows.iter().enumerate() {
@@ -117,6 +117,10 @@ fn solve_writes_one_row_a_face() {
         assert!((row[1] - centers[face][0]).abs() < 1e-6 && (row[2] - centers[face][1]).abs() < 1e-6, "{row:?}");
         assert!(row[3] == 0.0 && close(row[4], 4.0, 1e-6), "{row:?}");
         assert!(row[5] > 2.5 && row[5] < 3.0, "irradiance after Fresnel, head on: {row:?}");
+        assert!(
+            row[12..].iter().all(|err| *err > 0.0 && *err < 0.1 * row[8]),
+            "an estimate in the scene's units: {row:?}"
+        );
         assert!(row[8] > 0.0 && row[8] < row[5], "{row:?}");
     }
 }
@@ -125,7 +129,10 @@ fn solve_writes_one_row_a_face() {
 fn solve_writes_ply_and_verifies() {
     let here = folder(&[]);
     let (out, _) = good(&here, &format!("solve {SMALL} -o a.ply --verify 20"));
-    assert!(out.starts_with("channel") && out.contains("worst"), "{out}");
+    assert!(
+        out.starts_with("channel") && out.contains("worst") && out.contains("the estimate is above the error at"),
+        "{out}"
+    );
     let ply = read(&here, "a.ply");
     let (header, body) = ply.split_once("end_header\n").unwrap();
     assert!(header.starts_with("ply\nformat ascii 1.0\n"), "{header}");
@@ -133,7 +140,7 @@ fn solve_writes_ply_and_verifies() {
     let lines: Vec<Vec<f64>> = body.lines().map(|line| line.split(' ').map(|x| x.parse().unwrap()).collect()).collect();
     assert_eq!(lines.len(), 42 + 80);
     assert!(lines[..42].iter().all(|vertex| vertex.len() == 9));
-    assert!(lines[42..].iter().all(|face| face.len() == 10 && face[0] == 3.0 && face[1..4].iter().all(|&v| v < 42.0)));
+    assert!(lines[42..].iter().all(|face| face.len() == 13 && face[0] == 3.0 && face[1..4].iter().all(|&v| v < 42.0)));
     bad(&here, &format!("solve {SMALL} --verify 0"), 2, &["--verify"]);
     bad(&here, &format!("solve {SMALL}"), 2, &["nothing to do", "-o FILE"]);
 }
@@ -276,4 +283,14 @@ fn without_a_driver_there_is_the_cpu() {
 fn said_with_code(command: &mut Command) -> (Option<i32>, String) {
     let output = command.output().unwrap();
     (output.status.code(), said(&output).1)
+}
+
+#[test]
+fn no_estimate_no_columns() {
+    let here = folder(&[]);
+    for how in ["--set transport.scheme=links", "--transport brute"] {
+        let (out, _) = good(&here, &format!("solve {SMALL} {how} -o a.csv --verify 9"));
+        assert!(!out.contains("estimate"), "{out}");
+        assert_eq!(numbers(&read(&here, "a.csv")).0, "face,cx,cy,cz,area,E_r,E_g,E_b,B_r,B_g,B_b,input_face");
+    }
 }

@@ -8,6 +8,7 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint ALIVE = 7;
 layout(constant_id = 1) const uint ESTIMATE = 0;
 layout(push_constant, scalar) uniform push_block { Range range; };
+READS(frame)
 READS(blocks)
 READS(spheres)
 READS(leaves)
@@ -16,6 +17,7 @@ READS(expansions)
 READS(received)
 UPDATES(estimate)
 WRITES(radiosity)
+#include "transport/estimate.glsl"
 #include "transport/gather/receiver.glsl"
 
 void main() {
@@ -30,8 +32,8 @@ void main() {
     bvec3 alive = bvec3((ALIVE & 1u) != 0, (ALIVE & 2u) != 0, (ALIVE & 4u) != 0);
     radiosity[self.face] = mix(vec3(0), max(sum, vec3(0)), alive);
     if (ESTIMATE != 0) {
-        float d2 = dot(d, d);
-        vec3 squared = estimate[self.face] + e.error + e.bend * (d2 * d2 * d2);
-        estimate[self.face] = mix(vec3(0), sqrt(squared) + max(-sum, vec3(0)), alive);
+        float radius = spheres[range.first + self.run].radius;
+        vec3 whole = close_estimate(frame[0].sigma, estimate[self.face], e.error, e.bend, length(d), radius, sum);
+        estimate[self.face] = mix(vec3(0), whole, alive);
     }
 }

@@ -80,7 +80,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     text += "\nbuffers\n";
     text += &table(&["buffer", "one per", "elements", "size", ""], &[2, 3], &buffers);
     text += "\nleft out\n";
-    let left: Vec<_> = plan.left_out.iter().map(|(stage, why)| vec![stage.name.to_string(), why.clone()]).collect();
+    let left: Vec<_> = plan.left_out.iter().map(|(what, why)| vec![what.to_string(), why.clone()]).collect();
     text += &table(&["stage", "because"], &[], &left);
     print(&text)?;
 
@@ -96,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 .filter(|(_, bytes)| *bytes > 0)
                 .map(|(spec, bytes)| json!({"buffer": spec.name, "per": spec.per, "bytes": bytes}))
                 .collect::<Vec<_>>(),
-            "left_out": plan.left_out.iter().map(|(s, why)| json!({"stage": s.name, "because": why}))
+            "left_out": plan.left_out.iter().map(|(what, why)| json!({"stage": what, "because": why}))
                 .collect::<Vec<_>>(),
         });
         write_whole(path, |beside| std::fs::write(beside, format!("{value:#}\n")).map_err(|e| e.to_string()))?;

@@ -7,7 +7,9 @@ use clap::Args;
 
 use super::{RunArguments, SceneArguments, check_messages, open_session, validation};
 use crate::error::{Input, Result};
-use crate::render::plan::Change;
+use crate::render::aov::layers;
+use crate::render::plan::{Change, Mode, Options};
+use crate::view::aov::save;
 use crate::view::picture::check;
 
 /// Arguments of `render`.
@@ -24,6 +26,9 @@ pub struct Arguments {
     /// Width and height in pixels; overrides the scene's.
     #[arg(long, value_name = "WxH")]
     size: Option<String>,
+    /// Add layers to an `.exr`: irradiance, radiosity, normal, error_estimate, depth, object, triangle, links.
+    #[arg(long)]
+    aov: bool,
     /// Print each stage's time.
     #[arg(long)]
     times: bool,
@@ -33,19 +38,32 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
     check(&arguments.output)?;
+    let aov = arguments.aov;
+    if aov && !arguments.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
+        let found = arguments.output.display();
+        return Err(Input::new("only OpenEXR has layers").key("--aov").found(found).expected("-o FILE.exr").into());
+    }
     let mut scene = arguments.scene.load()?;
     if let Some(text) = &arguments.size {
         scene.camera.size = parse_size(text)?;
     }
     let device = arguments.run.device.open(validation())?;
-    let mut session = open_session(&scene, device.as_ref(), arguments.run.options())?;
+    let mut options = arguments.run.options();
+    if aov {
+        // Lists are kept, because a layer tells how long they are.
+        options = Options { estimate: true, mode: Mode::Render, ..options };
+    }
+    let mut session = open_session(&scene, device.as_ref(), options)?;
     let times = session.frame(Change::EVERYTHING)?;
     if arguments.times {
         super::solve::print_times(&mut session, &times)?;
     }
     let picture = session.picture()?;
     check_messages(device.as_ref())?;
-    picture.save(&arguments.output, scene.camera.exposure)?;
+    match aov {
+        true => save(&picture, &layers(&mut session)?, &arguments.output)?,
+        false => picture.save(&arguments.output, scene.camera.exposure)?,
+    }
     let place = device.as_ref().map_or("the CPU", |device| device.name());
     let seconds = start.elapsed().as_secs_f64();
     let (file, width, height) = (arguments.output.display(), picture.width, picture.height);

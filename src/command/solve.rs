@@ -11,9 +11,10 @@ use super::{RunArguments, SceneArguments, check_messages, open_session, print, t
 use crate::error::{Input, Result};
 use crate::gpu::Timing;
 use crate::layout::Slot;
+use crate::measure::estimate::Quality;
 use crate::measure::norms::worst;
-use crate::measure::reference::verify;
-use crate::render::plan::{Change, Goal};
+use crate::measure::reference::check;
+use crate::render::plan::{Change, Goal, Options};
 use crate::render::run::Session;
 use crate::view::picture::write_whole;
 
@@ -67,10 +68,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let scene = arguments.scene.load()?;
     let device = arguments.run.device.open(validation())?;
-    let options = crate::render::plan::Options { goal: Goal::Radiosity, ..arguments.run.options() };
+    // Times alone are those of a frame that estimates nothing.
+    let estimate = output.is_some() || arguments.verify.is_some();
+    let options = Options { goal: Goal::Radiosity, estimate, ..arguments.run.options() };
     let mut session = open_session(&scene, device.as_ref(), options)?;
     let times = session.frame(Change::EVERYTHING)?;
-    session.fetch(&[Slot::clusters, Slot::irradiance, Slot::radiosity])?;
+    session.fetch(&[Slot::clusters, Slot::irradiance, Slot::radiosity, Slot::estimate])?;
     check_messages(device.as_ref())?;
     if let Some((path, format)) = output {
         let text = match format {
@@ -83,13 +86,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         print_times(&mut session, &times)?;
     }
     if let Some(count) = arguments.verify {
-        let norms = verify(&mut session, count.get(), arguments.seed)?;
+        let checked = check(&mut session, count.get(), arguments.seed)?;
+        let norms = checked.norms;
         let all = worst(&norms);
         let row = |name: &str, n: &crate::measure::norms::Norms| {
             vec![name.to_string(), format!("{:.3e}", n.l2), format!("{:.3e}", n.p99), format!("{:.3e}", n.max)]
         };
         let rows = [row("r", &norms[0]), row("g", &norms[1]), row("b", &norms[2]), row("worst", &all)];
         print(&table(&["channel", "L2", "p99", "max"], &[1, 2, 3], &rows))?;
+        if let Some(Quality { covered, ratio, rank }) = checked.estimate {
+            let share = 100.0 * covered;
+            print(&format!(
+                "the estimate is above the error at {share:.2} % of the faces; its p99 is {ratio:.1} times the error's; \
+                 rank correlation {rank:.2}\n"
+            ))?;
+        }
     }
     Ok(())
 }
@@ -128,13 +139,15 @@ pub fn print_times(session: &mut Session, times: &[Timing]) -> Result<()> {
     Ok(())
 }
 
-/// One row of results per input face, in the input's order: centroid, area, irradiance, radiosity.
+/// One row of results per input face, in the input's order: centroid, area, irradiance, radiosity, and the
+/// estimate of its error where there is one.
 struct Row {
     input_face: u32,
     center: DVec3,
     area: f64,
     irradiance: [f64; 3],
     radiosity: [f64; 3],
+    estimate: Option<[f64; 3]>,
     triangle: [u32; 3],
 }
 
@@ -156,6 +169,7 @@ fn rows(session: &Session) -> Vec<Row> {
                 area: 0.5 * (b - a).cross(c - a).length(),
                 irradiance: light(data.irradiance[face]),
                 radiosity: light(data.radiosity[face]),
+                estimate: data.estimate.get(face).copied().map(light),
                 triangle,
             }
         })
@@ -163,12 +177,17 @@ fn rows(session: &Session) -> Vec<Row> {
 }
 
 fn csv(session: &Session) -> String {
-    let mut text = String::from("face,cx,cy,cz,area,E_r,E_g,E_b,B_r,B_g,B_b,input_face\n");
+    let mut text = String::from("face,cx,cy,cz,area,E_r,E_g,E_b,B_r,B_g,B_b,input_face");
+    text += if session.state().method.estimate { ",err_r,err_g,err_b\n" } else { "\n" };
     for (face, row) in rows(session).iter().enumerate() {
         let (c, e, b) = (row.center, row.irradiance.map(|x| x as f32), row.radiosity.map(|x| x as f32));
         let _ = write!(text, "{face},{:.9e},{:.9e},{:.9e},{:.9e}", c.x, c.y, c.z, row.area);
         let _ = write!(text, ",{:e},{:e},{:e},{:e},{:e},{:e}", e[0], e[1], e[2], b[0], b[1], b[2]);
-        let _ = writeln!(text, ",{}", row.input_face);
+        let _ = write!(text, ",{}", row.input_face);
+        for x in row.estimate.iter().flatten() {
+            let _ = write!(text, ",{:e}", *x as f32);
+        }
+        text.push('\n');
     }
     text
 }
@@ -194,9 +213,14 @@ fn ply(session: &Session) -> String {
          property float B_r\nproperty float B_g\nproperty float B_b\n\
          element face {}\nproperty list uchar int vertex_indices\n\
          property float E_r\nproperty float E_g\nproperty float E_b\n\
-         property float B_r\nproperty float B_g\nproperty float B_b\nend_header\n",
+         property float B_r\nproperty float B_g\nproperty float B_b\n{}end_header\n",
         values.len(),
-        rows.len()
+        rows.len(),
+        if session.state().method.estimate {
+            "property float err_r\nproperty float err_g\nproperty float err_b\n"
+        } else {
+            ""
+        }
     );
     for (p, value) in mesh.positions.iter().zip(&values) {
         let byte = |x: f64| (crate::view::picture::encode(x / brightest) * 255.0 + 0.5) as u8;
@@ -211,7 +235,7 @@ fn ply(session: &Session) -> String {
     for row in &rows {
         let [a, b, c] = row.triangle;
         let _ = write!(text, "3 {a} {b} {c}");
-        for x in row.irradiance.iter().chain(&row.radiosity) {
+        for x in row.irradiance.iter().chain(&row.radiosity).chain(row.estimate.iter().flatten()) {
             let _ = write!(text, " {}", *x as f32);
         }
         text.push('\n');

@@ -142,9 +142,9 @@ records! {
         zx: [f32; 3],
         /// Second derivative.
         xy: [f32; 3],
-        /// Squared estimate of the emitters' error.
+        /// Squared estimate of the emitters' error, and of what was dropped.
         error: [f32; 3],
-        /// Squared estimate of the expansion's error at unit offset; it grows with the cube of the offset.
+        /// Squared estimate of the expansion's error at the block's radius; it grows with the cube of the offset.
         bend: [f32; 3],
     }
     /// A light. Directions point towards it.

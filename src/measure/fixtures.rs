@@ -141,14 +141,15 @@ const FIXTURES: &[(&str, Maker)] = &[
     }),
     ("moments of order 0", |name| varied(name, "sphere", &["object.0.detail=3", "transport.order=0"])),
     ("moments of order 1", |name| varied(name, "sphere", &["object.0.detail=3", "transport.order=1"])),
-    ("lights of two colours", |name| {
-        let lights = ["object.0.detail=3", "light.0.irradiance=[3.0, 1.0, 0.0]"];
-        let mut scene = small("sphere", &lights)?;
-        scene
-            .lights
-            .push(crate::scene::Light::Point { position: DVec3::new(3.0, 30.0, 4.0), intensity: [90.0, 700.0, 0.0] });
-        Fixture::of_scene(name, &scene)
+    ("lights of two colours", |name| Fixture::of_scene(name, &two_colours()?)),
+    ("lights of two colours, error estimate", |name| estimated(name, &two_colours()?)),
+    ("sphere, error estimate", |name| {
+        estimated(name, &small("sphere", &["object.0.detail=3", "object.0.size=60", "transport.tolerance=0.01"])?)
     }),
+    ("moments of order 1, error estimate", |name| {
+        estimated(name, &small("sphere", &["object.0.detail=3", "transport.order=1", "transport.tolerance=1e-4"])?)
+    }),
+    ("slab, error estimate", |name| estimated(name, &small("slab", &["object.0.detail=12"])?)),
     ("entries that overflow", |name| half_the_room(name, "", |frame, need| frame.entry_room = need.need_entries / 2)),
     ("links that overflow", |name| half_the_room(name, LINKS, |frame, need| frame.link_room = need.need_links / 2)),
     ("hand-downs that overflow", |name| {
@@ -209,6 +210,19 @@ pub fn fixtures(only: &str) -> Result<Vec<Fixture>> {
 /// A built-in scene with these settings.
 fn varied(name: &str, scene: &str, sets: &[&str]) -> Result<Fixture> {
     Fixture::of_scene(name, &small(scene, sets)?)
+}
+
+/// Two lights whose colours differ: two groups of channels, and a black one.
+fn two_colours() -> Result<Scene> {
+    let mut scene = small("sphere", &["object.0.detail=3", "light.0.irradiance=[3.0, 1.0, 0.0]"])?;
+    let (position, intensity) = (DVec3::new(3.0, 30.0, 4.0), [90.0, 700.0, 0.0]);
+    scene.lights.push(crate::scene::Light::Point { position, intensity });
+    Ok(scene)
+}
+
+/// With an error estimate.
+fn estimated(name: &str, scene: &Scene) -> Result<Fixture> {
+    Fixture::new(name, scene, Options { estimate: true, ..Options::default() }, Room::default())
 }
 
 /// A list that does not fit: both sides must say so, and leave the same behind.

@@ -1,7 +1,9 @@
-//! The measuring: conformance, error norms, references, error against time, extreme cases, the paper's tables.
+//! The measuring: conformance, error norms, the worth of an error estimate, references, error against time, extreme cases,
+//! the paper's tables.
 
 pub mod compare;
 pub mod conform;
+pub mod estimate;
 pub mod fixtures;
 pub mod norms;
 pub mod pareto;

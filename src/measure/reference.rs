@@ -10,6 +10,7 @@ use crate::dipole::form_factor::points::{SIX, TWELVE, midpoint_moment, sampled, 
 use crate::dipole::profile::Dipole;
 use crate::error::Result;
 use crate::layout::Slot;
+use crate::measure::estimate::Quality;
 use crate::measure::norms::{Norms, norms};
 use crate::render::run::Session;
 use crate::state::{Distance, State, wide};
@@ -116,16 +117,36 @@ impl Emitter {
     }
 }
 
-/// The error of a session's last frame at `count` seeded receivers, per channel.
-pub fn verify(session: &mut Session, count: usize, seed: u64) -> Result<[Norms; 3]> {
-    session.fetch(&[Slot::irradiance, Slot::radiosity, Slot::clusters])?;
+/// A frame's radiosity at some receivers, and what it should be.
+pub struct Checked {
+    /// Error per channel.
+    pub norms: [Norms; 3],
+    /// The worth of the error estimate, where there is one.
+    pub estimate: Option<Quality>,
+}
+
+/// The error of a session's last frame at `count` seeded receivers, and what its estimate of that error is worth.
+pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> {
+    session.fetch(&[Slot::irradiance, Slot::radiosity, Slot::clusters, Slot::estimate])?;
     let state = session.state();
-    let faces = sample(state.data.triangles.len(), count, seed);
+    let data = &state.data;
+    let faces = sample(data.triangles.len(), count, seed);
     let reference = radiosity(state, &faces);
-    let area = |&face: &usize| f64::from(state.data.clusters[state.data.leaves[face] as usize].area);
+    let area = |&face: &usize| f64::from(data.clusters[data.leaves[face] as usize].area);
     let areas: Vec<f64> = faces.iter().map(area).collect();
-    let values: Vec<[f64; 3]> = faces.iter().map(|&face| state.data.radiosity[face].map(f64::from)).collect();
-    Ok(norms(&areas, &values, &reference))
+    let values: Vec<[f64; 3]> = faces.iter().map(|&face| data.radiosity[face].map(f64::from)).collect();
+    let estimate = state.method.estimate.then(|| {
+        let error = |(value, b): (&[f64; 3], &[f64; 3])| [0, 1, 2].map(|c| (value[c] - b[c]).abs());
+        let errors: Vec<[f64; 3]> = values.iter().zip(&reference).map(error).collect();
+        let estimates: Vec<[f64; 3]> = faces.iter().map(|&face| data.estimate[face].map(f64::from)).collect();
+        Quality::of(&estimates, &errors)
+    });
+    Ok(Checked { norms: norms(&areas, &values, &reference), estimate })
+}
+
+/// The error alone, per channel.
+pub fn verify(session: &mut Session, count: usize, seed: u64) -> Result<[Norms; 3]> {
+    Ok(check(session, count, seed)?.norms)
 }
 
 #[cfg(test)]

@@ -82,14 +82,16 @@ pub struct Options {
     pub mode: Mode,
     /// The goal.
     pub goal: Goal,
+    /// Whether an error estimate is wanted for each receiver; scheme blocks has one, the others do not.
+    pub estimate: bool,
 }
 
 /// The stages of a frame and those left out.
 pub struct Plan {
     /// The stages that run, in order.
     pub stages: Vec<&'static Stage>,
-    /// The stages that do not, each with the reason.
-    pub left_out: Vec<(&'static Stage, String)>,
+    /// The stages that do not, and what else is left out, each with the reason.
+    pub left_out: Vec<(&'static str, String)>,
     options: Options,
 }
 
@@ -101,8 +103,11 @@ impl Plan {
         for &stage in STAGES {
             match reason(stage.name, options, state.method.scheme, dark) {
                 None => plan.stages.push(stage),
-                Some(why) => plan.left_out.push((stage, why)),
+                Some(why) => plan.left_out.push((stage.name, why)),
             }
+        }
+        if let Some(why) = unestimated(state, options) {
+            plan.left_out.push(("error estimate", why.into()));
         }
         plan
     }
@@ -188,6 +193,17 @@ fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -> Option<St
     }
 }
 
+/// Why no error estimate is carried along, if none is.
+fn unestimated(state: &State, options: Options) -> Option<&'static str> {
+    match options.transport {
+        _ if state.method.estimate => None,
+        Transport::Octree => Some("the octree estimates nothing"),
+        Transport::Brute => Some("brute force takes every pair of faces by itself, and estimates nothing"),
+        Transport::Hierarchy if state.method.scheme == Scheme::Links => Some("scheme links has none"),
+        Transport::Hierarchy => Some("nobody reads it: `solve` that writes or verifies does, and `render --aov`"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -199,7 +215,7 @@ mod tests {
         state.schedule.batches.push(0..1);
         state.groups.push(crate::state::Group { channels: 7, lead: 0 });
         state.data.lights.push(crate::layout::Light { color: [1.0; 3], ..Default::default() });
-        let plan = Plan::new(&state, Options { transport, mode, goal: Goal::Radiosity });
+        let plan = Plan::new(&state, Options { transport, mode, goal: Goal::Radiosity, ..Options::default() });
         (state, plan)
     }
 
@@ -231,7 +247,7 @@ mod tests {
     fn the_octree_takes_the_place_of_every_other_transport() {
         let (state, plan) = plan(Scheme::Links, Transport::Octree, Mode::OnTheFly);
         assert_eq!(plan.stages.iter().map(|stage| stage.name).collect::<Vec<_>>(), ["refit", "irradiance"]);
-        assert!(plan.left_out.iter().any(|(stage, why)| stage.name == "refine" && why.contains("on the host")));
+        assert!(plan.left_out.iter().any(|(stage, why)| *stage == "refine" && why.contains("on the host")));
         for (change, runs) in [(Change::LIGHT, true), (Change::RESUM, true), (Change::VIEW, false)] {
             assert_eq!(plan.octree(change), runs, "{change:?}");
         }

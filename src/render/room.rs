@@ -189,10 +189,12 @@ fn set(prepared: &mut Prepared, rooms: [u32; 4]) {
     [frame.link_room, frame.area_room, frame.edge_room, frame.hand_room] = rooms;
 }
 
-/// Gives every buffer that a plan's stages write its size, zeroed; the others stay empty.
+/// Gives every buffer that a plan's stages write its size, zeroed; the others stay empty, as does the error estimate
+/// where nobody asked for it.
 pub fn size(state: &mut State, plan: &Plan) {
     let chunks = if state.keep { state.schedule.chunks.len() } else { 1 };
     let used = |slot: Slot| plan.stages.iter().any(|s| s.writes.iter().any(|(w, _, _)| *w == slot));
+    let estimate = state.method.estimate;
     let data = &mut state.data;
     let frame = data.frame[0];
     let (vertices, faces, nodes) = (frame.vertices as usize, frame.faces as usize, frame.nodes as usize);
@@ -219,7 +221,7 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.entries = bytemuck::zeroed_vec(per(Slot::entries, batches * frame.entry_room as usize));
     data.expansions = bytemuck::zeroed_vec(per(Slot::expansions, blocks));
     data.received = bytemuck::zeroed_vec(per(Slot::received, faces));
-    data.estimate = bytemuck::zeroed_vec(per(Slot::estimate, faces));
+    data.estimate = bytemuck::zeroed_vec(if estimate { faces } else { 0 });
     data.reach = bytemuck::zeroed_vec(per(Slot::reach, faces));
     data.spans = bytemuck::zeroed_vec(per(Slot::spans, nodes));
     data.handed = bytemuck::zeroed_vec(per(Slot::handed, frame.hand_room as usize));

@@ -12,7 +12,7 @@ use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
 use crate::layout::Slot;
 use crate::scene::{Camera, Light, Scene};
-use crate::state::{DeviceState, State, Step};
+use crate::state::{DeviceState, Scheme, State, Step};
 use crate::view::picture::Picture;
 
 /// Where the stages run.
@@ -48,6 +48,8 @@ impl Session {
         };
         let mut prepared = prepare(scene);
         prepared.state.keep = options.mode == Mode::Render;
+        let blocks = prepared.state.method.scheme == Scheme::Blocks && options.transport == Transport::Hierarchy;
+        prepared.state.method.estimate = options.estimate && blocks;
         let plan = Plan::new(&prepared.state, options);
         let lists = Lists::new(room, device.map(Device::limits));
         lists.cut(&mut prepared);
@@ -200,7 +202,7 @@ impl Session {
         let inputs: Vec<Slot> = Plan::inputs().collect();
         self.send(&inputs)?;
         // What no stage of the plan writes must be zero where a stage or the host reads it.
-        let blank: Vec<Slot> = [Slot::irradiance, Slot::radiosity, Slot::vertex_radiosity]
+        let blank: Vec<Slot> = [Slot::irradiance, Slot::radiosity, Slot::vertex_radiosity, Slot::estimate]
             .into_iter()
             .filter(|slot| !self.plan.stages.iter().any(|s| s.writes.iter().any(|(w, _, _)| w == slot)))
             .collect();

@@ -4,15 +4,15 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::link::batch;
-use super::radii::NOTHING;
+use super::estimate;
+use super::link::{Kind, batch, walk};
 use crate::dipole::form_factor::Distance;
 use crate::dipole::form_factor::edge::edge_form;
 use crate::dipole::form_factor::gauss::{Node, legendre};
 use crate::dipole::form_factor::points::{SIX, sampled};
 use crate::dipole::jet::{Cloud, Jets};
 use crate::error::Result;
-use crate::layout::{Buffers, Expansion, Range, Runs, Slot};
+use crate::layout::{Buffers, Emitter, Expansion, Range, Runs, Slot, Sphere};
 use crate::state::{Group, Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
 
 /// Places of a block: receivers, and empty ones to fill up.
@@ -36,27 +36,17 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// How much of a link is lost, squared, per the law of its order.
-fn lost(jets: &Jets, c: usize, m: &Cloud, d2: f64, order: u32) -> f64 {
-    let chi = jets.unit_chi(c, d2) * m.trace();
-    let share = match order {
-        2 => 0.5 * chi.powf(1.5),
-        1 => chi,
-        _ => chi.sqrt(),
-    };
-    (m.weight * jets.at(c, d2).value * share.min(1.0)).powi(2)
-}
-
 /// The distant emitters of a block, about its centre.
 fn expand(
     jets: &Jets,
     order: u32,
-    estimate: bool,
-    center: DVec3,
+    estimated: bool,
+    sphere: &Sphere,
     cloud: &(dyn Fn(u32) -> Cloud + Sync),
     list: &[u32],
     out: &mut Expansion,
 ) {
+    let center = wide(sphere.center);
     for c in jets.channels() {
         let mut sum = [0.0; 12];
         for &node in list {
@@ -68,8 +58,6 @@ fn expand(
             let (first, second) = (w * jet.first, w * jet.second);
             let (gradient, diagonal) = (first * d, first + second * d * d);
             let mixed = second * DVec3::new(d.y * d.z, d.z * d.x, d.x * d.y);
-            let unit = jets.unit_chi(c, d2);
-            let bend = (0.5 * w * jet.value * unit.powf(1.5)).powi(2);
             let terms = [
                 jets.link(c, m, center, order),
                 gradient.x,
@@ -81,8 +69,8 @@ fn expand(
                 mixed.x,
                 mixed.y,
                 mixed.z,
-                if estimate { lost(jets, c, m, d2, order) } else { 0.0 },
-                if estimate { bend } else { 0.0 },
+                if estimated { estimate::moments(jets, c, m, d2, order) } else { 0.0 },
+                if estimated { estimate::bend(jets, c, m, d2, f64::from(sphere.radius)) } else { 0.0 },
             ];
             for (sum, term) in sum.iter_mut().zip(terms) {
                 *sum += term;
@@ -126,7 +114,7 @@ impl Near<'_> {
         for &node in direct {
             let m = &(self.cloud)(node);
             sum += self.jets.link(c, m, x, self.order);
-            error += lost(&self.jets, c, m, x.distance_squared(m.center), self.order);
+            error += estimate::moments(&self.jets, c, m, x.distance_squared(m.center), self.order);
         }
         let dipole = self.jets.dipole(c);
         let corners = |node: u32| {
@@ -138,17 +126,33 @@ impl Near<'_> {
             let (face, _, triangle) = corners(node);
             let area = f64::from(self.data.clusters[self.data.leaves[face] as usize].area).max(1e-37);
             sum += m.weight / area * sampled(&triangle, x, dipole, Distance::Radial, &SIX);
-            let d2 = x.distance_squared(m.center);
-            let chi = self.jets.unit_chi(c, d2) * m.trace();
-            error += (m.weight * self.jets.at(c, d2).value * (0.045 * chi.powi(3)).min(1.0)).powi(2);
+            error += estimate::points(&self.jets, c, m, x.distance_squared(m.center));
         }
         let tint = f64::from(self.data.frame[0].tint[c]).max(1e-37);
         for &node in edge {
             let (face, corner, triangle) = corners(node);
             let factor = edge_form(&triangle, corner, x, dipole, Distance::Radial, &self.nodes);
-            sum += f64::from(self.data.irradiance[face][c]) / tint * factor;
+            let value = f64::from(self.data.irradiance[face][c]) / tint * factor;
+            sum += value;
+            error += estimate::edge(dipole.sigma, &(self.cloud)(node), self.nodes.len() as u32, value);
         }
         (sum, error)
+    }
+}
+
+impl Near<'_> {
+    /// What the emitters that a block left out would have given at its centre, per channel.
+    fn dropped(&self, sphere: &Sphere, emitters: &[Emitter]) -> Vec<(usize, f64)> {
+        let center = wide(sphere.center);
+        let mut sums: Vec<(usize, f64)> = self.jets.channels().map(|c| (c, 0.0)).collect();
+        walk(sphere, emitters, |kind, node| {
+            let m = &(self.cloud)(node);
+            let d2 = center.distance_squared(m.center);
+            for (c, sum) in sums.iter_mut().filter(|_| kind == Kind::Dropped) {
+                *sum += estimate::dropped(&self.jets, *c, m, d2);
+            }
+        });
+        sums
     }
 }
 
@@ -158,6 +162,7 @@ fn cpu(state: &mut State, at: Place) {
     let Group { channels, .. } = state.groups[at.group];
     let method = state.method;
     let data = &state.data;
+    let emitters = &data.emitters[base..base + data.topology.len()];
     let cloud = |node: u32| Cloud::new(&data.moments[base + node as usize], &data.spreads[base + node as usize]);
     let near = Near {
         data,
@@ -173,23 +178,22 @@ fn cpu(state: &mut State, at: Place) {
             let run = data.runs[run_base + number - blocks.start];
             let list = &data.entries[entry_base + run.first as usize..];
             let mut expansion = data.expansions[number];
-            let center = wide(data.spheres[number].center);
             let far = &list[..run.expanded as usize];
-            expand(&near.jets, method.order, method.estimate, center, near.cloud, far, &mut expansion);
+            expand(&near.jets, method.order, method.estimate, &data.spheres[number], near.cloud, far, &mut expansion);
+            if method.estimate {
+                for (c, sum) in near.dropped(&data.spheres[number], emitters) {
+                    expansion.error[c] += (sum * sum) as f32;
+                }
+            }
             let block = data.blocks[number];
             let receive = |face: usize| {
                 let x = wide(data.clusters[data.leaves[face] as usize].center);
-                let (mut sum, mut error) = (data.received[face], data.estimate[face]);
+                let (mut sum, mut error) = (data.received[face], data.estimate.get(face).copied().unwrap_or_default());
                 for c in near.jets.channels() {
                     let (value, squared) = near.receive(x, &run, list, c);
-                    let dropped = 0.5
-                        * NOTHING
-                        * data.frame[0].link_error as f64
-                        * f64::from(run.dropped)
-                        * f64::from(data.level[0][c]);
                     sum[c] = value as f32;
                     if method.estimate {
-                        error[c] = (squared + dropped * dropped) as f32;
+                        error[c] = squared as f32;
                     }
                 }
                 (face, sum, error)
@@ -202,7 +206,9 @@ fn cpu(state: &mut State, at: Place) {
         state.data.expansions[number] = expansion;
         for (face, sum, error) in faces {
             state.data.received[face] = sum;
-            state.data.estimate[face] = error;
+            if method.estimate {
+                state.data.estimate[face] = error;
+            }
         }
     }
 }
@@ -215,8 +221,11 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let (count, estimate) = (range.count as usize, u32::from(method.estimate));
     let alone = u32::from(pass.state.groups.len() == 1);
     pass.dispatch(Some("expand"), &[group.channels, method.order, estimate, alone], push, count)?;
+    if method.estimate {
+        pass.dispatch(Some("dropped"), &[group.channels], push, count)?;
+    }
     let places = count * PLACES;
     pass.dispatch(Some("direct"), &[group.channels, method.order, estimate], push, places)?;
     pass.dispatch_counted("area", &[group.channels, estimate], push, Slot::near_groups)?;
-    pass.dispatch_counted("edge", &[group.channels, method.nodes], push, Slot::near_groups)
+    pass.dispatch_counted("edge", &[group.channels, method.nodes, estimate], push, Slot::near_groups)
 }

@@ -2,9 +2,10 @@
 //! clusters with moments, and blocks of receivers.
 //!
 //! The modules are the stages, in the order of a frame: `pull`, `level`, `radii`, `link`, `gather`, `push`, `average`;
-//! `evaluate` answers single questions.
+//! `evaluate` answers single questions. `estimate` has the laws by which `gather` and `push` estimate errors.
 
 pub mod average;
+pub mod estimate;
 pub mod evaluate;
 pub mod gather;
 pub mod level;

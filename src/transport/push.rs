@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 
+use super::estimate;
 use crate::error::Result;
 use crate::layout::{Expansion, Range, Slot};
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
@@ -39,25 +40,26 @@ fn expanded(e: &Expansion, c: usize, d: glam::DVec3) -> f64 {
 }
 
 fn cpu(state: &mut State, _at: Place) {
-    let (mask, estimate) = (alive(state), state.method.estimate);
+    let (mask, estimated) = (alive(state), state.method.estimate);
     let data = &state.data;
     let push = |number: usize| {
         let (block, e) = (data.blocks[number], &data.expansions[number]);
         let center = wide(data.spheres[number].center);
+        let radius = f64::from(data.spheres[number].radius);
         let face = move |face: usize| {
             let d = wide(data.clusters[data.leaves[face] as usize].center) - center;
-            let (mut value, mut error) = ([0.0; 3], data.estimate[face]);
+            let (mut value, mut error) = ([0.0; 3], data.estimate.get(face).copied().unwrap_or_default());
             for c in 0..3 {
                 if mask >> c & 1 == 0 {
-                    error[c] = if estimate { 0.0 } else { error[c] };
+                    error[c] = if estimated { 0.0 } else { error[c] };
                     continue;
                 }
                 let sum = f64::from(data.received[face][c]) + expanded(e, c, d);
                 value[c] = sum.max(0.0) as f32;
-                if estimate {
-                    let bend = f64::from(e.bend[c]) * d.length_squared().powi(3);
-                    let squared = f64::from(error[c]) + f64::from(e.error[c]) + bend;
-                    error[c] = (squared.sqrt() + (-sum).max(0.0)) as f32;
+                if estimated {
+                    let [own, center, rim] = [error[c], e.error[c], e.bend[c]].map(f64::from);
+                    let sigma = f64::from(data.frame[0].sigma[c]);
+                    error[c] = estimate::close(sigma, own, [center, rim], [d.length(), radius], sum) as f32;
                 }
             }
             (face, value, error)
@@ -67,7 +69,9 @@ fn cpu(state: &mut State, _at: Place) {
     let results: Vec<_> = (0..data.blocks.len()).into_par_iter().flat_map_iter(push).collect();
     for (face, value, error) in results {
         state.data.radiosity[face] = value;
-        state.data.estimate[face] = error;
+        if estimated {
+            state.data.estimate[face] = error;
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! From radiosity to a picture.
 
+pub mod aov;
 pub mod picture;
 pub mod shade;
 pub mod visibility;

@@ -26,6 +26,7 @@ UPDATES(estimate)
 #include "transport/cloud.glsl"
 #include "dipole/form_factor/points.glsl"
 #include "transport/channels.glsl"
+#include "transport/estimate.glsl"
 #include "transport/gather/receiver.glsl"
 
 void main() {
@@ -52,11 +53,8 @@ void main() {
             vec3 d = self.x - m.center;
             float d2 = dot(d, d);
             EACH_CHANNEL({
-                vec3 p = jet(dipoles[c], d2);
-                float z2 = dipoles[c].z2.x;
-                float chi = 0.5 * p.z * (d2 + z2) / max(p.x, 1e-37) * (m.diagonal.x + m.diagonal.y + m.diagonal.z);
-                float lost = weight * p.x * min(0.045 * chi * chi * chi, 1.0);
-                error[c] += lost * lost;
+                vec3 p = weight * jet(dipoles[c], d2);
+                error[c] += missed_points(p, unit_chi(p, d2, dipoles[c].z2.x), m.diagonal.x + m.diagonal.y + m.diagonal.z);
             })
         }
     }

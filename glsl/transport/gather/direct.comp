@@ -18,12 +18,12 @@ READS(moments)
 READS(spreads)
 READS(runs)
 READS(entries)
-READS(level)
 UPDATES(received)
 UPDATES(estimate)
 #include "dipole/jet.glsl"
 #include "transport/cloud.glsl"
 #include "transport/channels.glsl"
+#include "transport/estimate.glsl"
 #include "transport/gather/receiver.glsl"
 
 void main() {
@@ -51,20 +51,14 @@ void main() {
             EACH_CHANNEL({
                 sum[c] += weight * link_value(dipoles[c], d2, half_tau, half_along);
                 if (ESTIMATE != 0) {
-                    vec3 p = jet(dipoles[c], d2);
-                    float z2 = dipoles[c].z2.x;
-                    float chi = 0.5 * p.z * (d2 + z2) / max(p.x, 1e-37) * (diagonal.x + diagonal.y + diagonal.z);
-                    float lost = weight * p.x * min(ORDER == 2 ? 0.5 * chi * sqrt(chi) : ORDER == 1 ? chi : sqrt(chi), 1.0);
-                    error[c] += lost * lost;
+                    vec3 p = weight * jet(dipoles[c], d2);
+                    float unit = unit_chi(p, d2, dipoles[c].z2.x);
+                    error[c] += missed_moments(ORDER, dipoles[c].sigma, p, unit, diagonal.x + diagonal.y + diagonal.z);
                 }
             })
         }
     }
     if (!self.present) return;
     received[self.face] = only_group(sum, received[self.face]);
-    if (ESTIMATE != 0) {
-        // What was left out adds up, all of one sign; half of the bound is typical.
-        vec3 dropped = 0.5 * 0.01 * frame[0].link_error * float(run.dropped) * level[0];
-        estimate[self.face] = only_group(error + dropped * dropped, estimate[self.face]);
-    }
+    if (ESTIMATE != 0) estimate[self.face] = only_group(error, estimate[self.face]);
 }

@@ -6,6 +6,7 @@
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint NODES = 6;
+layout(constant_id = 2) const uint ESTIMATE = 0;
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 READS(blocks)
@@ -20,8 +21,10 @@ READS(entries)
 READS(near)
 READS(near_groups)
 UPDATES(received)
+UPDATES(estimate)
 #include "dipole/form_factor/edge.glsl"
 #include "transport/channels.glsl"
+#include "transport/estimate.glsl"
 #include "transport/gather/receiver.glsl"
 
 void main() {
@@ -31,7 +34,7 @@ void main() {
     Runs run = runs[self.run];
     uint first = run.first + run.expanded + run.direct + run.area;
     vec3 z_real = frame[0].z_real, z_virtual = frame[0].z_virtual, sigma = frame[0].sigma;
-    vec3 sum = vec3(0);
+    vec3 sum = vec3(0), error = vec3(0);
     for (uint k = 0; k < run.edge; ++k) {
         uint node = entries[first + k], face = topology[node].face;
         Cluster emitter = clusters[node];
@@ -42,8 +45,11 @@ void main() {
         vec3 foot = -height * normal;
         vec3 real = edge_form(sigma, a, b, c, corner, normal, foot, sqrt(height * height + z_real * z_real));
         vec3 virt = edge_form(sigma, a, b, c, corner, normal, foot, sqrt(height * height + z_virtual * z_virtual));
-        sum += irradiance[face] * (z_real * real + z_virtual * virt);
+        vec3 value = irradiance[face] * (z_real * real + z_virtual * virt);
+        sum += value;
+        if (ESTIMATE != 0) error += missed_edge(NODES, sigma, emitter.spread, frame[0].strength * value);
     }
     if (!self.present || run.edge == 0) return;
     received[self.face] += only_group(frame[0].strength * sum, vec3(0));
+    if (ESTIMATE != 0) estimate[self.face] += only_group(error, vec3(0));
 }

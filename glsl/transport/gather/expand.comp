@@ -20,6 +20,7 @@ UPDATES(expansions)
 #include "dipole/jet.glsl"
 #include "transport/cloud.glsl"
 #include "transport/channels.glsl"
+#include "transport/estimate.glsl"
 
 void main() {
     uint i = invocation();
@@ -45,13 +46,9 @@ void main() {
             diagonal[c] += p.y + p.z * d * d;
             mixed[c] += p.z * cross_terms;
             if (ESTIMATE != 0) {
-                // Per tau: chi = tau unit.
-                float unit = 0.5 * p.z * (d2 + dipoles[c].z2.x) / max(p.x, 1e-37);
-                float chi = unit * (m.diagonal.x + m.diagonal.y + m.diagonal.z);
-                float lost = p.x * min(ORDER == 2 ? 0.5 * chi * sqrt(chi) : ORDER == 1 ? chi : sqrt(chi), 1.0);
-                float bent = 0.5 * p.x * unit * sqrt(unit);
-                error[c] += lost * lost;
-                bend[c] += bent * bent;
+                float unit = unit_chi(p, d2, dipoles[c].z2.x);
+                error[c] += missed_moments(ORDER, dipoles[c].sigma, p, unit, m.diagonal.x + m.diagonal.y + m.diagonal.z);
+                bend[c] += missed_bend(p, unit, spheres[block].radius);
             }
         })
     }

@@ -123,7 +123,8 @@ fn blocks(bench: &Bench<'_>, lighting: Lighting, tolerance: f64) -> Result<Opene
     let mut scene = bench.scene.clone();
     (scene.transport.scheme, scene.transport.hierarchy) = (Scheme::Blocks, Hierarchy::Median);
     scene.transport.tolerance = tolerance;
-    let options = Options { transport: Transport::Hierarchy, mode: Mode::Render, goal: Goal::Radiosity };
+    let options =
+        Options { transport: Transport::Hierarchy, mode: Mode::Render, goal: Goal::Radiosity, estimate: false };
     Frames::open(&scene, bench.device, options, change(lighting))
 }
 
@@ -140,7 +141,7 @@ fn links(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opened> {
         Lighting::Moves => Mode::OnTheFly,
         Lighting::Rests => Mode::Render,
     };
-    let options = Options { transport: Transport::Hierarchy, mode, goal: Goal::Radiosity };
+    let options = Options { transport: Transport::Hierarchy, mode, goal: Goal::Radiosity, estimate: false };
     Frames::open(&at_angle(bench.scene, angle), bench.device, options, change(lighting))
 }
 
@@ -148,7 +149,8 @@ fn links_kept(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opene
     if lighting == Lighting::Rests {
         return Ok(Opened::NotOffered("the same as links".into()));
     }
-    let options = Options { transport: Transport::Hierarchy, mode: Mode::Render, goal: Goal::Radiosity };
+    let options =
+        Options { transport: Transport::Hierarchy, mode: Mode::Render, goal: Goal::Radiosity, estimate: false };
     Frames::open(&at_angle(bench.scene, angle), bench.device, options, Change::LIGHT)
 }
 
@@ -159,13 +161,13 @@ fn octree(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opened> {
     }
     let mut scene = bench.scene.clone();
     scene.transport.octree_angle = angle;
-    let options = Options { transport: Transport::Octree, mode: Mode::Render, goal: Goal::Radiosity };
+    let options = Options { transport: Transport::Octree, mode: Mode::Render, goal: Goal::Radiosity, estimate: false };
     Frames::open(&scene, bench.device, options, change(lighting))
 }
 
 /// Every face to every face.
 pub(super) fn brute(bench: &Bench<'_>, lighting: Lighting, _: f64) -> Result<Opened> {
-    let options = Options { transport: Transport::Brute, mode: Mode::OnTheFly, goal: Goal::Radiosity };
+    let options = Options { transport: Transport::Brute, mode: Mode::OnTheFly, goal: Goal::Radiosity, estimate: false };
     Frames::open(bench.scene, bench.device, options, change(lighting))
 }
 

@@ -1,0 +1,46 @@
+// What the transport may miss at a receiver, squared; src/transport/estimate.rs says why it is so. `p` is the profile
+// with its derivatives, times the cluster's weight; `tau` the trace of the cluster's second moments.
+const float SAFETY = 6.5, ROUNDING = 2e-6, BOTH = 4.0, STEEPEST = 16.0;
+
+float squared(float x) { return x * x; }
+
+// chi for tau = 1.
+float unit_chi(vec3 p, float d2, float z2) { return 0.5 * p.z * (d2 + z2) / max(p.x, 1e-37); }
+
+// How the profile grows from a cluster's centroid to its near side.
+float nearer(float sigma, float tau) { return exp(min(sigma * sqrt(tau), STEEPEST)); }
+
+float missed_moments(uint order, float sigma, vec3 p, float unit, float tau) {
+    float chi = unit * tau;
+    float share = order == 2 ? 0.15 * chi * sqrt(chi) : order == 1 ? chi : sqrt(chi);
+    return squared(p.x * min(share, 1.0) * nearer(sigma, tau));
+}
+
+// At a block's radius.
+float missed_bend(vec3 p, float unit, float radius) {
+    float chi = unit * radius * radius;
+    return squared(p.x * 0.4 * chi * sqrt(chi) / (1.0 + 0.4 * chi));
+}
+
+float missed_points(vec3 p, float unit, float tau) {
+    float chi = unit * tau;
+    return squared(p.x * min(0.03 * chi * chi * chi, 1.0));
+}
+
+float missed_dropped(float sigma, float value, float tau) {
+    float t = min(sigma * sqrt(3.0 * tau), STEEPEST);
+    return value * (t > 1e-2 ? 0.5 * (exp(t) - exp(-t)) / t : 1.0);
+}
+
+vec3 missed_edge(uint nodes, vec3 sigma, float tau, vec3 value) {
+    vec3 size = min(sigma * sqrt(tau), vec3(3));
+    vec3 missed = value * size * (nodes == 3 ? vec3(5e-3) : (nodes == 6 ? 4e-4 : 1e-6) * size);
+    return missed * missed;
+}
+
+// The estimate of a receiver.
+vec3 close_estimate(vec3 sigma, vec3 own, vec3 center, vec3 rim, float offset, float radius, vec3 sum) {
+    float out2 = radius > 0.0 ? squared(offset / radius) : 0.0;
+    vec3 block = BOTH * exp(min(2.0 * sigma * offset, vec3(STEEPEST))) * (center + rim * (out2 * out2 * out2));
+    return SAFETY * sqrt(own + block) + ROUNDING * abs(sum) + max(-sum, vec3(0));
+}

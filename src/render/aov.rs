@@ -1,0 +1,89 @@
+//! What a picture's layers hold (arbitrary output variables): of each pixel the triangle it shows, and what is known of
+//! it. A triangle's own values are not blended with its neighbours'.
+
+use glam::DVec3;
+
+use super::run::Session;
+use crate::error::Result;
+use crate::layout::{Hit, Slot};
+use crate::state::{Place, State, narrow, wide};
+use crate::view::aov::{Layer, Samples};
+
+/// The layers of a session's last picture. Numbers of links are right where lists are kept (`Mode::Render`), or where
+/// one list holds them all.
+pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
+    let known = [Slot::hits, Slot::irradiance, Slot::vertex_radiosity, Slot::estimate, Slot::normals];
+    session.fetch(&known)?;
+    session.fetch(&[Slot::runs, Slot::spans])?;
+    let (state, units) = (session.state(), *session.units());
+    let data = &state.data;
+    let light = |value: DVec3| narrow(value * units.light);
+
+    let links = links(state);
+    let shown: Vec<Option<&Hit>> =
+        data.hits.iter().map(|hit| ((hit.face as usize) < data.triangles.len()).then_some(hit)).collect();
+    let own = |values: &[[f32; 3]]| -> Vec<[f32; 3]> {
+        shown.iter().map(|hit| hit.map_or([0.0; 3], |hit| light(wide(values[hit.face as usize])))).collect()
+    };
+    // Between the triangle's corners, as the picture has it.
+    let blend = |values: &[[f32; 3]], done: &dyn Fn(DVec3) -> [f32; 3]| -> Vec<[f32; 3]> {
+        let mixed = |hit: &Hit| {
+            let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
+            let corners = data.triangles[hit.face as usize].iter().zip(weight);
+            done(corners.map(|(&v, weight)| weight * wide(values[v as usize])).sum())
+        };
+        shown.iter().map(|hit| hit.map_or([0.0; 3], mixed)).collect()
+    };
+    let number = |nothing: u32, of: &dyn Fn(usize) -> u32| {
+        Samples::Whole(shown.iter().map(|hit| hit.map_or(nothing, |hit| of(hit.face as usize))).collect())
+    };
+
+    let rgb = ["R", "G", "B"];
+    let normals = blend(&data.normals, &|normal| narrow(normal.normalize_or_zero()));
+    let mut layers = vec![
+        Layer::vector("irradiance", rgb, &own(&data.irradiance)),
+        Layer::vector("radiosity", rgb, &blend(&data.vertex_radiosity, &light)),
+        Layer::vector("normal", ["X", "Y", "Z"], &normals),
+    ];
+    if state.method.estimate {
+        layers.push(Layer::vector("error_estimate", rgb, &own(&data.estimate)));
+    }
+    // The rays' directions have a component of 1 along the view.
+    let depth = |hit: &Option<&Hit>| hit.map_or(f32::INFINITY, |hit| (f64::from(hit.depth) / units.length) as f32);
+    layers.push(Layer::single("depth", "Z", Samples::Float(shown.iter().map(depth).collect())));
+    layers.push(Layer::single("object", "id", number(u32::MAX, &|_| 0)));
+    layers.push(Layer::single("triangle", "id", number(u32::MAX, &|face| session.prepared.faces[face])));
+    layers.push(Layer::single("links", "count", number(0, &|face| links[face])));
+    Ok(layers)
+}
+
+/// How many emitters, clusters or triangles, each triangle's radiosity was summed from; of brute force nothing is known.
+fn links(state: &State) -> Vec<u32> {
+    let data = &state.data;
+    let mut count = vec![0; data.triangles.len()];
+    if !data.spans.is_empty() {
+        for (face, count) in count.iter_mut().enumerate() {
+            let mut node = data.leaves[face];
+            while let Some(place) = data.topology.get(node as usize) {
+                *count += data.spans[node as usize].links;
+                node = place.parent;
+            }
+        }
+    }
+    if data.runs.is_empty() {
+        return count;
+    }
+    for group in 0..state.groups.len() {
+        for (chunk, batch) in state.schedule.batches.iter().enumerate() {
+            let (base, _) = state.part(Slot::runs, Place { chunk, group });
+            for block in batch.clone() {
+                let run = data.runs[base + (block - batch.start) as usize];
+                let faces = data.blocks[block as usize];
+                for count in &mut count[faces.first as usize..(faces.first + faces.count) as usize] {
+                    *count += run.expanded + run.direct + run.area + run.edge;
+                }
+            }
+        }
+    }
+    count
+}

@@ -1,0 +1,65 @@
+//! Layers beside the picture in an OpenEXR file, for compositing and for a look behind a picture: floats, and whole
+//! numbers for what must not be blended.
+
+use std::path::Path;
+
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, ImageAttributes, Layer as ExrLayer, LayerAttributes,
+    SmallVec, WritableImage,
+};
+
+use super::picture::{Picture, write_whole};
+use crate::error::Result;
+
+/// The values of one channel, row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Samples {
+    /// Linear, in the scene's units.
+    Float(Vec<f32>),
+    /// Numbers of things, and how many; no thing has the number of all ones.
+    Whole(Vec<u32>),
+}
+
+/// A layer: its name, and its channels by theirs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// The name, without spaces.
+    pub name: &'static str,
+    /// The channels.
+    pub channels: Vec<(&'static str, Samples)>,
+}
+
+impl Layer {
+    /// Three floats a pixel.
+    #[must_use]
+    pub fn vector(name: &'static str, channels: [&'static str; 3], values: &[[f32; 3]]) -> Self {
+        let one = |c: usize| (channels[c], Samples::Float(values.iter().map(|v| v[c]).collect()));
+        Self { name, channels: (0..3).map(one).collect() }
+    }
+
+    /// One value a pixel.
+    #[must_use]
+    pub fn single(name: &'static str, channel: &'static str, samples: Samples) -> Self {
+        Self { name, channels: vec![(channel, samples)] }
+    }
+}
+
+/// Writes the picture as the layer `picture`, and the others after it.
+pub fn save(picture: &Picture, layers: &[Layer], path: &Path) -> Result<()> {
+    let size = (picture.width, picture.height);
+    let first = Layer::vector("picture", ["R", "G", "B"], &picture.pixels);
+    let layer = |layer: &Layer| {
+        let channel = |(name, samples): &(&'static str, Samples)| {
+            let flat = match samples {
+                Samples::Float(values) => FlatSamples::F32(values.clone()),
+                Samples::Whole(values) => FlatSamples::U32(values.clone()),
+            };
+            AnyChannel::new(*name, flat)
+        };
+        let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = layer.channels.iter().map(channel).collect();
+        ExrLayer::new(size, LayerAttributes::named(layer.name), Encoding::FAST_LOSSLESS, AnyChannels::sort(channels))
+    };
+    let all: Vec<_> = std::iter::once(&first).chain(layers).map(layer).collect();
+    let image = Image::from_layers(ImageAttributes::with_size(size), all);
+    write_whole(path, |beside| image.write().to_file(beside).map_err(|e| e.to_string()))
+}

@@ -1,0 +1,93 @@
+//! The layers of `render --aov`: their names, and that they say of each pixel what `solve` says of its triangle.
+
+mod shell;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use exr::prelude::*;
+use shell::{bad, close, folder, good, numbers, read};
+
+const BALL: &str = "sphere --set object.0.detail=2";
+const SIZE: (usize, usize) = (40, 30);
+
+/// Every channel of every layer as `layer.channel`, as floats.
+fn layers(path: &Path) -> BTreeMap<String, Vec<f64>> {
+    let image = read_all_flat_layers_from_file(path).unwrap();
+    let mut all = BTreeMap::new();
+    for layer in &image.layer_data {
+        assert_eq!((layer.size.width(), layer.size.height()), SIZE);
+        let name = layer.attributes.layer_name.as_ref().unwrap().to_string();
+        for channel in &layer.channel_data.list {
+            let values = match &channel.sample_data {
+                FlatSamples::F32(values) => values.iter().map(|x| f64::from(*x)).collect(),
+                FlatSamples::U32(values) => values.iter().map(|x| f64::from(*x)).collect(),
+                FlatSamples::F16(_) => panic!("half floats in {name}"),
+            };
+            all.insert(format!("{name}.{}", channel.name), values);
+        }
+    }
+    all
+}
+
+#[test]
+fn layers_tell_what_solve_tells() {
+    let here = folder(&[]);
+    // Two groups of channels: numbers of links are those of both.
+    let two = "--set light.0.irradiance=[3,0,0]";
+    for how in ["--device cpu", "", "--set transport.scheme=links --device cpu", two] {
+        good(&here, &format!("render {BALL} {how} --aov -o a.exr --size {}x{}", SIZE.0, SIZE.1));
+        good(&here, &format!("render {BALL} {how} -o plain.exr --size {}x{}", SIZE.0, SIZE.1));
+        good(&here, &format!("solve {BALL} {how} -o a.csv"));
+        let layers = layers(&here.path().join("a.exr"));
+        let (header, rows) = numbers(&read(&here, "a.csv"));
+        let estimated = !how.contains("links");
+        assert_eq!(
+            (layers.contains_key("error_estimate.R"), header.contains("err_r")),
+            (estimated, estimated),
+            "{how}"
+        );
+
+        let none = f64::from(u32::MAX);
+        let mut seen = 0;
+        let pixels = 0..SIZE.0 * SIZE.1;
+        for pixel in pixels {
+            let of = |name: &str| layers[name][pixel];
+            if of("triangle.id") == none {
+                assert_eq!((of("object.id"), of("links.count"), of("irradiance.R")), (none, 0.0, 0.0));
+                assert!(of("depth.Z").is_infinite() && of("normal.X") == 0.0);
+                continue;
+            }
+            seen += 1;
+            let row = &rows[of("triangle.id") as usize];
+            for (k, c) in ["R", "G", "B"].iter().enumerate() {
+                assert!(close(of(&format!("irradiance.{c}")), row[5 + k], 1e-6), "{how}");
+                assert!(of(&format!("radiosity.{c}")) >= 0.0);
+                if estimated {
+                    assert!(close(of(&format!("error_estimate.{c}")), row[12 + k], 1e-5), "{how}");
+                }
+            }
+            // The camera looks along -z at a ball about the origin of radius 5; its distance is the same for all pixels.
+            let n = ["X", "Y", "Z"].map(|axis| of(&format!("normal.{axis}")));
+            assert!(close(n.iter().map(|x| x * x).sum(), 1.0, 1e-5) && of("object.id") == 0.0);
+            assert!((n[0] - row[1] / 5.0).abs() < 0.3 && (n[1] - row[2] / 5.0).abs() < 0.3, "{n:?} {row:?}");
+            assert!(of("depth.Z") > 5.0 && of("depth.Z") < 100.0 && of("links.count") >= 1.0);
+        }
+        assert!(seen > 100 && seen < SIZE.0 * SIZE.1, "{how}: {seen} pixels show the ball");
+
+        // The picture is the one without layers.
+        let plain = read_all_flat_layers_from_file(here.path().join("plain.exr")).unwrap();
+        for channel in &plain.layer_data[0].channel_data.list {
+            let FlatSamples::F32(values) = &channel.sample_data else { panic!("not floats") };
+            let own = &layers[&format!("picture.{}", channel.name)];
+            assert!(values.iter().zip(own).all(|(a, b)| f64::from(*a) == *b), "{how}");
+        }
+    }
+}
+
+#[test]
+fn only_openexr_has_layers() {
+    let here = folder(&[]);
+    bad(&here, &format!("render {BALL} --aov -o a.png"), 2, &["--aov", "only OpenEXR has layers", "-o FILE.exr"]);
+    good(&here, "render sphere --set object.0.detail=1 --set light=[] --aov -o dark.exr --device cpu --size 8x8");
+}

@@ -1,0 +1,136 @@
+//! The error estimate against the true error on every built-in scene, on the CPU and on the default device; and that it
+//! costs nothing, not a bit, where nobody asks for it.
+
+use milkglass::gpu::{Device, Instance};
+use milkglass::layout::Slot;
+use milkglass::measure::estimate::Quality;
+use milkglass::measure::reference::check;
+use milkglass::render::plan::{Change, Goal, Options, Transport};
+use milkglass::render::run::{Room, Session};
+use milkglass::scene::Scene;
+
+const OPTIONS: Options = Options {
+    transport: Transport::Hierarchy,
+    mode: milkglass::render::plan::Mode::OnTheFly,
+    goal: Goal::Radiosity,
+    estimate: true,
+};
+
+/// The built-in scenes as they are, but for the lotus, which is coarser for the sake of time.
+const SCENES: &[(&str, &str)] =
+    &[("sphere", "object.0.detail=5"), ("slab", "object.0.detail=32"), ("lotus", "object.0.detail=64")];
+
+fn scene(name: &str, sets: &[&str]) -> Scene {
+    Scene::load(name, &sets.iter().map(|set| set.to_string()).collect::<Vec<_>>()).unwrap()
+}
+
+fn solved(scene: &Scene, device: Option<&Device>, options: Options) -> Session {
+    let mut session = Session::new(scene, device, options, Room::default()).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    session
+}
+
+/// The first usable device; none only where that is waived.
+fn device() -> Option<Device> {
+    let waived = std::env::var_os("MILKGLASS_NO_DEVICE").is_some();
+    let found = Instance::open(false).and_then(|instance| {
+        let adapters = instance.adapters()?;
+        adapters.iter().find(|a| a.unusable.is_none()).map(|a| Device::open(&instance, a)).transpose()
+    });
+    match found {
+        Ok(Some(device)) => Some(device),
+        other if waived => {
+            println!("WAIVED by MILKGLASS_NO_DEVICE: {:?}", other.err().map(|e| e.to_string()));
+            None
+        }
+        Ok(None) => panic!("no usable Vulkan device"),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+fn holds(name: &str, quality: Quality) {
+    println!("{name}: {quality:?}");
+    assert!(quality.covered >= 0.999, "{name}: {quality:?}");
+    assert!(quality.ratio <= 20.0, "{name}: {quality:?}");
+    assert!(quality.rank > 0.5, "{name}: {quality:?}");
+}
+
+#[test]
+fn the_error_is_below_the_estimate() {
+    let found = device();
+    for (name, detail) in SCENES {
+        let scene = scene(name, &[detail]);
+        for device in [None, found.as_ref()].into_iter().take(1 + usize::from(found.is_some())) {
+            let mut session = solved(&scene, device, OPTIONS);
+            let quality = check(&mut session, 1000, 11).unwrap().estimate.unwrap();
+            holds(&format!("{name} on {}", device.map_or("cpu", |device| device.name())), quality);
+        }
+    }
+}
+
+#[test]
+fn no_constant_would_do() {
+    // The best of all constants is above the error and has no ranks.
+    let errors: Vec<[f64; 3]> = (0..1000).map(|k| [1e-3 * f64::from(k); 3]).collect();
+    let constant = Quality::of(&vec![[1.0; 3]; 1000], &errors);
+    assert!(constant.covered == 1.0 && constant.ratio < 20.0 && constant.rank == 0.0);
+}
+
+#[test]
+fn an_estimate_changes_no_bit_of_the_radiosity() {
+    let found = device();
+    let scene = scene("lotus", &["object.0.detail=24"]);
+    for device in [None, found.as_ref()].into_iter().take(1 + usize::from(found.is_some())) {
+        let mut with = solved(&scene, device, OPTIONS);
+        let mut without = solved(&scene, device, Options { estimate: false, ..OPTIONS });
+        for session in [&mut with, &mut without] {
+            session.fetch(&[Slot::radiosity, Slot::estimate]).unwrap();
+        }
+        let (with, without) = (&with.state().data, &without.state().data);
+        assert_eq!(with.radiosity, without.radiosity);
+        assert!(without.estimate.is_empty(), "the buffer has room though nobody asked");
+        assert_eq!(with.estimate.len(), with.triangles.len());
+        assert!(with.estimate.iter().flatten().all(|x| x.is_finite() && *x > 0.0));
+    }
+}
+
+#[test]
+fn it_stays_finite_at_the_extremes() {
+    let found = device();
+    for set in ["object.0.material.scale=1e7", "object.0.material.scale=1e-9", "light.0.irradiance=[1e20, 0, 1e-15]"] {
+        let scene = scene("sphere", &["object.0.detail=2", set]);
+        for device in [None, found.as_ref()].into_iter().take(1 + usize::from(found.is_some())) {
+            let mut session = solved(&scene, device, OPTIONS);
+            session.fetch(&[Slot::estimate]).unwrap();
+            let estimate = &session.state().data.estimate;
+            assert!(
+                estimate.iter().flatten().all(|x| x.is_finite() && *x >= 0.0),
+                "{set}, {:?}",
+                device.map(Device::name)
+            );
+        }
+    }
+}
+
+#[test]
+fn the_plan_says_why_there_is_none() {
+    let why = |sets: &[&str], options: Options| {
+        let session =
+            Session::new(&scene("sphere", &[&["object.0.detail=2"], sets].concat()), None, options, Room::default());
+        let session = session.unwrap();
+        let reasons = session.plan.left_out.iter().filter(|(what, _)| *what == "error estimate");
+        (session.state().method.estimate, reasons.map(|(_, why)| why.clone()).collect::<Vec<_>>())
+    };
+    assert_eq!(why(&[], OPTIONS), (true, vec![]));
+    let off = why(&[], Options { estimate: false, ..OPTIONS });
+    assert!(!off.0 && off.1.len() == 1 && off.1[0].contains("nobody reads it"), "{off:?}");
+    let links = why(&["transport.scheme=links"], OPTIONS);
+    assert!(!links.0 && links.1[0].contains("links"), "{links:?}");
+    let brute = why(&[], Options { transport: Transport::Brute, ..OPTIONS });
+    assert!(!brute.0 && brute.1[0].contains("brute force"), "{brute:?}");
+    // A dark scene errs nowhere.
+    let mut dark = scene("sphere", &["object.0.detail=2"]);
+    dark.lights.clear();
+    let session = solved(&dark, None, OPTIONS);
+    assert!(session.state().data.estimate.iter().all(|x| *x == [0.0; 3]) && !session.state().data.estimate.is_empty());
+}
