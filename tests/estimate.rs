@@ -72,7 +72,7 @@ fn the_error_is_below_the_estimate() {
 fn no_constant_would_do() {
     // The best of all constants is above the error and has no ranks.
     let errors: Vec<[f64; 3]> = (0..1000).map(|k| [1e-3 * f64::from(k); 3]).collect();
-    let constant = Quality::of(&vec![[1.0; 3]; 1000], &errors);
+    let constant = Quality::of(&[1.0; 1000], &vec![[1.0; 3]; 1000], &errors);
     assert!(constant.covered == 1.0 && constant.ratio < 20.0 && constant.rank == 0.0);
 }
 

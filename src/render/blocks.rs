@@ -39,7 +39,7 @@ pub(super) fn edge_nodes(tolerance: f64) -> u32 {
 /// The error of a solution falls more slowly than that of a link: links' errors cancel in part. The values met their
 /// tolerance on the built-in scenes and several scanned meshes, from 1 to 300 mm; in between by the logarithm.
 pub(super) fn link_error(tolerance: f64) -> f64 {
-    const MET: [(f64, f64); 5] = [(1e-5, 2e-6), (1e-4, 5e-5), (1e-3, 1e-3), (1e-2, 0.02), (0.1, 0.1)];
+    const MET: [(f64, f64); 5] = [(1e-5, 1.5e-6), (1e-4, 1.1e-4), (1e-3, 4e-3), (1e-2, 0.1), (0.1, 1.2)];
     let row = MET.windows(2).find(|pair| tolerance <= pair[1].0).unwrap_or(&MET[3..]);
     let [(low, at_low), (high, at_high)] = [row[0], row[1]];
     let part = ((tolerance / low).ln() / (high / low).ln()).clamp(0.0, 1.0);

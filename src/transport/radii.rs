@@ -42,18 +42,14 @@ const DEEPEST: f64 = 60.0;
 const FARTHEST: f64 = 4.0;
 
 /// Shares of a link's allowed error: below this its light is left out ...
-pub const NOTHING: f64 = 0.01;
+pub const NOTHING: f64 = 1e-3;
 /// ... and this is what a block's expansion may add.
 const RECEIVER_SHARE: f64 = 0.3;
 
-/// How much stricter the laws are within the real source's depth: there the nearest point is as good as any other, and
-/// no slack is left for links that err alike.
-const ALIKE: f64 = 16.0;
-
-/// Largest chi at which the laws of a cluster, of one sample and of 6 area points hold: they are expansions in chi.
-const CLUSTER_CHI: f64 = 1.0;
-const SAMPLE_CHI: f64 = 0.35;
-const AREA_CHI: f64 = 0.7;
+/// Largest chi at which a triangle is taken by one sample and by 6 area points. The law of a cluster needs no such limit:
+/// it grows faster in chi than the quadrupole that it bounds.
+const SAMPLE_CHI: f64 = 1.4;
+const AREA_CHI: f64 = 1.4;
 
 /// Exponent n and factor of each law for the moments' order.
 fn laws(order: u32) -> ([f64; LAWS], [f64; LAWS]) {
@@ -74,9 +70,7 @@ fn law(jets: &Jets, level: [f32; 3], u: f64, power: f64) -> f64 {
         };
         let [real, virt] = dipole.depths().map(source);
         let both = real.max(virt) + (1.0 + (real.min(virt) - real.max(virt)).exp2()).log2();
-        let depth2 = dipole.z_real * dipole.z_real;
-        let alike = if power > 0.0 { (1.0 + ALIKE * depth2 / (u * u + depth2)).log2() } else { 0.0 };
-        both + alike + dipole.strength.max(1e-37).log2() - f64::from(level[c]).log2()
+        both + dipole.strength.max(1e-37).log2() - f64::from(level[c]).log2()
     };
     jets.channels().map(channel).fold(-1e30, f64::max)
 }
@@ -139,7 +133,7 @@ fn cpu(state: &mut State, at: Place) {
                 (s * s - nearest * nearest).max(0.0).sqrt()
             };
             let accept = range(rule, weight + power[rule] * tau, error);
-            let accept = accept.max(valid(if leaf { SAMPLE_CHI } else { CLUSTER_CHI }));
+            let accept = if leaf { accept.max(valid(SAMPLE_CHI)) } else { accept };
             let expand = range(2, weight + power[2] * disc.max(1e-30).log2(), RECEIVER_SHARE * error);
             // The laws hold at a cluster's nearest point, a triangle's at its centroid; at distance 0 they hold everywhere.
             let reach = |radius: f64, range: f64| if range > 0.0 { (radius + range) as f32 } else { -1e9 };

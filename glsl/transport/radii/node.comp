@@ -27,7 +27,7 @@ float range_of(uint which, float strength, float allowed) {
     return mix(ranges[base + 2 + entry], ranges[base + 3 + entry], at - float(entry));
 }
 
-// Nearer than this a law says nothing: it is an expansion in chi. Sources lie at least z_r off the surface.
+// Nearer than this a rule serves no triangle. Sources lie at least z_r off the surface.
 float valid(float trace, float chi) {
     float s = chi_distance(trace, chi), z = min(frame[0].z_real.x, min(frame[0].z_real.y, frame[0].z_real.z));
     return sqrt(max(0.0, (s - z) * (s + z)));
@@ -49,7 +49,8 @@ void main() {
         bool leaf = skip == node + 1;
         uint rule = leaf ? 3 : 1;
         float trace = spread.diagonal.x + spread.diagonal.y + spread.diagonal.z;
-        float accept = max(valid(trace, leaf ? SAMPLE_CHI : CLUSTER_CHI), range_of(rule, weight + power_of(rule) * tau, error));
+        float accept = range_of(rule, weight + power_of(rule) * tau, error);
+        if (leaf) accept = max(accept, valid(trace, SAMPLE_CHI));
         // A flat disc of a block's mean area: blocks of another spread scale this distance.
         float disc = log2(max(clusters[0].area / (6.2831853 * float(frame[0].blocks)), 1e-30));
         float expand = range_of(2, weight + power_of(2) * disc, RECEIVER_SHARE * error);

@@ -5,7 +5,8 @@ use crate::error::Result;
 use crate::gpu::Device;
 use crate::layout::Slot;
 use crate::measure::norms::{norms, worst};
-use crate::measure::reference::{radiosity, sample};
+use crate::measure::reference::radiosity;
+use crate::measure::sample::Sample;
 use crate::render::plan::{Change, Goal, Options, Transport};
 use crate::render::run::{Room, Session};
 use crate::render::stages::stage;
@@ -104,22 +105,25 @@ fn reference(scene: &Scene, faces: &[usize]) -> Result<Vec<[f64; 3]>> {
 /// The radiosity by the usual method, a picture included, and by brute force.
 pub(super) fn run(setup: &Setup, device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 2]> {
     let mesh = &setup.scene.object.mesh;
-    let faces = sample(mesh.triangles.len(), RECEIVERS, 1);
+    let area = |face: usize| mesh.corners(face).map_or(0.0, |[a, b, c]| 0.5 * (b - a).cross(c - a).length());
+    let areas: Vec<f64> = (0..mesh.triangles.len()).map(area).collect();
+    let sample = Sample::seeded(&areas, &[], RECEIVERS, 1);
+    let faces = &sample.faces;
     let expected = match &setup.against {
-        Against::Itself => reference(&setup.scene, &faces)?,
+        Against::Itself => reference(&setup.scene, faces)?,
         Against::Darkness => vec![[0.0; 3]; faces.len()],
         Against::Another(scene, factor) => {
             let times = |value: [f64; 3]| [0, 1, 2].map(|c| value[c] * factor[c]);
-            reference(scene, &faces)?.into_iter().map(times).collect()
+            reference(scene, faces)?.into_iter().map(times).collect()
         }
     };
     let picture = Options { goal: Goal::Picture, ..Options::default() };
     let brute = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
-    let mut usual = method(setup, device, picture, plant, &faces, &expected)?;
+    let mut usual = method(setup, device, picture, plant, &sample, &expected)?;
     if !setup.refused.is_empty() && scene(&[setup.refused]).is_ok() {
         usual.faults.push(format!("a scene file may say {}, which is documented as refused", setup.refused));
     }
-    Ok([usual, method(setup, device, brute, None, &faces, &expected)?])
+    Ok([usual, method(setup, device, brute, None, &sample, &expected)?])
 }
 
 fn method(
@@ -127,7 +131,7 @@ fn method(
     device: Option<&Device>,
     options: Options,
     plant: Option<Plant>,
-    faces: &[usize],
+    sample: &Sample,
     expected: &[[f64; 3]],
 ) -> Result<Found> {
     let mut session = Session::new(&setup.scene, device, options, Room::default())?;
@@ -154,10 +158,8 @@ fn method(
     for (value, &face) in data.radiosity.iter().zip(&session.prepared.faces) {
         values[face as usize] = value.map(|x| f64::from(x) * session.units().light);
     }
-    let values: Vec<[f64; 3]> = faces.iter().map(|&face| values[face]).collect();
-    let area = |&face: &usize| mesh.corners(face).map_or(0.0, |[a, b, c]| 0.5 * (b - a).cross(c - a).length());
-    let areas: Vec<f64> = faces.iter().map(area).collect();
-    found.error = worst(&norms(&areas, &values, expected)).into();
+    let values: Vec<[f64; 3]> = sample.faces.iter().map(|&face| values[face]).collect();
+    found.error = worst(&norms(sample, &values, expected)).into();
 
     let largest = |channel: usize| expected.iter().map(|value| value[channel]).fold(0.0, f64::max);
     let zeros: usize = [0, 1, 2]
