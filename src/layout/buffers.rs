@@ -43,6 +43,8 @@ buffers! {
     spreads: Spread, group;
     /// What the walk looks at, a part a group of channels: one a node, rounded up.
     emitters: Emitter, group;
+    /// From where on one expansion of a node serves a whole block: of up to 1, 4, 16 and 64 times the usual spread.
+    expands: [f32; 4], group;
     /// The receivers of the coarse solution.
     samples: Sample, sample;
     /// Root of the area-weighted mean of B^2, from the coarse solution; one element.

@@ -65,8 +65,8 @@ records! {
         center: [f32; 3],
         /// Distance of the farthest centroid.
         radius: f32,
-        /// How many times farther than for a block of usual size an emitter has to be, to be expanded.
-        reach: f32,
+        /// Mean square of the centroids' distances against that of a usual block's.
+        spread: f32,
     }
     /// Moments of the light that enters a cluster, by the irradiance of its group's lead channel.
     Moment {
@@ -90,9 +90,10 @@ records! {
     Emitter {
         /// The moments' centre; from where on its light counts for nothing, far below 0 where it has none.
         place: [f32; 4],
-        /// From where on one expansion serves a whole block of usual size; one link, and for a triangle one sample
-        /// with its second moment; 6 area points, for a triangle.
-        reach: [f32; 3],
+        /// From where on one link serves; for a triangle one sample with its second moment.
+        accept: f32,
+        /// For a triangle, from where on 6 area points serve.
+        area: f32,
         /// The first node after its subtree.
         skip: u32,
     }

@@ -212,6 +212,7 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.moments = bytemuck::zeroed_vec(per(Slot::moments, groups * part(nodes)));
     data.spreads = bytemuck::zeroed_vec(per(Slot::spreads, groups * part(nodes)));
     data.emitters = bytemuck::zeroed_vec(per(Slot::emitters, groups * part(nodes)));
+    data.expands = bytemuck::zeroed_vec(per(Slot::expands, groups * part(nodes)));
     data.samples = bytemuck::zeroed_vec(per(Slot::samples, 256));
     data.level = bytemuck::zeroed_vec(per(Slot::level, 1));
     data.ranges = bytemuck::zeroed_vec(per(Slot::ranges, LAWS * (ENTRIES_OF_A_LAW + 2)));

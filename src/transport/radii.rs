@@ -6,6 +6,7 @@
 
 use rayon::prelude::*;
 
+use super::link::CLASSES;
 use crate::dipole::form_factor::ladder::{chi_distance, q2};
 use crate::dipole::jet::Jets;
 use crate::error::Result;
@@ -15,7 +16,8 @@ use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit};
 /// A logarithm's rounding, 60 x 2^-24, moves the argument by that share of the table's depth.
 const EMITTER: &[Field] = &[
     Field { name: "place.3", relative: 5e-4, floor: 1e-6, of: "" },
-    Field { name: "reach", relative: 5e-4, floor: 1e-6, of: "" },
+    Field { name: "accept", relative: 5e-4, floor: 1e-6, of: "" },
+    Field { name: "area", relative: 5e-4, floor: 1e-6, of: "" },
 ];
 
 /// The table's entry.
@@ -27,6 +29,7 @@ pub static STAGE: Stage = Stage {
     writes: &[
         (Slot::ranges, Role::Output, Tolerance::Float { relative: 1e-3, floor: 1e-6 }),
         (Slot::emitters, Role::Output, Tolerance::Fields(EMITTER)),
+        (Slot::expands, Role::Output, Tolerance::Float { relative: 5e-4, floor: 1e-6 }),
     ],
     reason: "logarithms of up to 60 binary orders and a bisection: rounding moves the argument by up to 1e-5",
     unit: Unit::Group,
@@ -122,7 +125,8 @@ fn cpu(state: &mut State, at: Place) {
         let (m, s) = (&data.moments[base + node], &data.spreads[base + node]);
         let skip = data.topology[node].skip;
         let [x, y, z] = m.center;
-        let mut emitter = Emitter { place: [x, y, z, -1e9], reach: [0.0; 3], skip };
+        let mut emitter = Emitter { place: [x, y, z, -1e9], accept: 0.0, area: 0.0, skip };
+        let mut expands = [0.0; 4];
         if m.weight > 0.0 {
             let (weight, radius) = (f64::from(m.weight).log2(), f64::from(s.radius));
             let tau = s.diagonal.iter().copied().map(f64::from).sum::<f64>().max(1e-30).log2();
@@ -134,21 +138,25 @@ fn cpu(state: &mut State, at: Place) {
             };
             let accept = range(rule, weight + power[rule] * tau, error);
             let accept = if leaf { accept.max(valid(SAMPLE_CHI)) } else { accept };
-            let expand = range(2, weight + power[2] * disc.max(1e-30).log2(), RECEIVER_SHARE * error);
             // The laws hold at a cluster's nearest point, a triangle's at its centroid; at distance 0 they hold everywhere.
             let reach = |radius: f64, range: f64| if range > 0.0 { (radius + range) as f32 } else { -1e9 };
             let edge = if leaf { 0.0 } else { radius };
             emitter.place[3] = reach(radius, range(0, weight, NOTHING * error));
-            emitter.reach[1] = reach(edge, accept);
-            emitter.reach[0] = reach(edge, accept.max(expand));
+            emitter.accept = reach(edge, accept);
+            expands = CLASSES.map(|spread| {
+                let spread = (disc * f64::from(spread)).max(1e-30).log2();
+                reach(edge, accept.max(range(2, weight + power[2] * spread, RECEIVER_SHARE * error)))
+            });
             if leaf {
-                emitter.reach[2] = reach(edge, valid(AREA_CHI).max(range(4, weight + power[4] * tau, error)));
+                emitter.area = reach(edge, valid(AREA_CHI).max(range(4, weight + power[4] * tau, error)));
             }
         }
-        emitter
+        (emitter, expands)
     };
-    let emitters: Vec<Emitter> = (0..data.topology.len()).into_par_iter().map(emitter).collect();
+    let (emitters, expands): (Vec<Emitter>, Vec<[f32; 4]>) =
+        (0..data.topology.len()).into_par_iter().map(emitter).unzip();
     data.emitters[base..base + emitters.len()].copy_from_slice(&emitters);
+    data.expands[base..base + expands.len()].copy_from_slice(&expands);
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
