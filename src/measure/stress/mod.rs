@@ -4,7 +4,7 @@
 //! A case passes when every value is a number, none is negative, none is zero where light belongs, and the errors keep
 //! within the case's own bounds: of the device's usual method and of the `f32` brute force beside it.
 
-mod factor;
+pub mod factor;
 mod factors;
 mod materials;
 mod meshes;
