@@ -71,7 +71,9 @@ fn the_loop_that_no_kernel_may_have_is_wrong_where_it_is_known_to_be() {
         let wrong = wrong(device, 0, 300);
         let (name, driver) = (device.name(), device.driver());
         if wrong > 0 {
-            println!("KNOWN: {name}, {driver}: nested loops with an unconditional assignment, {wrong} of 64 lanes wrong");
+            println!(
+                "KNOWN: {name}, {driver}: nested loops with an unconditional assignment, {wrong} of 64 lanes wrong"
+            );
         } else {
             println!("{name}, {driver}: nested loops with an unconditional assignment are right");
         }

@@ -5,6 +5,7 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint NODES = 6;
 #include "dipole/form_factor/edge.glsl"
 #include "dipole/profile.glsl"
+#include "geometry/area.glsl"
 
 // Form factors of one triangle an invocation at several receivers, three channels, radial distances: by one sample with
 // its second moment (0 nodes), or by the edge form. The first receiver is the origin; the others lie beside it.
@@ -40,7 +41,7 @@ void main() {
     uint i = gl_GlobalInvocationID.x;
     if (i >= count) return;
     Pair pair = pairs[i];
-    vec3 area = 0.5 * cross(pair.b - pair.a, pair.c - pair.a), normal = normalize(area), step = 0.01 * (pair.b - pair.a);
+    vec3 area = vector_area(pair.a, pair.b, pair.c), normal = normalize(area), step = 0.01 * (pair.b - pair.a);
     vec3 sum = vec3(0);
     for (uint k = 0; k < receivers; ++k) {
         if (NODES == 0) sum += by_sample(pair, length(area));

@@ -3,6 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 #include "dipole/profile.glsl"
+#include "geometry/area.glsl"
 #define NODES 12
 #include "dipole/form_factor/edge.glsl"
 
@@ -36,17 +37,10 @@ void main() {
     if (i >= queries.length()) return;
     Query query = queries[i];
     // A triangle that has no area in single precision has no normal either, and its form factor is 0.
-    vec3 area = 0.5 * cross(query.b - query.a, query.c - query.a);
+    vec3 area = vector_area(query.a, query.b, query.c);
     vec3 size = abs(area);
     float largest = max(size.x, max(size.y, size.z));
     vec3 normal = largest > 0.0 ? normalize(area / largest) : vec3(0);
-    // The rounding of the product tilts the normal of a thin triangle, by most along its longest edge, which leads far
-    // from the centre: there the plane would miss the height. The edge itself is known better.
-    vec3 e0 = query.b - query.a, e1 = query.c - query.b, e2 = query.a - query.c;
-    vec3 edge = dot(e0, e0) > dot(e1, e1) ? e0 : e1;
-    edge = dot(edge, edge) > dot(e2, e2) ? edge : e2;
-    float size2 = dot(edge, edge);
-    if (largest > 0.0 && size2 > 0.0) normal = normalize(normal - edge * (dot(normal, edge) / size2));
     float height = -dot((query.a + query.b + query.c) / 3.0, normal);
     float zr = query.z_real, zv = query.z_virtual;
     vec3 radial = sqrt(height * height + vec3(zr * zr, zv * zv, zv * zv));

@@ -9,7 +9,7 @@ use crate::seeded::Seeded;
 
 /// A medium whose sigma_tr times `length` lies evenly in the logarithm from 1e-4 to 1e4: a channel of a measured
 /// material, or any albedo and index.
-fn medium(random: &mut Seeded, length: f64) -> [f64; 3] {
+pub fn medium(random: &mut Seeded, length: f64) -> [f64; 3] {
     let channel = (random.bits() % 3) as usize;
     let [s, a, eta] = if random.bits() % 2 == 0 {
         let preset = &PRESETS[(random.bits() % PRESETS.len() as u64) as usize];
