@@ -62,7 +62,7 @@ fn closed(shape: &str, detail: u32, random: &mut Seeded) -> (usize, Vec<Pair>) {
         let length = longest([a, b, c]);
         let base = [(a + b + c) / 3.0, a, 0.5 * (b + c)][k % 3];
         let height = if k < 12 { 0.0 } else { length * random.log_between(1e-3, 10.0) };
-        let side = if random.bits() % 2 == 0 { height } else { -height };
+        let side = if random.bits().is_multiple_of(2) { height } else { -height };
         let point = base + side * (b - a).cross(c - a).normalize();
         let media = [0; 3].map(|_| medium(random, length));
         pairs.extend(faces.iter().map(|&triangle| Pair { triangle, point, media }));

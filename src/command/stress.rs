@@ -72,7 +72,7 @@ fn verdict(outcome: &Outcome) -> String {
 fn row(outcome: &Outcome) -> Vec<String> {
     let case = outcome.case;
     let errors = |error: Worst, bound: Bound| {
-        [format!("{:.1e}", error.l2), format!("{:.1e}", error.max), format!("{:.0e} {:.0e}", bound.l2, bound.max)]
+        [format!("{:.1e}", error.l2), format!("{:.1e}", error.max), format!("{:e} {:e}", bound.l2, bound.max)]
     };
     let mut cells = vec![case.name.to_string(), finite(outcome)];
     cells.extend(errors(outcome.usual, case.bound));

@@ -26,7 +26,7 @@ impl Alone<'_> {
     /// time of every run; the first one includes what the driver does when a pipeline is first used.
     pub fn run(&self, device: &Device, buffers: &mut [Vec<u8>], count: u64, times: usize) -> Result<Vec<Timing>> {
         let doing = || format!("running kernel {} alone", self.name);
-        if self.spirv.len() % 4 != 0 {
+        if !self.spirv.len().is_multiple_of(4) {
             return Err(Error::device(doing(), format!("{} bytes are no whole words", self.spirv.len())));
         }
         let words = self.spirv.chunks_exact(4).map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect();

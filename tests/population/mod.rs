@@ -11,7 +11,7 @@ use crate::seeded::Seeded;
 /// material, or any albedo and index.
 pub fn medium(random: &mut Seeded, length: f64) -> [f64; 3] {
     let channel = (random.bits() % 3) as usize;
-    let [s, a, eta] = if random.bits() % 2 == 0 {
+    let [s, a, eta] = if random.bits().is_multiple_of(2) {
         let preset = &PRESETS[(random.bits() % PRESETS.len() as u64) as usize];
         [preset.sigma_s_prime[channel], preset.sigma_a[channel], preset.eta]
     } else {
@@ -26,7 +26,7 @@ pub fn medium(random: &mut Seeded, length: f64) -> [f64; 3] {
 
 /// A triangle of a longest edge of about 1, from well shaped to a ten-thousandth as wide as long.
 fn triangle(random: &mut Seeded) -> [DVec3; 3] {
-    let width = if random.bits() % 2 == 0 { random.between(0.3, 1.0) } else { random.log_between(1e-4, 1.0) };
+    let width = if random.bits().is_multiple_of(2) { random.between(0.3, 1.0) } else { random.log_between(1e-4, 1.0) };
     let turn = DQuat::from_axis_angle(random.direction(), random.between(0.0, 6.0));
     let offset = 3.0 * random.direction();
     [[0.0, 0.0], [1.0, 0.0], [random.between(0.0, 1.0), width]].map(|[x, y]| turn * DVec3::new(x, y, 0.0) + offset)
@@ -44,8 +44,8 @@ fn receiver(random: &mut Seeded, [a, b, c]: [DVec3; 3], length: f64) -> DVec3 {
         3 => a + (b - a) * (4.0 * u - 1.5) + (b - a).cross(normal) * (4.0 * v - 2.0),
         _ => return a + length * random.log_between(0.1, 1e4) * random.direction(),
     };
-    let height = if random.bits() % 3 == 0 { 0.0 } else { length * random.log_between(1e-6, 1e2) };
-    base + if random.bits() % 2 == 0 { height } else { -height } * normal
+    let height = if random.bits().is_multiple_of(3) { 0.0 } else { length * random.log_between(1e-6, 1e2) };
+    base + if random.bits().is_multiple_of(2) { height } else { -height } * normal
 }
 
 /// The longest edge, length.

@@ -180,7 +180,7 @@ fn run(case: &'static Case, device: Option<&Device>, plant: Option<Plant>) -> Re
         for (norm, error, bound) in [("L2", found.error.l2, bound.l2), ("largest", found.error.max, bound.max)] {
             // What is no number is beyond any bound.
             if error.is_nan() || error > bound {
-                faults.push(format!("{method}: the {norm} error {error:.2e} is beyond {bound:.0e}: {}", case.reason));
+                faults.push(format!("{method}: the {norm} error {error:.2e} is beyond {bound:e}: {}", case.reason));
             }
         }
     }
