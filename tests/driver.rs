@@ -27,7 +27,7 @@ fn expected(numbers: &[u32], lane: usize) -> u32 {
     let column: Vec<u32> = numbers.iter().skip(lane).step_by(LANES).copied().collect();
     let (mut row, mut sum) = (0, 0u32);
     while row < column.len() {
-        let far = column[row] % 4 != 0;
+        let far = !column[row].is_multiple_of(4);
         if far && column[row] / 4 % 2 == 1 {
             sum += 7 * row as u32 + 1;
         }
