@@ -127,6 +127,7 @@ const SCENES: &[(&str, Source)] = &[
     ("stiff sphere", || small("sphere", &["object.0.detail=3", "object.0.size=200"])),
     ("thin sphere", || small("sphere", &["object.0.detail=3", "object.0.size=0.5"])),
     ("no absorption", || small("sphere", &["object.0.detail=3", "object.0.material.preset=spectralon"])),
+    ("lighter than air", || with_mesh(strip(33), &["object.0.material.eta=[0.65, 0.7, 0.99]"])),
     ("candle in a bowl", || small("lotus", &["object.0.detail=32"])),
 ];
 

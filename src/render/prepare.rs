@@ -4,6 +4,7 @@
 //! are powers of two, so that nothing is lost on the way to `f32` and back.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::blocks::{blocks, edge_nodes, group, link_error};
 use crate::dipole::form_factor::ladder::Ladder;
@@ -171,6 +172,21 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
     }];
 }
 
+/// Squared distance of the origin to a triangle, length^2.
+fn distance2(corners: [DVec3; 3]) -> f64 {
+    // To the three edges, and to the plane where the origin is over the inside.
+    let [a, b, c] = corners;
+    let edge = |p: DVec3, q: DVec3| {
+        let along = q - p;
+        let t = (-p.dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        (p + t * along).length_squared()
+    };
+    let nearest = edge(a, b).min(edge(b, c)).min(edge(c, a));
+    let normal = (b - a).cross(c - a);
+    let inside = [(a, b), (b, c), (c, a)].into_iter().all(|(p, q)| p.cross(q).dot(normal) > 0.0);
+    if inside { nearest.min(a.dot(normal).powi(2) / normal.length_squared()) } else { nearest }
+}
+
 /// Puts the lights in place, scaled to the brightest irradiance they give anywhere on the mesh.
 pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, mesh: &Mesh) {
     let brightest: f64 = lights
@@ -178,7 +194,9 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, mesh: &Mes
         .map(|light| match light {
             Light::Directional { irradiance, .. } => irradiance.iter().copied().fold(0.0, f64::max),
             Light::Point { position, intensity } => {
-                let d2 = mesh.positions.iter().map(|p| p.distance_squared(*position)).fold(f64::INFINITY, f64::min);
+                let corners = |face| Some(mesh.corners(face)?.map(|corner| corner - *position));
+                let faces = (0..mesh.triangles.len()).into_par_iter().filter_map(corners);
+                let d2 = faces.map(distance2).reduce(|| f64::INFINITY, f64::min);
                 intensity.iter().copied().fold(0.0, f64::max) / d2.max(1e-12 / units.length.powi(2))
             }
         })
@@ -200,8 +218,14 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, mesh: &Mes
     state.data.frame[0].lights = lights.len() as u32;
     group(state, lights);
     if let Some(camera) = state.data.camera.first_mut() {
-        camera.radiance = units.light as f32;
+        camera.radiance = radiance(*units);
     }
+}
+
+/// Scene radiance of an internal radiance of 1, for pictures. What no `f32` holds becomes its largest power of two but one,
+/// so that a picture of a lamp of 1e30 W/sr right at the object is too dark rather than infinite.
+fn radiance(units: Units) -> f32 {
+    units.light.min(f64::exp2(126.0)) as f32
 }
 
 /// Puts the camera in place.
@@ -217,7 +241,7 @@ pub fn camera(state: &mut State, camera: &Camera, units: Units) {
         width,
         height,
         background: camera.background.map(|x| x as f32),
-        radiance: units.light as f32,
+        radiance: radiance(units),
     }];
 }
 
@@ -231,4 +255,25 @@ pub fn schedule(prepared: &mut Prepared, faces: usize) {
 /// Whether any light gives any light at all.
 pub fn lit(state: &State) -> bool {
     state.data.lights.iter().any(|light| light.color.iter().any(|&x| x > 0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_place_of_a_triangle_may_be_inside_on_an_edge_or_a_corner() {
+        let from = |x: f64, y: f64, z: f64| {
+            let [a, b, c] = [[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]].map(|[u, v]| DVec3::new(u - x, v - y, -z));
+            assert_eq!(distance2([a, b, c]), distance2([a, c, b]), "both sides alike");
+            distance2([a, b, c])
+        };
+        assert!((from(0.5, 0.5, 0.1) - 0.01).abs() < 1e-15);
+        assert!((from(1.0, -3.0, 4.0) - 25.0).abs() < 1e-12);
+        assert!((from(-3.0, 0.0, -4.0) - 25.0).abs() < 1e-12);
+        // Without area it is a line, and a point.
+        let line = [DVec3::new(-1.0, 1.0, 0.0), DVec3::new(3.0, 1.0, 0.0), DVec3::new(1.0, 1.0, 0.0)];
+        assert!((distance2(line) - 1.0).abs() < 1e-15);
+        assert_eq!(distance2([DVec3::new(0.0, 3.0, 4.0); 3]), 25.0);
+    }
 }

@@ -50,7 +50,7 @@ impl Light {
         };
         let amount = |name: &str, value: Option<Rgb>| {
             let value = value.ok_or_else(|| missing(name))?.0;
-            range::channels(&key(name), value, |x| (0.0..=1e20).contains(&x), "numbers from 0 to 1e20")
+            range::channels(&key(name), value, |x| (0.0..=1e30).contains(&x), "numbers from 0 to 1e30")
         };
         match file.kind {
             LightKind::Directional => {
@@ -101,7 +101,7 @@ mod tests {
             ),
             (
                 "type = 'point'\nposition = [0, 0, 1]\nintensity = [1, -2, 3]",
-                "light.1.intensity: out of range; found [1, -2, 3]; expected numbers from 0 to 1e20",
+                "light.1.intensity: out of range; found [1, -2, 3]; expected numbers from 0 to 1e30",
             ),
             ("type = 'spot'", "unknown variant `spot`, expected `directional` or `point`"),
         ];

@@ -19,8 +19,6 @@ pub(super) struct Setup {
     pub scene: Scene,
     /// What it is measured against.
     pub against: Against,
-    /// A setting that a scene file must refuse, where the case goes beyond what it may say; or empty.
-    pub refused: &'static str,
 }
 
 /// What a scene's radiosity has to be.
@@ -63,7 +61,7 @@ pub(super) fn scene(sets: &[&str]) -> Result<Scene> {
 impl Setup {
     /// The base scene with these settings, against itself in `f64`.
     pub fn new(sets: &[&str]) -> Result<Self> {
-        Ok(Self { scene: scene(sets)?, against: Against::Itself, refused: "" })
+        Ok(Self { scene: scene(sets)?, against: Against::Itself })
     }
 
     /// With a mesh of its own.
@@ -102,8 +100,8 @@ fn reference(scene: &Scene, faces: &[usize]) -> Result<Vec<[f64; 3]>> {
     Ok(values.into_iter().map(|value| value.map(|x| x * session.units().light)).collect())
 }
 
-/// The radiosity by the usual method, a picture included, and by brute force.
-pub(super) fn run(setup: &Setup, device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 2]> {
+/// The radiosity by the usual method, a picture included, by brute force, and by the irradiance octree.
+pub(super) fn run(setup: &Setup, device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 3]> {
     let mesh = &setup.scene.object.mesh;
     let area = |face: usize| mesh.corners(face).map_or(0.0, |[a, b, c]| 0.5 * (b - a).cross(c - a).length());
     let areas: Vec<f64> = (0..mesh.triangles.len()).map(area).collect();
@@ -119,11 +117,12 @@ pub(super) fn run(setup: &Setup, device: Option<&Device>, plant: Option<Plant>) 
     };
     let picture = Options { goal: Goal::Picture, ..Options::default() };
     let brute = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
-    let mut usual = method(setup, device, picture, plant, &sample, &expected)?;
-    if !setup.refused.is_empty() && scene(&[setup.refused]).is_ok() {
-        usual.faults.push(format!("a scene file may say {}, which is documented as refused", setup.refused));
-    }
-    Ok([usual, method(setup, device, brute, None, &sample, &expected)?])
+    let octree = Options { transport: Transport::Octree, ..brute };
+    Ok([
+        method(setup, device, picture, plant, &sample, &expected)?,
+        method(setup, device, brute, None, &sample, &expected)?,
+        method(setup, device, octree, None, &sample, &expected)?,
+    ])
 }
 
 fn method(
