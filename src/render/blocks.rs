@@ -1,9 +1,10 @@
 //! What the hierarchy with blocks needs to know of a scene: its blocks, its groups of channels, and the settings that
 //! meet a tolerance.
 
+use crate::dipole::form_factor::points::trace;
 use crate::layout::Block;
 use crate::scene::Light;
-use crate::state::{Group, State};
+use crate::state::{Group, State, wide};
 use crate::transport::gather::PLACES;
 
 /// The maximal nodes of at most 16 faces, in the order of the tree.
@@ -25,10 +26,19 @@ pub(super) fn blocks(state: &State) -> Vec<Block> {
     blocks
 }
 
-/// Nodes an edge of the edge form: errors of neighbours cancel in part, so that few are enough for a loose tolerance.
-pub(super) fn edge_nodes(tolerance: f64) -> u32 {
+/// How large triangles are against the reach of light in the material: sigma times the root of their mean spread.
+pub(super) fn triangle_size(state: &State) -> f64 {
+    let data = &state.data;
+    let spread = |corners: &[u32; 3]| trace(&corners.map(|v| wide(data.positions[v as usize])));
+    let mean = data.triangles.iter().map(spread).sum::<f64>() / data.triangles.len().max(1) as f64;
+    data.frame[0].sigma.map(f64::from).into_iter().fold(0.0, f64::max) * mean.sqrt()
+}
+
+/// Nodes an edge of the edge form: errors of neighbours cancel in part, so that few are enough for a loose tolerance. Of a
+/// large triangle most of the light is its own, and nothing cancels.
+pub(super) fn edge_nodes(tolerance: f64, triangle_size: f64) -> u32 {
     match tolerance {
-        t if t >= 5e-3 => 3,
+        t if t >= 5e-3 * triangle_size.clamp(1.0, 4.0) => 3,
         t if t >= 2e-4 => 6,
         _ => 12,
     }
@@ -40,7 +50,7 @@ pub(super) fn edge_nodes(tolerance: f64) -> u32 {
 /// tolerance on the built-in scenes and five other meshes, from 1 to 1000 mm, ketchup to whole milk; in between by the
 /// logarithm.
 pub(super) fn link_error(tolerance: f64) -> f64 {
-    const MET: [(f64, f64); 5] = [(1e-5, 1.5e-6), (1e-4, 1.1e-4), (1e-3, 4e-3), (1e-2, 0.1), (0.1, 1.2)];
+    const MET: [(f64, f64); 5] = [(1e-5, 1.5e-6), (1e-4, 8e-5), (1e-3, 4e-3), (1e-2, 0.1), (0.1, 1.2)];
     let row = MET.windows(2).find(|pair| tolerance <= pair[1].0).unwrap_or(&MET[3..]);
     let [(low, at_low), (high, at_high)] = [row[0], row[1]];
     let part = ((tolerance / low).ln() / (high / low).ln()).clamp(0.0, 1.0);

@@ -6,7 +6,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::blocks::{blocks, edge_nodes, group, link_error};
+use super::blocks::{blocks, edge_nodes, group, link_error, triangle_size};
 use crate::dipole::form_factor::ladder::Ladder;
 use crate::dipole::profile::Dipole;
 use crate::hierarchy::face_cluster::{self, Method};
@@ -102,7 +102,7 @@ pub fn prepare(scene: &Scene) -> Prepared {
     state.method = Switches {
         scheme: scene.transport.scheme,
         order: scene.transport.order,
-        nodes: edge_nodes(scene.transport.tolerance),
+        nodes: edge_nodes(scene.transport.tolerance, triangle_size(&state)),
         estimate: false,
         near: scene.transport.near,
     };

@@ -1,7 +1,7 @@
 //! The cases of materials: albedo, index of refraction, mean free path.
 
 use super::solve::Setup;
-use super::{Case, Kind, USUAL_REASON, ZERO, within};
+use super::{Case, Kind, USUAL, USUAL_REASON, ZERO, within};
 use crate::error::Result;
 
 /// Where light leaves through the face that it came in by.
@@ -35,7 +35,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "alpha' 1-1e-9",
         fallback: "none",
-        bound: within(8e-5, 3e-4),
+        bound: USUAL,
         brute: within(6e-5, 1.5e-4),
         reason: USUAL_REASON,
         kind: Kind::Scene(|| Setup::new(&["object.0.detail=3", "object.0.material.sigma_a=[22e-9, 26e-9, 30e-9]"])),
@@ -43,7 +43,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "sigma_a 0",
         fallback: "none: sigma_tr is 0, and e^0 is 1",
-        bound: within(8e-5, 3e-4),
+        bound: USUAL,
         brute: within(8e-5, 3e-4),
         reason: USUAL_REASON,
         kind: Kind::Scene(|| Setup::new(&["object.0.material.sigma_a=0"])),
@@ -51,7 +51,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "sigma_a 1e6 sigma_s'",
         fallback: "none",
-        bound: within(8e-6, 1.5e-5),
+        bound: within(4e-5, 2e-4),
         brute: within(1.5e-6, 3e-6),
         reason: "hardly any light comes back, and that from near: expansions beyond count as parts in a million",
         kind: Kind::Scene(|| {
@@ -62,7 +62,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "eta 0.7",
         fallback: "none: F_int is that of the thin side, and beyond the critical angle nothing enters",
-        bound: within(5e-5, 3e-4),
+        bound: USUAL,
         brute: within(5e-5, 2e-4),
         reason: USUAL_REASON,
         kind: Kind::Scene(|| refracting(0.7)),
@@ -70,7 +70,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "eta 1",
         fallback: "none: F_int is 0 and A is 1, without a formula",
-        bound: within(6e-5, 1.5e-4),
+        bound: USUAL,
         brute: within(5e-5, 1.5e-4),
         reason: USUAL_REASON,
         kind: Kind::Scene(|| refracting(1.0)),
@@ -78,7 +78,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "eta 1.0001",
         fallback: "F_int by its series in eta - 1: the closed form cancels below 1.001",
-        bound: within(6e-5, 1.5e-4),
+        bound: USUAL,
         brute: within(5e-5, 1.5e-4),
         reason: USUAL_REASON,
         kind: Kind::Scene(|| refracting(1.0001)),
@@ -86,7 +86,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "eta 2.4",
         fallback: "none",
-        bound: within(1e-4, 3e-4),
+        bound: USUAL,
         brute: within(8e-5, 3e-4),
         reason: USUAL_REASON,
         kind: Kind::Scene(|| refracting(2.4)),
@@ -94,7 +94,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "eta 4",
         fallback: "none",
-        bound: within(1e-4, 3e-4),
+        bound: USUAL,
         brute: within(8e-5, 3e-4),
         reason: USUAL_REASON,
         kind: Kind::Scene(|| refracting(4.0)),
@@ -102,7 +102,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "eta 0.5",
         fallback: "none: as at 0.7",
-        bound: within(6e-5, 3e-4),
+        bound: USUAL,
         brute: within(6e-5, 3e-4),
         reason: USUAL_REASON,
         kind: Kind::Scene(|| refracting(0.5)),
@@ -110,7 +110,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "eta 5",
         fallback: "none",
-        bound: within(1e-4, 3e-4),
+        bound: USUAL,
         brute: within(8e-5, 3e-4),
         reason: USUAL_REASON,
         kind: Kind::Scene(|| refracting(5.0)),

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::meshes::{both, doubled, even, mesh, reversed, sheet, turn, turned};
 use super::solve::{Setup, scene};
-use super::{Case, Kind, SHEET_REASON, USUAL_REASON, ZERO, within};
+use super::{Case, Kind, SHEET, SHEET_REASON, USUAL, USUAL_REASON, ZERO, within};
 use crate::error::Result;
 use crate::light::fresnel::transmittance;
 use crate::scene::Light;
@@ -43,7 +43,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "scene scale 1e-6",
         fallback: "none: internal lengths are scaled to the object by a power of two",
-        bound: within(8e-5, 3e-4),
+        bound: USUAL,
         brute: within(5e-5, 1.5e-4),
         reason: USUAL_REASON,
         kind: Kind::Scene(|| scaled(1e-6)),
@@ -51,7 +51,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "scene scale 1e6",
         fallback: "none: internal lengths are scaled to the object by a power of two",
-        bound: within(8e-5, 3e-4),
+        bound: USUAL,
         brute: within(5e-5, 1.5e-4),
         reason: USUAL_REASON,
         kind: Kind::Scene(|| scaled(1e6)),
@@ -59,7 +59,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "1e6 extents from the origin",
         fallback: "none: positions and lights are centred in f64 before they become f32",
-        bound: within(8e-5, 3e-4),
+        bound: USUAL,
         brute: within(5e-5, 3e-4),
         reason: USUAL_REASON,
         kind: Kind::Scene(|| {
@@ -83,7 +83,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "slivers of 1e-6",
         fallback: "none; import drops what is thinner than 1e-7",
-        bound: within(2e-4, 8e-4),
+        bound: SHEET,
         brute: within(5e-5, 8e-5),
         reason: SHEET_REASON,
         kind: Kind::Scene(|| Ok(Setup::new(&[])?.mesh(turned(sheet(&doubled(10, 1e-6), &even(10)))))),
@@ -91,7 +91,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "zero-area faces",
         fallback: "import drops them; one that comes up emits nothing and receives like any other",
-        bound: within(1.5e-4, 5e-4),
+        bound: SHEET,
         brute: within(2e-5, 5e-5),
         reason: SHEET_REASON,
         kind: Kind::Scene(|| {
@@ -104,7 +104,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "a slab as thin as z_r",
         fallback: "none: both sides are half spaces to the dipole, and distances are radial",
-        bound: within(4e-4, 1.5e-3),
+        bound: SHEET,
         brute: within(5e-5, 8e-5),
         reason: SHEET_REASON,
         kind: Kind::Scene(|| {
@@ -118,7 +118,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "two coincident sheets",
         fallback: "none",
-        bound: within(4e-4, 1.5e-3),
+        bound: SHEET,
         brute: within(6e-5, 1e-4),
         reason: SHEET_REASON,
         kind: Kind::Scene(|| {
@@ -130,7 +130,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "light at grazing, 1e-3 rad",
         fallback: "none",
-        bound: within(4e-4, 1e-3),
+        bound: SHEET,
         brute: within(2e-4, 5e-4),
         reason: "as for any sheet; and a normal and a direction rounded to 2^-24 change a cosine of 1e-3 by 1e-4 of it, E by twice that",
         kind: Kind::Scene(|| grazing(1e-3)),
@@ -148,7 +148,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "light tangent to a slab",
         fallback: "none: four of its sides take no light of their own",
-        bound: within(2e-5, 8e-5),
+        bound: USUAL,
         brute: within(3e-5, 1e-4),
         reason: USUAL_REASON,
         kind: Kind::Scene(|| Setup::new(&["object.0.shape=slab", "object.0.detail=12", "light.0.direction=[1, 0, 0]"])),
@@ -156,7 +156,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "intensity 1e-30",
         fallback: "none: light is scaled by a power of two to about 1 before it becomes f32",
-        bound: within(6e-5, 3e-4),
+        bound: USUAL,
         brute: within(6e-5, 3e-4),
         reason: USUAL_REASON,
         kind: Kind::Scene(|| lamp(1e-30)),
@@ -164,7 +164,7 @@ pub(super) static CASES: &[Case] = &[
     Case {
         name: "intensity 1e30",
         fallback: "none: light is scaled by a power of two to about 1 before it becomes f32",
-        bound: within(6e-5, 3e-4),
+        bound: USUAL,
         brute: within(6e-5, 3e-4),
         reason: USUAL_REASON,
         kind: Kind::Scene(|| lamp(1e30)),
