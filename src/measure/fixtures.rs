@@ -216,7 +216,7 @@ fn varied(name: &str, scene: &str, sets: &[&str]) -> Result<Fixture> {
 fn two_colours() -> Result<Scene> {
     let mut scene = small("sphere", &["object.0.detail=3", "light.0.irradiance=[3.0, 1.0, 0.0]"])?;
     let (position, intensity) = (DVec3::new(3.0, 30.0, 4.0), [90.0, 700.0, 0.0]);
-    scene.lights.push(crate::scene::Light::Point { position, intensity });
+    scene.lights.push(crate::scene::Light::point(position, intensity));
     Ok(scene)
 }
 

@@ -10,9 +10,9 @@ use crate::error::{Input, Result};
 use crate::measure::norms::{Norms, norms, worst};
 use crate::measure::reference::{radiosity, sample};
 use crate::render::plan::{Goal, Options, Transport};
-use crate::render::prepare::lit;
+use crate::render::lights::lit;
 use crate::render::run::{Room, Session};
-use crate::render::stages::stage;
+use crate::render::plan::before_transport;
 use crate::scene::Scene;
 use crate::state::{Distance, State, wide};
 
@@ -59,10 +59,8 @@ impl Yardstick {
         let faces = sample(session.prepared.faces.len(), count, seed);
 
         // The stages that a sum starts from, by the reference; then the sums, in the order of the tree.
-        for name in ["refit", "irradiance"] {
-            if let Some(stage) = stage(name) {
-                (stage.cpu)(&mut session.prepared.state, crate::state::Place::default());
-            }
+        for stage in session.plan.stages.iter().filter(|stage| before_transport(stage.name)) {
+            (stage.cpu)(&mut session.prepared.state, crate::state::Place::default());
         }
         let mut places = vec![0; session.prepared.faces.len()];
         for (place, &face) in session.prepared.faces.iter().enumerate() {

@@ -87,8 +87,9 @@ impl Pair {
             sigma_a: self.media.map(|[_, a, _]| a),
             eta: self.media.map(|[.., eta]| eta),
             fresnel: Fresnel::Exact,
+            two_sided: false,
         };
-        scene.lights = vec![Light::Directional { direction: normal, irradiance: [1.0; 3] }];
+        scene.lights = vec![Light::directional(normal, [1.0; 3])];
         Ok(scene)
     }
 }
