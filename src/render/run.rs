@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
+use super::lights::lights;
 use super::octree::OctreeTransport;
 use super::plan::{Change, Mode, Options, Plan, Transport, before_transport};
-use super::lights::lights;
 use super::prepare::{Prepared, Units, camera, prepare};
 pub use super::room::Room;
 use super::room::{Lists, size};
@@ -208,6 +208,7 @@ impl Session {
     fn resize(&mut self) -> Result<()> {
         size(&mut self.prepared.state, &self.plan);
         self.size_picture();
+        self.check_shadows()?;
         let inputs: Vec<Slot> = Plan::inputs().collect();
         self.send(&inputs)?;
         // What no stage of the plan writes must be zero where a stage or the host reads it.
@@ -217,6 +218,22 @@ impl Session {
             .collect();
         self.send(&blank)?;
         self.send(&[Slot::cut_short])
+    }
+
+    /// The bits of all shadows have to fit one binding.
+    fn check_shadows(&self) -> Result<()> {
+        let Backend::Gpu(twin) = &self.backend else { return Ok(()) };
+        let (data, most) = (&self.prepared.state.data, twin.device().limits().binding_bytes);
+        let bytes = data.bytes(Slot::lit).len() as u64;
+        if bytes <= most {
+            return Ok(());
+        }
+        let (faces, samples) = (data.triangles.len(), 32 * data.frame[0].shadow_words);
+        let what = format!(
+            "a bit for each of {faces} faces and {samples} samples of lights takes {bytes} bytes, a binding of the \
+             device takes {most}; use fewer samples, or shadows = false"
+        );
+        Err(Error::device("making room for buffer lit", what))
     }
 
     fn size_picture(&mut self) {

@@ -9,10 +9,10 @@ use crate::dipole::profile::Dipole;
 use crate::error::{Input, Result};
 use crate::measure::norms::{Norms, norms, worst};
 use crate::measure::reference::{radiosity, sample};
-use crate::render::plan::{Goal, Options, Transport};
 use crate::render::lights::lit;
-use crate::render::run::{Room, Session};
 use crate::render::plan::before_transport;
+use crate::render::plan::{Goal, Options, Transport};
+use crate::render::run::{Room, Session};
 use crate::scene::Scene;
 use crate::state::{Distance, State, wide};
 

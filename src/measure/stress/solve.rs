@@ -6,9 +6,9 @@ use crate::gpu::Device;
 use crate::layout::Slot;
 use crate::measure::norms::{norms, worst};
 use crate::measure::reference::{radiosity, sample};
+use crate::render::plan::before_transport;
 use crate::render::plan::{Change, Goal, Options, Transport};
 use crate::render::run::{Room, Session};
-use crate::render::plan::before_transport;
 use crate::scene::{Mesh, Scene};
 use crate::state::Place;
 

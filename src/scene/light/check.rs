@@ -1,9 +1,9 @@
 //! From `[[light]]` of the file to a checked light.
 
-use super::file::{LightFile, LightKind};
 use super::super::mesh::Mesh;
 use super::super::range::{self, Checked};
 use super::super::vector::{Rgb, Vector};
+use super::file::{LightFile, LightKind};
 use super::{Light, Sky, Source};
 use crate::error::Input;
 use glam::DVec3;
@@ -238,7 +238,10 @@ mod tests {
                 format!("{spot}direction = [0, 0, 1]\nouter = 20\ninner = 30"),
                 "light.1.inner: out of range; found 30; expected 0 to 19 degrees",
             ),
-            (format!("{area}edge_v = [0, 0, 0]"), "light.1.edge_v: the rectangle has no area; found edge_u of length 2"),
+            (
+                format!("{area}edge_v = [0, 0, 0]"),
+                "light.1.edge_v: the rectangle has no area; found edge_u of length 2",
+            ),
             (format!("{area}edge_v = [5, 0, 0]"), "light.1.edge_v: the rectangle has no area"),
             (
                 format!("{area}edge_v = [0, 1, 0]\nsamples = 0"),
