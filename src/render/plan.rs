@@ -23,7 +23,7 @@ pub enum Mode {
     /// Everything from scratch in each frame; links are scratch.
     #[default]
     OnTheFly,
-    /// Links and form factors are kept: a change of light runs irradiance, pull, gather, push and average only.
+    /// Links and form factors are kept: a change of light runs shadow, irradiance, pull, gather, push and average only.
     Render,
 }
 
