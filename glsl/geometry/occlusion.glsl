@@ -15,12 +15,18 @@ uint occlusion(vec3 origin, vec3 direction, bool far, vec3 light, uint self, Pla
     float dd = dot3(direction, direction);
     uint node = wanted ? 0 : frame[0].nodes;
     uint end = frame[0].nodes;
-    bool blocked = false;
     while (node < end) {
-        Topology place = topology[node];
-        bool met = meets(bounds[node].low, bounds[node].high, origin, direction, dd, limit);
-        if (met && place.face != NONE) {
-            uvec3 corner = triangles[place.face];
+        // On to the next triangle whose box the ray meets: a node with nothing below it. Then that triangle.
+        uint leaf = NONE;
+        while (leaf == NONE && node < end) {
+            uint skip = topology[node].skip;
+            bool met = meets(bounds[node].low, bounds[node].high, origin, direction, dd, limit);
+            if (met && skip == node + 1) leaf = node;
+            node = met ? node + 1 : skip;
+        }
+        if (leaf != NONE) {
+            uint face = topology[leaf].face;
+            uvec3 corner = triangles[face];
             vec3 pa = positions[corner.x], pb = positions[corner.y], pc = positions[corner.z];
             precise vec3 a = pa - origin;
             precise vec3 b = pb - origin;
@@ -34,9 +40,8 @@ uint occlusion(vec3 origin, vec3 direction, bool far, vec3 light, uint self, Pla
             bool ahead = denominator != 0.0 && through * numerator > 0.0;
             bool nearer = far || beyond(plane, light, through);
             bool front = beyond(own, pa, side) || beyond(own, pb, side) || beyond(own, pc, side);
-            blocked = inside && sum != 0.0 && ahead && nearer && front && place.face != self;
+            if (face != self && inside && sum != 0.0 && ahead && nearer && front) node = end + 1;
         }
-        node = blocked ? end + 1 : met ? node + 1 : place.skip;
     }
     return node < end ? UNFINISHED : node > end ? BLOCKED : FREE;
 }
