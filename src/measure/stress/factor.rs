@@ -89,7 +89,8 @@ impl Pair {
             fresnel: Fresnel::Exact,
             two_sided: false,
         };
-        scene.lights = vec![Light::directional(normal, [1.0; 3])];
+        // The receiver may stand in the light, and is not meant to.
+        scene.lights = vec![Light { shadows: false, ..Light::directional(normal, [1.0; 3]) }];
         Ok(scene)
     }
 }
