@@ -164,10 +164,17 @@ fn the_tolerance_is_met() {
     for (name, set) in
         [("sphere", "object.0.detail=4"), ("slab", "object.0.detail=24"), ("lotus", "object.0.detail=48")]
     {
-        for size in ["object.0.size=4", "object.0.size=20", "object.0.size=300"] {
+        for size in [4.0, 20.0, 300.0] {
+            // A lamp stays where it is beside the object.
+            let lamp = match name {
+                "slab" => format!("light.0.position={:?}", [-3.0, 2.0, -7.0].map(|x| x * size / 20.0)),
+                "lotus" => format!("light.0.position={:?}", [0.0, -2.0, 0.0].map(|x| x * size / 60.0)),
+                _ => "unit=mm".to_string(),
+            };
+            let size = format!("object.0.size={size}");
             for tolerance in [1e-2, 1e-3] {
                 let wanted = format!("transport.tolerance={tolerance}");
-                let mut session = solved(name, &[set, size, &wanted]);
+                let mut session = solved(name, &[set, &size, &lamp, &wanted]);
                 let error = worst(&verify(&mut session, 400, 5).unwrap());
                 println!("{name} {size} {tolerance}: {error:?}");
                 assert!(error.l2 <= tolerance, "{name}, {size}, {tolerance}: {error:?}");

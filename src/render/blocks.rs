@@ -61,11 +61,8 @@ pub(super) fn link_error(tolerance: f64) -> f64 {
 /// light or without scattering, are in no group.
 pub(super) fn group(state: &mut State, lights: &[Light]) {
     let frame = &mut state.data.frame[0];
-    let color = |light: &Light| match light {
-        Light::Directional { irradiance, .. } => *irradiance,
-        Light::Point { intensity, .. } => *intensity,
-    };
-    let most = [0, 1, 2].map(|c| lights.iter().map(|light| color(light)[c]).fold(0.0, f64::max));
+    let colors: Vec<[f64; 3]> = lights.iter().map(Light::color).collect();
+    let most = [0, 1, 2].map(|c| colors.iter().map(|color| color[c]).fold(0.0, f64::max));
     let mut open: Vec<usize> = (0..3).filter(|&c| most[c] > 0.0 && frame.strength[c] > 0.0).collect();
     open.sort_by(|&a, &b| most[b].total_cmp(&most[a]).then(a.cmp(&b)));
     frame.tint = [1.0; 3];
@@ -73,7 +70,7 @@ pub(super) fn group(state: &mut State, lights: &[Light]) {
     while let Some(&lead) = open.first() {
         let alike = |c: usize| {
             let ratio = most[c] / most[lead];
-            let scaled = |light: &Light| (color(light)[c] - ratio * color(light)[lead]).abs() <= 1e-6 * most[c];
+            let scaled = |light: &Light| light.proportional(c, lead, ratio, 1e-6 * most[c]);
             frame.eta[c] == frame.eta[lead] && lights.iter().all(scaled)
         };
         let members: Vec<usize> = open.iter().copied().filter(|&c| alike(c)).collect();

@@ -4,16 +4,16 @@
 //! are powers of two, so that nothing is lost on the way to `f32` and back.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
-use super::blocks::{blocks, edge_nodes, group, link_error, triangle_size};
+use super::blocks::{blocks, edge_nodes, link_error, triangle_size};
+use super::lights::{lights, radiance};
 use crate::dipole::form_factor::ladder::Ladder;
 use crate::dipole::profile::Dipole;
 use crate::hierarchy::face_cluster::{self, Method};
 use crate::hierarchy::{Tree, median};
-use crate::layout::{Camera as CameraRecord, Frame, Light as LightRecord, Topology};
-use crate::light::fresnel;
-use crate::scene::{Camera, Fresnel, Hierarchy, Light, Material, Mesh, Scene, Transport};
+use crate::layout::{Camera as CameraRecord, Frame, Topology};
+use crate::light::{fresnel, harmonics};
+use crate::scene::{Camera, Fresnel, Hierarchy, Material, Mesh, Scene, Transport};
 use crate::state::{Method as Switches, Schedule, Scheme, State};
 use crate::transport::gather::PLACES;
 
@@ -60,7 +60,7 @@ impl Units {
     }
 }
 
-fn narrow(v: DVec3) -> [f32; 3] {
+pub(super) fn narrow(v: DVec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
@@ -154,6 +154,8 @@ fn topology(state: &mut State, mesh: &Mesh, tree: &Tree, units: Units) -> Vec<u3
 fn frame(state: &mut State, material: &Material, transport: &Transport, units: Units) {
     let dipoles = dipoles(material, units.length);
     let of = |f: fn(&Dipole) -> f64| dipoles.each_ref().map(|dipole| f(dipole) as f32);
+    let zonal = material.eta.map(harmonics::zonal);
+    let degree = |l: usize| zonal.map(|factors| factors[l] as f32);
     state.data.frame = vec![Frame {
         vertices: state.data.positions.len() as u32,
         faces: state.data.triangles.len() as u32,
@@ -166,66 +168,14 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
         z_real: of(|d| d.z_real),
         z_virtual: of(|d| d.z_virtual),
         eta: material.eta.map(|eta| eta as f32),
+        two_sided: u32::from(material.two_sided),
+        zonal_0: degree(0),
+        zonal_1: degree(1),
+        zonal_2: degree(2),
         link_error: link_error(transport.tolerance) as f32,
         ladder: Ladder::new(transport.form_factor_tolerance).chi.map(|chi| chi as f32),
         ..Frame::default()
     }];
-}
-
-/// Squared distance of the origin to a triangle, length^2.
-fn distance2(corners: [DVec3; 3]) -> f64 {
-    // To the three edges, and to the plane where the origin is over the inside.
-    let [a, b, c] = corners;
-    let edge = |p: DVec3, q: DVec3| {
-        let along = q - p;
-        let t = (-p.dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        (p + t * along).length_squared()
-    };
-    let nearest = edge(a, b).min(edge(b, c)).min(edge(c, a));
-    let normal = (b - a).cross(c - a);
-    let inside = [(a, b), (b, c), (c, a)].into_iter().all(|(p, q)| p.cross(q).dot(normal) > 0.0);
-    if inside { nearest.min(a.dot(normal).powi(2) / normal.length_squared()) } else { nearest }
-}
-
-/// Puts the lights in place, scaled to the brightest irradiance they give anywhere on the mesh.
-pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, mesh: &Mesh) {
-    let brightest: f64 = lights
-        .iter()
-        .map(|light| match light {
-            Light::Directional { irradiance, .. } => irradiance.iter().copied().fold(0.0, f64::max),
-            Light::Point { position, intensity } => {
-                let corners = |face| Some(mesh.corners(face)?.map(|corner| corner - *position));
-                let faces = (0..mesh.triangles.len()).into_par_iter().filter_map(corners);
-                let d2 = faces.map(distance2).reduce(|| f64::INFINITY, f64::min);
-                intensity.iter().copied().fold(0.0, f64::max) / d2.max(1e-12 / units.length.powi(2))
-            }
-        })
-        .sum();
-    units.light = if brightest > 0.0 && brightest.is_finite() { brightest.log2().ceil().exp2() } else { 1.0 };
-    state.data.lights = lights
-        .iter()
-        .map(|light| match light {
-            Light::Directional { direction, irradiance } => {
-                LightRecord { kind: 0, place: narrow(*direction), color: irradiance.map(|x| (x / units.light) as f32) }
-            }
-            Light::Point { position, intensity } => LightRecord {
-                kind: 1,
-                place: narrow(units.inside(*position)),
-                color: intensity.map(|x| (x * units.length * units.length / units.light) as f32),
-            },
-        })
-        .collect();
-    state.data.frame[0].lights = lights.len() as u32;
-    group(state, lights);
-    if let Some(camera) = state.data.camera.first_mut() {
-        camera.radiance = radiance(*units);
-    }
-}
-
-/// Scene radiance of an internal radiance of 1, for pictures. What no `f32` holds becomes its largest power of two but one,
-/// so that a picture of a lamp of 1e30 W/sr right at the object is too dark rather than infinite.
-fn radiance(units: Units) -> f32 {
-    units.light.min(f64::exp2(126.0)) as f32
 }
 
 /// Puts the camera in place.
@@ -250,30 +200,4 @@ pub fn schedule(prepared: &mut Prepared, faces: usize) {
     let (schedule, order) = Schedule::new(&prepared.tree, faces);
     prepared.state.schedule = schedule;
     prepared.state.data.order = order;
-}
-
-/// Whether any light gives any light at all.
-pub fn lit(state: &State) -> bool {
-    state.data.lights.iter().any(|light| light.color.iter().any(|&x| x > 0.0))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_nearest_place_of_a_triangle_may_be_inside_on_an_edge_or_a_corner() {
-        let from = |x: f64, y: f64, z: f64| {
-            let [a, b, c] = [[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]].map(|[u, v]| DVec3::new(u - x, v - y, -z));
-            assert_eq!(distance2([a, b, c]), distance2([a, c, b]), "both sides alike");
-            distance2([a, b, c])
-        };
-        assert!((from(0.5, 0.5, 0.1) - 0.01).abs() < 1e-15);
-        assert!((from(1.0, -3.0, 4.0) - 25.0).abs() < 1e-12);
-        assert!((from(-3.0, 0.0, -4.0) - 25.0).abs() < 1e-12);
-        // Without area it is a line, and a point.
-        let line = [DVec3::new(-1.0, 1.0, 0.0), DVec3::new(3.0, 1.0, 0.0), DVec3::new(1.0, 1.0, 0.0)];
-        assert!((distance2(line) - 1.0).abs() < 1e-15);
-        assert_eq!(distance2([DVec3::new(0.0, 3.0, 4.0); 3]), 25.0);
-    }
 }

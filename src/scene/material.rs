@@ -38,6 +38,8 @@ pub struct Material {
     pub eta: [f64; 3],
     /// Which formula gives the diffuse Fresnel reflectance.
     pub fresnel: Fresnel,
+    /// Whether both sides of a face receive light, each by its own cosine; lights may then stand in the medium.
+    pub two_sided: bool,
 }
 
 impl Material {
@@ -88,7 +90,7 @@ impl Material {
             Some(preset) if modified => format!("{}, modified", preset.name),
             Some(preset) => preset.name.to_owned(),
         };
-        Ok(Self { name, sigma_s_prime, sigma_a, eta, fresnel: file.fresnel })
+        Ok(Self { name, sigma_s_prime, sigma_a, eta, fresnel: file.fresnel, two_sided: file.two_sided })
     }
 }
 

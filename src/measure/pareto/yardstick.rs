@@ -10,10 +10,9 @@ use crate::error::{Input, Result};
 use crate::measure::norms::{Norms, norms, worst};
 use crate::measure::reference::{radiosity, receivers};
 use crate::measure::sample::Sample;
-use crate::render::plan::{Change, Goal, Options, Transport};
-use crate::render::prepare::lit;
+use crate::render::lights::lit;
+use crate::render::plan::{Change, Goal, Options, Transport, before_transport};
 use crate::render::run::{Room, Session};
-use crate::render::stages::stage;
 use crate::scene::{Hierarchy, Near, Scene, Scheme};
 use crate::state::{Distance, State, wide};
 
@@ -69,10 +68,8 @@ impl Yardstick {
         let sample = receivers(rough.state(), count, seed);
 
         // The stages that a sum starts from, by the reference.
-        for name in ["refit", "irradiance"] {
-            if let Some(stage) = stage(name) {
-                (stage.cpu)(&mut session.prepared.state, crate::state::Place::default());
-            }
+        for stage in session.plan.stages.iter().filter(|stage| before_transport(stage.name)) {
+            (stage.cpu)(&mut session.prepared.state, crate::state::Place::default());
         }
         let faces: Vec<usize> = sample.faces.iter().map(|&place| rough.prepared.faces[place] as usize).collect();
         let mut places = vec![0; session.prepared.faces.len()];

@@ -88,8 +88,10 @@ impl Pair {
             sigma_a: self.media.map(|[_, a, _]| a),
             eta: self.media.map(|[.., eta]| eta),
             fresnel: Fresnel::Exact,
+            two_sided: false,
         };
-        scene.lights = vec![Light::Directional { direction: normal, irradiance: [1.0; 3] }];
+        // The receiver may stand in the light, and is not meant to.
+        scene.lights = vec![Light { shadows: false, ..Light::directional(normal, [1.0; 3]) }];
         Ok(scene)
     }
 }

@@ -7,7 +7,7 @@ use super::solve::{Setup, scene};
 use super::{Case, Kind, SHEET, SHEET_REASON, USUAL, USUAL_REASON, ZERO, within};
 use crate::error::Result;
 use crate::light::fresnel::transmittance;
-use crate::scene::Light;
+use crate::scene::{Light, Source};
 
 /// The base scene, larger by this factor, the material thinner by it.
 fn scaled(factor: f64) -> Result<Setup> {
@@ -20,7 +20,7 @@ fn scaled(factor: f64) -> Result<Setup> {
 fn grazing(angle: f64) -> Result<Setup> {
     let mesh = || turned(sheet(&even(16), &even(16)));
     let (cos, sin) = (angle.cos(), angle.sin());
-    let light = |x: f64, z: f64| Light::Directional { direction: turn(DVec3::new(x, 0.0, z)), irradiance: [1.0; 3] };
+    let light = |x: f64, z: f64| Light::directional(turn(DVec3::new(x, 0.0, z)), [1.0; 3]);
     let mut above = Setup::new(&[])?.mesh(mesh());
     above.scene.lights = vec![light(0.0, 1.0)];
     let mut setup = Setup::new(&[])?.mesh(mesh());
@@ -73,7 +73,7 @@ pub(super) static CASES: &[Case] = &[
             setup.scene.camera.position += offset;
             setup.scene.camera.target += offset;
             for light in &mut setup.scene.lights {
-                if let Light::Point { position, .. } = light {
+                if let Source::Point { position, .. } = &mut light.source {
                     *position += offset;
                 }
             }
@@ -180,7 +180,7 @@ pub(super) static CASES: &[Case] = &[
             let mut flat = turned(sheet(&even(16), &even(16)));
             flat.triangles[271].swap(1, 2);
             let mut setup = Setup::new(&[])?.mesh(flat);
-            setup.scene.lights = vec![Light::Directional { direction: turn(-DVec3::Z), irradiance: [1.0; 3] }];
+            setup.scene.lights = vec![Light::directional(turn(-DVec3::Z), [1.0; 3])];
             Ok(setup)
         }),
     },
@@ -195,7 +195,7 @@ pub(super) static CASES: &[Case] = &[
             let mut flat = sheet(&doubled(10, 1e-5), &even(10));
             flat.triangles[2 * (19 * 4 + 9)].swap(1, 2);
             let mut setup = Setup::new(&[])?.mesh(flat);
-            setup.scene.lights = vec![Light::Directional { direction: -DVec3::Z, irradiance: [1.0; 3] }];
+            setup.scene.lights = vec![Light::directional(-DVec3::Z, [1.0; 3])];
             Ok(setup)
         }),
     },

@@ -7,9 +7,9 @@ use crate::layout::Slot;
 use crate::measure::norms::{norms, worst};
 use crate::measure::reference::radiosity;
 use crate::measure::sample::Sample;
+use crate::render::plan::before_transport;
 use crate::render::plan::{Change, Goal, Options, Transport};
 use crate::render::run::{Room, Session};
-use crate::render::stages::stage;
 use crate::scene::{Mesh, Scene};
 use crate::state::Place;
 
@@ -88,7 +88,7 @@ impl Setup {
 fn reference(scene: &Scene, faces: &[usize]) -> Result<Vec<[f64; 3]>> {
     let options = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(scene, None, options, Room::default())?;
-    for stage in ["refit", "irradiance"].into_iter().filter_map(stage) {
+    for stage in session.plan.stages.iter().filter(|stage| before_transport(stage.name)) {
         (stage.cpu)(&mut session.prepared.state, Place::default());
     }
     let mut place = vec![0; session.prepared.faces.len()];
