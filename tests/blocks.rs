@@ -175,7 +175,7 @@ fn the_tolerance_is_met() {
             for tolerance in [1e-2, 1e-3] {
                 let wanted = format!("transport.tolerance={tolerance}");
                 let mut session = solved(name, &[set, &size, &lamp, &wanted]);
-                let error = worst(&verify(&mut session, 400, 5).unwrap());
+                let error = worst(&verify(&mut session, 200, 5).unwrap());
                 println!("{name} {size} {tolerance}: {error:?}");
                 assert!(error.l2 <= tolerance, "{name}, {size}, {tolerance}: {error:?}");
             }

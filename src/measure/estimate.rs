@@ -9,7 +9,7 @@ pub struct Quality {
     pub covered: f64,
     /// 99th percentile of the estimate over that of the error.
     pub ratio: f64,
-    /// Spearman's rank correlation of estimate and error; 0 where either has no ranks.
+    /// Spearman's rank correlation of estimate and error over the faces; 0 where either has no ranks.
     pub rank: f64,
 }
 
@@ -20,24 +20,28 @@ fn p99(values: &[f64], counts: &[f64]) -> f64 {
     percentile(&sorted, 0.99)
 }
 
-/// Ranks, equal values sharing theirs.
-fn ranks(values: &[f64]) -> Vec<f64> {
+/// Ranks among the faces that the receivers stand for, equal values sharing theirs.
+fn ranks(values: &[f64], counts: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
     let mut ranks = vec![0.0; values.len()];
-    let mut before = 0;
+    let mut before = 0.0;
     for run in order.chunk_by(|&a, &b| values[a] == values[b]) {
-        run.iter().for_each(|&k| ranks[k] = before as f64 + 0.5 * (run.len() as f64 - 1.0));
-        before += run.len();
+        let here: f64 = run.iter().map(|&k| counts[k]).sum();
+        run.iter().for_each(|&k| ranks[k] = before + 0.5 * here);
+        before += here;
     }
     ranks
 }
 
-/// The correlation of two lists, 0 where one of them is constant.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let n = a.len().max(1) as f64;
-    let (mean_a, mean_b) = (a.iter().sum::<f64>() / n, b.iter().sum::<f64>() / n);
-    let sum = |f: &dyn Fn(f64, f64) -> f64| a.iter().zip(b).map(|(x, y)| f(x - mean_a, y - mean_b)).sum::<f64>();
+/// The correlation of two lists over faces, 0 where one of them is constant.
+fn correlation(a: &[f64], b: &[f64], counts: &[f64]) -> f64 {
+    let whole: f64 = counts.iter().sum();
+    let mean = |list: &[f64]| list.iter().zip(counts).map(|(x, count)| x * count).sum::<f64>() / whole;
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let sum = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
+        a.iter().zip(b).zip(counts).map(|((x, y), count)| count * f(x - mean_a, y - mean_b)).sum()
+    };
     let both = (sum(&|x, _| x * x) * sum(&|_, y| y * y)).sqrt();
     if both > 0.0 { sum(&|x, y| x * y) / both } else { 0.0 }
 }
@@ -58,7 +62,7 @@ impl Quality {
         Self {
             covered: covered / counts.iter().sum::<f64>(),
             ratio: p99(&estimate, counts) / p99(&error, counts),
-            rank: correlation(&ranks(&estimate), &ranks(&error)),
+            rank: correlation(&ranks(&estimate, counts), &ranks(&error, counts), counts),
         }
     }
 }
@@ -79,6 +83,6 @@ mod tests {
         assert!((Quality::of(&[1.0; 1000], &of(&|x| 1.0 / (x + 1.0)), &errors).rank + 1.0).abs() < 1e-12);
         // One channel too low is enough to be uncovered.
         assert_eq!(Quality::of(&[1.0, 1.0], &[[9.0, 1.0, 9.0], [9.0; 3]], &[[1.0, 2.0, 1.0]; 2]).covered, 0.5);
-        assert_eq!(ranks(&[2.0, 1.0, 2.0, 2.0]), [2.0, 0.0, 2.0, 2.0]);
+        assert_eq!(ranks(&[2.0, 1.0, 2.0, 2.0], &[1.0, 1.0, 1.0, 2.0]), [3.0, 0.5, 3.0, 3.0]);
     }
 }
