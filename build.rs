@@ -1,4 +1,5 @@
-//! Compiles every `glsl/**/*.comp` to SPIR-V, and writes the GLSL form of `src/layout` for them to include.
+//! Compiles every `glsl/**/*.comp` to SPIR-V, and writes the GLSL form of `src/layout` for them to include. Kernels of
+//! tests and benches go the same way, but not into the program: `OUT_DIR/tests-kernels-NAME.spv`.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -7,9 +8,13 @@ use std::{env, fs, process};
 #[path = "src/layout/mod.rs"]
 mod layout;
 
+/// Kernels that are no stage's: they are compiled, and only who names them holds them.
+const OUTSIDE: [&str; 2] = ["tests/kernels", "bench/kernels"];
+
 fn main() {
     println!("cargo::rerun-if-changed=glsl");
     println!("cargo::rerun-if-changed=src/layout");
+    OUTSIDE.iter().for_each(|folder| println!("cargo::rerun-if-changed={folder}"));
     if let Err(message) = run() {
         println!("cargo::error={}", message.trim_end().replace('\n', "\ncargo::error="));
         process::exit(1);
@@ -34,6 +39,15 @@ fn run() -> Result<(), String> {
                 let _ = writeln!(table, "    ({name:?}, include_bytes!({:?})),", file.display().to_string());
             }
             Err(message) => failures.push_str(&message),
+        }
+    }
+    for folder in OUTSIDE.into_iter().filter(|folder| Path::new(folder).exists()) {
+        for path in shaders(Path::new(folder))? {
+            let name = path.with_extension("spv").to_string_lossy().replace(['/', '\\'], "-");
+            match compile(&compiler, &path, &header) {
+                Ok(binary) => fs::write(out.join(&name), binary).map_err(|e| format!("{name}: {e}"))?,
+                Err(message) => failures.push_str(&message),
+            }
         }
     }
     if !failures.is_empty() {

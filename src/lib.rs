@@ -4,7 +4,8 @@
 //! # A frame
 //!
 //! 1. `refit`: positions to faces, clusters and vertex normals;
-//! 2. `irradiance`: the light that enters each face (equation 5);
+//! 2. `shadow`: which lights reach which faces; `environment`: harmonics of the light from all around; `irradiance`: the
+//!    light that enters each face (equation 5);
 //! 3. `pull`: moments of the light that enters every cluster;
 //! 4. `level`: how bright the object will be, roughly;
 //! 5. `radii`: how far from a cluster what may be done with it, so that the tolerance is met;

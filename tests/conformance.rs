@@ -2,9 +2,11 @@
 //!
 //! Without a device this fails, unless `MILKGLASS_NO_DEVICE=1` waives it, and then it says so.
 
-use std::sync::{Mutex, OnceLock};
+mod devices;
 
-use milkglass::gpu::{Adapter, Device, Instance};
+use std::sync::OnceLock;
+
+use devices::on_devices;
 use milkglass::layout::{SLOTS, Slot};
 use milkglass::measure::conform::{Plant, conform};
 use milkglass::measure::fixtures::{Fixture, covered, fixtures};
@@ -13,38 +15,10 @@ use milkglass::render::run::{Room, Session};
 use milkglass::render::stages::STAGES;
 use milkglass::scene::Scene;
 
-/// One device at a time: messages belong to the instance that opened it.
-static TURN: Mutex<()> = Mutex::new(());
-
 /// The fixtures, made once.
 fn all() -> &'static [Fixture] {
     static LIST: OnceLock<Vec<Fixture>> = OnceLock::new();
     LIST.get_or_init(|| fixtures("").unwrap())
-}
-
-/// Runs `body` on every usable device, with validation; fails where there is none.
-fn on_devices(body: impl Fn(&Device)) {
-    let _turn = TURN.lock().unwrap_or_else(|broken| broken.into_inner());
-    let instance = match Instance::open(true) {
-        Ok(instance) => instance,
-        Err(error) if std::env::var_os("MILKGLASS_NO_DEVICE").is_some() => {
-            println!("WAIVED by MILKGLASS_NO_DEVICE: {error}");
-            return;
-        }
-        Err(error) => panic!("{error}"),
-    };
-    let usable: Vec<Adapter> = instance.adapters().unwrap().into_iter().filter(|a| a.unusable.is_none()).collect();
-    if usable.is_empty() && std::env::var_os("MILKGLASS_NO_DEVICE").is_some() {
-        println!("WAIVED by MILKGLASS_NO_DEVICE: no usable device");
-        return;
-    }
-    assert!(!usable.is_empty(), "no usable Vulkan device");
-    for adapter in usable {
-        let device = Device::open(&instance, &adapter).unwrap();
-        body(&device);
-        let messages = device.take_messages();
-        assert!(messages.is_empty(), "{}: {}", adapter.name, messages.join("\n"));
-    }
 }
 
 #[test]

@@ -24,7 +24,7 @@ float missed_bend(vec3 p, float unit, float radius) {
 
 float missed_points(vec3 p, float unit, float tau) {
     float chi = unit * tau;
-    return squared(p.x * min(0.03 * chi * chi * chi, 1.0));
+    return squared(p.x * min(0.006 * chi * chi * chi, 1.0));
 }
 
 float missed_dropped(float sigma, float value, float tau) {

@@ -3,6 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 #include "dipole/profile.glsl"
+#include "geometry/area.glsl"
 #define NODES 12
 #include "dipole/form_factor/edge.glsl"
 
@@ -36,7 +37,7 @@ void main() {
     if (i >= queries.length()) return;
     Query query = queries[i];
     // A triangle that has no area in single precision has no normal either, and its form factor is 0.
-    vec3 area = 0.5 * cross(query.b - query.a, query.c - query.a);
+    vec3 area = vector_area(query.a, query.b, query.c);
     vec3 size = abs(area);
     float largest = max(size.x, max(size.y, size.z));
     vec3 normal = largest > 0.0 ? normalize(area / largest) : vec3(0);

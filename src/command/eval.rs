@@ -124,7 +124,7 @@ fn row(arguments: &Arguments, header: &StringRecord, record: &StringRecord) -> s
 
     // The medium; the row's unit of length is its mean free path.
     let (scattering, absorption) = (at_least("sigma_s_prime", 0.0)?, at_least("sigma_a", 0.0)?);
-    let eta = at_least("eta", 1.0)?;
+    let eta = at_least("eta", 0.5)?;
     let unit = 1.0 / (scattering + absorption);
     if !unit.is_finite() {
         return Err(fault("sigma_s_prime", "the medium neither scatters nor absorbs").found("0 and 0"));

@@ -180,16 +180,27 @@ fn csv(session: &Session) -> String {
     let mut text = String::from("face,cx,cy,cz,area,E_r,E_g,E_b,B_r,B_g,B_b,input_face");
     text += if session.state().method.estimate { ",err_r,err_g,err_b\n" } else { "\n" };
     for (face, row) in rows(session).iter().enumerate() {
-        let (c, e, b) = (row.center, row.irradiance.map(|x| x as f32), row.radiosity.map(|x| x as f32));
+        let (c, e, b) = (row.center, row.irradiance.map(digits), row.radiosity.map(digits));
         let _ = write!(text, "{face},{:.9e},{:.9e},{:.9e},{:.9e}", c.x, c.y, c.z, row.area);
-        let _ = write!(text, ",{:e},{:e},{:e},{:e},{:e},{:e}", e[0], e[1], e[2], b[0], b[1], b[2]);
+        let _ = write!(text, ",{},{},{},{},{},{}", e[0], e[1], e[2], b[0], b[1], b[2]);
         let _ = write!(text, ",{}", row.input_face);
         for x in row.estimate.iter().flatten() {
-            let _ = write!(text, ",{:e}", *x as f32);
+            let _ = write!(text, ",{}", digits(*x));
         }
         text.push('\n');
     }
     text
+}
+
+/// An amount of light in the digits of an `f32`, also where it is beyond what one holds.
+fn digits(x: f64) -> String {
+    let single = x as f32;
+    if single.is_normal() || x == 0.0 { format!("{single:e}") } else { format!("{x:.7e}") }
+}
+
+/// An amount of light as a PLY's floats hold it; what is beyond them is their largest.
+fn single(x: f64) -> f32 {
+    x.min(f32::MAX.into()) as f32
 }
 
 fn ply(session: &Session) -> String {
@@ -229,14 +240,19 @@ fn ply(session: &Session) -> String {
         let _ = writeln!(
             text,
             "{} {} {} {red} {green} {blue} {} {} {}",
-            p.x as f32, p.y as f32, p.z as f32, b[0] as f32, b[1] as f32, b[2] as f32
+            p.x as f32,
+            p.y as f32,
+            p.z as f32,
+            single(b[0]),
+            single(b[1]),
+            single(b[2])
         );
     }
     for row in &rows {
         let [a, b, c] = row.triangle;
         let _ = write!(text, "3 {a} {b} {c}");
         for x in row.irradiance.iter().chain(&row.radiosity).chain(row.estimate.iter().flatten()) {
-            let _ = write!(text, " {}", *x as f32);
+            let _ = write!(text, " {}", single(*x));
         }
         text.push('\n');
     }

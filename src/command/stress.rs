@@ -31,9 +31,20 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let outcomes = stress(device.as_ref(), &arguments.only, None)?;
     check_messages(device.as_ref())?;
     let rows: Vec<_> = outcomes.iter().map(row).collect();
-    let header =
-        ["case", "finite", "L2", "max", "bounds", "brute L2", "max", "bounds", "verdict", "documented fallback"];
-    print(&table(&header, &[2, 3, 5, 6], &rows))?;
+    let header = [
+        "case",
+        "finite",
+        "L2",
+        "max",
+        "bounds",
+        "brute L2",
+        "max",
+        "bounds",
+        "octree L2",
+        "verdict",
+        "documented fallback",
+    ];
+    print(&table(&header, &[2, 3, 5, 6, 8], &rows))?;
     if let Some(path) = &arguments.csv {
         let text = csv(&outcomes).map_err(|e| Input::new(e).file(path))?;
         write_whole(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))?;
@@ -61,19 +72,21 @@ fn verdict(outcome: &Outcome) -> String {
 fn row(outcome: &Outcome) -> Vec<String> {
     let case = outcome.case;
     let errors = |error: Worst, bound: Bound| {
-        [format!("{:.1e}", error.l2), format!("{:.1e}", error.max), format!("{:.0e} {:.0e}", bound.l2, bound.max)]
+        [format!("{:.1e}", error.l2), format!("{:.1e}", error.max), format!("{:e} {:e}", bound.l2, bound.max)]
     };
     let mut cells = vec![case.name.to_string(), finite(outcome)];
     cells.extend(errors(outcome.usual, case.bound));
     cells.extend(errors(outcome.brute, case.brute));
-    cells.extend([verdict(outcome), case.fallback.to_string()]);
+    let octree = outcome.octree.map_or("-".to_string(), |error| format!("{:.1e}", error.l2));
+    cells.extend([octree, verdict(outcome), case.fallback.to_string()]);
     cells
 }
 
 fn csv(outcomes: &[Outcome]) -> std::result::Result<Vec<u8>, String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let errors = ["l2", "max", "bound_l2", "bound_max", "brute_l2", "brute_max", "brute_bound_l2", "brute_bound_max"];
-    let header = ["case", "finite"].iter().chain(&errors).chain(&["verdict", "fallback", "reason"]);
+    let header =
+        ["case", "finite"].iter().chain(&errors).chain(&["verdict", "fallback", "reason", "octree_l2", "octree_max"]);
     writer.write_record(header).map_err(|e| e.to_string())?;
     for outcome in outcomes {
         let case = outcome.case;
@@ -83,7 +96,9 @@ fn csv(outcomes: &[Outcome]) -> std::result::Result<Vec<u8>, String> {
             .chain([case.brute.l2, case.brute.max])
             .map(|x| format!("{x:e}"));
         let before = [case.name.to_string(), finite(outcome)];
-        let after = [verdict(outcome), case.fallback.to_string(), case.reason.to_string()];
+        // Blank where there is none.
+        let octree = outcome.octree.map_or([const { String::new() }; 2], |e| [e.l2, e.max].map(|x| format!("{x:e}")));
+        let after = [verdict(outcome), case.fallback.to_string(), case.reason.to_string()].into_iter().chain(octree);
         writer.write_record(before.into_iter().chain(numbers).chain(after)).map_err(|e| e.to_string())?;
     }
     writer.into_inner().map_err(|e| e.to_string())

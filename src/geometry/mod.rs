@@ -1,4 +1,6 @@
-//! From positions to clusters, and rays through the same tree.
+//! From positions to faces and clusters, and rays through the same tree.
 
+pub mod occlusion;
+pub mod plane;
 pub mod refit;
 pub mod trace;

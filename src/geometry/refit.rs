@@ -22,7 +22,7 @@ const CLUSTER: &[Field] = &[
 const SPHERE: &[Field] = &[
     Field { name: "center", relative: 0.0, floor: 4e-6, of: "" },
     Field { name: "radius", relative: 1e-5, floor: 4e-6, of: "" },
-    Field { name: "reach", relative: 1e-3, floor: 0.0, of: "" },
+    Field { name: "spread", relative: 1e-3, floor: 0.0, of: "" },
 ];
 
 /// The table's entry.
@@ -112,7 +112,7 @@ fn cpu(state: &mut State, _at: Place) {
         .collect();
 }
 
-/// The sphere round a block's receivers; its reach grows with their spread against that of a usual block's `disc`.
+/// The sphere round a block's receivers; their spread is against that of a usual block's `disc`.
 fn sphere(block: &Block, disc: f64, center_of: impl Fn(usize) -> DVec3) -> Sphere {
     let points = || (block.first as usize..(block.first + block.count) as usize).map(&center_of);
     let low = points().fold(DVec3::INFINITY, DVec3::min);
@@ -121,7 +121,7 @@ fn sphere(block: &Block, disc: f64, center_of: impl Fn(usize) -> DVec3) -> Spher
     let squares = || points().map(|x| x.distance_squared(center));
     let spread = squares().sum::<f64>() / f64::from(block.count);
     let radius = squares().fold(0.0, f64::max).sqrt();
-    Sphere { center: narrow(center), radius: radius as f32, reach: (spread / disc).sqrt().max(1.0) as f32 }
+    Sphere { center: narrow(center), radius: radius as f32, spread: (spread / disc) as f32 }
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {

@@ -20,20 +20,27 @@ pub struct Nearest {
     pub denominator: f32,
 }
 
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+pub(super) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+pub(super) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+pub(super) fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// Whether the half line may meet the box before the nearest hit: separating axes, with a margin above rounding.
-fn meets(low: [f32; 3], high: [f32; 3], origin: [f32; 3], direction: [f32; 3], dd: f32, nearest: &Nearest) -> bool {
+pub(super) fn meets(
+    low: [f32; 3],
+    high: [f32; 3],
+    origin: [f32; 3],
+    direction: [f32; 3],
+    dd: f32,
+    nearest: &Nearest,
+) -> bool {
     let each = |f: &dyn Fn(usize) -> f32| [f(0), f(1), f(2)];
     let c = each(&|k| 0.5 * (low[k] + high[k]) - origin[k]);
     let margin = 1e-6 * (1.0 + c[0].abs() + c[1].abs() + c[2].abs());

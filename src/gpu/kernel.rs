@@ -48,16 +48,16 @@ impl Kernels {
         if let Some(kernel) = self.made.borrow().get(&key) {
             return Ok(kernel.clone());
         }
-        let kernel = Rc::new(Kernel::new(&self.device, name, constants)?);
+        let kernel = Rc::new(Kernel::new(&self.device, name, words_of(name)?, constants)?);
         self.made.borrow_mut().insert(key, kernel.clone());
         Ok(kernel)
     }
 }
 
 impl Kernel {
-    fn new(device: &Device, name: &str, constants: &[u32]) -> Result<Self> {
+    /// The kernel of this SPIR-V with these specialization constants (0, 1, ...), or what the device lacks for it.
+    pub(super) fn new(device: &Device, name: &str, mut words: Vec<u32>, constants: &[u32]) -> Result<Self> {
         let doing = format!("preparing kernel {name}");
-        let mut words = words_of(name)?;
         let found = reflect(name, &words)?;
 
         // What the device must allow.

@@ -2,6 +2,7 @@
 //!
 //! Nothing here knows what a stage or a triangle is. Handles own what they need and free themselves.
 
+mod alone;
 mod bind;
 mod device;
 mod instance;
@@ -10,6 +11,7 @@ mod memory;
 mod record;
 mod reflect;
 
+pub use alone::Alone;
 pub(crate) use bind::Binding;
 pub use device::Device;
 pub use instance::{Adapter, Instance, Limits};

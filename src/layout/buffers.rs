@@ -7,6 +7,18 @@ buffers! {
     frame: Frame, frame;
     /// The lights.
     lights: Light, light;
+    /// Whether each light reaches each triangle: a bit each, `frame.shadow_words` words a triangle.
+    lit: u32, face;
+    /// Not 0 when a driver ended a shadow ray's loop early; one element.
+    cut_short: u32, frame;
+    /// The environment's image, rows from the top.
+    sky: [f32; 3], pixel;
+    /// Integrals over its rows.
+    sky_rows: SkyRow, row;
+    /// Integrals over its columns.
+    sky_columns: SkyColumn, column;
+    /// Sums of image times harmonic, nine a block of pixels; the first nine are the environment's coefficients.
+    harmonics: [f32; 3], block;
     /// The camera; one element.
     camera: Camera, frame;
     /// Vertex positions, centred and scaled to unit extent.
@@ -43,6 +55,8 @@ buffers! {
     spreads: Spread, group;
     /// What the walk looks at, a part a group of channels: one a node, rounded up.
     emitters: Emitter, group;
+    /// From where on one expansion of a node serves a whole block: of up to 1, 4, 16 and 64 times the usual spread.
+    expands: [f32; 4], group;
     /// The receivers of the coarse solution.
     samples: Sample, sample;
     /// Root of the area-weighted mean of B^2, from the coarse solution; one element.

@@ -49,8 +49,10 @@ macro_rules! plain {
 plain! {
     f32, "float", 1, Float;
     u32, "uint", 1, Unsigned;
+    [f32; 2], "vec2", 2, Float;
     [f32; 3], "vec3", 3, Float;
     [f32; 4], "vec4", 4, Float;
+    [u32; 2], "uvec2", 2, Unsigned;
     [u32; 3], "uvec3", 3, Unsigned;
 }
 
@@ -65,7 +67,7 @@ pub struct Record {
 }
 
 macro_rules! records {
-    ($($(#[doc = $about:literal])* $name:ident { $($(#[doc = $note:literal])* $field:ident: $kind:ty,)* })*) => {
+    ($list:ident: $($(#[doc = $about:literal])* $name:ident { $($(#[doc = $note:literal])* $field:ident: $kind:ty,)* })*) => {
         $(
             $(#[doc = $about])*
             #[repr(C)]
@@ -85,8 +87,8 @@ macro_rules! records {
                 }
             }
         )*
-        /// Every record, in the order of declaration.
-        pub fn records() -> Vec<Record> {
+        /// Every record of this file, in the order of declaration.
+        pub fn $list() -> Vec<Record> {
             vec![$(Record {
                 name: stringify!($name),
                 fields: vec![$((
@@ -186,8 +188,17 @@ macro_rules! buffers {
     };
 }
 
+mod arriving;
 mod buffers;
 mod records;
 
+pub use arriving::*;
 pub use buffers::*;
 pub use records::*;
+
+/// Every record.
+pub fn records() -> Vec<Record> {
+    let mut all = frame_records();
+    all.extend(light_records());
+    all
+}

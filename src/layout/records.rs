@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::{Element, Record, Word};
 
-records! {
+records! { frame_records:
     /// What holds for the whole frame. Lengths are internal: the object has unit extent.
     Frame {
         /// Number of vertices.
@@ -15,6 +15,18 @@ records! {
         nodes: u32,
         /// Number of lights.
         lights: u32,
+        /// Words of `lit` a face has: a bit for each light that casts shadows, and each ray to the environment.
+        shadow_words: u32,
+        /// Not 0 where both sides of a face receive light.
+        two_sided: u32,
+        /// Size of the environment's image, in pixels.
+        sky: [u32; 2],
+        /// The factors of the environment's harmonics of degree 0, per channel: integrals of Fresnel transmittance and cosine.
+        zonal_0: [f32; 3],
+        /// The same of degree 1.
+        zonal_1: [f32; 3],
+        /// The same of degree 2.
+        zonal_2: [f32; 3],
         /// Threshold epsilon_1 of section 5.2: largest deviation of the solid angle over a receiver, steradian.
         receiver_angle: f32,
         /// Threshold epsilon_2 of section 5.2: largest solid angle of an emitter, steradian.
@@ -65,8 +77,8 @@ records! {
         center: [f32; 3],
         /// Distance of the farthest centroid.
         radius: f32,
-        /// How many times farther than for a block of usual size an emitter has to be, to be expanded.
-        reach: f32,
+        /// Mean square of the centroids' distances against that of a usual block's.
+        spread: f32,
     }
     /// Moments of the light that enters a cluster, by the irradiance of its group's lead channel.
     Moment {
@@ -90,9 +102,10 @@ records! {
     Emitter {
         /// The moments' centre; from where on its light counts for nothing, far below 0 where it has none.
         place: [f32; 4],
-        /// From where on one expansion serves a whole block of usual size; one link, and for a triangle one sample
-        /// with its second moment; 6 area points, for a triangle.
-        reach: [f32; 3],
+        /// From where on one link serves; for a triangle one sample with its second moment.
+        accept: f32,
+        /// For a triangle, from where on 6 area points serve.
+        area: f32,
         /// The first node after its subtree.
         skip: u32,
     }
@@ -146,15 +159,6 @@ records! {
         error: [f32; 3],
         /// Squared estimate of the expansion's error at the block's radius; it grows with the cube of the offset.
         bend: [f32; 3],
-    }
-    /// A light. Directions point towards it.
-    Light {
-        /// 0 directional, 1 point.
-        kind: u32,
-        /// The unit direction towards the light, or its position.
-        place: [f32; 3],
-        /// Irradiance on a perpendicular plane, or intensity; scaled so that the brightest face is about 1.
-        color: [f32; 3],
     }
     /// The camera: the ray through (x, y) in [-1,1]^2 runs along `forward + x right + y up`, not normalised.
     Camera {

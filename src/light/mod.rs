@@ -1,4 +1,7 @@
 //! Light arriving at the surface, and how much of it passes the boundary.
 
+pub mod environment;
 pub mod fresnel;
+pub mod harmonics;
 pub mod irradiance;
+pub mod shadow;

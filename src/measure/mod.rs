@@ -8,5 +8,6 @@ pub mod fixtures;
 pub mod norms;
 pub mod pareto;
 pub mod reference;
+pub mod sample;
 pub mod stress;
 pub mod tables;

@@ -1,18 +1,21 @@
 //! How far two sets of radiosities lie apart, as every table of the program reports it.
 
+use super::sample::Sample;
+
 /// Errors of one colour channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Norms {
     /// sqrt(sum A dB^2 / sum A B^2).
     pub l2: f64,
-    /// 99th percentile of |dB| / rms(B).
+    /// 99th percentile of |dB| / rms(B) over the faces.
     pub p99: f64,
     /// Maximum of |dB| / rms(B).
     pub max: f64,
 }
 
-/// Errors per channel of `values` against `reference`, both weighted by `areas`; zero where the reference is black.
-pub fn norms(areas: &[f64], values: &[[f64; 3]], reference: &[[f64; 3]]) -> [Norms; 3] {
+/// Errors per channel of `values` against `reference` at receivers that stand for these `areas` and `counts` of faces;
+/// zero where the reference is black.
+pub fn norms(Sample { areas, counts, .. }: &Sample, values: &[[f64; 3]], reference: &[[f64; 3]]) -> [Norms; 3] {
     std::array::from_fn(|channel| {
         let weighted = |f: &dyn Fn(usize) -> f64| -> f64 { (0..areas.len()).map(|i| areas[i] * f(i)).sum() };
         let difference = |i: usize| values[i][channel] - reference[i][channel];
@@ -25,14 +28,27 @@ pub fn norms(areas: &[f64], values: &[[f64; 3]], reference: &[[f64; 3]]) -> [Nor
             return Norms { l2: all, p99: all, max: all };
         }
         let rms = (power / whole).sqrt();
-        let mut sizes: Vec<f64> = (0..areas.len()).map(|i| difference(i).abs() / rms).collect();
-        sizes.sort_by(f64::total_cmp);
+        let mut sizes: Vec<[f64; 2]> = (0..areas.len()).map(|i| [difference(i).abs() / rms, counts[i]]).collect();
+        sizes.sort_by(|a, b| a[0].total_cmp(&b[0]));
         Norms {
             l2: (weighted(&|i| difference(i).powi(2)) / power).sqrt(),
-            p99: sizes.get((sizes.len() * 99).div_ceil(100).saturating_sub(1)).copied().unwrap_or(0.0),
-            max: sizes.last().copied().unwrap_or(0.0),
+            p99: percentile(&sizes, 0.99),
+            max: sizes.last().map_or(0.0, |last| last[0]),
         }
     })
+}
+
+/// The smallest of these sorted values such that this share of the weight, which follows each value, is at or below it.
+pub(super) fn percentile(sorted: &[[f64; 2]], share: f64) -> f64 {
+    let whole: f64 = sorted.iter().map(|[_, weight]| weight).sum();
+    let mut below = 0.0;
+    for [value, weight] in sorted {
+        below += weight;
+        if below >= share * whole * (1.0 - 1e-12) {
+            return *value;
+        }
+    }
+    sorted.last().map_or(0.0, |last| last[0])
 }
 
 /// The worst channel.
@@ -47,13 +63,20 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_percentile_goes_by_weight() {
+        assert_eq!(percentile(&[[1.0, 98.0], [2.0, 1.0], [3.0, 1.0]], 0.99), 2.0);
+        assert_eq!(percentile(&[[1.0, 1.0], [2.0, 1.0], [3.0, 98.0]], 0.99), 3.0);
+        assert_eq!(percentile(&[], 0.99), 0.0);
+    }
+
+    #[test]
     fn a_known_difference() {
         // One of 100 receivers is off by 10 % of the common value.
-        let areas = vec![2.0; 100];
+        let sample = Sample { faces: (0..100).collect(), areas: vec![2.0; 100], counts: vec![1.0; 100] };
         let reference = vec![[1.0, 2.0, 0.0]; 100];
         let mut values = reference.clone();
         values[7][0] = 1.1;
-        let n = norms(&areas, &values, &reference);
+        let n = norms(&sample, &values, &reference);
         assert!((n[0].l2 - 0.01).abs() < 1e-12 && n[0].p99 < 1e-12 && (n[0].max - 0.1).abs() < 1e-12);
         assert_eq!(n[1], Norms::default());
         assert_eq!(n[2], Norms::default());
@@ -62,7 +85,7 @@ mod tests {
         // What is no number, and light where there should be none, can't hide.
         values[3][1] = f64::NAN;
         values[5][2] = 1e-9;
-        let n = norms(&areas, &values, &reference);
+        let n = norms(&sample, &values, &reference);
         assert!(worst(&n).max.is_nan() && worst(&n).l2.is_nan());
         assert_eq!(n[2].l2, f64::INFINITY);
     }

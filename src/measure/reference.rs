@@ -12,32 +12,13 @@ use crate::error::Result;
 use crate::layout::Slot;
 use crate::measure::estimate::Quality;
 use crate::measure::norms::{Norms, norms};
+use crate::measure::sample::Sample;
 use crate::render::run::Session;
 use crate::state::{Distance, State, wide};
 
 /// chi below which one sample with its second moment, 6 points and 12 points are within about 5e-6 of the exact
 /// form factor; above the last, graded quadrature along the edges.
 const RUNGS: [f64; 3] = [2e-3, 2e-2, 0.2];
-
-/// Seeded faces, in rising order: `count` different ones, or all there are.
-pub fn sample(faces: usize, count: usize, seed: u64) -> Vec<usize> {
-    let mut state = seed;
-    let mut next = || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    };
-    if count >= faces {
-        return (0..faces).collect();
-    }
-    let mut chosen = std::collections::BTreeSet::new();
-    while chosen.len() < count {
-        chosen.insert((next() % faces as u64) as usize);
-    }
-    chosen.into_iter().collect()
-}
 
 /// Radiosity at the centroids of these faces of a state whose irradiance is known.
 pub fn radiosity(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
@@ -130,18 +111,26 @@ pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> 
     session.fetch(&[Slot::irradiance, Slot::radiosity, Slot::clusters, Slot::estimate])?;
     let state = session.state();
     let data = &state.data;
-    let faces = sample(data.triangles.len(), count, seed);
-    let reference = radiosity(state, &faces);
-    let area = |&face: &usize| f64::from(data.clusters[data.leaves[face] as usize].area);
-    let areas: Vec<f64> = faces.iter().map(area).collect();
+    let sample = receivers(state, count, seed);
+    let faces = &sample.faces;
+    let reference = radiosity(state, faces);
     let values: Vec<[f64; 3]> = faces.iter().map(|&face| data.radiosity[face].map(f64::from)).collect();
     let estimate = state.method.estimate.then(|| {
         let error = |(value, b): (&[f64; 3], &[f64; 3])| [0, 1, 2].map(|c| (value[c] - b[c]).abs());
         let errors: Vec<[f64; 3]> = values.iter().zip(&reference).map(error).collect();
         let estimates: Vec<[f64; 3]> = faces.iter().map(|&face| data.estimate[face].map(f64::from)).collect();
-        Quality::of(&estimates, &errors)
+        Quality::of(&sample.counts, &estimates, &errors)
     });
-    Ok(Checked { norms: norms(&areas, &values, &reference), estimate })
+    Ok(Checked { norms: norms(&sample, &values, &reference), estimate })
+}
+
+/// Seeded receivers of a state whose radiosity is known, if roughly.
+pub fn receivers(state: &State, count: usize, seed: u64) -> Sample {
+    let data = &state.data;
+    let area = |&leaf: &u32| f64::from(data.clusters[leaf as usize].area);
+    let areas: Vec<f64> = data.leaves.iter().map(area).collect();
+    let light: Vec<[f64; 3]> = data.radiosity.iter().map(|b| b.map(f64::from)).collect();
+    Sample::seeded(&areas, &light, count, seed)
 }
 
 /// The error alone, per channel.
@@ -162,14 +151,5 @@ mod tests {
             let plain = midpoint_moment(&corners, x, &dipole, crate::dipole::form_factor::Distance::Radial);
             assert!((emitter.far(x - emitter.center, &dipole) / plain - 1.0).abs() < 1e-12);
         }
-    }
-
-    #[test]
-    fn a_sample_is_seeded_and_has_no_repeats() {
-        let a = sample(1000, 100, 7);
-        assert_eq!(a, sample(1000, 100, 7));
-        assert_ne!(a, sample(1000, 100, 8));
-        assert!(a.windows(2).all(|w| w[0] < w[1]) && a.len() == 100);
-        assert_eq!(sample(5, 100, 7), vec![0, 1, 2, 3, 4]);
     }
 }

@@ -17,7 +17,8 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
     session.fetch(&[Slot::runs, Slot::spans])?;
     let (state, units) = (session.state(), *session.units());
     let data = &state.data;
-    let light = |value: DVec3| narrow(value * units.light);
+    // As bright as `f32` allows.
+    let light = |value: DVec3| narrow((value * units.light).min(DVec3::splat(f32::MAX.into())));
 
     let links = links(state);
     let shown: Vec<Option<&Hit>> =

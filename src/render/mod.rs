@@ -2,6 +2,7 @@
 
 pub mod aov;
 mod blocks;
+pub mod lights;
 pub mod octree;
 pub mod plan;
 pub mod prepare;

@@ -1,6 +1,6 @@
 //! What a scene needs: the stages of its frame, and each one left out with the reason.
 
-use super::prepare::lit;
+use super::lights::lit;
 use super::stages::{STAGES, steps};
 use crate::layout::{SLOTS, Slot};
 use crate::state::{Scheme, Stage, State, Step};
@@ -23,7 +23,7 @@ pub enum Mode {
     /// Everything from scratch in each frame; links are scratch.
     #[default]
     OnTheFly,
-    /// Links and form factors are kept: a change of light runs irradiance, pull, gather, push and average only.
+    /// Links and form factors are kept: a change of light runs shadow, irradiance, pull, gather, push and average only.
     Render,
 }
 
@@ -101,7 +101,8 @@ impl Plan {
         let mut plan = Self { stages: Vec::new(), left_out: Vec::new(), options };
         let dark = !lit(state);
         for &stage in STAGES {
-            match reason(stage.name, options, state.method.scheme, dark) {
+            let why = reason(stage.name, options, state.method.scheme, dark);
+            match why.or_else(|| unlit(stage.name, state)) {
                 None => plan.stages.push(stage),
                 Some(why) => plan.left_out.push((stage.name, why)),
             }
@@ -159,7 +160,7 @@ const LINKS: [&str; 6] = ["reach", "mean", "refine", "form_factor", "collect", "
 
 /// Whether a stage comes before the light is carried through the material, whatever carries it.
 pub fn before_transport(name: &str) -> bool {
-    matches!(name, "refit" | "irradiance")
+    matches!(name, "refit" | "shadow" | "environment" | "irradiance")
 }
 
 /// Whether a stage lies between known irradiance, with its moments and distances, and radiosity.
@@ -170,7 +171,7 @@ fn sums(name: &str) -> bool {
 /// Why this stage has no place in the frame, if it has none.
 fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -> Option<String> {
     let (blocks, links) = (BLOCKS.contains(&name), LINKS.contains(&name));
-    let needs_light = blocks || links || matches!(name, "irradiance" | "average" | "brute");
+    let needs_light = blocks || links || matches!(name, "shadow" | "environment" | "irradiance" | "average" | "brute");
     let pictorial = matches!(name, "average" | "visibility" | "shade");
     if name == "evaluate" {
         return Some("answers `milkglass eval` only".into());
@@ -189,6 +190,17 @@ fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -> Option<St
             Some("the octree carries the light, in native code on the host".into())
         }
         Transport::Brute if blocks || links && name != "reach" => Some("brute force needs no clusters".into()),
+        _ => None,
+    }
+}
+
+/// Why this stage of light arriving is not needed for these lights, if it is not.
+fn unlit(name: &str, state: &State) -> Option<String> {
+    match name {
+        "shadow" if state.data.frame.iter().all(|frame| frame.shadow_words == 0) => {
+            Some("no light casts shadows, and no environment asks what is hidden of it".into())
+        }
+        "environment" if state.data.sky.is_empty() => Some("no light is an environment".into()),
         _ => None,
     }
 }

@@ -5,14 +5,15 @@
 
 use glam::DVec3;
 
-use super::blocks::{blocks, edge_nodes, group, link_error};
+use super::blocks::{blocks, edge_nodes, link_error, triangle_size};
+use super::lights::{lights, radiance};
 use crate::dipole::form_factor::ladder::Ladder;
 use crate::dipole::profile::Dipole;
 use crate::hierarchy::face_cluster::{self, Method};
 use crate::hierarchy::{Tree, median};
-use crate::layout::{Camera as CameraRecord, Frame, Light as LightRecord, Topology};
-use crate::light::fresnel;
-use crate::scene::{Camera, Fresnel, Hierarchy, Light, Material, Mesh, Scene, Transport};
+use crate::layout::{Camera as CameraRecord, Frame, Topology};
+use crate::light::{fresnel, harmonics};
+use crate::scene::{Camera, Fresnel, Hierarchy, Material, Mesh, Scene, Transport};
 use crate::state::{Method as Switches, Schedule, Scheme, State};
 use crate::transport::gather::PLACES;
 
@@ -59,7 +60,7 @@ impl Units {
     }
 }
 
-fn narrow(v: DVec3) -> [f32; 3] {
+pub(super) fn narrow(v: DVec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
@@ -101,7 +102,7 @@ pub fn prepare(scene: &Scene) -> Prepared {
     state.method = Switches {
         scheme: scene.transport.scheme,
         order: scene.transport.order,
-        nodes: edge_nodes(scene.transport.tolerance),
+        nodes: edge_nodes(scene.transport.tolerance, triangle_size(&state)),
         estimate: false,
         near: scene.transport.near,
     };
@@ -153,6 +154,8 @@ fn topology(state: &mut State, mesh: &Mesh, tree: &Tree, units: Units) -> Vec<u3
 fn frame(state: &mut State, material: &Material, transport: &Transport, units: Units) {
     let dipoles = dipoles(material, units.length);
     let of = |f: fn(&Dipole) -> f64| dipoles.each_ref().map(|dipole| f(dipole) as f32);
+    let zonal = material.eta.map(harmonics::zonal);
+    let degree = |l: usize| zonal.map(|factors| factors[l] as f32);
     state.data.frame = vec![Frame {
         vertices: state.data.positions.len() as u32,
         faces: state.data.triangles.len() as u32,
@@ -165,43 +168,14 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
         z_real: of(|d| d.z_real),
         z_virtual: of(|d| d.z_virtual),
         eta: material.eta.map(|eta| eta as f32),
+        two_sided: u32::from(material.two_sided),
+        zonal_0: degree(0),
+        zonal_1: degree(1),
+        zonal_2: degree(2),
         link_error: link_error(transport.tolerance) as f32,
         ladder: Ladder::new(transport.form_factor_tolerance).chi.map(|chi| chi as f32),
         ..Frame::default()
     }];
-}
-
-/// Puts the lights in place, scaled to the brightest irradiance they give anywhere on the mesh.
-pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, mesh: &Mesh) {
-    let brightest: f64 = lights
-        .iter()
-        .map(|light| match light {
-            Light::Directional { irradiance, .. } => irradiance.iter().copied().fold(0.0, f64::max),
-            Light::Point { position, intensity } => {
-                let d2 = mesh.positions.iter().map(|p| p.distance_squared(*position)).fold(f64::INFINITY, f64::min);
-                intensity.iter().copied().fold(0.0, f64::max) / d2.max(1e-12 / units.length.powi(2))
-            }
-        })
-        .sum();
-    units.light = if brightest > 0.0 && brightest.is_finite() { brightest.log2().ceil().exp2() } else { 1.0 };
-    state.data.lights = lights
-        .iter()
-        .map(|light| match light {
-            Light::Directional { direction, irradiance } => {
-                LightRecord { kind: 0, place: narrow(*direction), color: irradiance.map(|x| (x / units.light) as f32) }
-            }
-            Light::Point { position, intensity } => LightRecord {
-                kind: 1,
-                place: narrow(units.inside(*position)),
-                color: intensity.map(|x| (x * units.length * units.length / units.light) as f32),
-            },
-        })
-        .collect();
-    state.data.frame[0].lights = lights.len() as u32;
-    group(state, lights);
-    if let Some(camera) = state.data.camera.first_mut() {
-        camera.radiance = units.light as f32;
-    }
 }
 
 /// Puts the camera in place.
@@ -217,7 +191,7 @@ pub fn camera(state: &mut State, camera: &Camera, units: Units) {
         width,
         height,
         background: camera.background.map(|x| x as f32),
-        radiance: units.light as f32,
+        radiance: radiance(units),
     }];
 }
 
@@ -226,9 +200,4 @@ pub fn schedule(prepared: &mut Prepared, faces: usize) {
     let (schedule, order) = Schedule::new(&prepared.tree, faces);
     prepared.state.schedule = schedule;
     prepared.state.data.order = order;
-}
-
-/// Whether any light gives any light at all.
-pub fn lit(state: &State) -> bool {
-    state.data.lights.iter().any(|light| light.color.iter().any(|&x| x > 0.0))
 }

@@ -5,6 +5,7 @@ use super::prepare::{Prepared, schedule};
 use crate::error::{Error, Result};
 use crate::gpu::Limits;
 use crate::layout::{Cursor, Slot};
+use crate::light::environment;
 use crate::state::{Scheme, State};
 use crate::transport::radii::{ENTRIES as ENTRIES_OF_A_LAW, LAWS};
 
@@ -202,6 +203,9 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.bounds = bytemuck::zeroed_vec(nodes);
     data.clusters = bytemuck::zeroed_vec(nodes);
     data.normals = bytemuck::zeroed_vec(vertices);
+    data.lit = bytemuck::zeroed_vec(per(Slot::lit, faces * frame.shadow_words as usize));
+    data.cut_short = bytemuck::zeroed_vec(per(Slot::cut_short, 1));
+    data.harmonics = bytemuck::zeroed_vec(per(Slot::harmonics, environment::elements(frame.sky)));
     data.irradiance = bytemuck::zeroed_vec(faces);
     data.cluster_irradiance = bytemuck::zeroed_vec(per(Slot::cluster_irradiance, nodes));
     let part = |count: usize| count.next_multiple_of(64);
@@ -212,6 +216,7 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.moments = bytemuck::zeroed_vec(per(Slot::moments, groups * part(nodes)));
     data.spreads = bytemuck::zeroed_vec(per(Slot::spreads, groups * part(nodes)));
     data.emitters = bytemuck::zeroed_vec(per(Slot::emitters, groups * part(nodes)));
+    data.expands = bytemuck::zeroed_vec(per(Slot::expands, groups * part(nodes)));
     data.samples = bytemuck::zeroed_vec(per(Slot::samples, 256));
     data.level = bytemuck::zeroed_vec(per(Slot::level, 1));
     data.ranges = bytemuck::zeroed_vec(per(Slot::ranges, LAWS * (ENTRIES_OF_A_LAW + 2)));

@@ -2,9 +2,10 @@
 
 use std::time::Instant;
 
+use super::lights::lights;
 use super::octree::OctreeTransport;
 use super::plan::{Change, Mode, Options, Plan, Transport, before_transport};
-use super::prepare::{Prepared, Units, camera, lights, prepare};
+use super::prepare::{Prepared, Units, camera, prepare};
 pub use super::room::Room;
 use super::room::{Lists, size};
 use crate::error::{Error, Result};
@@ -77,19 +78,21 @@ impl Session {
 
     /// Replaces the lights.
     pub fn set_lights(&mut self, list: &[Light]) -> Result<()> {
-        let groups = self.prepared.state.groups.clone();
+        let shape = |state: &State| (state.groups.clone(), state.data.frame[0].shadow_words, state.data.frame[0].sky);
+        let before = shape(&self.prepared.state);
         self.scene.lights = list.to_vec();
         lights(&mut self.prepared.state, list, &mut self.prepared.units, &self.scene.object.mesh);
         self.pending = self.pending.and(Change::LIGHT);
 
-        // The first light of all, or the last one gone, or channels that part: other stages run.
+        // The first light of all, or the last one gone, or channels that part: other stages run, or over other buffers.
         let plan = Plan::new(&self.prepared.state, self.plan.options());
-        if plan.stages.len() != self.plan.stages.len() || groups != self.prepared.state.groups {
+        if plan.stages.len() != self.plan.stages.len() || before != shape(&self.prepared.state) {
             self.plan = plan;
             self.pending = Change::EVERYTHING;
             return self.resize();
         }
-        self.send(&[Slot::frame, Slot::lights, Slot::camera])
+        let inputs = [Slot::frame, Slot::lights, Slot::camera, Slot::sky, Slot::sky_rows, Slot::sky_columns];
+        self.send(&inputs)
     }
 
     /// Replaces the camera; its picture may have another size.
@@ -108,6 +111,12 @@ impl Session {
         loop {
             let steps = self.plan.steps(&self.prepared.state, change);
             let times = if self.plan.octree(change) { self.run_octree(&steps, change)? } else { self.run(&steps)? };
+            if steps.iter().any(|step| step.stage.name == "shadow") {
+                self.fetch(&[Slot::cut_short])?;
+                if self.prepared.state.data.cut_short != [0] {
+                    return Err(unfinished("following a shadow ray", "use a mesh with fewer overlapping parts"));
+                }
+            }
             if !steps.iter().any(|step| ["link", "refine"].contains(&step.stage.name)) {
                 self.pending = Change::default();
                 return Ok(times);
@@ -199,6 +208,7 @@ impl Session {
     fn resize(&mut self) -> Result<()> {
         size(&mut self.prepared.state, &self.plan);
         self.size_picture();
+        self.check_shadows()?;
         let inputs: Vec<Slot> = Plan::inputs().collect();
         self.send(&inputs)?;
         // What no stage of the plan writes must be zero where a stage or the host reads it.
@@ -206,7 +216,24 @@ impl Session {
             .into_iter()
             .filter(|slot| !self.plan.stages.iter().any(|s| s.writes.iter().any(|(w, _, _)| w == slot)))
             .collect();
-        self.send(&blank)
+        self.send(&blank)?;
+        self.send(&[Slot::cut_short])
+    }
+
+    /// The bits of all shadows have to fit one binding.
+    fn check_shadows(&self) -> Result<()> {
+        let Backend::Gpu(twin) = &self.backend else { return Ok(()) };
+        let (data, most) = (&self.prepared.state.data, twin.device().limits().binding_bytes);
+        let bytes = data.bytes(Slot::lit).len() as u64;
+        if bytes <= most {
+            return Ok(());
+        }
+        let (faces, samples) = (data.triangles.len(), 32 * data.frame[0].shadow_words);
+        let what = format!(
+            "a bit for each of {faces} faces and {samples} samples of lights takes {bytes} bytes, a binding of the \
+             device takes {most}; use fewer samples, or shadows = false"
+        );
+        Err(Error::device("making room for buffer lit", what))
     }
 
     fn size_picture(&mut self) {

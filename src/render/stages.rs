@@ -2,7 +2,7 @@
 
 use crate::baseline::{brute, collect, form_factor, mean, reach, refine, spread};
 use crate::geometry::refit;
-use crate::light::irradiance;
+use crate::light::{environment, irradiance, shadow};
 use crate::state::{Place, Schedule, Stage, Step, Unit};
 use crate::transport::{average, evaluate, gather, level, link, pull, push, radii};
 use crate::view::{shade, visibility};
@@ -11,6 +11,8 @@ use crate::view::{shade, visibility};
 /// `pull` to `push`, `evaluate` answers `milkglass eval`.
 pub static STAGES: &[&Stage] = &[
     &refit::STAGE,
+    &shadow::STAGE,
+    &environment::STAGE,
     &irradiance::STAGE,
     &reach::STAGE,
     &mean::STAGE,

@@ -2,7 +2,7 @@
 //! [`Draft`], which is everything but the mesh itself.
 
 use super::camera::{self, Framing};
-use super::light::Light;
+use super::light::{Light, LightFile};
 use super::material::{Fresnel, Material};
 use super::mesh::Shape;
 use super::range::{self, Checked};
@@ -66,26 +66,6 @@ impl Default for CameraFile {
     }
 }
 
-/// `[[light]]`: the keys of every kind; [`Light::check`] knows which belong together.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct LightFile {
-    #[serde(rename = "type")]
-    pub kind: LightKind,
-    pub direction: Option<Vector>,
-    pub irradiance: Option<Rgb>,
-    pub position: Option<Vector>,
-    pub intensity: Option<Rgb>,
-}
-
-/// `type` of a light.
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum LightKind {
-    Directional,
-    Point,
-}
-
 /// `[[object]]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -108,12 +88,13 @@ pub(super) struct MaterialFile {
     pub sigma_a: Option<Rgb>,
     pub eta: Option<Rgb>,
     pub fresnel: Fresnel,
+    pub two_sided: bool,
 }
 
 impl Default for MaterialFile {
     fn default() -> Self {
         let fresnel = Fresnel::default();
-        Self { preset: None, scale: 1.0, sigma_s_prime: None, sigma_a: None, eta: None, fresnel }
+        Self { preset: None, scale: 1.0, sigma_s_prime: None, sigma_a: None, eta: None, fresnel, two_sided: false }
     }
 }
 
@@ -194,6 +175,7 @@ impl SceneFile {
         let framing = Framing::check(&self.camera)?;
         let lights = self.light.iter().enumerate().map(|(index, light)| Light::check(light, index));
         let lights = lights.collect::<Checked<Vec<Light>>>()?;
+        Light::check_all(&lights)?;
         let [object] = self.object.as_slice() else {
             let found = match self.object.len() {
                 0 => "no [[object]]".to_owned(),

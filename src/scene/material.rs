@@ -11,6 +11,9 @@ use serde::Deserialize;
 /// The relative index of refraction of a material that has no preset and gives none.
 pub const ETA: f64 = 1.3;
 
+/// The largest index for which the papers' polynomial F_dr stays below 1, where the boundary term is infinite.
+const PAPER_ETA: f64 = 3.8;
+
 /// Which diffuse Fresnel reflectance F_dr the dipole's boundary uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -31,10 +34,12 @@ pub struct Material {
     pub sigma_s_prime: [f64; 3],
     /// Absorption coefficient per scene unit, r g b, at least 0; the sum with scattering is above 0.
     pub sigma_a: [f64; 3],
-    /// Relative index of refraction, r g b, 1 to 4.
+    /// Relative index of refraction, inside over outside, r g b, 0.5 to 5.
     pub eta: [f64; 3],
     /// Which formula gives the diffuse Fresnel reflectance.
     pub fresnel: Fresnel,
+    /// Whether both sides of a face receive light, each by its own cosine; lights may then stand in the medium.
+    pub two_sided: bool,
 }
 
 impl Material {
@@ -58,7 +63,12 @@ impl Material {
         let zero_up = "numbers of at least 0, per mm";
         range::channels(&key("sigma_s_prime"), scattering, |x| x >= 0.0, zero_up)?;
         range::channels(&key("sigma_a"), absorption, |x| x >= 0.0, zero_up)?;
-        range::channels(&key("eta"), eta, |x| (1.0..=4.0).contains(&x), "numbers from 1 to 4")?;
+        range::channels(&key("eta"), eta, |x| (0.5..=5.0).contains(&x), "numbers from 0.5 to 5")?;
+        if file.fresnel == Fresnel::Paper {
+            let expected =
+                format!("numbers of at most {PAPER_ETA}, or fresnel = \"exact\": the polynomial F_dr passes 1");
+            range::channels(&key("eta"), eta, |x| x <= PAPER_ETA, &expected)?;
+        }
         let scale = range::number(&key("scale"), file.scale, |x| x > 0.0, "above 0")?;
 
         // Per scene unit; here a coefficient may overflow, or vanish in all of a channel.
@@ -80,7 +90,7 @@ impl Material {
             Some(preset) if modified => format!("{}, modified", preset.name),
             Some(preset) => preset.name.to_owned(),
         };
-        Ok(Self { name, sigma_s_prime, sigma_a, eta, fresnel: file.fresnel })
+        Ok(Self { name, sigma_s_prime, sigma_a, eta, fresnel: file.fresnel, two_sided: file.two_sided })
     }
 }
 
@@ -112,10 +122,10 @@ mod tests {
 
     #[test]
     fn explicit_keys_win_over_the_preset() {
-        let text = "preset = 'Skim Milk'\neta = [1.0, 1.2, 4]\nfresnel = 'paper'";
+        let text = "preset = 'Skim Milk'\neta = [0.7, 1.2, 3.8]\nfresnel = 'paper'";
         let milk = material(text, 1.0).expect("milk");
         assert_eq!(milk.name, "Skimmilk, modified");
-        assert_eq!((milk.eta, milk.fresnel), ([1.0, 1.2, 4.0], Fresnel::Paper));
+        assert_eq!((milk.eta, milk.fresnel), ([0.7, 1.2, 3.8], Fresnel::Paper));
         let own = material("sigma_s_prime = 1\nsigma_a = 0", 1.0).expect("custom");
         assert_eq!((own.name.as_str(), own.eta, own.fresnel), ("custom", [ETA; 3], Fresnel::Exact));
     }
@@ -130,7 +140,11 @@ mod tests {
             ),
             ("sigma_a = 1", "object.0.material.sigma_s_prime: missing"),
             ("sigma_s_prime = 1", "object.0.material.sigma_a: missing"),
-            ("preset = 'apple'\neta = 0.9", "object.0.material.eta: out of range; found [0.9"),
+            ("preset = 'apple'\neta = 0.4", "object.0.material.eta: out of range; found [0.4"),
+            (
+                "preset = 'apple'\neta = 4\nfresnel = 'paper'",
+                "object.0.material.eta: out of range; found [4, 4, 4]; expected numbers of at most 3.8, or fresnel",
+            ),
             ("preset = 'apple'\nscale = 0", "object.0.material.scale: out of range; found 0"),
             ("preset = 'apple'\nsigma_a = -1", "object.0.material.sigma_a: out of range"),
             (

@@ -17,14 +17,14 @@ mod transport;
 mod vector;
 
 pub use camera::Camera;
-pub use light::Light;
+pub use light::{Light, Sky, Source};
 pub use material::{Fresnel, Material};
 pub use mesh::{Mesh, Shape};
 pub use preset::{PRESETS, Preset};
 pub use transport::{Distance, Hierarchy, Near, Oracle, Scheme, Transport};
 
 use crate::error::{Input, Result};
-use file::Source;
+
 use range::Checked;
 use std::path::{Path, PathBuf};
 
@@ -82,8 +82,8 @@ impl Scene {
 
         // The mesh, at its size.
         let mut mesh = match draft.source {
-            Source::File(path) => Mesh::read(&text.folder.join(path), &mut report)?,
-            Source::Shape(shape, detail) => shape.build(detail),
+            file::Source::File(path) => Mesh::read(&text.folder.join(path), &mut report)?,
+            file::Source::Shape(shape, detail) => shape.build(detail),
         };
         if let Some(size) = draft.size {
             mesh.resize(size).map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
@@ -93,14 +93,24 @@ impl Scene {
         let (low, high) = mesh.bounds();
         let camera = draft.framing.fit(low, high);
         let camera = camera.map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
-        if draft.lights.is_empty() {
+
+        // The lights, now that there is something to stand in, and files to read.
+        let mut lights = draft.lights;
+        for (index, light) in lights.iter_mut().enumerate() {
+            let loaded = light.load(&text.folder, index).and_then(|()| match draft.material.two_sided {
+                true => Ok(()),
+                false => light.check_outside(&mesh, index),
+            });
+            loaded.map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
+        }
+        if lights.is_empty() {
             report.push("dark: the scene has no [[light]]".to_owned());
         }
         Ok(Self {
             name: text.name,
             unit_mm: draft.unit_mm,
             camera,
-            lights: draft.lights,
+            lights,
             object: Object { mesh, material: draft.material },
             transport: draft.transport,
             report,

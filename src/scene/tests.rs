@@ -40,7 +40,7 @@ fn every_built_in_scene_loads_without_a_word() {
 #[test]
 fn the_candle_stands_in_the_bowl() {
     let scene = Scene::load("lotus", &[]).expect("lotus");
-    let Some(Light::Point { position, .. }) = scene.lights.first() else {
+    let Some(Source::Point { position, .. }) = scene.lights.first().map(|light| &light.source) else {
         panic!("the first light is the candle");
     };
     // From above, the floor of the bowl is under the candle and the rim is above it.

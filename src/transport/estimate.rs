@@ -44,7 +44,7 @@ pub fn bend(jets: &Jets, c: usize, m: &Cloud, d2: f64, radius: f64) -> f64 {
 /// What a triangle's 6 area points miss, squared.
 pub fn points(jets: &Jets, c: usize, m: &Cloud, d2: f64) -> f64 {
     let chi = jets.unit_chi(c, d2) * m.trace();
-    (m.weight * jets.at(c, d2).value * (0.03 * chi.powi(3)).min(1.0)).powi(2)
+    (m.weight * jets.at(c, d2).value * (0.006 * chi.powi(3)).min(1.0)).powi(2)
 }
 
 /// What the edge form of a triangle of this value misses, squared: a share by the nodes of an edge, and by how large the

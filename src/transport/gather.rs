@@ -142,10 +142,10 @@ impl Near<'_> {
 
 impl Near<'_> {
     /// What the emitters that a block left out would have given at its centre, per channel.
-    fn dropped(&self, sphere: &Sphere, emitters: &[Emitter]) -> Vec<(usize, f64)> {
+    fn dropped(&self, sphere: &Sphere, emitters: &[Emitter], expands: &[[f32; 4]]) -> Vec<(usize, f64)> {
         let center = wide(sphere.center);
         let mut sums: Vec<(usize, f64)> = self.jets.channels().map(|c| (c, 0.0)).collect();
-        walk(sphere, emitters, |kind, node| {
+        walk(sphere, emitters, expands, |kind, node| {
             let m = &(self.cloud)(node);
             let d2 = center.distance_squared(m.center);
             for (c, sum) in sums.iter_mut().filter(|_| kind == Kind::Dropped) {
@@ -163,6 +163,7 @@ fn cpu(state: &mut State, at: Place) {
     let method = state.method;
     let data = &state.data;
     let emitters = &data.emitters[base..base + data.topology.len()];
+    let expands = &data.expands[base..base + data.topology.len()];
     let cloud = |node: u32| Cloud::new(&data.moments[base + node as usize], &data.spreads[base + node as usize]);
     let near = Near {
         data,
@@ -181,7 +182,7 @@ fn cpu(state: &mut State, at: Place) {
             let far = &list[..run.expanded as usize];
             expand(&near.jets, method.order, method.estimate, &data.spheres[number], near.cloud, far, &mut expansion);
             if method.estimate {
-                for (c, sum) in near.dropped(&data.spheres[number], emitters) {
+                for (c, sum) in near.dropped(&data.spheres[number], emitters, expands) {
                     expansion.error[c] += (sum * sum) as f32;
                 }
             }

@@ -50,6 +50,10 @@ pub enum Kind {
     Opened,
 }
 
+/// Classes of blocks by their spread against a usual block's: an emitter has a distance for each. Blocks beyond the last
+/// expand nothing.
+pub const CLASSES: [f32; 4] = [1.0, 4.0, 16.0, 64.0];
+
 /// Whether a squared distance is at least (reach + radius)^2; a reach far below 0 is always passed.
 fn beyond(d2: f32, reach: f32, radius: f32) -> bool {
     let sum = (reach + radius).max(0.0);
@@ -57,21 +61,22 @@ fn beyond(d2: f32, reach: f32, radius: f32) -> bool {
 }
 
 /// Walks the tree of emitters for a block and tells each decision, in order.
-pub fn walk(sphere: &Sphere, emitters: &[Emitter], mut tell: impl FnMut(Kind, u32)) {
+pub fn walk(sphere: &Sphere, emitters: &[Emitter], expands: &[[f32; 4]], mut tell: impl FnMut(Kind, u32)) {
+    let class = CLASSES.iter().position(|&most| sphere.spread <= most);
     let mut node = 0;
     while node < emitters.len() {
         let e = &emitters[node];
-        let ([x, y, z, drop], [expand, accept, area]) = (e.place, e.reach);
+        let [x, y, z, drop] = e.place;
         let d2 = distance2(sphere.center, [x, y, z]);
         let kind = if beyond(d2, drop, sphere.radius) {
             Kind::Dropped
-        } else if beyond(d2, expand * sphere.reach, sphere.radius) {
+        } else if class.is_some_and(|class| beyond(d2, expands[node][class], sphere.radius)) {
             Kind::Expanded
-        } else if beyond(d2, accept, sphere.radius) {
+        } else if beyond(d2, e.accept, sphere.radius) {
             Kind::Direct
         } else if e.skip as usize != node + 1 {
             Kind::Opened
-        } else if beyond(d2, area, sphere.radius) {
+        } else if beyond(d2, e.area, sphere.radius) {
             Kind::Area
         } else {
             Kind::Edge
@@ -95,11 +100,12 @@ fn cpu(state: &mut State, at: Place) {
         data.cursor[0] = Cursor::default();
     }
     let emitters = &data.emitters[base..base + data.topology.len()];
+    let expands = &data.expands[base..base + data.topology.len()];
     let lists: Vec<[Vec<u32>; 6]> = data.spheres[blocks]
         .par_iter()
         .map(|sphere| {
             let mut lists: [Vec<u32>; 6] = Default::default();
-            walk(sphere, emitters, |kind, node| lists[kind as usize].push(node));
+            walk(sphere, emitters, expands, |kind, node| lists[kind as usize].push(node));
             lists
         })
         .collect();

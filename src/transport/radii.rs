@@ -6,6 +6,7 @@
 
 use rayon::prelude::*;
 
+use super::link::CLASSES;
 use crate::dipole::form_factor::ladder::{chi_distance, q2};
 use crate::dipole::jet::Jets;
 use crate::error::Result;
@@ -15,7 +16,8 @@ use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit};
 /// A logarithm's rounding, 60 x 2^-24, moves the argument by that share of the table's depth.
 const EMITTER: &[Field] = &[
     Field { name: "place.3", relative: 5e-4, floor: 1e-6, of: "" },
-    Field { name: "reach", relative: 5e-4, floor: 1e-6, of: "" },
+    Field { name: "accept", relative: 5e-4, floor: 1e-6, of: "" },
+    Field { name: "area", relative: 5e-4, floor: 1e-6, of: "" },
 ];
 
 /// The table's entry.
@@ -27,6 +29,7 @@ pub static STAGE: Stage = Stage {
     writes: &[
         (Slot::ranges, Role::Output, Tolerance::Float { relative: 1e-3, floor: 1e-6 }),
         (Slot::emitters, Role::Output, Tolerance::Fields(EMITTER)),
+        (Slot::expands, Role::Output, Tolerance::Float { relative: 5e-4, floor: 1e-6 }),
     ],
     reason: "logarithms of up to 60 binary orders and a bisection: rounding moves the argument by up to 1e-5",
     unit: Unit::Group,
@@ -42,18 +45,14 @@ const DEEPEST: f64 = 60.0;
 const FARTHEST: f64 = 4.0;
 
 /// Shares of a link's allowed error: below this its light is left out ...
-pub const NOTHING: f64 = 0.01;
+pub const NOTHING: f64 = 1e-3;
 /// ... and this is what a block's expansion may add.
 const RECEIVER_SHARE: f64 = 0.3;
 
-/// How much stricter the laws are within the real source's depth: there the nearest point is as good as any other, and
-/// no slack is left for links that err alike.
-const ALIKE: f64 = 16.0;
-
-/// Largest chi at which the laws of a cluster, of one sample and of 6 area points hold: they are expansions in chi.
-const CLUSTER_CHI: f64 = 1.0;
-const SAMPLE_CHI: f64 = 0.35;
-const AREA_CHI: f64 = 0.7;
+/// Largest chi at which a triangle is taken by one sample and by 6 area points. The law of a cluster needs no such limit:
+/// it grows faster in chi than the quadrupole that it bounds.
+const SAMPLE_CHI: f64 = 1.4;
+const AREA_CHI: f64 = 1.4;
 
 /// Exponent n and factor of each law for the moments' order.
 fn laws(order: u32) -> ([f64; LAWS], [f64; LAWS]) {
@@ -74,9 +73,7 @@ fn law(jets: &Jets, level: [f32; 3], u: f64, power: f64) -> f64 {
         };
         let [real, virt] = dipole.depths().map(source);
         let both = real.max(virt) + (1.0 + (real.min(virt) - real.max(virt)).exp2()).log2();
-        let depth2 = dipole.z_real * dipole.z_real;
-        let alike = if power > 0.0 { (1.0 + ALIKE * depth2 / (u * u + depth2)).log2() } else { 0.0 };
-        both + alike + dipole.strength.max(1e-37).log2() - f64::from(level[c]).log2()
+        both + dipole.strength.max(1e-37).log2() - f64::from(level[c]).log2()
     };
     jets.channels().map(channel).fold(-1e30, f64::max)
 }
@@ -128,7 +125,8 @@ fn cpu(state: &mut State, at: Place) {
         let (m, s) = (&data.moments[base + node], &data.spreads[base + node]);
         let skip = data.topology[node].skip;
         let [x, y, z] = m.center;
-        let mut emitter = Emitter { place: [x, y, z, -1e9], reach: [0.0; 3], skip };
+        let mut emitter = Emitter { place: [x, y, z, -1e9], accept: 0.0, area: 0.0, skip };
+        let mut expands = [0.0; 4];
         if m.weight > 0.0 {
             let (weight, radius) = (f64::from(m.weight).log2(), f64::from(s.radius));
             let tau = s.diagonal.iter().copied().map(f64::from).sum::<f64>().max(1e-30).log2();
@@ -139,22 +137,26 @@ fn cpu(state: &mut State, at: Place) {
                 (s * s - nearest * nearest).max(0.0).sqrt()
             };
             let accept = range(rule, weight + power[rule] * tau, error);
-            let accept = accept.max(valid(if leaf { SAMPLE_CHI } else { CLUSTER_CHI }));
-            let expand = range(2, weight + power[2] * disc.max(1e-30).log2(), RECEIVER_SHARE * error);
+            let accept = if leaf { accept.max(valid(SAMPLE_CHI)) } else { accept };
             // The laws hold at a cluster's nearest point, a triangle's at its centroid; at distance 0 they hold everywhere.
             let reach = |radius: f64, range: f64| if range > 0.0 { (radius + range) as f32 } else { -1e9 };
             let edge = if leaf { 0.0 } else { radius };
             emitter.place[3] = reach(radius, range(0, weight, NOTHING * error));
-            emitter.reach[1] = reach(edge, accept);
-            emitter.reach[0] = reach(edge, accept.max(expand));
+            emitter.accept = reach(edge, accept);
+            expands = CLASSES.map(|spread| {
+                let spread = (disc * f64::from(spread)).max(1e-30).log2();
+                reach(edge, accept.max(range(2, weight + power[2] * spread, RECEIVER_SHARE * error)))
+            });
             if leaf {
-                emitter.reach[2] = reach(edge, valid(AREA_CHI).max(range(4, weight + power[4] * tau, error)));
+                emitter.area = reach(edge, valid(AREA_CHI).max(range(4, weight + power[4] * tau, error)));
             }
         }
-        emitter
+        (emitter, expands)
     };
-    let emitters: Vec<Emitter> = (0..data.topology.len()).into_par_iter().map(emitter).collect();
+    let (emitters, expands): (Vec<Emitter>, Vec<[f32; 4]>) =
+        (0..data.topology.len()).into_par_iter().map(emitter).unzip();
     data.emitters[base..base + emitters.len()].copy_from_slice(&emitters);
+    data.expands[base..base + expands.len()].copy_from_slice(&expands);
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {

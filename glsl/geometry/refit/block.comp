@@ -29,5 +29,5 @@ void main() {
     }
     // The usual block: a flat disc of the mean area of all blocks.
     float disc = max(clusters[0].area / (6.2831853 * float(frame[0].blocks)), 1e-30);
-    spheres[i] = Sphere(center, sqrt(radius2), max(1.0, sqrt(spread / (float(block.count) * disc))));
+    spheres[i] = Sphere(center, sqrt(radius2), spread / (float(block.count) * disc));
 }

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 #include "invocation.glsl"
+#include "geometry/area.glsl"
 
 // A leaf's box, centroid, vector area and second moment, from its triangle.
 READS(frame)
@@ -20,7 +21,7 @@ void main() {
     bounds[node] = Bounds(min(min(a, b), c), max(max(a, b), c));
 
     vec3 e0 = b - a, e1 = c - b, e2 = a - c;
-    vec3 normal = 0.5 * cross(e0, c - a);
+    vec3 normal = vector_area(a, b, c);
     float spread = (dot(e0, e0) + dot(e1, e1) + dot(e2, e2)) / 36.0;
     clusters[node] = Cluster((a + b + c) / 3.0, length(normal), normal, spread);
 }

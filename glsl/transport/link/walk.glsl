@@ -7,6 +7,7 @@
 READS(frame)
 READS(spheres)
 READS(emitters)
+READS(expands)
 layout(push_constant, scalar) uniform push_block { Range range; };
 
 const uint DROPPED = 0, EXPANDED = 1, DIRECT = 2, AREA = 3, EDGE = 4, OPENED = 5;
@@ -23,16 +24,18 @@ bool beyond(float d2, float reach, float radius) {
 // False where the driver has cut the loop short.
 bool walk(uint block) {
     Sphere sphere = spheres[block];
+    // A class for the block's spread; beyond the last nothing is expanded.
+    uint spread_class = uint(sphere.spread > 1.0) + uint(sphere.spread > 4.0) + uint(sphere.spread > 16.0);
+    bool expandable = sphere.spread <= 64.0;
     uint node = 0, end = frame[0].nodes;
     while (node < end) {
         Emitter e = emitters[node];
         float d2 = distance2(sphere.center, e.place.xyz);
-        precise float expand = e.reach.x * sphere.reach;
         bool leaf = e.skip == node + 1;
-        uint near = leaf ? (beyond(d2, e.reach.z, sphere.radius) ? AREA : EDGE) : OPENED;
+        uint near = leaf ? (beyond(d2, e.area, sphere.radius) ? AREA : EDGE) : OPENED;
         uint kind = beyond(d2, e.place.w, sphere.radius) ? DROPPED
-                  : beyond(d2, expand, sphere.radius) ? EXPANDED
-                  : beyond(d2, e.reach.y, sphere.radius) ? DIRECT : near;
+                  : expandable && beyond(d2, expands[node][spread_class], sphere.radius) ? EXPANDED
+                  : beyond(d2, e.accept, sphere.radius) ? DIRECT : near;
         on_emitter(kind, node);
         node = kind == OPENED ? node + 1 : e.skip;
     }

@@ -17,11 +17,8 @@ float factor_of(uint law) {
     return law == 0 ? 1.0 : law == 2 ? 0.5 : 0.045;
 }
 // Shares of a link's allowed error: light fainter than the first is left out; the other is what a block's expansion adds.
-const float NOTHING = 0.01;
+const float NOTHING = 1e-3;
 const float RECEIVER_SHARE = 0.3;
-// Largest chi at which the laws of a cluster, of one sample and of 6 area points hold.
-const float CLUSTER_CHI = 1.0;
-const float SAMPLE_CHI = 0.35;
-const float AREA_CHI = 0.7;
-// How much stricter the laws are within the real source's depth.
-const float ALIKE = 16.0;
+// Largest chi at which a triangle is taken by one sample and by 6 area points.
+const float SAMPLE_CHI = 1.4;
+const float AREA_CHI = 1.4;

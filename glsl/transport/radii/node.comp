@@ -12,6 +12,7 @@ READS(moments)
 READS(spreads)
 READS(ranges)
 WRITES(emitters)
+WRITES(expands)
 #include "transport/radii/laws.glsl"
 #include "transport/chi.glsl"
 
@@ -27,7 +28,7 @@ float range_of(uint which, float strength, float allowed) {
     return mix(ranges[base + 2 + entry], ranges[base + 3 + entry], at - float(entry));
 }
 
-// Nearer than this a law says nothing: it is an expansion in chi. Sources lie at least z_r off the surface.
+// Nearer than this a rule serves no triangle. Sources lie at least z_r off the surface.
 float valid(float trace, float chi) {
     float s = chi_distance(trace, chi), z = min(frame[0].z_real.x, min(frame[0].z_real.y, frame[0].z_real.z));
     return sqrt(max(0.0, (s - z) * (s + z)));
@@ -42,23 +43,28 @@ void main() {
     Moment m = moments[node];
     Spread spread = spreads[node];
     uint skip = topology[node].skip;
-    Emitter emitter = Emitter(vec4(m.center, -1e9), vec3(0), skip);
+    Emitter emitter = Emitter(vec4(m.center, -1e9), 0, 0, skip);
+    vec4 expand = vec4(0);
     if (m.weight > 0.0) {
         float error = frame[0].link_error;
         float weight = log2(m.weight), tau = log2(max(spread.diagonal.x + spread.diagonal.y + spread.diagonal.z, 1e-30));
         bool leaf = skip == node + 1;
         uint rule = leaf ? 3 : 1;
         float trace = spread.diagonal.x + spread.diagonal.y + spread.diagonal.z;
-        float accept = max(valid(trace, leaf ? SAMPLE_CHI : CLUSTER_CHI), range_of(rule, weight + power_of(rule) * tau, error));
-        // A flat disc of a block's mean area: blocks of another spread scale this distance.
+        float accept = range_of(rule, weight + power_of(rule) * tau, error);
+        if (leaf) accept = max(accept, valid(trace, SAMPLE_CHI));
+        // A flat disc of a block's mean area, and four times more for each further class.
         float disc = log2(max(clusters[0].area / (6.2831853 * float(frame[0].blocks)), 1e-30));
-        float expand = range_of(2, weight + power_of(2) * disc, RECEIVER_SHARE * error);
         // The laws hold at a cluster's nearest point; a triangle's at its centroid.
         float radius = leaf ? 0.0 : spread.radius;
         emitter.place.w = reach(spread.radius, range_of(0, weight, NOTHING * error));
-        emitter.reach.y = reach(radius, accept);
-        emitter.reach.x = reach(radius, max(accept, expand));
-        if (leaf) emitter.reach.z = reach(radius, max(valid(trace, AREA_CHI), range_of(4, weight + power_of(4) * tau, error)));
+        emitter.accept = reach(radius, accept);
+        for (uint k = 0; k < 4; ++k) {
+            float bent = range_of(2, weight + power_of(2) * (disc + 2.0 * float(k)), RECEIVER_SHARE * error);
+            expand[k] = reach(radius, max(accept, bent));
+        }
+        if (leaf) emitter.area = reach(radius, max(valid(trace, AREA_CHI), range_of(4, weight + power_of(4) * tau, error)));
     }
     emitters[node] = emitter;
+    expands[node] = expand;
 }

@@ -26,10 +26,6 @@ float law(float u, float power) {
         float real = source(frame[0].sigma[c], frame[0].z_real[c], u, power);
         float virt = source(frame[0].sigma[c], frame[0].z_virtual[c], u, power);
         float both = max(real, virt) + log2(1.0 + exp2(min(real, virt) - max(real, virt)));
-        // Within the real source's depth the nearest point is as good as any other: no slack is left for links that err
-        // alike.
-        float depth2 = frame[0].z_real[c] * frame[0].z_real[c];
-        both += power > 0.0 ? log2(1.0 + ALIKE * depth2 / (u * u + depth2)) : 0.0;
         largest = max(largest, both + log2(max(frame[0].strength[c] * frame[0].tint[c], 1e-37)) - log2(level[0][c]));
     })
     return largest;

@@ -8,12 +8,12 @@ use crate::dipole::form_factor::points::sampled;
 use crate::dipole::profile::Dipole;
 use crate::error::{Input, Result};
 use crate::measure::norms::{Norms, norms, worst};
-use crate::measure::reference::{radiosity, sample};
-use crate::render::plan::{Goal, Options, Transport};
-use crate::render::prepare::lit;
+use crate::measure::reference::{radiosity, receivers};
+use crate::measure::sample::Sample;
+use crate::render::lights::lit;
+use crate::render::plan::{Change, Goal, Options, Transport, before_transport};
 use crate::render::run::{Room, Session};
-use crate::render::stages::stage;
-use crate::scene::Scene;
+use crate::scene::{Hierarchy, Near, Scene, Scheme};
 use crate::state::{Distance, State, wide};
 
 /// How a method treats a single triangle, at its finest.
@@ -40,9 +40,10 @@ const CENTER: [[f64; 4]; 1] = [[1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0]];
 
 /// Brute force at a sample of receivers, in the scene's units.
 pub struct Yardstick {
-    /// The mesh's triangles that receive.
+    /// Receivers.
+    sample: Sample,
+    /// The mesh's triangles that they are.
     faces: Vec<usize>,
-    areas: Vec<f64>,
     exact: Vec<[f64; 3]>,
     midpoint: Vec<[f64; 3]>,
 }
@@ -56,28 +57,29 @@ impl Yardstick {
             let fault = Input::new("no light shines, so there is no error to measure").key("light");
             return Err(fault.expected("at least one [[light]] that is not black").into());
         }
-        let faces = sample(session.prepared.faces.len(), count, seed);
+        // Roughly where the light is, by the usual method, whatever the scene asks for.
+        let mut rough = scene.clone();
+        let usual = (Scheme::Blocks, Hierarchy::Median, Distance::Radial, Near::Exact);
+        let keys = &mut rough.transport;
+        (keys.scheme, keys.hierarchy, keys.distance, keys.near) = usual;
+        let options = Options { goal: Goal::Radiosity, ..Options::default() };
+        let mut rough = Session::new(&rough, None, options, Room::default())?;
+        rough.frame(Change::EVERYTHING)?;
+        let sample = receivers(rough.state(), count, seed);
 
-        // The stages that a sum starts from, by the reference; then the sums, in the order of the tree.
-        for name in ["refit", "irradiance"] {
-            if let Some(stage) = stage(name) {
-                (stage.cpu)(&mut session.prepared.state, crate::state::Place::default());
-            }
+        // The stages that a sum starts from, by the reference.
+        for stage in session.plan.stages.iter().filter(|stage| before_transport(stage.name)) {
+            (stage.cpu)(&mut session.prepared.state, crate::state::Place::default());
         }
+        let faces: Vec<usize> = sample.faces.iter().map(|&place| rough.prepared.faces[place] as usize).collect();
         let mut places = vec![0; session.prepared.faces.len()];
         for (place, &face) in session.prepared.faces.iter().enumerate() {
             places[face as usize] = place;
         }
         let places: Vec<usize> = faces.iter().map(|&face| places[face]).collect();
         let (state, light) = (session.state(), session.units().light);
-        let area = |&place: &usize| f64::from(state.data.clusters[state.data.leaves[place] as usize].area);
         let scaled = |sums: Vec<[f64; 3]>| sums.into_iter().map(|sum| sum.map(|x| x * light)).collect();
-        Ok(Self {
-            areas: places.iter().map(area).collect(),
-            exact: scaled(radiosity(state, &places)),
-            midpoint: scaled(midpoint(state, &places)),
-            faces,
-        })
+        Ok(Self { exact: scaled(radiosity(state, &places)), midpoint: scaled(midpoint(state, &places)), sample, faces })
     }
 
     /// Receivers.
@@ -89,12 +91,12 @@ impl Yardstick {
     /// and against the area integral.
     pub fn errors(&self, method: &Method, radiosity: &[[f64; 3]]) -> [Norms; 2] {
         let values: Vec<[f64; 3]> = self.faces.iter().map(|&face| radiosity[face]).collect();
-        [method.leaves, Leaves::Exact].map(|leaves| worst(&norms(&self.areas, &values, self.sums(leaves))))
+        [method.leaves, Leaves::Exact].map(|leaves| worst(&norms(&self.sample, &values, self.sums(leaves))))
     }
 
     /// The error of these leaf sums, without any clustering, against the area integral, worst channel.
     pub fn discretisation(&self, leaves: Leaves) -> Norms {
-        worst(&norms(&self.areas, self.sums(leaves), &self.exact))
+        worst(&norms(&self.sample, self.sums(leaves), &self.exact))
     }
 
     fn sums(&self, leaves: Leaves) -> &[[f64; 3]] {

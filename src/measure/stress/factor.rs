@@ -18,10 +18,10 @@ use crate::scene::{Fresnel, Light, Material, Mesh, Scene};
 use crate::state::{DeviceState, Place, State, Step};
 
 /// Three media, one a channel: reduced scattering and absorption, 1/length, and the index of refraction.
-pub(super) type Media = [[f64; 3]; 3];
+pub type Media = [[f64; 3]; 3];
 
 /// A triangle, a point that receives from it, and three media between them.
-pub(super) struct Pair {
+pub struct Pair {
     /// Corners, counter-clockwise, in the media's unit of length.
     pub triangle: [DVec3; 3],
     /// The receiving point.
@@ -36,12 +36,13 @@ const SEEN: f64 = 1e-6;
 const ANY: f64 = 1e-30;
 
 impl Pair {
-    fn dipoles(&self) -> [Dipole; 3] {
+    /// The dipoles of the media, in their unit of length; the diffuse Fresnel reflectance is exact.
+    pub fn dipoles(&self) -> [Dipole; 3] {
         self.media.map(|[s, a, eta]| Dipole::new(s, a, boundary(diffuse_internal_exact(eta))))
     }
 
-    /// The form factors to nearly all digits.
-    fn exact(&self) -> [f64; 3] {
+    /// The form factors to nearly all digits, radial distances, one a medium.
+    pub fn exact(&self) -> [f64; 3] {
         let form = |dipole: &Dipole| {
             let corners = self.triangle.map(|corner| corner - self.point);
             edge_form_exact(&corners, [0, 1, 2], DVec3::ZERO, dipole, Distance::Radial)
@@ -50,7 +51,7 @@ impl Pair {
     }
 
     /// What `milkglass eval` asks: relative to the point, in mean free paths, channel by channel.
-    fn queries(&self) -> [Query; 3] {
+    pub fn queries(&self) -> [Query; 3] {
         std::array::from_fn(|channel| {
             let [s, a, eta] = self.media[channel];
             let unit = 1.0 / (s + a);
@@ -87,8 +88,10 @@ impl Pair {
             sigma_a: self.media.map(|[_, a, _]| a),
             eta: self.media.map(|[.., eta]| eta),
             fresnel: Fresnel::Exact,
+            two_sided: false,
         };
-        scene.lights = vec![Light::Directional { direction: normal, irradiance: [1.0; 3] }];
+        // The receiver may stand in the light, and is not meant to.
+        scene.lights = vec![Light { shadows: false, ..Light::directional(normal, [1.0; 3]) }];
         Ok(scene)
     }
 }
@@ -131,7 +134,11 @@ fn judge(pairs: &[Pair], exact: &[[f64; 3]], values: &[[f32; 3]]) -> Found {
     found
 }
 
-/// The stage `evaluate`.
+/// The form factors by the stage `evaluate` on a device or, without one, by its reference; radial distances.
+pub fn evaluated(pairs: &[Pair], device: Option<&Device>) -> Result<Vec<[f32; 3]>> {
+    evaluate(pairs, device.map(|device| DeviceState::new(device, false)).as_mut())
+}
+
 fn evaluate(pairs: &[Pair], twin: Option<&mut DeviceState>) -> Result<Vec<[f32; 3]>> {
     let mut state = State::default();
     state.data.queries = pairs.iter().flat_map(Pair::queries).collect();

@@ -4,7 +4,7 @@
 //! A case passes when every value is a number, none is negative, none is zero where light belongs, and the errors keep
 //! within the case's own bounds: of the device's usual method and of the `f32` brute force beside it.
 
-mod factor;
+pub mod factor;
 mod factors;
 mod materials;
 mod meshes;
@@ -27,13 +27,21 @@ pub struct Bound {
 /// Where the answer has to be zero, to the last bit.
 pub const ZERO: Bound = Bound { l2: 0.0, max: 0.0 };
 
-/// What today's clusters need: they bound angles, not errors, and hold the irradiance of a face to that of its cluster.
-const CLUSTERS: Bound = Bound { l2: 1e-2, max: 5e-2 };
-/// What brute force needs: one sample with its second moment up to chi = 0.1, and sums in `f32`.
-const BRUTE: Bound = Bound { l2: 1e-4, max: 5e-4 };
-/// Why these two are enough for most scenes.
-const USUAL_REASON: &str = "only clustering accounts for the first: its angles bound no error; brute force \
-                                       takes one sample up to chi = 0.1, wrong by parts in a thousand of a far face";
+/// About three times the errors measured on the CPU, lavapipe and SwiftShader, the largest of the three: what the case's
+/// reason explains, and room for a driver that rounds otherwise.
+const fn within(l2: f64, max: f64) -> Bound {
+    Bound { l2, max }
+}
+
+/// What the method may err by in most scenes, and why.
+const USUAL: Bound = within(4e-4, 2.5e-3);
+const USUAL_REASON: &str = "links to second order at the default tolerance of 1e-3: their errors cancel in part, to about \
+                            1e-4; brute force takes one sample with its second moment up to chi = 0.1, much the same";
+/// The same for sheets, which both sides and far faces light alike.
+const SHEET: Bound = within(1e-3, 4e-3);
+const SHEET_REASON: &str = "on a sheet distant faces count as much as near ones, so more links err, and together: up to the \
+                            tolerance; \
+                            brute force as elsewhere";
 
 /// One extreme case.
 pub struct Case {
@@ -84,6 +92,8 @@ pub struct Outcome {
     pub usual: Worst,
     /// Errors of brute force in `f32`.
     pub brute: Worst,
+    /// Errors of the irradiance octree in `f32`, of a scene; they are told and decide nothing.
+    pub octree: Option<Worst>,
     /// Everything that is wrong; empty when the case passes.
     pub faults: Vec<String>,
 }
@@ -156,9 +166,15 @@ pub fn stress(device: Option<&Device>, only: &str, plant: Option<Plant>) -> Resu
 }
 
 fn run(case: &'static Case, device: Option<&Device>, plant: Option<Plant>) -> Result<Outcome> {
-    let [usual, brute] = match case.kind {
-        Kind::Factors(pairs) => factor::run(&pairs(), device, plant)?,
-        Kind::Scene(make) => solve::run(&make()?, device, plant)?,
+    let (usual, brute, octree) = match case.kind {
+        Kind::Factors(pairs) => {
+            let [usual, brute] = factor::run(&pairs(), device, plant)?;
+            (usual, brute, None)
+        }
+        Kind::Scene(make) => {
+            let [usual, brute, octree] = solve::run(&make()?, device, plant)?;
+            (usual, brute, Some(octree.error))
+        }
     };
     let sound = !usual.unsound && !brute.unsound;
     let mut faults = Vec::new();
@@ -167,11 +183,11 @@ fn run(case: &'static Case, device: Option<&Device>, plant: Option<Plant>) -> Re
         for (norm, error, bound) in [("L2", found.error.l2, bound.l2), ("largest", found.error.max, bound.max)] {
             // What is no number is beyond any bound.
             if error.is_nan() || error > bound {
-                faults.push(format!("{method}: the {norm} error {error:.2e} is beyond {bound:.0e}: {}", case.reason));
+                faults.push(format!("{method}: the {norm} error {error:.2e} is beyond {bound:e}: {}", case.reason));
             }
         }
     }
-    Ok(Outcome { case, sound, usual: usual.error, brute: brute.error, faults })
+    Ok(Outcome { case, sound, usual: usual.error, brute: brute.error, octree, faults })
 }
 
 #[cfg(test)]

@@ -5,10 +5,11 @@ use crate::error::Result;
 use crate::gpu::Device;
 use crate::layout::Slot;
 use crate::measure::norms::{norms, worst};
-use crate::measure::reference::{radiosity, sample};
+use crate::measure::reference::radiosity;
+use crate::measure::sample::Sample;
+use crate::render::plan::before_transport;
 use crate::render::plan::{Change, Goal, Options, Transport};
 use crate::render::run::{Room, Session};
-use crate::render::stages::stage;
 use crate::scene::{Mesh, Scene};
 use crate::state::Place;
 
@@ -18,8 +19,6 @@ pub(super) struct Setup {
     pub scene: Scene,
     /// What it is measured against.
     pub against: Against,
-    /// A setting that a scene file must refuse, where the case goes beyond what it may say; or empty.
-    pub refused: &'static str,
 }
 
 /// What a scene's radiosity has to be.
@@ -62,7 +61,7 @@ pub(super) fn scene(sets: &[&str]) -> Result<Scene> {
 impl Setup {
     /// The base scene with these settings, against itself in `f64`.
     pub fn new(sets: &[&str]) -> Result<Self> {
-        Ok(Self { scene: scene(sets)?, against: Against::Itself, refused: "" })
+        Ok(Self { scene: scene(sets)?, against: Against::Itself })
     }
 
     /// With a mesh of its own.
@@ -89,7 +88,7 @@ impl Setup {
 fn reference(scene: &Scene, faces: &[usize]) -> Result<Vec<[f64; 3]>> {
     let options = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(scene, None, options, Room::default())?;
-    for stage in ["refit", "irradiance"].into_iter().filter_map(stage) {
+    for stage in session.plan.stages.iter().filter(|stage| before_transport(stage.name)) {
         (stage.cpu)(&mut session.prepared.state, Place::default());
     }
     let mut place = vec![0; session.prepared.faces.len()];
@@ -101,25 +100,29 @@ fn reference(scene: &Scene, faces: &[usize]) -> Result<Vec<[f64; 3]>> {
     Ok(values.into_iter().map(|value| value.map(|x| x * session.units().light)).collect())
 }
 
-/// The radiosity by the usual method, a picture included, and by brute force.
-pub(super) fn run(setup: &Setup, device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 2]> {
+/// The radiosity by the usual method, a picture included, by brute force, and by the irradiance octree.
+pub(super) fn run(setup: &Setup, device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 3]> {
     let mesh = &setup.scene.object.mesh;
-    let faces = sample(mesh.triangles.len(), RECEIVERS, 1);
+    let area = |face: usize| mesh.corners(face).map_or(0.0, |[a, b, c]| 0.5 * (b - a).cross(c - a).length());
+    let areas: Vec<f64> = (0..mesh.triangles.len()).map(area).collect();
+    let sample = Sample::seeded(&areas, &[], RECEIVERS, 1);
+    let faces = &sample.faces;
     let expected = match &setup.against {
-        Against::Itself => reference(&setup.scene, &faces)?,
+        Against::Itself => reference(&setup.scene, faces)?,
         Against::Darkness => vec![[0.0; 3]; faces.len()],
         Against::Another(scene, factor) => {
             let times = |value: [f64; 3]| [0, 1, 2].map(|c| value[c] * factor[c]);
-            reference(scene, &faces)?.into_iter().map(times).collect()
+            reference(scene, faces)?.into_iter().map(times).collect()
         }
     };
     let picture = Options { goal: Goal::Picture, ..Options::default() };
     let brute = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
-    let mut usual = method(setup, device, picture, plant, &faces, &expected)?;
-    if !setup.refused.is_empty() && scene(&[setup.refused]).is_ok() {
-        usual.faults.push(format!("a scene file may say {}, which is documented as refused", setup.refused));
-    }
-    Ok([usual, method(setup, device, brute, None, &faces, &expected)?])
+    let octree = Options { transport: Transport::Octree, ..brute };
+    Ok([
+        method(setup, device, picture, plant, &sample, &expected)?,
+        method(setup, device, brute, None, &sample, &expected)?,
+        method(setup, device, octree, None, &sample, &expected)?,
+    ])
 }
 
 fn method(
@@ -127,7 +130,7 @@ fn method(
     device: Option<&Device>,
     options: Options,
     plant: Option<Plant>,
-    faces: &[usize],
+    sample: &Sample,
     expected: &[[f64; 3]],
 ) -> Result<Found> {
     let mut session = Session::new(&setup.scene, device, options, Room::default())?;
@@ -154,10 +157,8 @@ fn method(
     for (value, &face) in data.radiosity.iter().zip(&session.prepared.faces) {
         values[face as usize] = value.map(|x| f64::from(x) * session.units().light);
     }
-    let values: Vec<[f64; 3]> = faces.iter().map(|&face| values[face]).collect();
-    let area = |&face: &usize| mesh.corners(face).map_or(0.0, |[a, b, c]| 0.5 * (b - a).cross(c - a).length());
-    let areas: Vec<f64> = faces.iter().map(area).collect();
-    found.error = worst(&norms(&areas, &values, expected)).into();
+    let values: Vec<[f64; 3]> = sample.faces.iter().map(|&face| values[face]).collect();
+    found.error = worst(&norms(sample, &values, expected)).into();
 
     let largest = |channel: usize| expected.iter().map(|value| value[channel]).fold(0.0, f64::max);
     let zeros: usize = [0, 1, 2]

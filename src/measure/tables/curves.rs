@@ -57,7 +57,10 @@ fn triangle(tip: f64, base: f64, width: f64) -> [DVec3; 3] {
 fn material(name: &str) -> [Dipole; 3] {
     let preset = Preset::named(name).unwrap_or(&PRESETS[0]);
     let (sigma_s_prime, sigma_a, eta) = (preset.sigma_s_prime, preset.sigma_a, [preset.eta; 3]);
-    dipoles(&Material { name: name.into(), sigma_s_prime, sigma_a, eta, fresnel: Fresnel::Paper }, 1.0)
+    dipoles(
+        &Material { name: name.into(), sigma_s_prime, sigma_a, eta, fresnel: Fresnel::Paper, two_sided: false },
+        1.0,
+    )
 }
 
 /// Figure 3: skim milk; tip 0 to 10 mm away in steps of 0.2, base 10 mm wide, height 5 mm.

@@ -4,7 +4,8 @@ use crate::error::{Error, Result};
 use crate::gpu::Device;
 use crate::layout::Slot;
 use crate::measure::norms::{Norms, norms, worst};
-use crate::measure::reference::{radiosity, sample};
+use crate::measure::reference::{radiosity, receivers};
+use crate::measure::sample::Sample;
 use crate::render::plan::{Change, Goal, Mode, Options};
 use crate::render::room::KEEPING;
 use crate::render::run::{Room, Session};
@@ -25,7 +26,7 @@ pub enum Kept {
 
 /// Radiosity by brute force in `f64`, at some faces.
 pub struct Truth {
-    faces: Vec<usize>,
+    sample: Sample,
     radiosity: Vec<[f64; 3]>,
 }
 
@@ -120,19 +121,18 @@ impl Solved {
     /// What the radiosity should be, at so many seeded faces.
     #[must_use]
     pub fn truth(&self, samples: usize) -> Truth {
-        let faces = sample(self.faces(), samples, 1);
-        let radiosity = radiosity(self.session.state(), &faces);
-        Truth { faces, radiosity }
+        let sample = receivers(self.session.state(), samples, 1);
+        let radiosity = radiosity(self.session.state(), &sample.faces);
+        Truth { sample, radiosity }
     }
 
     /// The error against that, of the worst channel.
     #[must_use]
     pub fn error(&self, truth: &Truth) -> Norms {
         let data = &self.session.state().data;
-        let area = |&face: &usize| f64::from(data.clusters[data.leaves[face] as usize].area);
-        let areas: Vec<f64> = truth.faces.iter().map(area).collect();
-        let values: Vec<[f64; 3]> = truth.faces.iter().map(|&face| data.radiosity[face].map(f64::from)).collect();
-        worst(&norms(&areas, &values, &truth.radiosity))
+        let values: Vec<[f64; 3]> =
+            truth.sample.faces.iter().map(|&face| data.radiosity[face].map(f64::from)).collect();
+        worst(&norms(&truth.sample, &values, &truth.radiosity))
     }
 
     /// How the radiosity differs from another solution of the same scene, relative to its rms over the faces: as it is,

@@ -66,6 +66,17 @@ impl Mesh {
         corners.map(|[a, b, c]| (a - apex).dot((b - apex).cross(c - apex)) / 6.0).sum()
     }
 
+    /// The first of these points that lies in the medium: the solid angle of the surface about it is the whole sphere,
+    /// or more of it where parts overlap. In a cavity it is zero, on the surface a part of the sphere. A mesh with an
+    /// open edge has no inside.
+    pub fn first_inside(&self, points: &[DVec3]) -> Option<DVec3> {
+        let (low, high) = self.bounds();
+        let boxed = |p: &&DVec3| p.cmpge(low).all() && p.cmple(high).all();
+        let faces: Vec<u32> = (0..).take(self.triangles.len()).collect();
+        let inside = |p: &&DVec3| nesting::winding(self, &faces, **p) > 0.999;
+        if self.open_edges > 0 { None } else { points.iter().filter(boxed).find(inside).copied() }
+    }
+
     /// Moves the middle of the bounding box to the origin and scales the largest extent to `size`.
     pub(super) fn resize(&mut self, size: f64) -> Checked<()> {
         let (low, high) = self.bounds();

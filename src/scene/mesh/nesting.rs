@@ -50,7 +50,7 @@ fn outermost(mesh: &Mesh, faces: &[u32]) -> [DVec3; 6] {
 
 /// The generalised winding number of a closed part about a point: the solid angles of its faces
 /// (van Oosterom and Strackee 1983) over 4 pi; about 1 or -1 inside and 0 outside.
-fn winding(mesh: &Mesh, faces: &[u32], point: DVec3) -> f64 {
+pub(super) fn winding(mesh: &Mesh, faces: &[u32], point: DVec3) -> f64 {
     let half_angle = |[a, b, c]: [DVec3; 3]| {
         let (a, b, c) = (a - point, b - point, c - point);
         let (la, lb, lc) = (a.length(), b.length(), c.length());

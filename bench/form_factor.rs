@@ -1,0 +1,88 @@
+//! `cargo bench --bench form_factor`: what a pair of triangle and receiver costs by one sample and by the edge form with
+//! 3, 6 and 12 nodes an edge, and how wrong each is, on every device.
+//!
+//! Times are the device's own, the median of several runs; each ratio is against one sample in the same run. Errors are
+//! scaled, |F - F_ref| / R_full, where the nearer source is more than 1e-4 of the longest edge over the triangle. The
+//! form is applied to every pair, however near or far; the renderer takes the edge form for near ones only.
+
+#[path = "../tests/population/mod.rs"]
+mod population;
+#[path = "../tests/analytic/seeded.rs"]
+mod seeded;
+
+use milkglass::error::Result;
+use milkglass::gpu::{Alone, Device, Instance};
+use milkglass::measure::stress::factor::Pair;
+use population::{heights, longest, population};
+use seeded::percentile;
+
+static SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/bench-kernels-pair.spv"));
+/// Pairs whose error is measured.
+const CHECKED: usize = 4000;
+/// Triangles that are timed, and receivers of each.
+const TIMED: [usize; 2] = [32768, 16];
+
+/// A pair as the kernel takes it: corners relative to the receiver, in longest edges, then the dipoles.
+fn record(pair: &Pair) -> Vec<f32> {
+    let length = longest(pair.triangle);
+    let dipoles = pair.dipoles();
+    let corners = pair.triangle.iter().flat_map(|&corner| ((corner - pair.point) / length).to_array());
+    let of = |f: fn(&milkglass::dipole::profile::Dipole) -> f64| dipoles.each_ref().map(f);
+    let [sigma, z_real, z_virtual] = [of(|d| d.sigma), of(|d| d.z_real), of(|d| d.z_virtual)];
+    let media = [sigma.map(|x| x * length), z_real.map(|x| x / length), z_virtual.map(|x| x / length)];
+    corners.chain(media.into_iter().flatten()).chain(of(|d| d.strength)).map(|x| x as f32).collect()
+}
+
+/// The form factors, and the median time of a pair in nanoseconds.
+fn form(device: &Device, nodes: u32, records: &[Vec<f32>], receivers: usize) -> Result<(Vec<f64>, f64)> {
+    let head = [records.len() as u32, receivers as u32].into_iter().flat_map(u32::to_ne_bytes);
+    let input = head.chain(records.iter().flatten().flat_map(|x| x.to_ne_bytes())).collect();
+    let mut buffers = [input, vec![0; 12 * records.len()]];
+    let alone = Alone { name: "pair", spirv: SPIRV, constants: &[nodes] };
+    // The first run prepares the pipeline.
+    let timings = alone.run(device, &mut buffers, records.len() as u64, 8)?;
+    let mut times: Vec<f64> = timings.iter().skip(1).map(|timing| timing.milliseconds).collect();
+    times.sort_by(f64::total_cmp);
+    let number = |b: &[u8]| f64::from(f32::from_ne_bytes([b[0], b[1], b[2], b[3]]));
+    let nanoseconds = times[times.len() / 2] * 1e6 / (records.len() * receivers) as f64;
+    Ok((buffers[1].chunks_exact(4).map(number).collect(), nanoseconds))
+}
+
+fn run() -> Result<()> {
+    let pairs = population(1, CHECKED);
+    let exact: Vec<[f64; 3]> = pairs.iter().map(Pair::exact).collect();
+    let records: Vec<_> = pairs.iter().map(record).collect();
+    let many: Vec<_> = records.iter().cycle().take(TIMED[0]).cloned().collect();
+    let instance = Instance::open(false)?;
+    for adapter in instance.adapters()?.into_iter().filter(|adapter| adapter.unusable.is_none()) {
+        let device = Device::open(&instance, &adapter)?;
+        println!("{}, {}: three channels, both sources", adapter.name, adapter.driver);
+        println!("{:<28} {:>10} {:>10} {:>9} {:>9}", "form", "ns a pair", "dearer", "p99", "max");
+        let mut one = f64::NAN;
+        for nodes in [0, 3, 6, 12] {
+            let (values, _) = form(&device, nodes, &records, 1)?;
+            let (_, ns) = form(&device, nodes, &many, TIMED[1])?;
+            one = if nodes == 0 { ns } else { one };
+            let mut errors = Vec::new();
+            for (k, pair) in pairs.iter().enumerate() {
+                let (dipoles, heights) = (pair.dipoles(), heights(pair));
+                let error = |c: usize| (values[3 * k + c] - exact[k][c]).abs() / dipoles[c].total();
+                errors.extend((0..3).filter(|&c| heights[c] > 1e-4).map(error));
+            }
+            let name = match nodes {
+                0 => "one sample, second moment".to_string(),
+                nodes => format!("edge form, {nodes} nodes"),
+            };
+            let (p99, max) = (percentile(&mut errors, 0.99), percentile(&mut errors, 1.0));
+            println!("{name:<28} {ns:>10.2} {:>9.1}x {p99:>9.1e} {max:>9.1e}", ns / one);
+        }
+    }
+    Ok(())
+}
+
+fn main() {
+    if let Err(error) = run() {
+        eprintln!("{error}");
+        std::process::exit(error.exit_code().into());
+    }
+}

@@ -1,0 +1,47 @@
+// Whether a ray from a triangle towards a light is blocked: any triangle will do. As in trace.glsl nothing is divided,
+// and what decides is bit for bit the same everywhere.
+//
+// A triangle blocks when the ray passes through it, and one of its corners lies in front of the plane of the triangle
+// that the ray starts from, for certain: what lies behind that plane or in it, the triangle itself, flat or convex
+// neighbours and coincident sheets among it, cannot block a ray that leaves to the front. A light that has a place has
+// to lie beyond the blocking triangle, for certain: one in a surface is not blocked by that surface.
+
+const uint FREE = 0, BLOCKED = 1;
+
+// From `origin` along `direction`, up to the light at `light`, or for ever where it is `far`; `own` is the plane that the
+// ray starts from, and `side` the side on which it leaves. Not wanted, no ray is followed.
+uint occlusion(vec3 origin, vec3 direction, bool far, vec3 light, uint self, Plane own, float side, bool wanted) {
+    Nearest limit = Nearest(far ? NONE : 0, vec3(0), 1.0, 1.0);
+    float dd = dot3(direction, direction);
+    uint node = wanted ? 0 : frame[0].nodes;
+    uint end = frame[0].nodes;
+    while (node < end) {
+        // On to the next triangle whose box the ray meets: a node with nothing below it. Then that triangle.
+        uint leaf = NONE;
+        while (leaf == NONE && node < end) {
+            uint skip = topology[node].skip;
+            bool met = meets(bounds[node].low, bounds[node].high, origin, direction, dd, limit);
+            if (met && skip == node + 1) leaf = node;
+            node = met ? node + 1 : skip;
+        }
+        if (leaf != NONE) {
+            uint face = topology[leaf].face;
+            uvec3 corner = triangles[face];
+            vec3 pa = positions[corner.x], pb = positions[corner.y], pc = positions[corner.z];
+            precise vec3 a = pa - origin;
+            precise vec3 b = pb - origin;
+            precise vec3 c = pc - origin;
+            vec3 w = vec3(dot3(direction, cross3(b, c)), dot3(direction, cross3(c, a)), dot3(direction, cross3(a, b)));
+            bool inside = (w.x >= 0.0 && w.y >= 0.0 && w.z >= 0.0) || (w.x <= 0.0 && w.y <= 0.0 && w.z <= 0.0);
+            precise float sum = w.x + w.y + w.z;
+            Plane plane = plane_of(pa, pb, pc);
+            float numerator = dot3(a, plane.normal), denominator = dot3(direction, plane.normal);
+            float through = denominator > 0.0 ? 1.0 : -1.0;
+            bool ahead = denominator != 0.0 && through * numerator > 0.0;
+            bool nearer = far || beyond(plane, light, through);
+            bool front = beyond(own, pa, side) || beyond(own, pb, side) || beyond(own, pc, side);
+            if (face != self && inside && sum != 0.0 && ahead && nearer && front) node = end + 1;
+        }
+    }
+    return node < end ? UNFINISHED : node > end ? BLOCKED : FREE;
+}

@@ -1,0 +1,40 @@
+//! A triangle's plane, and what is certain about a point's side of it: `f32` additions, multiplications and comparisons
+//! in the order of `glsl/geometry/plane.glsl`.
+//!
+//! For corners a, b, c in `f32` and u = 2^-24: the edges b - a and c - a carry one rounding each (u), the products of
+//! the normal two edges and one rounding (3 u), their difference one more (4 u), all relative to `size`, the same sum
+//! with every term positive. The height of a point over the plane is a dot product of its offset from a (u) and that
+//! normal: products (6 u), two sums (8 u). So it is off by at most 8 u times the dot product of |offset| and `size`, to
+//! first order in u; twice that is asked for, which covers the higher orders and the rounding of the bound itself.
+//! Nothing in it has a length: it holds at every scale.
+
+use super::trace::{cross, dot, minus};
+
+/// 16 u.
+const ROUNDING: f32 = 9.536_743e-7;
+
+/// The plane of a triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct Plane {
+    corner: [f32; 3],
+    /// Its normal, of twice the triangle's area.
+    pub normal: [f32; 3],
+    size: [f32; 3],
+}
+
+impl Plane {
+    /// Through these corners.
+    pub fn new([a, b, c]: [[f32; 3]; 3]) -> Self {
+        let (e1, e2) = (minus(b, a), minus(c, a));
+        let (p, q) = (e1.map(f32::abs), e2.map(f32::abs));
+        let size = [p[1] * q[2] + p[2] * q[1], p[2] * q[0] + p[0] * q[2], p[0] * q[1] + p[1] * q[0]];
+        Self { corner: a, normal: cross(e1, e2), size }
+    }
+
+    /// Whether a point lies beyond the plane for certain, on the side that the normal points to (`side` 1) or the other (-1).
+    pub fn beyond(&self, point: [f32; 3], side: f32) -> bool {
+        let a = minus(point, self.corner);
+        let height = side * dot(a, self.normal);
+        height > ROUNDING * dot(a.map(f32::abs), self.size)
+    }
+}

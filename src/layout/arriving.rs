@@ -1,0 +1,48 @@
+//! The structs of light arriving, shared by host and device.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::{Element, Record, Word};
+
+records! { light_records:
+    /// A light, one sample of a light that has an area, or one ray to the environment. Directions point towards it.
+    Light {
+        /// 0 directional, 1 point, 2 spot, 3 of an area that shines to one side, 4 to both, 5 ray to the environment.
+        kind: u32,
+        /// The unit direction towards the light, or its position.
+        place: [f32; 3],
+        /// Irradiance on a perpendicular plane, or intensity along the axis; scaled so that the brightest face is about 1.
+        color: [f32; 3],
+        /// The unit direction in which a spot or a sample of an area shines.
+        axis: [f32; 3],
+        /// Spot: 1 - cos of the angle within which all its intensity arrives.
+        inner: f32,
+        /// Spot: 1 - cos of the angle outside which nothing arrives.
+        outer: f32,
+        /// The number of its bit in `lit`, or all ones where it casts no shadow.
+        shadow: u32,
+    }
+    /// The faces and the light that one dispatch of shadow rays is about.
+    Rays {
+        /// First face.
+        first: u32,
+        /// Number of faces.
+        count: u32,
+        /// The light.
+        light: u32,
+    }
+    /// Integrals over the polar angle t of one row of the environment's image, times sin t.
+    SkyRow {
+        /// Of 1, cos t, sin t.
+        first: [f32; 3],
+        /// Of cos t squared, sin t cos t, sin t squared.
+        second: [f32; 3],
+    }
+    /// Integrals over the azimuth a of one column of the environment's image.
+    SkyColumn {
+        /// Of 1, sin a, -cos a: x and z of the direction.
+        first: [f32; 3],
+        /// Of -sin a cos a and sin a squared - cos a squared: xz and xx - zz.
+        second: [f32; 2],
+    }
+}

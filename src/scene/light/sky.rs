@@ -1,0 +1,187 @@
+//! An environment: radiance from every direction, as a latitude-longitude image.
+//!
+//! The top row is up (+y), the middle of the image looks along -z, and +x is to the right of it: the direction of a pixel
+//! at polar angle t and azimuth a (-180 to 180 degrees from left to right) is (sin t sin a, cos t, -sin t cos a).
+//! `rotation` turns the environment about +y, anticlockwise as seen from above.
+
+use super::super::range::Checked;
+use crate::error::Input;
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
+use std::path::Path;
+use std::sync::Arc;
+
+/// The name of the sky that is built in.
+const BUILTIN: &str = "builtin:sky";
+/// Most pixels of an image: what the smallest devices bind.
+const MOST_PIXELS: usize = 1 << 23;
+
+/// Radiance from every direction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sky {
+    /// Width and height of the image, in pixels.
+    pub size: [u32; 2],
+    /// Its pixels, row by row from the top, finite and at least 0.
+    pub pixels: Arc<Vec<[f32; 3]>>,
+    /// What they are to be multiplied by, r g b, at least 0.
+    pub factor: [f64; 3],
+    /// How far it is turned about +y, degrees.
+    pub rotation: f64,
+    /// Where the pixels are still to be read from.
+    image: Option<String>,
+}
+
+impl Sky {
+    /// Of these pixels, row by row from the top.
+    pub fn new(size: [u32; 2], pixels: Vec<[f32; 3]>) -> Self {
+        Self { size, pixels: Arc::new(pixels), factor: [1.0; 3], rotation: 0.0, image: None }
+    }
+
+    /// The same from all directions.
+    pub(super) fn constant(radiance: [f64; 3], factor: [f64; 3]) -> Self {
+        let factor = std::array::from_fn(|c| radiance[c] * factor[c]);
+        Self { factor, ..Self::new([1, 1], vec![[1.0; 3]]) }
+    }
+
+    /// Of a file that is read later, or the one built in.
+    pub(super) fn of_image(image: &str, factor: [f64; 3], rotation: f64) -> Self {
+        let mut sky = if image == BUILTIN { built_in() } else { Self::new([0, 0], Vec::new()) };
+        sky.image = (image != BUILTIN).then(|| image.to_owned());
+        Self { factor, rotation, ..sky }
+    }
+
+    /// Reads the file's image, if there is one; `key` is of the light.
+    pub(in crate::scene) fn load(&mut self, folder: &Path, key: &str) -> Checked<()> {
+        let Some(image) = self.image.take() else { return Ok(()) };
+        let path = folder.join(&image);
+        let at = |what: String| Input::new(what).key(format!("{key}.image"));
+        let expected = format!("an image that ends in .exr or .hdr, or {BUILTIN}");
+        let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
+        let read = match end.as_str() {
+            "exr" => read_exr(&path),
+            "hdr" => read_hdr(&path),
+            _ => return Err(at("not the name of an environment".into()).found(image).expected(expected)),
+        };
+        let (size, pixels) =
+            read.map_err(|error| at(format!("{}: the image cannot be read", path.display())).found(error))?;
+        if pixels.is_empty() || pixels.len() > MOST_PIXELS {
+            let fault = at(format!("{}: the image has too few or too many pixels", path.display()));
+            let found = format!("{} x {}", size[0], size[1]);
+            return Err(fault.found(found).expected(format!("1 to {MOST_PIXELS} pixels")));
+        }
+        let bad = |pixel: &[f32; 3]| pixel.iter().any(|x| !x.is_finite() || *x < 0.0);
+        if let Some(place) = pixels.iter().position(bad) {
+            let (x, y, [r, g, b]) = (place % size[0] as usize, place / size[0] as usize, pixels[place]);
+            let fault = at(format!("{}: pixel ({x}, {y}), from the top left, is no radiance", path.display()));
+            return Err(fault.found(format!("[{r}, {g}, {b}]")).expected("finite numbers of at least 0"));
+        }
+        (self.size, self.pixels) = (size, Arc::new(pixels));
+        Ok(())
+    }
+
+    /// The largest value of each channel.
+    pub fn brightest(&self) -> [f64; 3] {
+        let largest = |c: usize| f64::from(self.pixels.iter().map(|pixel| pixel[c]).fold(0.0, f32::max));
+        std::array::from_fn(|c| largest(c) * self.factor[c])
+    }
+
+    /// Radiance of the pixel at `column`, `row`.
+    pub fn radiance(&self, column: u32, row: u32) -> DVec3 {
+        let pixel = self.pixels[row as usize * self.size[0] as usize + column as usize];
+        DVec3::from_array(pixel.map(f64::from)) * DVec3::from_array(self.factor)
+    }
+
+    /// The polar angle from +y of the upper edge of `row`; of the lower edge of the image for the row after the last.
+    pub fn polar(&self, row: u32) -> f64 {
+        PI * f64::from(row) / f64::from(self.size[1])
+    }
+
+    /// The azimuth of the left edge of `column`, as turned.
+    pub fn azimuth(&self, column: u32) -> f64 {
+        TAU * (f64::from(column) / f64::from(self.size[0]) - 0.5) - self.rotation.to_radians()
+    }
+
+    /// The mean radiance of all directions.
+    pub fn mean(&self) -> DVec3 {
+        let row = |row: u32| {
+            let share = (self.polar(row).cos() - self.polar(row + 1).cos()) / 2.0;
+            (0..self.size[0]).map(|column| self.radiance(column, row)).sum::<DVec3>() * share
+        };
+        (0..self.size[1]).map(row).sum::<DVec3>() / f64::from(self.size[0].max(1))
+    }
+}
+
+/// Blue above, grey below, with a warm glow low at one side: a polynomial of degree 2 in the direction.
+fn built_in() -> Sky {
+    let [width, height] = [64u32, 32];
+    let glow = DVec3::new(0.6, 0.25, -0.76).normalize();
+    let pixel = |column: u32, row: u32| {
+        let (t, a) = (PI * (f64::from(row) + 0.5) / 32.0, TAU * ((f64::from(column) + 0.5) / 64.0 - 0.5));
+        let direction = DVec3::new(t.sin() * a.sin(), t.cos(), -t.sin() * a.cos());
+        let high = 0.5 + 0.5 * direction.y;
+        let warm = (0.5 + 0.5 * direction.dot(glow)).powi(2);
+        let sum = DVec3::new(0.10, 0.09, 0.08)
+            + high * high * DVec3::new(0.35, 0.55, 0.90)
+            + warm * DVec3::new(1.00, 0.70, 0.35);
+        [sum.x as f32, sum.y as f32, sum.z as f32]
+    };
+    let pixels = (0..height).flat_map(|row| (0..width).map(move |column| pixel(column, row))).collect();
+    Sky::new([width, height], pixels)
+}
+
+/// Size and pixels of an image file, or what is wrong with it.
+type Image = Result<([u32; 2], Vec<[f32; 3]>), String>;
+
+fn read_exr(path: &Path) -> Image {
+    let image = exr::prelude::read_first_rgba_layer_from_file(
+        path,
+        |size, _| (size.width(), vec![[0f32; 3]; size.area()]),
+        |(width, pixels), at, (r, g, b, _): (f32, f32, f32, f32)| pixels[at.y() * *width + at.x()] = [r, g, b],
+    );
+    let (width, pixels) = image.map_err(|error| error.to_string())?.layer_data.channel_data.pixels;
+    let height = pixels.len() / width.max(1);
+    Ok(([width as u32, height as u32], pixels))
+}
+
+fn read_hdr(path: &Path) -> Image {
+    let reader = image::ImageReader::open(path).map_err(|error| error.to_string())?;
+    let image = reader.decode().map_err(|error| error.to_string())?.into_rgb32f();
+    let size = [image.width(), image.height()];
+    Ok((size, image.pixels().map(|pixel| pixel.0).collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn images_come_back_as_they_were_written() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pixel = |x: usize, y: usize| (x as f32, 0.5 * y as f32, 3.0);
+        exr::prelude::write_rgb_file(folder.path().join("a.exr"), 4, 2, pixel).expect("written");
+        let mut sky = Sky::of_image("a.exr", [2.0, 1.0, 1.0], 0.0);
+        sky.load(folder.path(), "light.0").expect("an image");
+        assert_eq!((sky.size, sky.radiance(3, 1)), ([4, 2], DVec3::new(6.0, 0.5, 3.0)));
+        assert_eq!(sky.brightest(), [6.0, 0.5, 3.0]);
+        assert!((sky.mean() - DVec3::new(3.0, 0.25, 3.0)).length() < 1e-12, "{}", sky.mean());
+        let file = std::fs::File::create(folder.path().join("b.hdr")).expect("created");
+        let pixels: Vec<_> = (0..32).map(|i| image::Rgb([i as f32, 1.0, 0.0])).collect();
+        image::codecs::hdr::HdrEncoder::new(file).encode(&pixels, 8, 4).expect("written");
+        let mut sky = Sky::of_image("b.hdr", [1.0; 3], 0.0);
+        sky.load(folder.path(), "light.0").expect("an image");
+        assert_eq!((sky.size, sky.radiance(3, 1).x), ([8, 4], 11.0));
+    }
+
+    #[test]
+    fn a_bad_pixel_is_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (value, shown) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf"), (-1.0, "-1")] {
+            let pixel = move |x: usize, y: usize| (1.0, if (x, y) == (2, 1) { value } else { 1.0 }, 1.0f32);
+            exr::prelude::write_rgb_file(folder.path().join("a.exr"), 4, 2, pixel).expect("written");
+            let mut sky = Sky::of_image("a.exr", [1.0; 3], 0.0);
+            let error = sky.load(folder.path(), "light.0").err().map(|e| e.to_string()).unwrap_or_default();
+            let what = "a.exr: pixel (2, 1), from the top left, is no radiance; found [1, ";
+            assert!(error.starts_with("light.0.image: ") && error.contains(&format!("{what}{shown}, 1]")), "{error}");
+        }
+    }
+}

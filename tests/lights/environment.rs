@@ -1,0 +1,144 @@
+//! Environments: nine harmonics against a sum over all pixels, and what is hidden of them.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+use milkglass::light::fresnel::{diffuse_external_exact, transmittance};
+use milkglass::scene::{Light, Scene, Sky, Source};
+
+use crate::{irradiance, places, scene, sheets};
+
+/// A scene in this environment alone.
+fn under(mut scene: Scene, sky: Sky, occlusion: u32) -> Scene {
+    scene.lights = vec![Light { source: Source::Environment { sky, occlusion }, shadows: true }];
+    scene
+}
+
+fn white() -> Sky {
+    Sky::new([5, 3], vec![[0.7; 3]; 15])
+}
+
+#[test]
+fn a_white_environment_gives_the_hemisphere_of_the_boundary() {
+    for eta in [1.0, 1.02, 1.3, 1.5, 2.5, 4.0] {
+        let expected = 0.7 * PI * (1.0 - diffuse_external_exact(eta));
+        for occlusion in [0, 64] {
+            let ball = scene("sphere", &["object.0.detail=3", &format!("object.0.material.eta={eta}")]);
+            for e in irradiance(&under(ball, white(), occlusion)) {
+                assert!((e / expected - 1.0).abs().max_element() < 1e-4, "{eta}: {e} {expected}");
+            }
+        }
+    }
+}
+
+/// Irradiance by a sum over all pixels, each cut in four by four, for one index of refraction.
+fn brute(sky: &Sky, normal: DVec3, eta: f64) -> DVec3 {
+    let [width, height] = sky.size;
+    let mut sum = DVec3::ZERO;
+    for (row, i) in (0..height).flat_map(|row| (0..4).map(move |i| (row, i))) {
+        let step = (sky.polar(row + 1) - sky.polar(row)) / 4.0;
+        let top = sky.polar(row) + step * f64::from(i);
+        let (t, angle) = (top + 0.5 * step, (top.cos() - (top + step).cos()) * TAU / f64::from(4 * width));
+        for (column, j) in (0..width).flat_map(|column| (0..4).map(move |j| (column, j))) {
+            let a = sky.azimuth(column) + TAU * (f64::from(j) + 0.5) / f64::from(4 * width);
+            let cosine = normal.dot(DVec3::new(t.sin() * a.sin(), t.cos(), -t.sin() * a.cos()));
+            if cosine > 0.0 {
+                sum += sky.radiance(column, row) * (angle * cosine * transmittance(eta, cosine));
+            }
+        }
+    }
+    sum
+}
+
+/// The largest error over a ball, as a share of the mean.
+fn error(sky: &Sky) -> f64 {
+    let ball = scene("sphere", &["object.0.detail=2", "object.0.material.eta=1.4"]);
+    let found = irradiance(&under(ball.clone(), sky.clone(), 0));
+    let exact: Vec<DVec3> = places(&ball.object.mesh).iter().map(|&(_, normal)| brute(sky, normal, 1.4)).collect();
+    let mean = exact.iter().sum::<DVec3>() / exact.len() as f64;
+    let off = found.iter().zip(&exact).map(|(a, b)| ((*a - *b) / mean).abs().max_element());
+    off.fold(0.0, f64::max)
+}
+
+#[test]
+fn smooth_environments_are_within_a_hundredth() {
+    let light = "light.0={ type = \"environment\", image = \"builtin:sky\", rotation = 70 }";
+    let built_in = scene("sphere", &[light]);
+    let Source::Environment { sky, .. } = &built_in.lights[0].source else { panic!("an environment") };
+    assert!(error(sky) < 0.01, "{}", error(sky));
+    // One side twice as bright as the other, with a gradient of degree 3, which nine harmonics do not hold.
+    let pixels = (0..32).flat_map(|row| {
+        (0..64).map(move |column| {
+            let (t, a) = (PI * (f64::from(row) + 0.5) / 32.0, TAU * (f64::from(column) + 0.5) / 64.0);
+            let x = t.sin() * a.cos();
+            [(1.0 + 0.3 * x + 0.2 * x * x * x) as f32, 1.0, (1.0 + 0.5 * t.cos()) as f32]
+        })
+    });
+    let smooth = Sky::new([64, 32], pixels.collect());
+    assert!(error(&smooth) < 0.01, "{}", error(&smooth));
+    // One bright spot on black: the error that nine harmonics have.
+    let mut spot = vec![[0.0; 3]; 64 * 32];
+    spot[10 * 64 + 20] = [1000.0; 3];
+    let sharp = error(&Sky::new([64, 32], spot));
+    println!("one bright pixel on black: largest error {sharp:.2} of the mean irradiance");
+    assert!(sharp > 0.05 && sharp < 1.0, "{sharp}");
+}
+
+#[test]
+fn rotation_turns_about_the_vertical() {
+    // A bright patch in the middle of the image is at -z; turned by 90 degrees anticlockwise from above it is at -x.
+    let mut pixels = vec![[0.0; 3]; 8 * 4];
+    for (row, column) in [(1, 3), (1, 4), (2, 3), (2, 4)] {
+        pixels[8 * row + column] = [1.0; 3];
+    }
+    for (rotation, toward) in [(0.0, -DVec3::Z), (90.0, -DVec3::X), (-90.0, DVec3::X), (180.0, DVec3::Z)] {
+        let mut sky = Sky::new([8, 4], pixels.clone());
+        sky.rotation = rotation;
+        let ball = scene("sphere", &["object.0.detail=3"]);
+        let found = irradiance(&under(ball.clone(), sky, 0));
+        let sum: DVec3 = places(&ball.object.mesh).iter().zip(&found).map(|((_, n), e)| *n * e.x).sum();
+        assert!(sum.normalize().dot(toward) > 0.999, "{rotation}: {sum}");
+    }
+}
+
+#[test]
+fn what_is_hidden_does_not_arrive() {
+    // The floor of a deep pit sees a part of the sky, the more the nearer the rim; a face in a closed box sees none.
+    let well = |depth: f64| {
+        let (x, y, z) = (DVec3::X * 2.0, DVec3::Y * 2.0, DVec3::Z * depth);
+        let corner = DVec3::new(-1.0, -1.0, 0.0);
+        let walls = [[corner, y, z], [corner, z, x], [corner + x, z, y], [corner + y, x, z]];
+        let floor = [corner, x, y];
+        sheets(6, &[[floor].as_slice(), &walls].concat())
+    };
+    let lid = |depth: f64| {
+        let corner = DVec3::new(-1.0, -1.0, depth);
+        let mut all = well(depth);
+        let top = sheets(6, &[[corner, DVec3::Y * 2.0, DVec3::X * 2.0]]);
+        let first = all.positions.len() as u32;
+        all.positions.extend(top.positions);
+        all.triangles.extend(top.triangles.iter().map(|t| t.map(|v| v + first)));
+        all.input_face = (0..all.triangles.len() as u32).collect();
+        all
+    };
+    let floor = |mesh, occlusion| {
+        let mut pit = scene("sphere", &["object.0.detail=0"]);
+        pit.object.mesh = mesh;
+        let found = irradiance(&under(pit, white(), occlusion));
+        found[..72].iter().map(|e| e.x).sum::<f64>() / 72.0
+    };
+    let (open, shallow, deep) = (floor(well(2.0), 0), floor(well(0.5), 256), floor(well(4.0), 256));
+    assert!(deep < 0.1 * open && shallow > 0.4 * open && shallow < 0.95 * open, "{open} {shallow} {deep}");
+    assert_eq!(floor(lid(1.0), 256), 0.0);
+}
+
+#[test]
+fn a_black_environment_is_dark() {
+    let ball = || scene("sphere", &["object.0.detail=1"]);
+    let sky = Sky::new([4, 2], vec![[0.0; 3]; 8]);
+    assert!(irradiance(&under(ball(), sky, 16)).iter().all(|e| *e == DVec3::ZERO));
+    let mut ball = under(ball(), white(), 0);
+    ball.object.material.two_sided = true;
+    let expected = 2.0 * 0.7 * PI * (1.0 - diffuse_external_exact(ball.object.material.eta[0]));
+    assert!(irradiance(&ball).iter().all(|e| (e.x / expected - 1.0).abs() < 1e-4));
+}

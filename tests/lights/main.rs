@@ -1,0 +1,67 @@
+//! Light arriving: shadows, spots, areas and environments against what is known of them.
+
+mod environment;
+mod kinds;
+mod shadow;
+
+use glam::DVec3;
+use milkglass::render::plan::{Goal, Options, before_transport};
+use milkglass::render::run::{Room, Session};
+use milkglass::scene::{Light, Mesh, Scene};
+use milkglass::state::Place;
+
+/// A built-in scene with these settings.
+pub fn scene(name: &str, sets: &[&str]) -> Scene {
+    Scene::load(name, &sets.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap()
+}
+
+/// Sets that take the boundary away: all light passes.
+pub const CLEAR: &str = "object.0.material.eta=1";
+
+/// What enters each face of the mesh, in its order and in the scene's units, by the reference.
+pub fn irradiance(scene: &Scene) -> Vec<DVec3> {
+    let options = Options { goal: Goal::Radiosity, ..Options::default() };
+    let mut session = Session::new(scene, None, options, Room::default()).unwrap();
+    for stage in session.plan.stages.iter().filter(|stage| before_transport(stage.name)) {
+        (stage.cpu)(&mut session.prepared.state, Place::default());
+    }
+    let mut values = vec![DVec3::ZERO; session.prepared.faces.len()];
+    for (value, &face) in session.state().data.irradiance.iter().zip(&session.prepared.faces) {
+        values[face as usize] = DVec3::from_array(value.map(f64::from)) * session.units().light;
+    }
+    values
+}
+
+/// The same with no light casting shadows.
+pub fn unshadowed(scene: &Scene) -> Vec<DVec3> {
+    let lights = scene.lights.iter().map(|light| Light { shadows: false, ..light.clone() }).collect();
+    irradiance(&Scene { lights, ..scene.clone() })
+}
+
+/// A mesh from plain numbers.
+pub fn mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Mesh {
+    let input_face = (0..triangles.len() as u32).collect();
+    Mesh { positions, triangles, input_face, open_edges: 0 }
+}
+
+/// Rectangles of `n` x `n` cells, each given by a corner and two edges.
+pub fn sheets(n: u32, rectangles: &[[DVec3; 3]]) -> Mesh {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for &[corner, u, v] in rectangles {
+        let first = positions.len() as u32;
+        let part = |i: u32| f64::from(i) / f64::from(n);
+        positions.extend((0..=n).flat_map(|j| (0..=n).map(move |i| corner + u * part(i) + v * part(j))));
+        for (i, j) in (0..n).flat_map(|j| (0..n).map(move |i| (i, j))) {
+            let a = first + j * (n + 1) + i;
+            let (b, c, d) = (a + 1, a + n + 2, a + n + 1);
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    mesh(positions, triangles)
+}
+
+/// Centroid and unit normal of each face.
+pub fn places(mesh: &Mesh) -> Vec<(DVec3, DVec3)> {
+    let corners = (0..mesh.triangles.len()).filter_map(|face| mesh.corners(face));
+    corners.map(|[a, b, c]| ((a + b + c) / 3.0, (b - a).cross(c - a).normalize())).collect()
+}
