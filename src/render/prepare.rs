@@ -168,6 +168,7 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
         z_real: of(|d| d.z_real),
         z_virtual: of(|d| d.z_virtual),
         eta: material.eta.map(|eta| eta as f32),
+        exit: material.eta.map(|eta| if material.surface.normalize_exit { fresnel::exit(eta) as f32 } else { 1.0 }),
         two_sided: u32::from(material.two_sided),
         zonal_0: degree(0),
         zonal_1: degree(1),

@@ -89,12 +89,21 @@ pub(super) struct MaterialFile {
     pub eta: Option<Rgb>,
     pub fresnel: Fresnel,
     pub two_sided: bool,
+    pub normalize_exit: bool,
 }
 
 impl Default for MaterialFile {
     fn default() -> Self {
-        let fresnel = Fresnel::default();
-        Self { preset: None, scale: 1.0, sigma_s_prime: None, sigma_a: None, eta: None, fresnel, two_sided: false }
+        Self {
+            preset: None,
+            scale: 1.0,
+            sigma_s_prime: None,
+            sigma_a: None,
+            eta: None,
+            fresnel: Fresnel::default(),
+            two_sided: false,
+            normalize_exit: false,
+        }
     }
 }
 

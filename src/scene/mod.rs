@@ -13,6 +13,7 @@ mod preset;
 mod range;
 mod read;
 mod set;
+mod surface;
 mod transport;
 mod vector;
 
@@ -21,6 +22,7 @@ pub use light::{Light, Sky, Source};
 pub use material::{Fresnel, Material};
 pub use mesh::{Mesh, Shape};
 pub use preset::{PRESETS, Preset};
+pub use surface::Surface;
 pub use transport::{Distance, Hierarchy, Near, Oracle, Scheme, Transport};
 
 use crate::error::{Input, Result};
