@@ -21,6 +21,12 @@ records! { frame_records:
         two_sided: u32,
         /// Size of the environment's image, in pixels.
         sky: [u32; 2],
+        /// Turns from the left edge of that image to the azimuth of +y to -z, as turned: 0.5 where it is not.
+        sky_turn: f32,
+        /// What the surface reflects: 0 nothing, 1 by Phong's lobe, 2 by GGX microfacets.
+        reflection: u32,
+        /// The lobe's exponent, or alpha of the microfacets.
+        roughness: f32,
         /// The factors of the environment's harmonics of degree 0, per channel: integrals of Fresnel transmittance and cosine.
         zonal_0: [f32; 3],
         /// The same of degree 1.

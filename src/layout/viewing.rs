@@ -21,6 +21,8 @@ records! { view_records:
         height: u32,
         /// Linear radiance where nothing is hit, in the scene's units.
         background: [f32; 3],
+        /// Not 0 where the environment is seen instead.
+        environment: u32,
         /// What a radiance of the internal units has to be multiplied by.
         radiance: f32,
     }

@@ -1,8 +1,9 @@
 //! The camera: where it stands, where it looks, and how it is fitted to the object when not told.
 
 use super::file::CameraFile;
+use super::light::{Light, Source};
 use super::range::{self, Checked};
-use super::vector::Vector;
+use super::vector::{Background, Vector};
 use crate::error::Input;
 use glam::DVec3;
 
@@ -38,6 +39,8 @@ pub struct Camera {
     pub exposure: f64,
     /// Linear radiance where no object is seen, r g b, at least 0.
     pub background: [f64; 3],
+    /// Whether the environment is seen there instead.
+    pub environment: bool,
 }
 
 impl Camera {
@@ -72,14 +75,25 @@ impl Framing {
             fov: range::number("camera.fov", file.fov, |x| x > 0.0 && x < 180.0, "degrees, above 0 and below 180")?,
             size: size(&file.size)?,
             exposure: range::number("camera.exposure", file.exposure, |x| x > 0.0, "above 0")?,
-            background: range::channels(
-                "camera.background",
-                file.background.0,
-                |x| (0.0..=1e20).contains(&x),
-                "numbers from 0 to 1e20",
-            )?,
+            background: match file.background {
+                Background::Environment => [0.0; 3],
+                Background::Color(color) => {
+                    let accept = |x| (0.0..=1e20).contains(&x);
+                    range::channels("camera.background", color, accept, "numbers from 0 to 1e20")?
+                }
+            },
+            environment: file.background == Background::Environment,
         };
         Ok(Self { position, target, rest })
+    }
+
+    /// An error when an environment is to be seen and no light is one.
+    pub(super) fn check_background(&self, lights: &[Light]) -> Checked<()> {
+        if !self.rest.environment || lights.iter().any(|light| matches!(light.source, Source::Environment { .. })) {
+            return Ok(());
+        }
+        let fault = Input::new("no light is an environment").key("camera.background").found("\"environment\"");
+        Err(fault.expected("a number or [r, g, b], or a [[light]] of type \"environment\""))
     }
 
     /// The camera, with a missing position or target fitted to the box `low..high`.

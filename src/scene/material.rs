@@ -93,7 +93,7 @@ impl Material {
             Some(preset) if modified => format!("{}, modified", preset.name),
             Some(preset) => preset.name.to_owned(),
         };
-        let surface = Surface { normalize_exit: file.normalize_exit };
+        let surface = Surface::check(file, key)?;
         Ok(Self { name, sigma_s_prime, sigma_a, eta, fresnel: file.fresnel, two_sided: file.two_sided, surface })
     }
 }

@@ -22,7 +22,7 @@ pub use light::{Light, Sky, Source};
 pub use material::{Fresnel, Material};
 pub use mesh::{Mesh, Shape};
 pub use preset::{PRESETS, Preset};
-pub use surface::Surface;
+pub use surface::{Reflection, Surface};
 pub use transport::{Distance, Hierarchy, Near, Oracle, Scheme, Transport};
 
 use crate::error::{Input, Result};
