@@ -8,7 +8,7 @@ use milkglass::light::fresnel::transmittance;
 use milkglass::render::plan::{Change, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::Scene;
-use shell::{bad, folder, good, read};
+use shell::{bad, bytes, folder, good, read};
 
 /// A small ball with these settings, drawn by the reference.
 fn session(sets: &[&str]) -> Session {
@@ -104,6 +104,23 @@ fn the_environment_stands_behind_the_object() {
 }
 
 #[test]
+fn a_filmic_picture_keeps_its_highlights_and_exr_stays_linear() {
+    let here = folder(&[]);
+    for tone in ["clip", "filmic"] {
+        let look = format!("--set camera.tone={tone} --set light.0.irradiance=30 --set camera.size=[24,20]");
+        for end in ["png", "exr"] {
+            good(&here, &format!("render sphere --set object.0.detail=1 --device cpu {look} -o {tone}.{end}"));
+        }
+    }
+    let white = |name: &str| {
+        let picture = image::open(here.path().join(name)).unwrap().to_rgb8();
+        picture.pixels().filter(|pixel| pixel.0 == [255; 3]).count()
+    };
+    assert!(white("clip.png") > 20 && white("filmic.png") < white("clip.png") / 2);
+    assert_eq!(bytes(&here, "clip.exr"), bytes(&here, "filmic.exr"));
+}
+
+#[test]
 fn bad_looks_are_named() {
     let here = folder(&[]);
     let cases: &[(&str, &[&str])] = &[
@@ -117,6 +134,7 @@ fn bad_looks_are_named() {
         ("object.0.material.normalize_exit=3", &["invalid type", "found integer `3`", "expected"]),
         ("camera.background=environment", &["camera.background: no light is an environment", "[[light]] of type"]),
         ("camera.background=sky", &["found string \"sky\"", "a number, [r, g, b] or \"environment\""]),
+        ("camera.tone=flimic", &["unknown value, did you mean `filmic`?", "found flimic", "expected clip, filmic"]),
         ("camera.background=[1,2]", &["invalid length 2"]),
         ("camera.background=-1", &["camera.background: out of range; found [-1, -1, -1]"]),
     ];

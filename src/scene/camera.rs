@@ -6,6 +6,7 @@ use super::range::{self, Checked};
 use super::vector::{Background, Vector};
 use crate::error::Input;
 use glam::DVec3;
+use serde::Deserialize;
 
 /// The direction from the object to a fitted camera: from the front, a little above and to the right.
 const FRONT: DVec3 = DVec3::new(0.35, 0.3, 1.0);
@@ -22,6 +23,17 @@ pub const SIZE: [u32; 2] = [512, 512];
 /// The largest width or height of a picture, in pixels.
 pub const LARGEST_SIZE: u32 = 16_384;
 
+/// How exposed radiance becomes a PNG's 0 to 1, before the sRGB curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Tone {
+    /// As it is, cut off at 1.
+    #[default]
+    Clip,
+    /// Hable's curve: a soft shoulder that reaches 1 at 5.6, and a toe.
+    Filmic,
+}
+
 /// A pinhole camera, checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
@@ -37,6 +49,8 @@ pub struct Camera {
     pub size: [u32; 2],
     /// Factor on radiance before it becomes sRGB, above 0.
     pub exposure: f64,
+    /// What becomes of radiance that is exposed, in a PNG.
+    pub tone: Tone,
     /// Linear radiance where no object is seen, r g b, at least 0.
     pub background: [f64; 3],
     /// Whether the environment is seen there instead.
@@ -75,6 +89,7 @@ impl Framing {
             fov: range::number("camera.fov", file.fov, |x| x > 0.0 && x < 180.0, "degrees, above 0 and below 180")?,
             size: size(&file.size)?,
             exposure: range::number("camera.exposure", file.exposure, |x| x > 0.0, "above 0")?,
+            tone: file.tone,
             background: match file.background {
                 Background::Environment => [0.0; 3],
                 Background::Color(color) => {

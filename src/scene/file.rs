@@ -1,7 +1,7 @@
 //! The scene file: its tables and keys as serde sees them, and the check that turns them into a
 //! [`Draft`], which is everything but the mesh itself.
 
-use super::camera::{self, Framing};
+use super::camera::{self, Framing, Tone};
 use super::light::{Light, LightFile};
 use super::material::{Fresnel, Material};
 use super::mesh::Shape;
@@ -50,6 +50,7 @@ pub(super) struct CameraFile {
     pub fov: f64,
     pub size: Vec<i64>,
     pub exposure: f64,
+    pub tone: Tone,
     pub background: Background,
 }
 
@@ -62,6 +63,7 @@ impl Default for CameraFile {
             fov: camera::FOV,
             size: camera::SIZE.map(i64::from).to_vec(),
             exposure: 1.0,
+            tone: Tone::Clip,
             background: Background::Color([0.0; 3]),
         }
     }

@@ -17,7 +17,7 @@ mod surface;
 mod transport;
 mod vector;
 
-pub use camera::Camera;
+pub use camera::{Camera, Tone};
 pub use light::{Light, Sky, Source};
 pub use material::{Fresnel, Material};
 pub use mesh::{Mesh, Shape};
