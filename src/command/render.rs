@@ -20,7 +20,7 @@ pub struct Arguments {
     scene: SceneArguments,
     #[command(flatten)]
     run: RunArguments,
-    /// The picture: `.png` (exposed, sRGB) or `.exr` (linear).
+    /// The picture: `.png` (exposed, toned, sRGB) or `.exr` (linear).
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Width and height in pixels; overrides the scene's.
@@ -62,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     check_messages(device.as_ref())?;
     match aov {
         true => save(&picture, &layers(&mut session)?, &arguments.output)?,
-        false => picture.save(&arguments.output, scene.camera.exposure)?,
+        false => picture.save(&arguments.output, &scene.camera)?,
     }
     let place = device.as_ref().map_or("the CPU", |device| device.name());
     let seconds = start.elapsed().as_secs_f64();

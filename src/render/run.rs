@@ -91,15 +91,20 @@ impl Session {
             self.pending = Change::EVERYTHING;
             return self.resize();
         }
-        let inputs = [Slot::frame, Slot::lights, Slot::camera, Slot::sky, Slot::sky_rows, Slot::sky_columns];
+        let inputs =
+            [Slot::frame, Slot::lights, Slot::camera, Slot::sky, Slot::sky_rows, Slot::sky_columns, Slot::lobe];
         self.send(&inputs)
     }
 
     /// Replaces the camera; its picture may have another size.
     pub fn set_camera(&mut self, new: &Camera) -> Result<()> {
+        let before = self.scene.camera.environment;
         self.scene.camera = new.clone();
         self.pending = self.pending.and(Change::VIEW);
         camera(&mut self.prepared.state, new, self.prepared.units);
+        if before != new.environment {
+            self.plan = Plan::new(&self.prepared.state, self.plan.options());
+        }
         self.size_picture();
         self.send(&[Slot::camera])
     }
