@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 use milkglass::light::fresnel::transmittance;
 use milkglass::render::plan::{Change, Options};
 use milkglass::render::run::{Room, Session};
+use milkglass::render::samples::picture;
 use milkglass::scene::Scene;
 use shell::{bad, bytes, folder, good, read};
 
@@ -161,4 +162,33 @@ fn a_plan_has_no_look_that_is_not_asked_for() {
     assert_eq!(plan(&format!("{sky} {ggx}")), [true, false, true, true]);
     assert_eq!(plan(&format!("{sky} {seen}")), [false, true, false, true]);
     assert_eq!(plan(&format!("{ggx} --set light.0.irradiance=0")), [false; 4]);
+}
+
+#[test]
+fn samples_bring_a_pixel_near_its_mean() {
+    // What the pixels should show, from a picture 8 times as fine.
+    let mut fine = session(&["camera.size=[384, 320]"]);
+    let fine = fine.picture().unwrap();
+    let mean = |pixel: usize| -> f64 {
+        let (column, row) = (pixel % 48 * 8, pixel / 48 * 8);
+        (0..64).map(|k| f64::from(fine.pixels[(row + k / 8) * 384 + column + k % 8][1])).sum::<f64>() / 64.0
+    };
+    let error = |samples: &str| {
+        let picture = picture(&mut session(&[samples])).unwrap();
+        let off = |(k, pixel): (usize, &[f32; 3])| (f64::from(pixel[1]) - mean(k)).powi(2);
+        picture.pixels.iter().enumerate().map(off).sum::<f64>().sqrt()
+    };
+    let (one, sixteen) = (error("camera.samples=1"), error("camera.samples=16"));
+    assert!(sixteen < 0.25 * one && one > 0.0, "{sixteen} {one}");
+    // One sample is the plain picture, bit for bit.
+    assert_eq!(picture(&mut session(&[])).unwrap().pixels, session(&[]).picture().unwrap().pixels);
+}
+
+#[test]
+fn the_number_of_samples_is_checked() {
+    let here = folder(&[]);
+    for (samples, found) in [("0", "found 0"), ("65", "found 65")] {
+        let line = format!("render sphere -o a.png --set camera.samples={samples}");
+        bad(&here, &line, 2, &["camera.samples", found, "1 to 64"]);
+    }
 }

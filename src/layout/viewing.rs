@@ -19,6 +19,10 @@ records! { view_records:
         width: u32,
         /// Picture height in pixels.
         height: u32,
+        /// Twice how far to the right of the pixels' centres their rays pass, in pixels.
+        shift_x: f32,
+        /// Twice how far below.
+        shift_y: f32,
         /// Linear radiance where nothing is hit, in the scene's units.
         background: [f32; 3],
         /// Not 0 where the environment is seen instead.

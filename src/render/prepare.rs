@@ -198,6 +198,8 @@ pub fn camera(state: &mut State, camera: &Camera, units: Units) {
         forward: narrow(forward),
         width,
         height,
+        shift_x: 0.0,
+        shift_y: 0.0,
         background: camera.background.map(|x| x as f32),
         environment: u32::from(camera.environment),
         radiance: radiance(units),

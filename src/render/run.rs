@@ -109,6 +109,15 @@ impl Session {
         self.send(&[Slot::camera])
     }
 
+    /// Rays through another place of the pixels, from their centres, in pixels, until the camera is set again.
+    pub(super) fn shift(&mut self, place: [f64; 2]) -> Result<()> {
+        if let Some(camera) = self.prepared.state.data.camera.first_mut() {
+            [camera.shift_x, camera.shift_y] = place.map(|x| 2.0 * x as f32);
+        }
+        self.pending = self.pending.and(Change::VIEW);
+        self.send(&[Slot::camera])
+    }
+
     /// Runs one frame: what has changed since the last one, and what `change` adds to it. Returns each step's time,
     /// on the device, or on the host's clock for the CPU and the octree.
     pub fn frame(&mut self, change: Change) -> Result<Vec<Timing>> {

@@ -47,6 +47,8 @@ pub struct Camera {
     pub fov: f64,
     /// Width and height in pixels, each 1 to 16384.
     pub size: [u32; 2],
+    /// Places of a pixel whose mean it shows, 1 to 64.
+    pub samples: u32,
     /// Factor on radiance before it becomes sRGB, above 0.
     pub exposure: f64,
     /// What becomes of radiance that is exposed, in a PNG.
@@ -88,6 +90,12 @@ impl Framing {
             up: range::direction("camera.up", file.up.0)?,
             fov: range::number("camera.fov", file.fov, |x| x > 0.0 && x < 180.0, "degrees, above 0 and below 180")?,
             size: size(&file.size)?,
+            samples: range::number(
+                "camera.samples",
+                f64::from(file.samples),
+                |x| (1.0..=64.0).contains(&x),
+                "a whole number from 1 to 64",
+            )? as u32,
             exposure: range::number("camera.exposure", file.exposure, |x| x > 0.0, "above 0")?,
             tone: file.tone,
             background: match file.background {

@@ -25,8 +25,8 @@ pub static STAGE: Stage = Stage {
 pub fn ray(camera: &Camera, pixel: u32) -> [f32; 3] {
     let (w, h) = (camera.width as f32, camera.height as f32);
     let (column, row) = (pixel % camera.width, pixel / camera.width);
-    let x = ((2 * column + 1) as f32 - w) * h;
-    let y = (h - (2 * row + 1) as f32) * w;
+    let x = ((2 * column + 1) as f32 + camera.shift_x - w) * h;
+    let y = (h - ((2 * row + 1) as f32 + camera.shift_y)) * w;
     let z = w * h;
     std::array::from_fn(|k| z * camera.forward[k] + x * camera.right[k] + y * camera.up[k])
 }
