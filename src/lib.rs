@@ -12,7 +12,8 @@
 //! 6. `link`: which emitters each block of receivers expands, links, or takes triangle by triangle;
 //! 7. `gather`: what they give the block;
 //! 8. `push`: from blocks to faces, and `average`: to vertices;
-//! 9. `visibility`: what each pixel sees, and `shade`: with which radiance (equation 3).
+//! 9. `visibility`: what each pixel sees, and `shade`: with which radiance (equation 3); `reflect`: what the surface itself
+//!    reflects, and `backdrop`: the environment behind the object.
 //!
 //! Equations and sections are those of Mertens et al. 2003, "Interactive Rendering of Translucent Deformable Objects".
 //!

@@ -67,7 +67,7 @@ fn render(name: &str, width: usize, height: usize, device: Option<&Device>) -> V
     let scene = Scene::load(name, &[format!("camera.size=[{width}, {height}]")]).unwrap();
     let mut session = Session::new(&scene, device, Options::default(), Room::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
-    session.picture().unwrap().bytes(scene.camera.exposure)
+    session.picture().unwrap().bytes(&scene.camera)
 }
 
 #[test]

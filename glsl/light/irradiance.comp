@@ -16,17 +16,7 @@ READS(lit)
 READS(harmonics)
 WRITES(irradiance)
 #include "light/harmonics.glsl"
-
-// The share of a light's intensity in the unit direction `away` from it. 1 - cos is taken from the sine, which is exact
-// for narrow cones, too.
-float emission(Light light, vec3 away) {
-    float c = dot(light.axis, away);
-    vec3 s = cross(light.axis, away);
-    float t = clamp((light.outer - dot(s, s) / (1.0 + max(c, 0.0))) / (light.outer - light.inner), 0.0, 1.0);
-    if (light.kind == 2) return c > 0.0 ? t * t * (3.0 - 2.0 * t) : 0.0;
-    if (light.kind == 3) return max(c, 0.0);
-    return light.kind == 4 ? abs(c) : 1.0;
-}
+#include "light/arrival.glsl"
 
 void main() {
     uint face = invocation();
@@ -40,23 +30,11 @@ void main() {
     vec3 all_front = vec3(0), free_front = vec3(0), all_back = vec3(0), free_back = vec3(0);
     for (uint i = 0; i < frame[0].lights; ++i) {
         Light light = lights[i];
-        vec3 toward = light.place;
-        float falloff = 1.0;
-        if (light.kind != 0 && light.kind != 5) {
-            toward -= leaf.center;
-            float d2 = max(dot(toward, toward), 1e-30);
-            toward /= sqrt(d2);
-            falloff = emission(light, -toward) / d2;
-        }
+        vec3 toward;
+        float falloff = arrival(light, leaf.center, toward);
         float cosine = dot(normal, toward);
         float counts = both ? abs(cosine) : max(cosine, 0.0);
-        float lets = 1.0;
-        if (SHADOWS != 0) {
-            if (light.shadow != NONE) {
-                uint word = lit[face * frame[0].shadow_words + light.shadow / 32];
-                lets = float(word >> (light.shadow % 32) & 1u);
-            }
-        }
+        float lets = reaches(light, face);
         vec3 enters = counts * transmittance(frame[0].eta, counts);
         if (light.kind != 5) sum += light.color * (falloff * lets) * enters;
         if (SKY != 0) {

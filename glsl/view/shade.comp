@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 #include "light/fresnel.glsl"
 
-// Equation 3: the radiance that leaves the surface towards the eye, from the radiosity interpolated between vertices.
+// Equation 3, times `exit`: the radiance that leaves the surface towards the eye, from the radiosity interpolated between vertices.
 READS(frame)
 READS(camera)
 READS(triangles)
@@ -29,7 +29,7 @@ void main() {
         vec3 toward = camera[0].origin - point;
         float size = sqrt(dot(normal, normal) * dot(toward, toward));
         float cosine = size > 0.0 ? abs(dot(normal, toward)) / size : 0.0;
-        color = transmittance(frame[0].eta, cosine) * B * (camera[0].radiance / 3.14159265358979);
+        color = transmittance(frame[0].eta, cosine) * B * (camera[0].radiance / 3.14159265358979) * frame[0].exit;
     }
     radiance[pixel] = color;
 }

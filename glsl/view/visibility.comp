@@ -12,20 +12,15 @@ READS(topology)
 READS(bounds)
 WRITES(hits)
 #include "geometry/trace.glsl"
+#include "view/ray.glsl"
 
 void main() {
     uint pixel = invocation();
     uint width = camera[0].width, height = camera[0].height;
     if (pixel >= width * height) return;
 
-    // Through the pixel's centre; the scale of the ray is free, so nothing is divided.
-    uint column = pixel % width, row = pixel / width;
-    float w = float(width), h = float(height);
-    precise float x = (float(2 * column + 1) - w) * h;
-    precise float y = (h - float(2 * row + 1)) * w;
-    precise float z = w * h;
-    precise vec3 direction = z * camera[0].forward + x * camera[0].right + y * camera[0].up;
-    Nearest nearest = trace(camera[0].origin, direction);
+    precise float z = float(width) * float(height);
+    Nearest nearest = trace(camera[0].origin, ray(pixel));
 
     float sum = nearest.weights.x + nearest.weights.y + nearest.weights.z;
     Hit hit = Hit(nearest.face, 0.0, 0.0, 0.0);

@@ -9,6 +9,7 @@ use super::{RunArguments, SceneArguments, check_messages, open_session, validati
 use crate::error::{Input, Result};
 use crate::render::aov::layers;
 use crate::render::plan::{Change, Mode, Options};
+use crate::render::samples::picture;
 use crate::view::aov::save;
 use crate::view::picture::check;
 
@@ -20,7 +21,7 @@ pub struct Arguments {
     scene: SceneArguments,
     #[command(flatten)]
     run: RunArguments,
-    /// The picture: `.png` (exposed, sRGB) or `.exr` (linear).
+    /// The picture: `.png` (exposed, toned, sRGB) or `.exr` (linear).
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Width and height in pixels; overrides the scene's.
@@ -58,11 +59,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.times {
         super::solve::print_times(&mut session, &times)?;
     }
-    let picture = session.picture()?;
+    // Layers are those of the pixels' centres.
+    let layers = if aov { Some(layers(&mut session)?) } else { None };
+    let picture = picture(&mut session)?;
     check_messages(device.as_ref())?;
-    match aov {
-        true => save(&picture, &layers(&mut session)?, &arguments.output)?,
-        false => picture.save(&arguments.output, scene.camera.exposure)?,
+    match layers {
+        Some(layers) => save(&picture, &layers, &arguments.output)?,
+        None => picture.save(&arguments.output, &scene.camera)?,
     }
     let place = device.as_ref().map_or("the CPU", |device| device.name());
     let seconds = start.elapsed().as_secs_f64();

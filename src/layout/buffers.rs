@@ -17,6 +17,8 @@ buffers! {
     sky_rows: SkyRow, row;
     /// Integrals over its columns.
     sky_columns: SkyColumn, column;
+    /// Directions in which the environment is reflected: of microfacets about the normal, or about the mirror direction.
+    lobe: [f32; 3], direction;
     /// Sums of image times harmonic, nine a block of pixels; the first nine are the environment's coefficients.
     harmonics: [f32; 3], block;
     /// The camera; one element.

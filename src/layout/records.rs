@@ -21,6 +21,12 @@ records! { frame_records:
         two_sided: u32,
         /// Size of the environment's image, in pixels.
         sky: [u32; 2],
+        /// Turns from the left edge of that image to the azimuth of +y to -z, as turned: 0.5 where it is not.
+        sky_turn: f32,
+        /// What the surface reflects: 0 nothing, 1 by Phong's lobe, 2 by GGX microfacets.
+        reflection: u32,
+        /// The lobe's exponent, or alpha of the microfacets.
+        roughness: f32,
         /// The factors of the environment's harmonics of degree 0, per channel: integrals of Fresnel transmittance and cosine.
         zonal_0: [f32; 3],
         /// The same of degree 1.
@@ -51,6 +57,8 @@ records! { frame_records:
         z_virtual: [f32; 3],
         /// Relative index of refraction, per channel.
         eta: [f32; 3],
+        /// What light that leaves is multiplied by: 1, or 1 / (1 - F_ext), per channel.
+        exit: [f32; 3],
         /// Number of blocks of receivers.
         blocks: u32,
         /// Room for list entries in one batch.
@@ -160,25 +168,6 @@ records! { frame_records:
         /// Squared estimate of the expansion's error at the block's radius; it grows with the cube of the offset.
         bend: [f32; 3],
     }
-    /// The camera: the ray through (x, y) in [-1,1]^2 runs along `forward + x right + y up`, not normalised.
-    Camera {
-        /// The eye.
-        origin: [f32; 3],
-        /// Half the picture's width at unit distance.
-        right: [f32; 3],
-        /// Half the picture's height at unit distance.
-        up: [f32; 3],
-        /// The unit viewing direction.
-        forward: [f32; 3],
-        /// Picture width in pixels.
-        width: u32,
-        /// Picture height in pixels.
-        height: u32,
-        /// Linear radiance where nothing is hit, in the scene's units.
-        background: [f32; 3],
-        /// What a radiance of the internal units has to be multiplied by.
-        radiance: f32,
-    }
     /// A node's place in the tree, stored depth first: the left child of `i` is `i + 1`.
     Topology {
         /// The first node after this subtree; also the right child of the parent's left child.
@@ -260,17 +249,6 @@ records! { frame_records:
         overflow: u32,
         /// Not 0 when a driver ended a loop early, or would: lavapipe does so after 65,535 iterations.
         unfinished: u32,
-    }
-    /// What a primary ray met.
-    Hit {
-        /// The triangle, or all ones.
-        face: u32,
-        /// Barycentric weight of the triangle's second corner.
-        u: f32,
-        /// Barycentric weight of the triangle's third corner.
-        v: f32,
-        /// Distance along the ray in multiples of its (unnormalised) direction.
-        depth: f32,
     }
     /// A run of elements for one dispatch.
     Range {

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::{fresnel, harmonics};
 use crate::error::Result;
-use crate::layout::{Light, Slot};
+use crate::layout::{Buffers, Light, Slot};
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
 
 /// The table's entry.
@@ -41,6 +41,28 @@ fn emission(light: &Light, away: DVec3) -> f64 {
     }
 }
 
+/// The unit direction towards a light, and the share of its colour that arrives at a point.
+#[must_use]
+pub fn arrival(light: &Light, point: DVec3) -> (DVec3, f64) {
+    let mut toward = wide(light.place);
+    let mut falloff = 1.0;
+    if light.kind != 0 && light.kind != 5 {
+        toward -= point;
+        falloff = 1.0 / toward.length_squared().max(1e-30);
+        toward *= falloff.sqrt();
+        falloff *= emission(light, -toward);
+    }
+    (toward, falloff)
+}
+
+/// Whether a light reaches a face, as far as shadows are known.
+#[must_use]
+pub fn reaches(data: &Buffers, light: &Light, face: usize) -> bool {
+    let words = data.frame[0].shadow_words as usize;
+    let bit = |bit: u32| data.lit[face * words + bit as usize / 32] >> (bit % 32) & 1;
+    light.shadow == u32::MAX || bit(light.shadow) == 1
+}
+
 fn cpu(state: &mut State, _at: Place) {
     let data = &mut state.data;
     let frame = &data.frame[0];
@@ -54,16 +76,8 @@ fn cpu(state: &mut State, _at: Place) {
         let normal = if area > 0.0 { wide(leaf.normal) * side / area } else { DVec3::ZERO };
         let (mut sum, mut all, mut free) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
         for light in &data.lights {
-            let mut toward = wide(light.place);
-            let mut falloff = 1.0;
-            if light.kind != 0 && light.kind != 5 {
-                toward -= wide(leaf.center);
-                falloff = 1.0 / toward.length_squared().max(1e-30);
-                toward *= falloff.sqrt();
-                falloff *= emission(light, -toward);
-            }
-            let bit = |bit: u32| data.lit[face * frame.shadow_words as usize + bit as usize / 32] >> (bit % 32) & 1;
-            let arrives = light.shadow == u32::MAX || bit(light.shadow) == 1;
+            let (toward, falloff) = arrival(light, wide(leaf.center));
+            let arrives = reaches(data, light, face);
             let cosine = normal.dot(toward).max(0.0);
             let enters = DVec3::from_array(eta.map(|eta| fresnel::transmittance(eta, cosine))) * cosine;
             if light.kind == 5 {

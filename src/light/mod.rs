@@ -5,3 +5,4 @@ pub mod fresnel;
 pub mod harmonics;
 pub mod irradiance;
 pub mod shadow;
+pub mod sky;

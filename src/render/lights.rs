@@ -8,6 +8,7 @@ use super::prepare::{Units, narrow};
 use crate::layout::{Light as Record, SkyColumn, SkyRow};
 use crate::scene::{Light, Mesh, Sky, Source};
 use crate::state::State;
+use crate::view::reflect::lobe;
 
 /// Puts the lights in place, scaled to the brightest irradiance they give anywhere on the mesh.
 pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, mesh: &Mesh) {
@@ -25,7 +26,7 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, mesh: &Mes
     frame.lights = state.data.lights.len() as u32;
     frame.shadow_words = bits.div_ceil(32);
     frame.sky = [0; 2];
-    (state.data.sky, state.data.sky_rows, state.data.sky_columns) = Default::default();
+    (state.data.sky, state.data.sky_rows, state.data.sky_columns, state.data.lobe) = Default::default();
     for light in lights {
         if let Source::Environment { sky, .. } = &light.source
             && sky.brightest() != [0.0; 3]
@@ -137,6 +138,8 @@ fn spread(k: u32, count: u32) -> DVec3 {
 fn tables(state: &mut State, sky: &Sky, unit: f64) {
     let data = &mut state.data;
     data.frame[0].sky = sky.size;
+    data.frame[0].sky_turn = (0.5 + sky.rotation / 360.0).rem_euclid(1.0) as f32;
+    data.lobe = lobe(&data.frame[0]);
     let factor = sky.factor.map(|x| x / unit);
     let scale = |pixel: &[f32; 3]| std::array::from_fn(|c| (f64::from(pixel[c]) * factor[c]) as f32);
     data.sky = sky.pixels.iter().map(scale).collect();

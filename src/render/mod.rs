@@ -8,4 +8,5 @@ pub mod plan;
 pub mod prepare;
 pub mod room;
 pub mod run;
+pub mod samples;
 pub mod stages;

@@ -125,7 +125,7 @@ impl Plan {
             _ if change.everything => true,
             "refit" => false,
             "visibility" => change.view,
-            "shade" => change.view || change.light || change.resum,
+            "shade" | "reflect" | "backdrop" => change.view || change.light || change.resum,
             name if kept && builds_links(name) => false,
             // The lists of blocks depend on the light.
             "link" if kept => change.light,
@@ -171,8 +171,9 @@ fn sums(name: &str) -> bool {
 /// Why this stage has no place in the frame, if it has none.
 fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -> Option<String> {
     let (blocks, links) = (BLOCKS.contains(&name), LINKS.contains(&name));
-    let needs_light = blocks || links || matches!(name, "shadow" | "environment" | "irradiance" | "average" | "brute");
-    let pictorial = matches!(name, "average" | "visibility" | "shade");
+    let needs_light =
+        blocks || links || matches!(name, "shadow" | "environment" | "irradiance" | "average" | "brute" | "reflect");
+    let pictorial = matches!(name, "average" | "visibility" | "shade" | "reflect" | "backdrop");
     if name == "evaluate" {
         return Some("answers `milkglass eval` only".into());
     }
@@ -194,13 +195,20 @@ fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -> Option<St
     }
 }
 
-/// Why this stage of light arriving is not needed for these lights, if it is not.
+/// Why this stage is not needed for these lights, this surface and this camera, if it is not.
 fn unlit(name: &str, state: &State) -> Option<String> {
     match name {
         "shadow" if state.data.frame.iter().all(|frame| frame.shadow_words == 0) => {
             Some("no light casts shadows, and no environment asks what is hidden of it".into())
         }
         "environment" if state.data.sky.is_empty() => Some("no light is an environment".into()),
+        "reflect" if state.data.frame.iter().all(|frame| frame.reflection == 0) => {
+            Some("the material's surface reflects nothing".into())
+        }
+        "backdrop" if state.data.camera.iter().all(|camera| camera.environment == 0) => {
+            Some("the background is a colour".into())
+        }
+        "backdrop" if state.data.sky.is_empty() => Some("the environment is black".into()),
         _ => None,
     }
 }

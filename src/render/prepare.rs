@@ -13,7 +13,7 @@ use crate::hierarchy::face_cluster::{self, Method};
 use crate::hierarchy::{Tree, median};
 use crate::layout::{Camera as CameraRecord, Frame, Topology};
 use crate::light::{fresnel, harmonics};
-use crate::scene::{Camera, Fresnel, Hierarchy, Material, Mesh, Scene, Transport};
+use crate::scene::{Camera, Fresnel, Hierarchy, Material, Mesh, Reflection, Scene, Transport};
 use crate::state::{Method as Switches, Schedule, Scheme, State};
 use crate::transport::gather::PLACES;
 
@@ -154,6 +154,11 @@ fn topology(state: &mut State, mesh: &Mesh, tree: &Tree, units: Units) -> Vec<u3
 fn frame(state: &mut State, material: &Material, transport: &Transport, units: Units) {
     let dipoles = dipoles(material, units.length);
     let of = |f: fn(&Dipole) -> f64| dipoles.each_ref().map(|dipole| f(dipole) as f32);
+    let reflection = match material.surface.reflection {
+        Reflection::None => (0, 0.0),
+        Reflection::Phong { shininess } => (1, shininess as f32),
+        Reflection::Ggx { roughness } => (2, roughness as f32),
+    };
     let zonal = material.eta.map(harmonics::zonal);
     let degree = |l: usize| zonal.map(|factors| factors[l] as f32);
     state.data.frame = vec![Frame {
@@ -168,6 +173,9 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
         z_real: of(|d| d.z_real),
         z_virtual: of(|d| d.z_virtual),
         eta: material.eta.map(|eta| eta as f32),
+        reflection: reflection.0,
+        roughness: reflection.1,
+        exit: material.eta.map(|eta| if material.surface.normalize_exit { fresnel::exit(eta) as f32 } else { 1.0 }),
         two_sided: u32::from(material.two_sided),
         zonal_0: degree(0),
         zonal_1: degree(1),
@@ -190,7 +198,10 @@ pub fn camera(state: &mut State, camera: &Camera, units: Units) {
         forward: narrow(forward),
         width,
         height,
+        shift_x: 0.0,
+        shift_y: 0.0,
         background: camera.background.map(|x| x as f32),
+        environment: u32::from(camera.environment),
         radiance: radiance(units),
     }];
 }

@@ -91,16 +91,30 @@ impl Session {
             self.pending = Change::EVERYTHING;
             return self.resize();
         }
-        let inputs = [Slot::frame, Slot::lights, Slot::camera, Slot::sky, Slot::sky_rows, Slot::sky_columns];
+        let inputs =
+            [Slot::frame, Slot::lights, Slot::camera, Slot::sky, Slot::sky_rows, Slot::sky_columns, Slot::lobe];
         self.send(&inputs)
     }
 
     /// Replaces the camera; its picture may have another size.
     pub fn set_camera(&mut self, new: &Camera) -> Result<()> {
+        let before = self.scene.camera.environment;
         self.scene.camera = new.clone();
         self.pending = self.pending.and(Change::VIEW);
         camera(&mut self.prepared.state, new, self.prepared.units);
+        if before != new.environment {
+            self.plan = Plan::new(&self.prepared.state, self.plan.options());
+        }
         self.size_picture();
+        self.send(&[Slot::camera])
+    }
+
+    /// Rays through another place of the pixels, from their centres, in pixels, until the camera is set again.
+    pub(super) fn shift(&mut self, place: [f64; 2]) -> Result<()> {
+        if let Some(camera) = self.prepared.state.data.camera.first_mut() {
+            [camera.shift_x, camera.shift_y] = place.map(|x| 2.0 * x as f32);
+        }
+        self.pending = self.pending.and(Change::VIEW);
         self.send(&[Slot::camera])
     }
 

@@ -5,7 +5,7 @@ use crate::geometry::refit;
 use crate::light::{environment, irradiance, shadow};
 use crate::state::{Place, Schedule, Stage, Step, Unit};
 use crate::transport::{average, evaluate, gather, level, link, pull, push, radii};
-use crate::view::{shade, visibility};
+use crate::view::{backdrop, reflect, shade, visibility};
 
 /// Every stage, in the order of a frame; the last two are no part of one: `brute` takes the place of
 /// `pull` to `push`, `evaluate` answers `milkglass eval`.
@@ -29,6 +29,8 @@ pub static STAGES: &[&Stage] = &[
     &average::STAGE,
     &visibility::STAGE,
     &shade::STAGE,
+    &reflect::STAGE,
+    &backdrop::STAGE,
     &brute::STAGE,
     &evaluate::STAGE,
 ];

@@ -1,10 +1,12 @@
 //! The camera: where it stands, where it looks, and how it is fitted to the object when not told.
 
 use super::file::CameraFile;
+use super::light::{Light, Source};
 use super::range::{self, Checked};
-use super::vector::Vector;
+use super::vector::{Background, Vector};
 use crate::error::Input;
 use glam::DVec3;
+use serde::Deserialize;
 
 /// The direction from the object to a fitted camera: from the front, a little above and to the right.
 const FRONT: DVec3 = DVec3::new(0.35, 0.3, 1.0);
@@ -21,6 +23,17 @@ pub const SIZE: [u32; 2] = [512, 512];
 /// The largest width or height of a picture, in pixels.
 pub const LARGEST_SIZE: u32 = 16_384;
 
+/// How exposed radiance becomes a PNG's 0 to 1, before the sRGB curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Tone {
+    /// As it is, cut off at 1.
+    #[default]
+    Clip,
+    /// Hable's curve: a soft shoulder that reaches 1 at 5.6, and a toe.
+    Filmic,
+}
+
 /// A pinhole camera, checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
@@ -34,10 +47,16 @@ pub struct Camera {
     pub fov: f64,
     /// Width and height in pixels, each 1 to 16384.
     pub size: [u32; 2],
+    /// Places of a pixel whose mean it shows, 1 to 64.
+    pub samples: u32,
     /// Factor on radiance before it becomes sRGB, above 0.
     pub exposure: f64,
+    /// What becomes of radiance that is exposed, in a PNG.
+    pub tone: Tone,
     /// Linear radiance where no object is seen, r g b, at least 0.
     pub background: [f64; 3],
+    /// Whether the environment is seen there instead.
+    pub environment: bool,
 }
 
 impl Camera {
@@ -71,15 +90,33 @@ impl Framing {
             up: range::direction("camera.up", file.up.0)?,
             fov: range::number("camera.fov", file.fov, |x| x > 0.0 && x < 180.0, "degrees, above 0 and below 180")?,
             size: size(&file.size)?,
+            samples: range::number(
+                "camera.samples",
+                f64::from(file.samples),
+                |x| (1.0..=64.0).contains(&x),
+                "a whole number from 1 to 64",
+            )? as u32,
             exposure: range::number("camera.exposure", file.exposure, |x| x > 0.0, "above 0")?,
-            background: range::channels(
-                "camera.background",
-                file.background.0,
-                |x| (0.0..=1e20).contains(&x),
-                "numbers from 0 to 1e20",
-            )?,
+            tone: file.tone,
+            background: match file.background {
+                Background::Environment => [0.0; 3],
+                Background::Color(color) => {
+                    let accept = |x| (0.0..=1e20).contains(&x);
+                    range::channels("camera.background", color, accept, "numbers from 0 to 1e20")?
+                }
+            },
+            environment: file.background == Background::Environment,
         };
         Ok(Self { position, target, rest })
+    }
+
+    /// An error when an environment is to be seen and no light is one.
+    pub(super) fn check_background(&self, lights: &[Light]) -> Checked<()> {
+        if !self.rest.environment || lights.iter().any(|light| matches!(light.source, Source::Environment { .. })) {
+            return Ok(());
+        }
+        let fault = Input::new("no light is an environment").key("camera.background").found("\"environment\"");
+        Err(fault.expected("a number or [r, g, b], or a [[light]] of type \"environment\""))
     }
 
     /// The camera, with a missing position or target fitted to the box `low..high`.

@@ -1,13 +1,14 @@
 //! The scene file: its tables and keys as serde sees them, and the check that turns them into a
 //! [`Draft`], which is everything but the mesh itself.
 
-use super::camera::{self, Framing};
+use super::camera::{self, Framing, Tone};
 use super::light::{Light, LightFile};
 use super::material::{Fresnel, Material};
 use super::mesh::Shape;
 use super::range::{self, Checked};
+use super::surface::ReflectionKind;
 use super::transport::{self, Distance, Hierarchy, Near, Oracle, Scheme, Transport};
-use super::vector::{Rgb, Vector};
+use super::vector::{Background, Rgb, Vector};
 use crate::error::Input;
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -48,8 +49,10 @@ pub(super) struct CameraFile {
     pub up: Vector,
     pub fov: f64,
     pub size: Vec<i64>,
+    pub samples: u32,
     pub exposure: f64,
-    pub background: Rgb,
+    pub tone: Tone,
+    pub background: Background,
 }
 
 impl Default for CameraFile {
@@ -60,8 +63,10 @@ impl Default for CameraFile {
             up: Vector([0.0, 1.0, 0.0]),
             fov: camera::FOV,
             size: camera::SIZE.map(i64::from).to_vec(),
+            samples: 1,
             exposure: 1.0,
-            background: Rgb([0.0; 3]),
+            tone: Tone::Clip,
+            background: Background::Color([0.0; 3]),
         }
     }
 }
@@ -89,12 +94,27 @@ pub(super) struct MaterialFile {
     pub eta: Option<Rgb>,
     pub fresnel: Fresnel,
     pub two_sided: bool,
+    pub normalize_exit: bool,
+    pub reflection: ReflectionKind,
+    pub roughness: Option<f64>,
+    pub shininess: Option<i64>,
 }
 
 impl Default for MaterialFile {
     fn default() -> Self {
-        let fresnel = Fresnel::default();
-        Self { preset: None, scale: 1.0, sigma_s_prime: None, sigma_a: None, eta: None, fresnel, two_sided: false }
+        Self {
+            preset: None,
+            scale: 1.0,
+            sigma_s_prime: None,
+            sigma_a: None,
+            eta: None,
+            fresnel: Fresnel::default(),
+            two_sided: false,
+            normalize_exit: false,
+            reflection: ReflectionKind::None,
+            roughness: None,
+            shininess: None,
+        }
     }
 }
 
@@ -176,6 +196,7 @@ impl SceneFile {
         let lights = self.light.iter().enumerate().map(|(index, light)| Light::check(light, index));
         let lights = lights.collect::<Checked<Vec<Light>>>()?;
         Light::check_all(&lights)?;
+        framing.check_background(&lights)?;
         let [object] = self.object.as_slice() else {
             let found = match self.object.len() {
                 0 => "no [[object]]".to_owned(),

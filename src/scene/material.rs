@@ -4,6 +4,7 @@ use super::file::MaterialFile;
 use super::locate;
 use super::preset::{PRESETS, Preset};
 use super::range::{self, Checked};
+use super::surface::Surface;
 use super::vector::Rgb;
 use crate::error::Input;
 use serde::Deserialize;
@@ -40,6 +41,8 @@ pub struct Material {
     pub fresnel: Fresnel,
     /// Whether both sides of a face receive light, each by its own cosine; lights may then stand in the medium.
     pub two_sided: bool,
+    /// What its surface does with light.
+    pub surface: Surface,
 }
 
 impl Material {
@@ -90,7 +93,8 @@ impl Material {
             Some(preset) if modified => format!("{}, modified", preset.name),
             Some(preset) => preset.name.to_owned(),
         };
-        Ok(Self { name, sigma_s_prime, sigma_a, eta, fresnel: file.fresnel, two_sided: file.two_sided })
+        let surface = Surface::check(file, key)?;
+        Ok(Self { name, sigma_s_prime, sigma_a, eta, fresnel: file.fresnel, two_sided: file.two_sided, surface })
     }
 }
 

@@ -13,14 +13,16 @@ mod preset;
 mod range;
 mod read;
 mod set;
+mod surface;
 mod transport;
 mod vector;
 
-pub use camera::Camera;
+pub use camera::{Camera, Tone};
 pub use light::{Light, Sky, Source};
 pub use material::{Fresnel, Material};
 pub use mesh::{Mesh, Shape};
 pub use preset::{PRESETS, Preset};
+pub use surface::{Reflection, Surface};
 pub use transport::{Distance, Hierarchy, Near, Oracle, Scheme, Transport};
 
 use crate::error::{Input, Result};

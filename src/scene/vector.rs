@@ -10,6 +10,51 @@ pub(super) struct Vector(pub [f64; 3]);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rgb(pub [f64; 3]);
 
+/// What is seen where no object is: a colour, or the word `environment`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Background {
+    /// Three channels.
+    Color([f64; 3]),
+    /// The environment.
+    Environment,
+}
+
+impl<'de> Deserialize<'de> for Background {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_any(ColorOrWord)
+    }
+}
+
+/// Reads a colour or the word.
+struct ColorOrWord;
+
+impl<'de> Visitor<'de> for ColorOrWord {
+    type Value = Background;
+
+    fn expecting(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        out.write_str("a number, [r, g, b] or \"environment\"")
+    }
+
+    fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<Background, E> {
+        Ok(Background::Color([value; 3]))
+    }
+
+    fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<Background, E> {
+        Three { one_for_all: true }.visit_i64(value).map(Background::Color)
+    }
+
+    fn visit_str<E: serde::de::Error>(self, value: &str) -> Result<Background, E> {
+        match value {
+            "environment" => Ok(Background::Environment),
+            _ => Err(E::invalid_value(serde::de::Unexpected::Str(value), &self)),
+        }
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, from: A) -> Result<Background, A::Error> {
+        Three { one_for_all: true }.visit_seq(from).map(Background::Color)
+    }
+}
+
 impl<'de> Deserialize<'de> for Vector {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         from.deserialize_seq(Three { one_for_all: false }).map(Self)

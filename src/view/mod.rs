@@ -1,6 +1,8 @@
 //! From radiosity to a picture.
 
 pub mod aov;
+pub mod backdrop;
 pub mod picture;
+pub mod reflect;
 pub mod shade;
 pub mod visibility;

@@ -1,8 +1,9 @@
-//! Pictures on disk: linear OpenEXR, or PNG after exposure and the sRGB curve.
+//! Pictures on disk: linear OpenEXR, or PNG after exposure, tone curve and the sRGB curve.
 
 use std::path::{Path, PathBuf};
 
 use crate::error::{Input, Result};
+use crate::scene::{Camera, Tone};
 
 /// A picture in memory.
 #[derive(Clone, Debug)]
@@ -21,21 +22,29 @@ pub fn encode(linear: f64) -> f64 {
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }
 
+/// The filmic curve (Hable 2010), from exposed radiance to 0..1: h(2 x) / h(11.2), which is 1 from x = 5.6 on.
+/// h(x) = (x (0.15 x + 0.05) + 0.004) / (x (0.15 x + 0.5) + 0.06) - 1 / 15.
+pub fn filmic(exposed: f64) -> f64 {
+    let curve = |x: f64| (x * (0.15 * x + 0.05) + 0.004) / (x * (0.15 * x + 0.5) + 0.06) - 1.0 / 15.0;
+    curve(2.0 * exposed.clamp(0.0, 5.6)) / curve(11.2)
+}
+
 impl Picture {
-    /// Eight bits a channel: exposure, then the sRGB curve, rounded.
-    pub fn bytes(&self, exposure: f64) -> Vec<u8> {
-        let byte = |x: &f32| (encode(f64::from(*x) * exposure) * 255.0 + 0.5) as u8;
+    /// Eight bits a channel: the camera's exposure and tone curve, then the sRGB curve, rounded.
+    pub fn bytes(&self, camera: &Camera) -> Vec<u8> {
+        let tone = |exposed: f64| if camera.tone == Tone::Filmic { filmic(exposed) } else { exposed };
+        let byte = |x: &f32| (encode(tone(f64::from(*x) * camera.exposure)) * 255.0 + 0.5) as u8;
         self.pixels.iter().flat_map(|pixel| pixel.iter().map(byte)).collect()
     }
 
-    /// Writes a `.png` or an `.exr`, by the name's ending.
-    pub fn save(&self, path: &Path, exposure: f64) -> Result<()> {
+    /// Writes a `.png` as the camera has it or a linear `.exr`, by the name's ending.
+    pub fn save(&self, path: &Path, camera: &Camera) -> Result<()> {
         match kind(path)? {
             Kind::Png => write_whole(path, |beside| {
                 let size = (self.width as u32, self.height as u32);
                 image::save_buffer_with_format(
                     beside,
-                    &self.bytes(exposure),
+                    &self.bytes(camera),
                     size.0,
                     size.1,
                     image::ExtendedColorType::Rgb8,
@@ -102,6 +111,17 @@ mod tests {
         assert!((encode(0.5) - 0.735_356_98).abs() < 1e-6);
         assert!((encode(0.003_130_8) - 12.92 * 0.003_130_8).abs() < 1e-6);
         assert_eq!(encode(f64::NAN).to_bits(), f64::NAN.to_bits());
+    }
+
+    #[test]
+    fn the_filmic_curve_rises_from_0_to_1() {
+        assert!(filmic(0.0).abs() < 1e-15 && (filmic(5.6) - 1.0).abs() < 1e-15 && filmic(1e300) == filmic(5.6));
+        // Hable's own numbers: A 0.15, B 0.5, C 0.1, D 0.2, E 0.02, F 0.3.
+        let hable =
+            |x: f64| (x * (0.15 * x + 0.1 * 0.5) + 0.2 * 0.02) / (x * (0.15 * x + 0.5) + 0.2 * 0.3) - 0.02 / 0.3;
+        let values: Vec<f64> = (0..=100).map(|i| filmic(0.056 * f64::from(i))).collect();
+        assert!(values.windows(2).all(|pair| pair[0] < pair[1]));
+        assert!((values[50] - hable(5.6) / hable(11.2)).abs() < 1e-12);
     }
 
     #[test]

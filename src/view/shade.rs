@@ -1,4 +1,6 @@
 //! Stage `shade`: the radiance that leaves towards the eye, equation 3, from radiosity interpolated between vertices.
+//!
+//! Over all directions that is (1 - F_ext) B; with `normalize_exit` the frame's factor `exit` makes it B.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -24,7 +26,7 @@ pub static STAGE: Stage = Stage {
 fn cpu(state: &mut State, _at: Place) {
     let data = &mut state.data;
     let camera = data.camera[0];
-    let eta = data.frame[0].eta.map(f64::from);
+    let (eta, exit) = (data.frame[0].eta.map(f64::from), wide(data.frame[0].exit));
     data.radiance = data
         .hits
         .par_iter()
@@ -38,7 +40,7 @@ fn cpu(state: &mut State, _at: Place) {
             let normal = mix(&data.normals).normalize_or_zero();
             let leaves = eta.map(|eta| fresnel::transmittance(eta, normal.dot(toward).abs()));
             let scale = f64::from(camera.radiance) / std::f64::consts::PI;
-            narrow(DVec3::from_array(leaves) * mix(&data.vertex_radiosity) * scale)
+            narrow(DVec3::from_array(leaves) * mix(&data.vertex_radiosity) * scale * exit)
         })
         .collect();
 }

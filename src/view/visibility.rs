@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::geometry::trace::trace;
-use crate::layout::{Hit, Slot};
+use crate::layout::{Camera, Hit, Slot};
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
 
 /// The table's entry.
@@ -20,24 +20,29 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
+/// The ray through a pixel, from the eye, the very one of the shader: its scale is free, so nothing is divided.
+#[must_use]
+pub fn ray(camera: &Camera, pixel: u32) -> [f32; 3] {
+    let (w, h) = (camera.width as f32, camera.height as f32);
+    let (column, row) = (pixel % camera.width, pixel / camera.width);
+    let x = ((2 * column + 1) as f32 + camera.shift_x - w) * h;
+    let y = (h - ((2 * row + 1) as f32 + camera.shift_y)) * w;
+    let z = w * h;
+    std::array::from_fn(|k| z * camera.forward[k] + x * camera.right[k] + y * camera.up[k])
+}
+
 fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;
     let camera = data.camera[0];
     let (w, h) = (camera.width as f32, camera.height as f32);
     let hit = |pixel: u32| {
-        // The very ray of the shader: its scale is free, so nothing is divided.
-        let (column, row) = (pixel % camera.width, pixel / camera.width);
-        let x = ((2 * column + 1) as f32 - w) * h;
-        let y = (h - (2 * row + 1) as f32) * w;
-        let z = w * h;
-        let direction = std::array::from_fn(|k| z * camera.forward[k] + x * camera.right[k] + y * camera.up[k]);
-        let nearest = trace(data, camera.origin, direction);
+        let nearest = trace(data, camera.origin, ray(&camera, pixel));
         if nearest.face == u32::MAX {
             return Hit { face: u32::MAX, ..Hit::default() };
         }
         let weights = nearest.weights.map(f64::from);
         let sum: f64 = weights.iter().sum();
-        let depth = f64::from(nearest.numerator) / f64::from(nearest.denominator) * f64::from(z);
+        let depth = f64::from(nearest.numerator) / f64::from(nearest.denominator) * f64::from(w * h);
         Hit { face: nearest.face, u: (weights[1] / sum) as f32, v: (weights[2] / sum) as f32, depth: depth as f32 }
     };
     let hits = (0..camera.width * camera.height).into_par_iter().map(hit).collect();

@@ -14,7 +14,7 @@ use crate::light::fresnel::{boundary, diffuse_internal_exact};
 use crate::render::plan::{Change, Goal, Options, Transport};
 use crate::render::run::{Room, Session};
 use crate::render::stages::stage;
-use crate::scene::{Fresnel, Light, Material, Mesh, Scene};
+use crate::scene::{Fresnel, Light, Material, Mesh, Scene, Surface};
 use crate::state::{DeviceState, Place, State, Step};
 
 /// Three media, one a channel: reduced scattering and absorption, 1/length, and the index of refraction.
@@ -89,6 +89,7 @@ impl Pair {
             eta: self.media.map(|[.., eta]| eta),
             fresnel: Fresnel::Exact,
             two_sided: false,
+            surface: Surface::default(),
         };
         // The receiver may stand in the light, and is not meant to.
         scene.lights = vec![Light { shadows: false, ..Light::directional(normal, [1.0; 3]) }];

@@ -13,7 +13,7 @@ use crate::dipole::form_factor::points::{SIX, THREE, TWELVE, midpoint_moment, sa
 use crate::dipole::form_factor::{Distance, gauss, vector_area};
 use crate::dipole::profile::Dipole;
 use crate::render::prepare::dipoles;
-use crate::scene::{Fresnel, Material, PRESETS, Preset};
+use crate::scene::{Fresnel, Material, PRESETS, Preset, Surface};
 
 /// Tolerances of our ladder that the figures show: the default, and the finest.
 pub const TOLERANCES: [f64; 2] = [1e-2, 1e-4];
@@ -58,7 +58,15 @@ fn material(name: &str) -> [Dipole; 3] {
     let preset = Preset::named(name).unwrap_or(&PRESETS[0]);
     let (sigma_s_prime, sigma_a, eta) = (preset.sigma_s_prime, preset.sigma_a, [preset.eta; 3]);
     dipoles(
-        &Material { name: name.into(), sigma_s_prime, sigma_a, eta, fresnel: Fresnel::Paper, two_sided: false },
+        &Material {
+            name: name.into(),
+            sigma_s_prime,
+            sigma_a,
+            eta,
+            fresnel: Fresnel::Paper,
+            two_sided: false,
+            surface: Surface::default(),
+        },
         1.0,
     )
 }

@@ -1,0 +1,34 @@
+// What arrives from a light. SHADOWS is not 0 where `lit` holds anything.
+
+// The share of a light's intensity in the unit direction `away` from it. 1 - cos is taken from the sine, which is exact
+// for narrow cones, too.
+float emission(Light light, vec3 away) {
+    float c = dot(light.axis, away);
+    vec3 s = cross(light.axis, away);
+    float t = clamp((light.outer - dot(s, s) / (1.0 + max(c, 0.0))) / (light.outer - light.inner), 0.0, 1.0);
+    if (light.kind == 2) return c > 0.0 ? t * t * (3.0 - 2.0 * t) : 0.0;
+    if (light.kind == 3) return max(c, 0.0);
+    return light.kind == 4 ? abs(c) : 1.0;
+}
+
+// The unit direction towards a light, and the share of its colour that arrives at a point.
+float arrival(Light light, vec3 point, out vec3 toward) {
+    toward = light.place;
+    if (light.kind == 0 || light.kind == 5) return 1.0;
+    toward -= point;
+    float d2 = max(dot(toward, toward), 1e-30);
+    toward /= sqrt(d2);
+    return emission(light, -toward) / d2;
+}
+
+// 1 where a light reaches a face, 0 where it is in shadow.
+float reaches(Light light, uint face) {
+    float lets = 1.0;
+    if (SHADOWS != 0) {
+        if (light.shadow != NONE) {
+            uint word = lit[face * frame[0].shadow_words + light.shadow / 32];
+            lets = float(word >> (light.shadow % 32) & 1u);
+        }
+    }
+    return lets;
+}

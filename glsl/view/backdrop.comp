@@ -1,0 +1,19 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// The environment, where a pixel's ray meets nothing.
+READS(frame)
+READS(camera)
+READS(hits)
+READS(sky)
+UPDATES(radiance)
+#include "view/ray.glsl"
+#include "light/sky.glsl"
+
+void main() {
+    uint pixel = invocation();
+    if (pixel >= camera[0].width * camera[0].height) return;
+    if (hits[pixel].face >= frame[0].faces) radiance[pixel] = camera[0].radiance * sky_toward(ray(pixel));
+}

@@ -1,0 +1,61 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+#include "light/fresnel.glsl"
+
+// What the surface reflects of lights that have a place or a direction, where they reach the triangle.
+layout(constant_id = 0) const uint SHADOWS = 0;
+layout(constant_id = 1) const uint GGX = 0;
+READS(frame)
+READS(camera)
+READS(lights)
+READS(lit)
+READS(triangles)
+READS(positions)
+READS(normals)
+READS(hits)
+UPDATES(radiance)
+#include "light/arrival.glsl"
+#include "view/surface.glsl"
+
+// A cosine to the power of a whole number up to 1023.
+float power(float cosine, uint exponent) {
+    float value = 1.0, base = max(cosine, 0.0);
+    for (uint bit = 0; bit < 10; ++bit) {
+        value *= (exponent >> bit & 1u) != 0 ? base : 1.0;
+        base *= base;
+    }
+    return value;
+}
+
+void main() {
+    uint pixel = invocation();
+    if (pixel >= camera[0].width * camera[0].height) return;
+    Hit hit = hits[pixel];
+    if (hit.face >= frame[0].faces) return;
+    Surface s = surface(hit);
+    float signed_seen = dot(s.normal, s.toward), seen = abs(signed_seen), alpha = frame[0].roughness;
+    vec3 sum = vec3(0);
+    for (uint i = 0; i < frame[0].lights; ++i) {
+        Light light = lights[i];
+        vec3 toward;
+        float falloff = arrival(light, s.point, toward) * reaches(light, hit.face);
+        float cosine = max(dot(s.normal, toward), 0.0), lobe, met;
+        if (GGX != 0) {
+            vec3 facet = unit(s.toward + toward);
+            vec3 aside = cross(s.normal, facet);
+            float along = dot(s.normal, facet);
+            float spread = alpha * alpha * along * along + dot(aside, aside);
+            met = dot(s.toward, facet);
+            lobe = alpha * alpha / (3.14159265358979 * spread * spread) * masking(alpha, seen, cosine);
+        } else {
+            vec3 mirror = 2.0 * signed_seen * s.normal - s.toward;
+            met = cosine;
+            lobe = (alpha + 2.0) / (2.0 * 3.14159265358979) * power(dot(mirror, toward), uint(alpha));
+        }
+        float counts = light.kind == 5 || cosine <= 0.0 ? 0.0 : falloff * cosine * lobe;
+        sum += light.color * counts * (1.0 - transmittance(frame[0].eta, met));
+    }
+    radiance[pixel] += camera[0].radiance * sum;
+}

@@ -1,0 +1,28 @@
+// Where a ray met the object, as the eye sees it.
+struct Surface {
+    vec3 point;
+    vec3 normal; // between the vertices', on the side of the triangle that is seen
+    vec3 toward; // to the eye
+};
+
+vec3 unit(vec3 v) {
+    return v / sqrt(max(dot(v, v), 1e-30));
+}
+
+Surface surface(Hit hit) {
+    uvec3 corner = triangles[hit.face];
+    vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
+    vec3 a = positions[corner.x], b = positions[corner.y], c = positions[corner.z];
+    vec3 point = weight.x * a + weight.y * b + weight.z * c;
+    vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
+    vec3 toward = camera[0].origin - point;
+    float side = dot(cross(b - a, c - a), toward) < 0.0 ? -1.0 : 1.0;
+    return Surface(point, unit(normal) * side, unit(toward));
+}
+
+// Microfacets (Walter et al. 2007): G / (4 (n.v) (n.l)), masking and shadowing together as in Heitz 2014, equation 99.
+float masking(float alpha, float seen, float lights) {
+    float a2 = alpha * alpha;
+    float sum = lights * sqrt(seen * seen * (1.0 - a2) + a2) + seen * sqrt(lights * lights * (1.0 - a2) + a2);
+    return 0.5 / max(sum, 1e-30);
+}

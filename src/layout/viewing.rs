@@ -1,0 +1,44 @@
+//! The structs of pictures, shared by host and device.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::{Element, Record, Word};
+
+records! { view_records:
+    /// The camera: the ray through (x, y) in [-1,1]^2 runs along `forward + x right + y up`, not normalised.
+    Camera {
+        /// The eye.
+        origin: [f32; 3],
+        /// Half the picture's width at unit distance.
+        right: [f32; 3],
+        /// Half the picture's height at unit distance.
+        up: [f32; 3],
+        /// The unit viewing direction.
+        forward: [f32; 3],
+        /// Picture width in pixels.
+        width: u32,
+        /// Picture height in pixels.
+        height: u32,
+        /// Twice how far to the right of the pixels' centres their rays pass, in pixels.
+        shift_x: f32,
+        /// Twice how far below.
+        shift_y: f32,
+        /// Linear radiance where nothing is hit, in the scene's units.
+        background: [f32; 3],
+        /// Not 0 where the environment is seen instead.
+        environment: u32,
+        /// What a radiance of the internal units has to be multiplied by.
+        radiance: f32,
+    }
+    /// What a primary ray met.
+    Hit {
+        /// The triangle, or all ones.
+        face: u32,
+        /// Barycentric weight of the triangle's second corner.
+        u: f32,
+        /// Barycentric weight of the triangle's third corner.
+        v: f32,
+        /// Distance along the ray in multiples of its (unnormalised) direction.
+        depth: f32,
+    }
+}

@@ -1,0 +1,36 @@
+//! Stage `backdrop`: the environment, where a pixel's ray meets nothing.
+
+use rayon::prelude::*;
+
+use super::visibility::ray;
+use crate::error::Result;
+use crate::layout::Slot;
+use crate::light::sky;
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "backdrop",
+    room: "view",
+    about: "radiance of pixels that show no object: the environment's image, linear between pixels",
+    equation: "the image's latitude and longitude",
+    writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
+    reason: "a place in the image is an angle in f32, off by some 4e-7, times its pixels a radian and their contrast",
+    unit: Unit::Frame,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _at: Place) {
+    let data = &state.data;
+    let camera = data.camera[0];
+    let pixel = |(pixel, hit): (usize, &crate::layout::Hit)| match data.triangles.get(hit.face as usize) {
+        Some(_) => data.radiance[pixel],
+        None => narrow(sky::radiance(data, wide(ray(&camera, pixel as u32))) * f64::from(camera.radiance)),
+    };
+    state.data.radiance = data.hits.par_iter().enumerate().map(|(k, hit)| pixel((k, hit))).collect();
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    pass.dispatch(None, &[], &[], pass.state.data.radiance.len())
+}

@@ -1,0 +1,155 @@
+//! Stage `reflect`: what the surface reflects of the lights and of the environment, times the Fresnel reflectance of the
+//! material's boundary, 1 - F_t.
+//!
+//! GGX: D G F / (4 (n.v) (n.l)), F at the facet. Phong: (m + 2) / (2 pi) cos^m F, F at the normal, cos from the mirror
+//! direction. Of the environment a sum over [`DIRECTIONS`] fixed facets, or directions, drawn by D or by the lobe. The
+//! normal is the vertices', on the triangle's side that is seen; where it is turned away at a silhouette, n.v counts as |n.v|.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::layout::{Buffers, Frame, Hit, Slot};
+use crate::light::irradiance::{arrival, reaches};
+use crate::light::{fresnel, sky};
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "reflect",
+    room: "view",
+    about: "what the surface reflects of lights and environment towards the eye: Phong's lobe, or GGX microfacets",
+    equation: "Walter et al. 2007, equations 20, 33; Heitz 2014, equation 99; Lafortune and Willems 1994",
+    writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 5e-5, floor: 2e-5 })],
+    reason: "a narrow lobe multiplies a cosine's rounding by its exponent or by 2 / alpha; the image as in backdrop",
+    unit: Unit::Frame,
+    cpu,
+    gpu,
+};
+
+/// Directions in which the environment is looked up.
+pub const DIRECTIONS: u32 = 32;
+
+/// Those directions, about the z axis; none where the surface reflects nothing.
+#[must_use]
+pub fn lobe(frame: &Frame) -> Vec<[f32; 3]> {
+    let shape = f64::from(frame.roughness);
+    let direction = |k: u32| {
+        // A golden-ratio lattice in the square, bent so that it follows the lobe.
+        let u = (f64::from(k) + 0.5) / f64::from(DIRECTIONS);
+        let turn = TAU * (f64::from(k) * 0.618_033_988_749_894_9).fract();
+        let cosine = match frame.reflection {
+            1 => (1.0 - u).powf(1.0 / (shape + 1.0)),
+            _ => ((1.0 - u) / (1.0 + (shape * shape - 1.0) * u)).sqrt(),
+        };
+        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+        narrow(DVec3::new(sine * turn.cos(), sine * turn.sin(), cosine))
+    };
+    (0..if frame.reflection == 0 { 0 } else { DIRECTIONS }).map(direction).collect()
+}
+
+/// G / (4 (n.v) (n.l)) by Smith's lambda for GGX.
+fn masking(alpha: f64, seen: f64, lights: f64) -> f64 {
+    let slope = |cosine: f64| (alpha * alpha + (1.0 - alpha * alpha) * cosine * cosine).sqrt();
+    0.5 / (lights * slope(seen) + seen * slope(lights)).max(1e-30)
+}
+
+/// D of a facet by its tangent from the normal.
+fn facets(alpha: f64, cosine: f64) -> f64 {
+    let (c2, a2) = (cosine * cosine, alpha * alpha);
+    a2 / (PI * (c2 * (a2 - 1.0) + 1.0).powi(2))
+}
+
+/// Radiance that one pixel gets by reflection, internal units.
+fn reflected(data: &Buffers, hit: &Hit) -> DVec3 {
+    let (frame, camera) = (&data.frame[0], &data.camera[0]);
+    let Some(corners) = data.triangles.get(hit.face as usize) else { return DVec3::ZERO };
+    let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
+    let mix = |values: &[[f32; 3]]| -> DVec3 {
+        corners.iter().zip(weight).map(|(&v, weight)| weight * wide(values[v as usize])).sum()
+    };
+    let [a, b, c] = corners.map(|v| wide(data.positions[v as usize]));
+    let (point, toward) = (mix(&data.positions), wide(camera.origin) - mix(&data.positions));
+    let side = if (b - a).cross(c - a).dot(toward) < 0.0 { -1.0 } else { 1.0 };
+    let (normal, eye) = (mix(&data.normals).normalize_or_zero() * side, toward.normalize_or_zero());
+    let (seen, shape, ggx) = (normal.dot(eye).abs(), f64::from(frame.roughness), frame.reflection == 2);
+    let mirror = 2.0 * normal.dot(eye) * normal - eye;
+    let reflectance =
+        |cosine: f64| DVec3::from_array(frame.eta.map(|eta| 1.0 - fresnel::transmittance(eta.into(), cosine)));
+
+    let mut sum = DVec3::ZERO;
+    for light in data.lights.iter().filter(|light| light.kind != 5) {
+        let (toward, falloff) = arrival(light, point);
+        let cosine = normal.dot(toward);
+        if cosine <= 0.0 || !reaches(data, light, hit.face as usize) {
+            continue;
+        }
+        let (lobe, met) = if ggx {
+            let facet = (eye + toward).normalize_or_zero();
+            (facets(shape, normal.dot(facet)) * masking(shape, seen, cosine), eye.dot(facet))
+        } else {
+            ((shape + 2.0) / TAU * mirror.dot(toward).max(0.0).powf(shape), cosine)
+        };
+        sum += wide(light.color) * reflectance(met) * (falloff * cosine * lobe);
+    }
+
+    // The environment, in a frame about the lobe's axis.
+    let axis = if ggx { normal } else { mirror };
+    let flat = |v: DVec3| v - v.dot(axis) * axis;
+    let right = flat(wide(camera.right).normalize_or_zero());
+    let across = if right.length_squared() < 1e-6 { flat(wide(camera.up)) } else { right }.normalize_or_zero();
+    let other = axis.cross(across);
+    for &local in &data.lobe {
+        let drawn = across * f64::from(local[0]) + other * f64::from(local[1]) + axis * f64::from(local[2]);
+        let (direction, met, weight) = if ggx {
+            let met = eye.dot(drawn).max(0.0);
+            let direction = 2.0 * met * drawn - eye;
+            let cosine = normal.dot(direction).max(0.0);
+            (direction, met, 4.0 * cosine * masking(shape, seen, cosine) * met / f64::from(local[2]))
+        } else {
+            let met = normal.dot(drawn).max(0.0);
+            (drawn, met, met * (shape + 2.0) / (shape + 1.0))
+        };
+        sum += sky::radiance(data, direction) * reflectance(met) * (weight / f64::from(DIRECTIONS));
+    }
+    sum
+}
+
+fn cpu(state: &mut State, _at: Place) {
+    let data = &state.data;
+    let scale = f64::from(data.camera[0].radiance);
+    let pixels = data.hits.par_iter().zip(&data.radiance);
+    state.data.radiance = pixels.map(|(hit, &before)| narrow(wide(before) + scale * reflected(data, hit))).collect();
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let data = &pass.state.data;
+    let (pixels, frame) = (data.radiance.len(), &data.frame[0]);
+    let ggx = u32::from(frame.reflection == 2);
+    if data.lights.iter().any(|light| light.kind != 5) {
+        pass.dispatch(Some("lights"), &[u32::from(frame.shadow_words > 0), ggx], &[], pixels)?;
+    }
+    if !data.lobe.is_empty() {
+        pass.dispatch(Some("environment"), &[ggx, data.lobe.len() as u32], &[], pixels)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn facets_cover_the_plane_once() {
+        for alpha in [0.01, 0.2, 1.0] {
+            let steps = 200_000;
+            let at = |i: u32| (f64::from(i) + 0.5) / f64::from(steps);
+            // In s, cos = 1 - s^4: narrow lobes lie near s = 0.
+            let term = |s: f64| facets(alpha, 1.0 - s.powi(4)) * (1.0 - s.powi(4)) * TAU * 4.0 * s.powi(3);
+            let sum = (0..steps).map(|i| term(at(i))).sum::<f64>() / f64::from(steps);
+            assert!((sum - 1.0).abs() < 1e-4, "{alpha}: {sum}");
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! What pictures look like: light that leaves, reflections, backgrounds; and what is refused.
+
+mod shell;
+
+use std::f64::consts::PI;
+
+use milkglass::light::fresnel::transmittance;
+use milkglass::render::plan::{Change, Options};
+use milkglass::render::run::{Room, Session};
+use milkglass::render::samples::picture;
+use milkglass::scene::Scene;
+use shell::{bad, bytes, folder, good, read};
+
+/// A small ball with these settings, drawn by the reference.
+fn session(sets: &[&str]) -> Session {
+    let small = ["object.0.detail=2", "camera.size=[48, 40]"];
+    let sets: Vec<_> = small.iter().chain(sets).map(ToString::to_string).collect();
+    let mut session = Session::new(&Scene::load("sphere", &sets).unwrap(), None, Options::default(), Room::default());
+    session.as_mut().unwrap().frame(Change::EVERYTHING).unwrap();
+    session.unwrap()
+}
+
+#[test]
+fn all_light_leaves_where_the_exit_is_normalised() {
+    const ETA: &str = "object.0.material.eta=[0.8, 1.3, 2.0]";
+    let (mut paper, mut whole) = (session(&[ETA]), session(&[ETA, "object.0.material.normalize_exit=true"]));
+    let exit = whole.state().data.frame[0].exit.map(f64::from);
+    for (eta, exit) in [0.8, 1.3, 2.0].into_iter().zip(exit) {
+        // L cos over the hemisphere, for B = 1.
+        let steps = 20_000;
+        let at = |i: u32| (f64::from(i) + 0.5) / f64::from(steps);
+        let sum: f64 = (0..steps).map(|i| 2.0 * PI * at(i) * transmittance(eta, at(i)) * exit / PI).sum();
+        assert!((sum / f64::from(steps) - 1.0).abs() < 1e-5, "{eta}: {sum}");
+    }
+    let shown: Vec<bool> = whole.state().data.hits.iter().map(|hit| hit.face != u32::MAX).collect();
+    let (paper, whole) = (paper.picture().unwrap().pixels, whole.picture().unwrap().pixels);
+    for ((a, b), _) in paper.iter().zip(&whole).zip(shown).filter(|(_, shown)| *shown) {
+        assert!((0..3).all(|c| (f64::from(a[c]) * exit[c] - f64::from(b[c])).abs() <= 1e-6 * f64::from(b[c])));
+    }
+}
+
+/// The settings of a sky as bright all over.
+const WHITE: &str = "light.0={ type = 'environment', radiance = 1 }";
+/// The sky that is built in.
+const SKY: &str = "light.0={ type = 'environment', image = 'builtin:sky' }";
+
+#[test]
+fn a_mirror_in_a_white_sky_reflects_its_fresnel_share() {
+    let looks = ["object.0.material.reflection=ggx", "object.0.material.roughness=0.001"];
+    let looks = [&looks[..], &["object.0.material.reflection=phong", "object.0.material.shininess=1000"]];
+    for (look, slack) in looks.into_iter().zip([1e-3, 5e-2]) {
+        let (mut bare, mut shiny) = (session(&[WHITE]), session(&[&[WHITE], look].concat()));
+        let (bare, pixels) = (bare.picture().unwrap().pixels, shiny.picture().unwrap().pixels);
+        let (data, mut seen) = (&shiny.state().data, 0);
+        for (pixel, hit) in data.hits.iter().enumerate().filter(|(_, hit)| hit.face != u32::MAX) {
+            let corners = data.triangles[hit.face as usize];
+            let weight = [1.0 - hit.u - hit.v, hit.u, hit.v];
+            let mix = |of: &[[f32; 3]]| -> glam::DVec3 {
+                let corner = |k: usize| glam::Vec3::from(of[corners[k] as usize]) * weight[k];
+                (corner(0) + corner(1) + corner(2)).as_dvec3()
+            };
+            let eye = (glam::Vec3::from(data.camera[0].origin).as_dvec3() - mix(&data.positions)).normalize();
+            let cosine = mix(&data.normals).normalize().dot(eye);
+            // Towards silhouettes the lobe's width counts.
+            if cosine > 0.3 {
+                // Phong's lobe keeps the cosine that a mirror loses.
+                let mirror = 1.0 - transmittance(data.frame[0].eta[0].into(), cosine);
+                let expected = if data.frame[0].reflection == 1 { mirror * cosine } else { mirror };
+                let found = f64::from(pixels[pixel][0] - bare[pixel][0]);
+                assert!((found - expected).abs() < slack * expected, "{cosine}: {found} {expected}");
+                seen += 1;
+            }
+        }
+        assert!(seen > 300, "{seen}");
+    }
+}
+
+#[test]
+fn a_highlight_stands_where_the_sun_is_mirrored_and_not_in_shadow() {
+    // The sun behind the eye, a little above; then on the other side of the ball.
+    let sun = |direction: &str| format!("light.0.direction={direction}");
+    let looks = ["camera.position=[0, 0, 45]", "object.0.size=20", "object.0.material.reflection=ggx"];
+    let gain = |direction: &str| {
+        let sun = sun(direction);
+        let bare = session(&[&looks[..2], &[sun.as_str()]].concat()).picture().unwrap().pixels;
+        let shiny = session(&[&looks[..], &[sun.as_str()]].concat()).picture().unwrap().pixels;
+        bare.iter().zip(&shiny).map(|(a, b)| b[1] - a[1]).collect::<Vec<_>>()
+    };
+    let front = gain("[0, 0.6, 1]");
+    let brightest = (0..front.len()).max_by(|&a, &b| front[a].total_cmp(&front[b])).unwrap();
+    let (column, row) = (brightest % 48, brightest / 48);
+    assert!((22..=25).contains(&column) && (9..19).contains(&row) && front[brightest] > 0.1, "{column} {row}");
+    assert!(gain("[0, 0, -1]").iter().all(|&more| more == 0.0));
+}
+
+#[test]
+fn the_environment_stands_behind_the_object() {
+    let mut seen = session(&[SKY, "camera.background=environment", "camera.position=[0, 0, 60]"]);
+    let pixels = seen.picture().unwrap().pixels;
+    let hits = &seen.state().data.hits;
+    // Up is blue; below it is darker; towards -z and +x it glows.
+    let (top, bottom) = (pixels[24], pixels[39 * 48 + 24]);
+    assert!(hits[24].face == u32::MAX && top[2] > bottom[2] && bottom[2] > 0.0, "{top:?} {bottom:?}");
+    assert!(pixels[20 * 48 + 47][0] > pixels[20 * 48][0]);
+}
+
+#[test]
+fn a_filmic_picture_keeps_its_highlights_and_exr_stays_linear() {
+    let here = folder(&[]);
+    for tone in ["clip", "filmic"] {
+        let look = format!("--set camera.tone={tone} --set light.0.irradiance=30 --set camera.size=[24,20]");
+        for end in ["png", "exr"] {
+            good(&here, &format!("render sphere --set object.0.detail=1 --device cpu {look} -o {tone}.{end}"));
+        }
+    }
+    let white = |name: &str| {
+        let picture = image::open(here.path().join(name)).unwrap().to_rgb8();
+        picture.pixels().filter(|pixel| pixel.0 == [255; 3]).count()
+    };
+    assert!(white("clip.png") > 20 && white("filmic.png") < white("clip.png") / 2);
+    assert_eq!(bytes(&here, "clip.exr"), bytes(&here, "filmic.exr"));
+}
+
+#[test]
+fn bad_looks_are_named() {
+    let here = folder(&[]);
+    let cases: &[(&str, &[&str])] = &[
+        ("object.0.material.roughness=0.3", &["object.0.material.roughness", "found reflection = \"none\"", "\"ggx\""]),
+        ("object.0.material.reflection=gloss", &["unknown value", "found gloss", "expected none, phong, ggx"]),
+        ("object.0.material={preset='apple',reflection='ggx',roughness=0}", &["roughness", "found 0", "0.001 to 1"]),
+        (
+            "object.0.material={preset='apple',reflection='phong',shininess=1001}",
+            &["shininess", "found 1001", "a whole number from 1 to 1000"],
+        ),
+        ("object.0.material.normalize_exit=3", &["invalid type", "found integer `3`", "expected"]),
+        ("camera.background=environment", &["camera.background: no light is an environment", "[[light]] of type"]),
+        ("camera.background=sky", &["found string \"sky\"", "a number, [r, g, b] or \"environment\""]),
+        ("camera.tone=flimic", &["unknown value, did you mean `filmic`?", "found flimic", "expected clip, filmic"]),
+        ("camera.background=[1,2]", &["invalid length 2"]),
+        ("camera.background=-1", &["camera.background: out of range; found [-1, -1, -1]"]),
+    ];
+    for (set, words) in cases {
+        bad(&here, &format!("render sphere --device cpu --set {set} -o a.png"), 2, words);
+    }
+}
+
+#[test]
+fn a_plan_has_no_look_that_is_not_asked_for() {
+    let here = folder(&[]);
+    let plan = |sets: &str| {
+        good(&here, &format!("plan sphere --set object.0.detail=1 --device cpu {sets} --json a.json"));
+        let plan: serde_json::Value = serde_json::from_str(&read(&here, "a.json")).unwrap();
+        let has = |list: &str, key: &str, name: &str| plan[list].as_array().unwrap().iter().any(|row| row[key] == name);
+        let stage = |name: &str| has("stages", "stage", name);
+        [stage("reflect"), stage("backdrop"), has("buffers", "buffer", "lobe"), has("buffers", "buffer", "sky")]
+    };
+    let sky = "--set light.1={type='environment',radiance=1}";
+    let (ggx, seen) = ("--set object.0.material.reflection=ggx", "--set camera.background=environment");
+    assert_eq!(plan(""), [false; 4]);
+    assert_eq!(plan(ggx), [true, false, false, false]);
+    assert_eq!(plan(sky), [false, false, false, true]);
+    assert_eq!(plan(&format!("{sky} {ggx}")), [true, false, true, true]);
+    assert_eq!(plan(&format!("{sky} {seen}")), [false, true, false, true]);
+    assert_eq!(plan(&format!("{ggx} --set light.0.irradiance=0")), [false; 4]);
+}
+
+#[test]
+fn samples_bring_a_pixel_near_its_mean() {
+    // What the pixels should show, from a picture 8 times as fine.
+    let mut fine = session(&["camera.size=[384, 320]"]);
+    let fine = fine.picture().unwrap();
+    let mean = |pixel: usize| -> f64 {
+        let (column, row) = (pixel % 48 * 8, pixel / 48 * 8);
+        (0..64).map(|k| f64::from(fine.pixels[(row + k / 8) * 384 + column + k % 8][1])).sum::<f64>() / 64.0
+    };
+    let error = |samples: &str| {
+        let picture = picture(&mut session(&[samples])).unwrap();
+        let off = |(k, pixel): (usize, &[f32; 3])| (f64::from(pixel[1]) - mean(k)).powi(2);
+        picture.pixels.iter().enumerate().map(off).sum::<f64>().sqrt()
+    };
+    let (one, sixteen) = (error("camera.samples=1"), error("camera.samples=16"));
+    assert!(sixteen < 0.25 * one && one > 0.0, "{sixteen} {one}");
+    // One sample is the plain picture, bit for bit.
+    assert_eq!(picture(&mut session(&[])).unwrap().pixels, session(&[]).picture().unwrap().pixels);
+}
+
+#[test]
+fn the_number_of_samples_is_checked() {
+    let here = folder(&[]);
+    for (samples, found) in [("0", "found 0"), ("65", "found 65")] {
+        let line = format!("render sphere -o a.png --set camera.samples={samples}");
+        bad(&here, &line, 2, &["camera.samples", found, "1 to 64"]);
+    }
+}
