@@ -54,7 +54,7 @@ fn a_population_keeps_within_its_error() {
 
 /// The faces of a closed shape as pairs with each of some receivers: at centroids, corners and edges, and off the surface.
 fn closed(shape: &str, detail: u32, random: &mut Seeded) -> (usize, Vec<Pair>) {
-    let mesh = Scene::load(shape, &[format!("object.0.detail={detail}")]).unwrap().object.mesh;
+    let mesh = Scene::load(shape, &[format!("object.0.detail={detail}")]).unwrap().objects[0].mesh.clone();
     let faces: Vec<[DVec3; 3]> = (0..mesh.triangles.len()).filter_map(|face| mesh.corners(face)).collect();
     let mut pairs = Vec::new();
     for k in 0..24 {

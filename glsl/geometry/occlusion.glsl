@@ -13,19 +13,17 @@ const uint FREE = 0, BLOCKED = 1;
 uint occlusion(vec3 origin, vec3 direction, bool far, vec3 light, uint self, Plane own, float side, bool wanted) {
     Nearest limit = Nearest(far ? NONE : 0, vec3(0), 1.0, 1.0);
     float dd = dot3(direction, direction);
-    uint node = wanted ? 0 : frame[0].nodes;
-    uint end = frame[0].nodes;
+    uint end = frame[0].scene_nodes, node = wanted ? 0 : end;
     while (node < end) {
-        // On to the next triangle whose box the ray meets: a node with nothing below it. Then that triangle.
-        uint leaf = NONE;
-        while (leaf == NONE && node < end) {
-            uint skip = topology[node].skip;
-            bool met = meets(bounds[node].low, bounds[node].high, origin, direction, dd, limit);
-            if (met && skip == node + 1) leaf = node;
-            node = met ? node + 1 : skip;
+        // On to the next triangle whose box the ray meets. Then that triangle.
+        uint face = NONE;
+        while (face == NONE && node < end) {
+            Bounds box = bounds[node];
+            bool met = meets(box.low, box.high, origin, direction, dd, limit);
+            if (met) face = box.face;
+            node = met && face == NONE ? node + 1 : box.next;
         }
-        if (leaf != NONE) {
-            uint face = topology[leaf].face;
+        if (face != NONE) {
             uvec3 corner = triangles[face];
             vec3 pa = positions[corner.x], pb = positions[corner.y], pc = positions[corner.z];
             precise vec3 a = pa - origin;

@@ -42,12 +42,12 @@ bool meets(vec3 low, vec3 high, vec3 origin, vec3 direction, float dd, Nearest n
 Nearest trace(vec3 origin, vec3 direction) {
     Nearest nearest = Nearest(NONE, vec3(0), 0.0, 1.0);
     float dd = dot3(direction, direction);
-    uint node = 0;
-    while (node < frame[0].nodes) {
-        Topology place = topology[node];
-        bool met = meets(bounds[node].low, bounds[node].high, origin, direction, dd, nearest);
-        if (met && place.face != NONE) {
-            uvec3 corner = triangles[place.face];
+    uint node = 0, end = frame[0].scene_nodes;
+    while (node < end) {
+        Bounds box = bounds[node];
+        bool met = meets(box.low, box.high, origin, direction, dd, nearest), leaf = box.face != NONE;
+        if (met && leaf) {
+            uvec3 corner = triangles[box.face];
             precise vec3 a = positions[corner.x] - origin;
             precise vec3 b = positions[corner.y] - origin;
             precise vec3 c = positions[corner.z] - origin;
@@ -64,13 +64,13 @@ Nearest trace(vec3 origin, vec3 direction) {
             }
             precise float mine = numerator * nearest.denominator;
             precise float its = nearest.numerator * denominator;
-            bool nearer = nearest.face == NONE || mine < its || (mine == its && place.face < nearest.face);
+            bool nearer = nearest.face == NONE || mine < its || (mine == its && box.face < nearest.face);
             precise float sum = w.x + w.y + w.z;
             if ((front || back) && sum != 0.0 && denominator > 0.0 && numerator > 0.0 && nearer)
-                nearest = Nearest(place.face, w, numerator, denominator);
+                nearest = Nearest(box.face, w, numerator, denominator);
         }
-        node = met ? node + 1 : place.skip;
+        node = met && !leaf ? node + 1 : box.next;
     }
-    if (node < frame[0].nodes) nearest.face = UNFINISHED;
+    if (node < end) nearest.face = UNFINISHED;
     return nearest;
 }

@@ -20,6 +20,6 @@ vec3 sky_radiance(vec3 n) {
 }
 
 vec3 sky_irradiance(vec3 n) {
-    Frame f = frame[0];
-    return max(vec3(0), f.zonal_0 * degree_0() + f.zonal_1 * degree_1(n) + f.zonal_2 * degree_2(n));
+    vec3 low = frame[0].zonal_0 * degree_0() + frame[0].zonal_1 * degree_1(n);
+    return max(vec3(0), low + frame[0].zonal_2 * degree_2(n));
 }

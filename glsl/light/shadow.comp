@@ -11,7 +11,6 @@ READS(leaves)
 READS(clusters)
 READS(positions)
 READS(triangles)
-READS(topology)
 READS(bounds)
 UPDATES(lit)
 UPDATES(cut_short)
@@ -24,7 +23,7 @@ void main() {
     if (k >= rays.count) return;
     uint face = rays.first + k;
     Light light = lights[rays.light];
-    vec3 origin = clusters[leaves[face]].center;
+    vec3 origin = clusters[frame[rays.object].first_node + leaves[face]].center;
     bool far = light.kind == 0 || light.kind == 5;
     precise vec3 direction = light.place;
     if (!far) direction = light.place - origin;
@@ -39,7 +38,7 @@ void main() {
     precise float square = along * along;
     precise float least = cosine * cosine * dot3(direction, direction);
     bool shines = (light.kind != 3 || along > 0.0) && (light.kind != 2 || (along > 0.0 && square > least));
-    bool wanted = shines && (facing > 0.0 || (frame[0].two_sided != 0 && facing < 0.0));
+    bool wanted = shines && (facing > 0.0 || (frame[rays.object].two_sided != 0 && facing < 0.0));
     uint met = occlusion(origin, direction, far, light.place, face, own, side, wanted);
     if (met == UNFINISHED) cut_short[0] = 1;
 

@@ -15,5 +15,5 @@ UPDATES(radiance)
 void main() {
     uint pixel = invocation();
     if (pixel >= camera[0].width * camera[0].height) return;
-    if (hits[pixel].face >= frame[0].faces) radiance[pixel] = camera[0].radiance * sky_toward(ray(pixel));
+    if (hits[pixel].face == NONE) radiance[pixel] = camera[0].radiance * sky_toward(ray(pixel));
 }

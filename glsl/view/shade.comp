@@ -5,6 +5,7 @@
 #include "light/fresnel.glsl"
 
 // Equation 3, times `exit`: the radiance that leaves the surface towards the eye, from the radiosity interpolated between vertices.
+layout(constant_id = 0) const uint OBJECTS = 1;
 READS(frame)
 READS(camera)
 READS(triangles)
@@ -13,13 +14,15 @@ READS(normals)
 READS(vertex_radiosity)
 READS(hits)
 WRITES(radiance)
+#include "view/object.glsl"
 
 void main() {
     uint pixel = invocation();
     if (pixel >= camera[0].width * camera[0].height) return;
     Hit hit = hits[pixel];
     vec3 color = camera[0].background;
-    if (hit.face < frame[0].faces) {
+    if (hit.face < MISSED) {
+        uint object = object_of(hit.face);
         uvec3 corner = triangles[hit.face];
         vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
         vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
@@ -29,7 +32,7 @@ void main() {
         vec3 toward = camera[0].origin - point;
         float size = sqrt(dot(normal, normal) * dot(toward, toward));
         float cosine = size > 0.0 ? abs(dot(normal, toward)) / size : 0.0;
-        color = transmittance(frame[0].eta, cosine) * B * (camera[0].radiance / 3.14159265358979) * frame[0].exit;
+        color = transmittance(frame[object].eta, cosine) * B * (camera[0].radiance / 3.14159265358979) * frame[object].exit;
     }
     radiance[pixel] = color;
 }

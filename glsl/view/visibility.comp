@@ -8,7 +8,6 @@ READS(frame)
 READS(camera)
 READS(positions)
 READS(triangles)
-READS(topology)
 READS(bounds)
 WRITES(hits)
 #include "geometry/trace.glsl"
@@ -24,7 +23,7 @@ void main() {
 
     float sum = nearest.weights.x + nearest.weights.y + nearest.weights.z;
     Hit hit = Hit(nearest.face, 0.0, 0.0, 0.0);
-    if (nearest.face < frame[0].faces) {
+    if (nearest.face < UNFINISHED) {
         float depth = nearest.numerator / nearest.denominator * z;
         hit = Hit(nearest.face, nearest.weights.y / sum, nearest.weights.z / sum, depth);
     }

@@ -23,7 +23,7 @@ pub static STAGE: Stage = Stage {
     writes: &[(Slot::radiosity, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-6 })],
     reason: "a sum over all faces in f32: rounding grows with the square root of their number, and e^{-sigma s} by \
              its argument's; the edge form's share is a difference between edges",
-    unit: Unit::Frame,
+    unit: Unit::Object,
     cpu,
     gpu,
 };
@@ -47,7 +47,7 @@ fn cpu(state: &mut State, _at: Place) {
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let displaced = u32::from(pass.state.distance == Distance::Table1);
-    let faces = pass.state.data.triangles.len() as u32;
+    let faces = pass.object().count.faces as u32;
     for receiver in (0..faces).step_by(RECEIVERS as usize) {
         let receivers = Range { first: receiver, count: RECEIVERS.min(faces - receiver) };
         for (part, most) in [("far", FAR_EMITTERS), ("near", NEAR_EMITTERS)] {

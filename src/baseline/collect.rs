@@ -20,7 +20,7 @@ pub static STAGE: Stage = Stage {
 };
 
 fn cpu(state: &mut State, at: Place) {
-    let nodes = state.schedule.chunks[at.chunk].nodes.clone();
+    let nodes = state.object(at).schedule.chunks[at.chunk].nodes.clone();
     let (base, _) = state.part(Slot::links, at);
     let data = &mut state.data;
     let receivers = &data.order[nodes.start as usize..nodes.end as usize];
@@ -41,7 +41,7 @@ fn cpu(state: &mut State, at: Place) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let nodes = pass.state.schedule.chunks[pass.at.chunk].nodes.clone();
+    let nodes = pass.object().schedule.chunks[pass.at.chunk].nodes.clone();
     let range = Range { first: nodes.start, count: nodes.end - nodes.start };
     pass.dispatch(None, &[], bytemuck::bytes_of(&range), range.count as usize)
 }

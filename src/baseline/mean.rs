@@ -13,7 +13,7 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, section 3.2, weighted: sum A_k E_k / sum A_k",
     writes: &[(Slot::cluster_irradiance, Role::Output, Tolerance::Float { relative: 1e-5, floor: 1e-6 })],
     reason: "a weighted mean a level, some 40 levels of f32 rounding",
-    unit: Unit::Frame,
+    unit: Unit::Object,
     cpu,
     gpu,
 };
@@ -42,6 +42,6 @@ fn cpu(state: &mut State, _at: Place) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    pass.dispatch(Some("leaf"), &[], &[], pass.state.data.triangles.len())?;
+    pass.dispatch(Some("leaf"), &[], &[], pass.object().count.faces)?;
     pass.climb("cluster", &[])
 }

@@ -16,7 +16,7 @@ pub static STAGE: Stage = Stage {
     equation: "chi = tau q2(sigma s) / (2 s^2) solved for s, with q2(a) <= 15 + 5a + a^2",
     writes: &[(Slot::reach, Role::Output, Tolerance::Float { relative: 2e-5, floor: 1e-7 })],
     reason: "a short chain of f32 operations; k = 2 chi / tau - sigma^2 cancels where both are large",
-    unit: Unit::Frame,
+    unit: Unit::Object,
     cpu,
     gpu,
 };
@@ -59,5 +59,5 @@ pub fn reach2(tau: f64, dipole: &Dipole, chi: f64, displaced: bool) -> f64 {
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let displaced = u32::from(pass.state.distance == Distance::Table1);
-    pass.dispatch(None, &[displaced], &[], pass.state.data.triangles.len())
+    pass.dispatch(None, &[displaced], &[], pass.object().count.faces)
 }

@@ -14,7 +14,7 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, section 3.2",
     writes: &[(Slot::radiosity, Role::Output, Tolerance::Float { relative: 5e-6, floor: 1e-7 })],
     reason: "a sum of some 40 non-negative terms",
-    unit: Unit::Frame,
+    unit: Unit::Object,
     cpu,
     gpu,
 };
@@ -32,5 +32,5 @@ fn cpu(state: &mut State, _at: Place) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    pass.dispatch(None, &[], &[], pass.state.data.triangles.len())
+    pass.dispatch(None, &[], &[], pass.object().count.faces)
 }

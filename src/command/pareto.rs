@@ -11,7 +11,7 @@ use crate::measure::norms::Norms;
 use crate::measure::pareto::{
     Against, Bench, Leaves, Lighting, METHODS, Method, Norm, Origin, Settings, Sweep, csv, mark, ratios, svg, sweep,
 };
-use crate::scene::Scene;
+use crate::scene::{Material, Scene};
 use crate::view::picture::write_whole;
 
 /// Arguments of `pareto`.
@@ -69,7 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         device: device.as_ref().map_or("cpu", |device| device.name()).to_string(),
         driver: device.as_ref().map_or("the f64 reference", |device| device.driver()).to_string(),
         scene: scene.name.clone(),
-        faces: scene.object.mesh.triangles.len(),
+        faces: scene.objects.iter().map(|object| object.mesh.triangles.len()).sum(),
         extent_mm: extent(&scene),
         material: material(&scene),
         repeat: settings.repeat,
@@ -123,14 +123,20 @@ fn settings(arguments: &Arguments) -> Result<Settings> {
 
 /// The largest extent, millimetres, to six digits.
 fn extent(scene: &Scene) -> f64 {
-    let (low, high) = scene.object.mesh.bounds();
+    let (low, high) = scene.bounds();
     let extent = (high - low).max_element() * scene.unit_mm;
     format!("{extent:.5e}").parse().unwrap_or(extent)
 }
 
 /// Name and coefficients per millimetre.
 fn material(scene: &Scene) -> String {
-    let material = &scene.object.material;
+    scene.objects.iter().map(|object| of_object(scene, &object.material)).collect::<Vec<_>>().join("; ")
+}
+
+fn of_object(scene: &Scene, material: &Material) -> String {
+    if let Some(albedo) = material.opaque {
+        return format!("opaque, albedo {albedo:?}");
+    }
     let show = |values: [f64; 3]| values.map(|x| format!("{x:.4}")).join(" ");
     let per_mm = |values: [f64; 3]| show(values.map(|x| x / scene.unit_mm));
     let (scattering, absorption) = (per_mm(material.sigma_s_prime), per_mm(material.sigma_a));

@@ -10,6 +10,7 @@ use crate::error::Result;
 use crate::layout::SLOTS;
 use crate::render::octree;
 use crate::render::plan::{Change, before_transport};
+use crate::state::Extent;
 use crate::view::picture::write_whole;
 
 /// Arguments of `plan`.
@@ -33,13 +34,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (state, plan) = (session.state(), &session.plan);
 
     let frame = &state.data.frame[0];
+    let count = |of: fn(&Extent) -> usize| state.sum(|object| of(&object.count));
     let mut text = format!(
-        "{}: {} triangles, {} vertices, {} nodes, {} chunks of links, {} lights, on {}\n\nstages\n",
+        "{}: {}{} triangles, {} vertices, {} nodes, {} chunks of links, {} lights, on {}\n\nstages\n",
         scene.name,
-        frame.faces,
-        frame.vertices,
-        frame.nodes,
-        state.schedule.chunks.len(),
+        if state.objects.len() > 1 { format!("{} objects, ", state.objects.len()) } else { String::new() },
+        count(|count| count.faces),
+        count(|count| count.vertices),
+        count(|count| count.nodes),
+        state.sum(|object| object.schedule.chunks.len()),
         frame.lights,
         device.as_ref().map_or("cpu", |device| device.name()),
     );
@@ -87,10 +90,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.json {
         let value = json!({
             "scene": scene.name,
-            "triangles": frame.faces,
-            "vertices": frame.vertices,
-            "nodes": frame.nodes,
-            "chunks": state.schedule.chunks.len(),
+            "triangles": count(|count| count.faces),
+            "vertices": count(|count| count.vertices),
+            "nodes": count(|count| count.nodes),
+            "objects": state.objects.len(),
+            "chunks": state.sum(|object| object.schedule.chunks.len()),
             "stages": stages.iter().map(|row| json!({"stage": row[0], "does": row[1]})).collect::<Vec<_>>(),
             "buffers": SLOTS.iter().map(|slot| (slot.spec(), state.data.bytes(*slot).len()))
                 .filter(|(_, bytes)| *bytes > 0)

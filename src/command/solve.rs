@@ -16,6 +16,7 @@ use crate::measure::norms::worst;
 use crate::measure::reference::check;
 use crate::render::plan::{Change, Goal, Options};
 use crate::render::run::Session;
+use crate::scene::Object;
 use crate::view::picture::write_whole;
 
 /// Arguments of `solve`.
@@ -130,55 +131,65 @@ pub fn print_times(session: &mut Session, times: &[Timing]) -> Result<()> {
         ("dropped", count(|run| run.dropped)),
     ];
     if !data.runs.is_empty() {
-        let per = |(name, n): &(&str, u64)| format!("{:.1} {name}", *n as f64 / data.blocks.len() as f64);
+        let per = |(name, n): &(&str, u64)| {
+            format!("{:.1} {name}", *n as f64 / session.state().sum(|object| object.count.blocks) as f64)
+        };
         print(&format!("a block: {}\n", lists.iter().map(per).collect::<Vec<_>>().join(", ")))?;
     }
     if links > 0 {
-        print(&format!("{links} links, {:.1} a triangle\n", links as f64 / data.triangles.len() as f64))?;
+        print(&format!(
+            "{links} links, {:.1} a triangle\n",
+            links as f64 / session.state().sum(|object| object.count.faces) as f64
+        ))?;
     }
     Ok(())
 }
 
-/// One row of results per input face, in the input's order: centroid, area, irradiance, radiosity, and the
+/// One row of results per input face, object after object, in the input's order: centroid, area, irradiance, radiosity, and the
 /// estimate of its error where there is one.
 struct Row {
+    object: usize,
     input_face: u32,
     center: DVec3,
     area: f64,
     irradiance: [f64; 3],
     radiosity: [f64; 3],
     estimate: Option<[f64; 3]>,
+    /// Numbers of the corners among the vertices of all objects.
     triangle: [u32; 3],
 }
 
 fn rows(session: &Session) -> Vec<Row> {
-    let (state, units, mesh) = (session.state(), session.units(), &session.scene().object.mesh);
-    let mut order: Vec<usize> = (0..session.prepared.faces.len()).collect();
-    order.sort_by_key(|&face| session.prepared.faces[face]);
-    let data = &state.data;
+    let (data, units) = (&session.state().data, session.units());
     let light = |value: [f32; 3]| value.map(|x| f64::from(x) * units.light);
-    order
-        .into_iter()
-        .map(|face| {
-            let of_mesh = session.prepared.faces[face] as usize;
+    let mut first = 0;
+    let of_object = |(object, Object { mesh, .. }): (usize, &Object)| {
+        let before = first;
+        first += mesh.positions.len() as u32;
+        let row = move |(of_mesh, face): (usize, usize)| {
             let triangle = mesh.triangles[of_mesh];
             let [a, b, c] = triangle.map(|v| mesh.positions[v as usize]);
             Row {
+                object,
                 input_face: mesh.input_face[of_mesh],
                 center: (a + b + c) / 3.0,
                 area: 0.5 * (b - a).cross(c - a).length(),
                 irradiance: light(data.irradiance[face]),
                 radiosity: light(data.radiosity[face]),
                 estimate: data.estimate.get(face).copied().map(light),
-                triangle,
+                triangle: triangle.map(|v| v + before),
             }
-        })
-        .collect()
+        };
+        session.prepared.places(object).into_iter().enumerate().map(row).collect::<Vec<_>>()
+    };
+    session.scene().objects.iter().enumerate().flat_map(of_object).collect()
 }
 
 fn csv(session: &Session) -> String {
     let mut text = String::from("face,cx,cy,cz,area,E_r,E_g,E_b,B_r,B_g,B_b,input_face");
-    text += if session.state().method.estimate { ",err_r,err_g,err_b\n" } else { "\n" };
+    text += if session.state().method.estimate { ",err_r,err_g,err_b" } else { "" };
+    let several = session.scene().objects.len() > 1;
+    text += if several { ",object\n" } else { "\n" };
     for (face, row) in rows(session).iter().enumerate() {
         let (c, e, b) = (row.center, row.irradiance.map(digits), row.radiosity.map(digits));
         let _ = write!(text, "{face},{:.9e},{:.9e},{:.9e},{:.9e}", c.x, c.y, c.z, row.area);
@@ -186,6 +197,9 @@ fn csv(session: &Session) -> String {
         let _ = write!(text, ",{}", row.input_face);
         for x in row.estimate.iter().flatten() {
             let _ = write!(text, ",{}", digits(*x));
+        }
+        if several {
+            let _ = write!(text, ",{}", row.object);
         }
         text.push('\n');
     }
@@ -204,11 +218,12 @@ fn single(x: f64) -> f32 {
 }
 
 fn ply(session: &Session) -> String {
-    let mesh = &session.scene().object.mesh;
     let rows = rows(session);
+    let objects = &session.scene().objects;
+    let positions: Vec<DVec3> = objects.iter().flat_map(|object| &object.mesh.positions).copied().collect();
 
     // Vertex values are area-weighted means, as in the stage `average`; colours map the brightest to white.
-    let mut sums = vec![(DVec3::ZERO, 0.0); mesh.positions.len()];
+    let mut sums = vec![(DVec3::ZERO, 0.0); positions.len()];
     for row in &rows {
         for vertex in row.triangle {
             let (sum, area) = &mut sums[vertex as usize];
@@ -233,7 +248,7 @@ fn ply(session: &Session) -> String {
             ""
         }
     );
-    for (p, value) in mesh.positions.iter().zip(&values) {
+    for (p, value) in positions.iter().zip(&values) {
         let byte = |x: f64| (crate::view::picture::encode(x / brightest) * 255.0 + 0.5) as u8;
         let b = value.to_array();
         let [red, green, blue] = b.map(byte);

@@ -39,18 +39,13 @@ pub fn blocked(data: &Buffers, ray: &Ray) -> bool {
     let (origin, direction) = (ray.origin, ray.direction);
     let dd = dot(direction, direction);
     let mut node = 0;
-    while node < data.topology.len() {
-        let place = data.topology[node];
-        let bounds = &data.bounds[node];
-        if !meets(bounds.low, bounds.high, origin, direction, dd, &limit) {
-            node = place.skip as usize;
+    while let Some(bounds) = data.bounds.get(node) {
+        let met = meets(bounds.low, bounds.high, origin, direction, dd, &limit);
+        node = if met && bounds.face == u32::MAX { node + 1 } else { bounds.next as usize };
+        if !met || bounds.face == u32::MAX || bounds.face == ray.face {
             continue;
         }
-        node += 1;
-        if place.face == u32::MAX || place.face == ray.face {
-            continue;
-        }
-        let points = corners(place.face);
+        let points = corners(bounds.face);
         let [a, b, c] = points.map(|point| minus(point, origin));
         let w = [dot(direction, cross(b, c)), dot(direction, cross(c, a)), dot(direction, cross(a, b))];
         let inside = w.iter().all(|&x| x >= 0.0) || w.iter().all(|&x| x <= 0.0);

@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Block, Bounds, Cluster, Slot, Sphere};
+use crate::layout::{Block, Bounds, Cluster, Frame, Slot, Sphere, Topology};
 use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
 
 /// A centre within rounding of the extent; an area and a spread of their own size; a vector area of the area's size.
@@ -39,10 +39,17 @@ pub static STAGE: Stage = Stage {
     ],
     reason: "boxes are minima and maxima; sums climb some 40 levels of f32 rounding, 40 x 2^-24 = 2.4e-6 of the \
              extent; a sliver's area is a cross product that cancels",
-    unit: Unit::Frame,
+    unit: Unit::Object,
     cpu,
     gpu,
 };
+
+/// Where a ray goes from a node, on through the trees of all objects.
+fn way(frame: &Frame, place: Topology) -> Bounds {
+    let next = if place.skip == frame.nodes { frame.next_node } else { frame.first_node + place.skip };
+    let face = if place.face == u32::MAX { u32::MAX } else { frame.first_face + place.face };
+    Bounds { next, face, ..Bounds::default() }
+}
 
 /// Area-weighted sums over the faces below a node.
 #[derive(Clone, Copy, Default)]
@@ -55,7 +62,7 @@ struct Sums {
 
 fn cpu(state: &mut State, _at: Place) {
     let data = &mut state.data;
-    let nodes = data.topology.len();
+    let (nodes, frame) = (data.topology.len(), &data.frame[0]);
     let corner = |face: usize, k: usize| wide(data.positions[data.triangles[face][k] as usize]);
 
     // Children come after their parent, so one backward sweep sees them first.
@@ -69,7 +76,7 @@ fn cpu(state: &mut State, _at: Place) {
             let normal = 0.5 * (b - a).cross(c - a);
             let edges = (b - a).length_squared() + (c - b).length_squared() + (a - c).length_squared();
             sums[node] = Sums { area: normal.length(), center: (a + b + c) / 3.0, normal, spread: edges / 36.0 };
-            bounds[node] = Bounds { low: narrow(a.min(b).min(c)), high: narrow(a.max(b).max(c)) };
+            bounds[node] = Bounds { low: narrow(a.min(b).min(c)), high: narrow(a.max(b).max(c)), ..way(frame, place) };
             continue;
         }
         let (l, r) = (node + 1, data.topology[node + 1].skip as usize);
@@ -84,6 +91,7 @@ fn cpu(state: &mut State, _at: Place) {
         bounds[node] = Bounds {
             low: merge(DVec3::min, bounds[l].low, bounds[r].low),
             high: merge(DVec3::max, bounds[l].high, bounds[r].high),
+            ..way(frame, place)
         };
     }
     data.bounds = bounds;
@@ -104,7 +112,7 @@ fn cpu(state: &mut State, _at: Place) {
 
     // Vertex normals from the triangles round each vertex.
     let around = |v: usize| &data.corners[data.corner_starts[v] as usize..data.corner_starts[v + 1] as usize];
-    data.normals = (0..data.positions.len())
+    data.normals = (0..data.corner_starts.len() - 1)
         .map(|v| {
             let sum: DVec3 = around(v).iter().map(|&f| sums[data.leaves[f as usize] as usize].normal).sum();
             narrow(sum.normalize_or_zero())
@@ -125,9 +133,9 @@ fn sphere(block: &Block, disc: f64, center_of: impl Fn(usize) -> DVec3) -> Spher
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let state = pass.state;
-    pass.dispatch(Some("leaf"), &[], &[], state.data.triangles.len())?;
+    let count = pass.object().count;
+    pass.dispatch(Some("leaf"), &[], &[], count.faces)?;
     pass.climb("cluster", &[])?;
-    pass.dispatch(Some("block"), &[], &[], state.data.blocks.len())?;
-    pass.dispatch(Some("normal"), &[], &[], state.data.positions.len())
+    pass.dispatch(Some("block"), &[], &[], count.blocks)?;
+    pass.dispatch(Some("normal"), &[], &[], count.vertices)
 }

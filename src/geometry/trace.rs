@@ -55,20 +55,21 @@ pub(super) fn meets(
     line && along + half >= 0.0 && (nearest.face == u32::MAX || first <= limit)
 }
 
-/// Follows a ray from `origin` along `direction` (any length) through the tree of `data`.
+/// Follows a ray from `origin` along `direction` (any length) through the trees of all objects.
 pub fn trace(data: &Buffers, origin: [f32; 3], direction: [f32; 3]) -> Nearest {
     let mut nearest = Nearest { face: u32::MAX, weights: [0.0; 3], numerator: 0.0, denominator: 1.0 };
     let dd = dot(direction, direction);
     let mut node = 0;
-    while node < data.topology.len() {
-        let place = data.topology[node];
-        let bounds = &data.bounds[node];
+    while let Some(bounds) = data.bounds.get(node) {
         if !meets(bounds.low, bounds.high, origin, direction, dd, &nearest) {
-            node = place.skip as usize;
+            node = bounds.next as usize;
             continue;
         }
-        node += 1;
-        let Some(corner) = data.triangles.get(place.face as usize) else { continue };
+        let Some(corner) = data.triangles.get(bounds.face as usize) else {
+            node += 1;
+            continue;
+        };
+        node = bounds.next as usize;
 
         // The ray's side of each edge, and the plane's distance as a fraction.
         let [a, b, c] = corner.map(|v| minus(data.positions[v as usize], origin));
@@ -80,9 +81,9 @@ pub fn trace(data: &Buffers, origin: [f32; 3], direction: [f32; 3]) -> Nearest {
         }
         let inside = w.iter().all(|&x| x >= 0.0) || w.iter().all(|&x| x <= 0.0);
         let (mine, its) = (numerator * nearest.denominator, nearest.numerator * denominator);
-        let nearer = nearest.face == u32::MAX || mine < its || (mine == its && place.face < nearest.face);
+        let nearer = nearest.face == u32::MAX || mine < its || (mine == its && bounds.face < nearest.face);
         if inside && w[0] + w[1] + w[2] != 0.0 && denominator > 0.0 && numerator > 0.0 && nearer {
-            nearest = Nearest { face: place.face, weights: w, numerator, denominator };
+            nearest = Nearest { face: bounds.face, weights: w, numerator, denominator };
         }
     }
     nearest

@@ -28,7 +28,7 @@ pub struct Binding<'a> {
 }
 
 /// A kernel's pipeline, and buffer and offset at each of its bindings.
-type Key = (u64, Vec<(u64, u64)>);
+type Key = (u64, Vec<(u64, u64, u64)>);
 
 /// The descriptor sets of one recording. Freed when dropped.
 pub(super) struct Sets {
@@ -53,7 +53,7 @@ impl Sets {
                 .iter()
                 .find(|b| b.number == access.binding)
                 .ok_or_else(|| Error::device(doing.as_str(), format!("nothing is bound at {}", access.binding)))?;
-            key.push((binding.buffer.raw.as_raw(), binding.offset));
+            key.push((binding.buffer.raw.as_raw(), binding.offset, binding.size));
             infos.push([vk::DescriptorBufferInfo {
                 buffer: binding.buffer.raw,
                 offset: binding.offset,

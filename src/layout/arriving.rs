@@ -24,7 +24,9 @@ records! { light_records:
     }
     /// The faces and the light that one dispatch of shadow rays is about.
     Rays {
-        /// First face.
+        /// The faces' object.
+        object: u32,
+        /// First face, among those of all objects.
         first: u32,
         /// Number of faces.
         count: u32,

@@ -3,14 +3,14 @@
 use super::*;
 
 buffers! {
-    /// The numbers that hold for the whole frame; one element.
-    frame: Frame, frame;
+    /// The numbers that hold for a whole frame of an object.
+    frame: Frame, object;
     /// The lights.
     lights: Light, light;
     /// Whether each light reaches each triangle: a bit each, `frame.shadow_words` words a triangle.
-    lit: u32, face;
+    lit: u32, shadow;
     /// Not 0 when a driver ended a shadow ray's loop early; one element.
-    cut_short: u32, frame;
+    cut_short: u32, scene;
     /// The environment's image, rows from the top.
     sky: [f32; 3], pixel;
     /// Integrals over its rows.
@@ -20,15 +20,16 @@ buffers! {
     /// Directions in which the environment is reflected: of microfacets about the normal, or about the mirror direction.
     lobe: [f32; 3], direction;
     /// Sums of image times harmonic, nine a block of pixels; the first nine are the environment's coefficients.
-    harmonics: [f32; 3], block;
+    harmonics: [f32; 3], patch;
     /// The camera; one element.
-    camera: Camera, frame;
-    /// Vertex positions, centred and scaled to unit extent.
-    positions: [f32; 3], vertex;
-    /// Vertex indices of each triangle, in the order of the tree's leaves.
+    camera: Camera, scene;
+    /// Positions of all objects' vertices, centred and scaled to unit extent.
+    positions: [f32; 3], point;
+    /// Places in `positions` of each triangle's corners, in the order of the tree's leaves. All else about an object counts
+    /// from its own first vertex, face, node and block.
     triangles: [u32; 3], face;
     /// Where each vertex's entries in `corners` begin; one more at the end.
-    corner_starts: u32, vertex;
+    corner_starts: u32, start;
     /// The triangles round each vertex.
     corners: u32, corner;
     /// The tree.
@@ -37,7 +38,7 @@ buffers! {
     leaves: u32, face;
     /// All nodes, sorted by chunk, then level, then index.
     order: u32, node;
-    /// Bounding boxes.
+    /// Bounding boxes, and the way through the trees of all objects.
     bounds: Bounds, node;
     /// Clusters.
     clusters: Cluster, node;
@@ -62,7 +63,7 @@ buffers! {
     /// The receivers of the coarse solution.
     samples: Sample, sample;
     /// Root of the area-weighted mean of B^2, from the coarse solution; one element.
-    level: [f32; 3], frame;
+    level: [f32; 3], scene;
     /// How far a link's error reaches: for each rule a table of distances over the logarithm of its strength.
     ranges: f32, table;
     /// Where the lists of each block lie in its batch, a part a batch and group.
@@ -85,8 +86,8 @@ buffers! {
     spans: Span, node;
     /// Emitters that a receiver hands down to its children.
     handed: u32, hand;
-    /// How full the lists are; one element.
-    cursor: Cursor, frame;
+    /// How full the lists of each object are.
+    cursor: Cursor, object;
     /// The links of a chunk, by receiver.
     links: Link, chunk;
     /// Form factor of each link, per channel.

@@ -54,7 +54,12 @@ plain! {
     [f32; 4], "vec4", 4, Float;
     [u32; 2], "uvec2", 2, Unsigned;
     [u32; 3], "uvec3", 3, Unsigned;
+    [u32; 16], "uint[16]", 16, Unsigned;
+    [u32; 32], "uint[32]", 32, Unsigned;
 }
+
+// A device may ask for up to 256 bytes between two places that are bound.
+const _: () = assert!(size_of::<Frame>() % 256 == 0 && size_of::<Cursor>() % 256 == 0);
 
 /// A struct shared by host and device, as the build script and the layout test see it.
 pub struct Record {
@@ -123,6 +128,22 @@ pub struct BufferSpec {
 pub enum Cut {
     /// It is bound whole.
     Whole,
+    /// One element an object.
+    Object,
+    /// A run of elements an object: one a vertex.
+    Vertex,
+    /// One a vertex, and one more.
+    Start,
+    /// One a triangle.
+    Face,
+    /// Three a triangle.
+    Corner,
+    /// `frame.shadow_words` a triangle.
+    Shadow,
+    /// One a node of its tree.
+    Node,
+    /// One a block of receivers.
+    Block,
     /// One part a chunk of the tree, where links are kept.
     Chunk,
     /// One part a group of channels.
@@ -132,6 +153,30 @@ pub enum Cut {
 }
 
 macro_rules! cut {
+    (object) => {
+        Cut::Object
+    };
+    (vertex) => {
+        Cut::Vertex
+    };
+    (start) => {
+        Cut::Start
+    };
+    (face) => {
+        Cut::Face
+    };
+    (corner) => {
+        Cut::Corner
+    };
+    (shadow) => {
+        Cut::Shadow
+    };
+    (node) => {
+        Cut::Node
+    };
+    (block) => {
+        Cut::Block
+    };
     (chunk) => {
         Cut::Chunk
     };
@@ -179,6 +224,10 @@ macro_rules! buffers {
             /// The bytes of a buffer.
             pub fn bytes(&self, slot: Slot) -> &[u8] {
                 match slot { $(Slot::$name => bytemuck::cast_slice(&self.$name),)* }
+            }
+            /// Makes a buffer as long as this, with zeros where it grows.
+            pub fn resize(&mut self, slot: Slot, elements: usize) {
+                match slot { $(Slot::$name => self.$name.resize(elements, <$kind as bytemuck::Zeroable>::zeroed()),)* }
             }
             /// The bytes of a buffer, to be overwritten.
             pub fn bytes_mut(&mut self, slot: Slot) -> &mut [u8] {

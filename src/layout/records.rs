@@ -5,8 +5,21 @@ use bytemuck::{Pod, Zeroable};
 use super::{Element, Record, Word};
 
 records! { frame_records:
-    /// What holds for the whole frame. Lengths are internal: the object has unit extent.
+    /// What holds for an object in the whole frame, padded so that it can be bound by itself. Lengths are internal: the scene
+    /// has unit extent.
     Frame {
+        /// Its first triangle among those of all objects.
+        first_face: u32,
+        /// Its first node likewise.
+        first_node: u32,
+        /// The first node of the next object, or their number.
+        next_node: u32,
+        /// Number of nodes of all objects, gaps between them included.
+        scene_nodes: u32,
+        /// Not 0 where no light enters it.
+        opaque: u32,
+        /// Share of the arriving light that an opaque object gives back, per channel.
+        albedo: [f32; 3],
         /// Number of vertices.
         vertices: u32,
         /// Number of triangles.
@@ -69,6 +82,12 @@ records! { frame_records:
         tint: [f32; 3],
         /// chi below which 1 (with second moments), 3, 6 and 12 area points serve.
         ladder: [f32; 4],
+        /// Nothing.
+        padding: [u32; 32],
+        /// Nothing.
+        more_padding: [u32; 32],
+        /// Nothing.
+        last_padding: u32,
     }
     /// A block of receivers: a maximal node of at most 16 faces.
     Block {
@@ -177,12 +196,16 @@ records! { frame_records:
         /// The triangle of a leaf, or all ones.
         face: u32,
     }
-    /// A node's bounding box.
+    /// A node's bounding box, and where a ray goes from there.
     Bounds {
         /// Smallest corner.
         low: [f32; 3],
+        /// The first node after its subtree, among those of all objects.
+        next: u32,
         /// Largest corner.
         high: [f32; 3],
+        /// The triangle of a leaf among those of all objects, or all ones.
+        face: u32,
     }
     /// A node as a cluster of faces.
     Cluster {
@@ -221,7 +244,7 @@ records! { frame_records:
         /// The node that emits.
         emitter: u32,
     }
-    /// How full the lists are, and how full they had to be.
+    /// How full an object's lists are, and how full they had to be; padded as its frame is.
     Cursor {
         /// Links of this chunk.
         links: u32,
@@ -249,6 +272,12 @@ records! { frame_records:
         overflow: u32,
         /// Not 0 when a driver ended a loop early, or would: lavapipe does so after 65,535 iterations.
         unfinished: u32,
+        /// Nothing.
+        padding: [u32; 32],
+        /// Nothing.
+        more_padding: [u32; 16],
+        /// Nothing.
+        last_padding: [u32; 3],
     }
     /// A run of elements for one dispatch.
     Range {

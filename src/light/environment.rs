@@ -18,7 +18,7 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, section 5.3; Ramamoorthi and Hanrahan 2001, equations 3 and 10",
     writes: &[(Slot::harmonics, Role::Output, Tolerance::Float { relative: 2e-5, floor: 5e-6 })],
     reason: "sums of 64 terms, three or four on top of each other, 64 x 2^-24 = 4e-6 each at worst; terms of either sign cancel",
-    unit: Unit::Frame,
+    unit: Unit::Scene,
     cpu,
     gpu,
 };

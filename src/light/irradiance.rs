@@ -21,7 +21,7 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, equation 5",
     writes: &[(Slot::irradiance, Role::Output, Tolerance::Float { relative: 2e-5, floor: 2e-6 })],
     reason: "a short sum of products; the cosine cancels where light grazes, hence the floor",
-    unit: Unit::Frame,
+    unit: Unit::Object,
     cpu,
     gpu,
 };
@@ -103,5 +103,5 @@ fn cpu(state: &mut State, _at: Place) {
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let data = &pass.state.data;
     let uses = [u32::from(data.frame[0].shadow_words > 0), u32::from(!data.sky.is_empty())];
-    pass.dispatch(None, &uses, &[], data.triangles.len())
+    pass.dispatch(None, &uses, &[], pass.object().count.faces)
 }

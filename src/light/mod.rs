@@ -4,5 +4,6 @@ pub mod environment;
 pub mod fresnel;
 pub mod harmonics;
 pub mod irradiance;
+pub mod opaque;
 pub mod shadow;
 pub mod sky;

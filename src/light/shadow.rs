@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::geometry::occlusion::{Ray, blocked};
 use crate::geometry::plane::Plane;
-use crate::layout::{Buffers, Light, Rays, Slot};
+use crate::layout::{Light, Rays, Slot};
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
 
 /// The table's entry.
@@ -16,7 +16,7 @@ pub static STAGE: Stage = Stage {
     equation: "the visibility in equation 5; any triangle between blocks",
     writes: &[(Slot::lit, Role::Output, Tolerance::Exact), (Slot::cut_short, Role::Update, Tolerance::Exact)],
     reason: "decisions, bit for bit",
-    unit: Unit::Frame,
+    unit: Unit::Scene,
     cpu,
     gpu,
 };
@@ -27,24 +27,28 @@ const RAYS: usize = 1 << 18;
 fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;
     let words = data.frame[0].shadow_words as usize;
-    let both = data.frame[0].two_sided != 0;
     let casting: Vec<&Light> = data.lights.iter().filter(|light| light.shadow != u32::MAX).collect();
-    let of_face = |face: usize| {
-        let mut bits = vec![0u32; words];
+    let of_face = |face: usize, both: bool, bits: &mut [u32]| {
+        bits.fill(0);
         for light in &casting {
-            let free = ray(data, face as u32, light, both).is_some_and(|ray| !blocked(data, &ray));
+            let free = ray(state, face as u32, light, both).is_some_and(|ray| !blocked(data, &ray));
             bits[light.shadow as usize / 32] |= u32::from(free) << (light.shadow % 32);
         }
-        bits
     };
-    let lit = (0..data.triangles.len()).into_par_iter().flat_map_iter(of_face).collect();
+    let mut lit = data.lit.clone();
+    for (object, frame) in state.objects.iter().zip(&data.frame) {
+        let (first, both) = (object.first.faces, frame.two_sided != 0);
+        let own = &mut lit[words * first..words * (first + object.count.faces)];
+        own.par_chunks_mut(words).enumerate().for_each(|(face, bits)| of_face(first + face, both, bits));
+    }
     state.data.lit = lit;
 }
 
 /// The ray from a face to a light; none where the face is turned away, behind an area, or outside a spot's cone.
-fn ray(data: &Buffers, face: u32, light: &Light, both: bool) -> Option<Ray> {
+fn ray(state: &State, face: u32, light: &Light, both: bool) -> Option<Ray> {
+    let (data, first) = (&state.data, state.objects[state.object_of(face as usize)].first.nodes);
     let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let origin = data.clusters[data.leaves[face as usize] as usize].center;
+    let origin = data.clusters[first + data.leaves[face as usize] as usize].center;
     let far = light.kind == 0 || light.kind == 5;
     let direction = if far { light.place } else { std::array::from_fn(|k| light.place[k] - origin[k]) };
     let own = Plane::new(data.triangles[face as usize].map(|v| data.positions[v as usize]));
@@ -62,13 +66,15 @@ fn ray(data: &Buffers, face: u32, light: &Light, both: bool) -> Option<Ray> {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let data = &pass.state.data;
-    let faces = data.triangles.len();
-    for light in (0..data.lights.len()).filter(|&light| data.lights[light].shadow != u32::MAX) {
-        for first in (0..faces).step_by(RAYS) {
-            let count = RAYS.min(faces - first);
-            let rays = Rays { first: first as u32, count: count as u32, light: light as u32 };
-            pass.dispatch(None, &[], bytemuck::bytes_of(&rays), count)?;
+    let lights = &pass.state.data.lights;
+    for (number, object) in pass.state.objects.iter().enumerate() {
+        let end = object.first.faces + object.count.faces;
+        for light in (0..lights.len()).filter(|&light| lights[light].shadow != u32::MAX) {
+            for first in (object.first.faces..end).step_by(RAYS) {
+                let count = RAYS.min(end - first);
+                let [object, first, faces, light] = [number, first, count, light].map(|n| n as u32);
+                pass.dispatch(None, &[], bytemuck::bytes_of(&Rays { object, first, count: faces, light }), count)?;
+            }
         }
     }
     Ok(())

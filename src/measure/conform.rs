@@ -51,7 +51,7 @@ pub fn conform(device: &Device, fixture: &Fixture, plant: Option<Plant>) -> Resu
     let _ = device.take_messages();
     for step in &fixture.steps {
         if plant.is_some_and(|plant| plant.stage != step.stage.name) {
-            (step.stage.cpu)(&mut state, step.at);
+            step.reference(&mut state);
             continue;
         }
         let (next, row) = one(&mut twin, &state, *step, &fixture.name, plant)?;
@@ -87,7 +87,7 @@ fn one(twin: &mut DeviceState, before: &State, step: Step, name: &str, plant: Op
     let mut poisoned = before.clone();
     poison(&mut poisoned, step);
     let mut reference = poisoned.clone();
-    (step.stage.cpu)(&mut reference, step.at);
+    step.reference(&mut reference);
 
     // Twice on the device, from the same bits.
     let mut results = Vec::new();

@@ -8,7 +8,7 @@ use crate::dipole::form_factor::exact::edge_form_exact;
 use crate::dipole::form_factor::ladder::chi;
 use crate::dipole::form_factor::points::{SIX, TWELVE, midpoint_moment, sampled, trace};
 use crate::dipole::profile::Dipole;
-use crate::error::Result;
+use crate::error::{Input, Result};
 use crate::layout::Slot;
 use crate::measure::estimate::Quality;
 use crate::measure::norms::{Norms, norms};
@@ -22,6 +22,37 @@ const RUNGS: [f64; 3] = [2e-3, 2e-2, 0.2];
 
 /// Radiosity at the centroids of these faces of a state whose irradiance is known.
 pub fn radiosity(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
+    by_object(state, faces, alone)
+}
+
+/// Radiosity at faces of a state of one object or several, from that of one that light enters, for each by itself.
+pub fn by_object(state: &State, faces: &[usize], radiosity: fn(&State, &[usize]) -> Vec<[f64; 3]>) -> Vec<[f64; 3]> {
+    if let [object] = state.objects.as_slice()
+        && !object.opaque
+    {
+        return radiosity(state, faces);
+    }
+    let mut sums = vec![[0.0; 3]; faces.len()];
+    for (number, object) in state.objects.iter().enumerate() {
+        let mine = |k: &usize| state.object_of(faces[*k]) == number;
+        let own: Vec<usize> = (0..faces.len()).filter(mine).collect();
+        let local: Vec<usize> = own.iter().map(|&k| faces[k] - object.first.faces).collect();
+        let values = if object.opaque {
+            let albedo = state.data.frame[number].albedo;
+            let value =
+                |&k: &usize| [0, 1, 2].map(|c| f64::from(albedo[c]) * f64::from(state.data.irradiance[faces[k]][c]));
+            own.iter().map(value).collect()
+        } else if own.is_empty() {
+            Vec::new()
+        } else {
+            radiosity(&state.alone(number), &local)
+        };
+        own.into_iter().zip(values).for_each(|(k, value)| sums[k] = value);
+    }
+    sums
+}
+
+fn alone(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
     let data = &state.data;
     let dipoles = [0, 1, 2].map(|channel| Dipole::of(&data.frame[0], channel));
     let distance = match state.distance {
@@ -110,6 +141,10 @@ pub struct Checked {
 pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> {
     session.fetch(&[Slot::irradiance, Slot::radiosity, Slot::clusters, Slot::estimate])?;
     let state = session.state();
+    if state.objects.iter().all(|object| object.opaque) {
+        let fault = Input::new("light enters no object, so there is nothing to verify").key("object");
+        return Err(fault.expected("at least one object that is not opaque").into());
+    }
     let data = &state.data;
     let sample = receivers(state, count, seed);
     let faces = &sample.faces;
@@ -124,13 +159,16 @@ pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> 
     Ok(Checked { norms: norms(&sample, &values, &reference), estimate })
 }
 
-/// Seeded receivers of a state whose radiosity is known, if roughly.
+/// Seeded receivers of a state whose radiosity is known, if roughly; of opaque objects none.
 pub fn receivers(state: &State, count: usize, seed: u64) -> Sample {
     let data = &state.data;
-    let area = |&leaf: &u32| f64::from(data.clusters[leaf as usize].area);
-    let areas: Vec<f64> = data.leaves.iter().map(area).collect();
-    let light: Vec<[f64; 3]> = data.radiosity.iter().map(|b| b.map(f64::from)).collect();
-    Sample::seeded(&areas, &light, count, seed)
+    let known: Vec<(usize, usize)> =
+        state.faces().filter(|(face, _)| !state.objects[state.object_of(*face)].opaque).collect();
+    let areas: Vec<f64> = known.iter().map(|&(_, leaf)| f64::from(data.clusters[leaf].area)).collect();
+    let light: Vec<[f64; 3]> = known.iter().map(|&(face, _)| data.radiosity[face].map(f64::from)).collect();
+    let mut sample = Sample::seeded(&areas, &light, count, seed);
+    sample.faces.iter_mut().for_each(|face| *face = known[*face].0);
+    sample
 }
 
 /// The error alone, per channel.

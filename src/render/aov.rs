@@ -6,7 +6,7 @@ use glam::DVec3;
 use super::run::Session;
 use crate::error::Result;
 use crate::layout::{Hit, Slot};
-use crate::state::{Place, State, narrow, wide};
+use crate::state::{State, narrow, wide};
 use crate::view::aov::{Layer, Samples};
 
 /// The layers of a session's last picture. Numbers of links are right where lists are kept (`Mode::Render`), or where
@@ -52,8 +52,8 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
     // The rays' directions have a component of 1 along the view.
     let depth = |hit: &Option<&Hit>| hit.map_or(f32::INFINITY, |hit| (f64::from(hit.depth) / units.length) as f32);
     layers.push(Layer::single("depth", "Z", Samples::Float(shown.iter().map(depth).collect())));
-    layers.push(Layer::single("object", "id", number(u32::MAX, &|_| 0)));
-    layers.push(Layer::single("triangle", "id", number(u32::MAX, &|face| session.prepared.faces[face])));
+    layers.push(Layer::single("object", "id", number(u32::MAX, &|face| state.object_of(face) as u32)));
+    layers.push(Layer::single("triangle", "id", number(u32::MAX, &|face| session.prepared.source(face).1)));
     layers.push(Layer::single("links", "count", number(0, &|face| links[face])));
     Ok(layers)
 }
@@ -63,26 +63,25 @@ fn links(state: &State) -> Vec<u32> {
     let data = &state.data;
     let mut count = vec![0; data.triangles.len()];
     if !data.spans.is_empty() {
-        for (face, count) in count.iter_mut().enumerate() {
-            let mut node = data.leaves[face];
-            while let Some(place) = data.topology.get(node as usize) {
-                *count += data.spans[node as usize].links;
-                node = place.parent;
+        for (face, leaf) in state.faces() {
+            let first = state.objects[state.object_of(face)].first.nodes;
+            let mut node = leaf;
+            while let Some(place) = data.topology.get(node) {
+                count[face] += data.spans[node].links;
+                node = first.saturating_add(place.parent as usize);
             }
         }
     }
     if data.runs.is_empty() {
         return count;
     }
-    for group in 0..state.groups.len() {
-        for (chunk, batch) in state.schedule.batches.iter().enumerate() {
-            let (base, _) = state.part(Slot::runs, Place { chunk, group });
-            for block in batch.clone() {
-                let run = data.runs[base + (block - batch.start) as usize];
-                let faces = data.blocks[block as usize];
-                for count in &mut count[faces.first as usize..(faces.first + faces.count) as usize] {
-                    *count += run.expanded + run.direct + run.area + run.edge;
-                }
+    for (at, batch) in state.batches() {
+        let (base, first) = (state.part(Slot::runs, at).0, state.object(at).first);
+        for block in batch.clone() {
+            let run = data.runs[base + (block - batch.start) as usize];
+            let faces = data.blocks[first.blocks + block as usize];
+            for count in &mut count[first.faces + faces.first as usize..][..faces.count as usize] {
+                *count += run.expanded + run.direct + run.area + run.edge;
             }
         }
     }

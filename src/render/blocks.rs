@@ -2,7 +2,7 @@
 //! meet a tolerance.
 
 use crate::dipole::form_factor::points::trace;
-use crate::layout::Block;
+use crate::layout::{Block, Frame};
 use crate::scene::Light;
 use crate::state::{Group, State, wide};
 use crate::transport::gather::PLACES;
@@ -57,16 +57,15 @@ pub(super) fn link_error(tolerance: f64) -> f64 {
     at_low * (at_high / at_low).powf(part)
 }
 
-/// Which channels are carried together: those whose lights and refraction differ by a factor alone. Black ones, without
+/// Which channels of an object are carried together: those whose lights and refraction differ by a factor alone. Black ones, without
 /// light or without scattering, are in no group.
-pub(super) fn group(state: &mut State, lights: &[Light]) {
-    let frame = &mut state.data.frame[0];
+pub(super) fn group(frame: &mut Frame, lights: &[Light]) -> Vec<Group> {
     let colors: Vec<[f64; 3]> = lights.iter().map(Light::color).collect();
     let most = [0, 1, 2].map(|c| colors.iter().map(|color| color[c]).fold(0.0, f64::max));
     let mut open: Vec<usize> = (0..3).filter(|&c| most[c] > 0.0 && frame.strength[c] > 0.0).collect();
     open.sort_by(|&a, &b| most[b].total_cmp(&most[a]).then(a.cmp(&b)));
     frame.tint = [1.0; 3];
-    state.groups.clear();
+    let mut groups = Vec::new();
     while let Some(&lead) = open.first() {
         let alike = |c: usize| {
             let ratio = most[c] / most[lead];
@@ -77,7 +76,8 @@ pub(super) fn group(state: &mut State, lights: &[Light]) {
         for &c in &members {
             frame.tint[c] = (most[c] / most[lead]) as f32;
         }
-        state.groups.push(Group { channels: members.iter().map(|c| 1 << c).sum(), lead: lead as u32 });
+        groups.push(Group { channels: members.iter().map(|c| 1 << c).sum(), lead: lead as u32 });
         open.retain(|c| !members.contains(c));
     }
+    groups
 }

@@ -4,15 +4,15 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::blocks::group;
-use super::prepare::{Units, narrow};
+use super::units::Units;
 use crate::layout::{Light as Record, SkyColumn, SkyRow};
-use crate::scene::{Light, Mesh, Sky, Source};
-use crate::state::State;
+use crate::scene::{Light, Object, Sky, Source};
+use crate::state::{State, narrow};
 use crate::view::reflect::lobe;
 
-/// Puts the lights in place, scaled to the brightest irradiance they give anywhere on the mesh.
-pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, mesh: &Mesh) {
-    let brightest: f64 = lights.iter().map(|light| brightest(light, *units, mesh)).sum();
+/// Puts the lights in place, scaled to the brightest irradiance they give anywhere on the objects.
+pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &[Object]) {
+    let brightest: f64 = lights.iter().map(|light| brightest(light, *units, objects)).sum();
     units.light = if brightest > 0.0 && brightest.is_finite() { brightest.log2().ceil().exp2() } else { 1.0 };
     state.data.lights = lights.iter().flat_map(|light| records(light, *units)).collect();
 
@@ -22,10 +22,11 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, mesh: &Mes
         record.shadow = bits;
         bits += 1;
     }
-    let frame = &mut state.data.frame[0];
-    frame.lights = state.data.lights.len() as u32;
-    frame.shadow_words = bits.div_ceil(32);
-    frame.sky = [0; 2];
+    for frame in &mut state.data.frame {
+        frame.lights = state.data.lights.len() as u32;
+        frame.shadow_words = bits.div_ceil(32);
+        frame.sky = [0; 2];
+    }
     (state.data.sky, state.data.sky_rows, state.data.sky_columns, state.data.lobe) = Default::default();
     for light in lights {
         if let Source::Environment { sky, .. } = &light.source
@@ -34,9 +35,11 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, mesh: &Mes
             tables(state, sky, units.light);
         }
     }
-    group(state, lights);
+    for (object, frame) in state.objects.iter_mut().zip(&mut state.data.frame) {
+        object.groups = group(frame, lights);
+    }
     if let Some(camera) = state.data.camera.first_mut() {
-        camera.radiance = radiance(*units);
+        camera.radiance = units.radiance();
     }
 }
 
@@ -64,19 +67,16 @@ fn distance2(corners: [DVec3; 3]) -> f64 {
     if inside { nearest.min(a.dot(normal).powi(2) / normal.length_squared()) } else { nearest }
 }
 
-/// Scene radiance of an internal radiance of 1, for pictures. What no `f32` holds becomes its largest power of two but one,
-/// so that a picture of a lamp of 1e30 W/sr right at the object is too dark rather than infinite.
-pub fn radiance(units: Units) -> f32 {
-    units.light.min(f64::exp2(126.0)) as f32
-}
-
-/// About the largest irradiance of a light anywhere on the mesh, in the scene's units.
-fn brightest(light: &Light, units: Units, mesh: &Mesh) -> f64 {
+/// About the largest irradiance of a light anywhere on the objects, in the scene's units.
+fn brightest(light: &Light, units: Units, objects: &[Object]) -> f64 {
     let color = largest(light.color());
     let near = |place: &DVec3| {
-        let corners = |face| Some(mesh.corners(face)?.map(|corner| corner - *place));
-        let faces = (0..mesh.triangles.len()).into_par_iter().filter_map(corners);
-        let d2 = faces.map(distance2).reduce(|| f64::INFINITY, f64::min);
+        let nearest = |object: &Object| {
+            let corners = |face| Some(object.mesh.corners(face)?.map(|corner| corner - *place));
+            let faces = (0..object.mesh.triangles.len()).into_par_iter().filter_map(corners);
+            faces.map(distance2).reduce(|| f64::INFINITY, f64::min)
+        };
+        let d2 = objects.iter().map(nearest).fold(f64::INFINITY, f64::min);
         color / d2.max(1e-12 / units.length.powi(2))
     };
     match &light.source {
@@ -137,9 +137,13 @@ fn spread(k: u32, count: u32) -> DVec3 {
 /// The image of an environment, and the integrals over its rows and columns that the harmonics are products of.
 fn tables(state: &mut State, sky: &Sky, unit: f64) {
     let data = &mut state.data;
-    data.frame[0].sky = sky.size;
-    data.frame[0].sky_turn = (0.5 + sky.rotation / 360.0).rem_euclid(1.0) as f32;
-    data.lobe = lobe(&data.frame[0]);
+    for frame in &mut data.frame {
+        frame.sky = sky.size;
+        frame.sky_turn = (0.5 + sky.rotation / 360.0).rem_euclid(1.0) as f32;
+    }
+    if data.frame.iter().any(|frame| frame.reflection != 0) {
+        data.lobe = data.frame.iter().flat_map(lobe).collect();
+    }
     let factor = sky.factor.map(|x| x / unit);
     let scale = |pixel: &[f32; 3]| std::array::from_fn(|c| (f64::from(pixel[c]) * factor[c]) as f32);
     data.sky = sky.pixels.iter().map(scale).collect();

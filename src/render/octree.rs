@@ -9,7 +9,7 @@ use crate::dipole::profile::Dipole;
 use crate::error::{Input, Result};
 use crate::gpu::Timing;
 use crate::scene::{Distance, Transport};
-use crate::state::State;
+use crate::state::{Object, State};
 
 /// Its name among the times of a frame.
 pub const NAME: &str = "octree";
@@ -21,9 +21,9 @@ pub const EQUATION: &str = "Jensen and Buhler 2002";
 /// The octree of a session, kept from frame to frame.
 #[derive(Default)]
 pub struct OctreeTransport {
-    tree: Octree,
-    /// The faces' centroids, internal length.
-    centers: Vec<[f32; 3]>,
+    trees: Vec<Octree>,
+    /// The centroids of each object's faces, internal length.
+    centers: Vec<Vec<[f32; 3]>>,
     /// Solid angle from which on a cell is opened, steradian.
     angle: f32,
 }
@@ -38,23 +38,34 @@ impl OctreeTransport {
         Ok(Self { angle: transport.octree_angle as f32, ..Self::default() })
     }
 
-    /// Sums radiosity from the state's irradiance, both internal; builds the tree anew if `light` has changed.
+    /// Sums radiosity from the state's irradiance, both internal; builds the trees anew if `light` has changed.
     pub fn run(&mut self, state: &mut State, light: bool) -> Timing {
         let start = Instant::now();
-        let data = &mut state.data;
         if light {
-            let leaves = data.leaves.iter().map(|&leaf| &data.clusters[leaf as usize]);
-            let sample = |(leaf, &irradiance): (&crate::layout::Cluster, &[f32; 3])| Sample {
-                position: leaf.center,
-                area: leaf.area,
-                irradiance,
-            };
-            let samples: Vec<Sample> = leaves.zip(&data.irradiance).map(sample).collect();
-            self.centers = samples.iter().map(|sample| sample.position).collect();
-            self.tree = Octree::new(&samples);
+            let samples = state.objects.iter().map(|object| samples(state, object));
+            let (trees, centers) = samples.map(|all| (Octree::new(&all), places(&all))).unzip();
+            (self.trees, self.centers) = (trees, centers);
         }
-        let dipoles = [0, 1, 2].map(|channel| Dipole::of(&data.frame[0], channel));
-        data.radiosity = self.tree.gather(&dipoles, self.angle, &self.centers);
+        let sources = state.objects.iter().zip(&state.data.frame).zip(self.trees.iter().zip(&self.centers));
+        for ((object, frame), (tree, centers)) in sources.filter(|((object, _), _)| !object.opaque) {
+            let dipoles = [0, 1, 2].map(|channel| Dipole::of(frame, channel));
+            let sums = tree.gather(&dipoles, self.angle, centers);
+            state.data.radiosity[object.first.faces..][..sums.len()].copy_from_slice(&sums);
+        }
         Timing { name: NAME.into(), milliseconds: start.elapsed().as_secs_f64() * 1e3 }
     }
+}
+
+/// What enters an object's faces, each at its centroid; none where light does not enter.
+fn samples(state: &State, object: &Object) -> Vec<Sample> {
+    let (first, count, data) = (object.first, if object.opaque { 0 } else { object.count.faces }, &state.data);
+    let sample = |face: usize| {
+        let leaf = &data.clusters[first.nodes + data.leaves[face] as usize];
+        Sample { position: leaf.center, area: leaf.area, irradiance: data.irradiance[face] }
+    };
+    (first.faces..first.faces + count).map(sample).collect()
+}
+
+fn places(samples: &[Sample]) -> Vec<[f32; 3]> {
+    samples.iter().map(|sample| sample.position).collect()
 }

@@ -102,7 +102,7 @@ impl Plan {
         let dark = !lit(state);
         for &stage in STAGES {
             let why = reason(stage.name, options, state.method.scheme, dark);
-            match why.or_else(|| unlit(stage.name, state)) {
+            match why.or_else(|| unlit(stage.name, state)).or_else(|| unpeopled(stage.name, state)) {
                 None => plan.stages.push(stage),
                 Some(why) => plan.left_out.push((stage.name, why)),
             }
@@ -132,7 +132,7 @@ impl Plan {
             name => change.light || (change.resum && sums(name)),
         };
         let stages: Vec<_> = self.stages.iter().copied().filter(runs).collect();
-        steps(&stages, &state.schedule, state.groups.len())
+        steps(&stages, state)
     }
 
     /// Whether the octree takes its turn in a frame after this change.
@@ -165,14 +165,18 @@ pub fn before_transport(name: &str) -> bool {
 
 /// Whether a stage lies between known irradiance, with its moments and distances, and radiosity.
 fn sums(name: &str) -> bool {
-    matches!(name, "link" | "gather" | "push" | "refine" | "form_factor" | "collect" | "spread" | "average" | "brute")
+    matches!(
+        name,
+        "link" | "gather" | "push" | "refine" | "form_factor" | "collect" | "spread" | "opaque" | "average" | "brute"
+    )
 }
 
 /// Why this stage has no place in the frame, if it has none.
 fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -> Option<String> {
     let (blocks, links) = (BLOCKS.contains(&name), LINKS.contains(&name));
-    let needs_light =
-        blocks || links || matches!(name, "shadow" | "environment" | "irradiance" | "average" | "brute" | "reflect");
+    let needs_light = blocks
+        || links
+        || matches!(name, "shadow" | "environment" | "irradiance" | "opaque" | "average" | "brute" | "reflect");
     let pictorial = matches!(name, "average" | "visibility" | "shade" | "reflect" | "backdrop");
     if name == "evaluate" {
         return Some("answers `milkglass eval` only".into());
@@ -213,6 +217,17 @@ fn unlit(name: &str, state: &State) -> Option<String> {
     }
 }
 
+/// Why this stage is not needed for these objects, if it is not.
+fn unpeopled(name: &str, state: &State) -> Option<String> {
+    let any = |opaque: bool| state.objects.iter().any(|object| object.opaque == opaque);
+    let carries = BLOCKS.contains(&name) || LINKS.contains(&name) || name == "brute";
+    match name {
+        "opaque" if !any(true) => Some("no object is opaque".into()),
+        _ if carries && !any(false) => Some("every object is opaque".into()),
+        _ => None,
+    }
+}
+
 /// Why no error estimate is carried along, if none is.
 fn unestimated(state: &State, options: Options) -> Option<&'static str> {
     match options.transport {
@@ -231,9 +246,11 @@ mod tests {
     fn plan(scheme: Scheme, transport: Transport, mode: Mode) -> (State, Plan) {
         let mut state = State::default();
         state.method.scheme = scheme;
-        state.schedule.chunks.push(crate::state::Chunk::default());
-        state.schedule.batches.push(0..1);
-        state.groups.push(crate::state::Group { channels: 7, lead: 0 });
+        let mut object = crate::state::Object::default();
+        object.schedule.chunks.push(crate::state::Chunk::default());
+        object.schedule.batches.push(0..1);
+        object.groups.push(crate::state::Group { channels: 7, lead: 0 });
+        state.objects.push(object);
         state.data.lights.push(crate::layout::Light { color: [1.0; 3], ..Default::default() });
         let plan = Plan::new(&state, Options { transport, mode, goal: Goal::Radiosity, ..Options::default() });
         (state, plan)

@@ -1,32 +1,17 @@
-//! From a checked scene to the state a frame starts from: centred, scaled, in the order of the tree.
-//!
-//! Inside a frame the object has unit extent and the brightest light gives an irradiance of about 1; both factors
-//! are powers of two, so that nothing is lost on the way to `f32` and back.
-
-use glam::DVec3;
+//! From a checked scene to the state a frame starts from: centred, scaled, in the order of the trees.
 
 use super::blocks::{blocks, edge_nodes, link_error, triangle_size};
-use super::lights::{lights, radiance};
+use super::lights::lights;
+use super::units::Units;
 use crate::dipole::form_factor::ladder::Ladder;
 use crate::dipole::profile::Dipole;
 use crate::hierarchy::face_cluster::{self, Method};
 use crate::hierarchy::{Tree, median};
 use crate::layout::{Camera as CameraRecord, Frame, Topology};
 use crate::light::{fresnel, harmonics};
-use crate::scene::{Camera, Fresnel, Hierarchy, Material, Mesh, Reflection, Scene, Transport};
-use crate::state::{Method as Switches, Schedule, Scheme, State};
+use crate::scene::{self, Camera, Fresnel, Hierarchy, Material, Mesh, Reflection, Scene, Transport};
+use crate::state::{Extent, Method as Switches, Object, Schedule, Scheme, State, narrow};
 use crate::transport::gather::PLACES;
-
-/// How internal numbers relate to the scene's.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Units {
-    /// The scene's point that is the internal origin.
-    pub center: DVec3,
-    /// Internal length of one scene unit.
-    pub length: f64,
-    /// Scene irradiance of an internal irradiance of 1.
-    pub light: f64,
-}
 
 /// A state ready to run, and what is needed to read its results.
 #[derive(Clone, Debug)]
@@ -35,33 +20,35 @@ pub struct Prepared {
     pub state: State,
     /// Its units.
     pub units: Units,
-    /// The tree.
-    pub tree: Tree,
-    /// How the tree came about.
+    /// The tree of each object.
+    pub trees: Vec<Tree>,
+    /// How the trees came about, the worst of them.
     pub method: Method,
-    /// The mesh's triangle of each triangle of the state.
-    pub faces: Vec<u32>,
+    /// Of each object, the mesh's triangle of each triangle of the state.
+    pub faces: Vec<Vec<u32>>,
 }
 
-impl Units {
-    /// For these positions; light stays as it is.
-    fn of(positions: &[DVec3]) -> Self {
-        let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let extent = (high - low).max_element();
-        let length = if extent.is_finite() && extent > 0.0 { (-extent.log2().ceil()).exp2() } else { 1.0 };
-        let center = if extent.is_finite() { 0.5 * (low + high) } else { DVec3::ZERO };
-        Self { center, length, light: 1.0 }
+impl Prepared {
+    /// The object and its mesh's triangle of a triangle of the state.
+    pub fn source(&self, face: usize) -> (usize, u32) {
+        let object = self.state.object_of(face);
+        (object, self.faces[object][face - self.state.objects[object].first.faces])
     }
 
-    /// A point of the scene inside the frame.
-    pub fn inside(&self, point: DVec3) -> DVec3 {
-        (point - self.center) * self.length
+    /// The triangle of the state of each triangle of all meshes, one after the other.
+    pub fn all_places(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.faces.len()).flat_map(|object| self.places(object))
     }
-}
 
-pub(super) fn narrow(v: DVec3) -> [f32; 3] {
-    [v.x as f32, v.y as f32, v.z as f32]
+    /// The triangle of the state of each triangle of an object's mesh.
+    pub fn places(&self, object: usize) -> Vec<usize> {
+        let first = self.state.objects[object].first.faces;
+        let mut places = vec![0; self.faces[object].len()];
+        for (place, &face) in self.faces[object].iter().enumerate() {
+            places[face as usize] = first + place;
+        }
+        places
+    }
 }
 
 /// The largest reduced extinction inside a frame: a mean free path of a millionth of the object. Anything denser is
@@ -88,31 +75,55 @@ pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
     })
 }
 
-/// Builds tree and state of a scene.
+/// Builds trees and state of a scene.
 pub fn prepare(scene: &Scene) -> Prepared {
-    let mesh = &scene.object.mesh;
-    let (tree, method) = match scene.transport.hierarchy {
+    let mut units = Units::of(scene.objects.iter().map(|object| &object.mesh));
+    let (mut parts, mut trees, mut method) = (Vec::new(), Vec::new(), Method::Merged);
+    let (mut faces, mut largest) = (Vec::new(), 0.0);
+    for object in &scene.objects {
+        let (part, tree, made, own) = one(scene, object, units);
+        if object.material.opaque.is_none() {
+            largest = f64::max(largest, triangle_size(&part));
+        }
+        method = if made == Method::Merged { method } else { made };
+        parts.push(part);
+        trees.push(tree);
+        faces.push(own);
+    }
+    let mut state = State::join(parts);
+    state.method.nodes = edge_nodes(scene.transport.tolerance, largest);
+    lights(&mut state, &scene.lights, &mut units, &scene.objects);
+    camera(&mut state, &scene.camera, units);
+    Prepared { state, units, trees, method, faces }
+}
+
+/// The state of one object by itself, its tree and how that came about, and the mesh's triangle of each of its own.
+fn one(scene: &Scene, object: &scene::Object, units: Units) -> (State, Tree, Method, Vec<u32>) {
+    let (mesh, transport) = (&object.mesh, &scene.transport);
+    let (tree, method) = match transport.hierarchy {
         Hierarchy::FaceClusters => face_cluster::build(&mesh.positions, &mesh.triangles),
         Hierarchy::Median => (median::build(&mesh.positions, &mesh.triangles, PLACES), Method::Merged),
     };
-    let mut units = Units::of(&mesh.positions);
-    let mut state = State { distance: scene.transport.distance, ..State::default() };
+    let mut state = State { distance: transport.distance, ..State::default() };
     let faces = topology(&mut state, mesh, &tree, units);
-    frame(&mut state, &scene.object.material, &scene.transport, units);
+    frame(&mut state, &object.material, transport, units);
     state.method = Switches {
-        scheme: scene.transport.scheme,
-        order: scene.transport.order,
-        nodes: edge_nodes(scene.transport.tolerance, triangle_size(&state)),
+        scheme: transport.scheme,
+        order: transport.order,
         estimate: false,
-        near: scene.transport.near,
+        near: transport.near,
+        ..Switches::default()
     };
-    if scene.transport.scheme == Scheme::Blocks {
+    let opaque = object.material.opaque.is_some();
+    if transport.scheme == Scheme::Blocks && !opaque {
         state.data.blocks = blocks(&state);
         state.data.frame[0].blocks = state.data.blocks.len() as u32;
     }
-    lights(&mut state, &scene.lights, &mut units, mesh);
-    camera(&mut state, &scene.camera, units);
-    Prepared { state, units, tree, method, faces }
+    let data = &state.data;
+    let (vertices, nodes, blocks) = (data.positions.len(), data.topology.len(), data.blocks.len());
+    let count = Extent { vertices, faces: faces.len(), nodes, blocks };
+    state.objects = vec![Object { count, opaque, ..Object::default() }];
+    (state, tree, method, faces)
 }
 
 /// Mesh and tree, triangles in the order of the leaves; returns each one's place in the mesh.
@@ -152,8 +163,9 @@ fn topology(state: &mut State, mesh: &Mesh, tree: &Tree, units: Units) -> Vec<u3
 }
 
 fn frame(state: &mut State, material: &Material, transport: &Transport, units: Units) {
-    let dipoles = dipoles(material, units.length);
-    let of = |f: fn(&Dipole) -> f64| dipoles.each_ref().map(|dipole| f(dipole) as f32);
+    // What no light enters has no dipole.
+    let dipoles = material.opaque.is_none().then(|| dipoles(material, units.length));
+    let of = |f: fn(&Dipole) -> f64| dipoles.as_ref().map_or([0.0; 3], |d| d.each_ref().map(|dipole| f(dipole) as f32));
     let reflection = match material.surface.reflection {
         Reflection::None => (0, 0.0),
         Reflection::Phong { shininess } => (1, shininess as f32),
@@ -162,6 +174,10 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
     let zonal = material.eta.map(harmonics::zonal);
     let degree = |l: usize| zonal.map(|factors| factors[l] as f32);
     state.data.frame = vec![Frame {
+        next_node: state.data.topology.len() as u32,
+        scene_nodes: state.data.topology.len() as u32,
+        opaque: u32::from(material.opaque.is_some()),
+        albedo: material.opaque.unwrap_or_default().map(|share| share as f32),
         vertices: state.data.positions.len() as u32,
         faces: state.data.triangles.len() as u32,
         nodes: state.data.topology.len() as u32,
@@ -202,13 +218,17 @@ pub fn camera(state: &mut State, camera: &Camera, units: Units) {
         shift_y: 0.0,
         background: camera.background.map(|x| x as f32),
         environment: u32::from(camera.environment),
-        radiance: radiance(units),
+        radiance: units.radiance(),
     }];
 }
 
-/// The transport's distance convention and the tree's schedule, for chunks of at most `faces` faces.
+/// The trees' schedules, for chunks of at most `faces` faces.
 pub fn schedule(prepared: &mut Prepared, faces: usize) {
-    let (schedule, order) = Schedule::new(&prepared.tree, faces);
-    prepared.state.schedule = schedule;
-    prepared.state.data.order = order;
+    let state = &mut prepared.state;
+    state.data.order = vec![0; state.extent().nodes];
+    for (object, tree) in state.objects.iter_mut().zip(&prepared.trees) {
+        let (schedule, order) = Schedule::new(tree, faces);
+        object.schedule = schedule;
+        state.data.order[object.first.nodes..][..order.len()].copy_from_slice(&order);
+    }
 }

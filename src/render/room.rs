@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::gpu::Limits;
 use crate::layout::{Cursor, Slot};
 use crate::light::environment;
-use crate::state::{Scheme, State};
+use crate::state::{Extent, Scheme, State};
 use crate::transport::radii::{ENTRIES as ENTRIES_OF_A_LAW, LAWS};
 
 /// Faces of a chunk to begin with; fewer once a chunk's lists turn out not to fit a binding.
@@ -82,7 +82,7 @@ impl Lists {
         }
         schedule(prepared, self.chunk_faces);
         let faces = largest_chunk(prepared);
-        let chunks = prepared.state.schedule.chunks.len().max(1);
+        let chunks = chunks(&prepared.state).max(1);
         let kept = if prepared.state.keep { (self.allocation / 12) as usize / chunks } else { usize::MAX };
         let room = |per: usize, stride| ((faces * per).min(kept).min(self.most(stride)).max(64) / 64 * 64) as u32;
         set(prepared, [room(self.links, 12), room(16, 4), room(4, 4), room(96, 4)]);
@@ -90,12 +90,15 @@ impl Lists {
 
     /// Cuts the blocks into batches and gives their lists room for so many entries a block.
     fn batches(&self, state: &mut State, per_block: usize) {
-        let blocks = state.data.blocks.len();
-        let batches = blocks.div_ceil(self.batch_blocks.min(self.most(4) / per_block.max(1)).max(1)).max(1);
-        let each = blocks.div_ceil(batches);
-        let batch = |k: usize| (k * each).min(blocks) as u32..((k + 1) * each).min(blocks) as u32;
-        state.schedule.batches = (0..batches).map(batch).filter(|batch| !batch.is_empty()).collect();
-        state.data.frame[0].entry_room = ((each * per_block).max(64) / 64 * 64).min(self.most(4)) as u32;
+        for object in &mut state.objects {
+            let blocks = object.count.blocks;
+            let batches = blocks.div_ceil(self.batch_blocks.min(self.most(4) / per_block.max(1)).max(1)).max(1);
+            let each = blocks.div_ceil(batches);
+            let batch = |k: usize| (k * each).min(blocks) as u32..((k + 1) * each).min(blocks) as u32;
+            object.schedule.batches = (0..batches).map(batch).filter(|batch| !batch.is_empty()).collect();
+        }
+        let room = ((largest_batch(state) * per_block).max(64) / 64 * 64).min(self.most(4)) as u32;
+        state.data.frame.iter_mut().for_each(|frame| frame.entry_room = room);
     }
 
     /// Elements of this many bytes that one list can have, a multiple of 64.
@@ -108,7 +111,7 @@ impl Lists {
         if prepared.state.method.scheme == Scheme::Blocks {
             return self.grow_batches(&mut prepared.state);
         }
-        let need = prepared.state.data.cursor[0];
+        let need = need(&prepared.state);
         let frame = prepared.state.data.frame[0];
         let mut lists = [
             ("links", need.need_links, frame.link_room, 12),
@@ -142,7 +145,7 @@ impl Lists {
         set(prepared, rooms);
 
         // What is kept has to fit one allocation.
-        let bytes = 12 * u64::from(rooms[0]) * prepared.state.schedule.chunks.len() as u64;
+        let bytes = 12 * u64::from(rooms[0]) * chunks(&prepared.state) as u64;
         if prepared.state.keep && bytes > self.allocation {
             let most = self.allocation;
             let what = format!("they take {bytes} bytes, one allocation holds {most}; use --mode on-the-fly");
@@ -155,8 +158,7 @@ impl Lists {
 impl Lists {
     /// The same for the lists of blocks.
     fn grow_batches(&mut self, state: &mut State) -> Result<()> {
-        let need = state.data.cursor[0].need_entries as usize;
-        let each = state.schedule.batches.iter().map(|batch| batch.len()).max().unwrap_or(1);
+        let (need, each) = (need(state).need_entries as usize, largest_batch(state).max(1));
         let most = self.most(4);
         if need > most && each == 1 {
             let what = format!("one block of receivers needs {need} entries, a binding of the device takes {most}");
@@ -166,9 +168,10 @@ impl Lists {
             self.batch_blocks = (each as f64 * most as f64 / need as f64 * 0.75).max(1.0) as usize;
             self.batches(state, most / self.batch_blocks);
         } else {
-            state.data.frame[0].entry_room = (need + need / 32).next_multiple_of(64).min(most) as u32;
+            let room = (need + need / 32).next_multiple_of(64).min(most) as u32;
+            state.data.frame.iter_mut().for_each(|frame| frame.entry_room = room);
         }
-        let parts = (state.schedule.batches.len() * state.groups.len()) as u64;
+        let parts = batches(state) as u64;
         let bytes = 4 * u64::from(state.data.frame[0].entry_room) * parts;
         if state.keep && bytes > self.allocation {
             let most = self.allocation;
@@ -181,24 +184,60 @@ impl Lists {
 
 /// Faces of the largest chunk.
 fn largest_chunk(prepared: &Prepared) -> usize {
-    prepared.state.schedule.chunks.iter().map(|chunk| chunk.nodes.len()).max().unwrap_or(0).div_ceil(2)
+    let chunks = prepared.state.objects.iter().flat_map(|object| &object.schedule.chunks);
+    chunks.map(|chunk| chunk.nodes.len()).max().unwrap_or(0).div_ceil(2)
+}
+
+/// Blocks of the largest batch.
+fn largest_batch(state: &State) -> usize {
+    let batches = state.objects.iter().flat_map(|object| &object.schedule.batches);
+    batches.map(|batch| batch.len()).max().unwrap_or(0)
+}
+
+/// Chunks of all objects that light enters.
+fn chunks(state: &State) -> usize {
+    state.sum(|object| if object.opaque { 0 } else { object.schedule.chunks.len() })
+}
+
+/// Batches of all objects and groups.
+fn batches(state: &State) -> usize {
+    state.sum(|object| object.groups.len() * object.schedule.batches.len())
+}
+
+/// The most that any object's lists had to hold.
+fn need(state: &State) -> Cursor {
+    let most = |of: fn(&Cursor) -> u32| state.data.cursor.iter().map(of).max().unwrap_or(0);
+    Cursor {
+        need_links: most(|c| c.need_links),
+        need_areas: most(|c| c.need_areas),
+        need_edges: most(|c| c.need_edges),
+        need_hands: most(|c| c.need_hands),
+        need_entries: most(|c| c.need_entries),
+        ..Cursor::default()
+    }
 }
 
 /// Sets the room for links, those with area points, those with the edge form, and hand-downs.
 fn set(prepared: &mut Prepared, rooms: [u32; 4]) {
-    let frame = &mut prepared.state.data.frame[0];
-    [frame.link_room, frame.area_room, frame.edge_room, frame.hand_room] = rooms;
+    for frame in &mut prepared.state.data.frame {
+        [frame.link_room, frame.area_room, frame.edge_room, frame.hand_room] = rooms;
+    }
 }
 
 /// Gives every buffer that a plan's stages write its size, zeroed; the others stay empty, as does the error estimate
 /// where nobody asked for it.
 pub fn size(state: &mut State, plan: &Plan) {
-    let chunks = if state.keep { state.schedule.chunks.len() } else { 1 };
+    let chunks = if state.keep { chunks(state) } else { 1 };
     let used = |slot: Slot| plan.stages.iter().any(|s| s.writes.iter().any(|(w, _, _)| *w == slot));
     let estimate = state.method.estimate;
+    let Extent { vertices, faces, nodes, blocks } = state.extent();
+    let batches = if state.keep { batches(state) } else { 1 };
+    let part = |count: usize| count.next_multiple_of(64);
+    let each = part(largest_batch(state));
+    let moments = state.sum(|object| object.groups.len() * part(object.count.nodes));
+    let objects = state.objects.len();
     let data = &mut state.data;
     let frame = data.frame[0];
-    let (vertices, faces, nodes) = (frame.vertices as usize, frame.faces as usize, frame.nodes as usize);
     let per = |slot: Slot, count: usize| if used(slot) { count } else { 0 };
     data.bounds = bytemuck::zeroed_vec(nodes);
     data.clusters = bytemuck::zeroed_vec(nodes);
@@ -208,20 +247,16 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.harmonics = bytemuck::zeroed_vec(per(Slot::harmonics, environment::elements(frame.sky)));
     data.irradiance = bytemuck::zeroed_vec(faces);
     data.cluster_irradiance = bytemuck::zeroed_vec(per(Slot::cluster_irradiance, nodes));
-    let part = |count: usize| count.next_multiple_of(64);
-    let (groups, blocks) = (state.groups.len(), data.blocks.len());
-    let batches = if state.keep { groups * state.schedule.batches.len() } else { 1 };
-    let each = state.schedule.batches.iter().map(|batch| batch.len()).max().unwrap_or(0);
     data.spheres = bytemuck::zeroed_vec(blocks);
-    data.moments = bytemuck::zeroed_vec(per(Slot::moments, groups * part(nodes)));
-    data.spreads = bytemuck::zeroed_vec(per(Slot::spreads, groups * part(nodes)));
-    data.emitters = bytemuck::zeroed_vec(per(Slot::emitters, groups * part(nodes)));
-    data.expands = bytemuck::zeroed_vec(per(Slot::expands, groups * part(nodes)));
+    data.moments = bytemuck::zeroed_vec(per(Slot::moments, moments));
+    data.spreads = bytemuck::zeroed_vec(per(Slot::spreads, moments));
+    data.emitters = bytemuck::zeroed_vec(per(Slot::emitters, moments));
+    data.expands = bytemuck::zeroed_vec(per(Slot::expands, moments));
     data.samples = bytemuck::zeroed_vec(per(Slot::samples, 256));
     data.level = bytemuck::zeroed_vec(per(Slot::level, 1));
     data.ranges = bytemuck::zeroed_vec(per(Slot::ranges, LAWS * (ENTRIES_OF_A_LAW + 2)));
-    data.runs = bytemuck::zeroed_vec(per(Slot::runs, batches * part(each)));
-    data.near = bytemuck::zeroed_vec(per(Slot::near, batches * part(each)));
+    data.runs = bytemuck::zeroed_vec(per(Slot::runs, batches * each));
+    data.near = bytemuck::zeroed_vec(per(Slot::near, batches * each));
     data.near_groups = bytemuck::zeroed_vec(per(Slot::near_groups, batches * 64));
     data.entries = bytemuck::zeroed_vec(per(Slot::entries, batches * frame.entry_room as usize));
     data.expansions = bytemuck::zeroed_vec(per(Slot::expansions, blocks));
@@ -230,7 +265,7 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.reach = bytemuck::zeroed_vec(per(Slot::reach, faces));
     data.spans = bytemuck::zeroed_vec(per(Slot::spans, nodes));
     data.handed = bytemuck::zeroed_vec(per(Slot::handed, frame.hand_room as usize));
-    data.cursor = vec![Cursor::default()];
+    data.cursor = vec![Cursor::default(); objects];
     data.links = bytemuck::zeroed_vec(per(Slot::links, chunks * frame.link_room as usize));
     data.factors = bytemuck::zeroed_vec(per(Slot::factors, chunks * frame.link_room as usize));
     data.area_links = bytemuck::zeroed_vec(per(Slot::area_links, chunks * frame.area_room as usize));

@@ -5,9 +5,10 @@ use std::time::Instant;
 use super::lights::lights;
 use super::octree::OctreeTransport;
 use super::plan::{Change, Mode, Options, Plan, Transport, before_transport};
-use super::prepare::{Prepared, Units, camera, prepare};
+use super::prepare::{Prepared, camera, prepare};
 pub use super::room::Room;
 use super::room::{Lists, size};
+use super::units::Units;
 use crate::error::{Error, Result};
 use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
@@ -78,10 +79,13 @@ impl Session {
 
     /// Replaces the lights.
     pub fn set_lights(&mut self, list: &[Light]) -> Result<()> {
-        let shape = |state: &State| (state.groups.clone(), state.data.frame[0].shadow_words, state.data.frame[0].sky);
+        let shape = |state: &State| {
+            let groups: Vec<_> = state.objects.iter().map(|object| object.groups.clone()).collect();
+            (groups, state.data.frame[0].shadow_words, state.data.frame[0].sky)
+        };
         let before = shape(&self.prepared.state);
         self.scene.lights = list.to_vec();
-        lights(&mut self.prepared.state, list, &mut self.prepared.units, &self.scene.object.mesh);
+        lights(&mut self.prepared.state, list, &mut self.prepared.units, &self.scene.objects);
         self.pending = self.pending.and(Change::LIGHT);
 
         // The first light of all, or the last one gone, or channels that part: other stages run, or over other buffers.
@@ -136,10 +140,11 @@ impl Session {
                 return Ok(times);
             }
             self.fetch(&[Slot::cursor])?;
-            if self.prepared.state.data.cursor[0].unfinished != 0 {
+            let cursors = &self.prepared.state.data.cursor;
+            if cursors.iter().any(|cursor| cursor.unfinished != 0) {
                 return Err(unfinished("linking", "raise transport.receiver_angle and transport.emitter_angle"));
             }
-            if self.prepared.state.data.cursor[0].overflow == 0 {
+            if cursors.iter().all(|cursor| cursor.overflow == 0) {
                 self.pending = Change::default();
                 return Ok(times);
             }
@@ -148,6 +153,13 @@ impl Session {
             self.resize()?;
             change = Change::EVERYTHING;
         }
+    }
+
+    /// Runs the reference's stages up to irradiance on the host, whatever runs the others.
+    pub fn prepare_light(&mut self) {
+        let steps = self.plan.steps(&self.prepared.state, Change::EVERYTHING);
+        let early = steps.iter().filter(|step| before_transport(step.stage.name));
+        early.for_each(|step| step.reference(&mut self.prepared.state));
     }
 
     /// Runs these steps where the stages run.
@@ -159,7 +171,7 @@ impl Session {
                 let state = &mut self.prepared.state;
                 let mut time = |step: &Step| {
                     let start = Instant::now();
-                    (step.stage.cpu)(state, step.at);
+                    step.reference(state);
                     let milliseconds = start.elapsed().as_secs_f64() * 1e3;
                     Timing { name: step.stage.name.to_string(), milliseconds }
                 };
@@ -242,7 +254,7 @@ impl Session {
         if bytes <= most {
             return Ok(());
         }
-        let (faces, samples) = (data.triangles.len(), 32 * data.frame[0].shadow_words);
+        let (faces, samples) = (self.state().sum(|object| object.count.faces), 32 * data.frame[0].shadow_words);
         let what = format!(
             "a bit for each of {faces} faces and {samples} samples of lights takes {bytes} bytes, a binding of the \
              device takes {most}; use fewer samples, or shadows = false"

@@ -2,8 +2,8 @@
 
 use crate::baseline::{brute, collect, form_factor, mean, reach, refine, spread};
 use crate::geometry::refit;
-use crate::light::{environment, irradiance, shadow};
-use crate::state::{Place, Schedule, Stage, Step, Unit};
+use crate::light::{environment, irradiance, opaque, shadow};
+use crate::state::{Place, Stage, State, Step, Unit};
 use crate::transport::{average, evaluate, gather, level, link, pull, push, radii};
 use crate::view::{backdrop, reflect, shade, visibility};
 
@@ -26,6 +26,7 @@ pub static STAGES: &[&Stage] = &[
     &link::STAGE,
     &gather::STAGE,
     &push::STAGE,
+    &opaque::STAGE,
     &average::STAGE,
     &visibility::STAGE,
     &shade::STAGE,
@@ -40,22 +41,37 @@ pub fn stage(name: &str) -> Option<&'static Stage> {
     STAGES.iter().copied().find(|stage| stage.name == name)
 }
 
-/// The steps of these stages, in the table's order. Stages that work by chunks, groups or batches
-/// take turns, part after part, because parts may share their room.
-pub fn steps(stages: &[&'static Stage], schedule: &Schedule, groups: usize) -> Vec<Step> {
+/// Whether a stage has to do with an object: one that light enters, or one that is opaque.
+fn serves(stage: &Stage, opaque: bool) -> bool {
+    match stage.name {
+        "refit" | "irradiance" | "average" => true,
+        name => opaque == (name == "opaque"),
+    }
+}
+
+/// The steps of these stages, in the table's order. Stages that work by objects, chunks, groups or batches take turns,
+/// part after part, because parts may share their room.
+pub fn steps(stages: &[&'static Stage], state: &State) -> Vec<Step> {
     let mut steps = Vec::new();
     let mut rest = stages;
     while let Some(first) = rest.first() {
         let length = rest.iter().take_while(|stage| stage.unit == first.unit).count();
         let (run, after) = rest.split_at(length);
-        let (groups, chunks) = match first.unit {
-            Unit::Frame => (1, 1),
-            Unit::Chunk => (1, schedule.chunks.len()),
-            Unit::Group => (groups, 1),
-            Unit::Batch => (groups, schedule.batches.len()),
-        };
-        for (group, chunk) in (0..groups).flat_map(|group| (0..chunks).map(move |chunk| (group, chunk))) {
-            steps.extend(run.iter().map(|&stage| Step { stage, at: Place { chunk, group } }));
+        if first.unit == Unit::Scene {
+            steps.extend(run.iter().map(|&stage| Step { stage, at: Place::SCENE }));
+        }
+        for (object, part) in state.objects.iter().enumerate() {
+            let (groups, chunks) = match first.unit {
+                Unit::Scene => (0, 0),
+                Unit::Object => (1, 1),
+                Unit::Chunk => (1, part.schedule.chunks.len()),
+                Unit::Group => (part.groups.len(), 1),
+                Unit::Batch => (part.groups.len(), part.schedule.batches.len()),
+            };
+            for (group, chunk) in (0..groups).flat_map(|group| (0..chunks).map(move |chunk| (group, chunk))) {
+                let at = Place { object, chunk, group };
+                steps.extend(run.iter().filter(|stage| serves(stage, part.opaque)).map(|&stage| Step { stage, at }));
+            }
         }
         rest = after;
     }

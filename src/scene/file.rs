@@ -1,17 +1,15 @@
 //! The scene file: its tables and keys as serde sees them, and the check that turns them into a
-//! [`Draft`], which is everything but the mesh itself.
+//! [`Draft`], which is everything but the meshes themselves.
 
 use super::camera::{self, Framing, Tone};
 use super::light::{Light, LightFile};
-use super::material::{Fresnel, Material};
-use super::mesh::Shape;
-use super::range::{self, Checked};
+use super::material::Fresnel;
+use super::object::{self, ObjectFile};
+use super::range::Checked;
 use super::surface::ReflectionKind;
 use super::transport::{self, Distance, Hierarchy, Near, Oracle, Scheme, Transport};
 use super::vector::{Background, Rgb, Vector};
-use crate::error::Input;
 use serde::Deserialize;
-use std::path::PathBuf;
 
 /// A whole scene file.
 #[derive(Debug, Deserialize)]
@@ -71,18 +69,6 @@ impl Default for CameraFile {
     }
 }
 
-/// `[[object]]`.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ObjectFile {
-    mesh: Option<PathBuf>,
-    shape: Option<Shape>,
-    detail: Option<i64>,
-    size: Option<f64>,
-    #[serde(default)]
-    material: MaterialFile,
-}
-
 /// `material` of an object.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -94,6 +80,8 @@ pub(super) struct MaterialFile {
     pub eta: Option<Rgb>,
     pub fresnel: Fresnel,
     pub two_sided: bool,
+    pub opaque: bool,
+    pub albedo: Option<Rgb>,
     pub normalize_exit: bool,
     pub reflection: ReflectionKind,
     pub roughness: Option<f64>,
@@ -110,6 +98,8 @@ impl Default for MaterialFile {
             eta: None,
             fresnel: Fresnel::default(),
             two_sided: false,
+            opaque: false,
+            albedo: None,
             normalize_exit: false,
             reflection: ReflectionKind::None,
             roughness: None,
@@ -155,7 +145,7 @@ impl Default for TransportFile {
     }
 }
 
-/// A scene but for its mesh, checked.
+/// A scene but for its meshes, checked.
 #[derive(Debug)]
 pub(super) struct Draft {
     /// Millimetres per scene unit.
@@ -164,23 +154,10 @@ pub(super) struct Draft {
     pub framing: Framing,
     /// The lights, in the file's order.
     pub lights: Vec<Light>,
-    /// Where the mesh comes from.
-    pub source: Source,
-    /// Largest extent to give the mesh, in scene units.
-    pub size: Option<f64>,
-    /// The object's material.
-    pub material: Material,
+    /// The objects.
+    pub objects: Vec<object::Draft>,
     /// Light transport.
     pub transport: Transport,
-}
-
-/// Where a mesh comes from.
-#[derive(Debug)]
-pub(super) enum Source {
-    /// A file, relative to the scene file.
-    File(PathBuf),
-    /// A shape made here, and its detail.
-    Shape(Shape, u32),
 }
 
 impl SceneFile {
@@ -197,59 +174,12 @@ impl SceneFile {
         let lights = lights.collect::<Checked<Vec<Light>>>()?;
         Light::check_all(&lights)?;
         framing.check_background(&lights)?;
-        let [object] = self.object.as_slice() else {
-            let found = match self.object.len() {
-                0 => "no [[object]]".to_owned(),
-                n => format!("{n} times [[object]]"),
-            };
-            let fault = Input::new("one object is supported").key("object");
-            return Err(fault.found(found).expected("exactly one [[object]]"));
-        };
-        let size = object.size.map(|size| {
-            let accept = |x| (1e-9..=range::LARGEST).contains(&x);
-            range::number("object.0.size", size, accept, "1e-9 to 1e9 scene units")
-        });
         Ok(Draft {
             unit_mm,
             framing,
             lights,
-            source: object.source()?,
-            size: size.transpose()?,
-            material: Material::check(&object.material, "object.0.material", unit_mm)?,
+            objects: object::check_all(&self.object, unit_mm)?,
             transport: Transport::check(&self.transport)?,
         })
-    }
-}
-
-impl ObjectFile {
-    /// Exactly one of `mesh` and `shape`; `detail` only with the latter.
-    fn source(&self) -> Checked<Source> {
-        let one = "exactly one of `mesh` and `shape`";
-        match (&self.mesh, self.shape) {
-            (Some(_), Some(_)) => {
-                let fault = Input::new("both a mesh and a shape are given");
-                Err(fault.key("object.0.shape").expected(one))
-            }
-            (None, None) => {
-                let fault = Input::new("neither a mesh nor a shape is given");
-                Err(fault.key("object.0").expected(one))
-            }
-            (Some(_), None) if self.detail.is_some() => {
-                let fault = Input::new("a mesh from a file has no such key");
-                Err(fault.key("object.0.detail").expected("mesh, size, material"))
-            }
-            (Some(path), None) => Ok(Source::File(path.clone())),
-            (None, Some(shape)) => {
-                let detail = self.detail.unwrap_or_else(|| i64::from(shape.usual_detail()));
-                let range = shape.details();
-                let accepted = u32::try_from(detail).ok().filter(|detail| range.contains(detail));
-                let detail = accepted.ok_or_else(|| {
-                    let expected = format!("{} to {}", range.start(), range.end());
-                    let fault = Input::new("out of range").key("object.0.detail");
-                    fault.found(detail).expected(expected)
-                })?;
-                Ok(Source::Shape(shape, detail))
-            }
-        }
     }
 }

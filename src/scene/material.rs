@@ -4,7 +4,7 @@ use super::file::MaterialFile;
 use super::locate;
 use super::preset::{PRESETS, Preset};
 use super::range::{self, Checked};
-use super::surface::Surface;
+use super::surface::{Reflection, Surface};
 use super::vector::Rgb;
 use crate::error::Input;
 use serde::Deserialize;
@@ -26,7 +26,7 @@ pub enum Fresnel {
     Paper,
 }
 
-/// A homogeneous translucent material, checked.
+/// A homogeneous material, translucent or opaque, checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// The preset's name, `NAME, modified` when keys override it, or `custom`.
@@ -37,6 +37,8 @@ pub struct Material {
     pub sigma_a: [f64; 3],
     /// Relative index of refraction, inside over outside, r g b, 0.5 to 5.
     pub eta: [f64; 3],
+    /// Share of light that an opaque object gives back in all directions, r g b, 0 to 1; none where light enters.
+    pub opaque: Option<[f64; 3]>,
     /// Which formula gives the diffuse Fresnel reflectance.
     pub fresnel: Fresnel,
     /// Whether both sides of a face receive light, each by its own cosine; lights may then stand in the medium.
@@ -49,6 +51,13 @@ impl Material {
     /// Checks the `material` under `key`, in scene units of `unit_mm` millimetres.
     pub(super) fn check(file: &MaterialFile, key: &str, unit_mm: f64) -> Checked<Self> {
         let key = |name: &str| format!("{key}.{name}");
+        if file.opaque {
+            return Self::opaque(file, key);
+        }
+        if file.albedo.is_some() {
+            let fault = Input::new("only an opaque material has an albedo").key(key("albedo"));
+            return Err(fault.found("opaque = false").expected("opaque = true, or scattering and absorption"));
+        }
 
         // The preset, and what overrides it.
         let preset = file.preset.as_deref().map(|name| find(name, &key("preset"))).transpose()?;
@@ -94,7 +103,38 @@ impl Material {
             Some(preset) => preset.name.to_owned(),
         };
         let surface = Surface::check(file, key)?;
-        Ok(Self { name, sigma_s_prime, sigma_a, eta, fresnel: file.fresnel, two_sided: file.two_sided, surface })
+        let (fresnel, two_sided) = (file.fresnel, file.two_sided);
+        Ok(Self { name, sigma_s_prime, sigma_a, eta, opaque: None, fresnel, two_sided, surface })
+    }
+
+    /// A material that no light enters: a diffuse surface, refracting only where its index is not 1.
+    fn opaque(file: &MaterialFile, key: impl Fn(&str) -> String) -> Checked<Self> {
+        let others = [
+            ("preset", file.preset.is_some()),
+            ("sigma_s_prime", file.sigma_s_prime.is_some()),
+            ("sigma_a", file.sigma_a.is_some()),
+            ("two_sided", file.two_sided),
+            ("normalize_exit", file.normalize_exit),
+        ];
+        if let Some((name, _)) = others.into_iter().find(|(_, given)| *given) {
+            let fault = Input::new("an opaque material has no such key").key(key(name));
+            return Err(fault.found("opaque = true").expected("albedo, eta, reflection, roughness, shininess"));
+        }
+        let albedo = file.albedo.map_or([0.5; 3], |rgb| rgb.0);
+        range::channels(&key("albedo"), albedo, |x| (0.0..=1.0).contains(&x), "numbers from 0 to 1")?;
+        let surface = Surface::check(file, &key)?;
+        let eta = file.eta.map_or([if surface.reflection == Reflection::None { 1.0 } else { 1.5 }; 3], |rgb| rgb.0);
+        range::channels(&key("eta"), eta, |x| (1.0..=5.0).contains(&x), "numbers from 1 to 5")?;
+        Ok(Self {
+            name: "opaque".to_owned(),
+            sigma_s_prime: [0.0; 3],
+            sigma_a: [0.0; 3],
+            eta,
+            opaque: Some(albedo),
+            fresnel: file.fresnel,
+            two_sided: false,
+            surface,
+        })
     }
 }
 

@@ -1,4 +1,4 @@
-//! What the user wrote, checked: a scene is an object, its material, the lights, a camera, and how
+//! What the user wrote, checked: a scene is objects and what they are made of, lights, a camera, and how
 //! light is transported. It comes from a built-in text, a TOML file, or a mesh file alone.
 //!
 //! Everything is `f64` and in scene units; `unit_mm` says how long one is.
@@ -9,6 +9,7 @@ mod light;
 mod locate;
 mod material;
 mod mesh;
+mod object;
 mod preset;
 mod range;
 mod read;
@@ -21,12 +22,14 @@ pub use camera::{Camera, Tone};
 pub use light::{Light, Sky, Source};
 pub use material::{Fresnel, Material};
 pub use mesh::{Mesh, Shape};
+pub use object::Object;
 pub use preset::{PRESETS, Preset};
 pub use surface::{Reflection, Surface};
 pub use transport::{Distance, Hierarchy, Near, Oracle, Scheme, Transport};
 
 use crate::error::{Input, Result};
 
+use glam::DVec3;
 use range::Checked;
 use std::path::{Path, PathBuf};
 
@@ -48,21 +51,12 @@ pub struct Scene {
     pub camera: Camera,
     /// The lights, in the file's order; perhaps none.
     pub lights: Vec<Light>,
-    /// The one object.
-    pub object: Object,
+    /// The objects, in the file's order; at least one.
+    pub objects: Vec<Object>,
     /// How light is carried through the material.
     pub transport: Transport,
     /// Repairs and warnings, one a line, to be shown to the user.
     pub report: Vec<String>,
-}
-
-/// A mesh and what it is made of.
-#[derive(Debug, Clone)]
-pub struct Object {
-    /// The surface, in scene units.
-    pub mesh: Mesh,
-    /// The inside, with coefficients per scene unit.
-    pub material: Material,
 }
 
 impl Scene {
@@ -82,27 +76,26 @@ impl Scene {
         let draft = read::read(&text.toml, &text.file, sets)?;
         let mut report = Vec::new();
 
-        // The mesh, at its size.
-        let mut mesh = match draft.source {
-            file::Source::File(path) => Mesh::read(&text.folder.join(path), &mut report)?,
-            file::Source::Shape(shape, detail) => shape.build(detail),
-        };
-        if let Some(size) = draft.size {
-            mesh.resize(size).map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
+        // The meshes, at their sizes and places.
+        let several = draft.objects.len() > 1;
+        let mut objects = Vec::with_capacity(draft.objects.len());
+        for (index, object) in draft.objects.into_iter().enumerate() {
+            let mut notes = Vec::new();
+            let mesh = object.mesh(&text.folder, index, &mut notes);
+            let mesh = mesh.map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
+            report.extend(notes.into_iter().map(|note| if several { format!("object {index}: {note}") } else { note }));
+            objects.push(Object { mesh, material: object.material });
         }
 
         // The camera, now that there is something to look at.
-        let (low, high) = mesh.bounds();
+        let (low, high) = bounds(&objects);
         let camera = draft.framing.fit(low, high);
         let camera = camera.map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
 
         // The lights, now that there is something to stand in, and files to read.
         let mut lights = draft.lights;
         for (index, light) in lights.iter_mut().enumerate() {
-            let loaded = light.load(&text.folder, index).and_then(|()| match draft.material.two_sided {
-                true => Ok(()),
-                false => light.check_outside(&mesh, index),
-            });
+            let loaded = light.load(&text.folder, index).and_then(|()| light.check_outside(&objects, index));
             loaded.map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
         }
         if lights.is_empty() {
@@ -113,11 +106,23 @@ impl Scene {
             unit_mm: draft.unit_mm,
             camera,
             lights,
-            object: Object { mesh, material: draft.material },
+            objects,
             transport: draft.transport,
             report,
         })
     }
+}
+
+impl Scene {
+    /// The lowest and highest corner of the box round all objects, in scene units.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        bounds(&self.objects)
+    }
+}
+
+fn bounds(objects: &[Object]) -> (DVec3, DVec3) {
+    let both = |(low, high): (DVec3, DVec3), (a, b): (DVec3, DVec3)| (low.min(a), high.max(b));
+    objects.iter().map(|object| object.mesh.bounds()).reduce(both).unwrap_or_default()
 }
 
 /// The TOML text of a scene and where it comes from.

@@ -29,7 +29,7 @@ fn every_built_in_scene_loads_without_a_word() {
         let scene = Scene::load(&name.to_uppercase(), &[]).expect(name);
         assert_eq!((scene.name.as_str(), scene.report.len()), (*name, 0));
         assert!(!about.is_empty() && !scene.lights.is_empty());
-        assert_eq!(scene.object.mesh.open_edges, 0);
+        assert_eq!(scene.objects[0].mesh.open_edges, 0);
         // Users copy the text to a file of their own.
         let (_folder, path) = files(&[("copy.toml", toml)]);
         let copy = Scene::load(&path, &[]).expect(name);
@@ -44,9 +44,9 @@ fn the_candle_stands_in_the_bowl() {
         panic!("the first light is the candle");
     };
     // From above, the floor of the bowl is under the candle and the rim is above it.
-    let (_, high) = scene.object.mesh.bounds();
+    let (_, high) = scene.objects[0].mesh.bounds();
     let near = |p: &&DVec3| p.x.hypot(p.z) < 2.0;
-    let floor = scene.object.mesh.positions.iter().filter(near).map(|p| p.y);
+    let floor = scene.objects[0].mesh.positions.iter().filter(near).map(|p| p.y);
     let floor = floor.fold(f64::NEG_INFINITY, f64::max);
     assert!(position.y > floor + 3.0 && position.y < high.y, "{floor} {position} {high}");
 }
@@ -55,16 +55,16 @@ fn the_candle_stands_in_the_bowl() {
 fn a_mesh_alone_is_a_scene_too() {
     let (_folder, path) = files(&[("leaf.obj", TRIANGLE)]);
     let scene = Scene::load(&path, &[]).expect("a triangle");
-    assert_eq!((scene.name.as_str(), scene.object.material.name.as_str()), ("leaf", "Marble"));
-    let (low, high) = scene.object.mesh.bounds();
+    assert_eq!((scene.name.as_str(), scene.objects[0].material.name.as_str()), ("leaf", "Marble"));
+    let (low, high) = scene.objects[0].mesh.bounds();
     assert_eq!((low, high), (DVec3::new(-10.0, -5.0, 0.0), DVec3::new(10.0, 5.0, 0.0)));
     assert_eq!(scene.report.len(), 1);
     assert!(scene.report[0].starts_with("open: 3 edges have one face only"));
 
     let settings = sets(&["object.0.size=30", "object.0.material.preset=whole-milk", "unit=cm"]);
     let scene = Scene::load(&path, &settings).expect("a larger triangle");
-    assert!((scene.object.mesh.bounds().1.x - 15.0).abs() < 1e-12);
-    assert!((scene.object.material.sigma_s_prime[0] - 25.5).abs() < 1e-12);
+    assert!((scene.objects[0].mesh.bounds().1.x - 15.0).abs() < 1e-12);
+    assert!((scene.objects[0].material.sigma_s_prime[0] - 25.5).abs() < 1e-12);
 
     let error = message(Scene::load(&path, &sets(&["object.0.size=0"])));
     assert!(error.starts_with("--set object.0.size=0: object.0.size: out of range; found 0"), "{error}");
@@ -75,7 +75,7 @@ fn meshes_are_found_beside_the_scene_file_and_keep_their_size() {
     let text = "[[object]]\nmesh = 'leaf.obj'\nmaterial.preset = 'apple'\n";
     let (_folder, path) = files(&[("a.toml", text), ("leaf.obj", TRIANGLE)]);
     let scene = Scene::load(&path, &[]).expect("a triangle");
-    assert_eq!(scene.object.mesh.bounds().1, DVec3::new(4.0, 2.0, 0.0));
+    assert_eq!(scene.objects[0].mesh.bounds().1, DVec3::new(4.0, 2.0, 0.0));
     assert_eq!(scene.camera.target, DVec3::new(2.0, 1.0, 0.0));
     assert!(scene.report.contains(&"dark: the scene has no [[light]]".to_owned()));
 }
@@ -114,7 +114,7 @@ fn a_camera_that_stands_on_its_target_has_a_line() {
 fn a_preset_that_is_set_is_the_whole_preset() {
     let material = |sets: &[&str]| {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-        Scene::load("lotus", &sets).expect("a scene").object.material
+        Scene::load("lotus", &sets).expect("a scene").objects[0].material.clone()
     };
     let marble = material(&["object.0.material.preset=marble"]);
     assert_eq!((marble.name.as_str(), marble.sigma_s_prime, marble.eta), ("Marble", [2.19, 2.62, 3.0], [1.5; 3]));

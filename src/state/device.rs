@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Place, State, Step};
+use super::{Object, Place, State, Step};
 use crate::error::Result;
 use crate::gpu::{Binding, Buffer, Device, Kernels, Recorder, Timing, Work};
 use crate::layout::{Range, SLOTS, Slot};
@@ -111,7 +111,12 @@ impl DeviceState {
     }
 }
 
-impl Pass<'_> {
+impl<'s> Pass<'s> {
+    /// The object at hand.
+    pub fn object(&self) -> &'s Object {
+        self.state.object(self.at)
+    }
+
     /// Invocations that run in lockstep on the device.
     pub fn subgroup(&self) -> usize {
         self.twin.device.limits().subgroup_size.max(1) as usize
@@ -154,7 +159,7 @@ impl Pass<'_> {
 
     /// Runs the stage's kernel `part` once a level of the tree, children always before their parents.
     pub fn climb(&mut self, part: &str, constants: &[u32]) -> Result<()> {
-        for level in self.state.schedule.upward() {
+        for level in self.object().schedule.upward() {
             let range = Range { first: level.start, count: level.end - level.start };
             self.dispatch(Some(part), constants, bytemuck::bytes_of(&range), range.count as usize)?;
         }

@@ -1,13 +1,15 @@
 //! What a frame works on ([`State`]), what a [`Stage`] is, and the state's twin on a device.
 
 mod device;
+mod objects;
 mod schedule;
 
 pub use device::{DeviceState, Pass};
+pub use objects::{Extent, Object};
 pub use schedule::{Chunk, Schedule};
 
 use crate::error::Result;
-use crate::layout::{Buffers, Cut, Slot};
+use crate::layout::{Buffers, Slot};
 pub use crate::scene::{Distance, Near, Scheme};
 
 /// All that a frame reads and writes on the host, and how its work is cut up.
@@ -15,33 +17,14 @@ pub use crate::scene::{Distance, Near, Scheme};
 pub struct State {
     /// The buffers.
     pub data: Buffers,
-    /// The order of the work on the tree.
-    pub schedule: Schedule,
+    /// The objects; none where nothing is rendered.
+    pub objects: Vec<Object>,
     /// The distance convention.
     pub distance: Distance,
     /// Whether each chunk or batch keeps its lists for later frames, or all share one room.
     pub keep: bool,
-    /// The groups of channels that are carried together; a black channel is in none.
-    pub groups: Vec<Group>,
     /// How the blocks' transport is to be done.
     pub method: Method,
-}
-
-impl State {
-    /// The part of a buffer that a dispatch of this part of the work binds: first element and number of elements.
-    pub fn part(&self, slot: Slot, at: Place) -> (usize, usize) {
-        let spec = slot.spec();
-        let all = self.data.bytes(slot).len() / spec.stride;
-        let batches = self.schedule.batches.len().max(1);
-        let (part, parts) = match spec.cut {
-            Cut::Chunk if self.keep => (at.chunk, self.schedule.chunks.len().max(1)),
-            Cut::Batch if self.keep => (at.group * batches + at.chunk, self.groups.len().max(1) * batches),
-            Cut::Group => (at.group, self.groups.len().max(1)),
-            _ => return (0, all),
-        };
-        let room = all / parts;
-        (part * room, room)
-    }
 }
 
 /// Colour channels that are carried together: their irradiances are proportional on every face.
@@ -53,20 +36,29 @@ pub struct Group {
     pub lead: u32,
 }
 
-/// Which part of the work: all zero for a stage that works on everything at once.
+/// Which part of the work; the first by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Place {
+    /// The object.
+    pub object: usize,
     /// The chunk of the tree, or the batch of blocks.
     pub chunk: usize,
     /// The group of channels.
     pub group: usize,
 }
 
+impl Place {
+    /// All objects at once.
+    pub const SCENE: Self = Self { object: usize::MAX, chunk: 0, group: 0 };
+}
+
 /// How often a stage runs in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
-    /// Once.
-    Frame,
+    /// Once, for all objects.
+    Scene,
+    /// Once an object.
+    Object,
     /// Once a chunk of the tree.
     Chunk,
     /// Once a group of channels.
@@ -105,9 +97,25 @@ pub struct Step {
     pub at: Place,
 }
 
+impl Step {
+    /// Runs the reference. It knows of one object only: of several, each becomes a state of its own.
+    pub fn reference(&self, state: &mut State) {
+        let (stage, at) = (self.stage, self.at);
+        if at == Place::SCENE || state.objects.len() < 2 {
+            return (stage.cpu)(state, at);
+        }
+        let mut one = state.alone(at.object);
+        (stage.cpu)(&mut one, Place { object: 0, ..at });
+        state.take(at.object, &one, stage.writes.iter().map(|(slot, _, _)| *slot));
+    }
+}
+
 impl std::fmt::Debug for Step {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(out, "{}[{}.{}]", self.stage.name, self.at.group, self.at.chunk)
+        match self.at {
+            Place::SCENE => out.write_str(self.stage.name),
+            Place { object, chunk, group } => write!(out, "{}[{object}.{group}.{chunk}]", self.stage.name),
+        }
     }
 }
 

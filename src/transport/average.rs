@@ -14,14 +14,14 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, section 3.2",
     writes: &[(Slot::vertex_radiosity, Role::Output, Tolerance::Float { relative: 5e-6, floor: 1e-7 })],
     reason: "a short weighted mean of non-negative terms",
-    unit: Unit::Frame,
+    unit: Unit::Object,
     cpu,
     gpu,
 };
 
 fn cpu(state: &mut State, _at: Place) {
     let data = &mut state.data;
-    data.vertex_radiosity = (0..data.positions.len())
+    data.vertex_radiosity = (0..data.corner_starts.len() - 1)
         .into_par_iter()
         .map(|v| {
             let round = &data.corners[data.corner_starts[v] as usize..data.corner_starts[v + 1] as usize];
@@ -34,5 +34,5 @@ fn cpu(state: &mut State, _at: Place) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    pass.dispatch(None, &[], &[], pass.state.data.positions.len())
+    pass.dispatch(None, &[], &[], pass.object().count.vertices)
 }

@@ -19,7 +19,7 @@ pub static STAGE: Stage = Stage {
     writes: &[(Slot::answers, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-5 })],
     reason: "twelve nodes an edge against graded quadrature in f64; edges of a thin triangle cancel, those of a far one \
              too, so that from there on one sample with its second moment is taken",
-    unit: Unit::Frame,
+    unit: Unit::Scene,
     cpu,
     gpu,
 };

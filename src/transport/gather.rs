@@ -159,7 +159,7 @@ impl Near<'_> {
 fn cpu(state: &mut State, at: Place) {
     let (blocks, run_base, entry_base) = batch(state, at);
     let (base, _) = state.part(Slot::moments, at);
-    let Group { channels, .. } = state.groups[at.group];
+    let Group { channels, .. } = state.object(at).groups[at.group];
     let method = state.method;
     let data = &state.data;
     let emitters = &data.emitters[base..base + data.topology.len()];
@@ -215,12 +215,12 @@ fn cpu(state: &mut State, at: Place) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let blocks = pass.state.schedule.batches[pass.at.chunk].clone();
+    let blocks = pass.object().schedule.batches[pass.at.chunk].clone();
     let range = Range { first: blocks.start, count: blocks.end - blocks.start };
     let push = bytemuck::bytes_of(&range);
-    let (group, method) = (pass.state.groups[pass.at.group], pass.state.method);
+    let (group, method) = (pass.object().groups[pass.at.group], pass.state.method);
     let (count, estimate) = (range.count as usize, u32::from(method.estimate));
-    let alone = u32::from(pass.state.groups.len() == 1);
+    let alone = u32::from(pass.object().groups.len() == 1);
     pass.dispatch(Some("expand"), &[group.channels, method.order, estimate, alone], push, count)?;
     if method.estimate {
         pass.dispatch(Some("dropped"), &[group.channels], push, count)?;

@@ -35,7 +35,7 @@ pub static STAGE: Stage = Stage {
 
 fn cpu(state: &mut State, at: Place) {
     let (base, _) = state.part(Slot::moments, at);
-    let group = state.groups[at.group];
+    let group = state.object(at).groups[at.group];
     let data = &mut state.data;
     let (moments, spreads) = (&data.moments[base..], &data.spreads[base..]);
     let jets = Jets::new(&data.frame[0], group.channels);
@@ -100,7 +100,7 @@ fn by_light(data: &crate::layout::Buffers, moments: &[Moment], k: usize) -> usiz
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let constants = [pass.state.groups[pass.at.group].channels];
+    let constants = [pass.object().groups[pass.at.group].channels];
     pass.dispatch(Some("sample"), &constants, &[], SAMPLES)?;
     pass.dispatch(Some("root"), &constants, &[], 1)
 }

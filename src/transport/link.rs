@@ -88,7 +88,7 @@ pub fn walk(sphere: &Sphere, emitters: &[Emitter], expands: &[[f32; 4]], mut tel
 
 /// The batch's blocks and the lists' part.
 pub fn batch(state: &State, at: Place) -> (std::ops::Range<usize>, usize, usize) {
-    let blocks = state.schedule.batches[at.chunk].clone();
+    let blocks = state.object(at).schedule.batches[at.chunk].clone();
     (blocks.start as usize..blocks.end as usize, state.part(Slot::runs, at).0, state.part(Slot::entries, at).0)
 }
 
@@ -96,7 +96,7 @@ fn cpu(state: &mut State, at: Place) {
     let (blocks, run_base, entry_base) = batch(state, at);
     let (base, _) = state.part(Slot::emitters, at);
     let data = &mut state.data;
-    if at == Place::default() {
+    if (at.chunk, at.group) == (0, 0) {
         data.cursor[0] = Cursor::default();
     }
     let emitters = &data.emitters[base..base + data.topology.len()];
@@ -145,10 +145,10 @@ fn cpu(state: &mut State, at: Place) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let blocks = pass.state.schedule.batches[pass.at.chunk].clone();
+    let blocks = pass.object().schedule.batches[pass.at.chunk].clone();
     let range = Range { first: blocks.start, count: blocks.end - blocks.start };
     let push = bytemuck::bytes_of(&range);
-    if pass.at == Place::default() {
+    if (pass.at.chunk, pass.at.group) == (0, 0) {
         pass.dispatch(Some("open"), &[], &[], 1)?;
     }
     pass.dispatch(Some("count"), &[], push, range.count as usize)?;

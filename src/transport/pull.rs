@@ -53,7 +53,7 @@ struct Sums {
 
 fn cpu(state: &mut State, at: Place) {
     let (base, _) = state.part(Slot::moments, at);
-    let (lead, order) = (state.groups[at.group].lead as usize, state.method.order);
+    let (lead, order) = (state.object(at).groups[at.group].lead as usize, state.method.order);
     let data = &mut state.data;
     let nodes = data.topology.len();
     let products = |v: DVec3| (v * v, DVec3::new(v.y * v.z, v.z * v.x, v.x * v.y));
@@ -111,7 +111,7 @@ fn cpu(state: &mut State, at: Place) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let (lead, order) = (pass.state.groups[pass.at.group].lead, pass.state.method.order);
-    pass.dispatch(Some("leaf"), &[lead], &[], pass.state.data.triangles.len())?;
+    let (lead, order) = (pass.object().groups[pass.at.group].lead, pass.state.method.order);
+    pass.dispatch(Some("leaf"), &[lead], &[], pass.object().count.faces)?;
     pass.climb("cluster", &[order])
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::estimate;
 use crate::error::Result;
 use crate::layout::{Expansion, Range, Slot};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
+use crate::state::{Object, Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
 use crate::transport::gather::PLACES;
 
 /// The table's entry.
@@ -20,14 +20,14 @@ pub static STAGE: Stage = Stage {
         (Slot::radiosity, Role::Output, Tolerance::Float { relative: 2e-5, floor: 1e-6 }),
     ],
     reason: "a short sum whose terms may cancel in part",
-    unit: Unit::Frame,
+    unit: Unit::Object,
     cpu,
     gpu,
 };
 
 /// The channels of any group.
-fn alive(state: &State) -> u32 {
-    state.groups.iter().fold(0, |mask, group| mask | group.channels)
+fn alive(object: &Object) -> u32 {
+    object.groups.iter().fold(0, |mask, group| mask | group.channels)
 }
 
 /// The expansion of one channel at an offset.
@@ -39,8 +39,8 @@ fn expanded(e: &Expansion, c: usize, d: glam::DVec3) -> f64 {
     at(&e.value) + linear + 0.5 * squares + mixed
 }
 
-fn cpu(state: &mut State, _at: Place) {
-    let (mask, estimated) = (alive(state), state.method.estimate);
+fn cpu(state: &mut State, at: Place) {
+    let (mask, estimated) = (alive(state.object(at)), state.method.estimate);
     let data = &state.data;
     let push = |number: usize| {
         let (block, e) = (data.blocks[number], &data.expansions[number]);
@@ -76,8 +76,8 @@ fn cpu(state: &mut State, _at: Place) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let blocks = pass.state.data.blocks.len();
+    let blocks = pass.object().count.blocks;
     let range = Range { first: 0, count: blocks as u32 };
-    let constants = [alive(pass.state), u32::from(pass.state.method.estimate)];
+    let constants = [alive(pass.object()), u32::from(pass.state.method.estimate)];
     pass.dispatch(None, &constants, bytemuck::bytes_of(&range), blocks * PLACES)
 }

@@ -96,7 +96,7 @@ fn table(jets: &Jets, level: [f32; 3], power: f64) -> Vec<f32> {
 
 fn cpu(state: &mut State, at: Place) {
     let (base, _) = state.part(Slot::moments, at);
-    let (group, order) = (state.groups[at.group], state.method.order);
+    let (group, order) = (state.object(at).groups[at.group], state.method.order);
     let data = &mut state.data;
     let frame = data.frame[0];
     let jets = Jets::new(&frame, group.channels);
@@ -160,7 +160,7 @@ fn cpu(state: &mut State, at: Place) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let (group, order) = (pass.state.groups[pass.at.group], pass.state.method.order);
+    let (group, order) = (pass.object().groups[pass.at.group], pass.state.method.order);
     pass.dispatch(Some("table"), &[group.channels, order], &[], LAWS * ENTRIES)?;
-    pass.dispatch(Some("node"), &[order], &[], pass.state.data.topology.len())
+    pass.dispatch(Some("node"), &[order], &[], pass.object().count.nodes)
 }

@@ -16,7 +16,7 @@ pub static STAGE: Stage = Stage {
     equation: "the image's latitude and longitude",
     writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a place in the image is an angle in f32, off by some 4e-7, times its pixels a radian and their contrast",
-    unit: Unit::Frame,
+    unit: Unit::Scene,
     cpu,
     gpu,
 };

@@ -11,7 +11,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Buffers, Frame, Hit, Slot};
+use crate::layout::{Frame, Hit, Slot};
 use crate::light::irradiance::{arrival, reaches};
 use crate::light::{fresnel, sky};
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
@@ -24,7 +24,7 @@ pub static STAGE: Stage = Stage {
     equation: "Walter et al. 2007, equations 20, 33; Heitz 2014, equation 99; Lafortune and Willems 1994",
     writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 5e-5, floor: 2e-5 })],
     reason: "a narrow lobe multiplies a cosine's rounding by its exponent or by 2 / alpha; the image as in backdrop",
-    unit: Unit::Frame,
+    unit: Unit::Scene,
     cpu,
     gpu,
 };
@@ -32,7 +32,7 @@ pub static STAGE: Stage = Stage {
 /// Directions in which the environment is looked up.
 pub const DIRECTIONS: u32 = 32;
 
-/// Those directions, about the z axis; none where the surface reflects nothing.
+/// Those directions, about the z axis; of use where the surface reflects.
 #[must_use]
 pub fn lobe(frame: &Frame) -> Vec<[f32; 3]> {
     let shape = f64::from(frame.roughness);
@@ -47,7 +47,7 @@ pub fn lobe(frame: &Frame) -> Vec<[f32; 3]> {
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
         narrow(DVec3::new(sine * turn.cos(), sine * turn.sin(), cosine))
     };
-    (0..if frame.reflection == 0 { 0 } else { DIRECTIONS }).map(direction).collect()
+    (0..DIRECTIONS).map(direction).collect()
 }
 
 /// G / (4 (n.v) (n.l)) by Smith's lambda for GGX.
@@ -63,9 +63,14 @@ fn facets(alpha: f64, cosine: f64) -> f64 {
 }
 
 /// Radiance that one pixel gets by reflection, internal units.
-fn reflected(data: &Buffers, hit: &Hit) -> DVec3 {
-    let (frame, camera) = (&data.frame[0], &data.camera[0]);
+fn reflected(state: &State, hit: &Hit) -> DVec3 {
+    let (data, camera) = (&state.data, &state.data.camera[0]);
     let Some(corners) = data.triangles.get(hit.face as usize) else { return DVec3::ZERO };
+    let object = state.object_of(hit.face as usize);
+    let frame = &data.frame[object];
+    if frame.reflection == 0 {
+        return DVec3::ZERO;
+    }
     let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
     let mix = |values: &[[f32; 3]]| -> DVec3 {
         corners.iter().zip(weight).map(|(&v, weight)| weight * wide(values[v as usize])).sum()
@@ -101,7 +106,7 @@ fn reflected(data: &Buffers, hit: &Hit) -> DVec3 {
     let right = flat(wide(camera.right).normalize_or_zero());
     let across = if right.length_squared() < 1e-6 { flat(wide(camera.up)) } else { right }.normalize_or_zero();
     let other = axis.cross(across);
-    for &local in &data.lobe {
+    for &local in data.lobe.iter().skip(object * DIRECTIONS as usize).take(DIRECTIONS as usize) {
         let drawn = across * f64::from(local[0]) + other * f64::from(local[1]) + axis * f64::from(local[2]);
         let (direction, met, weight) = if ggx {
             let met = eye.dot(drawn).max(0.0);
@@ -121,18 +126,20 @@ fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;
     let scale = f64::from(data.camera[0].radiance);
     let pixels = data.hits.par_iter().zip(&data.radiance);
-    state.data.radiance = pixels.map(|(hit, &before)| narrow(wide(before) + scale * reflected(data, hit))).collect();
+    state.data.radiance = pixels.map(|(hit, &before)| narrow(wide(before) + scale * reflected(state, hit))).collect();
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let data = &pass.state.data;
-    let (pixels, frame) = (data.radiance.len(), &data.frame[0]);
-    let ggx = u32::from(frame.reflection == 2);
-    if data.lights.iter().any(|light| light.kind != 5) {
-        pass.dispatch(Some("lights"), &[u32::from(frame.shadow_words > 0), ggx], &[], pixels)?;
-    }
-    if !data.lobe.is_empty() {
-        pass.dispatch(Some("environment"), &[ggx, data.lobe.len() as u32], &[], pixels)?;
+    let pixels = data.radiance.len();
+    for (object, frame) in (0u32..).zip(&data.frame).filter(|(_, frame)| frame.reflection != 0) {
+        let (ggx, push) = (u32::from(frame.reflection == 2), object.to_le_bytes());
+        if data.lights.iter().any(|light| light.kind != 5) {
+            pass.dispatch(Some("lights"), &[u32::from(frame.shadow_words > 0), ggx], &push, pixels)?;
+        }
+        if !data.lobe.is_empty() {
+            pass.dispatch(Some("environment"), &[ggx, DIRECTIONS], &push, pixels)?;
+        }
     }
     Ok(())
 }

@@ -18,16 +18,15 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, equation 3",
     writes: &[(Slot::radiance, Role::Output, Tolerance::Float { relative: 2e-5, floor: 2e-6 })],
     reason: "a short chain of f32 operations; the cosine cancels at silhouettes, hence the floor",
-    unit: Unit::Frame,
+    unit: Unit::Scene,
     cpu,
     gpu,
 };
 
 fn cpu(state: &mut State, _at: Place) {
-    let data = &mut state.data;
+    let data = &state.data;
     let camera = data.camera[0];
-    let (eta, exit) = (data.frame[0].eta.map(f64::from), wide(data.frame[0].exit));
-    data.radiance = data
+    let radiance = data
         .hits
         .par_iter()
         .map(|hit| {
@@ -38,13 +37,16 @@ fn cpu(state: &mut State, _at: Place) {
             };
             let toward = (wide(camera.origin) - mix(&data.positions)).normalize_or_zero();
             let normal = mix(&data.normals).normalize_or_zero();
+            let frame = &data.frame[state.object_of(hit.face as usize)];
+            let (eta, exit) = (frame.eta.map(f64::from), wide(frame.exit));
             let leaves = eta.map(|eta| fresnel::transmittance(eta, normal.dot(toward).abs()));
             let scale = f64::from(camera.radiance) / std::f64::consts::PI;
             narrow(DVec3::from_array(leaves) * mix(&data.vertex_radiosity) * scale * exit)
         })
         .collect();
+    state.data.radiance = radiance;
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    pass.dispatch(None, &[], &[], pass.state.data.radiance.len())
+    pass.dispatch(None, &[pass.state.objects.len() as u32], &[], pass.state.data.radiance.len())
 }

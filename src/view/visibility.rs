@@ -15,7 +15,7 @@ pub static STAGE: Stage = Stage {
     equation: "signed volumes; nearest by cross-multiplied fractions",
     writes: &[(Slot::hits, Role::Output, Tolerance::Float { relative: 2e-6, floor: 1e-6 })],
     reason: "the triangle is a decision, bit for bit; weights and depth are one f32 division each",
-    unit: Unit::Frame,
+    unit: Unit::Scene,
     cpu,
     gpu,
 };

@@ -54,7 +54,7 @@ fn brute(sky: &Sky, normal: DVec3, eta: f64) -> DVec3 {
 fn error(sky: &Sky) -> f64 {
     let ball = scene("sphere", &["object.0.detail=2", "object.0.material.eta=1.4"]);
     let found = irradiance(&under(ball.clone(), sky.clone(), 0));
-    let exact: Vec<DVec3> = places(&ball.object.mesh).iter().map(|&(_, normal)| brute(sky, normal, 1.4)).collect();
+    let exact: Vec<DVec3> = places(&ball.objects[0].mesh).iter().map(|&(_, normal)| brute(sky, normal, 1.4)).collect();
     let mean = exact.iter().sum::<DVec3>() / exact.len() as f64;
     let off = found.iter().zip(&exact).map(|(a, b)| ((*a - *b) / mean).abs().max_element());
     off.fold(0.0, f64::max)
@@ -96,7 +96,7 @@ fn rotation_turns_about_the_vertical() {
         sky.rotation = rotation;
         let ball = scene("sphere", &["object.0.detail=3"]);
         let found = irradiance(&under(ball.clone(), sky, 0));
-        let sum: DVec3 = places(&ball.object.mesh).iter().zip(&found).map(|((_, n), e)| *n * e.x).sum();
+        let sum: DVec3 = places(&ball.objects[0].mesh).iter().zip(&found).map(|((_, n), e)| *n * e.x).sum();
         assert!(sum.normalize().dot(toward) > 0.999, "{rotation}: {sum}");
     }
 }
@@ -123,7 +123,7 @@ fn what_is_hidden_does_not_arrive() {
     };
     let floor = |mesh, occlusion| {
         let mut pit = scene("sphere", &["object.0.detail=0"]);
-        pit.object.mesh = mesh;
+        pit.objects[0].mesh = mesh;
         let found = irradiance(&under(pit, white(), occlusion));
         found[..72].iter().map(|e| e.x).sum::<f64>() / 72.0
     };
@@ -138,7 +138,7 @@ fn a_black_environment_is_dark() {
     let sky = Sky::new([4, 2], vec![[0.0; 3]; 8]);
     assert!(irradiance(&under(ball(), sky, 16)).iter().all(|e| *e == DVec3::ZERO));
     let mut ball = under(ball(), white(), 0);
-    ball.object.material.two_sided = true;
-    let expected = 2.0 * 0.7 * PI * (1.0 - diffuse_external_exact(ball.object.material.eta[0]));
+    ball.objects[0].material.two_sided = true;
+    let expected = 2.0 * 0.7 * PI * (1.0 - diffuse_external_exact(ball.objects[0].material.eta[0]));
     assert!(irradiance(&ball).iter().all(|e| (e.x / expected - 1.0).abs() < 1e-4));
 }

@@ -11,7 +11,7 @@ use crate::{CLEAR, irradiance, scene, sheets};
 fn face(source: Source) -> f64 {
     let mut small = scene("sphere", &["object.0.detail=0", CLEAR]);
     let (a, b) = (1e-3, 2e-3);
-    small.object.mesh = sheets(1, &[[DVec3::new(-a, -a, 0.0), DVec3::X * b, DVec3::Y * b]]);
+    small.objects[0].mesh = sheets(1, &[[DVec3::new(-a, -a, 0.0), DVec3::X * b, DVec3::Y * b]]);
     small.lights = vec![Light { source, shadows: true }];
     let found = irradiance(&small);
     (found[0].x + found[1].x) / 2.0
@@ -73,7 +73,7 @@ fn a_soft_shadow_has_a_penumbra() {
     let floor = [DVec3::new(-4.0, -4.0, 0.0), DVec3::X * 8.0, DVec3::Y * 8.0];
     let plate = [DVec3::new(-1.0, -1.0, 2.0), DVec3::X * 2.0, DVec3::Y * 2.0];
     let mut scene = scene("sphere", &["object.0.detail=0", CLEAR]);
-    scene.object.mesh = sheets(16, &[floor, plate]);
+    scene.objects[0].mesh = sheets(16, &[floor, plate]);
     scene.lights = vec![Light { source: panel(4.0, DVec3::Y * 1.5, DVec3::X * 1.5, 8, false), shadows: true }];
     let lights = vec![Light { shadows: false, ..scene.lights[0].clone() }];
     let (shadowed, open) = (irradiance(&scene), irradiance(&Scene { lights, ..scene }));

@@ -8,7 +8,7 @@ use crate::{irradiance, mesh, places, scene, sheets, unshadowed};
 /// A scene of this mesh in these lights.
 fn of(mesh: Mesh, lights: Vec<Light>) -> Scene {
     let mut scene = scene("sphere", &["object.0.detail=0"]);
-    (scene.object.mesh, scene.lights) = (mesh, lights);
+    (scene.objects[0].mesh, scene.lights) = (mesh, lights);
     scene
 }
 
@@ -28,7 +28,7 @@ fn same(found: &[DVec3], expected: &[DVec3], what: &str) {
 fn convex_things_do_not_shadow_themselves_at_any_scale() {
     for (detail, factor, offset) in [(7, 1.0, 0.0), (5, 1e-6, 0.0), (5, 1e6, 0.0), (6, 1.0, 1e5), (4, 1e-6, 3.0)] {
         let mut ball = scene("sphere", &[&format!("object.0.detail={detail}")]);
-        for position in &mut ball.object.mesh.positions {
+        for position in &mut ball.objects[0].mesh.positions {
             *position = (*position + DVec3::new(1.0, -2.0, 0.7) * offset) * factor;
         }
         let lamp = (DVec3::new(5.1, 0.3, 0.2) + DVec3::new(1.0, -2.0, 0.7) * offset) * factor;
@@ -105,7 +105,7 @@ fn cast(mesh: &Mesh, face: usize, origin: DVec3, direction: DVec3, far: bool) ->
 fn shadows_are_those_of_a_ray_caster() {
     let mut lotus = scene("lotus", &["object.0.detail=32"]);
     lotus.lights.truncate(0);
-    let mesh = &lotus.object.mesh;
+    let mesh = &lotus.objects[0].mesh;
     let (mut shadowed, mut lit, mut close) = (0, 0, 0);
     for (light, place, far) in [
         (Light::point(DVec3::new(0.0, -2.0, 0.0), [1.0; 3]), DVec3::new(0.0, -2.0, 0.0), false),
@@ -132,7 +132,7 @@ fn shadows_are_those_of_a_ray_caster() {
 
 #[test]
 fn a_light_in_a_cavity_lights_its_walls_and_nothing_else() {
-    let ball = scene("sphere", &["object.0.detail=3"]).object.mesh;
+    let ball = scene("sphere", &["object.0.detail=3"]).objects[0].mesh.clone();
     let mut positions = ball.positions.clone();
     positions.extend(ball.positions.iter().map(|&p| p * 0.5));
     let count = ball.positions.len() as u32;
@@ -157,7 +157,7 @@ fn both_sides_receive_where_the_material_says_so() {
     assert!(from_inside.iter().all(|e| e.x > 0.0), "every wall sees the lamp");
     ball.lights = vec![sun(0.0, 0.0, 1.0)];
     let (shadowed, through) = (irradiance(&ball), unshadowed(&ball));
-    for (face, (_, normal)) in places(&ball.object.mesh).into_iter().enumerate() {
+    for (face, (_, normal)) in places(&ball.objects[0].mesh).into_iter().enumerate() {
         if normal.z > 1e-6 {
             assert!(shadowed[face].x > 0.0, "the front is lit");
         } else if normal.z < -1e-6 {

@@ -5,10 +5,12 @@
 
 // A cluster's box, centroid, vector area and second moment, from its two children; one level a dispatch.
 layout(push_constant, scalar) uniform push_block { Range range; };
+READS(frame)
 READS(topology)
 READS(order)
 UPDATES(bounds)
 UPDATES(clusters)
+#include "geometry/refit/way.glsl"
 
 // The part of the whole, a half of nothing: triangles may vanish in single precision.
 float share(float part, float whole) { return whole > 0.0 ? part / whole : 0.5; }
@@ -19,7 +21,8 @@ void main() {
     uint node = order[range.first + i];
     if (topology[node].face != NONE) return;
     uint left = node + 1, right = topology[left].skip;
-    bounds[node] = Bounds(min(bounds[left].low, bounds[right].low), max(bounds[left].high, bounds[right].high));
+    vec3 low = min(bounds[left].low, bounds[right].low), high = max(bounds[left].high, bounds[right].high);
+    bounds[node] = Bounds(low, next_of(topology[node].skip), high, NONE);
 
     Cluster l = clusters[left], r = clusters[right];
     float area = l.area + r.area;

@@ -7,5 +7,5 @@
 UPDATES(cursor)
 
 void main() {
-    if (invocation() == 0) cursor[0] = Cursor(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0);
+    if (invocation() == 0) cursor[0] = Cursor(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, cursor[0].padding, cursor[0].more_padding, uvec3(0));
 }

@@ -7,6 +7,7 @@
 // What the surface reflects of the environment: its image in fixed directions about the mirror's, or by fixed microfacets.
 layout(constant_id = 0) const uint GGX = 0;
 layout(constant_id = 1) const uint COUNT = 1;
+layout(push_constant, scalar) uniform push_block { uint object; }; // of whose pixels this dispatch is about
 READS(frame)
 READS(camera)
 READS(sky)
@@ -23,9 +24,9 @@ void main() {
     uint pixel = invocation();
     if (pixel >= camera[0].width * camera[0].height) return;
     Hit hit = hits[pixel];
-    if (hit.face >= frame[0].faces) return;
+    if (hit.face < frame[object].first_face || hit.face >= frame[object].first_face + frame[object].faces) return;
     Surface s = surface(hit);
-    float signed_seen = dot(s.normal, s.toward), seen = abs(signed_seen), alpha = frame[0].roughness;
+    float signed_seen = dot(s.normal, s.toward), seen = abs(signed_seen), alpha = frame[object].roughness;
     vec3 mirror = 2.0 * signed_seen * s.normal - s.toward;
 
     // The lobe's axis, and two across it: the picture's right and up.
@@ -37,7 +38,7 @@ void main() {
     vec3 other = cross(axis, across);
     vec3 sum = vec3(0);
     for (uint k = 0; k < COUNT; ++k) {
-        vec3 local = lobe[k], direction = local.x * across + local.y * other + local.z * axis;
+        vec3 local = lobe[object * COUNT + k], direction = local.x * across + local.y * other + local.z * axis;
         float met, weight;
         if (GGX != 0) {
             met = max(dot(s.toward, direction), 0.0);
@@ -48,7 +49,7 @@ void main() {
             met = max(dot(s.normal, direction), 0.0);
             weight = met * (alpha + 2.0) / (alpha + 1.0);
         }
-        sum += sky_toward(direction) * weight * (1.0 - transmittance(frame[0].eta, met));
+        sum += sky_toward(direction) * weight * (1.0 - transmittance(frame[object].eta, met));
     }
     radiance[pixel] += camera[0].radiance / float(COUNT) * sum;
 }

@@ -7,6 +7,7 @@
 // What the surface reflects of lights that have a place or a direction, where they reach the triangle.
 layout(constant_id = 0) const uint SHADOWS = 0;
 layout(constant_id = 1) const uint GGX = 0;
+layout(push_constant, scalar) uniform push_block { uint object; }; // of whose pixels this dispatch is about
 READS(frame)
 READS(camera)
 READS(lights)
@@ -33,9 +34,9 @@ void main() {
     uint pixel = invocation();
     if (pixel >= camera[0].width * camera[0].height) return;
     Hit hit = hits[pixel];
-    if (hit.face >= frame[0].faces) return;
+    if (hit.face < frame[object].first_face || hit.face >= frame[object].first_face + frame[object].faces) return;
     Surface s = surface(hit);
-    float signed_seen = dot(s.normal, s.toward), seen = abs(signed_seen), alpha = frame[0].roughness;
+    float signed_seen = dot(s.normal, s.toward), seen = abs(signed_seen), alpha = frame[object].roughness;
     vec3 sum = vec3(0);
     for (uint i = 0; i < frame[0].lights; ++i) {
         Light light = lights[i];
@@ -55,7 +56,7 @@ void main() {
             lobe = (alpha + 2.0) / (2.0 * 3.14159265358979) * power(dot(mirror, toward), uint(alpha));
         }
         float counts = light.kind == 5 || cosine <= 0.0 ? 0.0 : falloff * cosine * lobe;
-        sum += light.color * counts * (1.0 - transmittance(frame[0].eta, met));
+        sum += light.color * counts * (1.0 - transmittance(frame[object].eta, met));
     }
     radiance[pixel] += camera[0].radiance * sum;
 }

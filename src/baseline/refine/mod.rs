@@ -52,8 +52,8 @@ fn cpu(state: &mut State, at: Place) {
     let (link_base, _) = state.part(Slot::links, at);
     let (area_base, _) = state.part(Slot::area_links, at);
     let (edge_base, _) = state.part(Slot::edge_links, at);
-    let top = chunk == 0 && state.schedule.chunks.len() > 1;
-    for level in state.schedule.chunks[chunk].levels.clone() {
+    let top = chunk == 0 && state.object(at).schedule.chunks.len() > 1;
+    for level in state.object(at).schedule.chunks[chunk].levels.clone() {
         let data = &mut state.data;
         let receivers = &data.order[level.start as usize..level.end as usize];
 
@@ -155,10 +155,10 @@ fn decide(walk: &Walk<'_>, data: &crate::layout::Buffers, receiver: u32) -> List
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let (state, chunk) = (pass.state, pass.at.chunk);
+    let (schedule, chunk) = (&pass.object().schedule, pass.at.chunk);
     pass.dispatch(Some("open"), &[], &(chunk as u32).to_le_bytes(), 1)?;
-    let keep = u32::from(chunk == 0 && state.schedule.chunks.len() > 1);
-    for level in &state.schedule.chunks[chunk].levels {
+    let keep = u32::from(chunk == 0 && schedule.chunks.len() > 1);
+    for level in &schedule.chunks[chunk].levels {
         let range = Range { first: level.start, count: level.end - level.start };
         let push = bytemuck::bytes_of(&range);
         pass.dispatch(Some("count"), &[], push, range.count as usize)?;

@@ -8,7 +8,7 @@ use crate::render::plan::{Change, Options, Transport};
 use crate::render::room::KEEPING;
 use crate::render::run::{Backend, Room, Session};
 use crate::scene::{Scene, Scheme};
-use crate::state::{Place, State};
+use crate::state::State;
 
 /// A session, and what changes before each frame.
 pub(super) struct Frames {
@@ -42,11 +42,9 @@ impl Solver for Frames {
     fn radiosity(&mut self) -> Result<Vec<[f64; 3]>> {
         self.session.fetch(&[Slot::radiosity])?;
         let light = self.session.units().light;
-        let mut values = vec![[0.0; 3]; self.session.prepared.faces.len()];
-        for (&face, &value) in self.session.prepared.faces.iter().zip(&self.session.state().data.radiosity) {
-            values[face as usize] = value.map(|x| f64::from(x) * light);
-        }
-        Ok(values)
+        let radiosity = &self.session.state().data.radiosity;
+        let places = self.session.prepared.all_places();
+        Ok(places.map(|place| radiosity[place].map(|x| f64::from(x) * light)).collect())
     }
 
     fn links_per_face(&mut self) -> Result<Option<f64>> {
@@ -59,7 +57,7 @@ impl Solver for Frames {
             Scheme::Blocks => entries(state),
             Scheme::Links => state.data.spans.iter().map(|span| u64::from(span.links)).sum(),
         };
-        Ok(Some(links as f64 / state.data.triangles.len() as f64))
+        Ok(Some(links as f64 / state.sum(|object| object.count.faces) as f64))
     }
 }
 
@@ -67,14 +65,12 @@ impl Solver for Frames {
 /// faces. Groups of channels have lists of their own, and each counts.
 fn entries(state: &State) -> u64 {
     let mut sum = 0;
-    for group in 0..state.groups.len() {
-        for (chunk, batch) in state.schedule.batches.iter().enumerate() {
-            let (first, _) = state.part(Slot::runs, Place { chunk, group });
-            let blocks = &state.data.blocks[batch.start as usize..batch.end as usize];
-            for (block, run) in blocks.iter().zip(&state.data.runs[first..]) {
-                let each = [run.direct, run.area, run.edge].map(u64::from).iter().sum::<u64>();
-                sum += u64::from(run.expanded) + u64::from(block.count) * each;
-            }
+    for (at, batch) in state.batches() {
+        let (first, _) = state.part(Slot::runs, at);
+        let blocks = &state.data.blocks[state.object(at).first.blocks..][batch.start as usize..batch.end as usize];
+        for (block, run) in blocks.iter().zip(&state.data.runs[first..]) {
+            let each = [run.direct, run.area, run.edge].map(u64::from).iter().sum::<u64>();
+            sum += u64::from(run.expanded) + u64::from(block.count) * each;
         }
     }
     sum

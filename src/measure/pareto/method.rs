@@ -177,7 +177,7 @@ const THINNED: usize = 2048;
 /// Every so-and-so-many-th face of the mesh by brute force, and from there by the number of pairs.
 fn brute_seconds(bench: &Bench<'_>, lighting: Lighting) -> Result<f64> {
     let mut scene = bench.scene.clone();
-    let mesh = &mut scene.object.mesh;
+    let mesh = &mut scene.objects[0].mesh;
     let all = mesh.triangles.len();
     let step = all.div_ceil(THINNED);
     if step <= 2 {

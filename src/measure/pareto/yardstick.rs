@@ -8,10 +8,10 @@ use crate::dipole::form_factor::points::sampled;
 use crate::dipole::profile::Dipole;
 use crate::error::{Input, Result};
 use crate::measure::norms::{Norms, norms, worst};
-use crate::measure::reference::{radiosity, receivers};
+use crate::measure::reference::{by_object, radiosity, receivers};
 use crate::measure::sample::Sample;
 use crate::render::lights::lit;
-use crate::render::plan::{Change, Goal, Options, Transport, before_transport};
+use crate::render::plan::{Change, Goal, Options, Transport};
 use crate::render::run::{Room, Session};
 use crate::scene::{Hierarchy, Near, Scene, Scheme};
 use crate::state::{Distance, State, wide};
@@ -42,7 +42,7 @@ const CENTER: [[f64; 4]; 1] = [[1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0]];
 pub struct Yardstick {
     /// Receivers.
     sample: Sample,
-    /// The mesh's triangles that they are.
+    /// The triangles that they are, of all meshes one after the other.
     faces: Vec<usize>,
     exact: Vec<[f64; 3]>,
     midpoint: Vec<[f64; 3]>,
@@ -68,14 +68,11 @@ impl Yardstick {
         let sample = receivers(rough.state(), count, seed);
 
         // The stages that a sum starts from, by the reference.
-        for stage in session.plan.stages.iter().filter(|stage| before_transport(stage.name)) {
-            (stage.cpu)(&mut session.prepared.state, crate::state::Place::default());
-        }
-        let faces: Vec<usize> = sample.faces.iter().map(|&place| rough.prepared.faces[place] as usize).collect();
-        let mut places = vec![0; session.prepared.faces.len()];
-        for (place, &face) in session.prepared.faces.iter().enumerate() {
-            places[face as usize] = place;
-        }
+        session.prepare_light();
+        let places: Vec<usize> = session.prepared.all_places().collect();
+        let mut number = vec![0; rough.state().extent().faces];
+        rough.prepared.all_places().enumerate().for_each(|(face, place)| number[place] = face);
+        let faces: Vec<usize> = sample.faces.iter().map(|&place| number[place]).collect();
         let places: Vec<usize> = faces.iter().map(|&face| places[face]).collect();
         let (state, light) = (session.state(), session.units().light);
         let scaled = |sums: Vec<[f64; 3]>| sums.into_iter().map(|sum| sum.map(|x| x * light)).collect();
@@ -109,6 +106,10 @@ impl Yardstick {
 
 /// Radiosity at the centroids of these faces by one sample a face, in `f64`.
 fn midpoint(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
+    by_object(state, faces, midpoint_alone)
+}
+
+fn midpoint_alone(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
     let data = &state.data;
     let dipoles = [0, 1, 2].map(|channel| Dipole::of(&data.frame[0], channel));
     let distance = match state.distance {

@@ -76,13 +76,14 @@ impl Pair {
         let spread = self.triangle.iter().map(|corner| corner.distance(self.point)).fold(0.0, f64::max);
         let (u, v) = normal.any_orthonormal_pair();
         let small = [-u - v, 2.0 * v - u, 2.0 * u - v].map(|d| self.point + 1e-4 * spread * d);
-        scene.object.mesh = Mesh {
+        scene.objects[0].mesh = Mesh {
             positions: self.triangle.into_iter().chain(small).collect(),
             triangles: vec![[0, 1, 2], [3, 4, 5]],
             input_face: vec![0, 1],
             open_edges: 6,
         };
-        scene.object.material = Material {
+        scene.objects[0].material = Material {
+            opaque: None,
             name: "extreme".into(),
             sigma_s_prime: self.media.map(|[s, ..]| s),
             sigma_a: self.media.map(|[_, a, _]| a),
@@ -144,7 +145,7 @@ fn evaluate(pairs: &[Pair], twin: Option<&mut DeviceState>) -> Result<Vec<[f32; 
     let mut state = State::default();
     state.data.queries = pairs.iter().flat_map(Pair::queries).collect();
     state.data.answers = vec![[0.0; 3]; state.data.queries.len()];
-    let steps: Vec<Step> = stage("evaluate").into_iter().map(|stage| Step { stage, at: Place::default() }).collect();
+    let steps: Vec<Step> = stage("evaluate").into_iter().map(|stage| Step { stage, at: Place::SCENE }).collect();
     steps_on(&mut state, &steps, twin, &[Slot::answers])?;
     let radial = |answers: &[[f32; 3]]| [answers[0][0], answers[1][0], answers[2][0]];
     Ok(state.data.answers.chunks_exact(3).map(radial).collect())
@@ -153,7 +154,7 @@ fn evaluate(pairs: &[Pair], twin: Option<&mut DeviceState>) -> Result<Vec<[f32; 
 /// Runs these steps on the device or on the CPU, and brings back these buffers.
 fn steps_on(state: &mut State, steps: &[Step], twin: Option<&mut DeviceState>, slots: &[Slot]) -> Result<()> {
     let Some(twin) = twin else {
-        steps.iter().for_each(|step| (step.stage.cpu)(state, step.at));
+        steps.iter().for_each(|step| step.reference(state));
         return Ok(());
     };
     twin.upload(state, SLOTS)?;
@@ -167,9 +168,9 @@ fn brute(pair: &Pair, twin: Option<&mut DeviceState>) -> Result<[f32; 3]> {
     let mut session = Session::new(&pair.scene()?, None, options, Room::default())?;
     let steps = session.plan.steps(session.state(), Change::EVERYTHING);
     steps_on(&mut session.prepared.state, &steps, twin, &[Slot::irradiance, Slot::radiosity])?;
-    let place = |face: u32| session.prepared.faces.iter().position(|&f| f == face).unwrap_or(0);
+    let places = session.prepared.places(0);
     let data = &session.state().data;
-    let (light, received) = (data.irradiance[place(0)], data.radiosity[place(1)]);
+    let (light, received) = (data.irradiance[places[0]], data.radiosity[places[1]]);
     // A triangle without area takes no light; then nothing may arrive.
     Ok(std::array::from_fn(|c| if light[c] == 0.0 { received[c] } else { received[c] / light[c] }))
 }

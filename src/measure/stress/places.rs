@@ -25,7 +25,7 @@ fn grazing(angle: f64) -> Result<Setup> {
     above.scene.lights = vec![light(0.0, 1.0)];
     let mut setup = Setup::new(&[])?.mesh(mesh());
     setup.scene.lights = vec![light(cos, sin)];
-    let eta = setup.scene.object.material.eta;
+    let eta = setup.scene.objects[0].material.eta;
     Ok(setup.against(above.scene, eta.map(|eta| sin * transmittance(eta, sin) / transmittance(eta, 1.0))))
 }
 
@@ -69,7 +69,7 @@ pub(super) static CASES: &[Case] = &[
                 Setup::new(&sets)
             };
             let (mut setup, offset) = (lit()?, DVec3::new(1e6, -1e6, 7e5));
-            setup.scene.object.mesh.positions.iter_mut().for_each(|p| *p += offset);
+            setup.scene.objects[0].mesh.positions.iter_mut().for_each(|p| *p += offset);
             setup.scene.camera.position += offset;
             setup.scene.camera.target += offset;
             for light in &mut setup.scene.lights {
@@ -109,9 +109,9 @@ pub(super) static CASES: &[Case] = &[
         reason: SHEET_REASON,
         kind: Kind::Scene(|| {
             let mut setup = Setup::new(&["object.0.shape=slab", "object.0.detail=12"])?;
-            let material = &setup.scene.object.material;
+            let material = &setup.scene.objects[0].material;
             let factor = 1.0 / (material.sigma_s_prime[1] + material.sigma_a[1]) / 0.2;
-            setup.scene.object.mesh.positions.iter_mut().for_each(|p| p.z *= factor);
+            setup.scene.objects[0].mesh.positions.iter_mut().for_each(|p| p.z *= factor);
             Ok(setup)
         }),
     },

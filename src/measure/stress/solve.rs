@@ -7,11 +7,9 @@ use crate::layout::Slot;
 use crate::measure::norms::{norms, worst};
 use crate::measure::reference::radiosity;
 use crate::measure::sample::Sample;
-use crate::render::plan::before_transport;
 use crate::render::plan::{Change, Goal, Options, Transport};
 use crate::render::run::{Room, Session};
 use crate::scene::{Mesh, Scene};
-use crate::state::Place;
 
 /// A scene, and what its radiosity has to be.
 pub(super) struct Setup {
@@ -66,7 +64,7 @@ impl Setup {
 
     /// With a mesh of its own.
     pub fn mesh(mut self, mesh: Mesh) -> Self {
-        self.scene.object.mesh = mesh;
+        self.scene.objects[0].mesh = mesh;
         self
     }
 
@@ -88,13 +86,8 @@ impl Setup {
 fn reference(scene: &Scene, faces: &[usize]) -> Result<Vec<[f64; 3]>> {
     let options = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(scene, None, options, Room::default())?;
-    for stage in session.plan.stages.iter().filter(|stage| before_transport(stage.name)) {
-        (stage.cpu)(&mut session.prepared.state, Place::default());
-    }
-    let mut place = vec![0; session.prepared.faces.len()];
-    for (at, &face) in session.prepared.faces.iter().enumerate() {
-        place[face as usize] = at;
-    }
+    session.prepare_light();
+    let place = session.prepared.places(0);
     let places: Vec<usize> = faces.iter().map(|&face| place[face]).collect();
     let values = radiosity(session.state(), &places);
     Ok(values.into_iter().map(|value| value.map(|x| x * session.units().light)).collect())
@@ -102,7 +95,7 @@ fn reference(scene: &Scene, faces: &[usize]) -> Result<Vec<[f64; 3]>> {
 
 /// The radiosity by the usual method, a picture included, by brute force, and by the irradiance octree.
 pub(super) fn run(setup: &Setup, device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 3]> {
-    let mesh = &setup.scene.object.mesh;
+    let mesh = &setup.scene.objects[0].mesh;
     let area = |face: usize| mesh.corners(face).map_or(0.0, |[a, b, c]| 0.5 * (b - a).cross(c - a).length());
     let areas: Vec<f64> = (0..mesh.triangles.len()).map(area).collect();
     let sample = Sample::seeded(&areas, &[], RECEIVERS, 1);
@@ -152,12 +145,9 @@ fn method(
     }
 
     // The sample against the reference, in scene units.
-    let mesh = &setup.scene.object.mesh;
-    let mut values = vec![[0.0; 3]; mesh.triangles.len()];
-    for (value, &face) in data.radiosity.iter().zip(&session.prepared.faces) {
-        values[face as usize] = value.map(|x| f64::from(x) * session.units().light);
-    }
-    let values: Vec<[f64; 3]> = sample.faces.iter().map(|&face| values[face]).collect();
+    let (places, light) = (session.prepared.places(0), session.units().light);
+    let value = |&face: &usize| data.radiosity[places[face]].map(|x| f64::from(x) * light);
+    let values: Vec<[f64; 3]> = sample.faces.iter().map(value).collect();
     found.error = worst(&norms(sample, &values, expected)).into();
 
     let largest = |channel: usize| expected.iter().map(|value| value[channel]).fold(0.0, f64::max);

@@ -59,6 +59,7 @@ fn material(name: &str) -> [Dipole; 3] {
     let (sigma_s_prime, sigma_a, eta) = (preset.sigma_s_prime, preset.sigma_a, [preset.eta; 3]);
     dipoles(
         &Material {
+            opaque: None,
             name: name.into(),
             sigma_s_prime,
             sigma_a,

@@ -74,9 +74,9 @@ mod tests {
     fn shapes_have_the_triangles_asked_for() {
         for (name, asked, slack) in [("lotus", 8764, 0.05), ("slab", 2016, 0.08), ("sphere", 5000, 0.03)] {
             let scene = shape(name, asked, 40.0).unwrap();
-            let found = scene.object.mesh.triangles.len() as f64;
+            let found = scene.objects[0].mesh.triangles.len() as f64;
             assert!((found / asked as f64 - 1.0).abs() < slack, "{name}: {found} for {asked}");
-            let (low, high) = scene.object.mesh.bounds();
+            let (low, high) = scene.objects[0].mesh.bounds();
             assert!(((high - low).max_element() - 40.0).abs() < 1e-9);
         }
     }

@@ -1,6 +1,6 @@
 //! From `[[light]]` of the file to a checked light.
 
-use super::super::mesh::Mesh;
+use super::super::object::Object;
 use super::super::range::{self, Checked};
 use super::super::vector::{Rgb, Vector};
 use super::file::{LightFile, LightKind};
@@ -159,9 +159,11 @@ impl Light {
         Ok(Self { source, shadows: file.shadows.unwrap_or(true) })
     }
 
-    /// No part of it may stand in the medium, where `mesh` is closed and has an inside.
-    pub(in crate::scene) fn check_outside(&self, mesh: &Mesh, index: usize) -> Checked<()> {
-        let Some(place) = mesh.first_inside(&self.places()) else { return Ok(()) };
+    /// No part of it may stand in the medium of an object that is closed and has an inside.
+    pub(in crate::scene) fn check_outside(&self, objects: &[Object], index: usize) -> Checked<()> {
+        let lets_in = |object: &&Object| !object.material.two_sided && object.material.opaque.is_none();
+        let inside = |object: &Object| object.mesh.first_inside(&self.places());
+        let Some(place) = objects.iter().filter(lets_in).find_map(inside) else { return Ok(()) };
         let fault = Input::new("the light stands in the medium").key(format!("light.{index}.position"));
         let expected = "a place outside the object or in a cavity of it, or two_sided = true in its material";
         Err(fault.found(format!("a light at [{}, {}, {}]", place.x, place.y, place.z)).expected(expected))

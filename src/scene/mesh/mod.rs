@@ -77,12 +77,12 @@ impl Mesh {
         if self.open_edges > 0 { None } else { points.iter().filter(boxed).find(inside).copied() }
     }
 
-    /// Moves the middle of the bounding box to the origin and scales the largest extent to `size`.
-    pub(super) fn resize(&mut self, size: f64) -> Checked<()> {
+    /// Moves the middle of the bounding box to the origin and scales the largest extent to `size`, which `key` asks for.
+    pub(super) fn resize(&mut self, size: f64, key: &str) -> Checked<()> {
         let (low, high) = self.bounds();
         let extent = (high - low).max_element();
         if extent <= 0.0 {
-            return Err(Input::new("the mesh has no extent").key("object.0.size"));
+            return Err(Input::new("the mesh has no extent").key(key));
         }
         let (middle, factor) = (low + (high - low) / 2.0, size / extent);
         for position in &mut self.positions {
@@ -102,12 +102,12 @@ mod tests {
         for position in &mut mesh.positions {
             *position = *position * 7.0 + DVec3::new(100.0, 3.0, -5.0);
         }
-        mesh.resize(20.0).expect("it has an extent");
+        mesh.resize(20.0, "size").expect("it has an extent");
         let (low, high) = mesh.bounds();
         assert!((low - DVec3::new(-10.0, -10.0, -2.0)).length() < 1e-12);
         assert!((high - DVec3::new(10.0, 10.0, 2.0)).length() < 1e-12);
         mesh.positions.truncate(1);
-        assert!(mesh.resize(20.0).is_err_and(|e| e.to_string().contains("no extent")));
+        assert!(mesh.resize(20.0, "size").is_err_and(|e| e.to_string().contains("no extent")));
     }
 
     #[test]

@@ -1,0 +1,14 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// What an opaque face gives back.
+READS(frame)
+READS(irradiance)
+WRITES(radiosity)
+
+void main() {
+    uint face = invocation();
+    if (face < frame[0].faces) radiosity[face] = frame[0].albedo * irradiance[face];
+}

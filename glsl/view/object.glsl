@@ -1,0 +1,9 @@
+// Faces of hits from here on are none: the ray met nothing, or was cut short.
+const uint MISSED = 0xfffffffeu;
+
+// The object of a triangle.
+uint object_of(uint face) {
+    uint object = 0;
+    for (uint k = 1; k < OBJECTS; ++k) object += uint(face >= frame[k].first_face);
+    return object;
+}

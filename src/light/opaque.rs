@@ -1,0 +1,30 @@
+//! Stage `opaque`: what an object that no light enters gives back, in all directions alike.
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::layout::Slot;
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "opaque",
+    room: "light",
+    about: "radiosity of opaque objects: albedo times irradiance",
+    equation: "Lambert: B = albedo E",
+    writes: &[(Slot::radiosity, Role::Output, Tolerance::Float { relative: 2e-7, floor: 0.0 })],
+    reason: "one product",
+    unit: Unit::Object,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _at: Place) {
+    let data = &state.data;
+    let albedo = wide(data.frame[0].albedo);
+    state.data.radiosity = data.irradiance.par_iter().map(|&light| narrow(albedo * wide(light))).collect();
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    pass.dispatch(None, &[], &[], pass.object().count.faces)
+}

@@ -1,0 +1,143 @@
+//! The objects of a scene: where each mesh comes from, how large it is and where it stands, and what it is made of.
+
+use super::file::MaterialFile;
+use super::material::Material;
+use super::mesh::{Mesh, Shape};
+use super::range::{self, Checked};
+use super::vector::Vector;
+use crate::error::Input;
+use glam::{DQuat, DVec3, EulerRot};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// A mesh and what it is made of.
+#[derive(Debug, Clone)]
+pub struct Object {
+    /// The surface, in scene units.
+    pub mesh: Mesh,
+    /// The inside, with coefficients per scene unit.
+    pub material: Material,
+}
+
+/// `[[object]]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ObjectFile {
+    mesh: Option<PathBuf>,
+    shape: Option<Shape>,
+    detail: Option<i64>,
+    size: Option<f64>,
+    position: Option<Vector>,
+    rotation: Option<Vector>,
+    #[serde(default)]
+    material: MaterialFile,
+}
+
+/// An object but for its mesh, checked.
+#[derive(Debug)]
+pub(super) struct Draft {
+    source: Source,
+    /// Largest extent to give the mesh, in scene units.
+    size: Option<f64>,
+    /// How it is turned, then moved.
+    rotation: DQuat,
+    position: DVec3,
+    /// Its material.
+    pub material: Material,
+}
+
+/// Where a mesh comes from.
+#[derive(Debug)]
+enum Source {
+    /// A file, relative to the scene file.
+    File(PathBuf),
+    /// A shape made here, and its detail.
+    Shape(Shape, u32),
+}
+
+/// Most objects of a scene.
+const MOST: usize = 256;
+
+/// Checks the objects of a scene whose unit is this long.
+pub(super) fn check_all(files: &[ObjectFile], unit_mm: f64) -> Checked<Vec<Draft>> {
+    if !(1..=MOST).contains(&files.len()) {
+        let found = format!("{} times [[object]]", files.len());
+        let what = if files.is_empty() { "there is nothing to show" } else { "too many objects" };
+        return Err(Input::new(what).key("object").found(found).expected(format!("1 to {MOST} times [[object]]")));
+    }
+    files.iter().enumerate().map(|(index, file)| file.check(index, unit_mm)).collect()
+}
+
+impl ObjectFile {
+    fn check(&self, index: usize, unit_mm: f64) -> Checked<Draft> {
+        let key = |name: &str| format!("object.{index}.{name}");
+        let size = self.size.map(|size| {
+            let accept = |x| (1e-9..=range::LARGEST).contains(&x);
+            range::number(&key("size"), size, accept, "1e-9 to 1e9 scene units")
+        });
+        let vector = |name: &str, value: Option<Vector>, most: f64, expected: &str| {
+            let value = value.map_or([0.0; 3], |v| v.0);
+            range::channels(&key(name), value, |x| x.abs() <= most, expected).map(DVec3::from_array)
+        };
+        let turn = vector("rotation", self.rotation, 36_000.0, "degrees about x, then y, then z, within 36000")?;
+        let turn = turn.map(f64::to_radians);
+        Ok(Draft {
+            source: self.source(index)?,
+            size: size.transpose()?,
+            rotation: DQuat::from_euler(EulerRot::ZYX, turn.z, turn.y, turn.x),
+            position: vector("position", self.position, range::LARGEST, "coordinates within 1e9 scene units")?,
+            material: Material::check(&self.material, &key("material"), unit_mm)?,
+        })
+    }
+
+    /// Exactly one of `mesh` and `shape`; `detail` only with the latter.
+    fn source(&self, index: usize) -> Checked<Source> {
+        let key = |name: &str| format!("object.{index}{name}");
+        let one = "exactly one of `mesh` and `shape`";
+        match (&self.mesh, self.shape) {
+            (Some(_), Some(_)) => {
+                let fault = Input::new("both a mesh and a shape are given");
+                Err(fault.key(key(".shape")).expected(one))
+            }
+            (None, None) => {
+                let fault = Input::new("neither a mesh nor a shape is given");
+                Err(fault.key(key("")).expected(one))
+            }
+            (Some(_), None) if self.detail.is_some() => {
+                let fault = Input::new("a mesh from a file has no such key");
+                Err(fault.key(key(".detail")).expected("mesh, size, position, rotation, material"))
+            }
+            (Some(path), None) => Ok(Source::File(path.clone())),
+            (None, Some(shape)) => {
+                let detail = self.detail.unwrap_or_else(|| i64::from(shape.usual_detail()));
+                let range = shape.details();
+                let accepted = u32::try_from(detail).ok().filter(|detail| range.contains(detail));
+                let detail = accepted.ok_or_else(|| {
+                    let expected = format!("{} to {}", range.start(), range.end());
+                    let fault = Input::new("out of range").key(key(".detail"));
+                    fault.found(detail).expected(expected)
+                })?;
+                Ok(Source::Shape(shape, detail))
+            }
+        }
+    }
+}
+
+impl Draft {
+    /// Reads or makes the mesh, at its size and place; paths are relative to `folder`.
+    pub(super) fn mesh(&self, folder: &Path, index: usize, report: &mut Vec<String>) -> Checked<Mesh> {
+        let mut mesh = match &self.source {
+            Source::File(path) => Mesh::read(&folder.join(path), report)?,
+            Source::Shape(shape, detail) => shape.build(*detail),
+        };
+        if let Some(size) = self.size {
+            mesh.resize(size, &format!("object.{index}.size"))?;
+        }
+        if self.rotation != DQuat::IDENTITY || self.position != DVec3::ZERO {
+            for position in &mut mesh.positions {
+                *position = self.rotation * *position + self.position;
+            }
+        }
+        Ok(mesh)
+    }
+}

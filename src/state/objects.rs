@@ -1,0 +1,213 @@
+//! Several objects in one state: each has a run of its own in every buffer, found by [`State::part`], and a state of its
+//! own can be made of it. Runs begin at multiples of 64 elements, so that a device can bind any of them.
+
+use super::{Group, Place, Schedule, State};
+use crate::layout::{Cut, SLOTS, Slot};
+
+/// How many an object has of what there is, or where its first ones lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extent {
+    /// Vertices.
+    pub vertices: usize,
+    /// Triangles.
+    pub faces: usize,
+    /// Nodes.
+    pub nodes: usize,
+    /// Blocks of receivers.
+    pub blocks: usize,
+}
+
+/// One object of a state.
+#[derive(Clone, Debug, Default)]
+pub struct Object {
+    /// The order of the work on its tree.
+    pub schedule: Schedule,
+    /// The groups of channels that are carried together; a black channel is in none.
+    pub groups: Vec<Group>,
+    /// Where its own begin.
+    pub first: Extent,
+    /// What it has.
+    pub count: Extent,
+    /// Whether no light enters it.
+    pub opaque: bool,
+}
+
+/// The next multiple of 64.
+fn room(count: usize) -> usize {
+    count.next_multiple_of(64)
+}
+
+impl Object {
+    /// Elements of a buffer that it has, and where the first of them lies.
+    fn run(&self, cut: Cut, words: usize) -> (usize, usize) {
+        let (first, count) = (self.first, self.count);
+        match cut {
+            Cut::Vertex => (first.vertices, count.vertices),
+            Cut::Start => (first.vertices, count.vertices + 1),
+            Cut::Face => (first.faces, count.faces),
+            Cut::Corner => (3 * first.faces, 3 * count.faces),
+            Cut::Shadow => (words * first.faces, words * count.faces),
+            Cut::Node => (first.nodes, count.nodes),
+            _ => (first.blocks, count.blocks),
+        }
+    }
+
+    /// Elements of the buffers of moments, of one group of channels.
+    fn of_group(&self) -> usize {
+        room(self.count.nodes)
+    }
+}
+
+impl State {
+    /// The object that a part of the work is about.
+    pub fn object(&self, at: Place) -> &Object {
+        &self.objects[at.object]
+    }
+
+    /// The object of a triangle, by its number among those of all objects.
+    pub fn object_of(&self, face: usize) -> usize {
+        self.objects.iter().rposition(|object| object.first.faces <= face).unwrap_or(0)
+    }
+
+    /// Every triangle, by its number among those of all objects, and its leaf likewise.
+    pub fn faces(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.objects.iter().flat_map(move |object| {
+            let (first, nodes) = (object.first.faces, object.first.nodes);
+            (first..first + object.count.faces).map(move |face| (face, nodes + self.data.leaves[face] as usize))
+        })
+    }
+
+    /// The batches of all objects and groups of channels, each with its blocks.
+    pub fn batches(&self) -> impl Iterator<Item = (Place, &std::ops::Range<u32>)> + '_ {
+        self.objects.iter().enumerate().flat_map(|(object, part)| {
+            let batches = part.schedule.batches.iter().enumerate();
+            let of_group =
+                move |group| batches.clone().map(move |(chunk, batch)| (Place { object, chunk, group }, batch));
+            (0..part.groups.len()).flat_map(of_group)
+        })
+    }
+
+    /// Elements of all objects' buffers of a kind, gaps included.
+    pub fn extent(&self) -> Extent {
+        self.objects.last().map_or_else(Extent::default, |Object { first, count, .. }| Extent {
+            vertices: first.vertices + count.vertices,
+            faces: first.faces + count.faces,
+            nodes: first.nodes + count.nodes,
+            blocks: first.blocks + count.blocks,
+        })
+    }
+
+    /// Sums up over all objects.
+    pub fn sum(&self, of: impl Fn(&Object) -> usize) -> usize {
+        self.objects.iter().map(of).sum()
+    }
+
+    /// The part of a buffer that a dispatch of this part of the work binds: first element and number of elements.
+    pub fn part(&self, slot: Slot, at: Place) -> (usize, usize) {
+        let (cut, all) = (slot.spec().cut, self.data.bytes(slot).len() / slot.spec().stride);
+        let Some(object) = self.objects.get(at.object).filter(|_| all > 0) else { return (0, all) };
+        let before = |of: fn(&Object) -> usize| self.objects[..at.object].iter().map(of).sum::<usize>();
+        let (part, parts) = match cut {
+            Cut::Whole => return (0, all),
+            Cut::Object => return (at.object, 1),
+            Cut::Group => {
+                let first = before(|object| object.groups.len() * object.of_group());
+                return (first + at.group * object.of_group(), object.of_group());
+            }
+            Cut::Chunk => (before(chunks) + at.chunk, self.sum(chunks)),
+            Cut::Batch => (before(batches) + at.group * object.schedule.batches.len() + at.chunk, self.sum(batches)),
+            // What no later object has ends before it would begin.
+            _ => {
+                return Some(object.run(cut, self.data.frame[0].shadow_words as usize))
+                    .filter(|run| run.1 > 0)
+                    .unwrap_or_default();
+            }
+        };
+        let room = all / parts.max(1);
+        if self.keep { (part * room, room) } else { (0, all) }
+    }
+
+    /// One state of several, whose lists and results are still empty: their vertices, triangles, trees and blocks.
+    pub fn join(states: Vec<Self>) -> Self {
+        let mut joined = Self::default();
+        let mut first = Extent::default();
+        for state in states {
+            if joined.objects.is_empty() {
+                joined = Self { data: Default::default(), objects: Vec::new(), ..state.clone() };
+            }
+            let mut object = state.objects.into_iter().next().unwrap_or_default();
+            object.first = first;
+            let corner = joined.data.positions.len() as u32;
+            joined.data.positions.extend(&state.data.positions);
+            joined.data.frame.extend(&state.data.frame);
+            for &slot in SLOTS {
+                let (cut, have) = (slot.spec().cut, state.data.bytes(slot));
+                if matches!(cut, Cut::Whole | Cut::Object | Cut::Group | Cut::Chunk | Cut::Batch) || have.is_empty() {
+                    continue;
+                }
+                let (first, count) = object.run(cut, 0);
+                joined.data.resize(slot, first + count);
+                joined.data.bytes_mut(slot)[first * slot.spec().stride..].copy_from_slice(have);
+            }
+            for vertex in joined.data.triangles[first.faces..].iter_mut().flatten() {
+                *vertex += corner;
+            }
+            first = Extent {
+                vertices: first.vertices + room(object.count.vertices + 1),
+                faces: first.faces + room(object.count.faces),
+                nodes: first.nodes + room(object.count.nodes),
+                blocks: first.blocks + room(object.count.blocks),
+            };
+            joined.objects.push(object);
+        }
+        let nodes = joined.extent().nodes as u32;
+        for (k, frame) in joined.data.frame.iter_mut().enumerate() {
+            (frame.first_face, frame.first_node) =
+                (joined.objects[k].first.faces as u32, joined.objects[k].first.nodes as u32);
+            frame.next_node = joined.objects.get(k + 1).map_or(nodes, |next| next.first.nodes as u32);
+            frame.scene_nodes = nodes;
+        }
+        joined
+    }
+
+    /// All parts of one object in a buffer: first element and number of elements.
+    fn parts(&self, slot: Slot, number: usize) -> (usize, usize) {
+        let (object, at) = (&self.objects[number], Place { object: number, ..Place::default() });
+        let (first, count) = self.part(slot, at);
+        match slot.spec().cut {
+            Cut::Group if count > 0 => (first, count * object.groups.len()),
+            Cut::Chunk if self.keep => (first, count * chunks(object)),
+            Cut::Batch if self.keep => (first, count * batches(object)),
+            _ => (first, count),
+        }
+    }
+
+    /// One object's part of it all, as a state of that object alone.
+    pub fn alone(&self, number: usize) -> Self {
+        let object = Object { first: Extent::default(), ..self.objects[number].clone() };
+        let mut one = Self { data: Default::default(), objects: vec![object], ..*self };
+        for &slot in SLOTS {
+            let (stride, (first, count)) = (slot.spec().stride, self.parts(slot, number));
+            one.data.resize(slot, count);
+            one.data.bytes_mut(slot).copy_from_slice(&self.data.bytes(slot)[first * stride..(first + count) * stride]);
+        }
+        one
+    }
+
+    /// Takes buffers over from such a state.
+    pub fn take(&mut self, number: usize, one: &Self, slots: impl IntoIterator<Item = Slot>) {
+        for slot in slots {
+            let (stride, (first, count)) = (slot.spec().stride, self.parts(slot, number));
+            self.data.bytes_mut(slot)[first * stride..(first + count) * stride].copy_from_slice(one.data.bytes(slot));
+        }
+    }
+}
+
+/// Chunks whose links are kept.
+fn chunks(object: &Object) -> usize {
+    if object.opaque { 0 } else { object.schedule.chunks.len() }
+}
+
+fn batches(object: &Object) -> usize {
+    object.groups.len() * object.schedule.batches.len()
+}
