@@ -73,7 +73,7 @@ fn lists_are_those_of_double_precision() {
     let session = solved("slab", &["object.0.detail=16"]);
     let data = &session.state().data;
     // The lists are those of the last group of channels.
-    let groups = session.state().groups.len();
+    let groups = session.state().objects[0].groups.len();
     let base = data.emitters.len() / groups * (groups - 1);
     let (mut compared, mut ties) = (0, 0);
     for (sphere, run) in data.spheres.iter().zip(&data.runs) {
@@ -115,9 +115,9 @@ fn moments_are_sums_over_faces() {
     let session = solved("lotus", &["object.0.detail=24"]);
     let state = session.state();
     let data = &state.data;
-    assert!(state.groups.len() > 1, "the candle and the sky differ in colour");
-    let room = data.moments.len() / state.groups.len();
-    for (k, group) in state.groups.iter().enumerate() {
+    assert!(state.objects[0].groups.len() > 1, "the candle and the sky differ in colour");
+    let room = data.moments.len() / state.objects[0].groups.len();
+    for (k, group) in state.objects[0].groups.iter().enumerate() {
         for node in (0..data.topology.len()).step_by(7) {
             let (m, s) = (&data.moments[k * room + node], &data.spreads[k * room + node]);
             let (mut weight, mut first) = (0.0, DVec3::ZERO);
@@ -153,7 +153,7 @@ fn moments_are_sums_over_faces() {
 
 #[test]
 fn channels_of_one_colour_share_moments() {
-    let groups = |light: &str| solved("sphere", &["object.0.detail=1", light]).state().groups.clone();
+    let groups = |light: &str| solved("sphere", &["object.0.detail=1", light]).state().objects[0].groups.clone();
     assert_eq!(groups("light.0.irradiance=[1.0, 2.0, 4.0]").len(), 1);
     let two = groups("light.0.irradiance=[1.0, 0.0, 4.0]");
     assert_eq!((two.len(), two[0].channels), (1, 0b101), "a black channel is in no group");

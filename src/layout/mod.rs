@@ -59,7 +59,7 @@ plain! {
 }
 
 // A device may ask for up to 256 bytes between two places that are bound.
-const _: () = assert!(size_of::<Frame>() % 256 == 0 && size_of::<Cursor>() % 256 == 0);
+const _: () = assert!(size_of::<Frame>().is_multiple_of(256) && size_of::<Cursor>().is_multiple_of(256));
 
 /// A struct shared by host and device, as the build script and the layout test see it.
 pub struct Record {
