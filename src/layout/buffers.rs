@@ -31,6 +31,10 @@ buffers! {
     corner_starts: u32, vertex;
     /// The triangles round each vertex.
     corners: u32, corner;
+    /// Where each triangle's corners are in the texture; empty where there is none.
+    corner_uvs: CornerUvs, face;
+    /// Texels of the texture, linear, rows from the top; empty where there is none.
+    texels: [f32; 3], texel;
     /// The tree.
     topology: Topology, node;
     /// The leaf node of each triangle.

@@ -10,3 +10,4 @@ pub mod room;
 pub mod run;
 pub mod samples;
 pub mod stages;
+mod textures;

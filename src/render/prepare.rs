@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::blocks::{blocks, edge_nodes, link_error, triangle_size};
 use super::lights::{lights, radiance};
+use super::textures::texture;
 use crate::dipole::form_factor::ladder::Ladder;
 use crate::dipole::profile::Dipole;
 use crate::hierarchy::face_cluster::{self, Method};
@@ -99,6 +100,7 @@ pub fn prepare(scene: &Scene) -> Prepared {
     let mut state = State { distance: scene.transport.distance, ..State::default() };
     let faces = topology(&mut state, mesh, &tree, units);
     frame(&mut state, &scene.object.material, &scene.transport, units);
+    texture(&mut state, scene.object.material.texture.as_ref(), mesh, &faces);
     state.method = Switches {
         scheme: scene.transport.scheme,
         order: scene.transport.order,

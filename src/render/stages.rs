@@ -2,10 +2,10 @@
 
 use crate::baseline::{brute, collect, form_factor, mean, reach, refine, spread};
 use crate::geometry::refit;
-use crate::light::{environment, irradiance, shadow};
+use crate::light::{entry, environment, irradiance, shadow};
 use crate::state::{Place, Schedule, Stage, Step, Unit};
 use crate::transport::{average, evaluate, gather, level, link, pull, push, radii};
-use crate::view::{backdrop, reflect, shade, visibility};
+use crate::view::{backdrop, exit, reflect, shade, visibility};
 
 /// Every stage, in the order of a frame; the last two are no part of one: `brute` takes the place of
 /// `pull` to `push`, `evaluate` answers `milkglass eval`.
@@ -14,6 +14,7 @@ pub static STAGES: &[&Stage] = &[
     &shadow::STAGE,
     &environment::STAGE,
     &irradiance::STAGE,
+    &entry::STAGE,
     &reach::STAGE,
     &mean::STAGE,
     &refine::STAGE,
@@ -29,6 +30,7 @@ pub static STAGES: &[&Stage] = &[
     &average::STAGE,
     &visibility::STAGE,
     &shade::STAGE,
+    &exit::STAGE,
     &reflect::STAGE,
     &backdrop::STAGE,
     &brute::STAGE,

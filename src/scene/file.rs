@@ -7,6 +7,7 @@ use super::material::{Fresnel, Material};
 use super::mesh::Shape;
 use super::range::{self, Checked};
 use super::surface::ReflectionKind;
+use super::texture::{Side, Wrap};
 use super::transport::{self, Distance, Hierarchy, Near, Oracle, Scheme, Transport};
 use super::vector::{Background, Rgb, Vector};
 use crate::error::Input;
@@ -98,6 +99,9 @@ pub(super) struct MaterialFile {
     pub reflection: ReflectionKind,
     pub roughness: Option<f64>,
     pub shininess: Option<i64>,
+    pub texture: Option<String>,
+    pub texture_on: Option<Side>,
+    pub texture_wrap: Option<Wrap>,
 }
 
 impl Default for MaterialFile {
@@ -114,6 +118,9 @@ impl Default for MaterialFile {
             reflection: ReflectionKind::None,
             roughness: None,
             shininess: None,
+            texture: None,
+            texture_on: None,
+            texture_wrap: None,
         }
     }
 }

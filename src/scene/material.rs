@@ -5,6 +5,7 @@ use super::locate;
 use super::preset::{PRESETS, Preset};
 use super::range::{self, Checked};
 use super::surface::Surface;
+use super::texture::Texture;
 use super::vector::Rgb;
 use crate::error::Input;
 use serde::Deserialize;
@@ -43,6 +44,8 @@ pub struct Material {
     pub two_sided: bool,
     /// What its surface does with light.
     pub surface: Surface,
+    /// What light is multiplied by where it enters or leaves, if not by 1 everywhere.
+    pub texture: Option<Texture>,
 }
 
 impl Material {
@@ -93,8 +96,9 @@ impl Material {
             Some(preset) if modified => format!("{}, modified", preset.name),
             Some(preset) => preset.name.to_owned(),
         };
-        let surface = Surface::check(file, key)?;
-        Ok(Self { name, sigma_s_prime, sigma_a, eta, fresnel: file.fresnel, two_sided: file.two_sided, surface })
+        let (fresnel, two_sided) = (file.fresnel, file.two_sided);
+        let (surface, texture) = (Surface::check(file, key)?, Texture::check(file, key)?);
+        Ok(Self { name, sigma_s_prime, sigma_a, eta, fresnel, two_sided, surface, texture })
     }
 }
 

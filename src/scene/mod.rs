@@ -5,6 +5,7 @@
 
 mod camera;
 mod file;
+mod image;
 mod light;
 mod locate;
 mod material;
@@ -14,6 +15,7 @@ mod range;
 mod read;
 mod set;
 mod surface;
+mod texture;
 mod transport;
 mod vector;
 
@@ -23,6 +25,7 @@ pub use material::{Fresnel, Material};
 pub use mesh::{Mesh, Shape};
 pub use preset::{PRESETS, Preset};
 pub use surface::{Reflection, Surface};
+pub use texture::{Side, Texture, Wrap};
 pub use transport::{Distance, Hierarchy, Near, Oracle, Scheme, Transport};
 
 use crate::error::{Input, Result};
@@ -79,12 +82,18 @@ impl Scene {
     }
 
     fn of(text: Text, sets: &[String]) -> Result<Self> {
-        let draft = read::read(&text.toml, &text.file, sets)?;
+        let mut draft = read::read(&text.toml, &text.file, sets)?;
         let mut report = Vec::new();
 
-        // The mesh, at its size.
+        // The texture, and the mesh with or without places in one, at its size.
+        let textured = draft.material.texture.as_ref().map(|_| "object.0.material.texture");
+        if let Some(texture) = &mut draft.material.texture {
+            let loaded = texture.load(&text.folder, &draft.source, "object.0.material.texture");
+            loaded.map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
+        }
         let mut mesh = match draft.source {
-            file::Source::File(path) => Mesh::read(&text.folder.join(path), &mut report)?,
+            file::Source::File(path) => Mesh::read(&text.folder.join(path), textured, &mut report)?,
+            file::Source::Shape(shape, detail) if textured.is_some() => shape.build_textured(detail),
             file::Source::Shape(shape, detail) => shape.build(detail),
         };
         if let Some(size) = draft.size {

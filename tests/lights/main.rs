@@ -41,7 +41,7 @@ pub fn unshadowed(scene: &Scene) -> Vec<DVec3> {
 /// A mesh from plain numbers.
 pub fn mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     let input_face = (0..triangles.len() as u32).collect();
-    Mesh { positions, triangles, input_face, open_edges: 0 }
+    Mesh { positions, triangles, input_face, ..Mesh::default() }
 }
 
 /// Rectangles of `n` x `n` cells, each given by a corner and two edges.
