@@ -95,7 +95,7 @@ impl Texture {
         let Some(image) = self.image.take() else { return Ok(()) };
         let path = match mesh {
             _ if image != LIBRARY => folder.join(&image),
-            Source::File(mesh) => map_kd(&folder.join(mesh)).map_err(|fault| fault.key(key))?,
+            Source::File(mesh) => map_kd(&folder.join(mesh)).map_err(|fault| at_key(fault, key))?,
             Source::Shape(..) => {
                 let fault = Input::new("a shape has no material library").key(key).found("`mtl`");
                 return Err(fault.expected("an image file, or the name of one that is built in"));
@@ -105,6 +105,13 @@ impl Texture {
         (self.size, self.texels) = (size, Arc::new(texels));
         Ok(())
     }
+}
+
+/// A fault of another file as one of a scene's key.
+fn at_key(fault: Input, key: &str) -> Input {
+    let line = fault.line.map_or(String::new(), |line| format!(":{line}"));
+    let what = format!("{}{line}: {}", fault.file.display(), fault.what);
+    Input { found: fault.found, expected: fault.expected, ..Input::new(what).key(key) }
 }
 
 /// Eight by eight squares of eight by eight texels, the first colour at the top left.
