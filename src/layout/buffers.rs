@@ -47,7 +47,7 @@ buffers! {
     clusters: Cluster, node;
     /// Unit vertex normals, area-weighted.
     normals: [f32; 3], vertex;
-    /// Irradiance that enters each triangle, E of equation 5.
+    /// Irradiance that enters each triangle, E of equation 5, times a texture at the entry.
     irradiance: [f32; 3], face;
     /// Area-weighted mean irradiance of each cluster.
     cluster_irradiance: [f32; 3], node;

@@ -58,8 +58,8 @@ pub(super) fn link_error(tolerance: f64) -> f64 {
     at_low * (at_high / at_low).powf(part)
 }
 
-/// Which channels are carried together: those whose lights, refraction and texture at entry differ by a factor alone. Black ones, without
-/// light or without scattering, are in no group.
+/// Which channels are carried together: those whose lights, refraction and texture at the entry differ by a factor alone.
+/// Black ones, without light or without scattering, are in no group.
 pub(super) fn group(state: &mut State, lights: &[Light]) {
     let texture = brightest_entry(state);
     let colors: Vec<[f64; 3]> = lights.iter().map(Light::color).collect();

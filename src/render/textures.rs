@@ -50,7 +50,6 @@ pub(super) fn drop_unseen(state: &mut State, options: Options) {
     let entry = state.data.frame.iter().any(|frame| frame.texture_side & ENTRY != 0);
     if options.goal == Goal::Radiosity && !entry {
         (state.data.texels, state.data.corner_uvs) = Default::default();
-        state.data.frame.iter_mut().for_each(|frame| frame.texture_side = 0);
     }
 }
 
@@ -70,26 +69,29 @@ pub(super) fn untextured(stage: &str, state: &State) -> Option<String> {
     }
 }
 
-/// The largest texel of each channel that light is multiplied by where it enters; 1 where there is no texture.
+/// What light that enters is multiplied by at most, of each channel: the largest texel, or 1 where there is no texture.
 pub(super) fn brightest_entry(state: &State) -> [f64; 3] {
-    match entry_texels(state) {
-        Some(texels) => [0, 1, 2].map(|c| f64::from(texels.iter().map(|texel| texel[c]).fold(0.0, f32::max))),
-        None => [1.0; 3],
-    }
+    let largest = |c: usize| entering(state).map(|texel| texel[c]).fold(0.0, f32::max);
+    [0, 1, 2].map(|c| largest(c).into())
 }
 
 /// Whether light that enters keeps the ratio of two channels: their texels differ by the ratio of their largest alone.
 pub(super) fn keeps_ratio(state: &State, largest: [f64; 3], c: usize, lead: usize) -> bool {
     let part = |texel: &[f32; 3], c: usize| f64::from(texel[c]) / largest[c];
-    let alike = |texel: &[f32; 3]| (part(texel, c) - part(texel, lead)).abs() <= 1e-6;
-    entry_texels(state).is_none_or(|texels| texels.iter().all(alike))
+    entering(state).all(|texel| (part(texel, c) - part(texel, lead)).abs() <= 1e-6)
 }
 
-/// The texels of the texture that light is multiplied by where it enters.
-fn entry_texels(state: &State) -> Option<&[[f32; 3]]> {
-    let frame = state.data.frame.iter().find(|frame| frame.texture_side & ENTRY != 0)?;
-    let [width, height] = frame.texture_size.map(|n| n as usize);
-    state.data.texels.get(frame.texture_first as usize..)?.get(..width * height)
+/// The factors that light is multiplied by where it enters.
+fn entering(state: &State) -> impl Iterator<Item = &[f32; 3]> {
+    let data = &state.data;
+    data.frame.iter().flat_map(|frame| {
+        let [first, width, height] =
+            [frame.texture_first, frame.texture_size[0], frame.texture_size[1]].map(|n| n as usize);
+        let textured = frame.texture_side & ENTRY != 0;
+        let texels: &[_] =
+            if textured { data.texels.get(first..first + width * height).unwrap_or_default() } else { &[[1.0; 3]] };
+        texels
+    })
 }
 
 #[cfg(test)]
@@ -106,5 +108,26 @@ mod tests {
         let odd = uvs.map(|[u, v]| [u - 1.0, v]);
         assert_eq!(near(&odd, Some(2.0)).a, [1.25, 0.5]);
         assert_eq!(near(&uvs, None).a, [10.25, 4.5]);
+    }
+
+    #[test]
+    fn a_ratio_is_kept_only_where_all_that_enters_keeps_it() {
+        use crate::layout::Frame;
+        let entry =
+            |first: u32| Frame { texture_side: ENTRY, texture_size: [2, 1], texture_first: first, ..Frame::default() };
+        let mut state = State::default();
+        state.data.texels = vec![[0.5, 0.25, 0.5], [0.25, 0.125, 0.5], [0.75; 3], [0.1; 3]];
+        let kept = |state: &State| {
+            let largest = brightest_entry(state);
+            [(1, 0), (2, 0)].map(|(c, lead)| keeps_ratio(state, largest, c, lead))
+        };
+        let mut of = |frames: Vec<Frame>| {
+            state.data.frame = frames;
+            kept(&state)
+        };
+        assert_eq!(of(vec![Frame::default()]), [true, true]);
+        assert_eq!(of(vec![entry(0)]), [true, false]);
+        assert_eq!(of(vec![entry(2), Frame::default()]), [true, true]);
+        assert_eq!(of(vec![entry(0), Frame::default()]), [false, false]);
     }
 }
