@@ -5,15 +5,15 @@
 //!
 //! 1. `refit`: positions to faces, clusters and vertex normals;
 //! 2. `shadow`: which lights reach which faces; `environment`: harmonics of the light from all around; `irradiance`: the
-//!    light that enters each face (equation 5);
+//!    light that enters each face (equation 5); `entry`: times a texture;
 //! 3. `pull`: moments of the light that enters every cluster;
 //! 4. `level`: how bright the object will be, roughly;
 //! 5. `radii`: how far from a cluster what may be done with it, so that the tolerance is met;
 //! 6. `link`: which emitters each block of receivers expands, links, or takes triangle by triangle;
 //! 7. `gather`: what they give the block;
 //! 8. `push`: from blocks to faces, and `average`: to vertices;
-//! 9. `visibility`: what each pixel sees, and `shade`: with which radiance (equation 3); `reflect`: what the surface itself
-//!    reflects, and `backdrop`: the environment behind the object.
+//! 9. `visibility`: what each pixel sees, and `shade`: with which radiance (equation 3); `exit`: times a texture; `reflect`:
+//!    what the surface itself reflects, and `backdrop`: the environment behind the object.
 //!
 //! Equations and sections are those of Mertens et al. 2003, "Interactive Rendering of Translucent Deformable Objects".
 //!

@@ -49,7 +49,7 @@ fn the_overflowing_fixtures_overflow() {
     let after = |name: &str| {
         let fixture = all().iter().find(|fixture| fixture.name == name).unwrap();
         let mut state = fixture.state.clone();
-        fixture.steps.iter().for_each(|step| (step.stage.cpu)(&mut state, step.at));
+        fixture.steps.iter().for_each(|step| step.reference(&mut state));
         (state.data.cursor[0], state.data.frame[0])
     };
     let (cursor, frame) = after("links that overflow");
@@ -143,7 +143,7 @@ fn overflow_changes_no_bit(scene: &Scene) {
             let mut cut = Session::new(scene, Some(device), options, tight).unwrap();
             cut.frame(Change::EVERYTHING).unwrap();
             assert!(cut.retries > 0, "nothing overflowed");
-            let schedule = &cut.state().schedule;
+            let schedule = &cut.state().objects[0].schedule;
             assert!(schedule.chunks.len().max(schedule.batches.len()) > 4);
             assert_eq!(bits(&mut cut, Slot::radiosity), expected);
             // And once more, from whatever the buffers hold now.

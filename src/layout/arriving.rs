@@ -22,6 +22,16 @@ records! { light_records:
         /// The number of its bit in `lit`, or all ones where it casts no shadow.
         shadow: u32,
     }
+    /// Where a triangle's corners are in the texture: (0, 0) is its upper left, (1, 1) its lower right corner. Where the
+    /// texture repeats, by as many repetitions back that the least is from 0 to 1, or to 2 where it is mirrored.
+    CornerUvs {
+        /// First corner.
+        a: [f32; 2],
+        /// Second corner.
+        b: [f32; 2],
+        /// Third corner.
+        c: [f32; 2],
+    }
     /// The faces and the light that one dispatch of shadow rays is about.
     Rays {
         /// The faces' object.

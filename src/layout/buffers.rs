@@ -32,6 +32,10 @@ buffers! {
     corner_starts: u32, start;
     /// The triangles round each vertex.
     corners: u32, corner;
+    /// Where each triangle's corners are in the texture; empty where there is none.
+    corner_uvs: CornerUvs, face;
+    /// Texels of the texture, linear, rows from the top; empty where there is none.
+    texels: [f32; 3], texel;
     /// The tree.
     topology: Topology, node;
     /// The leaf node of each triangle.
@@ -44,7 +48,7 @@ buffers! {
     clusters: Cluster, node;
     /// Unit vertex normals, area-weighted.
     normals: [f32; 3], vertex;
-    /// Irradiance that enters each triangle, E of equation 5.
+    /// Irradiance that enters each triangle, E of equation 5, times a texture at the entry.
     irradiance: [f32; 3], face;
     /// Area-weighted mean irradiance of each cluster.
     cluster_irradiance: [f32; 3], node;

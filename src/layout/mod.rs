@@ -54,6 +54,7 @@ plain! {
     [f32; 4], "vec4", 4, Float;
     [u32; 2], "uvec2", 2, Unsigned;
     [u32; 3], "uvec3", 3, Unsigned;
+    [u32; 12], "uint[12]", 12, Unsigned;
     [u32; 16], "uint[16]", 16, Unsigned;
     [u32; 32], "uint[32]", 32, Unsigned;
 }

@@ -40,6 +40,14 @@ records! { frame_records:
         reflection: u32,
         /// The lobe's exponent, or alpha of the microfacets.
         roughness: f32,
+        /// Where light is multiplied by the texture: 0 nowhere, 1 where it enters, 2 where it leaves, 3 at both.
+        texture_side: u32,
+        /// What the texture is beyond its edges: 0 the same again, 1 its outermost texels, 2 the same mirrored.
+        texture_wrap: u32,
+        /// Its width and height, in texels.
+        texture_size: [u32; 2],
+        /// Its first texel.
+        texture_first: u32,
         /// The factors of the environment's harmonics of degree 0, per channel: integrals of Fresnel transmittance and cosine.
         zonal_0: [f32; 3],
         /// The same of degree 1.
@@ -85,9 +93,9 @@ records! { frame_records:
         /// Nothing.
         padding: [u32; 32],
         /// Nothing.
-        more_padding: [u32; 32],
+        more_padding: [u32; 16],
         /// Nothing.
-        last_padding: u32,
+        last_padding: [u32; 12],
     }
     /// A block of receivers: a maximal node of at most 16 faces.
     Block {

@@ -1,6 +1,7 @@
 //! What the hierarchy with blocks needs to know of a scene: its blocks, its groups of channels, and the settings that
 //! meet a tolerance.
 
+use super::textures::{brightest_entry, keeps_ratio};
 use crate::dipole::form_factor::points::trace;
 use crate::layout::{Block, Frame};
 use crate::scene::Light;
@@ -57,12 +58,14 @@ pub(super) fn link_error(tolerance: f64) -> f64 {
     at_low * (at_high / at_low).powf(part)
 }
 
-/// Which channels of an object are carried together: those whose lights and refraction differ by a factor alone. Black ones, without
-/// light or without scattering, are in no group.
-pub(super) fn group(frame: &mut Frame, lights: &[Light]) -> Vec<Group> {
+/// Which channels of an object are carried together: those whose lights, refraction and texture at the entry differ by a
+/// factor alone. Black ones, without light or without scattering, are in no group.
+pub(super) fn group(frame: &mut Frame, texels: &[[f32; 3]], lights: &[Light]) -> Vec<Group> {
+    let texture = brightest_entry(frame, texels);
     let colors: Vec<[f64; 3]> = lights.iter().map(Light::color).collect();
     let most = [0, 1, 2].map(|c| colors.iter().map(|color| color[c]).fold(0.0, f64::max));
-    let mut open: Vec<usize> = (0..3).filter(|&c| most[c] > 0.0 && frame.strength[c] > 0.0).collect();
+    let mut open: Vec<usize> =
+        (0..3).filter(|&c| most[c] > 0.0 && texture[c] > 0.0 && frame.strength[c] > 0.0).collect();
     open.sort_by(|&a, &b| most[b].total_cmp(&most[a]).then(a.cmp(&b)));
     frame.tint = [1.0; 3];
     let mut groups = Vec::new();
@@ -70,11 +73,13 @@ pub(super) fn group(frame: &mut Frame, lights: &[Light]) -> Vec<Group> {
         let alike = |c: usize| {
             let ratio = most[c] / most[lead];
             let scaled = |light: &Light| light.proportional(c, lead, ratio, 1e-6 * most[c]);
-            frame.eta[c] == frame.eta[lead] && lights.iter().all(scaled)
+            let eta = frame.eta;
+            let textured = || keeps_ratio(frame, texels, texture, c, lead);
+            eta[c] == eta[lead] && lights.iter().all(scaled) && (c == lead || textured())
         };
         let members: Vec<usize> = open.iter().copied().filter(|&c| alike(c)).collect();
         for &c in &members {
-            frame.tint[c] = (most[c] / most[lead]) as f32;
+            frame.tint[c] = (most[c] * texture[c] / (most[lead] * texture[lead])) as f32;
         }
         groups.push(Group { channels: members.iter().map(|c| 1 << c).sum(), lead: lead as u32 });
         open.retain(|c| !members.contains(c));

@@ -36,7 +36,7 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &
         }
     }
     for (object, frame) in state.objects.iter_mut().zip(&mut state.data.frame) {
-        object.groups = group(frame, lights);
+        object.groups = group(frame, &state.data.texels, lights);
     }
     if let Some(camera) = state.data.camera.first_mut() {
         camera.radiance = units.radiance();

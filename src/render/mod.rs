@@ -10,4 +10,5 @@ pub mod room;
 pub mod run;
 pub mod samples;
 pub mod stages;
+mod textures;
 pub mod units;

@@ -2,6 +2,7 @@
 
 use super::lights::lit;
 use super::stages::{STAGES, steps};
+use super::textures::untextured;
 use crate::layout::{SLOTS, Slot};
 use crate::state::{Scheme, Stage, State, Step};
 
@@ -102,7 +103,8 @@ impl Plan {
         let dark = !lit(state);
         for &stage in STAGES {
             let why = reason(stage.name, options, state.method.scheme, dark);
-            match why.or_else(|| unlit(stage.name, state)).or_else(|| unpeopled(stage.name, state)) {
+            let why = why.or_else(|| unlit(stage.name, state)).or_else(|| untextured(stage.name, state));
+            match why.or_else(|| unpeopled(stage.name, state)) {
                 None => plan.stages.push(stage),
                 Some(why) => plan.left_out.push((stage.name, why)),
             }
@@ -125,7 +127,7 @@ impl Plan {
             _ if change.everything => true,
             "refit" => false,
             "visibility" => change.view,
-            "shade" | "reflect" | "backdrop" => change.view || change.light || change.resum,
+            "shade" | "exit" | "reflect" | "backdrop" => change.view || change.light || change.resum,
             name if kept && builds_links(name) => false,
             // The lists of blocks depend on the light.
             "link" if kept => change.light,
@@ -160,7 +162,7 @@ const LINKS: [&str; 6] = ["reach", "mean", "refine", "form_factor", "collect", "
 
 /// Whether a stage comes before the light is carried through the material, whatever carries it.
 pub fn before_transport(name: &str) -> bool {
-    matches!(name, "refit" | "shadow" | "environment" | "irradiance")
+    matches!(name, "refit" | "shadow" | "environment" | "irradiance" | "entry")
 }
 
 /// Whether a stage lies between known irradiance, with its moments and distances, and radiosity.
@@ -176,8 +178,9 @@ fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -> Option<St
     let (blocks, links) = (BLOCKS.contains(&name), LINKS.contains(&name));
     let needs_light = blocks
         || links
-        || matches!(name, "shadow" | "environment" | "irradiance" | "opaque" | "average" | "brute" | "reflect");
-    let pictorial = matches!(name, "average" | "visibility" | "shade" | "reflect" | "backdrop");
+        || matches!(name, "shadow" | "environment" | "irradiance" | "entry" | "opaque" | "average" | "brute")
+        || matches!(name, "exit" | "reflect");
+    let pictorial = matches!(name, "average" | "visibility" | "shade" | "exit" | "reflect" | "backdrop");
     if name == "evaluate" {
         return Some("answers `milkglass eval` only".into());
     }

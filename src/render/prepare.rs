@@ -2,6 +2,7 @@
 
 use super::blocks::{blocks, edge_nodes, link_error, triangle_size};
 use super::lights::lights;
+use super::textures::texture;
 use super::units::Units;
 use crate::dipole::form_factor::ladder::Ladder;
 use crate::dipole::profile::Dipole;
@@ -107,6 +108,7 @@ fn one(scene: &Scene, object: &scene::Object, units: Units) -> (State, Tree, Met
     let mut state = State { distance: transport.distance, ..State::default() };
     let faces = topology(&mut state, mesh, &tree, units);
     frame(&mut state, &object.material, transport, units);
+    texture(&mut state, object.material.texture.as_ref(), mesh, &faces);
     state.method = Switches {
         scheme: transport.scheme,
         order: transport.order,

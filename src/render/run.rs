@@ -8,6 +8,7 @@ use super::plan::{Change, Mode, Options, Plan, Transport, before_transport};
 use super::prepare::{Prepared, camera, prepare};
 pub use super::room::Room;
 use super::room::{Lists, size};
+use super::textures::drop_unseen;
 use super::units::Units;
 use crate::error::{Error, Result};
 use crate::geometry::trace::UNFINISHED;
@@ -49,6 +50,7 @@ impl Session {
             _ => None,
         };
         let mut prepared = prepare(scene);
+        drop_unseen(&mut prepared.state, options);
         prepared.state.keep = options.mode == Mode::Render;
         let blocks = prepared.state.method.scheme == Scheme::Blocks && options.transport == Transport::Hierarchy;
         prepared.state.method.estimate = options.estimate && blocks;

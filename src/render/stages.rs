@@ -2,10 +2,10 @@
 
 use crate::baseline::{brute, collect, form_factor, mean, reach, refine, spread};
 use crate::geometry::refit;
-use crate::light::{environment, irradiance, opaque, shadow};
+use crate::light::{entry, environment, irradiance, opaque, shadow};
 use crate::state::{Place, Stage, State, Step, Unit};
 use crate::transport::{average, evaluate, gather, level, link, pull, push, radii};
-use crate::view::{backdrop, reflect, shade, visibility};
+use crate::view::{backdrop, exit, reflect, shade, visibility};
 
 /// Every stage, in the order of a frame; the last two are no part of one: `brute` takes the place of
 /// `pull` to `push`, `evaluate` answers `milkglass eval`.
@@ -14,6 +14,7 @@ pub static STAGES: &[&Stage] = &[
     &shadow::STAGE,
     &environment::STAGE,
     &irradiance::STAGE,
+    &entry::STAGE,
     &reach::STAGE,
     &mean::STAGE,
     &refine::STAGE,
@@ -30,6 +31,7 @@ pub static STAGES: &[&Stage] = &[
     &average::STAGE,
     &visibility::STAGE,
     &shade::STAGE,
+    &exit::STAGE,
     &reflect::STAGE,
     &backdrop::STAGE,
     &brute::STAGE,
@@ -44,7 +46,7 @@ pub fn stage(name: &str) -> Option<&'static Stage> {
 /// Whether a stage has to do with an object: one that light enters, or one that is opaque.
 fn serves(stage: &Stage, opaque: bool) -> bool {
     match stage.name {
-        "refit" | "irradiance" | "average" => true,
+        "refit" | "irradiance" | "entry" | "average" => true,
         name => opaque == (name == "opaque"),
     }
 }

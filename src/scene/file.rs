@@ -7,6 +7,7 @@ use super::material::Fresnel;
 use super::object::{self, ObjectFile};
 use super::range::Checked;
 use super::surface::ReflectionKind;
+use super::texture::{Side, Wrap};
 use super::transport::{self, Distance, Hierarchy, Near, Oracle, Scheme, Transport};
 use super::vector::{Background, Rgb, Vector};
 use serde::Deserialize;
@@ -86,6 +87,9 @@ pub(super) struct MaterialFile {
     pub reflection: ReflectionKind,
     pub roughness: Option<f64>,
     pub shininess: Option<i64>,
+    pub texture: Option<String>,
+    pub texture_on: Option<Side>,
+    pub texture_wrap: Option<Wrap>,
 }
 
 impl Default for MaterialFile {
@@ -104,6 +108,9 @@ impl Default for MaterialFile {
             reflection: ReflectionKind::None,
             roughness: None,
             shininess: None,
+            texture: None,
+            texture_on: None,
+            texture_wrap: None,
         }
     }
 }

@@ -5,6 +5,7 @@ use super::locate;
 use super::preset::{PRESETS, Preset};
 use super::range::{self, Checked};
 use super::surface::{Reflection, Surface};
+use super::texture::Texture;
 use super::vector::Rgb;
 use crate::error::Input;
 use serde::Deserialize;
@@ -45,6 +46,8 @@ pub struct Material {
     pub two_sided: bool,
     /// What its surface does with light.
     pub surface: Surface,
+    /// What light is multiplied by where it enters or leaves, if not by 1 everywhere.
+    pub texture: Option<Texture>,
 }
 
 impl Material {
@@ -102,9 +105,9 @@ impl Material {
             Some(preset) if modified => format!("{}, modified", preset.name),
             Some(preset) => preset.name.to_owned(),
         };
-        let surface = Surface::check(file, key)?;
         let (fresnel, two_sided) = (file.fresnel, file.two_sided);
-        Ok(Self { name, sigma_s_prime, sigma_a, eta, opaque: None, fresnel, two_sided, surface })
+        let (surface, texture) = (Surface::check(file, key)?, Texture::check(file, key)?);
+        Ok(Self { name, sigma_s_prime, sigma_a, eta, opaque: None, fresnel, two_sided, surface, texture })
     }
 
     /// A material that no light enters: a diffuse surface, refracting only where its index is not 1.
@@ -118,11 +121,13 @@ impl Material {
         ];
         if let Some((name, _)) = others.into_iter().find(|(_, given)| *given) {
             let fault = Input::new("an opaque material has no such key").key(key(name));
-            return Err(fault.found("opaque = true").expected("albedo, eta, reflection, roughness, shininess"));
+            return Err(fault
+                .found("opaque = true")
+                .expected("albedo, eta, reflection, roughness, shininess, texture"));
         }
         let albedo = file.albedo.map_or([0.5; 3], |rgb| rgb.0);
         range::channels(&key("albedo"), albedo, |x| (0.0..=1.0).contains(&x), "numbers from 0 to 1")?;
-        let surface = Surface::check(file, &key)?;
+        let (surface, texture) = (Surface::check(file, &key)?, Texture::check(file, &key)?);
         let eta = file.eta.map_or([if surface.reflection == Reflection::None { 1.0 } else { 1.5 }; 3], |rgb| rgb.0);
         range::channels(&key("eta"), eta, |x| (1.0..=5.0).contains(&x), "numbers from 1 to 5")?;
         Ok(Self {
@@ -134,6 +139,7 @@ impl Material {
             fresnel: file.fresnel,
             two_sided: false,
             surface,
+            texture,
         })
     }
 }

@@ -5,6 +5,7 @@
 
 mod camera;
 mod file;
+mod image;
 mod light;
 mod locate;
 mod material;
@@ -15,6 +16,7 @@ mod range;
 mod read;
 mod set;
 mod surface;
+mod texture;
 mod transport;
 mod vector;
 
@@ -25,6 +27,7 @@ pub use mesh::{Mesh, Shape};
 pub use object::Object;
 pub use preset::{PRESETS, Preset};
 pub use surface::{Reflection, Surface};
+pub use texture::{Side, Texture, Wrap};
 pub use transport::{Distance, Hierarchy, Near, Oracle, Scheme, Transport};
 
 use crate::error::{Input, Result};
@@ -76,10 +79,10 @@ impl Scene {
         let draft = read::read(&text.toml, &text.file, sets)?;
         let mut report = Vec::new();
 
-        // The meshes, at their sizes and places.
+        // The meshes, at their sizes and places, and their textures.
         let several = draft.objects.len() > 1;
         let mut objects = Vec::with_capacity(draft.objects.len());
-        for (index, object) in draft.objects.into_iter().enumerate() {
+        for (index, mut object) in draft.objects.into_iter().enumerate() {
             let mut notes = Vec::new();
             let mesh = object.mesh(&text.folder, index, &mut notes);
             let mesh = mesh.map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;

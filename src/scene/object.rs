@@ -48,7 +48,7 @@ pub(super) struct Draft {
 
 /// Where a mesh comes from.
 #[derive(Debug)]
-enum Source {
+pub(super) enum Source {
     /// A file, relative to the scene file.
     File(PathBuf),
     /// A shape made here, and its detail.
@@ -124,10 +124,16 @@ impl ObjectFile {
 }
 
 impl Draft {
-    /// Reads or makes the mesh, at its size and place; paths are relative to `folder`.
-    pub(super) fn mesh(&self, folder: &Path, index: usize, report: &mut Vec<String>) -> Checked<Mesh> {
+    /// Loads the texture, and reads or makes the mesh, at its size and place; paths are relative to `folder`.
+    pub(super) fn mesh(&mut self, folder: &Path, index: usize, report: &mut Vec<String>) -> Checked<Mesh> {
+        let key = format!("object.{index}.material.texture");
+        let textured = self.material.texture.as_ref().map(|_| key.as_str());
+        if let Some(texture) = &mut self.material.texture {
+            texture.load(folder, &self.source, &key)?;
+        }
         let mut mesh = match &self.source {
-            Source::File(path) => Mesh::read(&folder.join(path), report)?,
+            Source::File(path) => Mesh::read(&folder.join(path), textured, report)?,
+            Source::Shape(shape, detail) if textured.is_some() => shape.build_textured(*detail),
             Source::Shape(shape, detail) => shape.build(*detail),
         };
         if let Some(size) = self.size {

@@ -2,7 +2,7 @@
 //! own can be made of it. Runs begin at multiples of 64 elements, so that a device can bind any of them.
 
 use super::{Group, Place, Schedule, State};
-use crate::layout::{Cut, SLOTS, Slot};
+use crate::layout::{Cut, Frame, SLOTS, Slot};
 
 /// How many an object has of what there is, or where its first ones lie.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -119,7 +119,7 @@ impl State {
             // What no later object has ends before it would begin.
             _ => {
                 return Some(object.run(cut, self.data.frame[0].shadow_words as usize))
-                    .filter(|run| run.1 > 0)
+                    .filter(|run| run.0 + run.1 <= all)
                     .unwrap_or_default();
             }
         };
@@ -139,7 +139,12 @@ impl State {
             object.first = first;
             let corner = joined.data.positions.len() as u32;
             joined.data.positions.extend(&state.data.positions);
-            joined.data.frame.extend(&state.data.frame);
+            let texel = joined.data.texels.len() as u32;
+            joined.data.texels.extend(&state.data.texels);
+            joined.data.frame.extend(state.data.frame.iter().map(|frame| {
+                let texture_first = frame.texture_first + if frame.texture_side > 0 { texel } else { 0 };
+                Frame { texture_first, ..*frame }
+            }));
             for &slot in SLOTS {
                 let (cut, have) = (slot.spec().cut, state.data.bytes(slot));
                 if matches!(cut, Cut::Whole | Cut::Object | Cut::Group | Cut::Chunk | Cut::Batch) || have.is_empty() {

@@ -2,6 +2,7 @@
 
 pub mod aov;
 pub mod backdrop;
+pub mod exit;
 pub mod picture;
 pub mod reflect;
 pub mod shade;

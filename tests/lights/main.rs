@@ -5,10 +5,9 @@ mod kinds;
 mod shadow;
 
 use glam::DVec3;
-use milkglass::render::plan::{Goal, Options, before_transport};
+use milkglass::render::plan::{Goal, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::{Light, Mesh, Scene};
-use milkglass::state::Place;
 
 /// A built-in scene with these settings.
 pub fn scene(name: &str, sets: &[&str]) -> Scene {
@@ -22,14 +21,10 @@ pub const CLEAR: &str = "object.0.material.eta=1";
 pub fn irradiance(scene: &Scene) -> Vec<DVec3> {
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(scene, None, options, Room::default()).unwrap();
-    for stage in session.plan.stages.iter().filter(|stage| before_transport(stage.name)) {
-        (stage.cpu)(&mut session.prepared.state, Place::default());
-    }
-    let mut values = vec![DVec3::ZERO; session.prepared.faces.len()];
-    for (value, &face) in session.state().data.irradiance.iter().zip(&session.prepared.faces) {
-        values[face as usize] = DVec3::from_array(value.map(f64::from)) * session.units().light;
-    }
-    values
+    session.prepare_light();
+    let (irradiance, light) = (&session.state().data.irradiance, session.units().light);
+    let value = |face: usize| DVec3::from_array(irradiance[face].map(f64::from)) * light;
+    session.prepared.all_places().map(value).collect()
 }
 
 /// The same with no light casting shadows.
@@ -41,7 +36,7 @@ pub fn unshadowed(scene: &Scene) -> Vec<DVec3> {
 /// A mesh from plain numbers.
 pub fn mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     let input_face = (0..triangles.len() as u32).collect();
-    Mesh { positions, triangles, input_face, open_edges: 0 }
+    Mesh { positions, triangles, input_face, ..Mesh::default() }
 }
 
 /// Rectangles of `n` x `n` cells, each given by a corner and two edges.

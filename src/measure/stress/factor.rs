@@ -80,6 +80,7 @@ impl Pair {
             positions: self.triangle.into_iter().chain(small).collect(),
             triangles: vec![[0, 1, 2], [3, 4, 5]],
             input_face: vec![0, 1],
+            uvs: None,
             open_edges: 6,
         };
         scene.objects[0].material = Material {
@@ -91,6 +92,7 @@ impl Pair {
             fresnel: Fresnel::Exact,
             two_sided: false,
             surface: Surface::default(),
+            texture: None,
         };
         // The receiver may stand in the light, and is not meant to.
         scene.lights = vec![Light { shadows: false, ..Light::directional(normal, [1.0; 3]) }];

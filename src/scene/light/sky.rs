@@ -4,6 +4,7 @@
 //! at polar angle t and azimuth a (-180 to 180 degrees from left to right) is (sin t sin a, cos t, -sin t cos a).
 //! `rotation` turns the environment about +y, anticlockwise as seen from above.
 
+use super::super::image::{read_exr, read_hdr};
 use super::super::range::Checked;
 use crate::error::Input;
 use glam::DVec3;
@@ -127,27 +128,6 @@ fn built_in() -> Sky {
     };
     let pixels = (0..height).flat_map(|row| (0..width).map(move |column| pixel(column, row))).collect();
     Sky::new([width, height], pixels)
-}
-
-/// Size and pixels of an image file, or what is wrong with it.
-type Image = Result<([u32; 2], Vec<[f32; 3]>), String>;
-
-fn read_exr(path: &Path) -> Image {
-    let image = exr::prelude::read_first_rgba_layer_from_file(
-        path,
-        |size, _| (size.width(), vec![[0f32; 3]; size.area()]),
-        |(width, pixels), at, (r, g, b, _): (f32, f32, f32, f32)| pixels[at.y() * *width + at.x()] = [r, g, b],
-    );
-    let (width, pixels) = image.map_err(|error| error.to_string())?.layer_data.channel_data.pixels;
-    let height = pixels.len() / width.max(1);
-    Ok(([width as u32, height as u32], pixels))
-}
-
-fn read_hdr(path: &Path) -> Image {
-    let reader = image::ImageReader::open(path).map_err(|error| error.to_string())?;
-    let image = reader.decode().map_err(|error| error.to_string())?.into_rgb32f();
-    let size = [image.width(), image.height()];
-    Ok((size, image.pixels().map(|pixel| pixel.0).collect()))
 }
 
 #[cfg(test)]

@@ -13,13 +13,13 @@ const SLIVER: f64 = 1e-7;
 
 /// The cleaned mesh, faces in the order of the input; its open edges are not counted yet.
 pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<Mesh> {
-    let Soup { positions, triangles, input_face, unused } = soup;
+    let Soup { positions, triangles, input_face, uvs, unused } = soup;
     let (first, welded) = weld(&positions);
 
     // Faces with three different corners and an area stay.
-    let mut mesh = Mesh { positions: Vec::new(), triangles: Vec::new(), input_face: Vec::new(), open_edges: 0 };
+    let mut mesh = Mesh { uvs: uvs.as_ref().map(|_| Vec::new()), ..Mesh::default() };
     let (mut repeated, mut slivers) = (0, 0);
-    for (corners, face) in triangles.iter().zip(input_face) {
+    for (triangle, (corners, face)) in triangles.iter().zip(input_face).enumerate() {
         let [a, b, c] = corners.map(|corner| first[corner as usize]);
         if a == b || b == c || c == a {
             repeated += 1;
@@ -28,6 +28,9 @@ pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<Mesh> {
         } else {
             mesh.triangles.push([a, b, c]);
             mesh.input_face.push(face);
+            if let (Some(kept), Some(all)) = (&mut mesh.uvs, &uvs) {
+                kept.push(all[triangle]);
+            }
         }
     }
     if mesh.triangles.is_empty() {
@@ -100,7 +103,7 @@ mod tests {
             positions: positions.iter().copied().map(DVec3::from_array).collect(),
             triangles: triangles.to_vec(),
             input_face: (0..).take(triangles.len()).collect(),
-            unused: 0,
+            ..Soup::default()
         }
     }
 
@@ -119,8 +122,10 @@ mod tests {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [5.0, 5.0, 5.0], [0.0, 1.0, 0.0]];
         let faces = [[0, 1, 2], [3, 3, 0], [0, 1, 4], [1, 2, 4]];
         let mut report = Vec::new();
-        let mesh = clean(soup(&corners, &faces), &mut report).expect("two faces");
+        let uvs = Some((0..4).map(|face| [[f64::from(face); 2]; 3]).collect());
+        let mesh = clean(Soup { uvs, ..soup(&corners, &faces) }, &mut report).expect("two faces");
         assert_eq!(mesh.input_face, [2, 3]);
+        assert_eq!(mesh.uvs, Some(vec![[[2.0; 2]; 3], [[3.0; 2]; 3]]));
         assert_eq!(mesh.positions.len(), 4);
         let expected = [
             "dropped: 1 faces with a repeated corner",

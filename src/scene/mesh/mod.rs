@@ -7,7 +7,9 @@ mod lotus;
 mod nesting;
 mod orient;
 mod shape;
+mod uv;
 
+pub(super) use import::map_kd;
 pub use shape::Shape;
 
 use super::range::Checked;
@@ -16,7 +18,7 @@ use glam::DVec3;
 use std::path::Path;
 
 /// A triangle mesh without degenerate faces, unused vertices or two vertices in one place.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
     /// Vertices, in scene units.
     pub positions: Vec<DVec3>,
@@ -25,14 +27,18 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// For each triangle the face of the input it came from, from 0; polygons count once.
     pub input_face: Vec<u32>,
+    /// Places in the texture of each triangle's corners, if there is one: (0, 0) is its lower left, (1, 1) its upper right
+    /// corner. As many as triangles.
+    pub uvs: Option<Vec<[[f64; 2]; 3]>>,
     /// The number of edges that one triangle has alone; 0 when the mesh is closed.
     pub open_edges: usize,
 }
 
 impl Mesh {
-    /// Reads, cleans and orients a Wavefront OBJ file; repairs and warnings are added to `report`.
-    pub(super) fn read(path: &Path, report: &mut Vec<String>) -> Checked<Self> {
-        let soup = import::read(path)?;
+    /// Reads, cleans and orients a Wavefront OBJ file; repairs and warnings are added to `report`. Where a texture is
+    /// wanted, its key is given, and every corner must have a place in it.
+    pub(super) fn read(path: &Path, textured: Option<&str>, report: &mut Vec<String>) -> Checked<Self> {
+        let soup = import::read(path, textured)?;
         let mut mesh = clean::clean(soup, report).map_err(|fault| fault.file(path))?;
         orient::orient(&mut mesh, report);
         Ok(mesh)
@@ -41,7 +47,7 @@ impl Mesh {
     /// A mesh made here, which is known to be closed, clean and outward.
     fn made(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Self {
         let input_face = (0..triangles.len()).filter_map(|face| u32::try_from(face).ok()).collect();
-        Self { positions, triangles, input_face, open_edges: 0 }
+        Self { positions, triangles, input_face, ..Self::default() }
     }
 
     /// The lowest and highest corner of the bounding box, in scene units.
@@ -118,7 +124,7 @@ mod tests {
                     f 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
         std::fs::write(&path, cube).expect("written");
         let mut report = Vec::new();
-        let mesh = Mesh::read(&path, &mut report).expect("a cube");
+        let mesh = Mesh::read(&path, None, &mut report).expect("a cube");
         assert_eq!((mesh.triangles.len(), mesh.open_edges), (12, 0));
         assert_eq!(mesh.input_face, [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5]);
         assert!((mesh.volume() - 1.0).abs() < 1e-12);

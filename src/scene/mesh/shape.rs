@@ -1,6 +1,6 @@
 //! Shapes made here: closed, outward, and as fine as their `detail` says.
 
-use super::{Mesh, lotus};
+use super::{Mesh, lotus, uv};
 use glam::DVec3;
 use serde::Deserialize;
 use std::collections::HashMap;
@@ -45,6 +45,12 @@ impl Shape {
             Self::Slab => slab(detail),
             Self::Lotus => lotus::lotus(detail),
         }
+    }
+
+    /// The same with places in a texture.
+    pub fn build_textured(self, detail: u32) -> Mesh {
+        let mesh = self.build(detail);
+        Mesh { uvs: Some(uv::of_shape(self, &mesh)), ..mesh }
     }
 }
 
@@ -146,7 +152,7 @@ mod tests {
             positions: mesh.positions.clone(),
             triangles: mesh.triangles.clone(),
             input_face: mesh.input_face.clone(),
-            unused: 0,
+            ..Soup::default()
         };
         let mut report = Vec::new();
         let mut again = clean::clean(soup, &mut report).expect("faces with an area");

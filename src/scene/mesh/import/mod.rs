@@ -1,7 +1,8 @@
 //! Wavefront OBJ: positions and faces as they are in the file, polygons cut into fans.
 //!
-//! Only `v` and `f` statements matter here; materials, groups, normals, texture coordinates, points
-//! and lines are passed over, so that a fault in them, or a missing `.mtl` file, is not one of ours.
+//! Only `v` and `f` statements matter here; materials, groups, normals, points and lines are passed over, so that a
+//! fault in them, or a missing `.mtl` file, is not one of ours. Texture coordinates, and the library that names a texture,
+//! are read where a texture is wanted.
 
 use crate::error::Input;
 use crate::scene::range::Checked;
@@ -11,6 +12,10 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 mod fault;
+mod mtl;
+mod uv;
+
+pub(in crate::scene) use mtl::map_kd;
 
 /// The largest coordinate a mesh may have; its cube is still far from overflow.
 const LARGEST: f64 = 1e30;
@@ -24,12 +29,25 @@ pub(super) struct Soup {
     pub triangles: Vec<[u32; 3]>,
     /// For each triangle the face of the file it came from, from 0.
     pub input_face: Vec<u32>,
+    /// Places in the texture of each triangle's corners, where it is to have one.
+    pub uvs: Option<Vec<[[f64; 2]; 3]>>,
     /// Vertices of the file that no face uses.
     pub unused: usize,
 }
 
-/// Reads a file; every fault carries the file, and the line if one statement is to blame.
-pub(super) fn read(path: &Path) -> Checked<Soup> {
+/// Reads a file; every fault carries the file, and the line if one statement is to blame. `textured` is the key of the
+/// texture, if the mesh is to have one.
+pub(super) fn read(path: &Path, textured: Option<&str>) -> Checked<Soup> {
+    let text = text(path)?;
+    let mut soup = parse(&text).map_err(|fault| fault.file(path))?;
+    if let Some(key) = textured {
+        soup.uvs = Some(uv::corners(&text).map_err(|fault| fault.key(key).file(path))?);
+    }
+    Ok(soup)
+}
+
+/// The text of a file.
+fn text(path: &Path) -> Checked<String> {
     if path.exists() && !path.is_file() {
         return Err(Input::new("the mesh is not a plain file").file(path).expected("a Wavefront OBJ file"));
     }
@@ -38,7 +56,7 @@ pub(super) fn read(path: &Path) -> Checked<Soup> {
         _ => Input::new("the mesh file cannot be read").file(path).found(error),
     })?;
     // Names and comments may be in any encoding; what matters is ASCII.
-    parse(&String::from_utf8_lossy(&bytes)).map_err(|fault| fault.file(path))
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 /// Reads the text of a file.
@@ -190,17 +208,17 @@ mod tests {
     fn file_faults_name_the_file() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("gone.obj");
-        let error = read(&path).err().map(|e| e.to_string()).unwrap_or_default();
+        let error = read(&path, None).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.ends_with("gone.obj: there is no such mesh file"), "{error}");
-        let error = read(folder.path()).err().map(|e| e.to_string()).unwrap_or_default();
+        let error = read(folder.path(), None).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.contains(": the mesh is not a plain file; expected"), "{error}");
         for bytes in [&b""[..], b"v 0 0 0\n", b"\xff\xfe\0\0\x80"] {
             std::fs::write(&path, bytes).expect("written");
-            let error = read(&path).err().map(|e| e.to_string()).unwrap_or_default();
+            let error = read(&path, None).err().map(|e| e.to_string()).unwrap_or_default();
             assert!(error.contains("gone.obj: the mesh has no faces; found no `f`"), "{error}");
         }
         std::fs::write(&path, format!("{SQUARE}f 1 2 7\n")).expect("written");
-        let error = read(&path).err().map(|e| e.to_string()).unwrap_or_default();
+        let error = read(&path, None).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.contains("gone.obj:5: a face names a vertex that is not there"), "{error}");
     }
 }

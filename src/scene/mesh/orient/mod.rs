@@ -37,7 +37,7 @@ pub(super) fn orient(mesh: &mut Mesh, report: &mut Vec<String>) {
             flip(&mut reversed, part);
         }
     }
-    apply(&mut mesh.triangles, &reversed);
+    apply(mesh, &reversed);
 
     // Closed parts: outwards at an even depth, inwards at an odd one.
     let closed: Vec<&Part> = parts.iter().filter(|part| part.closed).collect();
@@ -50,7 +50,7 @@ pub(super) fn orient(mesh: &mut Mesh, report: &mut Vec<String>) {
             flip(&mut reversed, part);
         }
     }
-    apply(&mut mesh.triangles, &inside_out);
+    apply(mesh, &inside_out);
 
     // The report.
     let count = reversed.iter().filter(|&&is| is).count();
@@ -132,10 +132,14 @@ fn flip(flags: &mut [bool], part: &Part) {
     }
 }
 
-fn apply(triangles: &mut [[u32; 3]], reversed: &[bool]) {
-    for (corners, _) in triangles.iter_mut().zip(reversed).filter(|(_, reversed)| **reversed) {
-        corners.swap(1, 2);
+fn apply(mesh: &mut Mesh, reversed: &[bool]) {
+    fn turn<T>(corners: &mut [[T; 3]], reversed: &[bool]) {
+        for (corners, _) in corners.iter_mut().zip(reversed).filter(|(_, reversed)| **reversed) {
+            corners.swap(1, 2);
+        }
     }
+    turn(&mut mesh.triangles, reversed);
+    turn(mesh.uvs.as_deref_mut().unwrap_or_default(), reversed);
 }
 
 fn area([a, b, c]: [DVec3; 3]) -> f64 {

@@ -11,7 +11,7 @@ fn ball(radius: f64, middle: DVec3) -> Mesh {
 }
 
 fn together(meshes: &[Mesh]) -> Mesh {
-    let mut all = Mesh { positions: vec![], triangles: vec![], input_face: vec![], open_edges: 0 };
+    let mut all = Mesh::default();
     for mesh in meshes {
         let base = all.positions.len() as u32;
         all.positions.extend(&mesh.positions);
@@ -50,6 +50,16 @@ fn a_ball_inside_out_is_reversed() {
     assert!(mesh.volume() > 0.0);
     let expected = "reversed: 80 faces in 1 of 1 connected parts pointed the wrong way";
     assert_eq!(report, [expected]);
+}
+
+#[test]
+fn places_in_a_texture_turn_with_their_corners() {
+    let mut mesh = Shape::Sphere.build_textured(1);
+    let places = mesh.uvs.clone();
+    mesh.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+    mesh.uvs.iter_mut().flatten().for_each(|corners| corners.swap(1, 2));
+    let (mesh, _) = oriented(mesh);
+    assert_eq!((mesh.triangles, mesh.uvs), (Shape::Sphere.build(1).triangles, places));
 }
 
 #[test]
@@ -100,7 +110,7 @@ fn an_open_part_keeps_the_side_of_most_of_its_area() {
 
 #[test]
 fn a_moebius_strip_is_reported() {
-    let mut mesh = Mesh { positions: vec![], triangles: vec![], input_face: vec![], open_edges: 0 };
+    let mut mesh = Mesh::default();
     for step in 0..8u32 {
         let angle = f64::from(step) * std::f64::consts::TAU / 8.0;
         let (sine, cosine) = (angle / 2.0).sin_cos();
@@ -121,11 +131,9 @@ fn a_moebius_strip_is_reported() {
 #[test]
 fn crowded_edges_join_nothing() {
     // Two tetrahedra that share an edge: four faces meet there.
-    let mut mesh = Mesh { positions: vec![], triangles: vec![], input_face: vec![], open_edges: 0 };
-    mesh.positions =
-        [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]
-            .map(DVec3::from_array)
-            .to_vec();
+    let corners =
+        [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]];
+    let mut mesh = Mesh { positions: corners.map(DVec3::from_array).to_vec(), ..Mesh::default() };
     for [a, b, c, d] in [[0, 2, 3, 1], [0, 4, 5, 1]] {
         mesh.triangles.extend([[a, c, b], [a, b, d], [b, c, d], [c, a, d]]);
     }

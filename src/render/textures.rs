@@ -1,0 +1,123 @@
+//! A material's texture as the stages `entry` and `exit` read it.
+
+use super::plan::{Goal, Options};
+use crate::layout::{CornerUvs, Frame};
+use crate::scene::{Mesh, Side, Texture, Wrap};
+use crate::state::State;
+
+/// The bit of `frame.texture_side` for light that enters.
+const ENTRY: u32 = 1;
+/// The same for light that leaves.
+const EXIT: u32 = 2;
+
+/// Puts a texture in place; `faces` is the mesh's triangle of each triangle of the state. A mesh without places in a
+/// texture has none.
+pub(super) fn texture(state: &mut State, texture: Option<&Texture>, mesh: &Mesh, faces: &[u32]) {
+    let (Some(texture), Some(uvs)) = (texture, &mesh.uvs) else { return };
+    let data = &mut state.data;
+    let frame = &mut data.frame[0];
+    frame.texture_side = match texture.side {
+        Side::Entry => ENTRY,
+        Side::Exit => EXIT,
+        Side::Both => ENTRY | EXIT,
+    };
+    // A period, where there is one.
+    let (wrap, period) = match texture.wrap {
+        Wrap::Repeat => (0, Some(1.0)),
+        Wrap::Clamp => (1, None),
+        Wrap::Mirror => (2, Some(2.0)),
+    };
+    frame.texture_wrap = wrap;
+    frame.texture_size = texture.size;
+    frame.texture_first = data.texels.len() as u32;
+    let root = |x: f32| if texture.side == Side::Both { x.sqrt() } else { x };
+    data.texels.extend(texture.texels.iter().map(|texel| texel.map(root)));
+    let places = faces.iter().map(|&face| uvs.get(face as usize).map_or(CornerUvs::default(), |uvs| near(uvs, period)));
+    data.corner_uvs = places.collect();
+}
+
+/// A triangle's places from the texture's upper left corner, whole periods taken off.
+fn near(uvs: &[[f64; 2]; 3], period: Option<f64>) -> CornerUvs {
+    let down = uvs.map(|[u, v]| [u, 1.0 - v]);
+    let least = |axis: usize| down.iter().map(|place| place[axis]).fold(f64::INFINITY, f64::min);
+    let off = [0, 1].map(|axis| period.map_or(0.0, |period| (least(axis) / period).floor() * period));
+    let [a, b, c] = down.map(|place| [0, 1].map(|axis| (place[axis] - off[axis]) as f32));
+    CornerUvs { a, b, c }
+}
+
+/// Drops a texture that a frame with these options never looks at.
+pub(super) fn drop_unseen(state: &mut State, options: Options) {
+    let entry = state.data.frame.iter().any(|frame| frame.texture_side & ENTRY != 0);
+    if options.goal == Goal::Radiosity && !entry {
+        (state.data.texels, state.data.corner_uvs) = Default::default();
+    }
+}
+
+/// Why no light is multiplied by a texture in this stage, if none is.
+pub(super) fn untextured(stage: &str, state: &State) -> Option<String> {
+    let side = match stage {
+        "entry" => ENTRY,
+        "exit" => EXIT,
+        _ => return None,
+    };
+    let sides = state.data.frame.iter().fold(0, |sides, frame| sides | frame.texture_side);
+    match sides {
+        0 => Some("no material has a texture".into()),
+        sides if sides & side != 0 => None,
+        EXIT => Some("the texture is for light that leaves".into()),
+        _ => Some("the texture is for light that enters".into()),
+    }
+}
+
+/// What light that enters is multiplied by at most, of each channel: the largest texel, or 1 where there is no texture.
+pub(super) fn brightest_entry(frame: &Frame, texels: &[[f32; 3]]) -> [f64; 3] {
+    let largest = |c: usize| entering(frame, texels).iter().map(|texel| texel[c]).fold(0.0, f32::max);
+    [0, 1, 2].map(|c| largest(c).into())
+}
+
+/// Whether light that enters keeps the ratio of two channels: their texels differ by the ratio of their largest alone.
+pub(super) fn keeps_ratio(frame: &Frame, texels: &[[f32; 3]], largest: [f64; 3], c: usize, lead: usize) -> bool {
+    let part = |texel: &[f32; 3], c: usize| f64::from(texel[c]) / largest[c];
+    entering(frame, texels).iter().all(|texel| (part(texel, c) - part(texel, lead)).abs() <= 1e-6)
+}
+
+/// The factors that an object's light is multiplied by where it enters.
+fn entering<'a>(frame: &Frame, texels: &'a [[f32; 3]]) -> &'a [[f32; 3]] {
+    if frame.texture_side & ENTRY == 0 {
+        return &[[1.0; 3]];
+    }
+    let [first, width, height] =
+        [frame.texture_first, frame.texture_size[0], frame.texture_size[1]].map(|n| n as usize);
+    texels.get(first..first + width * height).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_periods_are_taken_off() {
+        let uvs = [[10.25, -3.5], [11.5, -3.0], [10.5, -4.25]];
+        let CornerUvs { a, b, c } = near(&uvs, Some(1.0));
+        // From above: 4.5, 4.0 and 5.25, the least of which is 4.
+        assert_eq!([a, b, c], [[0.25, 0.5], [1.5, 0.0], [0.5, 1.25]]);
+        assert_eq!(near(&uvs, Some(2.0)).a, [0.25, 0.5]);
+        let odd = uvs.map(|[u, v]| [u - 1.0, v]);
+        assert_eq!(near(&odd, Some(2.0)).a, [1.25, 0.5]);
+        assert_eq!(near(&uvs, None).a, [10.25, 4.5]);
+    }
+
+    #[test]
+    fn a_ratio_is_kept_only_where_all_that_enters_keeps_it() {
+        let entry =
+            |first: u32| Frame { texture_side: ENTRY, texture_size: [2, 1], texture_first: first, ..Frame::default() };
+        let texels = [[0.5, 0.25, 0.5], [0.25, 0.125, 0.5], [0.75; 3], [0.1; 3]];
+        let kept = |frame: Frame| {
+            let largest = brightest_entry(&frame, &texels);
+            [(1, 0), (2, 0)].map(|(c, lead)| keeps_ratio(&frame, &texels, largest, c, lead))
+        };
+        assert_eq!(kept(Frame::default()), [true, true]);
+        assert_eq!(kept(entry(0)), [true, false]);
+        assert_eq!(kept(entry(2)), [true, true]);
+    }
+}

@@ -1,0 +1,101 @@
+//! Texture coordinates: `vt` statements, and which of them the corners of faces name.
+
+use super::statements;
+use crate::error::Input;
+use crate::scene::range::Checked;
+
+/// The largest texture coordinate: places between 10,000 repetitions are still told apart.
+const MOST: f64 = 1e4;
+
+/// For each triangle, polygons cut into fans in the order of the file; a fault carries its line.
+pub(super) fn corners(text: &str) -> Checked<Vec<[[f64; 2]; 3]>> {
+    let mut places = Vec::new();
+    let mut named: Vec<(usize, Vec<i64>)> = Vec::new();
+    for (line, statement) in statements(text) {
+        let mut words = statement.split_whitespace();
+        match words.next() {
+            Some("vt") => places.push(place(words).map_err(|fault| fault.line(line))?),
+            Some("f") => {
+                let numbers = words.map(|word| index(word, places.len()));
+                named.push((line, numbers.collect::<Checked<_>>().map_err(|fault| fault.line(line))?));
+            }
+            _ => {}
+        }
+    }
+
+    // A face may name a place that comes later.
+    let mut triangles = Vec::new();
+    for (line, numbers) in named {
+        let at = |number: &i64| {
+            usize::try_from(*number).ok().and_then(|number| places.get(number)).copied().ok_or_else(|| {
+                let fault = Input::new("a face names a texture coordinate that is not there").line(line);
+                let found = if *number < 0 { number - places.len() as i64 } else { number + 1 };
+                fault.found(found).expected(format!("1 to {}", places.len()))
+            })
+        };
+        let fan = numbers.iter().map(at).collect::<Checked<Vec<_>>>()?;
+        triangles.extend(fan.windows(2).skip(1).map(|pair| [fan[0], pair[0], pair[1]]));
+    }
+    Ok(triangles)
+}
+
+/// The first two numbers of a `vt` statement; the second is 0 where there is one only.
+fn place<'a>(words: impl Iterator<Item = &'a str>) -> Checked<[f64; 2]> {
+    let words: Vec<&str> = words.take(2).collect();
+    let number = |word: &str| word.parse().ok().filter(|x: &f64| x.abs() <= MOST);
+    let read = |k: usize| words.get(k).map_or(Some(0.0), |word| number(word));
+    match (words.is_empty(), read(0), read(1)) {
+        (false, Some(u), Some(v)) => Ok([u, v]),
+        _ => {
+            let fault = Input::new("not a texture coordinate").found(format!("`{}`", words.join(" ")));
+            Err(fault.expected("two numbers from -10,000 to 10,000"))
+        }
+    }
+}
+
+/// The place that a corner such as `7/2` or `7/-1/3` names, from 0, after `before` of them.
+fn index(corner: &str, before: usize) -> Checked<i64> {
+    let what = corner.split('/').nth(1).unwrap_or_default();
+    match what.parse::<i64>() {
+        Ok(number) if number > 0 => Ok(number - 1),
+        Ok(number) if number < 0 => Ok(number.saturating_add(before as i64)),
+        _ => {
+            let fault = Input::new("the mesh has no texture coordinates, or not at every corner");
+            Err(fault.found(format!("`{corner}`")).expected("corners such as 7/2 or 7/2/3"))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_have_their_own_places() {
+        let text = "vt 0 0\nvt 1 0 9\nv 1 2 3\nf 1/1 2/2/5 3/3 4/-1\nvt 0.5\nvt 0 1\nf 1/-1/1 2/-2 3/2\n";
+        let found = corners(text).expect("three triangles");
+        let [a, b, c, d] = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.0], [0.0, 1.0]];
+        assert_eq!(found, [[a, b, c], [a, c, b], [d, c, b]]);
+    }
+
+    #[test]
+    fn faults_have_their_line() {
+        let cases = [
+            (
+                "f 1 2 3",
+                "the mesh has no texture coordinates, or not at every corner; found `1`; expected corners such",
+            ),
+            ("f 1/1 2/1 3//1", "the mesh has no texture coordinates, or not at every corner; found `3//1`"),
+            ("f 1/1 2/1 3/2", "a face names a texture coordinate that is not there; found 2; expected 1 to 1"),
+            ("f 1/1 2/-2 3/1", "a face names a texture coordinate that is not there; found -2"),
+            ("vt", "not a texture coordinate; found ``; expected two numbers"),
+            ("vt x", "not a texture coordinate; found `x`"),
+            ("vt 0 nan", "not a texture coordinate; found `0 nan`"),
+            ("vt 0 10001", "not a texture coordinate; found `0 10001`"),
+        ];
+        for (statement, expected) in cases {
+            let error = corners(&format!("vt 0 0\n{statement}\n")).expect_err(statement);
+            assert!(error.line == Some(2) && error.to_string().starts_with(expected), "{error}");
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! A texture: what light is multiplied by where it enters the material, or where it leaves.
+
+use super::file::MaterialFile;
+use super::image::{read_exr, read_hdr, read_png};
+use super::locate;
+use super::mesh::map_kd;
+use super::object::Source;
+use super::range::Checked;
+use crate::error::Input;
+use serde::Deserialize;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Most texels of a texture: what the smallest devices bind.
+const MOST_TEXELS: usize = 1 << 23;
+/// Most texels along a side.
+const MOST_SIDE: u32 = 1 << 14;
+/// The name that stands for the one in the mesh's material library.
+const LIBRARY: &str = "mtl";
+/// Textures made here: name, and the two colours of its squares, linear.
+const BUILTIN: [(&str, [[f32; 3]; 2]); 2] =
+    [("builtin:checker", [[1.0; 3], [0.25; 3]]), ("builtin:tiles", [[0.9, 0.55, 0.2], [0.1, 0.35, 0.8]])];
+
+/// Factors from 0 to 1 for each place of a surface, r g b, linear.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Texture {
+    /// Width and height, in texels, each from 1 to 16,384.
+    pub size: [u32; 2],
+    /// Its texels, row by row from the top, each from 0 to 1; at most 2^23.
+    pub texels: Arc<Vec<[f32; 3]>>,
+    /// Where light is multiplied.
+    pub side: Side,
+    /// What lies beyond its edges.
+    pub wrap: Wrap,
+    /// Where the texels are still to be read from.
+    image: Option<String>,
+}
+
+/// Where light is multiplied by a texture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Side {
+    /// Where it enters.
+    Entry,
+    /// Where it leaves.
+    #[default]
+    Exit,
+    /// Each time by the texels' square root.
+    Both,
+}
+
+/// What a texture is beyond its edges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Wrap {
+    /// The same again.
+    #[default]
+    Repeat,
+    /// Its outermost texels.
+    Clamp,
+    /// The same, mirrored every other time.
+    Mirror,
+}
+
+impl Texture {
+    /// Of these texels, row by row from the top.
+    pub fn new(size: [u32; 2], texels: Vec<[f32; 3]>, side: Side, wrap: Wrap) -> Self {
+        Self { size, texels: Arc::new(texels), side, wrap, image: None }
+    }
+
+    /// Checks a material's keys, each called by `key`; a file is read later.
+    pub(super) fn check(file: &MaterialFile, key: impl Fn(&str) -> String) -> Checked<Option<Self>> {
+        let Some(image) = &file.texture else {
+            let given = [("texture_on", file.texture_on.is_some()), ("texture_wrap", file.texture_wrap.is_some())];
+            let idle = given.into_iter().find(|(_, given)| *given);
+            return idle.map_or(Ok(None), |(name, _)| {
+                let fault = Input::new("the material has no texture").key(key(name));
+                Err(fault.expected("a `texture` beside it"))
+            });
+        };
+        let (side, wrap) = (file.texture_on.unwrap_or_default(), file.texture_wrap.unwrap_or_default());
+        let built_in = BUILTIN.iter().find(|(name, _)| name == image);
+        if image.starts_with("builtin:") && built_in.is_none() {
+            let names = BUILTIN.map(|(name, _)| name);
+            let what = locate::with_suggestion("no texture of this name is built in", image, &names);
+            return Err(Input::new(what).key(key("texture")).found(image).expected(names.join(", ")));
+        }
+        Ok(Some(match built_in {
+            Some((_, colors)) => Self::new([64, 64], squares(*colors), side, wrap),
+            None => Self { image: Some(image.clone()), ..Self::new([0, 0], Vec::new(), side, wrap) },
+        }))
+    }
+
+    /// Reads the file's texels, if there is one, relative to `folder`, or the one that the mesh's library names.
+    pub(super) fn load(&mut self, folder: &Path, mesh: &Source, key: &str) -> Checked<()> {
+        let Some(image) = self.image.take() else { return Ok(()) };
+        let path = match mesh {
+            _ if image != LIBRARY => folder.join(&image),
+            Source::File(mesh) => map_kd(&folder.join(mesh)).map_err(|fault| at_key(fault, key))?,
+            Source::Shape(..) => {
+                let fault = Input::new("a shape has no material library").key(key).found("`mtl`");
+                return Err(fault.expected("an image file, or the name of one that is built in"));
+            }
+        };
+        let (size, texels) = read(&path, key)?;
+        (self.size, self.texels) = (size, Arc::new(texels));
+        Ok(())
+    }
+}
+
+/// A fault of another file as one of a scene's key.
+fn at_key(fault: Input, key: &str) -> Input {
+    let line = fault.line.map_or(String::new(), |line| format!(":{line}"));
+    let what = format!("{}{line}: {}", fault.file.display(), fault.what);
+    Input { found: fault.found, expected: fault.expected, ..Input::new(what).key(key) }
+}
+
+/// Eight by eight squares of eight by eight texels, the first colour at the top left.
+fn squares(colors: [[f32; 3]; 2]) -> Vec<[f32; 3]> {
+    (0..64 * 64).map(|place| colors[(place % 64 / 8 + place / 64 / 8) % 2]).collect()
+}
+
+/// Size and texels of a file; `key` is of the texture.
+fn read(path: &Path, key: &str) -> Checked<([u32; 2], Vec<[f32; 3]>)> {
+    let at = |what: String| Input::new(what).key(key);
+    let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let image = match end.as_str() {
+        "png" => read_png(path),
+        "exr" => read_exr(path),
+        "hdr" => read_hdr(path),
+        _ => {
+            let fault = at("not the name of a texture".into()).found(path.display());
+            let names = BUILTIN.map(|(name, _)| name).join(", ");
+            return Err(fault.expected(format!("a file that ends in .png, .exr or .hdr, {LIBRARY}, or {names}")));
+        }
+    };
+    let (size, texels) =
+        image.map_err(|error| at(format!("{}: the texture cannot be read", path.display())).found(error))?;
+    if texels.is_empty() || texels.len() > MOST_TEXELS || size.iter().any(|&side| side > MOST_SIDE) {
+        let fault = at(format!("{}: the texture has too few or too many texels", path.display()));
+        let found = format!("{} x {}", size[0], size[1]);
+        return Err(fault.found(found).expected(format!("1 to {MOST_TEXELS} texels, at most {MOST_SIDE} a side")));
+    }
+    let bad = |texel: &[f32; 3]| texel.iter().any(|x| !(0.0..=1.0).contains(x));
+    if let Some(place) = texels.iter().position(bad) {
+        let (x, y, [r, g, b]) = (place % size[0] as usize, place / size[0] as usize, texels[place]);
+        let fault = at(format!("{}: texel ({x}, {y}), from the top left, is no albedo", path.display()));
+        return Err(fault.found(format!("[{r}, {g}, {b}]")).expected("numbers from 0 to 1"));
+    }
+    Ok((size, texels))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn png_is_made_linear_and_exr_taken_as_it_is() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        let pixel = |x: u32, y: u32| image::Rgb([(51 * (x + 2 * y)) as u8, 128, 255]);
+        image::RgbImage::from_fn(2, 2, pixel).save(path("a.png")).expect("written");
+        let pixel = |x: u32, y: u32| image::Luma([(13_107 * (x + 2 * y)) as u16]);
+        image::ImageBuffer::from_fn(2, 2, pixel).save(path("b.png")).expect("written");
+        exr::prelude::write_rgb_file(path("c.exr"), 2, 2, |x, y| (x as f32, 0.5 * y as f32, 0.25)).expect("written");
+        let of = |name: &str| read(&path(name), "texture").expect(name);
+        // sRGB of 0.2, 0.4, 0.6 and 128 / 255 by the standard's formula.
+        let light = [0.0, 0.033_104_8, 0.132_868_3, 0.318_546_8];
+        for (name, others) in [("a.png", Some([0.215_860_5, 1.0])), ("b.png", None)] {
+            let (size, texels) = of(name);
+            assert_eq!(size, [2, 2]);
+            for (texel, light) in texels.iter().zip(light) {
+                let expected = others.map_or([light; 3], |[g, b]| [light, g, b]);
+                assert!((0..3).all(|c| (texel[c] - expected[c]).abs() < 1e-6), "{name}: {texel:?}");
+            }
+        }
+        assert_eq!(of("c.exr").1[3], [1.0, 0.5, 0.25]);
+    }
+
+    #[test]
+    fn squares_alternate() {
+        let texels = squares([[1.0; 3], [0.0; 3]]);
+        assert_eq!(
+            [0, 7, 8, 16, 8 * 64, 8 * 64 + 8, 4095].map(|place| texels[place][0]),
+            [1.0, 1.0, 0.0, 1.0, 0.0, 1.0, 1.0]
+        );
+    }
+}
