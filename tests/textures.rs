@@ -55,7 +55,7 @@ fn half_a_texture_is_half_the_light() {
 
 #[test]
 fn what_enters_through_a_texture_and_its_complement_adds_up() {
-    let tiles = ball(&["object.0.material.texture=builtin:tiles"]).object.material.texture.unwrap();
+    let tiles = ball(&["object.0.material.texture=builtin:tiles"]).objects[0].material.texture.clone().unwrap();
     let of = |turn: fn(f32) -> f32| {
         let texels = tiles.texels.iter().map(|texel| texel.map(turn)).collect();
         Some(Texture::new(tiles.size, texels, Side::Entry, Wrap::Repeat))
@@ -99,7 +99,7 @@ fn channels_part_only_where_a_texture_at_the_entry_parts_them() {
     let groups = |texels: Vec<[f32; 3]>, side| {
         let mut scene = painted(Some(Texture::new([2, 1], texels, side, Wrap::Repeat)));
         scene.lights.truncate(1);
-        drawn(&scene, Options::default()).state().groups.len()
+        drawn(&scene, Options::default()).state().objects[0].groups.len()
     };
     let colors = vec![[0.5, 0.2, 0.1], [0.1, 0.2, 0.5]];
     assert_eq!((groups(colors.clone(), Side::Entry), groups(colors, Side::Exit)), (3, 1));
@@ -114,7 +114,7 @@ fn channels_part_only_where_a_texture_at_the_entry_parts_them() {
     let blue = |session: &Session| session.state().data.radiosity.iter().map(|b| [b[2]; 3]).collect::<Vec<_>>();
     assert!(scaled(&blue(&together), &blue(&red), 1.0, 2e-3));
     let mut black = drawn(&painted(grey(0.0, Side::Entry)), Options::default());
-    assert!(black.state().groups.is_empty());
+    assert!(black.state().objects[0].groups.is_empty());
     let hit: Vec<bool> = black.state().data.hits.iter().map(|hit| hit.face != u32::MAX).collect();
     let pixels = black.picture().unwrap().pixels;
     assert!(pixels.iter().zip(hit).all(|(pixel, hit)| !hit || *pixel == [0.0; 3]));
