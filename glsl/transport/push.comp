@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// B of a face: what it received itself, and its block's expansion at its centroid. What falls below zero is cut off,
+// B of a receiver: what it received itself, and its block's expansion at its place. What falls below zero is cut off,
 // and counts as error. Channels of no group are black.
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint ALIVE = 7;
@@ -11,8 +11,7 @@ layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 READS(blocks)
 READS(spheres)
-READS(leaves)
-READS(clusters)
+READS(places)
 READS(expansions)
 READS(received)
 UPDATES(estimate)

@@ -4,14 +4,17 @@
 #include "invocation.glsl"
 #include "light/fresnel.glsl"
 
-// Equation 3, times `exit`: the radiance that leaves the surface towards the eye, from the radiosity interpolated between vertices.
+// Equation 3, times `exit`: the radiance that leaves the surface towards the eye, from the radiosity between
+// the vertices, or of the very place.
 layout(constant_id = 0) const uint OBJECTS = 1;
+layout(constant_id = 1) const uint PIXELS = 0;
 READS(frame)
 READS(camera)
 READS(triangles)
 READS(positions)
 READS(normals)
 READS(vertex_radiosity)
+READS(radiosity)
 READS(hits)
 WRITES(radiance)
 #include "view/object.glsl"
@@ -29,6 +32,11 @@ void main() {
         vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
         vec3 B = weight.x * vertex_radiosity[corner.x] + weight.y * vertex_radiosity[corner.y] +
                  weight.z * vertex_radiosity[corner.z];
+        if (PIXELS != 0) {
+            uint width = camera[0].width, column = pixel % width, row = pixel / width;
+            uint place = 16 * (row / 4 * ((width + 3) / 4) + column / 4) + row % 4 * 4 + column % 4;
+            if (frame[object].by_pixel != 0) B = radiosity[frame[object].first_receiver + place];
+        }
         vec3 toward = camera[0].origin - point;
         float size = sqrt(dot(normal, normal) * dot(toward, toward));
         float cosine = size > 0.0 ? abs(dot(normal, toward)) / size : 0.0;

@@ -19,7 +19,7 @@ const CLUSTER: &[Field] = &[
 ];
 
 /// A block's sphere within rounding of the extent.
-const SPHERE: &[Field] = &[
+pub const SPHERE: &[Field] = &[
     Field { name: "center", relative: 0.0, floor: 4e-6, of: "" },
     Field { name: "radius", relative: 1e-5, floor: 4e-6, of: "" },
     Field { name: "spread", relative: 1e-3, floor: 0.0, of: "" },
@@ -34,6 +34,7 @@ pub static STAGE: Stage = Stage {
     writes: &[
         (Slot::bounds, Role::Output, Tolerance::Exact),
         (Slot::clusters, Role::Output, Tolerance::Fields(CLUSTER)),
+        (Slot::places, Role::Output, Tolerance::Float { relative: 0.0, floor: 4e-6 }),
         (Slot::spheres, Role::Output, Tolerance::Fields(SPHERE)),
         (Slot::normals, Role::Output, Tolerance::Float { relative: 1e-5, floor: 1e-5 }),
     ],
@@ -106,9 +107,13 @@ fn cpu(state: &mut State, _at: Place) {
         .collect();
 
     // The spheres round the blocks' receivers.
-    let disc = f64::max(sums.first().map_or(0.0, |root| root.area) / (TAU * data.blocks.len() as f64), 1e-30);
-    data.spheres =
-        data.blocks.iter().map(|block| sphere(block, disc, |face| sums[data.leaves[face] as usize].center)).collect();
+    let disc = disc(sums.first().map_or(0.0, |root| root.area), frame.blocks);
+    if frame.by_pixel == 0 && frame.blocks > 0 {
+        let center = |&leaf: &u32| sums[leaf as usize].center;
+        data.places = data.leaves.iter().map(|leaf| narrow(center(leaf))).collect();
+        let of_block = |block| sphere(block, disc, |face| center(&data.leaves[face]));
+        data.spheres = data.blocks.iter().map(of_block).collect();
+    }
 
     // Vertex normals from the triangles round each vertex.
     let around = |v: usize| &data.corners[data.corner_starts[v] as usize..data.corner_starts[v + 1] as usize];
@@ -120,8 +125,14 @@ fn cpu(state: &mut State, _at: Place) {
         .collect();
 }
 
-/// The sphere round a block's receivers; their spread is against that of a usual block's `disc`.
-fn sphere(block: &Block, disc: f64, center_of: impl Fn(usize) -> DVec3) -> Sphere {
+/// Mean square distance from its centre in a flat disc of the mean area of all blocks.
+#[must_use]
+pub fn disc(area: f64, blocks: u32) -> f64 {
+    f64::max(area / (TAU * f64::from(blocks)), 1e-30)
+}
+
+/// The sphere round a block's receivers; their spread is against that of a usual block's [`disc`].
+pub fn sphere(block: &Block, disc: f64, center_of: impl Fn(usize) -> DVec3) -> Sphere {
     let points = || (block.first as usize..(block.first + block.count) as usize).map(&center_of);
     let low = points().fold(DVec3::INFINITY, DVec3::min);
     let high = points().fold(DVec3::NEG_INFINITY, DVec3::max);
@@ -134,8 +145,11 @@ fn sphere(block: &Block, disc: f64, center_of: impl Fn(usize) -> DVec3) -> Spher
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let count = pass.object().count;
-    pass.dispatch(Some("leaf"), &[], &[], count.faces)?;
+    let receives = count.blocks > 0 && !pass.object().by_pixel;
+    pass.dispatch(Some("leaf"), &[u32::from(receives)], &[], count.faces)?;
     pass.climb("cluster", &[])?;
-    pass.dispatch(Some("block"), &[], &[], count.blocks)?;
+    if receives {
+        pass.dispatch(Some("block"), &[], &[], count.blocks)?;
+    }
     pass.dispatch(Some("normal"), &[], &[], count.vertices)
 }

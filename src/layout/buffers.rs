@@ -54,7 +54,9 @@ buffers! {
     cluster_irradiance: [f32; 3], node;
     /// The blocks of receivers.
     blocks: Block, block;
-    /// Their bounding spheres.
+    /// Where radiosity is wanted: the triangles' centroids, or the places that a picture's pixels show, 16 a tile.
+    places: [f32; 3], receiver;
+    /// The blocks' bounding spheres.
     spheres: Sphere, block;
     /// Emitters' moments, a part a group of channels: one a node, rounded up.
     moments: Moment, group;
@@ -80,10 +82,10 @@ buffers! {
     entries: u32, batch;
     /// What distant emitters give each block.
     expansions: Expansion, block;
-    /// Radiosity of each triangle from its block's direct, area and edge lists.
-    received: [f32; 3], face;
-    /// Estimated error of the radiosity of each triangle.
-    estimate: [f32; 3], face;
+    /// Radiosity of each receiver from its block's direct, area and edge lists.
+    received: [f32; 3], receiver;
+    /// Estimated error of the radiosity of each receiver.
+    estimate: [f32; 3], receiver;
     /// Squared centroid distances beyond which 1, 3, 6, 12 area points serve for a triangle.
     reach: [f32; 4], face;
     /// Each receiver's lists.
@@ -102,8 +104,8 @@ buffers! {
     edge_links: u32, chunk;
     /// Radiosity gathered at each node's own links.
     gathered: [f32; 3], node;
-    /// Radiosity of each triangle, B of equation 4.
-    radiosity: [f32; 3], face;
+    /// Radiosity of each receiver, B of equation 4.
+    radiosity: [f32; 3], receiver;
     /// Radiosity averaged at each vertex.
     vertex_radiosity: [f32; 3], vertex;
     /// What each pixel's ray met.

@@ -54,7 +54,7 @@ plain! {
     [f32; 4], "vec4", 4, Float;
     [u32; 2], "uvec2", 2, Unsigned;
     [u32; 3], "uvec3", 3, Unsigned;
-    [u32; 12], "uint[12]", 12, Unsigned;
+    [u32; 10], "uint[10]", 10, Unsigned;
     [u32; 16], "uint[16]", 16, Unsigned;
     [u32; 32], "uint[32]", 32, Unsigned;
 }
@@ -145,6 +145,8 @@ pub enum Cut {
     Node,
     /// One a block of receivers.
     Block,
+    /// One a receiver.
+    Receiver,
     /// One part a chunk of the tree, where links are kept.
     Chunk,
     /// One part a group of channels.
@@ -177,6 +179,9 @@ macro_rules! cut {
     };
     (block) => {
         Cut::Block
+    };
+    (receiver) => {
+        Cut::Receiver
     };
     (chunk) => {
         Cut::Chunk

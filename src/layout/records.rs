@@ -16,6 +16,10 @@ records! { frame_records:
         next_node: u32,
         /// Number of nodes of all objects, gaps between them included.
         scene_nodes: u32,
+        /// Its first receiver likewise.
+        first_receiver: u32,
+        /// Not 0 where its receivers are the places that pixels show, 0 where they are its triangles.
+        by_pixel: u32,
         /// Not 0 where no light enters it.
         opaque: u32,
         /// Share of the arriving light that an opaque object gives back, per channel.
@@ -95,15 +99,15 @@ records! { frame_records:
         /// Nothing.
         more_padding: [u32; 16],
         /// Nothing.
-        last_padding: [u32; 12],
+        last_padding: [u32; 10],
     }
-    /// A block of receivers: a maximal node of at most 16 faces.
+    /// A block of receivers: the faces of a maximal node of at most 16, or what a tile of 4 x 4 pixels shows of an object.
     Block {
-        /// The node.
+        /// The node, where it is one.
         node: u32,
-        /// Its first triangle.
+        /// Its first receiver.
         first: u32,
-        /// Number of its triangles.
+        /// Number of its receivers.
         count: u32,
     }
     /// Where a block's receivers are.

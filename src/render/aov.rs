@@ -8,11 +8,12 @@ use crate::error::Result;
 use crate::layout::{Hit, Slot};
 use crate::state::{State, narrow, wide};
 use crate::view::aov::{Layer, Samples};
+use crate::view::points;
 
 /// The layers of a session's last picture. Numbers of links are right where lists are kept (`Mode::Render`), or where
 /// one list holds them all.
 pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
-    let known = [Slot::hits, Slot::irradiance, Slot::vertex_radiosity, Slot::estimate, Slot::normals];
+    let known = [Slot::hits, Slot::irradiance, Slot::radiosity, Slot::vertex_radiosity, Slot::estimate, Slot::normals];
     session.fetch(&known)?;
     session.fetch(&[Slot::runs, Slot::spans])?;
     let (state, units) = (session.state(), *session.units());
@@ -35,39 +36,65 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
         };
         shown.iter().map(|hit| hit.map_or([0.0; 3], mixed)).collect()
     };
+    // Of the pixels' receivers, or blended as well.
+    let width = session.scene().camera.size[0];
+    let receiver = |pixel: usize, face: usize| {
+        let object = &state.objects[state.object_of(face)];
+        let (column, row) = (pixel as u32 % width, pixel as u32 / width);
+        let own =
+            if object.by_pixel { points::receiver(width, column, row) as usize } else { face - object.first.faces };
+        (object.by_pixel, object.first.receivers + own)
+    };
+    let received = |values: &[[f32; 3]]| -> Vec<[f32; 3]> {
+        let of = |(pixel, hit): (usize, &Option<&Hit>)| {
+            hit.map_or([0.0; 3], |hit| light(wide(values[receiver(pixel, hit.face as usize).1])))
+        };
+        shown.iter().enumerate().map(of).collect()
+    };
+    let mut radiosity = blend(&data.vertex_radiosity, &light);
+    let exact = received(&data.radiosity);
+    for (pixel, hit) in shown.iter().enumerate() {
+        if hit.is_some_and(|hit| receiver(pixel, hit.face as usize).0) {
+            radiosity[pixel] = exact[pixel];
+        }
+    }
     let number = |nothing: u32, of: &dyn Fn(usize) -> u32| {
         Samples::Whole(shown.iter().map(|hit| hit.map_or(nothing, |hit| of(hit.face as usize))).collect())
     };
 
+    let of_link =
+        |(pixel, hit): (usize, &Option<&Hit>)| hit.map_or(0, |hit| links[receiver(pixel, hit.face as usize).1]);
+    let of_links = Samples::Whole(shown.iter().enumerate().map(of_link).collect());
     let rgb = ["R", "G", "B"];
     let normals = blend(&data.normals, &|normal| narrow(normal.normalize_or_zero()));
     let mut layers = vec![
         Layer::vector("irradiance", rgb, &own(&data.irradiance)),
-        Layer::vector("radiosity", rgb, &blend(&data.vertex_radiosity, &light)),
+        Layer::vector("radiosity", rgb, &radiosity),
         Layer::vector("normal", ["X", "Y", "Z"], &normals),
     ];
     if state.method.estimate {
-        layers.push(Layer::vector("error_estimate", rgb, &own(&data.estimate)));
+        layers.push(Layer::vector("error_estimate", rgb, &received(&data.estimate)));
     }
     // The rays' directions have a component of 1 along the view.
     let depth = |hit: &Option<&Hit>| hit.map_or(f32::INFINITY, |hit| (f64::from(hit.depth) / units.length) as f32);
     layers.push(Layer::single("depth", "Z", Samples::Float(shown.iter().map(depth).collect())));
     layers.push(Layer::single("object", "id", number(u32::MAX, &|face| state.object_of(face) as u32)));
     layers.push(Layer::single("triangle", "id", number(u32::MAX, &|face| session.prepared.source(face).1)));
-    layers.push(Layer::single("links", "count", number(0, &|face| links[face])));
+    layers.push(Layer::single("links", "count", of_links));
     Ok(layers)
 }
 
-/// How many emitters, clusters or triangles, each triangle's radiosity was summed from; of brute force nothing is known.
+/// How many emitters, clusters or triangles, each receiver's radiosity was summed from; of brute force nothing is known.
 fn links(state: &State) -> Vec<u32> {
     let data = &state.data;
-    let mut count = vec![0; data.triangles.len()];
+    let mut count = vec![0; data.radiosity.len()];
     if !data.spans.is_empty() {
         for (face, leaf) in state.faces() {
-            let first = state.objects[state.object_of(face)].first.nodes;
+            let object = &state.objects[state.object_of(face)];
+            let first = object.first.nodes;
             let mut node = leaf;
             while let Some(place) = data.topology.get(node) {
-                count[face] += data.spans[node].links;
+                count[object.first.receivers + face - object.first.faces] += data.spans[node].links;
                 node = first.saturating_add(place.parent as usize);
             }
         }
@@ -80,7 +107,7 @@ fn links(state: &State) -> Vec<u32> {
         for block in batch.clone() {
             let run = data.runs[base + (block - batch.start) as usize];
             let faces = data.blocks[first.blocks + block as usize];
-            for count in &mut count[first.faces + faces.first as usize..][..faces.count as usize] {
+            for count in &mut count[first.receivers + faces.first as usize..][..faces.count as usize] {
                 *count += run.expanded + run.direct + run.area + run.edge;
             }
         }

@@ -6,6 +6,7 @@ pub mod lights;
 pub mod octree;
 pub mod plan;
 pub mod prepare;
+pub mod receivers;
 pub mod room;
 pub mod run;
 pub mod samples;

@@ -50,7 +50,7 @@ impl OctreeTransport {
         for ((object, frame), (tree, centers)) in sources.filter(|((object, _), _)| !object.opaque) {
             let dipoles = [0, 1, 2].map(|channel| Dipole::of(frame, channel));
             let sums = tree.gather(&dipoles, self.angle, centers);
-            state.data.radiosity[object.first.faces..][..sums.len()].copy_from_slice(&sums);
+            state.data.radiosity[object.first.receivers..][..sums.len()].copy_from_slice(&sums);
         }
         Timing { name: NAME.into(), milliseconds: start.elapsed().as_secs_f64() * 1e3 }
     }

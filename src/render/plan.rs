@@ -115,6 +115,13 @@ impl Plan {
         plan
     }
 
+    /// With something else that is left out, and the reason.
+    #[must_use]
+    pub fn without(mut self, what: (&'static str, String)) -> Self {
+        self.left_out.push(what);
+        self
+    }
+
     /// The options it was made for.
     pub fn options(&self) -> Options {
         self.options
@@ -123,10 +130,12 @@ impl Plan {
     /// The steps of a frame after this change.
     pub fn steps(&self, state: &State, change: Change) -> Vec<Step> {
         let kept = self.options.mode == Mode::Render && self.options.transport == Transport::Hierarchy;
+        let pixels = state.objects.iter().any(|object| object.by_pixel);
         let runs = |stage: &&'static Stage| match stage.name {
             _ if change.everything => true,
             "refit" => false,
-            "visibility" => change.view,
+            "visibility" | "points" => change.view,
+            "link" | "gather" | "push" if pixels && change.view => true,
             "shade" | "exit" | "reflect" | "backdrop" => change.view || change.light || change.resum,
             name if kept && builds_links(name) => false,
             // The lists of blocks depend on the light.
@@ -162,7 +171,7 @@ const LINKS: [&str; 6] = ["reach", "mean", "refine", "form_factor", "collect", "
 
 /// Whether a stage comes before the light is carried through the material, whatever carries it.
 pub fn before_transport(name: &str) -> bool {
-    matches!(name, "refit" | "shadow" | "environment" | "irradiance" | "entry")
+    matches!(name, "refit" | "visibility" | "shadow" | "environment" | "irradiance" | "entry")
 }
 
 /// Whether a stage lies between known irradiance, with its moments and distances, and radiosity.
@@ -178,9 +187,12 @@ fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -> Option<St
     let (blocks, links) = (BLOCKS.contains(&name), LINKS.contains(&name));
     let needs_light = blocks
         || links
-        || matches!(name, "shadow" | "environment" | "irradiance" | "entry" | "opaque" | "average" | "brute")
+        || matches!(
+            name,
+            "shadow" | "environment" | "irradiance" | "entry" | "points" | "opaque" | "average" | "brute"
+        )
         || matches!(name, "exit" | "reflect");
-    let pictorial = matches!(name, "average" | "visibility" | "shade" | "exit" | "reflect" | "backdrop");
+    let pictorial = matches!(name, "average" | "visibility" | "points" | "shade" | "exit" | "reflect" | "backdrop");
     if name == "evaluate" {
         return Some("answers `milkglass eval` only".into());
     }
@@ -226,6 +238,10 @@ fn unpeopled(name: &str, state: &State) -> Option<String> {
     let carries = BLOCKS.contains(&name) || LINKS.contains(&name) || name == "brute";
     match name {
         "opaque" if !any(true) => Some("no object is opaque".into()),
+        "points" => state.objects.iter().all(|object| !object.by_pixel).then(|| "the receivers are triangles".into()),
+        "average" if state.objects.iter().all(|object| object.by_pixel) => {
+            Some("the receivers are what the pixels show".into())
+        }
         _ if carries && !any(false) => Some("every object is opaque".into()),
         _ => None,
     }

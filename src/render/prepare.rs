@@ -1,6 +1,6 @@
 //! From a checked scene to the state a frame starts from: centred, scaled, in the order of the trees.
 
-use super::blocks::{blocks, edge_nodes, link_error, triangle_size};
+use super::blocks::{blocks, edge_nodes, link_error, of_picture, triangle_size};
 use super::lights::lights;
 use super::textures::texture;
 use super::units::Units;
@@ -76,13 +76,13 @@ pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
     })
 }
 
-/// Builds trees and state of a scene.
-pub fn prepare(scene: &Scene) -> Prepared {
+/// Builds trees and state of a scene, `by_pixel` with receivers where the pixels show its objects.
+pub fn prepare(scene: &Scene, by_pixel: bool) -> Prepared {
     let mut units = Units::of(scene.objects.iter().map(|object| &object.mesh));
     let (mut parts, mut trees, mut method) = (Vec::new(), Vec::new(), Method::Merged);
     let (mut faces, mut largest) = (Vec::new(), 0.0);
     for object in &scene.objects {
-        let (part, tree, made, own) = one(scene, object, units);
+        let (part, tree, made, own) = one(scene, object, units, by_pixel);
         if object.material.opaque.is_none() {
             largest = f64::max(largest, triangle_size(&part));
         }
@@ -99,7 +99,7 @@ pub fn prepare(scene: &Scene) -> Prepared {
 }
 
 /// The state of one object by itself, its tree and how that came about, and the mesh's triangle of each of its own.
-fn one(scene: &Scene, object: &scene::Object, units: Units) -> (State, Tree, Method, Vec<u32>) {
+fn one(scene: &Scene, object: &scene::Object, units: Units, by_pixel: bool) -> (State, Tree, Method, Vec<u32>) {
     let (mesh, transport) = (&object.mesh, &scene.transport);
     let (tree, method) = match transport.hierarchy {
         Hierarchy::FaceClusters => face_cluster::build(&mesh.positions, &mesh.triangles),
@@ -118,13 +118,16 @@ fn one(scene: &Scene, object: &scene::Object, units: Units) -> (State, Tree, Met
     };
     let opaque = object.material.opaque.is_some();
     if transport.scheme == Scheme::Blocks && !opaque {
-        state.data.blocks = blocks(&state);
+        state.data.blocks = if by_pixel { of_picture(scene.camera.size) } else { blocks(&state) };
+        state.data.frame[0].by_pixel = u32::from(by_pixel);
         state.data.frame[0].blocks = state.data.blocks.len() as u32;
     }
     let data = &state.data;
     let (vertices, nodes, blocks) = (data.positions.len(), data.topology.len(), data.blocks.len());
-    let count = Extent { vertices, faces: faces.len(), nodes, blocks };
-    state.objects = vec![Object { count, opaque, ..Object::default() }];
+    let by_pixel = by_pixel && !opaque;
+    let receivers = if by_pixel { PLACES * blocks } else { faces.len() };
+    let count = Extent { vertices, faces: faces.len(), nodes, blocks, receivers };
+    state.objects = vec![Object { count, opaque, by_pixel, ..Object::default() }];
     (state, tree, method, faces)
 }
 

@@ -230,7 +230,7 @@ pub fn size(state: &mut State, plan: &Plan) {
     let chunks = if state.keep { chunks(state) } else { 1 };
     let used = |slot: Slot| plan.stages.iter().any(|s| s.writes.iter().any(|(w, _, _)| *w == slot));
     let estimate = state.method.estimate;
-    let Extent { vertices, faces, nodes, blocks } = state.extent();
+    let Extent { vertices, faces, nodes, blocks, receivers } = state.extent();
     let batches = if state.keep { batches(state) } else { 1 };
     let part = |count: usize| count.next_multiple_of(64);
     let each = part(largest_batch(state));
@@ -260,8 +260,9 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.near_groups = bytemuck::zeroed_vec(per(Slot::near_groups, batches * 64));
     data.entries = bytemuck::zeroed_vec(per(Slot::entries, batches * frame.entry_room as usize));
     data.expansions = bytemuck::zeroed_vec(per(Slot::expansions, blocks));
-    data.received = bytemuck::zeroed_vec(per(Slot::received, faces));
-    data.estimate = bytemuck::zeroed_vec(if estimate { faces } else { 0 });
+    data.places = bytemuck::zeroed_vec(if blocks > 0 { receivers } else { 0 });
+    data.received = bytemuck::zeroed_vec(per(Slot::received, receivers));
+    data.estimate = bytemuck::zeroed_vec(if estimate { receivers } else { 0 });
     data.reach = bytemuck::zeroed_vec(per(Slot::reach, faces));
     data.spans = bytemuck::zeroed_vec(per(Slot::spans, nodes));
     data.handed = bytemuck::zeroed_vec(per(Slot::handed, frame.hand_room as usize));
@@ -271,6 +272,6 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.area_links = bytemuck::zeroed_vec(per(Slot::area_links, chunks * frame.area_room as usize));
     data.edge_links = bytemuck::zeroed_vec(per(Slot::edge_links, chunks * frame.edge_room as usize));
     data.gathered = bytemuck::zeroed_vec(per(Slot::gathered, nodes));
-    data.radiosity = bytemuck::zeroed_vec(faces);
+    data.radiosity = bytemuck::zeroed_vec(receivers);
     data.vertex_radiosity = bytemuck::zeroed_vec(vertices);
 }

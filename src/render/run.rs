@@ -6,6 +6,7 @@ use super::lights::lights;
 use super::octree::OctreeTransport;
 use super::plan::{Change, Mode, Options, Plan, Transport, before_transport};
 use super::prepare::{Prepared, camera, prepare};
+use super::receivers::by_pixel;
 pub use super::room::Room;
 use super::room::{Lists, size};
 use super::textures::drop_unseen;
@@ -40,6 +41,9 @@ pub struct Session {
     lists: Lists,
     pending: Change,
     octree: Option<OctreeTransport>,
+    room: Room,
+    /// What kind of receivers there are none of, and why.
+    receivers: (&'static str, String),
 }
 
 impl Session {
@@ -49,17 +53,19 @@ impl Session {
             Transport::Octree => Some(OctreeTransport::new(&scene.transport)?),
             _ => None,
         };
-        let mut prepared = prepare(scene);
+        let (by_pixel, why) = by_pixel(scene, options);
+        let mut prepared = prepare(scene, by_pixel);
         drop_unseen(&mut prepared.state, options);
         prepared.state.keep = options.mode == Mode::Render;
         let blocks = prepared.state.method.scheme == Scheme::Blocks && options.transport == Transport::Hierarchy;
         prepared.state.method.estimate = options.estimate && blocks;
-        let plan = Plan::new(&prepared.state, options);
+        let receivers = (if by_pixel { "receivers at triangles" } else { "receivers at pixels" }, why);
+        let plan = Plan::new(&prepared.state, options).without(receivers.clone());
         let lists = Lists::new(room, device.map(Device::limits));
         lists.cut(&mut prepared);
         let backend = device.map_or(Backend::Cpu, |device| Backend::Gpu(DeviceState::new(device, false)));
         let (scene, pending) = (scene.clone(), Change::EVERYTHING);
-        let mut session = Self { prepared, plan, backend, retries: 0, scene, lists, pending, octree };
+        let mut session = Self { prepared, plan, backend, retries: 0, scene, lists, pending, octree, room, receivers };
         session.resize()?;
         Ok(session)
     }
@@ -91,7 +97,7 @@ impl Session {
         self.pending = self.pending.and(Change::LIGHT);
 
         // The first light of all, or the last one gone, or channels that part: other stages run, or over other buffers.
-        let plan = Plan::new(&self.prepared.state, self.plan.options());
+        let plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.receivers.clone());
         if plan.stages.len() != self.plan.stages.len() || before != shape(&self.prepared.state) {
             self.plan = plan;
             self.pending = Change::EVERYTHING;
@@ -104,12 +110,22 @@ impl Session {
 
     /// Replaces the camera; its picture may have another size.
     pub fn set_camera(&mut self, new: &Camera) -> Result<()> {
-        let before = self.scene.camera.environment;
+        let (before, size) = (self.scene.camera.environment, self.scene.camera.size);
         self.scene.camera = new.clone();
+        let pixels = self.state().objects.iter().any(|object| object.by_pixel);
+        if (pixels && size != new.size) || pixels != by_pixel(&self.scene, self.plan.options()).0 {
+            // Other receivers: everything is laid out anew.
+            let device = match &self.backend {
+                Backend::Gpu(twin) => Some(twin.device().clone()),
+                Backend::Cpu => None,
+            };
+            *self = Self::new(&self.scene, device.as_ref(), self.plan.options(), self.room)?;
+            return Ok(());
+        }
         self.pending = self.pending.and(Change::VIEW);
         camera(&mut self.prepared.state, new, self.prepared.units);
         if before != new.environment {
-            self.plan = Plan::new(&self.prepared.state, self.plan.options());
+            self.plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.receivers.clone());
         }
         self.size_picture();
         self.send(&[Slot::camera])

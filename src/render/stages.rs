@@ -3,14 +3,15 @@
 use crate::baseline::{brute, collect, form_factor, mean, reach, refine, spread};
 use crate::geometry::refit;
 use crate::light::{entry, environment, irradiance, opaque, shadow};
-use crate::state::{Place, Stage, State, Step, Unit};
+use crate::state::{Object, Place, Stage, State, Step, Unit};
 use crate::transport::{average, evaluate, gather, level, link, pull, push, radii};
-use crate::view::{backdrop, exit, reflect, shade, visibility};
+use crate::view::{backdrop, exit, points, reflect, shade, visibility};
 
 /// Every stage, in the order of a frame; the last two are no part of one: `brute` takes the place of
 /// `pull` to `push`, `evaluate` answers `milkglass eval`.
 pub static STAGES: &[&Stage] = &[
     &refit::STAGE,
+    &visibility::STAGE,
     &shadow::STAGE,
     &environment::STAGE,
     &irradiance::STAGE,
@@ -24,12 +25,12 @@ pub static STAGES: &[&Stage] = &[
     &pull::STAGE,
     &level::STAGE,
     &radii::STAGE,
+    &points::STAGE,
     &link::STAGE,
     &gather::STAGE,
     &push::STAGE,
     &opaque::STAGE,
     &average::STAGE,
-    &visibility::STAGE,
     &shade::STAGE,
     &exit::STAGE,
     &reflect::STAGE,
@@ -43,11 +44,13 @@ pub fn stage(name: &str) -> Option<&'static Stage> {
     STAGES.iter().copied().find(|stage| stage.name == name)
 }
 
-/// Whether a stage has to do with an object: one that light enters, or one that is opaque.
-fn serves(stage: &Stage, opaque: bool) -> bool {
+/// Whether a stage has to do with an object: that light enters or not, whose receivers are pixels or triangles.
+fn serves(stage: &Stage, object: &Object) -> bool {
     match stage.name {
-        "refit" | "irradiance" | "entry" | "average" => true,
-        name => opaque == (name == "opaque"),
+        "refit" | "irradiance" | "entry" => true,
+        "points" => object.by_pixel,
+        "average" => !object.by_pixel,
+        name => object.opaque == (name == "opaque"),
     }
 }
 
@@ -72,7 +75,7 @@ pub fn steps(stages: &[&'static Stage], state: &State) -> Vec<Step> {
             };
             for (group, chunk) in (0..groups).flat_map(|group| (0..chunks).map(move |chunk| (group, chunk))) {
                 let at = Place { object, chunk, group };
-                steps.extend(run.iter().filter(|stage| serves(stage, part.opaque)).map(|&stage| Step { stage, at }));
+                steps.extend(run.iter().filter(|stage| serves(stage, part)).map(|&stage| Step { stage, at }));
             }
         }
         rest = after;

@@ -8,7 +8,7 @@ use super::object::{self, ObjectFile};
 use super::range::Checked;
 use super::surface::ReflectionKind;
 use super::texture::{Side, Wrap};
-use super::transport::{self, Distance, Hierarchy, Near, Oracle, Scheme, Transport};
+use super::transport::{self, Distance, Hierarchy, Near, Oracle, Receivers, Scheme, Transport};
 use super::vector::{Background, Rgb, Vector};
 use serde::Deserialize;
 
@@ -124,6 +124,7 @@ pub(super) struct TransportFile {
     pub tolerance: f64,
     pub order: u32,
     pub hierarchy: Option<Hierarchy>,
+    pub receivers: Receivers,
     pub distance: Distance,
     pub near: Near,
     pub receiver_angle: Option<f64>,
@@ -141,6 +142,7 @@ impl Default for TransportFile {
             tolerance: transport::TOLERANCE,
             order: 2,
             hierarchy: None,
+            receivers: Receivers::default(),
             distance: Distance::default(),
             near: Near::default(),
             receiver_angle: None,

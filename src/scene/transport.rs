@@ -73,6 +73,19 @@ pub enum Near {
     PointSampling,
 }
 
+/// Where radiosity is computed for a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Receivers {
+    /// Wherever they are fewer.
+    #[default]
+    Auto,
+    /// At the triangles' centroids, blended between vertices.
+    Faces,
+    /// At the places that the pixels show.
+    Pixels,
+}
+
 /// The settings of light transport, checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transport {
@@ -86,6 +99,8 @@ pub struct Transport {
     pub order: u32,
     /// How faces are grouped.
     pub hierarchy: Hierarchy,
+    /// Where radiosity is computed for a picture.
+    pub receivers: Receivers,
     /// How distances are measured.
     pub distance: Distance,
     /// How near triangles are evaluated.
@@ -110,10 +125,15 @@ impl Transport {
             Scheme::Blocks => Hierarchy::Median,
             Scheme::Links => Hierarchy::FaceClusters,
         };
+        if scheme == Scheme::Links && file.receivers == Receivers::Pixels {
+            let fault = Input::new("scheme links has no receivers at pixels").key("transport.receivers");
+            return Err(fault.found("pixels").expected("faces or auto, or scheme = \"blocks\""));
+        }
         let angle = |key, value| range::number(key, value, |x| x > 0.0, "steradian, above 0");
         Ok(Self {
             scheme,
             because,
+            receivers: file.receivers,
             tolerance: range::number(
                 "transport.tolerance",
                 file.tolerance,

@@ -15,6 +15,8 @@ pub struct Extent {
     pub nodes: usize,
     /// Blocks of receivers.
     pub blocks: usize,
+    /// Receivers: triangles, or places that pixels show.
+    pub receivers: usize,
 }
 
 /// One object of a state.
@@ -30,6 +32,8 @@ pub struct Object {
     pub count: Extent,
     /// Whether no light enters it.
     pub opaque: bool,
+    /// Whether its receivers are the places that pixels show, 16 a tile of 4 x 4.
+    pub by_pixel: bool,
 }
 
 /// The next multiple of 64.
@@ -48,6 +52,7 @@ impl Object {
             Cut::Corner => (3 * first.faces, 3 * count.faces),
             Cut::Shadow => (words * first.faces, words * count.faces),
             Cut::Node => (first.nodes, count.nodes),
+            Cut::Receiver => (first.receivers, count.receivers),
             _ => (first.blocks, count.blocks),
         }
     }
@@ -94,6 +99,7 @@ impl State {
             faces: first.faces + count.faces,
             nodes: first.nodes + count.nodes,
             blocks: first.blocks + count.blocks,
+            receivers: first.receivers + count.receivers,
         })
     }
 
@@ -162,13 +168,15 @@ impl State {
                 faces: first.faces + room(object.count.faces),
                 nodes: first.nodes + room(object.count.nodes),
                 blocks: first.blocks + room(object.count.blocks),
+                receivers: first.receivers + room(object.count.receivers),
             };
             joined.objects.push(object);
         }
         let nodes = joined.extent().nodes as u32;
         for (k, frame) in joined.data.frame.iter_mut().enumerate() {
-            (frame.first_face, frame.first_node) =
-                (joined.objects[k].first.faces as u32, joined.objects[k].first.nodes as u32);
+            let first = joined.objects[k].first;
+            [frame.first_face, frame.first_node, frame.first_receiver] =
+                [first.faces, first.nodes, first.receivers].map(|n| n as u32);
             frame.next_node = joined.objects.get(k + 1).map_or(nodes, |next| next.first.nodes as u32);
             frame.scene_nodes = nodes;
         }

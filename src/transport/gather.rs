@@ -188,7 +188,7 @@ fn cpu(state: &mut State, at: Place) {
             }
             let block = data.blocks[number];
             let receive = |face: usize| {
-                let x = wide(data.clusters[data.leaves[face] as usize].center);
+                let x = wide(data.places[face]);
                 let (mut sum, mut error) = (data.received[face], data.estimate.get(face).copied().unwrap_or_default());
                 for c in near.jets.channels() {
                     let (value, squared) = near.receive(x, &run, list, c);

@@ -13,7 +13,7 @@ use crate::transport::gather::PLACES;
 pub static STAGE: Stage = Stage {
     name: "push",
     room: "transport",
-    about: "radiosity of each face: what it received itself, and its block's expansion at its centroid",
+    about: "radiosity of each receiver: what it received itself, and its block's expansion at its place",
     equation: "B = max(0, received + f + g.d + d.H.d / 2), d from the block's centre (section 3.2, to second order)",
     writes: &[
         (Slot::estimate, Role::Update, Tolerance::Float { relative: 1e-4, floor: 1e-6 }),
@@ -47,7 +47,7 @@ fn cpu(state: &mut State, at: Place) {
         let center = wide(data.spheres[number].center);
         let radius = f64::from(data.spheres[number].radius);
         let face = move |face: usize| {
-            let d = wide(data.clusters[data.leaves[face] as usize].center) - center;
+            let d = wide(data.places[face]) - center;
             let (mut value, mut error) = ([0.0; 3], data.estimate.get(face).copied().unwrap_or_default());
             for c in 0..3 {
                 if mask >> c & 1 == 0 {

@@ -5,8 +5,9 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::points::receiver;
 use crate::error::Result;
-use crate::layout::Slot;
+use crate::layout::{Camera, Slot};
 use crate::light::fresnel;
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
 
@@ -23,13 +24,19 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
+/// The receiver of a pixel.
+fn receiver_of(camera: &Camera, pixel: usize) -> u32 {
+    receiver(camera.width, pixel as u32 % camera.width, pixel as u32 / camera.width)
+}
+
 fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;
     let camera = data.camera[0];
     let radiance = data
         .hits
         .par_iter()
-        .map(|hit| {
+        .enumerate()
+        .map(|(pixel, hit)| {
             let Some(corner) = data.triangles.get(hit.face as usize) else { return camera.background };
             let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
             let mix = |values: &[[f32; 3]]| -> DVec3 {
@@ -41,12 +48,17 @@ fn cpu(state: &mut State, _at: Place) {
             let (eta, exit) = (frame.eta.map(f64::from), wide(frame.exit));
             let leaves = eta.map(|eta| fresnel::transmittance(eta, normal.dot(toward).abs()));
             let scale = f64::from(camera.radiance) / std::f64::consts::PI;
-            narrow(DVec3::from_array(leaves) * mix(&data.vertex_radiosity) * scale * exit)
+            let radiosity = match frame.by_pixel {
+                0 => mix(&data.vertex_radiosity),
+                _ => wide(data.radiosity[(frame.first_receiver + receiver_of(&camera, pixel)) as usize]),
+            };
+            narrow(DVec3::from_array(leaves) * radiosity * scale * exit)
         })
         .collect();
     state.data.radiance = radiance;
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    pass.dispatch(None, &[pass.state.objects.len() as u32], &[], pass.state.data.radiance.len())
+    let pixels = u32::from(pass.state.objects.iter().any(|object| object.by_pixel));
+    pass.dispatch(None, &[pass.state.objects.len() as u32, pixels], &[], pass.state.data.radiance.len())
 }

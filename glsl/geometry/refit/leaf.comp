@@ -5,6 +5,7 @@
 #include "geometry/area.glsl"
 
 // A leaf's box, centroid, vector area and second moment, from its triangle.
+layout(constant_id = 0) const uint RECEIVES = 1;
 READS(frame)
 READS(positions)
 READS(triangles)
@@ -12,6 +13,7 @@ READS(leaves)
 READS(topology)
 WRITES(bounds)
 WRITES(clusters)
+UPDATES(places)
 #include "geometry/refit/way.glsl"
 
 void main() {
@@ -25,5 +27,7 @@ void main() {
     vec3 e0 = b - a, e1 = c - b, e2 = a - c;
     vec3 normal = vector_area(a, b, c);
     float spread = (dot(e0, e0) + dot(e1, e1) + dot(e2, e2)) / 36.0;
-    clusters[node] = Cluster((a + b + c) / 3.0, length(normal), normal, spread);
+    vec3 center = (a + b + c) / 3.0;
+    clusters[node] = Cluster(center, length(normal), normal, spread);
+    if (RECEIVES != 0) places[face] = center;
 }

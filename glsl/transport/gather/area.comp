@@ -9,8 +9,7 @@ layout(constant_id = 1) const uint ESTIMATE = 0;
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 READS(blocks)
-READS(leaves)
-READS(clusters)
+READS(places)
 READS(topology)
 READS(triangles)
 READS(positions)

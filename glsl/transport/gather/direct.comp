@@ -12,8 +12,7 @@ layout(constant_id = 2) const uint ESTIMATE = 0;
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 READS(blocks)
-READS(leaves)
-READS(clusters)
+READS(places)
 READS(moments)
 READS(spreads)
 READS(runs)

@@ -10,7 +10,7 @@ layout(constant_id = 2) const uint ESTIMATE = 0;
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 READS(blocks)
-READS(leaves)
+READS(places)
 READS(clusters)
 READS(topology)
 READS(triangles)

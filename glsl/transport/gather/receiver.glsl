@@ -3,12 +3,12 @@ const uint PLACES = 16;
 
 struct Receiver { uint run; uint face; bool present; vec3 x; };
 
-// The includer reads blocks, leaves and clusters, and has `range`.
+// The includer reads blocks and places, and has `range`.
 Receiver receiver_of(uint run, uint place, bool present) {
     Block block = blocks[range.first + run];
     uint slot = place % PLACES;
     uint face = block.first + min(slot, block.count - 1);
-    return Receiver(run, face, present && slot < block.count, clusters[leaves[face]].center);
+    return Receiver(run, face, present && slot < block.count, places[face]);
 }
 
 Receiver receiver_at(uint place) {
