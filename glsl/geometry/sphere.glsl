@@ -14,6 +14,6 @@ Sphere sphere_of(uint first, uint count) {
         spread += dot(d, d);
     }
     // The usual block: a flat disc of the mean area of all blocks.
-    float disc = max(clusters[0].area / (6.2831853 * float(frame[0].blocks)), 1e-30);
+    float disc = max(clusters[0].area / (6.2831853 * float(frame[0].usual_blocks)), 1e-30);
     return Sphere(center, sqrt(radius2), spread / (float(count) * disc));
 }

@@ -16,6 +16,7 @@ READS(normals)
 READS(vertex_radiosity)
 READS(radiosity)
 READS(hits)
+READS(seen)
 WRITES(radiance)
 #include "view/object.glsl"
 
@@ -33,9 +34,7 @@ void main() {
         vec3 B = weight.x * vertex_radiosity[corner.x] + weight.y * vertex_radiosity[corner.y] +
                  weight.z * vertex_radiosity[corner.z];
         if (PIXELS != 0) {
-            uint width = camera[0].width, column = pixel % width, row = pixel / width;
-            uint place = 16 * (row / 4 * ((width + 3) / 4) + column / 4) + row % 4 * 4 + column % 4;
-            if (frame[object].by_pixel != 0) B = radiosity[frame[object].first_receiver + place];
+            if (frame[object].by_pixel != 0) B = radiosity[frame[object].first_receiver + seen[pixel]];
         }
         vec3 toward = camera[0].origin - point;
         float size = sqrt(dot(normal, normal) * dot(toward, toward));

@@ -107,7 +107,7 @@ fn cpu(state: &mut State, _at: Place) {
         .collect();
 
     // The spheres round the blocks' receivers.
-    let disc = disc(sums.first().map_or(0.0, |root| root.area), frame.blocks);
+    let disc = disc(sums.first().map_or(0.0, |root| root.area), frame.usual_blocks);
     if frame.by_pixel == 0 && frame.blocks > 0 {
         let center = |&leaf: &u32| sums[leaf as usize].center;
         data.places = data.leaves.iter().map(|leaf| narrow(center(leaf))).collect();

@@ -110,6 +110,8 @@ buffers! {
     vertex_radiosity: [f32; 3], vertex;
     /// What each pixel's ray met.
     hits: Hit, pixel;
+    /// The receiver that each pixel shows, among those of its object.
+    seen: u32, pixel;
     /// Linear radiance of each pixel.
     radiance: [f32; 3], pixel;
     /// Form factors to evaluate one by one.

@@ -86,6 +86,8 @@ records! { frame_records:
         exit: [f32; 3],
         /// Number of blocks of receivers.
         blocks: u32,
+        /// Number of those that its area is divided by for the size of a usual one.
+        usual_blocks: u32,
         /// Room for list entries in one batch.
         entry_room: u32,
         /// Largest error of one link, in units of the reference level.
@@ -99,9 +101,10 @@ records! { frame_records:
         /// Nothing.
         more_padding: [u32; 16],
         /// Nothing.
-        last_padding: [u32; 10],
+        last_padding: [u32; 9],
     }
-    /// A block of receivers: the faces of a maximal node of at most 16, or what a tile of 4 x 4 pixels shows of an object.
+    /// A block of receivers: the faces of a maximal node of at most 16, or what a tile of 4 x 4 pixels shows of an
+    /// object in one piece.
     Block {
         /// The node, where it is one.
         node: u32,

@@ -8,12 +8,20 @@ use crate::error::Result;
 use crate::layout::{Hit, Slot};
 use crate::state::{State, narrow, wide};
 use crate::view::aov::{Layer, Samples};
-use crate::view::points;
 
 /// The layers of a session's last picture. Numbers of links are right where lists are kept (`Mode::Render`), or where
 /// one list holds them all.
 pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
-    let known = [Slot::hits, Slot::irradiance, Slot::radiosity, Slot::vertex_radiosity, Slot::estimate, Slot::normals];
+    let known = [
+        Slot::hits,
+        Slot::seen,
+        Slot::blocks,
+        Slot::irradiance,
+        Slot::radiosity,
+        Slot::vertex_radiosity,
+        Slot::estimate,
+        Slot::normals,
+    ];
     session.fetch(&known)?;
     session.fetch(&[Slot::runs, Slot::spans])?;
     let (state, units) = (session.state(), *session.units());
@@ -37,12 +45,9 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
         shown.iter().map(|hit| hit.map_or([0.0; 3], mixed)).collect()
     };
     // Of the pixels' receivers, or blended as well.
-    let width = session.scene().camera.size[0];
     let receiver = |pixel: usize, face: usize| {
         let object = &state.objects[state.object_of(face)];
-        let (column, row) = (pixel as u32 % width, pixel as u32 / width);
-        let own =
-            if object.by_pixel { points::receiver(width, column, row) as usize } else { face - object.first.faces };
+        let own = if object.by_pixel { data.seen[pixel] as usize } else { face - object.first.faces };
         (object.by_pixel, object.first.receivers + own)
     };
     let received = |values: &[[f32; 3]]| -> Vec<[f32; 3]> {

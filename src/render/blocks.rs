@@ -7,7 +7,7 @@ use crate::layout::{Block, Frame};
 use crate::scene::Light;
 use crate::state::{Group, State, wide};
 use crate::transport::gather::PLACES;
-use crate::view::points::{self, tiles};
+use crate::view::points::{LAYERS, tiles};
 
 /// The maximal nodes of at most 16 faces, in the order of the tree.
 pub(super) fn blocks(state: &State) -> Vec<Block> {
@@ -28,9 +28,9 @@ pub(super) fn blocks(state: &State) -> Vec<Block> {
     blocks
 }
 
-/// One a tile of a picture of this size.
+/// Those of a picture of this size, which the stage `points` fills.
 pub(super) fn of_picture(size: [u32; 2]) -> Vec<Block> {
-    (0..tiles(size)).map(|tile| Block { node: 0, first: tile * points::PLACES, count: points::PLACES }).collect()
+    vec![Block::default(); (LAYERS * tiles(size)) as usize]
 }
 
 /// How large triangles are against the reach of light in the material: sigma times the root of their mean spread.

@@ -153,9 +153,11 @@ impl Plan {
         self.options.transport == Transport::Octree && sees && summed
     }
 
-    /// Buffers that are inputs: no stage writes them.
+    /// Buffers that are inputs: no stage writes them, or not always.
     pub fn inputs() -> impl Iterator<Item = Slot> {
-        SLOTS.iter().copied().filter(|slot| !STAGES.iter().any(|s| s.writes.iter().any(|(w, _, _)| w == slot)))
+        // Blocks are made anew only where they are of pixels.
+        let made = |slot: &Slot| STAGES.iter().any(|s| s.writes.iter().any(|(w, _, _)| w == slot));
+        SLOTS.iter().copied().filter(move |slot| *slot == Slot::blocks || !made(slot))
     }
 }
 

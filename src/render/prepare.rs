@@ -13,6 +13,7 @@ use crate::light::{fresnel, harmonics};
 use crate::scene::{self, Camera, Fresnel, Hierarchy, Material, Mesh, Reflection, Scene, Transport};
 use crate::state::{Extent, Method as Switches, Object, Schedule, Scheme, State, narrow};
 use crate::transport::gather::PLACES;
+use crate::view::points::LAYERS;
 
 /// A state ready to run, and what is needed to read its results.
 #[derive(Clone, Debug)]
@@ -120,12 +121,14 @@ fn one(scene: &Scene, object: &scene::Object, units: Units, by_pixel: bool) -> (
     if transport.scheme == Scheme::Blocks && !opaque {
         state.data.blocks = if by_pixel { of_picture(scene.camera.size) } else { blocks(&state) };
         state.data.frame[0].by_pixel = u32::from(by_pixel);
-        state.data.frame[0].blocks = state.data.blocks.len() as u32;
+        let blocks = state.data.blocks.len() as u32;
+        state.data.frame[0].blocks = blocks;
+        state.data.frame[0].usual_blocks = if by_pixel { blocks / LAYERS } else { blocks };
     }
     let data = &state.data;
     let (vertices, nodes, blocks) = (data.positions.len(), data.topology.len(), data.blocks.len());
     let by_pixel = by_pixel && !opaque;
-    let receivers = if by_pixel { PLACES * blocks } else { faces.len() };
+    let receivers = if by_pixel { PLACES * blocks / LAYERS as usize } else { faces.len() };
     let count = Extent { vertices, faces: faces.len(), nodes, blocks, receivers };
     state.objects = vec![Object { count, opaque, by_pixel, ..Object::default() }];
     (state, tree, method, faces)

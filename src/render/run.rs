@@ -287,6 +287,8 @@ impl Session {
         let pixels = if shown { camera.width as usize * camera.height as usize } else { 0 };
         data.hits = bytemuck::zeroed_vec(pixels);
         data.radiance = bytemuck::zeroed_vec(pixels);
+        let by_pixel = self.plan.stages.iter().any(|stage| stage.name == "points");
+        data.seen = bytemuck::zeroed_vec(if by_pixel { pixels } else { 0 });
     }
 }
 

@@ -85,7 +85,10 @@ impl Scene {
         for (index, mut object) in draft.objects.into_iter().enumerate() {
             let mut notes = Vec::new();
             let mesh = object.mesh(&text.folder, index, &mut notes);
-            let mesh = mesh.map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
+            let mesh = mesh.map_err(|fault| match fault.file.as_os_str().is_empty() {
+                true => read::place(fault, &text.toml, &text.file, sets),
+                false => fault,
+            })?;
             report.extend(notes.into_iter().map(|note| if several { format!("object {index}: {note}") } else { note }));
             objects.push(Object { mesh, material: object.material });
         }

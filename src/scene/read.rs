@@ -95,9 +95,9 @@ mod tests {
             (GOOD.replace("[0, 0, 9]", "[0, 9]"), "a.toml:3: light.0.position: invalid length 2"),
             (GOOD.replace("intensity = 1\n", ""), "a.toml:1: light.0.intensity: missing"),
             (GOOD.replace("= 1\n", "= 1 1\n"), "a.toml:4: "),
-            (format!("{GOOD}[[object]]\nshape = 'slab'"), "a.toml:6: object: one object is supported; found 2"),
+            (format!("{GOOD}[[object]]\nshape = 'slab'"), "a.toml:10: object.1.material.sigma_s_prime: missing"),
             ("unit = 'inch'".into(), "a.toml:1: unit: unknown value; found inch; expected um, mm, cm, m"),
-            (String::new(), "a.toml: object: one object is supported; found no [[object]]; expected exactly"),
+            (String::new(), "a.toml: object: there is nothing to show; found 0 times [[object]]; expected 1 to 256"),
         ];
         for (text, expected) in cases {
             let found = message(&text, &[]);
@@ -110,7 +110,7 @@ mod tests {
         let cases: [(&[&str], &str); 6] = [
             (&["camera.fov=30", "object.0.size=-3"], "--set object.0.size=-3: object.0.size: out of range"),
             (&["camera.fow=30", "unit=cm"], "--set camera.fow=30: unknown key, did you mean `fov`?"),
-            (&["object.1.shape=slab"], "--set object.1.shape=slab: object: one object is supported"),
+            (&["object.1.shape=slab"], "--set object.1.shape=slab: object.1.material.sigma_s_prime: missing"),
             (&["object.0.material.preset=mable"], "--set object.0.material.preset=mable: object.0.mat"),
             (&["light.5.x=1"], "--set light.5.x=1: `light` is a list of 1; it has no `5`"),
             (&["light"], "--set light: not a setting"),

@@ -118,7 +118,7 @@ fn cpu(state: &mut State, at: Place) {
         low + (high - low) * (at - entry as f64)
     };
     let error = f64::from(frame.link_error);
-    let disc = f64::from(data.clusters[0].area) / (std::f64::consts::TAU * f64::from(frame.blocks));
+    let disc = f64::from(data.clusters[0].area) / (std::f64::consts::TAU * f64::from(frame.usual_blocks));
     let sigma = frame.sigma.map(f64::from);
     let nearest = frame.z_real.iter().copied().map(f64::from).fold(f64::INFINITY, f64::min);
     let emitter = |node: usize| {

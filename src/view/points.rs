@@ -1,27 +1,30 @@
-//! Stage `points`: where the picture shows an object, 16 places a tile of 4 x 4 pixels, as receivers of light: radiosity
-//! depends on the place only, so it can be had right there instead of between the vertices.
+//! Stage `points`: where the picture shows an object, as receivers of light: radiosity depends on the place only, so it can
+//! be had right there instead of between the vertices.
 //!
-//! Pixels of a tile that show something else take the place of one that shows the object; a tile that shows nothing of it
-//! lies so far off that no light is worth carrying there.
+//! A tile of 4 x 4 pixels may show the object's edge with another part of it far behind. Its places are parted into up to
+//! [`LAYERS`] blocks, each a place and what lies near it, so that no block is much wider than a tile of a slanting surface.
+//! What belongs to none of four goes with the last one, about whose middle no light is expanded then.
 
 use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::geometry::refit::{SPHERE, disc, sphere};
-use crate::layout::{Block, Camera, Slot};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::layout::{Block, Camera, Slot, Sphere};
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
     name: "points",
     room: "view",
-    about: "receivers where the pixels show the object, in blocks of 4 x 4",
+    about: "receivers where the pixels show the object, in blocks of what is near each other in a tile of 4 x 4",
     equation: "the hit triangle's corners by their weights",
     writes: &[
-        (Slot::places, Role::Output, Tolerance::Float { relative: 0.0, floor: 4e-6 }),
+        (Slot::places, Role::Output, Tolerance::Exact),
+        (Slot::seen, Role::Update, Tolerance::Exact),
+        (Slot::blocks, Role::Output, Tolerance::Exact),
         (Slot::spheres, Role::Output, Tolerance::Fields(SPHERE)),
     ],
-    reason: "weights times corners, a few roundings of the extent",
+    reason: "places and blocks are decided exactly; a sphere is a few roundings of the extent",
     unit: Unit::Object,
     cpu,
     gpu,
@@ -30,21 +33,20 @@ pub static STAGE: Stage = Stage {
 /// Pixels along a side of a tile.
 const SIDE: u32 = 4;
 /// Places of a tile.
-pub const PLACES: u32 = SIDE * SIDE;
-/// Where a tile is that shows nothing of the object: farther from all of it than any table of distances goes.
+const PLACES: u32 = SIDE * SIDE;
+/// Blocks of a tile.
+pub const LAYERS: u32 = 4;
+/// Square of the largest distance from a block's first place, in half widths of a pixel there.
+const WIDEST: f32 = 1024.0;
+/// The spread of a block that is wider.
+const TORN: f32 = 1e30;
+/// Where places and blocks are that show nothing of the object: farther from all of it than any table of distances goes.
 const NOWHERE: [f32; 3] = [16.0; 3];
 
 /// Tiles of a picture of this size.
 #[must_use]
 pub fn tiles([width, height]: [u32; 2]) -> u32 {
     width.div_ceil(SIDE) * height.div_ceil(SIDE)
-}
-
-/// The receiver of a pixel, by its column and row.
-#[must_use]
-pub fn receiver(width: u32, column: u32, row: u32) -> u32 {
-    let tile = row / SIDE * width.div_ceil(SIDE) + column / SIDE;
-    PLACES * tile + row % SIDE * SIDE + column % SIDE
 }
 
 /// The pixel of a place, if the picture reaches so far.
@@ -54,29 +56,76 @@ fn pixel(camera: &Camera, tile: u32, k: u32) -> Option<usize> {
     (column < camera.width && row < camera.height).then(|| (row * camera.width + column) as usize)
 }
 
+/// A tile's places and pixels, layer by layer, and whether one belongs to none of them.
+#[derive(Default)]
+struct Tile {
+    layers: [Vec<(usize, [f32; 3])>; LAYERS as usize],
+    torn: bool,
+}
+
+impl Tile {
+    /// Puts a place where it belongs: decisions in `f32`.
+    fn put(&mut self, camera: &Camera, pixel: usize, place: [f32; 3], depth: f32) {
+        let square = |v: [f32; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        let width = camera.width as f32;
+        let widest = WIDEST * (square(camera.right) * (depth * depth));
+        let near = |layer: &Vec<(usize, [f32; 3])>| {
+            layer.first().is_none_or(|(_, seed)| {
+                let offset = [place[0] - seed[0], place[1] - seed[1], place[2] - seed[2]];
+                square(offset) * (width * width) <= widest
+            })
+        };
+        let layer = self.layers.iter().position(near);
+        self.torn |= layer.is_none();
+        self.layers[layer.unwrap_or(LAYERS as usize - 1)].push((pixel, place));
+    }
+}
+
 fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;
     let (frame, camera) = (&data.frame[0], &data.camera[0]);
-    let shown = |tile: u32, k: u32| {
-        let hit = data.hits[pixel(camera, tile, k)?];
-        let corners = data.triangles.get(hit.face.checked_sub(frame.first_face)? as usize)?;
-        let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
-        Some(narrow(corners.iter().zip(weight).map(|(&v, w)| w * wide(data.positions[v as usize])).sum()))
+    let tile = |number: u32| {
+        let mut tile = Tile::default();
+        for pixel in (0..PLACES).filter_map(|k| pixel(camera, number, k)) {
+            let hit = data.hits[pixel];
+            let face = hit.face.wrapping_sub(frame.first_face);
+            let Some(corners) = data.triangles.get(face as usize) else { continue };
+            let [a, b, c] = corners.map(|v| data.positions[v as usize]);
+            let first = 1.0 - hit.u - hit.v;
+            let place = std::array::from_fn(|axis| first * a[axis] + hit.u * b[axis] + hit.v * c[axis]);
+            tile.put(camera, pixel, place, hit.depth);
+        }
+        tile
     };
-    let disc = disc(f64::from(data.clusters[0].area), frame.blocks);
-    let of_tile = |tile: u32| {
-        let places: [Option<[f32; 3]>; PLACES as usize] = std::array::from_fn(|k| shown(tile, k as u32));
-        let other = places.iter().copied().flatten().next().unwrap_or(NOWHERE);
-        let places = places.map(|place| place.unwrap_or(other));
-        let block = Block { node: 0, first: 0, count: PLACES };
-        (places, sphere(&block, disc, |k| wide(places[k])))
-    };
-    let (places, spheres): (Vec<_>, Vec<_>) = (0..frame.blocks).into_par_iter().map(of_tile).unzip();
-    (state.data.places, state.data.spheres) = (places.concat(), spheres);
+    let tiles: Vec<Tile> = (0..frame.blocks / LAYERS).into_par_iter().map(tile).collect();
+
+    let disc = disc(f64::from(data.clusters[0].area), frame.usual_blocks);
+    let (mut places, mut seen) = (vec![NOWHERE; PLACES as usize * tiles.len()], data.seen.clone());
+    let (mut blocks, mut spheres) = (Vec::new(), Vec::new());
+    for (number, tile) in tiles.iter().enumerate() {
+        let mut first = PLACES * number as u32;
+        for (k, layer) in (1..).zip(&tile.layers) {
+            let block = Block { node: 0, first, count: layer.len() as u32 };
+            for &(pixel, place) in layer {
+                (places[first as usize], seen[pixel]) = (place, first);
+                first += 1;
+            }
+            let mut round = Sphere { center: NOWHERE, ..Sphere::default() };
+            if block.count > 0 {
+                round = sphere(&block, disc, |place| wide(places[place]));
+            }
+            if tile.torn && k == LAYERS {
+                round.spread = TORN;
+            }
+            blocks.push(block);
+            spheres.push(round);
+        }
+    }
+    (state.data.places, state.data.seen, state.data.blocks, state.data.spheres) = (places, seen, blocks, spheres);
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    pass.dispatch(None, &[], &[], pass.object().count.blocks)
+    pass.dispatch(None, &[], &[], pass.object().count.blocks / LAYERS as usize)
 }
 
 #[cfg(test)]
@@ -84,15 +133,29 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_pixel_has_a_place_of_its_own() {
+    fn every_pixel_is_in_one_tile() {
         let camera = Camera { width: 10, height: 7, ..Camera::default() };
-        let mut seen = vec![None; 70];
+        let mut seen = [0; 70];
         for place in 0..PLACES * tiles([10, 7]) {
             if let Some(pixel) = pixel(&camera, place / PLACES, place % PLACES) {
-                assert_eq!(receiver(10, pixel as u32 % 10, pixel as u32 / 10), place);
-                assert_eq!(seen[pixel].replace(place), None);
+                seen[pixel] += 1;
             }
         }
-        assert!(seen.iter().all(Option::is_some));
+        assert!(seen.iter().all(|&count| count == 1));
+    }
+
+    #[test]
+    fn what_is_far_apart_is_parted() {
+        // Ten pixels wide, 90 degrees: at depth 1 a pixel is 0.2 wide, half of that 0.1, and 32 of those are 3.2.
+        let camera = Camera { width: 10, right: [1.0, 0.0, 0.0], ..Camera::default() };
+        let mut tile = Tile::default();
+        for (pixel, z) in [0.0, -3.0, 10.0, 9.0, 20.0, 30.0].into_iter().enumerate() {
+            tile.put(&camera, pixel, [0.0, 0.0, z], 1.0);
+        }
+        let pixels = tile.layers.each_ref().map(|layer| layer.iter().map(|&(pixel, _)| pixel).collect::<Vec<_>>());
+        assert_eq!(pixels, [vec![0, 1], vec![2, 3], vec![4], vec![5]]);
+        assert!(!tile.torn);
+        tile.put(&camera, 6, [0.0, 0.0, 40.0], 1.0);
+        assert!(tile.torn && tile.layers[3].len() == 2);
     }
 }

@@ -5,9 +5,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::points::receiver;
 use crate::error::Result;
-use crate::layout::{Camera, Slot};
+use crate::layout::Slot;
 use crate::light::fresnel;
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
 
@@ -23,11 +22,6 @@ pub static STAGE: Stage = Stage {
     cpu,
     gpu,
 };
-
-/// The receiver of a pixel.
-fn receiver_of(camera: &Camera, pixel: usize) -> u32 {
-    receiver(camera.width, pixel as u32 % camera.width, pixel as u32 / camera.width)
-}
 
 fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;
@@ -50,7 +44,7 @@ fn cpu(state: &mut State, _at: Place) {
             let scale = f64::from(camera.radiance) / std::f64::consts::PI;
             let radiosity = match frame.by_pixel {
                 0 => mix(&data.vertex_radiosity),
-                _ => wide(data.radiosity[(frame.first_receiver + receiver_of(&camera, pixel)) as usize]),
+                _ => wide(data.radiosity[(frame.first_receiver + data.seen[pixel]) as usize]),
             };
             narrow(DVec3::from_array(leaves) * radiosity * scale * exit)
         })

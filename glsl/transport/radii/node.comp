@@ -54,7 +54,7 @@ void main() {
         float accept = range_of(rule, weight + power_of(rule) * tau, error);
         if (leaf) accept = max(accept, valid(trace, SAMPLE_CHI));
         // A flat disc of a block's mean area, and four times more for each further class.
-        float disc = log2(max(clusters[0].area / (6.2831853 * float(frame[0].blocks)), 1e-30));
+        float disc = log2(max(clusters[0].area / (6.2831853 * float(frame[0].usual_blocks)), 1e-30));
         // The laws hold at a cluster's nearest point; a triangle's at its centroid.
         float radius = leaf ? 0.0 : spread.radius;
         emitter.place.w = reach(spread.radius, range_of(0, weight, NOTHING * error));
