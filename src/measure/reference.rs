@@ -54,6 +54,16 @@ pub fn by_object(state: &State, faces: &[usize], radiosity: fn(&State, &[usize])
 
 fn alone(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
     let data = &state.data;
+    let center = |&face: &usize| {
+        let [a, b, c] = data.triangles[face].map(|v| wide(data.positions[v as usize]));
+        (a + b + c) / 3.0
+    };
+    at(state, &faces.iter().map(center).collect::<Vec<_>>())
+}
+
+/// Radiosity anywhere on the surface of a state of one object whose irradiance is known; places are internal.
+pub fn at(state: &State, places: &[DVec3]) -> Vec<[f64; 3]> {
+    let data = &state.data;
     let dipoles = [0, 1, 2].map(|channel| Dipole::of(&data.frame[0], channel));
     let distance = match state.distance {
         Distance::Radial => crate::dipole::form_factor::Distance::Radial,
@@ -77,11 +87,10 @@ fn alone(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
             None => edge_form_exact(&emitter.corners, data.triangles[face], x, dipole, distance),
         }
     };
-    faces
+    places
         .par_iter()
-        .progress_count(faces.len() as u64)
-        .map(|&receiver| {
-            let x = emitters[receiver].center;
+        .progress_count(places.len() as u64)
+        .map(|&x| {
             let mut sum = [0.0; 3];
             for (face, light) in data.irradiance.iter().enumerate() {
                 for (channel, dipole) in dipoles.iter().enumerate().filter(|(channel, _)| light[*channel] != 0.0) {

@@ -160,7 +160,9 @@ impl Session {
             self.fetch(&[Slot::cursor])?;
             let cursors = &self.prepared.state.data.cursor;
             if cursors.iter().any(|cursor| cursor.unfinished != 0) {
-                return Err(unfinished("linking", "raise transport.receiver_angle and transport.emitter_angle"));
+                let advice =
+                    "use transport.receivers = \"faces\", or raise receiver_angle and emitter_angle of scheme links";
+                return Err(unfinished("linking", advice));
             }
             if cursors.iter().all(|cursor| cursor.overflow == 0) {
                 self.pending = Change::default();

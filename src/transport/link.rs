@@ -60,6 +60,11 @@ fn beyond(d2: f32, reach: f32, radius: f32) -> bool {
     d2 >= sum * sum
 }
 
+/// The spread of a block whose receivers lie in several places far apart.
+const TORN: f32 = 1e30;
+/// Near triangles that such a block may have: more may be more steps than a driver's loops take.
+const MOST_NEAR: usize = 700;
+
 /// Walks the tree of emitters for a block and tells each decision, in order.
 pub fn walk(sphere: &Sphere, emitters: &[Emitter], expands: &[[f32; 4]], mut tell: impl FnMut(Kind, u32)) {
     let class = CLASSES.iter().position(|&most| sphere.spread <= most);
@@ -94,6 +99,7 @@ pub fn batch(state: &State, at: Place) -> (std::ops::Range<usize>, usize, usize)
 
 fn cpu(state: &mut State, at: Place) {
     let (blocks, run_base, entry_base) = batch(state, at);
+    let first = blocks.start;
     let (base, _) = state.part(Slot::emitters, at);
     let data = &mut state.data;
     if (at.chunk, at.group) == (0, 0) {
@@ -109,6 +115,12 @@ fn cpu(state: &mut State, at: Place) {
             lists
         })
         .collect();
+
+    let near = |lists: &[Vec<u32>; 6]| lists[Kind::Area as usize].len() + lists[Kind::Edge as usize].len();
+    let torn = |(lists, sphere): (&[Vec<u32>; 6], &Sphere)| sphere.spread >= TORN && near(lists) > MOST_NEAR;
+    if lists.iter().zip(&data.spheres[first..]).any(torn) {
+        data.cursor[0].unfinished = 1;
+    }
 
     let kept = Kind::Expanded as usize..=Kind::Edge as usize;
     let total: usize = lists.iter().map(|lists| lists[kept.clone()].iter().map(Vec::len).sum::<usize>()).sum();

@@ -1,0 +1,153 @@
+//! Several objects in one scene: no light is carried from one to another, but each may hide light from the others.
+
+use milkglass::layout::Slot;
+use milkglass::measure::reference::verify;
+use milkglass::render::plan::{Change, Goal, Mode, Options, Transport};
+use milkglass::render::run::{Room, Session};
+use milkglass::scene::Scene;
+
+fn scene(sets: &[&str]) -> Scene {
+    let mut all = vec!["object.0.detail=3".to_string(), "camera.size=[40, 30]".to_string()];
+    all.extend(sets.iter().map(|set| set.to_string()));
+    Scene::load("sphere", &all).unwrap()
+}
+
+fn run(scene: &Scene, transport: Transport, mode: Mode) -> Session {
+    let options = Options { transport, mode, goal: Goal::Radiosity, estimate: false };
+    let mut session = Session::new(scene, None, options, Room::default()).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    session
+}
+
+/// A value of each face of an object, scene units, in the order of its mesh.
+fn of(session: &Session, object: usize, slot: Slot) -> Vec<[f64; 3]> {
+    let data = &session.state().data;
+    let values = if slot == Slot::irradiance { &data.irradiance } else { &data.radiosity };
+    let light = session.units().light;
+    session.prepared.places(object).into_iter().map(|face| values[face].map(|x| f64::from(x) * light)).collect()
+}
+
+/// L2 of the difference as a share of the second.
+fn apart(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
+    let square = |x: f64| x * x;
+    let error: f64 = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| square(a - b)).sum();
+    (error / b.iter().flatten().copied().map(square).sum::<f64>()).sqrt()
+}
+
+const SECOND: &str =
+    "object.1={ shape = 'sphere', detail = 2, size = 5, position = [30, 0, 0], material = { preset = 'ketchup' } }";
+const GROUND: &str = "object.2={ shape = 'slab', detail = 8, size = 90, position = [0, -15, 0], rotation = [-90, 0, 0], \
+                      material = { opaque = true, albedo = [0.5, 0.25, 0] } }";
+
+#[test]
+fn each_object_is_lit_as_if_it_were_alone() {
+    let three = scene(&[SECOND, GROUND]);
+    for (transport, scheme) in [
+        (Transport::Hierarchy, "transport.scheme=blocks"),
+        (Transport::Hierarchy, "transport.scheme=links"),
+        (Transport::Brute, "transport.scheme=blocks"),
+        (Transport::Octree, "transport.scheme=blocks"),
+    ] {
+        let mut three = scene(&[SECOND, GROUND, scheme]);
+        // The sun is high: nobody stands in another's shadow.
+        three.lights[0].shadows = false;
+        let together = run(&three, transport, Mode::OnTheFly);
+        for object in [0, 1] {
+            let mut alone = three.clone();
+            alone.objects = vec![three.objects[object].clone()];
+            let alone = run(&alone, transport, Mode::OnTheFly);
+            let [a, b] = [of(&together, object, Slot::radiosity), of(&alone, 0, Slot::radiosity)];
+            let far = apart(&a, &b);
+            assert!(far < 2e-3, "{transport:?}, {scheme}, object {object}: {far}");
+        }
+    }
+    let mut session = run(&three, Transport::Hierarchy, Mode::OnTheFly);
+    let worst = verify(&mut session, 300, 1).unwrap().iter().map(|n| n.l2).fold(0.0, f64::max);
+    assert!(worst > 0.0 && worst < 1e-3, "{worst}");
+}
+
+#[test]
+fn what_is_opaque_gives_back_its_albedo() {
+    let session = run(&scene(&[SECOND, GROUND]), Transport::Hierarchy, Mode::OnTheFly);
+    let [light, given] = [Slot::irradiance, Slot::radiosity].map(|slot| of(&session, 2, slot));
+    assert!(light.iter().any(|e| e[0] > 1.0));
+    for (e, b) in light.iter().zip(&given) {
+        for (c, albedo) in [0.5, 0.25, 0.0].into_iter().enumerate() {
+            assert!((b[c] - albedo * e[c]).abs() <= 1e-6 * e[c]);
+        }
+    }
+}
+
+#[test]
+fn an_object_shades_another() {
+    // A plate between the sun and the ball, and the same elsewhere.
+    let plate = |place: &str| {
+        format!(
+            "object.1={{ shape = 'slab', detail = 2, size = 30, position = {place}, rotation = [-45, 40, 0], \
+             material = {{ opaque = true }} }}"
+        )
+    };
+    let lit = |sets: &[&str]| of(&run(&scene(sets), Transport::Hierarchy, Mode::OnTheFly), 0, Slot::irradiance);
+    let (before, beside) = (plate("[12, 14, 8]"), plate("[-60, 0, 0]"));
+    let (alone, shaded, free) = (lit(&[]), lit(&[&before]), lit(&[&beside]));
+    assert!(apart(&free, &alone) < 1e-5);
+    let sum = |values: &[[f64; 3]]| values.iter().flatten().sum::<f64>();
+    assert!(sum(&shaded) < 0.1 * sum(&alone), "{} of {}", sum(&shaded), sum(&alone));
+}
+
+#[test]
+fn light_that_moves_and_lists_that_are_kept() {
+    let sets = [SECOND, GROUND];
+    for scheme in ["transport.scheme=blocks", "transport.scheme=links"] {
+        let first = scene(&[sets[0], sets[1], scheme]);
+        let second = scene(&[sets[0], sets[1], scheme, "light.0.direction=[-1, 0.4, 0.1]"]);
+        let mut session = run(&first, Transport::Hierarchy, Mode::Render);
+        session.set_lights(&second.lights).unwrap();
+        session.frame(Change::default()).unwrap();
+        let fresh = run(&second, Transport::Hierarchy, Mode::Render);
+        for object in 0..3 {
+            assert_eq!(of(&session, object, Slot::radiosity), of(&fresh, object, Slot::radiosity), "{scheme}");
+        }
+    }
+}
+
+#[test]
+fn without_opaque_objects_nothing_is_there_for_them() {
+    let left = |sets: &[&str]| {
+        let session = run(&scene(sets), Transport::Hierarchy, Mode::OnTheFly);
+        session.plan.left_out.iter().map(|(name, why)| format!("{name}: {why}")).collect::<Vec<_>>().join("\n")
+    };
+    assert!(left(&[SECOND]).contains("opaque: no object is opaque"));
+    assert!(!left(&[SECOND, GROUND]).contains("opaque: "));
+    let all = left(&["object.0.material={ opaque = true }"]);
+    assert!(all.contains("gather: every object is opaque") && all.contains("pull: every object is opaque"), "{all}");
+}
+
+#[test]
+fn faults_name_the_object() {
+    let fault = |sets: &[&str]| {
+        let sets: Vec<String> = sets.iter().map(|set| set.to_string()).collect();
+        Scene::load("sphere", &sets).unwrap_err().to_string()
+    };
+    let cases = [
+        (vec!["object.1={ shape = 'slap' }"], "did you mean `slab`"),
+        (
+            vec!["object.1={ shape = 'slab', material = { opaque = true, preset = 'marble' } }"],
+            "an opaque material has no such key",
+        ),
+        (vec!["object.0.material.albedo=0.5"], "only an opaque material has an albedo"),
+        (
+            vec!["object.1={ shape = 'slab', material = { opaque = true, albedo = 2 } }"],
+            "object.1.material.albedo: out of range",
+        ),
+        (vec!["object.0.position=[0, 1e12, 0]"], "object.0.position: out of range"),
+        (vec!["light.0={ type = 'point', position = [30, 0, 0], intensity = 1 }", SECOND], "stands in the medium"),
+    ];
+    for (sets, expected) in cases {
+        let found = fault(&sets);
+        assert!(found.contains(expected), "{found}");
+    }
+    // In what is opaque a lamp just shines at nothing.
+    let lamp = "light.0={ type = 'point', position = [0, -15, 0], intensity = 1 }";
+    assert!(Scene::load("sphere", &[SECOND, GROUND, lamp].map(String::from)).is_ok());
+}
