@@ -3,6 +3,7 @@
 mod conform;
 mod devices;
 mod eval;
+mod faces;
 mod lists;
 mod pareto;
 mod plan;

@@ -245,17 +245,20 @@ macro_rules! buffers {
 
 mod arriving;
 mod buffers;
+mod lists;
 mod records;
 mod viewing;
 
 pub use arriving::*;
 pub use buffers::*;
+pub use lists::*;
 pub use records::*;
 pub use viewing::*;
 
 /// Every record.
 pub fn records() -> Vec<Record> {
     let mut all = frame_records();
+    all.extend(list_records());
     all.extend(light_records());
     all.extend(view_records());
     all

@@ -84,7 +84,7 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
     let depth = |hit: &Option<&Hit>| hit.map_or(f32::INFINITY, |hit| (f64::from(hit.depth) / units.length) as f32);
     layers.push(Layer::single("depth", "Z", Samples::Float(shown.iter().map(depth).collect())));
     layers.push(Layer::single("object", "id", number(u32::MAX, &|face| state.object_of(face) as u32)));
-    layers.push(Layer::single("triangle", "id", number(u32::MAX, &|face| session.prepared.source(face).1)));
+    layers.push(Layer::single("triangle", "id", number(u32::MAX, &|face| session.triangle(face))));
     layers.push(Layer::single("links", "count", of_links));
     Ok(layers)
 }

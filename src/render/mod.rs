@@ -2,14 +2,17 @@
 
 pub mod aov;
 mod blocks;
+mod changes;
 pub mod lights;
 pub mod octree;
 pub mod plan;
 pub mod prepare;
+mod reasons;
 pub mod receivers;
 pub mod room;
 pub mod run;
 pub mod samples;
 pub mod stages;
+pub mod subdivide;
 mod textures;
 pub mod units;

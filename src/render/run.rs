@@ -2,20 +2,20 @@
 
 use std::time::Instant;
 
-use super::lights::lights;
 use super::octree::OctreeTransport;
 use super::plan::{Change, Mode, Options, Plan, Transport, before_transport};
-use super::prepare::{Prepared, camera, prepare};
+use super::prepare::{Prepared, prepare};
 use super::receivers::by_pixel;
 pub use super::room::Room;
 use super::room::{Lists, size};
+use super::subdivide::{Parts, subdivide};
 use super::textures::drop_unseen;
 use super::units::Units;
 use crate::error::{Error, Result};
 use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
 use crate::layout::Slot;
-use crate::scene::{Camera, Light, Scene};
+use crate::scene::Scene;
 use crate::state::{DeviceState, Scheme, State, Step};
 use crate::view::picture::Picture;
 
@@ -37,13 +37,23 @@ pub struct Session {
     pub backend: Backend,
     /// How often a frame had to run again because a list overflowed.
     pub retries: usize,
-    scene: Scene,
+    /// What became of each object's triangles, where `transport.subdivide` asks for that.
+    pub parts: Vec<Parts>,
+    pub(super) scene: Scene,
     lists: Lists,
-    pending: Change,
+    pub(super) pending: Change,
     octree: Option<OctreeTransport>,
-    room: Room,
+    pub(super) fixed: Fixed,
+}
+
+/// What a session is made from, and made from again where its layout changes.
+pub(super) struct Fixed {
+    /// The scene before its triangles were cut, if they were.
+    pub asked: Option<Scene>,
+    /// First sizes.
+    pub room: Room,
     /// What kind of receivers there are none of, and why.
-    receivers: (&'static str, String),
+    pub receivers: (&'static str, String),
 }
 
 impl Session {
@@ -53,8 +63,14 @@ impl Session {
             Transport::Octree => Some(OctreeTransport::new(&scene.transport)?),
             _ => None,
         };
-        let (by_pixel, why) = by_pixel(scene, options);
-        let mut prepared = prepare(scene, by_pixel);
+        // Cut finer where the lights want it, and in what follows nothing else is known.
+        let asked = (scene.transport.subdivide > 0).then(|| scene.clone());
+        let (scene, parts) = match &asked {
+            Some(asked) => subdivide(asked)?,
+            None => (scene.clone(), Vec::new()),
+        };
+        let (by_pixel, why) = by_pixel(&scene, options);
+        let mut prepared = prepare(&scene, by_pixel);
         drop_unseen(&mut prepared.state, options);
         prepared.state.keep = options.mode == Mode::Render;
         let blocks = prepared.state.method.scheme == Scheme::Blocks && options.transport == Transport::Hierarchy;
@@ -64,8 +80,9 @@ impl Session {
         let lists = Lists::new(room, device.map(Device::limits));
         lists.cut(&mut prepared);
         let backend = device.map_or(Backend::Cpu, |device| Backend::Gpu(DeviceState::new(device, false)));
-        let (scene, pending) = (scene.clone(), Change::EVERYTHING);
-        let mut session = Self { prepared, plan, backend, retries: 0, scene, lists, pending, octree, room, receivers };
+        let (retries, pending) = (0, Change::EVERYTHING);
+        let fixed = Fixed { asked, room, receivers };
+        let mut session = Self { prepared, plan, backend, retries, parts, scene, lists, pending, octree, fixed };
         session.resize()?;
         Ok(session)
     }
@@ -73,6 +90,12 @@ impl Session {
     /// The state.
     pub fn state(&self) -> &State {
         &self.prepared.state
+    }
+
+    /// The number of a triangle of the state in the mesh of its object, as the scene has it.
+    pub fn triangle(&self, face: usize) -> u32 {
+        let (object, part) = self.prepared.source(face);
+        self.parts.get(object).map_or(part, |parts| parts.of[part as usize])
     }
 
     /// The units.
@@ -83,61 +106,6 @@ impl Session {
     /// The scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
-    }
-
-    /// Replaces the lights.
-    pub fn set_lights(&mut self, list: &[Light]) -> Result<()> {
-        let shape = |state: &State| {
-            let groups: Vec<_> = state.objects.iter().map(|object| object.groups.clone()).collect();
-            (groups, state.data.frame[0].shadow_words, state.data.frame[0].sky)
-        };
-        let before = shape(&self.prepared.state);
-        self.scene.lights = list.to_vec();
-        lights(&mut self.prepared.state, list, &mut self.prepared.units, &self.scene.objects);
-        self.pending = self.pending.and(Change::LIGHT);
-
-        // The first light of all, or the last one gone, or channels that part: other stages run, or over other buffers.
-        let plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.receivers.clone());
-        if plan.stages.len() != self.plan.stages.len() || before != shape(&self.prepared.state) {
-            self.plan = plan;
-            self.pending = Change::EVERYTHING;
-            return self.resize();
-        }
-        let inputs =
-            [Slot::frame, Slot::lights, Slot::camera, Slot::sky, Slot::sky_rows, Slot::sky_columns, Slot::lobe];
-        self.send(&inputs)
-    }
-
-    /// Replaces the camera; its picture may have another size.
-    pub fn set_camera(&mut self, new: &Camera) -> Result<()> {
-        let (before, size) = (self.scene.camera.environment, self.scene.camera.size);
-        self.scene.camera = new.clone();
-        let pixels = self.state().objects.iter().any(|object| object.by_pixel);
-        if (pixels && size != new.size) || pixels != by_pixel(&self.scene, self.plan.options()).0 {
-            // Other receivers: everything is laid out anew.
-            let device = match &self.backend {
-                Backend::Gpu(twin) => Some(twin.device().clone()),
-                Backend::Cpu => None,
-            };
-            *self = Self::new(&self.scene, device.as_ref(), self.plan.options(), self.room)?;
-            return Ok(());
-        }
-        self.pending = self.pending.and(Change::VIEW);
-        camera(&mut self.prepared.state, new, self.prepared.units);
-        if before != new.environment {
-            self.plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.receivers.clone());
-        }
-        self.size_picture();
-        self.send(&[Slot::camera])
-    }
-
-    /// Rays through another place of the pixels, from their centres, in pixels, until the camera is set again.
-    pub(super) fn shift(&mut self, place: [f64; 2]) -> Result<()> {
-        if let Some(camera) = self.prepared.state.data.camera.first_mut() {
-            [camera.shift_x, camera.shift_y] = place.map(|x| 2.0 * x as f32);
-        }
-        self.pending = self.pending.and(Change::VIEW);
-        self.send(&[Slot::camera])
     }
 
     /// Runs one frame: what has changed since the last one, and what `change` adds to it. Returns each step's time,
@@ -243,7 +211,7 @@ impl Session {
         Ok(Picture { width, height, pixels: data.radiance.clone() })
     }
 
-    fn send(&mut self, slots: &[Slot]) -> Result<()> {
+    pub(super) fn send(&mut self, slots: &[Slot]) -> Result<()> {
         match &mut self.backend {
             Backend::Gpu(twin) => twin.upload(&self.prepared.state, slots),
             Backend::Cpu => Ok(()),
@@ -251,7 +219,7 @@ impl Session {
     }
 
     /// Gives every buffer its size and sends the inputs.
-    fn resize(&mut self) -> Result<()> {
+    pub(super) fn resize(&mut self) -> Result<()> {
         size(&mut self.prepared.state, &self.plan);
         self.size_picture();
         self.check_shadows()?;
@@ -282,7 +250,7 @@ impl Session {
         Err(Error::device("making room for buffer lit", what))
     }
 
-    fn size_picture(&mut self) {
+    pub(super) fn size_picture(&mut self) {
         let data = &mut self.prepared.state.data;
         let camera = &data.camera[0];
         let shown = self.plan.stages.iter().any(|stage| stage.name == "visibility");

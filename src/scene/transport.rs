@@ -101,6 +101,8 @@ pub struct Transport {
     pub hierarchy: Hierarchy,
     /// Where radiosity is computed for a picture.
     pub receivers: Receivers,
+    /// How often triangles may be cut in four where irradiance is not alike all over them, 0 to 4.
+    pub subdivide: u32,
     /// How distances are measured.
     pub distance: Distance,
     /// How near triangles are evaluated.
@@ -134,6 +136,7 @@ impl Transport {
             scheme,
             because,
             receivers: file.receivers,
+            subdivide: range::number("transport.subdivide", f64::from(file.subdivide), |x| x <= 4.0, "0 to 4")? as u32,
             tolerance: range::number(
                 "transport.tolerance",
                 file.tolerance,

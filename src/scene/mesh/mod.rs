@@ -7,6 +7,7 @@ mod lotus;
 mod nesting;
 mod orient;
 mod shape;
+mod split;
 mod uv;
 
 pub(super) use import::map_kd;

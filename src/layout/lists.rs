@@ -1,0 +1,93 @@
+//! The structs of lists, and of what is dispatched, shared by host and device.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::{Element, Record, Word};
+
+records! { list_records:
+    /// Where a receiver's lists lie in its chunk.
+    Span {
+        /// First link.
+        link: u32,
+        /// Number of links.
+        links: u32,
+        /// First entry among the links that take area points.
+        area: u32,
+        /// Number of those.
+        areas: u32,
+        /// First entry among the links that take the edge form.
+        edge: u32,
+        /// Number of those.
+        edges: u32,
+        /// First emitter handed down to the children.
+        hand: u32,
+        /// Number of those.
+        hands: u32,
+    }
+    /// One transfer of light.
+    Link {
+        /// The node that receives, at its centre.
+        receiver: u32,
+        /// The node that emits.
+        emitter: u32,
+    }
+    /// How full an object's lists are, and how full they had to be; padded as its frame is.
+    Cursor {
+        /// Links of this chunk.
+        links: u32,
+        /// Links that take area points.
+        areas: u32,
+        /// Links that take the edge form.
+        edges: u32,
+        /// Emitters handed down.
+        hands: u32,
+        /// Handed-down emitters of the top of the tree, kept for every chunk.
+        kept: u32,
+        /// Largest count of links met in a chunk.
+        need_links: u32,
+        /// Largest count of links that take area points.
+        need_areas: u32,
+        /// Largest count of links that take the edge form.
+        need_edges: u32,
+        /// Largest count of handed-down emitters.
+        need_hands: u32,
+        /// Entries of this batch.
+        entries: u32,
+        /// Largest count of entries met in a batch.
+        need_entries: u32,
+        /// Not 0 when a list did not fit: the results are void, and the frame must run again with more room.
+        overflow: u32,
+        /// Not 0 when a driver ended a loop early, or would: lavapipe does so after 65,535 iterations.
+        unfinished: u32,
+        /// Nothing.
+        padding: [u32; 32],
+        /// Nothing.
+        more_padding: [u32; 16],
+        /// Nothing.
+        last_padding: [u32; 3],
+    }
+    /// A run of elements for one dispatch.
+    Range {
+        /// First element.
+        first: u32,
+        /// Number of elements.
+        count: u32,
+    }
+    /// A single form factor to evaluate, relative to the receiving point, in multiples of a length of its own.
+    Query {
+        /// First corner.
+        a: [f32; 3],
+        /// Second corner.
+        b: [f32; 3],
+        /// Third corner.
+        c: [f32; 3],
+        /// Dipole strength alpha' / (4 pi).
+        strength: f32,
+        /// Effective transport coefficient.
+        sigma: f32,
+        /// Depth of the real source.
+        z_real: f32,
+        /// Height of the virtual source.
+        z_virtual: f32,
+    }
+}

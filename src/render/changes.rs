@@ -1,0 +1,82 @@
+//! Changes of a session's scene between frames: its lights, its camera.
+
+use super::lights::lights;
+use super::plan::{Change, Plan};
+use super::prepare::camera;
+use super::receivers::by_pixel;
+use super::run::{Backend, Session};
+use crate::error::Result;
+use crate::layout::Slot;
+use crate::scene::{Camera, Light, Scene};
+use crate::state::State;
+
+impl Session {
+    /// Replaces the lights.
+    pub fn set_lights(&mut self, list: &[Light]) -> Result<()> {
+        let shape = |state: &State| {
+            let groups: Vec<_> = state.objects.iter().map(|object| object.groups.clone()).collect();
+            (groups, state.data.frame[0].shadow_words, state.data.frame[0].sky)
+        };
+        if self.fixed.asked.is_some() {
+            // Other borders of shadows.
+            return self.renew(|scene| scene.lights = list.to_vec());
+        }
+        let before = shape(&self.prepared.state);
+        self.scene.lights = list.to_vec();
+        lights(&mut self.prepared.state, list, &mut self.prepared.units, &self.scene.objects);
+        self.pending = self.pending.and(Change::LIGHT);
+
+        // The first light of all, or the last one gone, or channels that part: other stages run, or over other buffers.
+        let plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());
+        if plan.stages.len() != self.plan.stages.len() || before != shape(&self.prepared.state) {
+            self.plan = plan;
+            self.pending = Change::EVERYTHING;
+            return self.resize();
+        }
+        let inputs =
+            [Slot::frame, Slot::lights, Slot::camera, Slot::sky, Slot::sky_rows, Slot::sky_columns, Slot::lobe];
+        self.send(&inputs)
+    }
+
+    /// Replaces the camera; its picture may have another size.
+    pub fn set_camera(&mut self, new: &Camera) -> Result<()> {
+        let (before, size) = (self.scene.camera.environment, self.scene.camera.size);
+        self.scene.camera = new.clone();
+        if let Some(asked) = &mut self.fixed.asked {
+            asked.camera = new.clone();
+        }
+        let pixels = self.state().objects.iter().any(|object| object.by_pixel);
+        if (pixels && size != new.size) || pixels != by_pixel(&self.scene, self.plan.options()).0 {
+            // Other receivers.
+            return self.renew(|scene| scene.camera = new.clone());
+        }
+        self.pending = self.pending.and(Change::VIEW);
+        camera(&mut self.prepared.state, new, self.prepared.units);
+        if before != new.environment {
+            self.plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());
+        }
+        self.size_picture();
+        self.send(&[Slot::camera])
+    }
+
+    /// Everything laid out anew, for the scene after this change.
+    fn renew(&mut self, change: impl FnOnce(&mut Scene)) -> Result<()> {
+        let device = match &self.backend {
+            Backend::Gpu(twin) => Some(twin.device().clone()),
+            Backend::Cpu => None,
+        };
+        let mut scene = self.fixed.asked.take().unwrap_or_else(|| self.scene.clone());
+        change(&mut scene);
+        *self = Self::new(&scene, device.as_ref(), self.plan.options(), self.fixed.room)?;
+        Ok(())
+    }
+
+    /// Rays through another place of the pixels, from their centres, in pixels, until the camera is set again.
+    pub(super) fn shift(&mut self, place: [f64; 2]) -> Result<()> {
+        if let Some(camera) = self.prepared.state.data.camera.first_mut() {
+            [camera.shift_x, camera.shift_y] = place.map(|x| 2.0 * x as f32);
+        }
+        self.pending = self.pending.and(Change::VIEW);
+        self.send(&[Slot::camera])
+    }
+}

@@ -1,0 +1,85 @@
+//! Why a stage has no place in the frame of a scene.
+
+use super::plan::{Goal, Options, Transport};
+use crate::state::{Scheme, State};
+
+/// Stages of the hierarchy with blocks.
+const BLOCKS: [&str; 6] = ["pull", "level", "radii", "link", "gather", "push"];
+/// Stages of the hierarchy as published.
+const LINKS: [&str; 6] = ["reach", "mean", "refine", "form_factor", "collect", "spread"];
+
+/// Why this stage has no place in the frame, if it has none.
+pub(super) fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -> Option<String> {
+    let (blocks, links) = (BLOCKS.contains(&name), LINKS.contains(&name));
+    let needs_light = blocks
+        || links
+        || matches!(
+            name,
+            "shadow" | "environment" | "irradiance" | "entry" | "points" | "opaque" | "average" | "brute"
+        )
+        || matches!(name, "exit" | "reflect");
+    let pictorial = matches!(name, "average" | "visibility" | "points" | "shade" | "exit" | "reflect" | "backdrop");
+    if name == "evaluate" {
+        return Some("answers `milkglass eval` only".into());
+    }
+    if pictorial && options.goal == Goal::Radiosity {
+        return Some("no picture is asked for".into());
+    }
+    if needs_light && dark {
+        return Some("no light shines: every radiosity is zero".into());
+    }
+    match options.transport {
+        Transport::Hierarchy if name == "brute" => Some("the hierarchy transports the light".into()),
+        Transport::Hierarchy if links && scheme == Scheme::Blocks => Some("scheme blocks carries the light".into()),
+        Transport::Hierarchy if blocks && scheme == Scheme::Links => Some("scheme links carries the light".into()),
+        Transport::Octree if blocks || links || name == "brute" => {
+            Some("the octree carries the light, in native code on the host".into())
+        }
+        Transport::Brute if blocks || links && name != "reach" => Some("brute force needs no clusters".into()),
+        _ => None,
+    }
+}
+
+/// Why this stage is not needed for these lights, this surface and this camera, if it is not.
+pub(super) fn unlit(name: &str, state: &State) -> Option<String> {
+    match name {
+        "shadow" if state.data.frame.iter().all(|frame| frame.shadow_words == 0) => {
+            Some("no light casts shadows, and no environment asks what is hidden of it".into())
+        }
+        "environment" if state.data.sky.is_empty() => Some("no light is an environment".into()),
+        "reflect" if state.data.frame.iter().all(|frame| frame.reflection == 0) => {
+            Some("the material's surface reflects nothing".into())
+        }
+        "backdrop" if state.data.camera.iter().all(|camera| camera.environment == 0) => {
+            Some("the background is a colour".into())
+        }
+        "backdrop" if state.data.sky.is_empty() => Some("the environment is black".into()),
+        _ => None,
+    }
+}
+
+/// Why this stage is not needed for these objects, if it is not.
+pub(super) fn unpeopled(name: &str, state: &State) -> Option<String> {
+    let any = |opaque: bool| state.objects.iter().any(|object| object.opaque == opaque);
+    let carries = BLOCKS.contains(&name) || LINKS.contains(&name) || name == "brute";
+    match name {
+        "opaque" if !any(true) => Some("no object is opaque".into()),
+        "points" => state.objects.iter().all(|object| !object.by_pixel).then(|| "the receivers are triangles".into()),
+        "average" if state.objects.iter().all(|object| object.by_pixel) => {
+            Some("the receivers are what the pixels show".into())
+        }
+        _ if carries && !any(false) => Some("every object is opaque".into()),
+        _ => None,
+    }
+}
+
+/// Why no error estimate is carried along, if none is.
+pub(super) fn unestimated(state: &State, options: Options) -> Option<&'static str> {
+    match options.transport {
+        _ if state.method.estimate => None,
+        Transport::Octree => Some("the octree estimates nothing"),
+        Transport::Brute => Some("brute force takes every pair of faces by itself, and estimates nothing"),
+        Transport::Hierarchy if state.method.scheme == Scheme::Links => Some("scheme links has none"),
+        Transport::Hierarchy => Some("nobody reads it: `solve` that writes or verifies does, and `render --aov`"),
+    }
+}

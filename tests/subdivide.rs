@@ -1,0 +1,122 @@
+//! Triangles cut finer where a shadow's border crosses them.
+
+use milkglass::layout::Slot;
+use milkglass::measure::reference::at;
+use milkglass::render::plan::{Change, Goal, Options};
+use milkglass::render::run::{Room, Session};
+use milkglass::render::subdivide::subdivide;
+use milkglass::scene::Scene;
+use milkglass::state::wide;
+
+fn scene(sets: &[&str]) -> Scene {
+    let mut all =
+        vec!["object.0.detail=12", "light.0={ type = 'directional', direction = [0.2, 0.3, 1], irradiance = 3 }"];
+    all.push("object.0.size=20");
+    // A plate hangs over a part of it, slanting, so that its shadow's border crosses triangles in every way.
+    all.push(
+        "object.1={ shape = 'slab', detail = 4, size = 14, position = [3, 4, 12], rotation = [0, 0, 33], \
+         material = { opaque = true } }",
+    );
+    all.extend(sets);
+    Scene::load("slab", &all.into_iter().map(String::from).collect::<Vec<_>>()).unwrap()
+}
+
+fn options() -> Options {
+    Options { goal: Goal::Radiosity, ..Options::default() }
+}
+
+/// Radiosity at the centres of the slab's triangles, their areas, and how many triangles it took.
+fn solved(scene: &Scene) -> (Vec<[f64; 3]>, usize) {
+    let mut session = Session::new(scene, None, options(), Room::default()).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    session.fetch(&[Slot::radiosity]).unwrap();
+    let (places, light) = (session.prepared.places(0), session.units().light);
+    let at = |part: usize| session.state().data.radiosity[places[part]].map(|x| f64::from(x) * light);
+    let values = match session.parts.first() {
+        Some(parts) => parts.middle.iter().map(|&part| at(part as usize)).collect(),
+        None => (0..places.len()).map(at).collect(),
+    };
+    (values, places.len())
+}
+
+/// The same by brute force over the mesh cut in sixteen everywhere.
+fn exact(scene: &Scene) -> Vec<[f64; 3]> {
+    let mut fine = scene.clone();
+    fine.transport.subdivide = 0;
+    for _ in 0..2 {
+        fine.objects[0].mesh = fine.objects[0].mesh.split(|_| true).0;
+    }
+    let mut session = Session::new(&fine, None, options(), Room::default()).unwrap();
+    session.prepare_light();
+    let alone = session.state().alone(0);
+    // Part 15 of 16 is the middle of the middle.
+    let places = session.prepared.places(0);
+    let centers: Vec<_> = (0..scene.objects[0].mesh.triangles.len())
+        .map(|face| wide(alone.data.clusters[alone.data.leaves[places[16 * face + 15]] as usize].center))
+        .collect();
+    let light = session.units().light;
+    at(&alone, &centers).into_iter().map(|value| value.map(|x| x * light)).collect()
+}
+
+/// L2 over the slab's triangles, worst channel.
+fn error(scene: &Scene, values: &[[f64; 3]], exact: &[[f64; 3]]) -> f64 {
+    let mesh = &scene.objects[0].mesh;
+    let area = |face: usize| mesh.corners(face).map_or(0.0, |[a, b, c]| 0.5 * (b - a).cross(c - a).length());
+    let of = |c: usize| {
+        let sum = |f: &dyn Fn(usize) -> f64| (0..values.len()).map(|k| area(k) * f(k) * f(k)).sum::<f64>();
+        (sum(&|k| values[k][c] - exact[k][c]) / sum(&|k| exact[k][c])).sqrt()
+    };
+    (0..3).map(of).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_borders_of_shadows_are_where_they_are() {
+    for tolerance in ["transport.tolerance=1e-2", "transport.tolerance=1e-3"] {
+        let fine = scene(&[tolerance, "transport.subdivide=2"]);
+        let mut plain = fine.clone();
+        plain.transport.subdivide = 0;
+        let expected = exact(&fine);
+        let ((values, parts), (coarse, faces)) = (solved(&fine), solved(&plain));
+        let [cut, whole] = [values, coarse].map(|values| error(&fine, &values, &expected));
+        let asked = fine.transport.tolerance;
+        println!("{tolerance}: {cut:.2e} of {parts} triangles, {whole:.2e} of {faces}");
+        assert!(cut < 2.0 * asked, "{tolerance}: {cut} with {parts} triangles");
+        assert!(whole > 2.0 * asked, "nothing to gain: {whole}");
+        assert!(parts < 8 * faces, "{parts} of {faces}: too many are cut");
+    }
+}
+
+#[test]
+fn only_what_needs_it_is_cut() {
+    let mut unlit = scene(&["transport.subdivide=3"]);
+    unlit.lights.clear();
+    let (_, parts) = subdivide(&unlit).unwrap();
+    assert_eq!(parts[0].of.len(), parts[0].whole.len());
+    let mut lit = scene(&["transport.subdivide=1"]);
+    let (fine, parts) = subdivide(&lit).unwrap();
+    let [whole, part] = [&lit, &fine].map(|scene| scene.objects[0].mesh.triangles.len());
+    assert!(part > whole && part < 2 * whole, "{whole} {part}");
+    // Every triangle has all its parts, and its centre in one of them.
+    let mut count = vec![0; whole];
+    parts[0].of.iter().for_each(|&face| count[face as usize] += 1);
+    assert!(count.iter().all(|&n| n == 1 || n == 4));
+    assert!((0..whole).all(|face| parts[0].of[parts[0].middle[face] as usize] == face as u32));
+    // Without a plate there is no border.
+    lit.objects.truncate(1);
+    lit.lights.truncate(1);
+    let (_, parts) = subdivide(&lit).unwrap();
+    assert_eq!(parts[0].of.len(), whole);
+}
+
+#[test]
+fn a_moved_light_moves_the_cuts() {
+    let first = scene(&["transport.subdivide=1"]);
+    let second = scene(&["transport.subdivide=1", "light.0.direction=[-0.3, 0.2, 1]"]);
+    let mut session = Session::new(&first, None, options(), Room::default()).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    let before = session.parts[0].of.clone();
+    session.set_lights(&second.lights).unwrap();
+    session.frame(Change::default()).unwrap();
+    let fresh = Session::new(&second, None, options(), Room::default()).unwrap();
+    assert!(session.parts[0].of == fresh.parts[0].of && session.parts[0].of != before);
+}
