@@ -3,16 +3,16 @@
 //!
 //! # A frame
 //!
-//! 1. `refit`: positions to faces, clusters and vertex normals;
+//! 1. `refit`: positions to faces, clusters and vertex normals; `visibility`: what each pixel sees;
 //! 2. `shadow`: which lights reach which faces; `environment`: harmonics of the light from all around; `irradiance`: the
 //!    light that enters each face (equation 5); `entry`: times a texture;
 //! 3. `pull`: moments of the light that enters every cluster;
 //! 4. `level`: how bright the object will be, roughly;
 //! 5. `radii`: how far from a cluster what may be done with it, so that the tolerance is met;
-//! 6. `link`: which emitters each block of receivers expands, links, or takes triangle by triangle;
+//! 6. `points`: the places that pixels show, where those receive; `link`: which emitters each block of receivers expands, links, or takes triangle by triangle;
 //! 7. `gather`: what they give the block;
-//! 8. `push`: from blocks to faces, and `average`: to vertices;
-//! 9. `visibility`: what each pixel sees, and `shade`: with which radiance (equation 3); `exit`: times a texture; `reflect`:
+//! 8. `push`: from blocks to receivers; `opaque`: what opaque objects give back; `average`: to vertices;
+//! 9. `shade`: with which radiance each pixel shines (equation 3); `exit`: times a texture; `reflect`:
 //!    what the surface itself reflects, and `backdrop`: the environment behind the object.
 //!
 //! Equations and sections are those of Mertens et al. 2003, "Interactive Rendering of Translucent Deformable Objects".
@@ -27,7 +27,7 @@
 //!   [`view`]: from radiosity to a picture.
 //! - [`dipole`]: the profile, its derivatives, form factors: the mathematics of both.
 //! - [`light`]: light arriving, and Fresnel's formulas.
-//! - [`geometry`]: from positions to clusters; rays through the same tree.
+//! - [`geometry`]: from positions to clusters; rays through the same trees.
 //! - [`state`]: what a frame works on, what a stage is, and the state's twin on a device.
 //! - [`scene`]: what the user wrote, checked. [`hierarchy`]: from a mesh to a tree. [`gpu`]: the only home of `ash`.
 //! - [`layout`]: the one source of truth for records and buffers, shared with the build script and the shaders.
@@ -43,7 +43,8 @@
 //! - *cluster*, *node*: a subtree of faces; a leaf is one triangle. *Link*: a node that receives from another.
 //! - *irradiance* E: light that enters, after Fresnel; *radiosity* B: light that leaves, before Fresnel.
 //! - *rung*: how a form factor is evaluated: one sample, 3, 6 or 12 area points, or the edge form.
-//! - *block*: a maximal node of at most 16 faces, whose receivers share their lists; *batch*: blocks linked in one go;
+//! - *block*: a maximal node of at most 16 faces, or nearby places that a tile of pixels shows: receivers that share their
+//!   lists; *batch*: blocks linked in one go;
 //!   *group*: channels whose irradiances are proportional, carried together.
 //! - *moments*: sum W, centroid and second moments Q of a cluster's light; *expansion*: a quadratic about a block's centre.
 //! - *chunk*: the receivers linked in one go; *room*: how much fits a list; *hand down*: leave an emitter to the

@@ -4,6 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 use milkglass::light::fresnel::{diffuse_external_exact, transmittance};
+use milkglass::measure::reference::verify;
+use milkglass::render::plan::{Change, Goal, Options};
+use milkglass::render::prepare::dipoles;
+use milkglass::render::run::{Room, Session};
 use milkglass::scene::{Light, Scene, Sky, Source};
 
 use crate::{irradiance, places, scene, sheets};
@@ -141,4 +145,45 @@ fn a_black_environment_is_dark() {
     ball.objects[0].material.two_sided = true;
     let expected = 2.0 * 0.7 * PI * (1.0 - diffuse_external_exact(ball.objects[0].material.eta[0]));
     assert!(irradiance(&ball).iter().all(|e| (e.x / expected - 1.0).abs() < 1e-4));
+}
+
+#[test]
+fn a_wide_plane_in_a_white_environment_gives_back_what_the_half_space_does() {
+    for preset in ["marble", "ketchup", "wholemilk"] {
+        let mut flat = scene("sphere", &["object.0.detail=0", &format!("object.0.material.preset={preset}")]);
+        let material = &flat.objects[0].material;
+        let dipoles = dipoles(material, 1.0);
+        // 1,000 times the height of the virtual source across, in the channel where that is highest.
+        let half = 500.0 * dipoles.iter().map(|dipole| dipole.z_virtual).fold(0.0, f64::max);
+        let expected = dipoles.map(|dipole| {
+            let source = |z: f64| (-dipole.sigma * z).exp();
+            2.0 * PI * dipole.strength * (source(dipole.z_real) + source(dipole.z_virtual))
+        });
+        flat.objects[0].mesh =
+            sheets(32, &[[DVec3::new(-half, -half, 0.0), DVec3::X * 2.0 * half, DVec3::Y * 2.0 * half]]);
+        let flat = under(flat, white(), 0);
+        let options = Options { goal: Goal::Radiosity, ..Options::default() };
+        let mut session = Session::new(&flat, None, options, Room::default()).unwrap();
+        session.frame(Change::EVERYTHING).unwrap();
+        let places = session.prepared.places(0);
+        let face = places[2 * (16 * 32 + 16)];
+        let data = &session.state().data;
+        for (c, expected) in expected.into_iter().enumerate() {
+            let share = f64::from(data.radiosity[face][c]) / f64::from(data.irradiance[face][c]);
+            assert!((share / expected - 1.0).abs() < 1e-3, "{preset}, channel {c}: {share}, not {expected}");
+        }
+    }
+}
+
+#[test]
+fn in_a_white_environment_any_mesh_is_as_near_to_brute_force_as_asked() {
+    for name in ["lotus", "slab"] {
+        let detail = if name == "lotus" { "object.0.detail=40" } else { "object.0.detail=12" };
+        let white = under(scene(name, &[detail]), white(), 16);
+        let options = Options { goal: Goal::Radiosity, ..Options::default() };
+        let mut session = Session::new(&white, None, options, Room::default()).unwrap();
+        session.frame(Change::EVERYTHING).unwrap();
+        let worst = verify(&mut session, 200, 1).unwrap().iter().map(|norms| norms.l2).fold(0.0, f64::max);
+        assert!(worst > 0.0 && worst < 1e-3, "{name}: {worst}");
+    }
 }
