@@ -1,12 +1,17 @@
 //! Triangle meshes: read from a file or made as a shape, cleaned, and turned the right way out.
 
+mod bust;
+mod candle;
 mod clean;
 mod edges;
 mod import;
 mod lotus;
 mod nesting;
+mod nets;
 mod orient;
+mod relief;
 mod shape;
+mod sweep;
 mod uv;
 
 pub(super) use import::map_kd;
