@@ -35,7 +35,7 @@ impl Shape {
             Self::Lotus => 16..=2048,
             Self::Plane | Self::Bump => 1..=512,
             Self::Candle => 16..=1024,
-            Self::Bust => 48..=256,
+            Self::Bust => 64..=192,
         }
     }
 
@@ -249,7 +249,7 @@ mod tests {
 
     #[test]
     fn busts_are_closed_and_stand_upright() {
-        for detail in [48, 61, 128] {
+        for detail in 64..=192 {
             let mesh = check(Shape::Bust, detail);
             let (low, high) = mesh.bounds();
             let extent = high - low;
