@@ -257,7 +257,8 @@ impl Session {
         let pixels = if shown { camera.width as usize * camera.height as usize } else { 0 };
         data.hits = bytemuck::zeroed_vec(pixels);
         data.radiance = bytemuck::zeroed_vec(pixels);
-        let by_pixel = self.plan.stages.iter().any(|stage| stage.name == "points");
+        // Where nothing is lit there is no stage `points`; `shade` reads on, and finds no radiosity.
+        let by_pixel = self.prepared.state.objects.iter().any(|object| object.by_pixel);
         data.seen = bytemuck::zeroed_vec(if by_pixel { pixels } else { 0 });
     }
 }

@@ -38,6 +38,9 @@ use std::path::{Path, PathBuf};
 
 /// The built-in scenes: name, TOML text, and one line about it.
 pub const BUILTIN: &[(&str, &str, &str)] = &[
+    ("bump", include_str!("builtin/bump.toml"), "a slab of stone with a bump, whose shadow light leaks into"),
+    ("bust", include_str!("builtin/bust.toml"), "a marble bust under the sky"),
+    ("candle", include_str!("builtin/candle.toml"), "a candle on a table, lit by its flame"),
     ("lotus", include_str!("builtin/lotus.toml"), "a bowl of petals with a candle in it"),
     ("slab", include_str!("builtin/slab.toml"), "a slab of skim milk, a lamp close behind it"),
     ("sphere", include_str!("builtin/sphere.toml"), "a marble ball in the sun"),

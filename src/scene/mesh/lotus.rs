@@ -6,7 +6,7 @@
 //! a thickness to either side of the middle.
 
 use super::Mesh;
-use super::shape::number;
+use super::sweep::{smooth, sweep};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
@@ -28,20 +28,8 @@ const INNER_WIDTH: f64 = 0.64;
 /// A closed lotus with `cells` round the circle, in units of about half its width.
 pub(super) fn lotus(cells: u32) -> Mesh {
     let rings = rings(cells);
-    let mut positions = Vec::new();
-    let mut starts = Vec::with_capacity(rings.len());
-    for ring in &rings {
-        starts.push(positions.len());
-        let angle = |cell: u32| TAU * f64::from(cell) / f64::from(ring.cells);
-        positions.extend((0..ring.cells).map(|cell| point(angle(cell), ring.way, ring.side)));
-    }
-
-    let mut triangles = Vec::new();
-    for (pair, start) in rings.windows(2).zip(starts.windows(2)) {
-        let (below, above) = (pair[0].cells as usize, pair[1].cells as usize);
-        join(&positions, (start[0], below), (start[1], above), &mut triangles);
-    }
-    Mesh::made(positions, triangles)
+    let counts: Vec<u32> = rings.iter().map(|ring| ring.cells).collect();
+    sweep(&counts, |ring, angle| point(angle, rings[ring].way, rings[ring].side))
 }
 
 /// One ring of vertices.
@@ -82,30 +70,6 @@ fn rings(cells: u32) -> Vec<Ring> {
     });
     let inner = wall.iter().rev().map(|ring| Ring { side: -1.0, ..*ring });
     wall.iter().copied().chain(cap).chain(inner).collect()
-}
-
-/// The triangles between two rings, each given by its first vertex and its count. The counts are
-/// the same, or one is twice the other, or one is 1.
-fn join(positions: &[DVec3], (a, na): (usize, usize), (b, nb): (usize, usize), triangles: &mut Vec<[u32; 3]>) {
-    let low = |cell: usize| number(a + cell % na);
-    let high = |cell: usize| number(b + cell % nb);
-    for cell in 0..na.max(nb) {
-        let [a0, a1] = [low(cell * na / na.max(nb)), low((cell + 1) * na / na.max(nb))];
-        let [b0, b1] = [high(cell * nb / na.max(nb)), high((cell + 1) * nb / na.max(nb))];
-        if na == 1 || (na < nb && a0 == a1) {
-            triangles.push([a0, b0, b1]);
-        } else if nb == 1 || (nb < na && b0 == b1) {
-            triangles.push([a0, b0, a1]);
-        } else {
-            // Two triangles, along the shorter diagonal.
-            let length = |p: u32, q: u32| positions[p as usize].distance(positions[q as usize]);
-            if length(b0, a1) <= length(a0, b1) {
-                triangles.extend([[a0, b0, a1], [a1, b0, b1]]);
-            } else {
-                triangles.extend([[a0, b0, b1], [a0, b1, a1]]);
-            }
-        }
-    }
 }
 
 /// A point of the sheet at an angle, a part of the way from bottom to rim, and a side.
@@ -160,12 +124,6 @@ fn curve(t: f64) -> [DVec2; 2] {
     let point = a * u * u * u + b * 3.0 * u * u * t + c * 3.0 * u * t * t + d * t * t * t;
     let tangent = (b - a) * u * u + (c - b) * 2.0 * u * t + (d - c) * t * t;
     [point, tangent]
-}
-
-/// From 0 at `low` to 1 at `high`, without a corner.
-fn smooth(low: f64, high: f64, x: f64) -> f64 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 /// The larger of two numbers, rounded off where they are within `width` of each other.

@@ -1,13 +1,18 @@
 //! Triangle meshes: read from a file or made as a shape, cleaned, and turned the right way out.
 
+mod bust;
+mod candle;
 mod clean;
 mod edges;
 mod import;
 mod lotus;
 mod nesting;
+mod nets;
 mod orient;
+mod relief;
 mod shape;
 mod split;
+mod sweep;
 mod uv;
 
 pub(super) use import::map_kd;

@@ -1,6 +1,6 @@
 //! Shapes made here: closed, outward, and as fine as their `detail` says.
 
-use super::{Mesh, lotus, uv};
+use super::{Mesh, bust, candle, lotus, relief, uv};
 use glam::DVec3;
 use serde::Deserialize;
 use std::collections::HashMap;
@@ -16,6 +16,14 @@ pub enum Shape {
     Slab,
     /// An open bowl of petals, about 2 across, opening towards +y; detail: cells round the circle.
     Lotus,
+    /// An open square of 1 x 1 in the xz-plane, facing +y; detail: cells along a side.
+    Plane,
+    /// A slab of 1 x 0.2 x 1 with round edges and a smooth bump of 0.2 on its top; detail: cells along a side.
+    Bump,
+    /// A candle with a hollow in its top, 1 high, 0.7 across; detail: cells round the circle.
+    Candle,
+    /// A head on shoulders and a plinth, 1.8 high, looking along +z; detail: grid cells from top to bottom.
+    Bust,
 }
 
 impl Shape {
@@ -25,6 +33,9 @@ impl Shape {
             Self::Sphere => 0..=8,
             Self::Slab => 1..=512,
             Self::Lotus => 16..=2048,
+            Self::Plane | Self::Bump => 1..=512,
+            Self::Candle => 16..=1024,
+            Self::Bust => 64..=192,
         }
     }
 
@@ -34,6 +45,10 @@ impl Shape {
             Self::Sphere => 5,
             Self::Slab => 32,
             Self::Lotus => 256,
+            Self::Plane => 32,
+            Self::Bump => 128,
+            Self::Candle => 192,
+            Self::Bust => 128,
         }
     }
 
@@ -44,6 +59,10 @@ impl Shape {
             Self::Sphere => sphere(detail),
             Self::Slab => slab(detail),
             Self::Lotus => lotus::lotus(detail),
+            Self::Plane => relief::plane(detail),
+            Self::Bump => relief::bump(detail),
+            Self::Candle => candle::candle(detail),
+            Self::Bust => bust::bust(detail),
         }
     }
 
@@ -191,6 +210,52 @@ mod tests {
             let (low, high) = mesh.bounds();
             let extent = high - low;
             assert!(extent.x > 1.6 && extent.x < 2.6 && extent.y < extent.x, "{extent}");
+        }
+    }
+
+    #[test]
+    fn bumps_are_closed_slabs_with_a_bump() {
+        for detail in [1, 8, 33, 128] {
+            let (low, high) = check(Shape::Bump, detail).bounds();
+            let extent = high - low;
+            assert!((extent.x - 1.0).abs() < 1e-9 && (extent.z - 1.0).abs() < 1e-9, "{extent}");
+            assert!(extent.y > 0.2 - 1e-9 && extent.y < 0.4 + 1e-9, "{extent}");
+        }
+    }
+
+    #[test]
+    fn planes_are_open_and_face_up() {
+        for detail in [1, 2, 33] {
+            let mesh = Shape::Plane.build(detail);
+            let edges = Edges::of(&mesh.triangles);
+            assert_eq!((edges.open, edges.crowded), (mesh.open_edges, 0));
+            let areas = (0..mesh.triangles.len()).filter_map(|face| mesh.corners(face));
+            let areas: Vec<DVec3> = areas.map(|[a, b, c]| (b - a).cross(c - a) / 2.0).collect();
+            assert!(areas.iter().all(|area| area.y > 0.0 && area.x == 0.0 && area.z == 0.0));
+            assert!((areas.iter().sum::<DVec3>() - DVec3::Y).length() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn candles_are_closed_and_hollow_on_top() {
+        for detail in [16, 17, 50, 192] {
+            let mesh = check(Shape::Candle, detail);
+            let (low, high) = mesh.bounds();
+            assert!(low.y == 0.0 && high.y > 1.0 && high.y < 1.04, "{low} {high}");
+            let hollow = mesh.positions.iter().filter(|p| p.x == 0.0 && p.z == 0.0).map(|p| p.y);
+            assert_eq!(hollow.collect::<Vec<_>>(), [0.0, 0.84]);
+        }
+    }
+
+    #[test]
+    fn busts_are_closed_and_stand_upright() {
+        for detail in 64..=192 {
+            let mesh = check(Shape::Bust, detail);
+            let (low, high) = mesh.bounds();
+            let extent = high - low;
+            assert!(extent.y > 1.75 && extent.y < 1.9 && extent.x < 1.3, "{extent}");
+            let faces = mesh.triangles.len();
+            assert!(detail < 128 || (20_000..80_000).contains(&faces), "{faces}");
         }
     }
 }

@@ -1,0 +1,97 @@
+//! Surface nets: the closed surface where a function is 0, as quadrilaterals about the edges of a grid.
+
+use super::Mesh;
+use super::shape::number;
+use glam::{DVec3, IVec3, Vec3Swizzles};
+use std::collections::HashMap;
+
+/// The surface where `field` goes from below 0 inside to above 0 outside, all of it within `low` and `high`, on a grid of
+/// cubes with this side. One vertex for each cube that the surface cuts, moved onto it. Parts thinner than a cube are
+/// lost, or meet.
+pub(super) fn surface(field: impl Fn(DVec3) -> f64, low: DVec3, high: DVec3, side: f64) -> Mesh {
+    let counts = ((high - low) / side).ceil().as_ivec3() + 3;
+    let at = |p: IVec3| low + (p.as_dvec3() - 1.0) * side;
+    let index = |p: IVec3| ((p.z * counts.y + p.y) * counts.x + p.x) as usize;
+    let all = || {
+        let rows = (0..counts.z).flat_map(move |z| (0..counts.y).map(move |y| (y, z)));
+        rows.flat_map(move |(y, z)| (0..counts.x).map(move |x| IVec3::new(x, y, z)))
+    };
+    let values: Vec<f64> = all().map(|p| field(at(p))).collect();
+
+    // A square about each edge that the surface crosses, its corners in the four cubes that share the edge.
+    let mut cubes = HashMap::new();
+    let mut middles: Vec<(DVec3, f64)> = Vec::new();
+    let mut squares = Vec::new();
+    for p in all() {
+        for axis in 0..3 {
+            let along = IVec3::from_array(std::array::from_fn(|k| i32::from(k == axis)));
+            let q = p + along;
+            let inner = p.cmpgt(IVec3::ZERO).all() && q.cmplt(counts).all();
+            if !inner || (values[index(p)] < 0.0) == (values[index(q)] < 0.0) {
+                continue;
+            }
+            let (from, to) = (values[index(p)], values[index(q)]);
+            let crossing = at(p).lerp(at(q), from / (from - to));
+            let (u, v) = (along.zxy(), along.yzx());
+            let mut corners = [p, p - u, p - u - v, p - v].map(|cube| {
+                let vertex = *cubes.entry(cube).or_insert_with(|| {
+                    middles.push((DVec3::ZERO, 0.0));
+                    middles.len() - 1
+                });
+                let (sum, count) = &mut middles[vertex];
+                (*sum, *count) = (*sum + crossing, *count + 1.0);
+                vertex
+            });
+            if from >= 0.0 {
+                corners.reverse();
+            }
+            squares.push(corners);
+        }
+    }
+
+    // Vertices: even out, then onto the surface, twice.
+    let mut positions: Vec<DVec3> = middles.iter().map(|(sum, count)| *sum / *count).collect();
+    for _ in 0..4 {
+        even_out(&mut positions, &squares);
+        positions.iter_mut().for_each(|p| *p = onto(&field, *p, side));
+    }
+
+    // Triangles: along the shorter diagonal.
+    let triangles = squares.iter().flat_map(|&[a, b, c, d]| {
+        let across = positions[a].distance(positions[c]) <= positions[b].distance(positions[d]);
+        let two = if across { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
+        two.map(|corners| corners.map(number))
+    });
+    let triangles = triangles.collect();
+    Mesh::made(positions, triangles)
+}
+
+/// Moves each vertex half of the way to the mean of its neighbours.
+fn even_out(positions: &mut [DVec3], squares: &[[usize; 4]]) {
+    let mut means = vec![(DVec3::ZERO, 0.0); positions.len()];
+    for corners in squares {
+        for k in 0..4 {
+            let (a, b) = (corners[k], corners[(k + 1) % 4]);
+            for (to, from) in [(a, b), (b, a)] {
+                means[to].0 += positions[from];
+                means[to].1 += 1.0;
+            }
+        }
+    }
+    for (position, (sum, count)) in positions.iter_mut().zip(means) {
+        *position = position.midpoint(sum / count);
+    }
+}
+
+/// The point of the surface next to one that is near it, by three steps of Newton's along the gradient, none longer than
+/// half of `side`.
+fn onto(field: impl Fn(DVec3) -> f64, mut p: DVec3, side: f64) -> DVec3 {
+    let h = 1e-3 * side;
+    for _ in 0..3 {
+        let slope = |axis: DVec3| (field(p + axis * h) - field(p - axis * h)) / (2.0 * h);
+        let gradient = DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z));
+        let step = field(p) * gradient / gradient.length_squared().max(1e-6);
+        p -= step.clamp_length_max(side / 2.0);
+    }
+    p
+}
