@@ -185,6 +185,33 @@ fn rays_hit_the_nearest_triangle() {
 }
 
 #[test]
+fn no_ray_slips_through_a_closed_mesh() {
+    // At corners and along edges, where many triangles meet: a ray that passes between them hits the far side.
+    let session = solved("sphere", &["object.0.detail=6"], radiosity());
+    let data = &session.state().data;
+    let toward = |origin: DVec3, at: DVec3| {
+        let direction = (at - origin).to_array().map(|x| x as f32);
+        milkglass::geometry::trace::trace(data, origin.to_array().map(|x| x as f32), direction)
+    };
+    let mut rays = 0;
+    for (eye, far) in [(DVec3::new(0.3, 0.4, 0.87), 4.0), (DVec3::new(-0.9, 0.1, 0.42), 40.0), (DVec3::Y, 900.0)] {
+        for corner in &data.triangles {
+            let [a, b, c] = corner.map(|v| wide(data.positions[v as usize]));
+            if a.normalize().dot(eye) < 0.3 {
+                continue;
+            }
+            for at in [a, 0.5 * (a + b), 0.3 * b + 0.7 * c, 0.999 * a + 0.001 * c] {
+                let found = toward(far * eye, at);
+                let t = f64::from(found.numerator) / f64::from(found.denominator);
+                assert!(found.face != u32::MAX && (t - 1.0).abs() < 0.3 / far, "{at} from {far}: {found:?}");
+                rays += 1;
+            }
+        }
+    }
+    assert!(rays > 50_000, "only {rays} rays");
+}
+
+#[test]
 fn the_answer_is_near_brute_force() {
     for (name, set) in
         [("sphere", "object.0.detail=4"), ("slab", "object.0.detail=24"), ("lotus", "object.0.detail=48")]

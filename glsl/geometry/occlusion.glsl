@@ -11,15 +11,15 @@ const uint FREE = 0, BLOCKED = 1;
 // From `origin` along `direction`, up to the light at `light`, or for ever where it is `far`; `own` is the plane that the
 // ray starts from, and `side` the side on which it leaves. Not wanted, no ray is followed.
 uint occlusion(vec3 origin, vec3 direction, bool far, vec3 light, uint self, Plane own, float side, bool wanted) {
-    Nearest limit = Nearest(far ? NONE : 0, vec3(0), 1.0, 1.0);
-    float dd = dot3(direction, direction);
+    Sight ray = sight(direction);
+    Nearest limit = Nearest(far ? NONE : 0, vec3(0), ray.square, ray.scale); // the light: `along` / `scale`
     uint end = frame[0].scene_nodes, node = wanted ? 0 : end;
     while (node < end) {
         // On to the next triangle whose box the ray meets. Then that triangle.
         uint face = NONE;
         while (face == NONE && node < end) {
             Bounds box = bounds[node];
-            bool met = meets(box.low, box.high, origin, direction, dd, limit);
+            bool met = meets(box.low, box.high, origin, ray, limit);
             if (met) face = box.face;
             node = met && face == NONE ? node + 1 : box.next;
         }
@@ -29,16 +29,12 @@ uint occlusion(vec3 origin, vec3 direction, bool far, vec3 light, uint self, Pla
             precise vec3 a = pa - origin;
             precise vec3 b = pb - origin;
             precise vec3 c = pc - origin;
-            vec3 w = vec3(dot3(direction, cross3(b, c)), dot3(direction, cross3(c, a)), dot3(direction, cross3(a, b)));
-            bool inside = (w.x >= 0.0 && w.y >= 0.0 && w.z >= 0.0) || (w.x <= 0.0 && w.y <= 0.0 && w.z <= 0.0);
-            precise float sum = w.x + w.y + w.z;
+            Nearest found = pierce(ray, a, b, c);
             Plane plane = plane_of(pa, pb, pc);
-            float numerator = dot3(a, plane.normal), denominator = dot3(direction, plane.normal);
-            float through = denominator > 0.0 ? 1.0 : -1.0;
-            bool ahead = denominator != 0.0 && through * numerator > 0.0;
+            float through = dot3(direction, plane.normal) > 0.0 ? 1.0 : -1.0;
             bool nearer = far || beyond(plane, light, through);
             bool front = beyond(own, pa, side) || beyond(own, pb, side) || beyond(own, pc, side);
-            if (face != self && inside && sum != 0.0 && ahead && nearer && front) node = end + 1;
+            if (face != self && found.face != NONE && found.numerator > 0.0 && nearer && front) node = end + 1;
         }
     }
     return node < end ? UNFINISHED : node > end ? BLOCKED : FREE;

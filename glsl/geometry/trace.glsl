@@ -1,14 +1,17 @@
 // The nearest triangle along a ray, by the tree. Decisions: additions, multiplications and comparisons only.
 //
-// A triangle is hit when the three signed volumes of the ray with its edges agree in sign, edges included, so that
-// no ray slips between two triangles. Distances are fractions and are compared across; nothing is divided.
+// A triangle is hit when the point where the ray pierces its plane lies on the same side of its three edges, edges
+// included. Sides are found across the ray: each corner's place on two axes there is rounded once, the same for all
+// triangles around it, and the sign of a difference of two products of such places is never wrong, zero at most. So no
+// ray slips between two triangles, nor past a corner that many share. Distances are fractions, compared across; nothing
+// is divided.
 
 // In place of a triangle where the driver has cut the walk short (lavapipe: after 65,535 iterations).
 const uint UNFINISHED = 0xfffffffeu;
 
 struct Nearest {
     uint face;        // or NONE, or UNFINISHED
-    vec3 weights;     // signed volumes of the three edges; barycentric once divided by their sum
+    vec3 weights;     // sides of the three edges; barycentric once divided by their sum
     float numerator;  // distance along the ray = numerator / denominator, denominator > 0
     float denominator;
 };
@@ -23,54 +26,78 @@ vec3 cross3(vec3 a, vec3 b) {
     return c;
 }
 
+// A ray's direction times a power of two, so that its largest part is 1 to 2; two axes across it; and that power.
+struct Sight {
+    vec3 along, right, up;
+    float scale;
+    float square; // of the length of `along`
+};
+
+Sight sight(vec3 direction) {
+    vec3 m = abs(direction);
+    float scale = uintBitsToFloat(0x7f000000u - (floatBitsToUint(max(m.x, max(m.y, m.z))) & 0x7f800000u));
+    precise vec3 d = scale * direction;
+    vec3 right = vec3(d.z, 0, -d.x), up = vec3(0, d.z, -d.y);
+    if (m.z < max(m.x, m.y)) {
+        right = vec3(-d.y, d.x, 0);
+        up = m.x >= m.y ? vec3(-d.z, 0, d.x) : vec3(0, -d.z, d.y);
+    }
+    return Sight(d, right, up, scale, dot3(d, d));
+}
+
+// What a triangle, its corners seen from the ray's origin, is to the ray: weights of its corners, all of one sign where
+// it is hit, and the distance of that point: numerator / (denominator x square), in multiples of `along`.
+Nearest pierce(Sight ray, vec3 a, vec3 b, vec3 c) {
+    vec3 x = vec3(dot3(ray.right, a), dot3(ray.right, b), dot3(ray.right, c));
+    vec3 y = vec3(dot3(ray.up, a), dot3(ray.up, b), dot3(ray.up, c));
+    precise vec3 w = vec3(x.y * y.z - y.y * x.z, x.z * y.x - y.z * x.x, x.x * y.y - y.x * x.y);
+    bool front = w.x >= 0.0 && w.y >= 0.0 && w.z >= 0.0;
+    bool back = w.x <= 0.0 && w.y <= 0.0 && w.z <= 0.0;
+    precise float sum = w.x + w.y + w.z;
+    float away = dot3(w, vec3(dot3(ray.along, a), dot3(ray.along, b), dot3(ray.along, c)));
+    bool hit = (front || back) && sum != 0.0;
+    return Nearest(hit ? 0 : NONE, w, sum < 0.0 ? -away : away, abs(sum));
+}
+
 // Whether the half line may meet the box before the nearest hit: separating axes, with a margin above rounding.
-bool meets(vec3 low, vec3 high, vec3 origin, vec3 direction, float dd, Nearest nearest) {
+bool meets(vec3 low, vec3 high, vec3 origin, Sight ray, Nearest nearest) {
     precise vec3 c = 0.5 * (low + high) - origin;
     precise float margin = 1e-6 * (1.0 + abs(c.x) + abs(c.y) + abs(c.z));
     precise vec3 h = 0.5 * (high - low) * 1.00001 + margin;
-    precise vec3 d = abs(direction);
-    vec3 side = abs(cross3(c, direction));
+    precise vec3 d = abs(ray.along);
+    vec3 side = abs(cross3(c, ray.along));
     precise vec3 reach = vec3(h.y * d.z + h.z * d.y, h.z * d.x + h.x * d.z, h.x * d.y + h.y * d.x);
     bool line = side.x <= reach.x && side.y <= reach.y && side.z <= reach.z;
-    float along = dot3(c, direction), half_length = dot3(h, d);
+    float along = dot3(c, ray.along), half_length = dot3(h, d);
     precise float last = along + half_length;
     precise float first = (along - half_length) * nearest.denominator;
-    precise float limit = nearest.numerator * dd;
-    return line && last >= 0.0 && (nearest.face == NONE || first <= limit);
+    return line && last >= 0.0 && (nearest.face == NONE || first <= nearest.numerator);
 }
 
 Nearest trace(vec3 origin, vec3 direction) {
     Nearest nearest = Nearest(NONE, vec3(0), 0.0, 1.0);
-    float dd = dot3(direction, direction);
+    Sight ray = sight(direction);
     uint node = 0, end = frame[0].scene_nodes;
     while (node < end) {
         Bounds box = bounds[node];
-        bool met = meets(box.low, box.high, origin, direction, dd, nearest), leaf = box.face != NONE;
+        bool met = meets(box.low, box.high, origin, ray, nearest), leaf = box.face != NONE;
         if (met && leaf) {
             uvec3 corner = triangles[box.face];
             precise vec3 a = positions[corner.x] - origin;
             precise vec3 b = positions[corner.y] - origin;
             precise vec3 c = positions[corner.z] - origin;
-            vec3 w = vec3(dot3(direction, cross3(b, c)), dot3(direction, cross3(c, a)), dot3(direction, cross3(a, b)));
-            precise vec3 e1 = b - a;
-            precise vec3 e2 = c - a;
-            vec3 normal = cross3(e1, e2);
-            float numerator = dot3(a, normal), denominator = dot3(direction, normal);
-            bool front = w.x >= 0.0 && w.y >= 0.0 && w.z >= 0.0;
-            bool back = w.x <= 0.0 && w.y <= 0.0 && w.z <= 0.0;
-            if (denominator < 0.0) {
-                numerator = -numerator;
-                denominator = -denominator;
-            }
-            precise float mine = numerator * nearest.denominator;
-            precise float its = nearest.numerator * denominator;
+            Nearest found = pierce(ray, a, b, c);
+            precise float mine = found.numerator * nearest.denominator;
+            precise float its = nearest.numerator * found.denominator;
             bool nearer = nearest.face == NONE || mine < its || (mine == its && box.face < nearest.face);
-            precise float sum = w.x + w.y + w.z;
-            if ((front || back) && sum != 0.0 && denominator > 0.0 && numerator > 0.0 && nearer)
-                nearest = Nearest(box.face, w, numerator, denominator);
+            if (found.face != NONE && found.numerator > 0.0 && nearer) {
+                nearest = found;
+                nearest.face = box.face;
+            }
         }
         node = met && !leaf ? node + 1 : box.next;
     }
     if (node < end) nearest.face = UNFINISHED;
-    return nearest;
+    precise float numerator = nearest.numerator * ray.scale, denominator = nearest.denominator * ray.square;
+    return Nearest(nearest.face, nearest.weights, numerator, denominator);
 }

@@ -8,11 +8,11 @@
 //!   itself, at any light and any scale;
 //! - a light that has a place lies beyond the triangle, for certain: a light in a surface is not blocked by that surface.
 //!
-//! What is left to rounding is which side of an edge a ray passes, as for any ray; a ray along a shared edge meets at
-//! least one of the two triangles.
+//! What is left to rounding is which side of an edge a ray passes, as for any ray; a ray through a shared edge or corner
+//! meets at least one of the triangles.
 
 use super::plane::Plane;
-use super::trace::{Nearest, UNFINISHED, cross, dot, meets, minus};
+use super::trace::{Nearest, Sight, UNFINISHED, dot, meets, minus};
 use crate::layout::Buffers;
 
 /// A ray from a triangle towards a light.
@@ -35,29 +35,22 @@ pub fn blocked(data: &Buffers, ray: &Ray) -> bool {
     let corners = |face: u32| data.triangles[face as usize].map(|v| data.positions[v as usize]);
     let own = Plane::new(corners(ray.face));
     let face = if ray.light.is_none() { u32::MAX } else { UNFINISHED };
-    let limit = Nearest { face, weights: [0.0; 3], numerator: 1.0, denominator: 1.0 };
-    let (origin, direction) = (ray.origin, ray.direction);
-    let dd = dot(direction, direction);
+    let sight = Sight::new(ray.direction);
+    // The light is at `along / scale`.
+    let limit = Nearest { face, weights: [0.0; 3], numerator: sight.square, denominator: sight.scale };
     let mut node = 0;
     while let Some(bounds) = data.bounds.get(node) {
-        let met = meets(bounds.low, bounds.high, origin, direction, dd, &limit);
+        let met = meets(bounds.low, bounds.high, ray.origin, &sight, &limit);
         node = if met && bounds.face == u32::MAX { node + 1 } else { bounds.next as usize };
         if !met || bounds.face == u32::MAX || bounds.face == ray.face {
             continue;
         }
         let points = corners(bounds.face);
-        let [a, b, c] = points.map(|point| minus(point, origin));
-        let w = [dot(direction, cross(b, c)), dot(direction, cross(c, a)), dot(direction, cross(a, b))];
-        let inside = w.iter().all(|&x| x >= 0.0) || w.iter().all(|&x| x <= 0.0);
-        if !inside || w[0] + w[1] + w[2] == 0.0 {
-            continue;
-        }
+        let Some(found) = sight.pierce(points.map(|point| minus(point, ray.origin))) else { continue };
         let plane = Plane::new(points);
-        let (numerator, denominator) = (dot(a, plane.normal), dot(direction, plane.normal));
-        let through = if denominator > 0.0 { 1.0 } else { -1.0 };
-        let ahead = denominator != 0.0 && through * numerator > 0.0;
+        let through = if dot(ray.direction, plane.normal) > 0.0 { 1.0 } else { -1.0 };
         let nearer = ray.light.is_none_or(|light| plane.beyond(light, through));
-        if ahead && nearer && points.iter().any(|&point| own.beyond(point, ray.side)) {
+        if found.numerator > 0.0 && nearer && points.iter().any(|&point| own.beyond(point, ray.side)) {
             return true;
         }
     }

@@ -12,7 +12,7 @@ pub const UNFINISHED: u32 = 0xffff_fffe;
 pub struct Nearest {
     /// The triangle, or all ones.
     pub face: u32,
-    /// Signed volumes of the ray with the triangle's edges; barycentric once divided by their sum.
+    /// On which side of the triangle's edges the ray passes; barycentric once divided by their sum.
     pub weights: [f32; 3],
     /// Distance along the ray is `numerator / denominator`, in multiples of its direction.
     pub numerator: f32,
@@ -32,36 +32,72 @@ pub(super) fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
+/// A ray's direction, and two axes across it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sight {
+    along: [f32; 3],
+    right: [f32; 3],
+    up: [f32; 3],
+    /// The power of two that `along` is the direction times, so that its largest part is 1 to 2.
+    pub scale: f32,
+    /// Square of the length of `along`.
+    pub square: f32,
+}
+
+impl Sight {
+    /// Of a ray along `direction`, of any length.
+    pub fn new(direction: [f32; 3]) -> Self {
+        let m = direction.map(f32::abs);
+        let largest = m[0].max(m[1].max(m[2]));
+        let scale = f32::from_bits(0x7f00_0000 - (largest.to_bits() & 0x7f80_0000));
+        let along = direction.map(|x| scale * x);
+        let [x, y, z] = along;
+        let (right, up) = if m[2] >= m[0].max(m[1]) {
+            ([z, 0.0, -x], [0.0, z, -y])
+        } else {
+            ([-y, x, 0.0], if m[0] >= m[1] { [-z, 0.0, x] } else { [0.0, -z, y] })
+        };
+        Self { along, right, up, scale, square: dot(along, along) }
+    }
+
+    /// Where the ray hits a triangle, its corners seen from the ray's origin: distance is
+    /// `numerator / (denominator * square)`, in multiples of `along`.
+    ///
+    /// Each corner's place across the ray is rounded once, the same for all triangles around it, and the sign of a
+    /// difference of two products of such places is never wrong, zero at most: no ray slips between triangles, nor past
+    /// a corner that many share.
+    pub fn pierce(&self, corners: [[f32; 3]; 3]) -> Option<Nearest> {
+        let [x, y, z] = [self.right, self.up, self.along].map(|axis| corners.map(|corner| dot(axis, corner)));
+        let w = [x[1] * y[2] - y[1] * x[2], x[2] * y[0] - y[2] * x[0], x[0] * y[1] - y[0] * x[1]];
+        let inside = w.iter().all(|&x| x >= 0.0) || w.iter().all(|&x| x <= 0.0);
+        let (sum, away) = (w[0] + w[1] + w[2], dot(w, z));
+        let numerator = if sum < 0.0 { -away } else { away };
+        (inside && sum != 0.0).then_some(Nearest { face: 0, weights: w, numerator, denominator: sum.abs() })
+    }
+}
+
 /// Whether the half line may meet the box before the nearest hit: separating axes, with a margin above rounding.
-pub(super) fn meets(
-    low: [f32; 3],
-    high: [f32; 3],
-    origin: [f32; 3],
-    direction: [f32; 3],
-    dd: f32,
-    nearest: &Nearest,
-) -> bool {
+pub(super) fn meets(low: [f32; 3], high: [f32; 3], origin: [f32; 3], ray: &Sight, nearest: &Nearest) -> bool {
     let each = |f: &dyn Fn(usize) -> f32| [f(0), f(1), f(2)];
     let c = each(&|k| 0.5 * (low[k] + high[k]) - origin[k]);
     let margin = 1e-6 * (1.0 + c[0].abs() + c[1].abs() + c[2].abs());
     let h = each(&|k| 0.5 * (high[k] - low[k]) * 1.00001 + margin);
-    let d = direction.map(f32::abs);
-    let side = cross(c, direction).map(f32::abs);
+    let d = ray.along.map(f32::abs);
+    let side = cross(c, ray.along).map(f32::abs);
     let reach = [h[1] * d[2] + h[2] * d[1], h[2] * d[0] + h[0] * d[2], h[0] * d[1] + h[1] * d[0]];
     let line = side[0] <= reach[0] && side[1] <= reach[1] && side[2] <= reach[2];
-    let (along, half) = (dot(c, direction), dot(h, d));
+    let (along, half) = (dot(c, ray.along), dot(h, d));
     let first = (along - half) * nearest.denominator;
-    let limit = nearest.numerator * dd;
-    line && along + half >= 0.0 && (nearest.face == u32::MAX || first <= limit)
+    line && along + half >= 0.0 && (nearest.face == u32::MAX || first <= nearest.numerator)
 }
 
 /// Follows a ray from `origin` along `direction` (any length) through the trees of all objects.
 pub fn trace(data: &Buffers, origin: [f32; 3], direction: [f32; 3]) -> Nearest {
     let mut nearest = Nearest { face: u32::MAX, weights: [0.0; 3], numerator: 0.0, denominator: 1.0 };
-    let dd = dot(direction, direction);
+    let ray = Sight::new(direction);
     let mut node = 0;
     while let Some(bounds) = data.bounds.get(node) {
-        if !meets(bounds.low, bounds.high, origin, direction, dd, &nearest) {
+        if !meets(bounds.low, bounds.high, origin, &ray, &nearest) {
             node = bounds.next as usize;
             continue;
         }
@@ -70,21 +106,14 @@ pub fn trace(data: &Buffers, origin: [f32; 3], direction: [f32; 3]) -> Nearest {
             continue;
         };
         node = bounds.next as usize;
-
-        // The ray's side of each edge, and the plane's distance as a fraction.
-        let [a, b, c] = corner.map(|v| minus(data.positions[v as usize], origin));
-        let w = [dot(direction, cross(b, c)), dot(direction, cross(c, a)), dot(direction, cross(a, b))];
-        let normal = cross(minus(b, a), minus(c, a));
-        let (mut numerator, mut denominator) = (dot(a, normal), dot(direction, normal));
-        if denominator < 0.0 {
-            (numerator, denominator) = (-numerator, -denominator);
-        }
-        let inside = w.iter().all(|&x| x >= 0.0) || w.iter().all(|&x| x <= 0.0);
-        let (mine, its) = (numerator * nearest.denominator, nearest.numerator * denominator);
+        let Some(found) = ray.pierce(corner.map(|v| minus(data.positions[v as usize], origin))) else { continue };
+        let (mine, its) = (found.numerator * nearest.denominator, nearest.numerator * found.denominator);
         let nearer = nearest.face == u32::MAX || mine < its || (mine == its && bounds.face < nearest.face);
-        if inside && w[0] + w[1] + w[2] != 0.0 && denominator > 0.0 && numerator > 0.0 && nearer {
-            nearest = Nearest { face: bounds.face, weights: w, numerator, denominator };
+        if found.numerator > 0.0 && nearer {
+            nearest = Nearest { face: bounds.face, ..found };
         }
     }
+    nearest.numerator *= ray.scale;
+    nearest.denominator *= ray.square;
     nearest
 }

@@ -39,7 +39,7 @@ fn cpu(state: &mut State, _at: Place) {
     for (object, frame) in state.objects.iter().zip(&data.frame) {
         let (first, both) = (object.first.faces, frame.two_sided != 0);
         let own = &mut lit[words * first..words * (first + object.count.faces)];
-        own.par_chunks_mut(words).enumerate().for_each(|(face, bits)| of_face(first + face, both, bits));
+        own.par_chunks_mut(words.max(1)).enumerate().for_each(|(face, bits)| of_face(first + face, both, bits));
     }
     state.data.lit = lit;
 }

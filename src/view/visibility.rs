@@ -12,7 +12,7 @@ pub static STAGE: Stage = Stage {
     name: "visibility",
     room: "view",
     about: "primary rays through the tree: triangle, barycentric weights and depth of each pixel",
-    equation: "signed volumes; nearest by cross-multiplied fractions",
+    equation: "sides of edges, seen along the ray; nearest by cross-multiplied fractions",
     writes: &[(Slot::hits, Role::Output, Tolerance::Float { relative: 2e-6, floor: 1e-6 })],
     reason: "the triangle is a decision, bit for bit; weights and depth are one f32 division each",
     unit: Unit::Scene,
