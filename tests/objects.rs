@@ -67,6 +67,32 @@ fn each_object_is_lit_as_if_it_were_alone() {
 }
 
 #[test]
+fn each_object_is_seen_as_if_it_were_alone() {
+    // Between its vertices, so that a picture of the second or third object shows that vertices are its own.
+    let mut three = scene(&[SECOND, GROUND, "transport.receivers=faces", "camera.size=[160, 120]"]);
+    three.lights[0].shadows = false;
+    let shown = |scene: &Scene| {
+        let mut session = Session::new(scene, None, Options::default(), Room::default()).unwrap();
+        session.frame(Change::EVERYTHING).unwrap();
+        let (data, light) = (&session.state().data, session.units().light);
+        let objects: Vec<_> = data.hits.iter().map(|hit| session.state().object_of(hit.face as usize)).collect();
+        let seen = data.radiance.iter().map(|color| color.map(|x| f64::from(x) * light));
+        let hits: Vec<bool> = data.hits.iter().map(|hit| hit.face != u32::MAX).collect();
+        (objects, hits, seen.collect::<Vec<_>>())
+    };
+    let (objects, hits, together) = shown(&three);
+    for object in 0..3 {
+        let mut alone = three.clone();
+        alone.objects = vec![three.objects[object].clone()];
+        let (_, _, alone) = shown(&alone);
+        let own: Vec<usize> = (0..hits.len()).filter(|&pixel| hits[pixel] && objects[pixel] == object).collect();
+        let pick = |all: &[[f64; 3]]| own.iter().map(|&pixel| all[pixel]).collect::<Vec<_>>();
+        let far = apart(&pick(&together), &pick(&alone));
+        assert!(own.len() > 20 && far < 2e-3, "object {object}, {} pixels: {far}", own.len());
+    }
+}
+
+#[test]
 fn what_is_opaque_gives_back_its_albedo() {
     let session = run(&scene(&[SECOND, GROUND]), Transport::Hierarchy, Mode::OnTheFly);
     let [light, given] = [Slot::irradiance, Slot::radiosity].map(|slot| of(&session, 2, slot));

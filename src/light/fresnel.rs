@@ -19,15 +19,14 @@ pub fn transmittance(eta: f64, cos_theta: f64) -> f64 {
     }
     // Snell's law; beyond the critical angle (eta < 1 only) all is reflected.
     let cos_out = cos_theta.min(1.0);
-    let sin2_in = (1.0 - cos_out * cos_out) / (eta * eta);
-    if sin2_in >= 1.0 {
+    let cos2 = cos_out * cos_out - (1.0 - eta) * (1.0 + eta);
+    if cos2 <= 0.0 {
         return 0.0;
     }
-    let cos_in = (1.0 - sin2_in).sqrt();
-    // The two polarisations.
-    let across = (cos_out - eta * cos_in) / (cos_out + eta * cos_in);
-    let along = (eta * cos_out - cos_in) / (eta * cos_out + cos_in);
-    1.0 - 0.5 * (across * across + along * along)
+    let cos_in = cos2.sqrt() / eta;
+    // One minus the reflectance of the two polarisations, in sums of what is positive only.
+    let (across, along) = (cos_out + eta * cos_in, eta * cos_out + cos_in);
+    (2.0 * eta * (cos_out / across * (cos_in / across) + cos_out / along * (cos_in / along))).min(1.0)
 }
 
 /// Diffuse reflectance of the boundary seen from inside, in [0, 1): `F_int`, exact.

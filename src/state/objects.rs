@@ -143,7 +143,9 @@ impl State {
             }
             let mut object = state.objects.into_iter().next().unwrap_or_default();
             object.first = first;
-            let corner = joined.data.positions.len() as u32;
+            // Triangles name places in all objects' runs, gaps included: the same as in what vertices have besides.
+            let corner = first.vertices as u32;
+            joined.data.positions.resize(first.vertices, [0.0; 3]);
             joined.data.positions.extend(&state.data.positions);
             let texel = joined.data.texels.len() as u32;
             joined.data.texels.extend(&state.data.texels);

@@ -8,8 +8,9 @@ use crate::measure::norms::{norms, worst};
 use crate::measure::reference::radiosity;
 use crate::measure::sample::Sample;
 use crate::render::plan::{Change, Goal, Options, Transport};
+use crate::render::receivers::by_pixel;
 use crate::render::run::{Room, Session};
-use crate::scene::{Mesh, Scene};
+use crate::scene::{Mesh, Receivers, Scene};
 
 /// A scene, and what its radiosity has to be.
 pub(super) struct Setup {
@@ -126,7 +127,10 @@ fn method(
     sample: &Sample,
     expected: &[[f64; 3]],
 ) -> Result<Found> {
-    let mut session = Session::new(&setup.scene, device, options, Room::default())?;
+    // The faces' own values are wanted, so they are the receivers; the pixels come after them.
+    let mut scene = setup.scene.clone();
+    scene.transport.receivers = Receivers::Faces;
+    let mut session = Session::new(&scene, device, options, Room::default())?;
     session.frame(Change::EVERYTHING)?;
     session.fetch(&[Slot::irradiance, Slot::radiosity, Slot::vertex_radiosity, Slot::radiance])?;
     if let Some(plant) = plant {
@@ -140,6 +144,13 @@ fn method(
     found.look("radiosity", &data.radiosity);
     found.look("vertex radiosity", &data.vertex_radiosity);
     found.look("radiance", &data.radiance);
+    if by_pixel(&setup.scene, options).0 {
+        let mut session = Session::new(&setup.scene, device, options, Room::default())?;
+        session.frame(Change::EVERYTHING)?;
+        session.fetch(&[Slot::radiosity, Slot::radiance])?;
+        found.look("radiosity at pixels", &session.state().data.radiosity);
+        found.look("radiance of pixels", &session.state().data.radiance);
+    }
     if matches!(setup.against, Against::Darkness) && data.radiosity.iter().flatten().any(|&x| x != 0.0) {
         found.faults.push("there is light where there can be none".into());
     }

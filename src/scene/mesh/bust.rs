@@ -1,6 +1,6 @@
 //! The bust: a head on shoulders and a plinth, blended of ellipsoids and rounded bars.
 
-use super::{Mesh, nets};
+use super::{Mesh, edges::Edges, nets};
 use glam::{DVec2, DVec3};
 
 /// The corners of a box that holds it all.
@@ -9,7 +9,13 @@ const HIGH: DVec3 = DVec3::new(0.66, 0.9, 0.56);
 
 /// A closed bust 1.8 high, looking along +z, with about `cells` grid cells from top to bottom.
 pub(super) fn bust(cells: u32) -> Mesh {
-    nets::surface(|p| distance(p), LOW, HIGH, (HIGH.y - LOW.y) / f64::from(cells))
+    // A grid in which two sheets of the surface touch in one edge gives way to one a little finer.
+    let on = |finer: i32| {
+        let side = (HIGH.y - LOW.y) / f64::from(cells) * (1.0 - 4e-3 * f64::from(finer));
+        nets::surface(distance, LOW, HIGH, side)
+    };
+    let clean = |mesh: &Mesh| Edges::of(&mesh.triangles).crowded == 0;
+    (0..16).map(on).find(clean).unwrap_or_else(|| on(0))
 }
 
 /// About the distance to the surface, below 0 inside; the same on both sides of x = 0 but for the hair.

@@ -6,8 +6,8 @@ use glam::{DVec3, IVec3, Vec3Swizzles};
 use std::collections::HashMap;
 
 /// The surface where `field` goes from below 0 inside to above 0 outside, all of it within `low` and `high`, on a grid of
-/// cubes with this side. One vertex for each cube that the surface cuts, moved onto it. Parts thinner than a cube are
-/// lost, or meet.
+/// cubes with this side. One vertex for each patch of the surface in a cube, moved onto it. Parts thinner than a cube are
+/// lost, or grow together.
 pub(super) fn surface(field: impl Fn(DVec3) -> f64, low: DVec3, high: DVec3, side: f64) -> Mesh {
     let counts = ((high - low) / side).ceil().as_ivec3() + 3;
     let at = |p: IVec3| low + (p.as_dvec3() - 1.0) * side;
@@ -17,6 +17,22 @@ pub(super) fn surface(field: impl Fn(DVec3) -> f64, low: DVec3, high: DVec3, sid
         rows.flat_map(move |(y, z)| (0..counts.x).map(move |x| IVec3::new(x, y, z)))
     };
     let values: Vec<f64> = all().map(|p| field(at(p))).collect();
+
+    // The patch of the surface in a cube, between these corners: two that only meet in a face's diagonal part there.
+    let patch = |cube: IVec3, inside: IVec3, outside: IVec3| {
+        let corner = |k: i32| cube + IVec3::new(k & 1, k >> 1 & 1, k >> 2);
+        let under = (0..8).filter(|&k| values[index(corner(k))] < 0.0).fold(0, |mask, k| mask | 1 << k);
+        let grow = |from: IVec3, of: i32, reach: u32| {
+            let mut part = 1 << (from - cube).dot(IVec3::new(1, 2, 4));
+            for k in (0..8).cycle().take(56).filter(|k| of >> k & 1 == 1) {
+                if (0..8).any(|j: i32| part >> j & 1 == 1 && (j ^ k).count_ones() <= reach) {
+                    part |= 1 << k;
+                }
+            }
+            part
+        };
+        [grow(inside, under, 1), grow(outside, !under, 2)]
+    };
 
     // A square about each edge that the surface crosses, its corners in the four cubes that share the edge.
     let mut cubes = HashMap::new();
@@ -34,7 +50,8 @@ pub(super) fn surface(field: impl Fn(DVec3) -> f64, low: DVec3, high: DVec3, sid
             let crossing = at(p).lerp(at(q), from / (from - to));
             let (u, v) = (along.zxy(), along.yzx());
             let mut corners = [p, p - u, p - u - v, p - v].map(|cube| {
-                let vertex = *cubes.entry(cube).or_insert_with(|| {
+                let (inside, outside) = if from < 0.0 { (p, q) } else { (q, p) };
+                let vertex = *cubes.entry((cube, patch(cube, inside, outside))).or_insert_with(|| {
                     middles.push((DVec3::ZERO, 0.0));
                     middles.len() - 1
                 });
