@@ -3,15 +3,17 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
-use super::{RunArguments, SceneArguments, check_messages, open_session, validation};
+use super::{RunArguments, SceneArguments, check_messages, open_session, print, table, validation};
 use crate::error::{Input, Result};
 use crate::render::aov::layers;
-use crate::render::plan::{Change, Mode, Options};
+use crate::render::clusters::{Emitters, clusters, color};
+use crate::render::plan::{Change, Mode, Options, Transport};
 use crate::render::samples::picture;
+use crate::scene::{Camera, Tone};
 use crate::view::aov::save;
-use crate::view::picture::check;
+use crate::view::picture::{check, encode};
 
 /// Arguments of `render`.
 #[derive(Args)]
@@ -30,9 +32,23 @@ pub struct Arguments {
     /// Add layers to an `.exr`: irradiance, radiosity, normal, error_estimate, depth, object, triangle, links.
     #[arg(long)]
     aov: bool,
+    /// Show, instead of light, the clusters that light what `--pick` names: blue the largest, red the smallest, white
+    /// the receivers, grey what gives nothing. Of the first group of channels (`plan` lists them).
+    #[arg(long, value_enum, requires = "pick", conflicts_with = "aov")]
+    view: Option<View>,
+    /// The pixel for `--view clusters`, from the upper left.
+    #[arg(long, value_name = "X,Y", requires = "view")]
+    pick: Option<String>,
     /// Print each stage's time.
     #[arg(long)]
     times: bool,
+}
+
+/// What can be shown instead of light.
+#[derive(Clone, Copy, ValueEnum)]
+enum View {
+    /// The clusters that light one receiver, by level.
+    Clusters,
 }
 
 /// Renders and writes the picture.
@@ -54,10 +70,24 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         // Lists are kept, because a layer tells how long they are.
         options = Options { estimate: true, mode: Mode::Render, ..options };
     }
+    let pick = arguments.pick.as_deref().map(parse_pick).transpose()?;
+    if pick.is_some() {
+        if options.transport != Transport::Hierarchy {
+            let found = "--transport octree or brute";
+            return Err(Input::new("only the hierarchy has links").key("--view clusters").found(found).into());
+        }
+        options.mode = Mode::Render;
+    }
     let mut session = open_session(&scene, device.as_ref(), options)?;
     let times = session.frame(Change::EVERYTHING)?;
     if arguments.times {
         super::solve::print_times(&mut session, &times)?;
+    }
+    if let Some(pick) = pick {
+        let (picture, emitters) = clusters(&mut session, pick)?;
+        check_messages(device.as_ref())?;
+        picture.save(&arguments.output, &plain(&scene.camera))?;
+        return print_levels(&emitters);
     }
     // Layers are those of the pixels' centres.
     let layers = if aov { Some(layers(&mut session)?) } else { None };
@@ -72,6 +102,29 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (file, width, height) = (arguments.output.display(), picture.width, picture.height);
     eprintln!("{file}: {width} x {height}, on {place}, {seconds:.1} s");
     Ok(())
+}
+
+/// A camera that shows colours as they are.
+fn plain(camera: &Camera) -> Camera {
+    Camera { exposure: 1.0, tone: Tone::default(), ..camera.clone() }
+}
+
+/// How many emitters there are of each level.
+fn print_levels(emitters: &Emitters) -> Result<()> {
+    let row = |(&level, &(clusters, triangles)): (&usize, &(usize, usize))| {
+        let [r, g, b] = color(emitters, level).map(|x| (encode(x.into()) * 255.0).round() as u8);
+        vec![level.to_string(), clusters.to_string(), triangles.to_string(), format!("#{r:02x}{g:02x}{b:02x}")]
+    };
+    let rows: Vec<_> = emitters.levels.iter().map(row).collect();
+    print(&table(&["level", "emitters", "triangles in them", "colour"], &[0, 1, 2], &rows))
+}
+
+/// `120,80`, counted from the upper left.
+fn parse_pick(text: &str) -> Result<[u32; 2]> {
+    let number = |text: &str| text.trim().parse::<u32>().ok();
+    text.split_once(',').and_then(|(x, y)| Some([number(x)?, number(y)?])).ok_or_else(|| {
+        Input::new("not a pixel").key("--pick").found(text).expected("X,Y, counted from the upper left").into()
+    })
 }
 
 /// `800x600`, each side from 1 to 16384.

@@ -3,6 +3,7 @@
 pub mod aov;
 mod blocks;
 mod changes;
+pub mod clusters;
 pub mod lights;
 pub mod octree;
 pub mod plan;

@@ -147,9 +147,13 @@ fn method(
     if by_pixel(&setup.scene, options).0 {
         let mut session = Session::new(&setup.scene, device, options, Room::default())?;
         session.frame(Change::EVERYTHING)?;
-        session.fetch(&[Slot::radiosity, Slot::radiance])?;
-        found.look("radiosity at pixels", &session.state().data.radiosity);
-        found.look("radiance of pixels", &session.state().data.radiance);
+        session.fetch(&[Slot::hits, Slot::seen, Slot::radiosity, Slot::radiance])?;
+        // Receivers that no pixel shows are never written.
+        let data = &session.state().data;
+        let shown = data.hits.iter().zip(&data.seen).filter(|(hit, _)| hit.face != u32::MAX);
+        let values: Vec<_> = shown.map(|(_, &receiver)| data.radiosity[receiver as usize]).collect();
+        found.look("radiosity at pixels", &values);
+        found.look("radiance of pixels", &data.radiance);
     }
     if matches!(setup.against, Against::Darkness) && data.radiosity.iter().flatten().any(|&x| x != 0.0) {
         found.faults.push("there is light where there can be none".into());
