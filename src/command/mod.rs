@@ -8,6 +8,7 @@ mod lists;
 mod pareto;
 mod plan;
 mod render;
+mod sequence;
 mod solve;
 mod stress;
 
@@ -21,6 +22,7 @@ use crate::gpu::{Adapter, Device, Instance};
 use crate::hierarchy::face_cluster::Method;
 use crate::render::plan::{Mode, Options, Transport};
 use crate::render::run::{Room, Session};
+use crate::render::shape::turned;
 use crate::scene::Scene;
 
 #[derive(Parser)]
@@ -64,16 +66,27 @@ struct SceneArguments {
     /// Change a value of the scene: `object.0.material.preset=ketchup`, `'light.0.intensity=[9,9,9]'`.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
+    /// The frame, where values have keyframes.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    frame: f64,
 }
 
 impl SceneArguments {
     /// Loads the scene and reports what was repaired.
     fn load(&self) -> Result<Scene> {
-        let scene = Scene::load(&self.scene, &self.sets)?;
+        let scene = self.at(self.frame)?;
         for line in &scene.report {
             eprintln!("{line}");
         }
         Ok(scene)
+    }
+
+    /// The scene at a frame; nothing is reported.
+    fn at(&self, frame: f64) -> Result<Scene> {
+        if !frame.is_finite() {
+            return Err(Input::new("not a frame").key("--frame").found(frame).expected("a finite number").into());
+        }
+        Scene::load_at(&self.scene, &self.sets, frame)
     }
 }
 
@@ -192,7 +205,18 @@ fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Res
         Method::TooDeep => eprintln!("tree: merging neighbours made it too deep; split at medians instead"),
         Method::TooEntangled => eprintln!("tree: clusters have too many neighbours to merge; split at medians instead"),
     }
+    warn_of_turned(&session, "");
     Ok(session)
+}
+
+/// Says where deformations turn triangles inside out: there the picture is wrong.
+fn warn_of_turned(session: &Session, frame: &str) {
+    for (object, count) in turned(session.state()).into_iter().enumerate().filter(|(_, count)| *count > 0) {
+        let all = session.state().objects[object].count.faces;
+        eprintln!(
+            "{frame}object {object}: its deformations turn {count} of {all} triangles inside out or leave them without an area"
+        );
+    }
 }
 
 /// Whether the environment asks for the validation layer.

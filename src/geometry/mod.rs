@@ -1,5 +1,6 @@
 //! From positions to faces and clusters, and rays through the same tree.
 
+pub mod deform;
 pub mod occlusion;
 pub mod plane;
 pub mod refit;

@@ -25,6 +25,12 @@ buffers! {
     camera: Camera, scene;
     /// Positions of all objects' vertices, centred and scaled to unit extent.
     positions: [f32; 3], point;
+    /// The same before any deformation, where there is one.
+    rest: [f32; 3], vertex;
+    /// Unit vertex normals before any deformation, area-weighted.
+    rest_normals: [f32; 3], vertex;
+    /// What deforms the objects, in the order that it is applied in.
+    deforms: Deform, deform;
     /// Places in `positions` of each triangle's corners, in the order of the tree's leaves. All else about an object counts
     /// from its own first vertex, face, node and block.
     triangles: [u32; 3], face;

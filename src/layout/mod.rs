@@ -54,7 +54,7 @@ plain! {
     [f32; 4], "vec4", 4, Float;
     [u32; 2], "uvec2", 2, Unsigned;
     [u32; 3], "uvec3", 3, Unsigned;
-    [u32; 9], "uint[9]", 9, Unsigned;
+    [u32; 6], "uint[6]", 6, Unsigned;
     [u32; 16], "uint[16]", 16, Unsigned;
     [u32; 32], "uint[32]", 32, Unsigned;
 }

@@ -12,6 +12,12 @@ records! { frame_records:
         first_face: u32,
         /// Its first node likewise.
         first_node: u32,
+        /// Its first vertex likewise.
+        first_vertex: u32,
+        /// Its first deformation among those of all objects.
+        first_deform: u32,
+        /// Number of those.
+        deforms: u32,
         /// The first node of the next object, or their number.
         next_node: u32,
         /// Number of nodes of all objects, gaps between them included.
@@ -101,7 +107,26 @@ records! { frame_records:
         /// Nothing.
         more_padding: [u32; 16],
         /// Nothing.
-        last_padding: [u32; 9],
+        last_padding: [u32; 6],
+    }
+    /// A deformation of an object's vertices.
+    Deform {
+        /// 1 a twist, 2 a bend, 3 a bump along `axis`, 4 a bump along the normal, 5 noise along the normal.
+        kind: u32,
+        /// A point of the axis, a bump's middle, or where the noise begins.
+        origin: [f32; 3],
+        /// Of length 1: the axis, the direction that is bent, or a bump's.
+        axis: [f32; 3],
+        /// Of length 1 and across it: where a bend leans to.
+        toward: [f32; 3],
+        /// Height of the low end along the axis, from `origin`.
+        low: f32,
+        /// From the low end to the high one.
+        extent: f32,
+        /// Turns a length; or one over a bump's squared radius, or over the size of the noise's features.
+        rate: f32,
+        /// A bend's radius of curvature, a bump's height, or the noise's amplitude.
+        amount: f32,
     }
     /// A block of receivers: the faces of a maximal node of at most 16, or what a tile of 4 x 4 pixels shows of an
     /// object in one piece.

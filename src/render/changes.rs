@@ -5,9 +5,10 @@ use super::plan::{Change, Plan};
 use super::prepare::camera;
 use super::receivers::by_pixel;
 use super::run::{Backend, Session};
+use super::shape::shape;
 use crate::error::Result;
 use crate::layout::Slot;
-use crate::scene::{Camera, Light, Scene};
+use crate::scene::{Camera, Light, Object, Scene};
 use crate::state::State;
 
 impl Session {
@@ -36,6 +37,43 @@ impl Session {
         let inputs =
             [Slot::frame, Slot::lights, Slot::camera, Slot::sky, Slot::sky_rows, Slot::sky_columns, Slot::lobe];
         self.send(&inputs)
+    }
+
+    /// Shows another scene from now on: what it has in common with the one before stays as it is. The next frame is the one
+    /// that a new session would make.
+    pub fn show(&mut self, new: &Scene) -> Result<()> {
+        let old = self.fixed.asked.as_ref().unwrap_or(&self.scene);
+        let same = |(a, b): (&Object, &Object)| a.mesh == b.mesh && a.material == b.material;
+        let objects = old.objects.len() == new.objects.len() && old.objects.iter().zip(&new.objects).all(same);
+        let deforms = |scene: &Scene| scene.objects.iter().map(|object| object.deforms.clone()).collect::<Vec<_>>();
+        let (shape, lights) = (deforms(old) != deforms(new), old.lights != new.lights);
+        if !objects || old.transport != new.transport || (self.fixed.asked.is_some() && shape) {
+            return self.renew(|scene| *scene = new.clone());
+        }
+        if shape {
+            self.set_deforms(new)?;
+        }
+        if lights {
+            self.set_lights(&new.lights)?;
+        }
+        // Even where it is the same: its samples have moved its rays.
+        self.set_camera(&new.camera)
+    }
+
+    /// Takes over the deformations of a scene with the same objects.
+    fn set_deforms(&mut self, new: &Scene) -> Result<()> {
+        for (own, new) in self.scene.objects.iter_mut().zip(&new.objects) {
+            own.deforms.clone_from(&new.deforms);
+        }
+        let before = self.prepared.state.data.deforms.len();
+        shape(&mut self.prepared.state, &self.scene.objects, self.prepared.units);
+        self.pending = Change::EVERYTHING;
+        if self.prepared.state.data.deforms.len() != before {
+            // Another stage, or room for more.
+            self.plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());
+            return self.resize();
+        }
+        self.send(&[Slot::frame, Slot::deforms])
     }
 
     /// Replaces the camera; its picture may have another size.

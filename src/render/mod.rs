@@ -13,6 +13,7 @@ pub mod receivers;
 pub mod room;
 pub mod run;
 pub mod samples;
+pub mod shape;
 pub mod stages;
 pub mod subdivide;
 mod textures;

@@ -134,7 +134,7 @@ impl Plan {
         let pixels = state.objects.iter().any(|object| object.by_pixel);
         let runs = |stage: &&'static Stage| match stage.name {
             _ if change.everything => true,
-            "refit" => false,
+            "deform" | "refit" => false,
             "visibility" | "points" => change.view,
             "link" | "gather" | "push" if pixels && change.view => true,
             "shade" | "exit" | "reflect" | "backdrop" => change.view || change.light || change.resum,
@@ -156,9 +156,10 @@ impl Plan {
 
     /// Buffers that are inputs: no stage writes them, or not always.
     pub fn inputs() -> impl Iterator<Item = Slot> {
-        // Blocks are made anew only where they are of pixels.
+        // Blocks are made anew only where they are of pixels, positions only where something deforms the object.
+        let sent = [Slot::blocks, Slot::positions];
         let made = |slot: &Slot| STAGES.iter().any(|s| s.writes.iter().any(|(w, _, _)| w == slot));
-        SLOTS.iter().copied().filter(move |slot| *slot == Slot::blocks || !made(slot))
+        SLOTS.iter().copied().filter(move |slot| sent.contains(slot) || !made(slot))
     }
 }
 
@@ -169,7 +170,7 @@ fn builds_links(name: &str) -> bool {
 
 /// Whether a stage comes before the light is carried through the material, whatever carries it.
 pub fn before_transport(name: &str) -> bool {
-    matches!(name, "refit" | "visibility" | "shadow" | "environment" | "irradiance" | "entry")
+    matches!(name, "deform" | "refit" | "visibility" | "shadow" | "environment" | "irradiance" | "entry")
 }
 
 /// Whether a stage lies between known irradiance, with its moments and distances, and radiosity.

@@ -2,6 +2,7 @@
 
 use super::blocks::{blocks, edge_nodes, link_error, of_picture, triangle_size};
 use super::lights::lights;
+use super::shape::shape;
 use super::textures::texture;
 use super::units::Units;
 use crate::dipole::form_factor::ladder::Ladder;
@@ -94,6 +95,7 @@ pub fn prepare(scene: &Scene, by_pixel: bool) -> Prepared {
     }
     let mut state = State::join(parts);
     state.method.nodes = edge_nodes(scene.transport.tolerance, largest);
+    shape(&mut state, &scene.objects, units);
     lights(&mut state, &scene.lights, &mut units, &scene.objects);
     camera(&mut state, &scene.camera, units);
     Prepared { state, units, trees, method, faces }

@@ -63,6 +63,7 @@ pub(super) fn unpeopled(name: &str, state: &State) -> Option<String> {
     let any = |opaque: bool| state.objects.iter().any(|object| object.opaque == opaque);
     let carries = BLOCKS.contains(&name) || LINKS.contains(&name) || name == "brute";
     match name {
+        "deform" if state.data.deforms.is_empty() => Some("nothing deforms an object".into()),
         "opaque" if !any(true) => Some("no object is opaque".into()),
         "points" => state.objects.iter().all(|object| !object.by_pixel).then(|| "the receivers are triangles".into()),
         "average" if state.objects.iter().all(|object| object.by_pixel) => {

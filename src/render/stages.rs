@@ -1,7 +1,7 @@
 //! The table of stages. Conformance, profile, plan and the README go by it; adding a stage adds a line here.
 
 use crate::baseline::{brute, collect, form_factor, mean, reach, refine, spread};
-use crate::geometry::refit;
+use crate::geometry::{deform, refit};
 use crate::light::{entry, environment, irradiance, opaque, shadow};
 use crate::state::{Object, Place, Stage, State, Step, Unit};
 use crate::transport::{average, evaluate, gather, level, link, pull, push, radii};
@@ -10,6 +10,7 @@ use crate::view::{backdrop, exit, points, reflect, shade, visibility};
 /// Every stage, in the order of a frame; the last two are no part of one: `brute` takes the place of
 /// `pull` to `push`, `evaluate` answers `milkglass eval`.
 pub static STAGES: &[&Stage] = &[
+    &deform::STAGE,
     &refit::STAGE,
     &visibility::STAGE,
     &shadow::STAGE,
@@ -47,6 +48,7 @@ pub fn stage(name: &str) -> Option<&'static Stage> {
 /// Whether a stage has to do with an object: that light enters or not, whose receivers are pixels or triangles.
 fn serves(stage: &Stage, object: &Object) -> bool {
     match stage.name {
+        "deform" => object.deforms > 0,
         "refit" | "irradiance" | "entry" => true,
         "points" => object.by_pixel,
         "average" => !object.by_pixel,

@@ -41,7 +41,7 @@ pub fn subdivide(scene: &Scene) -> Result<(Scene, Vec<Parts>)> {
             any |= cut.contains(&true);
             let (mesh, from) = object.mesh.split(|face| cut[face]);
             parts[number].cut(&cut, &from);
-            *object = Object { mesh, material: object.material.clone() };
+            *object = Object { mesh, ..object.clone() };
         }
         if !any {
             break;

@@ -3,7 +3,9 @@
 //!
 //! Everything is `f64` and in scene units; `unit_mm` says how long one is.
 
+mod animate;
 mod camera;
+mod deform;
 mod file;
 mod image;
 mod light;
@@ -21,6 +23,7 @@ mod transport;
 mod vector;
 
 pub use camera::{Camera, Tone};
+pub use deform::Deform;
 pub use light::{Light, Sky, Source};
 pub use material::{Fresnel, Material};
 pub use mesh::{Mesh, Shape};
@@ -69,17 +72,22 @@ impl Scene {
     /// Loads a built-in scene by name, a mesh alone by a path that ends in `.obj`, or else a TOML
     /// file, and applies the `key=value` settings in order.
     pub fn load(name_or_path: &str, sets: &[String]) -> Result<Self> {
-        Self::of(Text::find(name_or_path)?, sets)
+        Self::load_at(name_or_path, sets, 0.0)
+    }
+
+    /// The same as it is at a frame, where values have keyframes.
+    pub fn load_at(name_or_path: &str, sets: &[String], frame: f64) -> Result<Self> {
+        Self::of(Text::find(name_or_path)?, sets, frame)
     }
 
     /// Reads the text of a scene file, called `name` in messages, and applies the `key=value` settings in order.
     pub fn parse(name: &str, toml: &str, sets: &[String]) -> Result<Self> {
         let (name, file) = (name.to_owned(), PathBuf::from(name));
-        Self::of(Text { name, toml: toml.to_owned(), file, folder: PathBuf::new() }, sets)
+        Self::of(Text { name, toml: toml.to_owned(), file, folder: PathBuf::new() }, sets, 0.0)
     }
 
-    fn of(text: Text, sets: &[String]) -> Result<Self> {
-        let draft = read::read(&text.toml, &text.file, sets)?;
+    fn of(text: Text, sets: &[String], frame: f64) -> Result<Self> {
+        let draft = read::read(&text.toml, &text.file, sets, frame)?;
         let mut report = Vec::new();
 
         // The meshes, at their sizes and places, and their textures.
@@ -93,7 +101,8 @@ impl Scene {
                 false => fault,
             })?;
             report.extend(notes.into_iter().map(|note| if several { format!("object {index}: {note}") } else { note }));
-            objects.push(Object { mesh, material: object.material });
+            let deforms = object.deforms.iter().map(|draft| draft.on(&mesh)).collect();
+            objects.push(Object { mesh, material: object.material, deforms });
         }
 
         // The camera, now that there is something to look at.

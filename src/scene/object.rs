@@ -1,5 +1,6 @@
 //! The objects of a scene: where each mesh comes from, how large it is and where it stands, and what it is made of.
 
+use super::deform::{self, Deform, DeformFile};
 use super::file::MaterialFile;
 use super::material::Material;
 use super::mesh::{Mesh, Shape};
@@ -17,6 +18,8 @@ pub struct Object {
     pub mesh: Mesh,
     /// The inside, with coefficients per scene unit.
     pub material: Material,
+    /// What deforms the mesh, in this order.
+    pub deforms: Vec<Deform>,
 }
 
 /// `[[object]]`.
@@ -29,6 +32,8 @@ pub(super) struct ObjectFile {
     size: Option<f64>,
     position: Option<Vector>,
     rotation: Option<Vector>,
+    #[serde(default)]
+    deform: Vec<DeformFile>,
     #[serde(default)]
     material: MaterialFile,
 }
@@ -44,6 +49,8 @@ pub(super) struct Draft {
     position: DVec3,
     /// Its material.
     pub material: Material,
+    /// What deforms it.
+    pub deforms: Vec<deform::Draft>,
 }
 
 /// Where a mesh comes from.
@@ -87,6 +94,7 @@ impl ObjectFile {
             rotation: DQuat::from_euler(EulerRot::ZYX, turn.z, turn.y, turn.x),
             position: vector("position", self.position, range::LARGEST, "coordinates within 1e9 scene units")?,
             material: Material::check(&self.material, &key("material"), unit_mm)?,
+            deforms: deform::check_all(&self.deform, &key("deform"))?,
         })
     }
 
@@ -105,7 +113,7 @@ impl ObjectFile {
             }
             (Some(_), None) if self.detail.is_some() => {
                 let fault = Input::new("a mesh from a file has no such key");
-                Err(fault.key(key(".detail")).expected("mesh, size, position, rotation, material"))
+                Err(fault.key(key(".detail")).expected("mesh, size, position, rotation, deform, material"))
             }
             (Some(path), None) => Ok(Source::File(path.clone())),
             (None, Some(shape)) => {

@@ -2,19 +2,19 @@
 
 use super::file::{Draft, SceneFile};
 use super::range::Checked;
-use super::{locate, set};
+use super::{animate, locate, set};
 use crate::error::Input;
 use serde::Deserialize;
 use std::path::Path;
 use toml::Table;
 
-/// Reads `text` of `file`, applies `sets` in order, and checks the result. A fault of the file
+/// Reads `text` of `file`, applies `sets` in order, and checks the result as it is at a frame. A fault of the file
 /// itself carries file and line; a fault that a setting brought in names that setting.
-pub(super) fn read(text: &str, file: &Path, sets: &[String]) -> Checked<Draft> {
+pub(super) fn read(text: &str, file: &Path, sets: &[String], frame: f64) -> Checked<Draft> {
     let original: Table = toml::from_str(text).map_err(|error| locate::from_toml(&error, text, file))?;
-    changed(&original, sets).or_else(|fault| {
-        check_text(text, file)?;
-        Err(blame(&original, sets, fault))
+    changed(&original, sets, frame).or_else(|fault| {
+        check_text(&original, text, file, frame)?;
+        Err(blame(&original, sets, frame, fault))
     })
 }
 
@@ -32,24 +32,30 @@ pub(super) fn place(fault: Input, text: &str, file: &Path, sets: &[String]) -> I
 }
 
 /// The draft of the table after these settings.
-fn changed(original: &Table, sets: &[String]) -> Checked<Draft> {
+fn changed(original: &Table, sets: &[String], frame: f64) -> Checked<Draft> {
     let mut table = original.clone();
     for setting in sets {
         set::apply(&mut table, setting)?;
     }
-    let scene = SceneFile::deserialize(table).map_err(|error| locate::in_words(error.message()))?;
+    let (still, _) = animate::at(&table, frame)?;
+    let scene = SceneFile::deserialize(still).map_err(|error| locate::in_words(error.message()))?;
     scene.check()
 }
 
 /// The draft of the text alone; its faults carry file and line.
-fn check_text(text: &str, file: &Path) -> Checked<Draft> {
+fn check_text(original: &Table, text: &str, file: &Path, frame: f64) -> Checked<Draft> {
+    // With keyframes the text itself is no scene: its lines are found by the keys alone.
+    match animate::at(original, frame) {
+        Ok((_, false)) => {}
+        _ => return changed(original, &[], frame).map_err(|fault| locate::from_check(fault, text, file)),
+    }
     let scene: SceneFile = toml::from_str(text).map_err(|error| locate::from_toml(&error, text, file))?;
     scene.check().map_err(|fault| locate::from_check(fault, text, file))
 }
 
 /// Names the setting that turned a good scene into this fault: the last one before which all was well.
-fn blame(original: &Table, sets: &[String], mut fault: Input) -> Input {
-    let good = |count: &usize| changed(original, &sets[..*count]).is_ok();
+fn blame(original: &Table, sets: &[String], frame: f64, mut fault: Input) -> Input {
+    let good = |count: &usize| changed(original, &sets[..*count], frame).is_ok();
     let Some(culprit) = (0..sets.len()).rev().find(good).and_then(|count| sets.get(count)) else {
         return fault;
     };
@@ -70,7 +76,7 @@ mod tests {
 
     fn message(text: &str, sets: &[&str]) -> String {
         let sets: Vec<String> = sets.iter().map(ToString::to_string).collect();
-        let result = read(text, Path::new("a.toml"), &sets);
+        let result = read(text, Path::new("a.toml"), &sets, 0.0);
         result.err().map(|fault| fault.to_string()).unwrap_or_default()
     }
 

@@ -34,6 +34,8 @@ pub struct Object {
     pub opaque: bool,
     /// Whether its receivers are the places that pixels show, 16 a tile of 4 x 4.
     pub by_pixel: bool,
+    /// How many deformations it has.
+    pub deforms: usize,
 }
 
 /// The next multiple of 64.
@@ -177,8 +179,8 @@ impl State {
         let nodes = joined.extent().nodes as u32;
         for (k, frame) in joined.data.frame.iter_mut().enumerate() {
             let first = joined.objects[k].first;
-            [frame.first_face, frame.first_node, frame.first_receiver] =
-                [first.faces, first.nodes, first.receivers].map(|n| n as u32);
+            [frame.first_vertex, frame.first_face, frame.first_node, frame.first_receiver] =
+                [first.vertices, first.faces, first.nodes, first.receivers].map(|n| n as u32);
             frame.next_node = joined.objects.get(k + 1).map_or(nodes, |next| next.first.nodes as u32);
             frame.scene_nodes = nodes;
         }

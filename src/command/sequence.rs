@@ -1,0 +1,119 @@
+//! `milkglass render --frames`: a picture a frame, each as if it were rendered alone.
+
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::render::{Arguments, shoot};
+use super::{check_messages, open_session, warn_of_turned};
+use crate::error::{Input, Result};
+use crate::gpu::Device;
+use crate::render::plan::{Change, Options};
+
+/// Most frames of one call.
+const MOST: i64 = 1_000_000;
+
+/// The frames of one call.
+pub struct Job<'a> {
+    /// What the user asked for.
+    pub arguments: &'a Arguments,
+    /// Their numbers.
+    pub frames: RangeInclusive<i32>,
+    /// Width and height of the pictures.
+    pub size: [u32; 2],
+    /// How they are run.
+    pub options: Options,
+}
+
+impl Job<'_> {
+    /// Renders what is to be rendered, and says so.
+    pub fn run(self, device: Option<&Device>) -> Result<()> {
+        let start = Instant::now();
+        let output = |frame: i32| numbered(&self.arguments.output, frame).unwrap_or_default();
+        let skips = |frame: &i32| self.arguments.skip_existing && output(*frame).exists();
+        let (left_out, wanted): (Vec<i32>, Vec<i32>) = self.frames.clone().partition(skips);
+        let bar = ProgressBar::new(wanted.len() as u64);
+        if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len} frames, {eta} left") {
+            bar.set_style(style);
+        }
+        let mut session = None;
+        for &frame in &wanted {
+            let mut scene = self.arguments.scene.at(f64::from(frame))?;
+            scene.camera.size = self.size;
+            let session = match &mut session {
+                None => session.insert(open_session(&scene, device, self.options)?),
+                Some(session) => {
+                    session.show(&scene)?;
+                    bar.suspend(|| warn_of_turned(session, &format!("frame {frame}: ")));
+                    session
+                }
+            };
+            session.frame(Change::default())?;
+            shoot(session, self.arguments.aov, &output(frame))?;
+            check_messages(device)?;
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        let place = device.map_or("the CPU", |device| device.name());
+        let (count, there) = (wanted.len(), left_out.len());
+        let there = if there > 0 { format!(", {there} were there") } else { String::new() };
+        let [width, height] = self.size;
+        let seconds = start.elapsed().as_secs_f64();
+        eprintln!("{count} frames of {width} x {height}{there}, on {place}, {seconds:.1} s");
+        Ok(())
+    }
+}
+
+/// `0..59`, both ends included; the output has to have a place for the number.
+pub fn parse(text: &str, output: &Path) -> Result<RangeInclusive<i32>> {
+    let ends = text.split_once("..").and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)));
+    let Some((first, last)) = ends.filter(|(a, b): &(i32, i32)| a <= b && i64::from(*b) - i64::from(*a) < MOST) else {
+        let expected = "A..B, whole numbers, A at most B, both included";
+        return Err(Input::new("not a range of frames").key("--frames").found(text).expected(expected).into());
+    };
+    if numbered(output, 0).is_none() {
+        let fault = Input::new("every frame needs a file of its own").key("--output").found(output.display());
+        return Err(fault.expected("the place of the frame's number, once: frame-%04d.png").into());
+    }
+    Ok(first..=last)
+}
+
+/// The file name with its one `%d` or `%04d` replaced by the number; none where it has not exactly one.
+fn numbered(output: &Path, frame: i32) -> Option<PathBuf> {
+    let text = output.to_str()?;
+    let (before, after) = text.split_once('%')?;
+    let (digits, after) = after.split_once('d')?;
+    if after.contains('%') || !(digits.is_empty() || digits.starts_with('0')) {
+        return None;
+    }
+    let width = if digits.is_empty() { 0 } else { digits.parse::<usize>().ok().filter(|width| *width <= 20)? };
+    Some(PathBuf::from(format!("{before}{frame:0width$}{after}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_their_place() {
+        let name = |text: &str, frame| numbered(Path::new(text), frame).map(|path| path.display().to_string());
+        assert_eq!(name("a/f%04d.png", 7).as_deref(), Some("a/f0007.png"));
+        assert_eq!(name("%d.exr", -12).as_deref(), Some("-12.exr"));
+        for bad in ["a.png", "%04x.png", "%d%d.png", "%4d.png", "%099d.png", "100%.png"] {
+            assert_eq!(name(bad, 1), None, "{bad}");
+        }
+    }
+
+    #[test]
+    fn ranges_include_both_ends() {
+        let output = Path::new("%d.png");
+        assert_eq!(parse("0..59", output).unwrap(), 0..=59);
+        assert_eq!(parse("-3..-3", output).unwrap(), -3..=-3);
+        for bad in ["5", "5..", "..5", "5..4", "a..b", "0..99999999", "1..2.5"] {
+            assert!(parse(bad, output).is_err(), "{bad}");
+        }
+        assert!(parse("0..1", Path::new("a.png")).is_err());
+    }
+}

@@ -1,0 +1,113 @@
+//! Deformations of a scene's objects: in the state's units, and what they must not do to its triangles.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::units::Units;
+use crate::geometry::deform::displace;
+use crate::layout::Deform as Record;
+use crate::scene::{Deform, Object};
+use crate::state::{State, narrow, wide};
+
+/// Puts the objects' deformations in place, and what they deform: vertices and normals at rest. Nothing is there where
+/// nothing deforms an object.
+pub fn shape(state: &mut State, objects: &[Object], units: Units) {
+    let data = &mut state.data;
+    data.deforms.clear();
+    for ((object, part), frame) in objects.iter().zip(&mut state.objects).zip(&mut data.frame) {
+        frame.first_deform = data.deforms.len() as u32;
+        data.deforms.extend(object.deforms.iter().filter_map(|deform| record(deform, units)));
+        frame.deforms = data.deforms.len() as u32 - frame.first_deform;
+        part.deforms = frame.deforms as usize;
+    }
+    if data.deforms.is_empty() {
+        data.rest = Vec::new();
+        data.rest_normals = Vec::new();
+        return;
+    }
+    data.rest = vec![[0.0; 3]; data.positions.len()];
+    data.rest_normals = data.rest.clone();
+    for (object, part) in objects.iter().zip(&state.objects) {
+        let first = part.first.vertices;
+        let places = object.mesh.positions.iter().map(|&p| narrow(units.inside(p)));
+        data.rest.splice(first..first + part.count.vertices, places);
+        let mut sums = vec![DVec3::ZERO; part.count.vertices];
+        for &[a, b, c] in &object.mesh.triangles {
+            let [p, q, r] = [a, b, c].map(|v| object.mesh.positions[v as usize]);
+            let normal = (q - p).cross(r - p);
+            [a, b, c].into_iter().for_each(|v| sums[v as usize] += normal);
+        }
+        let normals = sums.into_iter().map(|sum| narrow(sum.normalize_or_zero()));
+        data.rest_normals.splice(first..first + part.count.vertices, normals);
+    }
+    data.positions.clone_from(&data.rest);
+}
+
+/// A deformation in the state's units; none where it does nothing.
+fn record(deform: &Deform, units: Units) -> Option<Record> {
+    let long = |x: f64| (x * units.length) as f32;
+    let place = |p: DVec3| narrow(units.inside(p));
+    match *deform {
+        Deform::Twist { span, angle } => (angle != 0.0).then(|| Record {
+            kind: 1,
+            origin: place(span.center),
+            axis: narrow(span.axis),
+            low: long(span.low),
+            extent: long(span.length),
+            rate: (angle / TAU / (span.length * units.length)) as f32,
+            ..Record::default()
+        }),
+        Deform::Bend { span, toward, angle } => (angle != 0.0).then(|| Record {
+            kind: 2,
+            origin: place(span.center),
+            axis: narrow(span.axis),
+            toward: narrow(toward),
+            low: long(span.low),
+            extent: long(span.length),
+            rate: (angle / TAU / (span.length * units.length)) as f32,
+            amount: long(span.length / angle),
+        }),
+        Deform::Bump { position, radius, height, direction } => (height != 0.0).then(|| Record {
+            kind: if direction.is_some() { 3 } else { 4 },
+            origin: place(position),
+            axis: narrow(direction.unwrap_or_default()),
+            rate: (1.0 / (radius * units.length).powi(2)) as f32,
+            amount: long(height),
+            ..Record::default()
+        }),
+        Deform::Noise { amplitude, scale, offset } => (amplitude != 0.0).then(|| Record {
+            kind: 5,
+            origin: place(offset),
+            rate: (1.0 / (scale * units.length)) as f32,
+            amount: long(amplitude),
+            ..Record::default()
+        }),
+    }
+}
+
+/// How many triangles of each object its deformations turn inside out or leave without an area: what was in front of them
+/// at rest is behind them, or nowhere.
+pub fn turned(state: &State) -> Vec<usize> {
+    let data = &state.data;
+    let count = |(part, frame): (&crate::state::Object, &crate::layout::Frame)| {
+        let own = &data.deforms[frame.first_deform as usize..][..frame.deforms as usize];
+        let moved = |p: DVec3, n: DVec3| wide(own.iter().fold(narrow(p), |p, deform| displace(deform, p, narrow(n))));
+        let turned = |triangle: &&[u32; 3]| {
+            let rest = triangle.map(|v| wide(data.rest[v as usize]));
+            let normals = triangle.map(|v| wide(data.rest_normals[v as usize]));
+            let [a, b, c] = [0, 1, 2].map(|k| moved(rest[k], normals[k]));
+            let before = (rest[1] - rest[0]).cross(rest[2] - rest[0]);
+            let after = (b - a).cross(c - a);
+            let (middle, normal) = (rest.iter().sum::<DVec3>() / 3.0, normals.iter().sum::<DVec3>() / 3.0);
+            let step = 0.1 * before.length().sqrt() * before.normalize_or_zero();
+            let up = moved(middle + step, normal) - moved(middle, normal);
+            after.length() <= 1e-6 * before.length() || (before.length() > 0.0 && after.dot(up) <= 0.0)
+        };
+        if own.is_empty() {
+            return 0;
+        }
+        data.triangles[part.first.faces..][..part.count.faces].iter().filter(turned).count()
+    };
+    state.objects.iter().zip(&data.frame).map(count).collect()
+}

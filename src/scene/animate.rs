@@ -1,0 +1,148 @@
+//! Keyframes: any number of a scene file, or list of numbers, may be a table `{ keyframes = [[frame, value], ...] }`.
+
+use super::range::Checked;
+use crate::error::Input;
+use toml::{Table, Value};
+
+/// Between two keyframes: evenly, or with a soft start and end.
+#[derive(Clone, Copy)]
+enum Curve {
+    Linear,
+    Smooth,
+}
+
+/// The table with every value as it is at a frame, and whether any of them moves.
+pub(super) fn at(table: &Table, frame: f64) -> Checked<(Table, bool)> {
+    let mut moves = false;
+    let mut still = Table::new();
+    for (name, value) in table {
+        still.insert(name.clone(), value_at(value, name, frame, &mut moves)?);
+    }
+    Ok((still, moves))
+}
+
+fn value_at(value: &Value, key: &str, frame: f64, moves: &mut bool) -> Checked<Value> {
+    match value {
+        Value::Table(table) if table.contains_key("keyframes") => {
+            *moves = true;
+            keyed(table, key, frame)
+        }
+        Value::Table(table) => {
+            let inner = |(name, value): (&String, &Value)| {
+                Ok((name.clone(), value_at(value, &format!("{key}.{name}"), frame, moves)?))
+            };
+            Ok(Value::Table(table.iter().map(inner).collect::<Checked<_>>()?))
+        }
+        Value::Array(list) => {
+            let inner = |(number, value)| value_at(value, &format!("{key}.{number}"), frame, moves);
+            Ok(Value::Array(list.iter().enumerate().map(inner).collect::<Checked<_>>()?))
+        }
+        plain => Ok(plain.clone()),
+    }
+}
+
+/// The value of a list of keyframes at a frame: before the first the first, after the last the last.
+fn keyed(table: &Table, key: &str, frame: f64) -> Checked<Value> {
+    let fault =
+        |what: &str, found: String, expected: &str| Err(Input::new(what).key(key).found(found).expected(expected));
+    if let Some(other) = table.keys().find(|name| !["keyframes", "curve"].contains(&name.as_str())) {
+        return fault("unknown key", other.clone(), "keyframes, curve");
+    }
+    let curve = match table.get("curve").map(|curve| (curve, curve.as_str())) {
+        None | Some((_, Some("linear"))) => Curve::Linear,
+        Some((_, Some("smooth"))) => Curve::Smooth,
+        Some((other, _)) => return fault("unknown curve", other.to_string(), "\"linear\" or \"smooth\""),
+    };
+    let shape = "[[frame, value], ...], frames ascending, values all numbers or lists of as many numbers";
+    let Some(list) = table.get("keyframes").and_then(Value::as_array).filter(|list| !list.is_empty()) else {
+        return fault("not a list of keyframes", table["keyframes"].to_string(), shape);
+    };
+    let mut keys: Vec<(f64, &Value)> = Vec::new();
+    for pair in list {
+        let both = pair.as_array().filter(|pair| pair.len() == 2);
+        let Some((at, value)) = both.and_then(|pair| Some((number(&pair[0])?, &pair[1]))) else {
+            return fault("not a keyframe", pair.to_string(), shape);
+        };
+        if keys.last().is_some_and(|(before, _)| *before >= at) {
+            return fault("keyframes are not in order", at.to_string(), shape);
+        }
+        keys.push((at, value));
+    }
+    let after = keys.partition_point(|(at, _)| *at <= frame);
+    let ((from, a), (to, b)) = (keys[after.saturating_sub(1)], keys[after.min(keys.len() - 1)]);
+    let t = if to > from { ((frame - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+    let t = match curve {
+        Curve::Linear => t,
+        Curve::Smooth => t * t * (3.0 - 2.0 * t),
+    };
+    let mixed = keys.iter().all(|(_, value)| mix(a, value, 0.0).is_some()).then(|| mix(a, b, t)).flatten();
+    mixed.map_or_else(|| fault("keyframes of different kinds", table["keyframes"].to_string(), shape), Ok)
+}
+
+/// A finite number.
+fn number(value: &Value) -> Option<f64> {
+    let number = value.as_float().or_else(|| value.as_integer().map(|n| n as f64));
+    number.filter(|x| x.is_finite())
+}
+
+/// Between two values of one kind; whole numbers stay so where they can.
+fn mix(a: &Value, b: &Value, t: f64) -> Option<Value> {
+    match (a, b) {
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            Some(Value::Array(a.iter().zip(b).map(|(a, b)| mix(a, b, t)).collect::<Option<_>>()?))
+        }
+        _ => {
+            let (from, to) = (number(a)?, number(b)?);
+            let value = from + t * (to - from);
+            let whole = a.is_integer() && b.is_integer() && value.fract() == 0.0;
+            Some(if whole { Value::Integer(value as i64) } else { Value::Float(value) })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(text: &str, frame: f64) -> Checked<Value> {
+        let table: Table = toml::from_str(&format!("x = {{ y = [{text}] }}")).unwrap();
+        at(&table, frame).map(|(still, _)| still["x"]["y"][0].clone())
+    }
+
+    #[test]
+    fn between_keyframes() {
+        let line = "{ keyframes = [[0, 1], [10, 3.0], [20, 3]] }";
+        let cases = [(-5.0, 1.0), (0.0, 1.0), (5.0, 2.0), (10.0, 3.0), (15.0, 3.0), (99.0, 3.0)];
+        for (frame, expected) in cases {
+            assert_eq!(number(&value(line, frame).unwrap()), Some(expected), "{frame}");
+        }
+        let soft = "{ curve = 'smooth', keyframes = [[0, 0], [4, [1]]] }";
+        assert!(value(soft, 1.0).is_err());
+        let soft = "{ curve = 'smooth', keyframes = [[0, [0]], [4, [1]]] }";
+        assert_eq!(value(soft, 1.0).unwrap()[0].as_float(), Some(0.15625));
+        assert_eq!(value("{ keyframes = [[0, 2], [2, 6]] }", 1.0).unwrap(), Value::Integer(4));
+        assert_eq!(value("{ keyframes = [[3, 2]] }", 1.0).unwrap(), Value::Integer(2));
+        let still: Table = toml::from_str("a = 1").unwrap();
+        assert_eq!(at(&still, 3.0).unwrap(), (still, false));
+    }
+
+    #[test]
+    fn faults_name_the_key() {
+        for (text, what) in [
+            ("{ keyframes = [] }", "not a list of keyframes"),
+            ("{ keyframes = 3 }", "not a list of keyframes"),
+            ("{ keyframes = [[0, 1], [1]] }", "not a keyframe"),
+            ("{ keyframes = [[0, 1], ['a', 2]] }", "not a keyframe"),
+            ("{ keyframes = [[0, 1], [nan, 2]] }", "not a keyframe"),
+            ("{ keyframes = [[2, 1], [1, 2]] }", "not in order"),
+            ("{ keyframes = [[0, 1], [1, nan]] }", "different kinds"),
+            ("{ keyframes = [[0, 1], [1, [1, 2]]] }", "different kinds"),
+            ("{ keyframes = [[0, 'a'], [1, 'b']] }", "different kinds"),
+            ("{ keyframes = [[0, 1]], curve = 'round' }", "unknown curve"),
+            ("{ keyframes = [[0, 1]], curves = 'linear' }", "unknown key"),
+        ] {
+            let fault = value(text, 0.5).unwrap_err().to_string();
+            assert!(fault.starts_with("x.y.0: ") && fault.contains(what), "{text}: {fault}");
+        }
+    }
+}
