@@ -3,7 +3,7 @@
 //!
 //! # A frame
 //!
-//! 1. `refit`: positions to faces, clusters and vertex normals; `visibility`: what each pixel sees;
+//! 1. `deform`: the shape of this frame; `refit`: positions to faces, clusters and vertex normals; `visibility`: what each pixel sees;
 //! 2. `shadow`: which lights reach which faces; `environment`: harmonics of the light from all around; `irradiance`: the
 //!    light that enters each face (equation 5); `entry`: times a texture;
 //! 3. `pull`: moments of the light that enters every cluster;

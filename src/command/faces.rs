@@ -27,11 +27,11 @@ fn rows(session: &Session) -> Vec<Row> {
     let light = |value: [f32; 3]| value.map(|x| f64::from(x) * units.light);
     let mut first = 0;
     let of_object = |(object, Object { mesh, .. }): (usize, &Object)| {
-        let before = first;
-        first += mesh.positions.len() as u32;
+        let (before, vertices) = (first, session.vertices(object));
+        first += vertices.len() as u32;
         let row = move |(of_mesh, face): (usize, usize)| {
             let triangle = mesh.triangles[of_mesh];
-            let [a, b, c] = triangle.map(|v| mesh.positions[v as usize]);
+            let [a, b, c] = triangle.map(|v| vertices[v as usize]);
             Row {
                 object,
                 input_face: mesh.input_face[of_mesh],
@@ -112,8 +112,8 @@ fn single(x: f64) -> f32 {
 
 pub(super) fn ply(session: &Session) -> String {
     let rows = rows(session);
-    let objects = &session.scene().objects;
-    let positions: Vec<DVec3> = objects.iter().flat_map(|object| &object.mesh.positions).copied().collect();
+    let positions: Vec<DVec3> =
+        (0..session.scene().objects.len()).flat_map(|object| session.vertices(object)).collect();
 
     // Vertex values are area-weighted means, as in the stage `average`; colours map the brightest to white.
     let mut sums = vec![(DVec3::ZERO, 0.0); positions.len()];

@@ -22,7 +22,6 @@ use crate::gpu::{Adapter, Device, Instance};
 use crate::hierarchy::face_cluster::Method;
 use crate::render::plan::{Mode, Options, Transport};
 use crate::render::run::{Room, Session};
-use crate::render::shape::turned;
 use crate::scene::Scene;
 
 #[derive(Parser)]
@@ -79,6 +78,11 @@ impl SceneArguments {
             eprintln!("{line}");
         }
         Ok(scene)
+    }
+
+    /// Whether a frame's values are what they may be.
+    fn check(&self, frame: f64) -> Result<()> {
+        Scene::check_at(&self.scene, &self.sets, frame)
     }
 
     /// The scene at a frame; nothing is reported.
@@ -205,18 +209,8 @@ fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Res
         Method::TooDeep => eprintln!("tree: merging neighbours made it too deep; split at medians instead"),
         Method::TooEntangled => eprintln!("tree: clusters have too many neighbours to merge; split at medians instead"),
     }
-    warn_of_turned(&session, "");
+    sequence::warn_of_turned(&session, "");
     Ok(session)
-}
-
-/// Says where deformations turn triangles inside out: there the picture is wrong.
-fn warn_of_turned(session: &Session, frame: &str) {
-    for (object, count) in turned(session.state()).into_iter().enumerate().filter(|(_, count)| *count > 0) {
-        let all = session.state().objects[object].count.faces;
-        eprintln!(
-            "{frame}object {object}: its deformations turn {count} of {all} triangles inside out or leave them without an area"
-        );
-    }
 }
 
 /// Whether the environment asks for the validation layer.

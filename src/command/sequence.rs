@@ -7,10 +7,12 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::render::{Arguments, shoot};
-use super::{check_messages, open_session, warn_of_turned};
+use super::{check_messages, open_session};
 use crate::error::{Input, Result};
 use crate::gpu::Device;
 use crate::render::plan::{Change, Options};
+use crate::render::run::Session;
+use crate::render::shape::turned;
 
 /// Most frames of one call.
 const MOST: i64 = 1_000_000;
@@ -34,6 +36,7 @@ impl Job<'_> {
         let output = |frame: i32| numbered(&self.arguments.output, frame).unwrap_or_default();
         let skips = |frame: &i32| self.arguments.skip_existing && output(*frame).exists();
         let (left_out, wanted): (Vec<i32>, Vec<i32>) = self.frames.clone().partition(skips);
+        wanted.iter().try_for_each(|&frame| self.arguments.scene.check(f64::from(frame)))?;
         let bar = ProgressBar::new(wanted.len() as u64);
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len} frames, {eta} left") {
             bar.set_style(style);
@@ -63,6 +66,16 @@ impl Job<'_> {
         let seconds = start.elapsed().as_secs_f64();
         eprintln!("{count} frames of {width} x {height}{there}, on {place}, {seconds:.1} s");
         Ok(())
+    }
+}
+
+/// Says where deformations turn triangles inside out: there the picture is wrong.
+pub fn warn_of_turned(session: &Session, frame: &str) {
+    for (object, count) in turned(session.state()).into_iter().enumerate().filter(|(_, count)| *count > 0) {
+        let all = session.state().objects[object].count.faces;
+        eprintln!(
+            "{frame}object {object}: its deformations turn {count} of {all} triangles inside out or leave them without an area"
+        );
     }
 }
 

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Deform, Slot};
+use crate::layout::{Buffers, Deform, Slot};
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
 
 /// The table's entry.
@@ -124,12 +124,18 @@ pub fn displace(deform: &Deform, p: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
 }
 
 fn cpu(state: &mut State, _at: Place) {
-    let data = &mut state.data;
-    let frame = data.frame[0];
+    deform(&mut state.data, 0);
+}
+
+/// Deforms the object of this frame.
+pub fn deform(data: &mut Buffers, object: usize) {
+    let frame = data.frame[object];
     let own = &data.deforms[frame.first_deform as usize..(frame.first_deform + frame.deforms) as usize];
-    let (first, rest, normals) = (frame.first_vertex as usize, &data.rest, &data.rest_normals);
-    let places = &mut data.positions[first..first + frame.vertices as usize];
-    places.par_iter_mut().enumerate().for_each(|(vertex, place)| {
+    // Of one object alone the rest begins at 0, of all objects where the places do.
+    let (first, count) = (frame.first_vertex as usize, frame.vertices as usize);
+    let begin = if data.frame.len() == 1 { 0 } else { first };
+    let (rest, normals) = (&data.rest[begin..], &data.rest_normals[begin..]);
+    data.positions[first..first + count].par_iter_mut().enumerate().for_each(|(vertex, place)| {
         *place = own.iter().fold(rest[vertex], |p, deform| displace(deform, p, normals[vertex]));
     });
 }

@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use super::run::Session;
 use super::units::Units;
-use crate::geometry::deform::displace;
+use crate::geometry::deform::{deform, displace};
 use crate::layout::Deform as Record;
 use crate::scene::{Deform, Object};
 use crate::state::{State, narrow, wide};
@@ -22,7 +23,9 @@ pub fn shape(state: &mut State, objects: &[Object], units: Units) {
         part.deforms = frame.deforms as usize;
     }
     if data.deforms.is_empty() {
-        data.rest = Vec::new();
+        if !data.rest.is_empty() {
+            data.positions = std::mem::take(&mut data.rest);
+        }
         data.rest_normals = Vec::new();
         return;
     }
@@ -42,6 +45,22 @@ pub fn shape(state: &mut State, objects: &[Object], units: Units) {
         data.rest_normals.splice(first..first + part.count.vertices, normals);
     }
     data.positions.clone_from(&data.rest);
+    // The host has the shape as well, to the last bit that of any device.
+    for object in 0..state.objects.len() {
+        deform(data, object);
+    }
+}
+
+impl Session {
+    /// Where an object's vertices are, in scene units.
+    pub fn vertices(&self, object: usize) -> Vec<DVec3> {
+        let (mesh, part) = (&self.scene().objects[object].mesh, &self.state().objects[object]);
+        if part.deforms == 0 {
+            return mesh.positions.clone();
+        }
+        let own = &self.state().data.positions[part.first.vertices..][..part.count.vertices];
+        own.iter().map(|&p| self.units().outside(wide(p))).collect()
+    }
 }
 
 /// A deformation in the state's units; none where it does nothing.

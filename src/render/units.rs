@@ -35,6 +35,12 @@ impl Units {
         (point - self.center) * self.length
     }
 
+    /// A point of the frame in the scene.
+    #[must_use]
+    pub fn outside(&self, point: DVec3) -> DVec3 {
+        point / self.length + self.center
+    }
+
     /// Scene radiance of an internal radiance of 1, for pictures. What no `f32` holds becomes its largest power of two but
     /// one, so that a picture of a lamp of 1e30 W/sr right at the object is too dark rather than infinite.
     #[must_use]

@@ -47,6 +47,7 @@ pub const BUILTIN: &[(&str, &str, &str)] = &[
     ("lotus", include_str!("builtin/lotus.toml"), "a bowl of petals with a candle in it"),
     ("slab", include_str!("builtin/slab.toml"), "a slab of skim milk, a lamp close behind it"),
     ("sphere", include_str!("builtin/sphere.toml"), "a marble ball in the sun"),
+    ("twist", include_str!("builtin/twist.toml"), "a slab of wax, wrung like a cloth over 60 frames"),
 ];
 
 /// A scene, checked.
@@ -78,6 +79,12 @@ impl Scene {
     /// The same as it is at a frame, where values have keyframes.
     pub fn load_at(name_or_path: &str, sets: &[String], frame: f64) -> Result<Self> {
         Self::of(Text::find(name_or_path)?, sets, frame)
+    }
+
+    /// Checks what the text says of a frame, without reading any other file.
+    pub fn check_at(name_or_path: &str, sets: &[String], frame: f64) -> Result<()> {
+        let text = Text::find(name_or_path)?;
+        read::read(&text.toml, &text.file, sets, frame).map(|_| ()).map_err(Into::into)
     }
 
     /// Reads the text of a scene file, called `name` in messages, and applies the `key=value` settings in order.

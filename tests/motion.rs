@@ -1,0 +1,157 @@
+//! Shapes that move: deformations, keyframes, sequences.
+
+mod shell;
+
+use milkglass::layout::Slot;
+use milkglass::measure::norms::worst;
+use milkglass::measure::reference::verify;
+use milkglass::render::plan::{Change, Options};
+use milkglass::render::run::{Room, Session};
+use milkglass::render::shape::turned;
+use milkglass::scene::Scene;
+use shell::{bad, bytes, folder, good, names, numbers, read};
+
+const SCENE: &str = "[camera]\nposition = [0, 9, 30]\nsize = [40, 30]\nfov = 40\n\n\
+    [[light]]\ntype = 'point'\nposition = [0, 20, { keyframes = [[0, 9], [3, -9]] }]\n\
+    intensity = { keyframes = [[0, [300, 200, 100]], [2, [100, 200, 300]]], curve = 'smooth' }\n\n\
+    [[object]]\nshape = 'candle'\ndetail = 16\nsize = 10\nmaterial = { preset = 'marble' }\n\
+    [[object.deform]]\ntype = 'noise'\namplitude = 0.3\nscale = 2\noffset = { keyframes = [[0, [0, 0, 0]], [9, [0, 9, 0]]] }\n\
+    [[object.deform]]\ntype = 'twist'\nangle = { keyframes = [[0, 0], [3, 120]] }\n";
+
+fn at(frame: f64) -> Scene {
+    let folder = folder(&[("moving.toml", SCENE)]);
+    Scene::load_at(folder.path().join("moving.toml").to_str().unwrap(), &[], frame).unwrap()
+}
+
+fn open(scene: &Scene) -> Session {
+    let mut session = Session::new(scene, None, Options::default(), Room::default()).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    session
+}
+
+#[test]
+fn a_session_that_moves_on_is_a_new_one() {
+    // Forwards, backwards, and to where nothing deforms and back.
+    let mut moving = open(&at(1.0));
+    let bare = |frame: f64| {
+        let mut scene = at(frame);
+        scene.objects[0].deforms.clear();
+        scene
+    };
+    for scene in [at(2.0), at(3.0), at(0.0), bare(0.0), bare(1.0), at(1.0)] {
+        moving.show(&scene).unwrap();
+        moving.frame(Change::default()).unwrap();
+        let fresh = open(&scene);
+        for slot in [Slot::positions, Slot::bounds, Slot::irradiance, Slot::radiosity, Slot::radiance] {
+            let [a, b] = [&moving, &fresh].map(|session| session.state().data.bytes(slot).to_vec());
+            assert!(a == b, "{slot:?}");
+        }
+    }
+}
+
+#[test]
+fn a_deformed_shape_meets_the_tolerance_and_has_its_own_triangles() {
+    let scene = at(3.0);
+    let mut session = open(&scene);
+    assert_eq!(turned(session.state()), [0]);
+    let error = worst(&verify(&mut session, 200, 3).unwrap());
+    assert!(error.l2 < scene.transport.tolerance, "{error:?}");
+    // Boxes hold the places, and these are not those at rest.
+    let data = &session.state().data;
+    let moved = data.positions.iter().zip(&data.rest).filter(|(a, b)| a != b).count();
+    assert!(moved > data.positions.len() / 2, "{moved}");
+    let root = data.bounds[0];
+    let inside = |p: &[f32; 3]| (0..3).all(|k| root.low[k] <= p[k] && p[k] <= root.high[k]);
+    assert!(data.positions.iter().all(inside));
+}
+
+#[test]
+fn what_does_not_move_costs_nothing() {
+    let mut scene = at(0.0);
+    scene.objects[0].deforms.clear();
+    let session = open(&scene);
+    let data = &session.state().data;
+    assert!(data.rest.is_empty() && data.rest_normals.is_empty() && data.deforms.is_empty());
+    assert!(session.plan.left_out.iter().any(|(name, why)| *name == "deform" && why.contains("nothing deforms")));
+    assert!(open(&at(0.0)).plan.stages.iter().any(|stage| stage.name == "deform"));
+}
+
+#[test]
+fn triangles_turned_inside_out_are_told() {
+    let here = folder(&[]);
+    let ball = "solve sphere --set object.0.detail=3 --device cpu -o a.csv";
+    // A hollow deeper than the ball is thick; a bend tighter than it is wide.
+    for deform in [
+        "{type='bump',position=[0,10,0],radius=9,height=-25}",
+        "{type='bend',angle=400,axis=[0,1,0],toward=[1,0,0],length=6}",
+    ] {
+        let (_, warned) = good(&here, &format!("{ball} --set object.0.deform=[{deform}]"));
+        assert!(warned.contains("inside out"), "{deform}: {warned}");
+    }
+    let (_, warned) = good(&here, &format!("{ball} --set object.0.deform=[{{type='twist',angle=720}}]"));
+    assert!(!warned.contains("inside out"), "{warned}");
+}
+
+#[test]
+fn solve_knows_the_moved_triangles() {
+    let here = folder(&[]);
+    let ball = "solve sphere --set object.0.detail=2 --device cpu -o a.csv";
+    let rows = |more: &str| {
+        good(&here, &format!("{ball} {more}"));
+        numbers(&read(&here, "a.csv")).1
+    };
+    let (still, moved) = (
+        rows(""),
+        rows("--set object.0.deform=[{type='bump',position=[0,0,0],radius=900,height=3,direction=[1,0,0]}]"),
+    );
+    for (a, b) in still.iter().zip(&moved) {
+        assert!((b[1] - a[1] - 3.0).abs() < 2e-3 && (b[2] - a[2]).abs() < 1e-4, "{a:?}, {b:?}");
+    }
+}
+
+#[test]
+fn frames_do_not_depend_on_each_other() {
+    let here = folder(&[("moving.toml", SCENE)]);
+    for device in ["--device cpu", ""] {
+        good(&here, &format!("render moving.toml --frames 0..3 -o f%02d.png {device}"));
+        good(&here, &format!("render moving.toml --frame 2 -o one.png {device}"));
+        assert!(bytes(&here, "f02.png") == bytes(&here, "one.png"), "{device:?}");
+        assert!(bytes(&here, "f02.png") != bytes(&here, "f03.png"), "{device:?}");
+    }
+    assert_eq!(names(here.path()), ["f00.png", "f01.png", "f02.png", "f03.png", "moving.toml", "one.png"]);
+    // What is there is left alone, if that is asked for.
+    std::fs::write(here.path().join("f01.png"), "mine").unwrap();
+    std::fs::remove_file(here.path().join("f02.png")).unwrap();
+    let (_, said) = good(&here, "render moving.toml --frames 1..2 --skip-existing -o f%02d.png --device cpu");
+    assert!(said.contains("1 frames") && said.contains("1 were there"), "{said}");
+    assert_eq!(read(&here, "f01.png"), "mine");
+}
+
+#[test]
+fn faults_are_named() {
+    let here = folder(&[("moving.toml", SCENE)]);
+    let run = "render moving.toml --device cpu -o a%d.png";
+    for (arguments, words) in [
+        ("--frames 3..1", "--frames: not a range of frames; found 3..1"),
+        ("--frames 0..1 --set 'camera.fov={keyframes=[[0,40],[1,nan]]}'", "keyframes of different kinds"),
+        ("--frames 0..1 --set 'camera.fov={keyframes=[[0,40],[1,400]]}'", "camera.fov: out of range; found 400"),
+        ("--frame nan", "--frame: not a frame"),
+        ("--set 'object.0.deform=[{type=\"twist\"}]'", "missing field"),
+        ("--set 'object.0.deform=[{type=\"twitch\",angle=3}]'", "did you mean `twist`"),
+        ("--set 'object.0.deform=[{type=\"twist\",angle=inf}]'", "object.0.deform.0.angle: not a finite number"),
+        (
+            "--set 'object.0.deform=[{type=\"bump\",position=[0,0,0],radius=0,height=1}]'",
+            "deform.0.radius: out of range",
+        ),
+        ("--set 'object.0.deform=[{type=\"bend\",angle=3,axis=[0,1,0],toward=[0,2,0]}]'", "deform.0.toward"),
+        ("--skip-existing", "--frames"),
+    ] {
+        bad(&here, &format!("{run} {}", arguments.replace('\'', "")), 2, &[words]);
+    }
+    bad(&here, "render moving.toml --frames 0..1 -o a.png", 2, &["%04d"]);
+    let broken =
+        SCENE.replace("angle = { keyframes = [[0, 0], [3, 120]] }", "angle = { keyframes = [[3, 0], [0, 120]] }");
+    std::fs::write(here.path().join("moving.toml"), broken).unwrap();
+    bad(&here, run, 2, &["moving.toml:", "object.0.deform.1.angle: keyframes are not in order"]);
+    assert_eq!(names(here.path()), ["moving.toml"]);
+}
