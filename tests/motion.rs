@@ -50,6 +50,26 @@ fn a_session_that_moves_on_is_a_new_one() {
 }
 
 #[test]
+fn a_spoilt_tree_is_built_anew() {
+    let twist = |frame: f64| Scene::load_at("twist", &["object.0.detail=16".to_string()], frame).unwrap();
+    let mut moving = open(&twist(0.0));
+    assert_eq!(moving.prepared.spoilt, [None]);
+    let trees = moving.prepared.trees.clone();
+    moving.show(&twist(3.0)).unwrap();
+    assert!(moving.prepared.spoilt == [None] && moving.prepared.trees == trees);
+    // There and back, each time as if nothing had been before.
+    for frame in [40.0, 45.0, 0.0] {
+        moving.show(&twist(frame)).unwrap();
+        moving.frame(Change::default()).unwrap();
+        let fresh = open(&twist(frame));
+        assert_eq!(moving.prepared.spoilt[0].is_some(), frame > 0.0, "{frame}");
+        assert!(moving.prepared.trees == fresh.prepared.trees, "{frame}");
+        assert!(moving.state().data.radiance == fresh.state().data.radiance, "{frame}");
+        assert_eq!(moving.prepared.trees == trees, frame == 0.0, "{frame}");
+    }
+}
+
+#[test]
 fn a_deformed_shape_meets_the_tolerance_and_has_its_own_triangles() {
     let scene = at(3.0);
     let mut session = open(&scene);

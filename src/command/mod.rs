@@ -209,7 +209,7 @@ fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Res
         Method::TooDeep => eprintln!("tree: merging neighbours made it too deep; split at medians instead"),
         Method::TooEntangled => eprintln!("tree: clusters have too many neighbours to merge; split at medians instead"),
     }
-    sequence::warn_of_turned(&session, "");
+    sequence::warn_of_shape(&session, "");
     Ok(session)
 }
 

@@ -49,7 +49,7 @@ impl Job<'_> {
                 None => session.insert(open_session(&scene, device, self.options)?),
                 Some(session) => {
                     session.show(&scene)?;
-                    bar.suspend(|| warn_of_turned(session, &format!("frame {frame}: ")));
+                    bar.suspend(|| warn_of_shape(session, &format!("frame {frame}: ")));
                     session
                 }
             };
@@ -69,8 +69,15 @@ impl Job<'_> {
     }
 }
 
-/// Says where deformations turn triangles inside out: there the picture is wrong.
-pub fn warn_of_turned(session: &Session, frame: &str) {
+/// Says which trees deformations have spoilt, and where they turn triangles inside out: there the picture is wrong.
+pub fn warn_of_shape(session: &Session, frame: &str) {
+    for (object, growth) in session.prepared.spoilt.iter().enumerate() {
+        if let Some(growth) = growth {
+            eprintln!(
+                "{frame}object {object}: deformed, its clusters would be {growth:.2} times as wide; tree built anew"
+            );
+        }
+    }
     for (object, count) in turned(session.state()).into_iter().enumerate().filter(|(_, count)| *count > 0) {
         let all = session.state().objects[object].count.faces;
         eprintln!(

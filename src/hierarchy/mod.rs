@@ -5,6 +5,7 @@
 //! node and to `skip[i]` to leave it. [`face_cluster`] grows the tree from neighbours upward,
 //! [`median`] cuts it from the whole downward.
 
+pub mod compact;
 pub mod face_cluster;
 pub mod median;
 mod outline;

@@ -5,8 +5,9 @@ use super::plan::{Change, Plan};
 use super::prepare::camera;
 use super::receivers::by_pixel;
 use super::run::{Backend, Session};
-use super::shape::shape;
+use super::shape::{shape, spoilt};
 use crate::error::Result;
+use crate::hierarchy::Tree;
 use crate::layout::Slot;
 use crate::scene::{Camera, Light, Object, Scene};
 use crate::state::State;
@@ -47,7 +48,7 @@ impl Session {
         let objects = old.objects.len() == new.objects.len() && old.objects.iter().zip(&new.objects).all(same);
         let deforms = |scene: &Scene| scene.objects.iter().map(|object| object.deforms.clone()).collect::<Vec<_>>();
         let (shape, lights) = (deforms(old) != deforms(new), old.lights != new.lights);
-        if !objects || old.transport != new.transport || (self.fixed.asked.is_some() && shape) {
+        if !objects || old.transport != new.transport || (shape && !self.keeps_trees(new)) {
             return self.renew(|scene| *scene = new.clone());
         }
         if shape {
@@ -58,6 +59,15 @@ impl Session {
         }
         // Even where it is the same: its samples have moved its rays.
         self.set_camera(&new.camera)
+    }
+
+    /// Whether the trees serve these deformations, too: as a new session would have them.
+    fn keeps_trees(&self, new: &Scene) -> bool {
+        let (prepared, units) = (&self.prepared, self.prepared.units);
+        let serves = |(object, tree): (&Object, &Tree)| spoilt(object, units, tree).is_none();
+        self.fixed.asked.is_none()
+            && prepared.spoilt.iter().all(Option::is_none)
+            && new.objects.iter().zip(&prepared.trees).all(serves)
     }
 
     /// Takes over the deformations of a scene with the same objects.

@@ -1,8 +1,10 @@
 //! From a checked scene to the state a frame starts from: centred, scaled, in the order of the trees.
 
+use glam::DVec3;
+
 use super::blocks::{blocks, edge_nodes, link_error, of_picture, triangle_size};
 use super::lights::lights;
-use super::shape::shape;
+use super::shape::{shape, spoilt};
 use super::textures::texture;
 use super::units::Units;
 use crate::dipole::form_factor::ladder::Ladder;
@@ -27,6 +29,9 @@ pub struct Prepared {
     pub trees: Vec<Tree>,
     /// How the trees came about, the worst of them.
     pub method: Method,
+    /// Of each object whose deformations would spoil the tree of its shape at rest, so that it has one of its own: how
+    /// much wider the clusters would be.
+    pub spoilt: Vec<Option<f64>>,
     /// Of each object, the mesh's triangle of each triangle of the state.
     pub faces: Vec<Vec<u32>>,
 }
@@ -82,9 +87,11 @@ pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
 pub fn prepare(scene: &Scene, by_pixel: bool) -> Prepared {
     let mut units = Units::of(scene.objects.iter().map(|object| &object.mesh));
     let (mut parts, mut trees, mut method) = (Vec::new(), Vec::new(), Method::Merged);
-    let (mut faces, mut largest) = (Vec::new(), 0.0);
+    let (mut faces, mut spoilt, mut largest) = (Vec::new(), Vec::new(), 0.0);
     for object in &scene.objects {
-        let (part, tree, made, own) = one(scene, object, units, by_pixel);
+        let (tree, made, growth) = tree_of(object, scene.transport.hierarchy, units);
+        let (part, own) = one(scene, object, &tree, units, by_pixel);
+        spoilt.push(growth);
         if object.material.opaque.is_none() {
             largest = f64::max(largest, triangle_size(&part));
         }
@@ -98,18 +105,30 @@ pub fn prepare(scene: &Scene, by_pixel: bool) -> Prepared {
     shape(&mut state, &scene.objects, units);
     lights(&mut state, &scene.lights, &mut units, &scene.objects);
     camera(&mut state, &scene.camera, units);
-    Prepared { state, units, trees, method, faces }
+    Prepared { state, units, trees, method, spoilt, faces }
 }
 
-/// The state of one object by itself, its tree and how that came about, and the mesh's triangle of each of its own.
-fn one(scene: &Scene, object: &scene::Object, units: Units, by_pixel: bool) -> (State, Tree, Method, Vec<u32>) {
-    let (mesh, transport) = (&object.mesh, &scene.transport);
-    let (tree, method) = match transport.hierarchy {
-        Hierarchy::FaceClusters => face_cluster::build(&mesh.positions, &mesh.triangles),
-        Hierarchy::Median => (median::build(&mesh.positions, &mesh.triangles, PLACES), Method::Merged),
+/// The tree of an object, how it came about, and how far deformations would have spoilt that of its shape at rest.
+fn tree_of(object: &scene::Object, hierarchy: Hierarchy, units: Units) -> (Tree, Method, Option<f64>) {
+    let build = |positions: &[DVec3]| match hierarchy {
+        Hierarchy::FaceClusters => face_cluster::build(positions, &object.mesh.triangles),
+        Hierarchy::Median => (median::build(positions, &object.mesh.triangles, PLACES), Method::Merged),
     };
+    let (tree, method) = build(&object.mesh.positions);
+    match spoilt(object, units, &tree) {
+        None => (tree, method, None),
+        Some((moved, growth)) => {
+            let (tree, method) = build(&moved);
+            (tree, method, Some(growth))
+        }
+    }
+}
+
+/// The state of one object by itself, and the mesh's triangle of each of its own.
+fn one(scene: &Scene, object: &scene::Object, tree: &Tree, units: Units, by_pixel: bool) -> (State, Vec<u32>) {
+    let (mesh, transport) = (&object.mesh, &scene.transport);
     let mut state = State { distance: transport.distance, ..State::default() };
-    let faces = topology(&mut state, mesh, &tree, units);
+    let faces = topology(&mut state, mesh, tree, units);
     frame(&mut state, &object.material, transport, units);
     texture(&mut state, object.material.texture.as_ref(), mesh, &faces);
     state.method = Switches {
@@ -133,7 +152,7 @@ fn one(scene: &Scene, object: &scene::Object, units: Units, by_pixel: bool) -> (
     let receivers = if by_pixel { PLACES * blocks / LAYERS as usize } else { faces.len() };
     let count = Extent { vertices, faces: faces.len(), nodes, blocks, receivers };
     state.objects = vec![Object { count, opaque, by_pixel, ..Object::default() }];
-    (state, tree, method, faces)
+    (state, faces)
 }
 
 /// Mesh and tree, triangles in the order of the leaves; returns each one's place in the mesh.
