@@ -172,7 +172,7 @@ fn the_tolerance_is_met() {
                 _ => "unit=mm".to_string(),
             };
             let size = format!("object.0.size={size}");
-            for tolerance in [1e-2, 1e-3] {
+            for tolerance in [1e-2, 1e-3, 1e-4] {
                 let wanted = format!("transport.tolerance={tolerance}");
                 let mut session = solved(name, &[set, &size, &lamp, &wanted]);
                 let error = worst(&verify(&mut session, 200, 5).unwrap());
