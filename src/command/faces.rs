@@ -22,12 +22,22 @@ struct Row {
     triangle: [u32; 3],
 }
 
+/// Where an object's vertices are, in scene units.
+fn vertices(session: &Session, object: usize) -> Vec<DVec3> {
+    let (mesh, part) = (&session.scene().objects[object].mesh, &session.state().objects[object]);
+    if part.deforms == 0 {
+        return mesh.positions.clone();
+    }
+    let own = &session.state().data.positions[part.first.vertices..][..part.count.vertices];
+    own.iter().map(|p| session.units().outside(DVec3::from_array(p.map(f64::from)))).collect()
+}
+
 fn rows(session: &Session) -> Vec<Row> {
     let (data, units) = (&session.state().data, session.units());
     let light = |value: [f32; 3]| value.map(|x| f64::from(x) * units.light);
     let mut first = 0;
     let of_object = |(object, Object { mesh, .. }): (usize, &Object)| {
-        let (before, vertices) = (first, session.vertices(object));
+        let (before, vertices) = (first, vertices(session, object));
         first += vertices.len() as u32;
         let row = move |(of_mesh, face): (usize, usize)| {
             let triangle = mesh.triangles[of_mesh];
@@ -113,7 +123,7 @@ fn single(x: f64) -> f32 {
 pub(super) fn ply(session: &Session) -> String {
     let rows = rows(session);
     let positions: Vec<DVec3> =
-        (0..session.scene().objects.len()).flat_map(|object| session.vertices(object)).collect();
+        (0..session.scene().objects.len()).flat_map(|object| vertices(session, object)).collect();
 
     // Vertex values are area-weighted means, as in the stage `average`; colours map the brightest to white.
     let mut sums = vec![(DVec3::ZERO, 0.0); positions.len()];

@@ -1,38 +1,34 @@
 //! `milkglass render`: a picture of a scene.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 
 use super::{RunArguments, SceneArguments, check_messages, open_session, print, sequence, table, validation};
 use crate::error::{Input, Result};
-use crate::render::aov::layers;
 use crate::render::clusters::{Emitters, clusters, color};
 use crate::render::plan::{Change, Mode, Options, Transport};
-use crate::render::run::Session;
-use crate::render::samples::picture;
 use crate::scene::{Camera, Tone};
-use crate::view::aov::save;
-use crate::view::picture::{Picture, check, encode};
+use crate::view::picture::{check, encode};
 
 /// Arguments of `render`.
 #[derive(Args)]
 #[command(after_help = "Example: milkglass render lotus -o lotus.png --size 800x600 --set camera.exposure=1.5")]
 pub struct Arguments {
     #[command(flatten)]
-    pub(super) scene: SceneArguments,
+    scene: SceneArguments,
     #[command(flatten)]
     run: RunArguments,
     /// The picture: `.png` (exposed, toned, sRGB) or `.exr` (linear).
     #[arg(short, long, value_name = "FILE")]
-    pub(super) output: PathBuf,
+    output: PathBuf,
     /// Width and height in pixels; overrides the scene's.
     #[arg(long, value_name = "WxH")]
     size: Option<String>,
     /// Add layers to an `.exr`: irradiance, radiosity, normal, error_estimate, depth, object, triangle, links.
     #[arg(long)]
-    pub(super) aov: bool,
+    aov: bool,
     /// Show, instead of light, the clusters that light what `--pick` names: blue the largest, red the smallest, white
     /// the receivers, grey what gives nothing. Of the first group of channels (`plan` lists them).
     #[arg(long, value_enum, requires = "pick", conflicts_with = "aov")]
@@ -42,7 +38,7 @@ pub struct Arguments {
     frames: Option<String>,
     /// With --frames: leave out frames whose file is there.
     #[arg(long, requires = "frames")]
-    pub(super) skip_existing: bool,
+    skip_existing: bool,
     /// The pixel for `--view clusters`, from the upper left.
     #[arg(long, value_name = "X,Y", requires = "view")]
     pick: Option<String>,
@@ -90,7 +86,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         options.mode = Mode::Render;
     }
     if let Some(frames) = frames {
-        let job = sequence::Job { arguments, frames, size: scene.camera.size, options };
+        let (scenes, output, skip) = (&arguments.scene, &arguments.output, arguments.skip_existing);
+        let job = sequence::Job { scenes, frames, size: scene.camera.size, options, output, aov, skip };
         return job.run(device.as_ref());
     }
     let mut session = open_session(&scene, device.as_ref(), options)?;
@@ -104,25 +101,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         picture.save(&arguments.output, &plain(&scene.camera))?;
         return print_levels(&emitters);
     }
-    let picture = shoot(&mut session, aov, &arguments.output)?;
+    let picture = sequence::shoot(&mut session, aov, &arguments.output)?;
     check_messages(device.as_ref())?;
     let place = device.as_ref().map_or("the CPU", |device| device.name());
     let seconds = start.elapsed().as_secs_f64();
     let (file, width, height) = (arguments.output.display(), picture.width, picture.height);
     eprintln!("{file}: {width} x {height}, on {place}, {seconds:.1} s");
     Ok(())
-}
-
-/// Writes the picture of the last frame, with its layers or without.
-pub(super) fn shoot(session: &mut Session, aov: bool, output: &Path) -> Result<Picture> {
-    // Layers are those of the pixels' centres.
-    let layers = if aov { Some(layers(session)?) } else { None };
-    let picture = picture(session)?;
-    match layers {
-        Some(layers) => save(&picture, &layers, output)?,
-        None => picture.save(output, &session.scene().camera)?,
-    }
-    Ok(picture)
 }
 
 /// A camera that shows colours as they are.

@@ -6,44 +6,53 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::render::{Arguments, shoot};
-use super::{check_messages, open_session};
+use super::{SceneArguments, check_messages, open_session};
 use crate::error::{Input, Result};
 use crate::gpu::Device;
+use crate::render::aov::layers;
 use crate::render::plan::{Change, Options};
 use crate::render::run::Session;
+use crate::render::samples::picture;
 use crate::render::shape::turned;
+use crate::view::aov::save;
+use crate::view::picture::Picture;
 
 /// Most frames of one call.
 const MOST: i64 = 1_000_000;
 
 /// The frames of one call.
 pub struct Job<'a> {
-    /// What the user asked for.
-    pub arguments: &'a Arguments,
+    /// What is shown.
+    pub scenes: &'a SceneArguments,
     /// Their numbers.
     pub frames: RangeInclusive<i32>,
     /// Width and height of the pictures.
     pub size: [u32; 2],
     /// How they are run.
     pub options: Options,
+    /// Where they go, with a place for the number.
+    pub output: &'a Path,
+    /// Whether they have layers.
+    pub aov: bool,
+    /// Whether those that are there are left out.
+    pub skip: bool,
 }
 
 impl Job<'_> {
     /// Renders what is to be rendered, and says so.
     pub fn run(self, device: Option<&Device>) -> Result<()> {
         let start = Instant::now();
-        let output = |frame: i32| numbered(&self.arguments.output, frame).unwrap_or_default();
-        let skips = |frame: &i32| self.arguments.skip_existing && output(*frame).exists();
+        let output = |frame: i32| numbered(self.output, frame).unwrap_or_default();
+        let skips = |frame: &i32| self.skip && output(*frame).exists();
         let (left_out, wanted): (Vec<i32>, Vec<i32>) = self.frames.clone().partition(skips);
-        wanted.iter().try_for_each(|&frame| self.arguments.scene.check(f64::from(frame)))?;
+        wanted.iter().try_for_each(|&frame| self.scenes.check(f64::from(frame)))?;
         let bar = ProgressBar::new(wanted.len() as u64);
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len} frames, {eta} left") {
             bar.set_style(style);
         }
         let mut session = None;
         for &frame in &wanted {
-            let mut scene = self.arguments.scene.at(f64::from(frame))?;
+            let mut scene = self.scenes.at(f64::from(frame))?;
             scene.camera.size = self.size;
             let session = match &mut session {
                 None => session.insert(open_session(&scene, device, self.options)?),
@@ -54,7 +63,7 @@ impl Job<'_> {
                 }
             };
             session.frame(Change::default())?;
-            shoot(session, self.arguments.aov, &output(frame))?;
+            shoot(session, self.aov, &output(frame))?;
             check_messages(device)?;
             bar.inc(1);
         }
@@ -84,6 +93,18 @@ pub fn warn_of_shape(session: &Session, frame: &str) {
             "{frame}object {object}: its deformations turn {count} of {all} triangles inside out or leave them without an area"
         );
     }
+}
+
+/// Writes the picture of the last frame, with its layers or without.
+pub fn shoot(session: &mut Session, aov: bool, output: &Path) -> Result<Picture> {
+    // Layers are those of the pixels' centres.
+    let layers = if aov { Some(layers(session)?) } else { None };
+    let picture = picture(session)?;
+    match layers {
+        Some(layers) => save(&picture, &layers, output)?,
+        None => picture.save(output, &session.scene().camera)?,
+    }
+    Ok(picture)
 }
 
 /// `0..59`, both ends included; the output has to have a place for the number.

@@ -6,7 +6,7 @@ use crate::dipole::form_factor::points::trace;
 use crate::layout::{Block, Frame};
 use crate::scene::Light;
 use crate::state::{Group, State, wide};
-use crate::transport::gather::PLACES;
+use crate::transport::PLACES;
 use crate::view::points::{LAYERS, tiles};
 
 /// The maximal nodes of at most 16 faces, in the order of the tree.

@@ -6,6 +6,7 @@ mod changes;
 pub mod clusters;
 pub mod lights;
 pub mod octree;
+pub mod options;
 pub mod plan;
 pub mod prepare;
 mod reasons;

@@ -15,7 +15,7 @@ use crate::layout::{Camera as CameraRecord, Frame, Topology};
 use crate::light::{fresnel, harmonics};
 use crate::scene::{self, Camera, Fresnel, Hierarchy, Material, Mesh, Reflection, Scene, Transport};
 use crate::state::{Extent, Method as Switches, Object, Schedule, Scheme, State, narrow};
-use crate::transport::gather::PLACES;
+use crate::transport::PLACES;
 use crate::view::points::LAYERS;
 
 /// A state ready to run, and what is needed to read its results.

@@ -1,6 +1,6 @@
 //! Why a stage has no place in the frame of a scene.
 
-use super::plan::{Goal, Options, Transport};
+use super::options::{Goal, Options, Transport};
 use crate::state::{Scheme, State};
 
 /// Stages of the hierarchy with blocks.

@@ -1,7 +1,7 @@
 //! Whether radiosity is computed at the triangles and blended between their vertices, or at the very places that the
 //! pixels show: whichever are fewer, unless the scene says.
 
-use super::plan::{Goal, Options, Transport};
+use super::options::{Goal, Options, Transport};
 use crate::scene::{Receivers, Scene, Scheme};
 
 /// Whether the receivers are the pixels, and why.

@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::run::Session;
 use super::units::Units;
 use crate::geometry::deform::{deform, displace};
 use crate::hierarchy::Tree;
@@ -77,18 +76,6 @@ pub fn spoilt(object: &Object, units: Units, tree: &Tree) -> Option<(Vec<DVec3>,
     let triangles = &object.mesh.triangles;
     let growth = spread(tree, &moved, triangles) / spread(tree, &object.mesh.positions, triangles);
     (growth > SPOILT).then_some((moved, growth))
-}
-
-impl Session {
-    /// Where an object's vertices are, in scene units.
-    pub fn vertices(&self, object: usize) -> Vec<DVec3> {
-        let (mesh, part) = (&self.scene().objects[object].mesh, &self.state().objects[object]);
-        if part.deforms == 0 {
-            return mesh.positions.clone();
-        }
-        let own = &self.state().data.positions[part.first.vertices..][..part.count.vertices];
-        own.iter().map(|&p| self.units().outside(wide(p))).collect()
-    }
 }
 
 /// A deformation in the state's units; none where it does nothing.

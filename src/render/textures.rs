@@ -1,6 +1,6 @@
 //! A material's texture as the stages `entry` and `exit` read it.
 
-use super::plan::{Goal, Options};
+use super::options::{Goal, Options};
 use crate::layout::{CornerUvs, Frame};
 use crate::scene::{Mesh, Side, Texture, Wrap};
 use crate::state::State;

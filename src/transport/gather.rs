@@ -4,6 +4,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::PLACES;
 use super::estimate;
 use super::link::{Kind, batch, walk};
 use crate::dipole::form_factor::Distance;
@@ -14,9 +15,6 @@ use crate::dipole::jet::{Cloud, Jets};
 use crate::error::Result;
 use crate::layout::{Buffers, Emitter, Expansion, Range, Runs, Slot, Sphere};
 use crate::state::{Group, Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
-
-/// Places of a block: receivers, and empty ones to fill up.
-pub const PLACES: usize = 16;
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {

@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::gather::PLACES;
+use super::PLACES;
 use crate::dipole::distance2;
 use crate::error::Result;
 use crate::layout::{Cursor, Emitter, Range, Runs, Slot, Sphere};

@@ -13,3 +13,6 @@ pub mod link;
 pub mod pull;
 pub mod push;
 pub mod radii;
+
+/// Places of a block: receivers, and empty ones to fill up.
+pub const PLACES: usize = 16;

@@ -7,7 +7,7 @@ use super::estimate;
 use crate::error::Result;
 use crate::layout::{Expansion, Range, Slot};
 use crate::state::{Object, Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
-use crate::transport::gather::PLACES;
+use crate::transport::PLACES;
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {

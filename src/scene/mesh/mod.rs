@@ -104,6 +104,11 @@ impl Mesh {
     }
 }
 
+/// The number of a vertex; shapes have far fewer than 2^32.
+fn number(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

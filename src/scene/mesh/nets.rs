@@ -1,7 +1,7 @@
 //! Surface nets: the closed surface where a function is 0, as quadrilaterals about the edges of a grid.
 
 use super::Mesh;
-use super::shape::number;
+use super::number;
 use glam::{DVec3, IVec3, Vec3Swizzles};
 use std::collections::HashMap;
 

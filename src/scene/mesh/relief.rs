@@ -1,7 +1,7 @@
 //! Flat things that lie: an open plane, and a rounded slab with a bump on it.
 
 use super::Mesh;
-use super::shape::number;
+use super::number;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_4;

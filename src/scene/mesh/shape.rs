@@ -1,6 +1,6 @@
 //! Shapes made here: closed, outward, and as fine as their `detail` says.
 
-use super::{Mesh, bust, candle, lotus, relief, uv};
+use super::{Mesh, bust, candle, lotus, number, relief, uv};
 use glam::DVec3;
 use serde::Deserialize;
 use std::collections::HashMap;
@@ -150,11 +150,6 @@ fn slab(cells: u32) -> Mesh {
         }
     }
     Mesh::made(positions, triangles)
-}
-
-/// The number of a vertex; shapes have far fewer than 2^32.
-pub(super) fn number(index: usize) -> u32 {
-    u32::try_from(index).unwrap_or(u32::MAX)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Closed surfaces swept round the y axis, ring by ring.
 
 use super::Mesh;
-use super::shape::number;
+use super::number;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
