@@ -148,6 +148,27 @@ fn frames_do_not_depend_on_each_other() {
 }
 
 #[test]
+fn a_mesh_a_frame() {
+    // Another shape, then other triangles.
+    let tall = |top: f64| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 {top}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+    let scene = "[camera]\nposition = [3, 3, 3]\nsize = [24, 24]\n[[light]]\ntype = 'directional'\ndirection = [1, 2, 1]\n\
+                 irradiance = 1\n[[object]]\nmesh = 'm/f%02d.obj'\nmaterial = { preset = 'marble', scale = 20 }\n";
+    let here = folder(&[("moving.toml", scene)]);
+    std::fs::create_dir(here.path().join("m")).unwrap();
+    let write = |name: &str, text: String| std::fs::write(here.path().join("m").join(name), text).unwrap();
+    write("f00.obj", tall(1.0));
+    write("f01.obj", tall(2.0));
+    write("f02.obj", tall(2.0).replace("f 3 1 4\n", "v 0.2 0.2 0.9\nf 3 1 5\nf 1 4 5\nf 4 3 5\n"));
+    good(&here, "render moving.toml --frames 0..2 -o a%d.png --device cpu");
+    for frame in 0..3 {
+        good(&here, &format!("render moving.toml --frame {frame} -o b.png --device cpu"));
+        assert!(bytes(&here, &format!("a{frame}.png")) == bytes(&here, "b.png"), "{frame}");
+    }
+    assert!(bytes(&here, "a0.png") != bytes(&here, "a1.png") && bytes(&here, "a1.png") != bytes(&here, "a2.png"));
+    bad(&here, "render moving.toml --frame 3 -o c.png --device cpu", 2, &["f03.obj"]);
+}
+
+#[test]
 fn faults_are_named() {
     let here = folder(&[("moving.toml", SCENE)]);
     let run = "render moving.toml --device cpu -o a%d.png";

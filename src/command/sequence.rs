@@ -121,31 +121,14 @@ pub fn parse(text: &str, output: &Path) -> Result<RangeInclusive<i32>> {
     Ok(first..=last)
 }
 
-/// The file name with its one `%d` or `%04d` replaced by the number; none where it has not exactly one.
+/// The file of a frame; none where its name has no place for the number.
 fn numbered(output: &Path, frame: i32) -> Option<PathBuf> {
-    let text = output.to_str()?;
-    let (before, after) = text.split_once('%')?;
-    let (digits, after) = after.split_once('d')?;
-    if after.contains('%') || !(digits.is_empty() || digits.starts_with('0')) {
-        return None;
-    }
-    let width = if digits.is_empty() { 0 } else { digits.parse::<usize>().ok().filter(|width| *width <= 20)? };
-    Some(PathBuf::from(format!("{before}{frame:0width$}{after}")))
+    crate::scene::numbered(output.to_str()?, frame.into()).map(PathBuf::from)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_have_their_place() {
-        let name = |text: &str, frame| numbered(Path::new(text), frame).map(|path| path.display().to_string());
-        assert_eq!(name("a/f%04d.png", 7).as_deref(), Some("a/f0007.png"));
-        assert_eq!(name("%d.exr", -12).as_deref(), Some("-12.exr"));
-        for bad in ["a.png", "%04x.png", "%d%d.png", "%4d.png", "%099d.png", "100%.png"] {
-            assert_eq!(name(bad, 1), None, "{bad}");
-        }
-    }
 
     #[test]
     fn ranges_include_both_ends() {

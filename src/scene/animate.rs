@@ -1,4 +1,5 @@
-//! Keyframes: any number of a scene file, or list of numbers, may be a table `{ keyframes = [[frame, value], ...] }`.
+//! Keyframes: any number of a scene file, or list of numbers, may be a table `{ keyframes = [[frame, value], ...] }`; and
+//! a mesh may be of a frame: `mesh = "walk-%04d.obj"`.
 
 use super::range::Checked;
 use crate::error::Input;
@@ -37,8 +38,26 @@ fn value_at(value: &Value, key: &str, frame: f64, moves: &mut bool) -> Checked<V
             let inner = |(number, value)| value_at(value, &format!("{key}.{number}"), frame, moves);
             Ok(Value::Array(list.iter().enumerate().map(inner).collect::<Checked<_>>()?))
         }
+        Value::String(path) if key.starts_with("object.") && key.ends_with(".mesh") => {
+            // A whole number that no file name would miss.
+            let file = numbered(path, frame.round() as i64);
+            *moves |= file.is_some();
+            Ok(Value::String(file.unwrap_or_else(|| path.clone())))
+        }
         plain => Ok(plain.clone()),
     }
+}
+
+/// A file name with its one `%d` or `%04d` replaced by a frame's number; none where it has not exactly one.
+#[must_use]
+pub fn numbered(text: &str, frame: i64) -> Option<String> {
+    let (before, after) = text.split_once('%')?;
+    let (digits, after) = after.split_once('d')?;
+    if after.contains('%') || !(digits.is_empty() || digits.starts_with('0')) {
+        return None;
+    }
+    let width = if digits.is_empty() { 0 } else { digits.parse::<usize>().ok().filter(|width| *width <= 20)? };
+    Some(format!("{before}{frame:0width$}{after}"))
 }
 
 /// The value of a list of keyframes at a frame: before the first the first, after the last the last.
@@ -124,6 +143,16 @@ mod tests {
         assert_eq!(value("{ keyframes = [[3, 2]] }", 1.0).unwrap(), Value::Integer(2));
         let still: Table = toml::from_str("a = 1").unwrap();
         assert_eq!(at(&still, 3.0).unwrap(), (still, false));
+    }
+
+    #[test]
+    fn numbers_have_their_place() {
+        let name = |text: &str, frame| numbered(text, frame);
+        assert_eq!(name("a/f%04d.png", 7).as_deref(), Some("a/f0007.png"));
+        assert_eq!(name("%d.exr", -12).as_deref(), Some("-12.exr"));
+        for bad in ["a.png", "%04x.png", "%d%d.png", "%4d.png", "%099d.png", "100%.png"] {
+            assert_eq!(name(bad, 1), None, "{bad}");
+        }
     }
 
     #[test]

@@ -22,6 +22,7 @@ mod texture;
 mod transport;
 mod vector;
 
+pub use animate::numbered;
 pub use camera::{Camera, Tone};
 pub use deform::Deform;
 pub use light::{Light, Sky, Source};

@@ -1,0 +1,46 @@
+//! How a scene is to be run.
+
+/// How light gets from where it enters to where it leaves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Transport {
+    /// The hierarchical method of Mertens et al. 2003.
+    #[default]
+    Hierarchy,
+    /// The irradiance octree of Jensen and Buhler 2002, on the host.
+    Octree,
+    /// Every face to every face.
+    Brute,
+}
+
+/// What survives from frame to frame (section 5.5).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// Everything from scratch in each frame; links are scratch.
+    #[default]
+    OnTheFly,
+    /// Links and form factors are kept: a change of light runs shadow, irradiance, pull, gather, push and average only.
+    Render,
+}
+
+/// What the frame is for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Goal {
+    /// A picture.
+    #[default]
+    Picture,
+    /// The radiosity of the faces.
+    Radiosity,
+}
+
+/// How a scene is to be run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// The transport.
+    pub transport: Transport,
+    /// The mode.
+    pub mode: Mode,
+    /// The goal.
+    pub goal: Goal,
+    /// Whether an error estimate is wanted for each receiver; scheme blocks has one, the others do not.
+    pub estimate: bool,
+}
