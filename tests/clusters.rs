@@ -46,6 +46,7 @@ fn what_cannot_be_shown_is_said() {
     let here = folder(&[]);
     let ball = "render sphere --set object.0.detail=2 --size 40x30 --device cpu -o a.png";
     good(&here, &format!("{ball} --view clusters --pick 20,15"));
+    good(&here, &format!("{ball} --view clusters --pick 20,15 --set transport.scheme=links --set light=[]"));
     let opaque = "--set object.0.material={opaque=true,albedo=[1,1,1]}";
     for (arguments, message) in [
         ("--view clusters", "--pick"),

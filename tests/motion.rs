@@ -8,7 +8,7 @@ use milkglass::measure::reference::verify;
 use milkglass::render::plan::{Change, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::render::shape::turned;
-use milkglass::scene::Scene;
+use milkglass::scene::{Deform, Scene};
 use shell::{bad, bytes, folder, good, names, numbers, read};
 
 const SCENE: &str = "[camera]\nposition = [0, 9, 30]\nsize = [40, 30]\nfov = 40\n\n\
@@ -169,6 +169,46 @@ fn a_mesh_a_frame() {
 }
 
 #[test]
+fn what_moves_from_object_to_object() {
+    // As many deformations, but of another object; another size of picture; a bend whose centre is elsewhere.
+    let ball = |x: f64, angle: &str| {
+        format!(
+            "[[object]]\nshape = 'slab'\ndetail = 4\nsize = 8\nposition = [{x}, 0, 0]\nmaterial = {{ preset = 'marble' }}\n\
+             deform = [{{ type = 'twist', angle = {{ keyframes = {angle} }} }}]\n"
+        )
+    };
+    let scene = format!(
+        "[camera]\nsize = {{ keyframes = [[0, [24, 20]], [1, [30, 20]]] }}\n[[light]]\ntype = 'directional'\n\
+         direction = [1, 2, 1]\nirradiance = 1\n{}{}",
+        ball(-5.0, "[[0, 9], [1, 0]]"),
+        ball(5.0, "[[0, 0], [1, 9]]")
+    );
+    let here = folder(&[("moving.toml", &scene)]);
+    for device in ["--device cpu", ""] {
+        for more in ["", "--set transport.subdivide=1"] {
+            good(&here, &format!("render moving.toml {more} --frames 0..1 -o a%d.png {device}"));
+            good(&here, &format!("render moving.toml {more} --frame 1 -o b.png {device}"));
+            assert!(bytes(&here, "a1.png") == bytes(&here, "b.png"), "{device:?} {more:?}");
+        }
+    }
+}
+
+#[test]
+fn ends_are_the_objects_wherever_the_centre_is() {
+    let sets = |center: &str| {
+        let deform = format!("object.0.deform=[{{type='twist', angle=90, center={center}}}]");
+        Scene::load("sphere", &["object.0.detail=2".into(), deform]).unwrap().objects[0].deforms[0]
+    };
+    let span = |deform: Deform| match deform {
+        Deform::Twist { span, .. } => (span.center.y + span.low, span.length),
+        other => panic!("{other:?}"),
+    };
+    let (low, length) = span(sets("[0, 0, 0]"));
+    let (other_low, other_length) = span(sets("[0, -500, 0]"));
+    assert!((low - other_low).abs() < 1e-9 && (length - other_length).abs() < 1e-9);
+}
+
+#[test]
 fn faults_are_named() {
     let here = folder(&[("moving.toml", SCENE)]);
     let run = "render moving.toml --device cpu -o a%d.png";
@@ -185,6 +225,10 @@ fn faults_are_named() {
             "deform.0.radius: out of range",
         ),
         ("--set 'object.0.deform=[{type=\"bend\",angle=3,axis=[0,1,0],toward=[0,2,0]}]'", "deform.0.toward"),
+        (
+            "--set 'object.0.deform.0.amplitude=1e9'",
+            "object.0.deform: the deformations move the object too far; found a vertex",
+        ),
         ("--skip-existing", "--frames"),
     ] {
         bad(&here, &format!("{run} {}", arguments.replace('\'', "")), 2, &[words]);

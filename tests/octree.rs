@@ -77,3 +77,17 @@ fn what_it_cannot_do_is_refused() {
     }
     bad(&here, "plan sphere --transport octtree", 2, &["octree"]);
 }
+
+#[test]
+fn opaque_objects_give_back_their_albedo_on_a_device_too() {
+    let here = folder(&[]);
+    let scene = "sphere --set object.0.detail=2 --set object.1={shape='sphere',detail=1,size=5,position=[20,0,0],\
+                 material={opaque=true,albedo=0.5}}";
+    good(&here, &format!("solve {scene} --transport octree -o a.csv"));
+    let (header, rows) = numbers(&read(&here, "a.csv"));
+    let column = |name: &str| header.split(',').position(|word| word == name).unwrap();
+    let (object, light, given) = (column("object"), column("E_r"), column("B_r"));
+    let opaque: Vec<_> = rows.iter().filter(|row| row[object] == 1.0).collect();
+    assert!(opaque.iter().any(|row| row[light] > 0.1));
+    assert!(opaque.iter().all(|row| (row[given] - 0.5 * row[light]).abs() <= 1e-6 * row[light]));
+}

@@ -64,20 +64,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(Input::new("only OpenEXR has layers").key("--aov").found(found).expected("-o FILE.exr").into());
     }
     let frames = arguments.frames.as_deref().map(|text| sequence::parse(text, &arguments.output)).transpose()?;
-    let mut scene = match &frames {
-        Some(frames) => arguments.scene.at(f64::from(*frames.start()))?,
-        None => arguments.scene.load()?,
-    };
-    if let Some(text) = &arguments.size {
-        scene.camera.size = parse_size(text)?;
-    }
+    let size = arguments.size.as_deref().map(parse_size).transpose()?;
+    let pick = arguments.pick.as_deref().map(parse_pick).transpose()?;
     let device = arguments.run.device.open(validation())?;
     let mut options = arguments.run.options();
     if aov {
         // Lists are kept, because a layer tells how long they are.
         options = Options { estimate: true, mode: Mode::Render, ..options };
     }
-    let pick = arguments.pick.as_deref().map(parse_pick).transpose()?;
     if pick.is_some() {
         if options.transport != Transport::Hierarchy {
             let found = "--transport octree or brute";
@@ -87,9 +81,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     if let Some(frames) = frames {
         let (scenes, output, skip) = (&arguments.scene, &arguments.output, arguments.skip_existing);
-        let job = sequence::Job { scenes, frames, size: scene.camera.size, options, output, aov, skip };
+        let job = sequence::Job { scenes, frames, size, options, output, aov, skip };
         return job.run(device.as_ref());
     }
+    let mut scene = arguments.scene.load()?;
+    scene.camera.size = size.unwrap_or(scene.camera.size);
     let mut session = open_session(&scene, device.as_ref(), options)?;
     let times = session.frame(Change::EVERYTHING)?;
     if arguments.times {

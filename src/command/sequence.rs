@@ -26,8 +26,8 @@ pub struct Job<'a> {
     pub scenes: &'a SceneArguments,
     /// Their numbers.
     pub frames: RangeInclusive<i32>,
-    /// Width and height of the pictures.
-    pub size: [u32; 2],
+    /// Width and height of the pictures, where they are not the scene's.
+    pub size: Option<[u32; 2]>,
     /// How they are run.
     pub options: Options,
     /// Where they go, with a place for the number.
@@ -53,9 +53,12 @@ impl Job<'_> {
         let mut session = None;
         for &frame in &wanted {
             let mut scene = self.scenes.at(f64::from(frame))?;
-            scene.camera.size = self.size;
+            scene.camera.size = self.size.unwrap_or(scene.camera.size);
             let session = match &mut session {
-                None => session.insert(open_session(&scene, device, self.options)?),
+                None => {
+                    scene.report.iter().for_each(|line| eprintln!("{line}"));
+                    session.insert(open_session(&scene, device, self.options)?)
+                }
                 Some(session) => {
                     session.show(&scene)?;
                     bar.suspend(|| warn_of_shape(session, &format!("frame {frame}: ")));
@@ -71,9 +74,8 @@ impl Job<'_> {
         let place = device.map_or("the CPU", |device| device.name());
         let (count, there) = (wanted.len(), left_out.len());
         let there = if there > 0 { format!(", {there} were there") } else { String::new() };
-        let [width, height] = self.size;
         let seconds = start.elapsed().as_secs_f64();
-        eprintln!("{count} frames of {width} x {height}{there}, on {place}, {seconds:.1} s");
+        eprintln!("{count} frames{there}, on {place}, {seconds:.1} s");
         Ok(())
     }
 }
@@ -111,7 +113,7 @@ pub fn shoot(session: &mut Session, aov: bool, output: &Path) -> Result<Picture>
 pub fn parse(text: &str, output: &Path) -> Result<RangeInclusive<i32>> {
     let ends = text.split_once("..").and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)));
     let Some((first, last)) = ends.filter(|(a, b): &(i32, i32)| a <= b && i64::from(*b) - i64::from(*a) < MOST) else {
-        let expected = "A..B, whole numbers, A at most B, both included";
+        let expected = "A..B, whole numbers, A at most B, both included, at most 1000000 frames";
         return Err(Input::new("not a range of frames").key("--frames").found(text).expected(expected).into());
     };
     if numbered(output, 0).is_none() {

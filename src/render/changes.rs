@@ -5,7 +5,7 @@ use super::plan::{Change, Plan};
 use super::prepare::camera;
 use super::receivers::by_pixel;
 use super::run::{Backend, Session};
-use super::shape::{shape, spoilt};
+use super::shape::{reach, shape, spoilt};
 use crate::error::Result;
 use crate::hierarchy::Tree;
 use crate::layout::Slot;
@@ -76,6 +76,7 @@ impl Session {
             own.deforms.clone_from(&new.deforms);
         }
         let before = self.prepared.state.data.deforms.len();
+        reach(&self.scene.objects, self.prepared.units)?;
         shape(&mut self.prepared.state, &self.scene.objects, self.prepared.units);
         self.pending = Change::EVERYTHING;
         if self.prepared.state.data.deforms.len() != before {
@@ -83,7 +84,8 @@ impl Session {
             self.plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());
             return self.resize();
         }
-        self.send(&[Slot::frame, Slot::deforms])
+        // Positions, too: those of an object that nothing deforms any more are written by no stage.
+        self.send(&[Slot::frame, Slot::deforms, Slot::positions])
     }
 
     /// Replaces the camera; its picture may have another size.

@@ -82,6 +82,10 @@ fn emitters(state: &State, object: usize, pixel: usize, face: usize) -> (Vec<u32
 fn linked(state: &State, object: usize, leaf: u32) -> Vec<u32> {
     let (data, part) = (&state.data, &state.objects[object]);
     let mut found = Vec::new();
+    if data.spans.is_empty() {
+        // Nothing shines.
+        return found;
+    }
     let mut node = leaf;
     while node != u32::MAX {
         let span = data.spans[part.first.nodes + node as usize];

@@ -8,6 +8,7 @@ use super::prepare::{Prepared, prepare};
 use super::receivers::by_pixel;
 pub use super::room::Room;
 use super::room::{Lists, size};
+use super::shape::reach;
 use super::subdivide::{Parts, subdivide};
 use super::textures::drop_unseen;
 use super::units::Units;
@@ -63,6 +64,7 @@ impl Session {
             Transport::Octree => Some(OctreeTransport::new(&scene.transport)?),
             _ => None,
         };
+        reach(&scene.objects, Units::of(scene.objects.iter().map(|object| &object.mesh)))?;
         // Cut finer where the lights want it, and in what follows nothing else is known.
         let asked = (scene.transport.subdivide > 0).then(|| scene.clone());
         let (scene, parts) = match &asked {
@@ -190,9 +192,10 @@ impl Session {
         Ok(times)
     }
 
-    /// Brings these buffers to the host. The octree's radiosity is there already.
+    /// Brings these buffers to the host. The octree's radiosity is there already, but for that of opaque objects.
     pub fn fetch(&mut self, slots: &[Slot]) -> Result<()> {
-        let there = |slot: &Slot| self.octree.is_some() && *slot == Slot::radiosity;
+        let opaque = self.state().objects.iter().any(|object| object.opaque);
+        let there = |slot: &Slot| self.octree.is_some() && *slot == Slot::radiosity && !opaque;
         let slots: Vec<Slot> = slots.iter().copied().filter(|slot| !there(slot)).collect();
         match &self.backend {
             Backend::Gpu(twin) => twin.download(&mut self.prepared.state, &slots),

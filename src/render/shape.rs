@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::units::Units;
+use crate::error::{Input, Result};
 use crate::geometry::deform::{deform, displace};
 use crate::hierarchy::Tree;
 use crate::hierarchy::compact::spread;
@@ -58,6 +59,35 @@ fn rest(object: &Object, units: Units) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
     (places, sums.into_iter().map(|sum| narrow(sum.normalize_or_zero())).collect())
 }
 
+/// An object's vertices as deformed, in the state's units; none where nothing deforms it.
+pub fn moved(object: &Object, units: Units) -> Option<Vec<DVec3>> {
+    let own: Vec<Record> = object.deforms.iter().filter_map(|deform| record(deform, units)).collect();
+    if own.is_empty() {
+        return None;
+    }
+    let (places, normals) = rest(object, units);
+    Some(places.iter().zip(&normals).map(|(&p, &n)| wide(own.iter().fold(p, |p, d| displace(d, p, n)))).collect())
+}
+
+/// How far from the middle of the scene at rest vertices may go, in the state's units: it is at most 1 across.
+const FARTHEST: f64 = 1.0;
+
+/// Whether the deformations keep the objects where distances are within the tables of reaches and `f32` is fine enough.
+pub fn reach(objects: &[Object], units: Units) -> Result<()> {
+    for (number, object) in objects.iter().enumerate() {
+        let beyond = |p: &&DVec3| !p.is_finite() || p.abs().max_element() > FARTHEST;
+        if let Some(p) = moved(object, units).and_then(|moved| moved.iter().find(beyond).copied()) {
+            let found = format!("a vertex at {:.4}", units.outside(p));
+            let most = FARTHEST / units.length;
+            let expected =
+                format!("within {most} of {:.4}, the middle of the scene at rest, on every axis", units.center);
+            let fault = Input::new("the deformations move the object too far");
+            return Err(fault.key(format!("object.{number}.deform")).found(found).expected(expected).into());
+        }
+    }
+    Ok(())
+}
+
 /// How much wider than at rest a tree's clusters are from which on it is built anew, for the shape as deformed. In the
 /// scene `twist` at 1.05, 1.09, 1.13 and 1.16 a new tree took 11, 18, 28 and 45 % off a frame's time (one run on lavapipe),
 /// and was built in some 15 ms.
@@ -66,13 +96,7 @@ const SPOILT: f64 = 1.05;
 /// The vertices that the tree of an object should be built over instead of those at rest, and how much wider its clusters
 /// have become, where that is too much. It depends on the shape alone, not on shapes before it.
 pub fn spoilt(object: &Object, units: Units, tree: &Tree) -> Option<(Vec<DVec3>, f64)> {
-    let own: Vec<Record> = object.deforms.iter().filter_map(|deform| record(deform, units)).collect();
-    if own.is_empty() {
-        return None;
-    }
-    let (places, normals) = rest(object, units);
-    let moved = places.iter().zip(&normals).map(|(&p, &n)| wide(own.iter().fold(p, |p, d| displace(d, p, n))));
-    let moved: Vec<DVec3> = moved.collect();
+    let moved = moved(object, units)?;
     let triangles = &object.mesh.triangles;
     let growth = spread(tree, &moved, triangles) / spread(tree, &object.mesh.positions, triangles);
     (growth > SPOILT).then_some((moved, growth))

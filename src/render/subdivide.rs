@@ -5,6 +5,8 @@
 
 use super::plan::{Goal, Options};
 use super::run::{Room, Session};
+use super::shape::moved;
+use super::units::Units;
 use crate::error::Result;
 use crate::scene::{Mesh, Object, Scene};
 
@@ -25,6 +27,14 @@ pub struct Parts {
 pub fn subdivide(scene: &Scene) -> Result<(Scene, Vec<Parts>)> {
     let mut fine = scene.clone();
     fine.transport.subdivide = 0;
+    // The shape as deformed is cut, so that parts lie on it and next to each other.
+    let units = Units::of(scene.objects.iter().map(|object| &object.mesh));
+    for object in &mut fine.objects {
+        if let Some(places) = moved(object, units) {
+            object.mesh.positions = places.into_iter().map(|p| units.outside(p)).collect();
+        }
+        object.deforms.clear();
+    }
     let mut parts: Vec<Parts> = scene.objects.iter().map(|object| whole(&object.mesh)).collect();
     for left in (0..scene.transport.subdivide).rev() {
         // All triangles cut, twice where they may be, to see which should have been: a border may cross a corner alone.

@@ -156,8 +156,10 @@ impl Draft {
             let (low, high) = mesh.bounds();
             span.center = self.center.unwrap_or(0.5 * (low + high));
             let heights = mesh.positions.iter().map(|p| (*p - span.center).dot(span.axis));
-            let (least, most) = heights.fold((0.0, 0.0), |(least, most), h| (f64::min(least, h), f64::max(most, h)));
-            let whole = (most - least).max(1e-9);
+            let (least, most) = heights
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), h| (f64::min(least, h), f64::max(most, h)));
+            // What is flat across the axis has no ends.
+            let whole = if most > least { most - least } else { 1.0 };
             // A length of one's own lies about the middle.
             (span.low, span.length) = self.length.map_or((least, whole), |length| (-0.5 * length, length));
         }
