@@ -3,12 +3,13 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// An object's vertices, twisted, bent, raised by bumps and by noise, from where they are at rest. Additions,
+// An object's vertices, twisted, bent, raised by bumps and noise, morphed, from where they are at rest. Additions,
 // multiplications and comparisons only, sine and cosine too: the same everywhere, to the last bit.
 READS(frame)
 READS(rest)
 READS(rest_normals)
 READS(deforms)
+READS(morphs)
 UPDATES(positions)
 
 float dot3(vec3 a, vec3 b) {
@@ -121,6 +122,9 @@ void main() {
             precise float height = share > 0.0 ? d.amount * (share * share) : 0.0;
             vec3 along = d.kind == 3 ? d.axis : normal;
             precise vec3 place = p + height * along;
+            p = place;
+        } else if (d.kind == 6) {
+            precise vec3 place = p + d.amount * morphs[d.first + vertex];
             p = place;
         } else {
             precise vec3 at = from * d.rate;

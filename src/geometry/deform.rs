@@ -1,4 +1,4 @@
-//! Stage `deform`: an object's vertices, twisted, bent, raised by bumps and by noise, from where they are at rest.
+//! Stage `deform`: an object's vertices, twisted, bent, raised by bumps and noise, morphed, from where they are at rest.
 //!
 //! All of it is `f32` additions, multiplications and comparisons in the order of `glsl/geometry/deform.comp`, sine and
 //! cosine too, so that every device has the same shape to the last bit, and whatever is decided by it. Normals are those
@@ -14,8 +14,8 @@ use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
 pub static STAGE: Stage = Stage {
     name: "deform",
     room: "geometry",
-    about: "vertices twisted, bent, raised by bumps and noise",
-    equation: "twist: turned by rate h about the axis; bend: arc of radius 1 / rate; bump: height (1 - r^2 / R^2)^2; Perlin 2002",
+    about: "vertices twisted, bent, raised by bumps and noise, morphed",
+    equation: "twist: turned by rate h about the axis; bend: arc of radius 1 / rate; bump: height (1 - r^2 / R^2)^2; Perlin 2002; morph: weight times the way to the other mesh's vertex",
     writes: &[(Slot::positions, Role::Update, Tolerance::Exact)],
     reason: "additions, multiplications and comparisons in f32, sine and cosine by a polynomial",
     unit: Unit::Object,
@@ -80,8 +80,8 @@ fn noise(p: [f32; 3]) -> f32 {
     mix(across(0), across(4), fade[2])
 }
 
-/// Where a deformation moves a point with this normal at rest.
-pub fn displace(deform: &Deform, p: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
+/// Where a deformation moves a point with this normal at rest; a morph moves it by its weight times `way`.
+pub fn displace(deform: &Deform, p: [f32; 3], normal: [f32; 3], way: [f32; 3]) -> [f32; 3] {
     let d = deform;
     let from = each(|k| p[k] - d.origin[k]);
     match d.kind {
@@ -116,11 +116,17 @@ pub fn displace(deform: &Deform, p: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
             let along = if d.kind == 3 { d.axis } else { normal };
             each(|k| p[k] + height * along[k])
         }
+        6 => each(|k| p[k] + d.amount * way[k]),
         _ => {
             let height = d.amount * noise(from.map(|x| x * d.rate));
             each(|k| p[k] + height * normal[k])
         }
     }
+}
+
+/// Where a morph's vertex goes, from where it is at rest; nowhere for any other deformation.
+pub fn way(morphs: &[[f32; 3]], deform: &Deform, vertex: usize) -> [f32; 3] {
+    if deform.kind == 6 { morphs[deform.first as usize + vertex] } else { [0.0; 3] }
 }
 
 fn cpu(state: &mut State, _at: Place) {
@@ -136,7 +142,9 @@ pub fn deform(data: &mut Buffers, object: usize) {
     let begin = if data.frame.len() == 1 { 0 } else { first };
     let (rest, normals) = (&data.rest[begin..], &data.rest_normals[begin..]);
     data.positions[first..first + count].par_iter_mut().enumerate().for_each(|(vertex, place)| {
-        *place = own.iter().fold(rest[vertex], |p, deform| displace(deform, p, normals[vertex]));
+        *place = own
+            .iter()
+            .fold(rest[vertex], |p, deform| displace(deform, p, normals[vertex], way(&data.morphs, deform, vertex)));
     });
 }
 
@@ -192,7 +200,7 @@ mod tests {
                 let inside = (height - f64::from(low)).clamp(0.0, f64::from(length));
                 let angle = TAU * f64::from(rate) * inside;
                 let turned = glam::DQuat::from_axis_angle(a, angle) * from + wide(span.origin);
-                assert!(wide(displace(&twist, p, [0.0; 3])).distance(turned) < 1e-6, "{rate}: {p:?}");
+                assert!(wide(displace(&twist, p, [0.0; 3], [0.0; 3])).distance(turned) < 1e-6, "{rate}: {p:?}");
                 // Along the arc, then by the lean, all turned from the axis towards `toward`.
                 let (beyond, lean) = (height - f64::from(low) - inside, from.dot(t));
                 let radius = f64::from(length) / (TAU * f64::from(rate) * f64::from(length));
@@ -200,7 +208,7 @@ mod tests {
                 let (up, out) = (angle.cos() * a + angle.sin() * t, angle.cos() * t - angle.sin() * a);
                 let side = from - height * a - lean * t;
                 let bent = wide(span.origin) + f64::from(low) * a + arc + beyond * up + lean * out + side;
-                assert!(wide(displace(&bend, p, [0.0; 3])).distance(bent) < 2e-6, "{rate}: {p:?}");
+                assert!(wide(displace(&bend, p, [0.0; 3], [0.0; 3])).distance(bent) < 2e-6, "{rate}: {p:?}");
             }
         }
     }
@@ -209,20 +217,29 @@ mod tests {
     fn bumps_and_noise_are_smooth_and_bounded() {
         let normal = [0.0, 0.0, 1.0];
         let bump = Deform { kind: 4, rate: 16.0, amount: 0.2, ..Deform::default() };
-        assert_eq!(displace(&bump, [0.0; 3], normal), [0.0, 0.0, 0.2]);
-        assert_eq!(displace(&bump, [0.25, 0.0, 0.0], normal), [0.25, 0.0, 0.0]);
+        assert_eq!(displace(&bump, [0.0; 3], normal, [0.0; 3]), [0.0, 0.0, 0.2]);
+        assert_eq!(displace(&bump, [0.25, 0.0, 0.0], normal, [0.0; 3]), [0.25, 0.0, 0.0]);
         let side = Deform { kind: 3, axis: [1.0, 0.0, 0.0], ..bump };
-        assert_eq!(displace(&side, [0.0; 3], normal), [0.2, 0.0, 0.0]);
+        assert_eq!(displace(&side, [0.0; 3], normal, [0.0; 3]), [0.2, 0.0, 0.0]);
         let waves = Deform { kind: 5, rate: 6.0, amount: 0.1, ..Deform::default() };
         let (mut least, mut most) = (0.0f32, 0.0f32);
         for p in places() {
-            let height = displace(&waves, p, normal)[2] - p[2];
-            let near = displace(&waves, [p[0] + 1e-4, p[1], p[2]], normal)[2] - p[2];
+            let height = displace(&waves, p, normal, [0.0; 3])[2] - p[2];
+            let near = displace(&waves, [p[0] + 1e-4, p[1], p[2]], normal, [0.0; 3])[2] - p[2];
             assert!(height.abs() <= 0.1001 && (near - height).abs() < 3e-4, "{p:?}: {height}, {near}");
             (least, most) = (least.min(height), most.max(height));
         }
         assert!(least < -0.05 && most > 0.05, "{least} to {most}");
         // At the lattice it is nothing.
-        assert_eq!(displace(&waves, [0.5, 0.5, -0.5], normal), [0.5, 0.5, -0.5]);
+        assert_eq!(displace(&waves, [0.5, 0.5, -0.5], normal, [0.0; 3]), [0.5, 0.5, -0.5]);
+    }
+
+    #[test]
+    fn morphs_go_a_share_of_the_way() {
+        let half = Deform { kind: 6, first: 1, amount: 0.5, ..Deform::default() };
+        let ways = [[9.0; 3], [1.0, -2.0, 4.0], [8.0, 0.0, 0.0]];
+        assert_eq!([0, 1].map(|vertex| way(&ways, &half, vertex)), [ways[1], ways[2]]);
+        assert_eq!(displace(&half, [1.0, 1.0, 1.0], [0.0; 3], ways[1]), [1.5, 0.0, 3.0]);
+        assert_eq!(way(&[], &Deform { kind: 5, first: 7, ..half }, 3), [0.0; 3]);
     }
 }

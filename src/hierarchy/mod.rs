@@ -3,12 +3,13 @@
 //! Section 5.1 of Mertens et al. 2003: leaves are the triangles, inner nodes are clusters of them.
 //! Nodes lie flat and depth first, so that a traversal needs no stack: it goes to `i + 1` to open a
 //! node and to `skip[i]` to leave it. [`face_cluster`] grows the tree from neighbours upward,
-//! [`median`] cuts it from the whole downward.
+//! [`median`] cuts it from the whole downward, [`split`] finds it in a mesh of triangles cut in four.
 
 pub mod compact;
 pub mod face_cluster;
 pub mod median;
 mod outline;
+pub mod split;
 
 use glam::DVec3;
 

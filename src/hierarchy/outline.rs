@@ -28,6 +28,12 @@ impl Outline {
         id
     }
 
+    /// Make a cluster of two, about their middle; its id is returned.
+    pub fn join(&mut self, a: u32, b: u32) -> u32 {
+        let [p, q] = [a, b].map(|part| self.centroid[part as usize]);
+        self.merge([a, b], 0.5 * (p + q))
+    }
+
     /// Join these clusters under one root, halving them at the median centroid along the longest
     /// axis of their centroids' bounds; ties go by id. Ranges of more than `block` members are cut at multiples of it, so
     /// that whole blocks are clusters. `members` must not be empty.
@@ -51,9 +57,7 @@ impl Outline {
             let (start, end) = cuts[k];
             id[k] = if end - start > 1 {
                 last -= 2;
-                let parts = [id[last], id[last + 1]];
-                let [a, b] = parts.map(|part| self.centroid[part as usize]);
-                self.merge(parts, 0.5 * (a + b))
+                self.join(id[last], id[last + 1])
             } else {
                 members[start]
             };

@@ -31,6 +31,8 @@ buffers! {
     rest_normals: [f32; 3], vertex;
     /// What deforms the objects, in the order that it is applied in.
     deforms: Deform, deform;
+    /// Of each morph, for each vertex of its object the way to its place in the other mesh.
+    morphs: [f32; 3], way;
     /// Places in `positions` of each triangle's corners, in the order of the tree's leaves. All else about an object counts
     /// from its own first vertex, face, node and block.
     triangles: [u32; 3], face;

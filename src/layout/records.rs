@@ -111,8 +111,10 @@ records! { frame_records:
     }
     /// A deformation of an object's vertices.
     Deform {
-        /// 1 a twist, 2 a bend, 3 a bump along `axis`, 4 a bump along the normal, 5 noise along the normal.
+        /// 1 a twist, 2 a bend, 3 a bump along `axis`, 4 a bump along the normal, 5 noise along the normal, 6 a morph.
         kind: u32,
+        /// A morph's first element of `morphs`: that of the object's first vertex.
+        first: u32,
         /// A point of the axis, a bump's middle, or where the noise begins.
         origin: [f32; 3],
         /// Of length 1: the axis, the direction that is bent, or a bump's.
@@ -125,7 +127,7 @@ records! { frame_records:
         extent: f32,
         /// Turns a length; or one over a bump's squared radius, or over the size of the noise's features.
         rate: f32,
-        /// A bend's radius of curvature, a bump's height, or the noise's amplitude.
+        /// A bend's radius of curvature, a bump's height, the noise's amplitude, or a morph's weight.
         amount: f32,
     }
     /// A block of receivers: the faces of a maximal node of at most 16, or what a tile of 4 x 4 pixels shows of an

@@ -64,7 +64,7 @@ impl Session {
     /// Whether the trees serve these deformations, too: as a new session would have them.
     fn keeps_trees(&self, new: &Scene) -> bool {
         let (prepared, units) = (&self.prepared, self.prepared.units);
-        let serves = |(object, tree): (&Object, &Tree)| spoilt(object, units, tree).is_none();
+        let serves = |(object, tree): (&Object, &Tree)| spoilt(object, new.transport.hierarchy, units, tree).is_none();
         self.fixed.asked.is_none()
             && prepared.spoilt.iter().all(Option::is_none)
             && new.objects.iter().zip(&prepared.trees).all(serves)
@@ -75,17 +75,18 @@ impl Session {
         for (own, new) in self.scene.objects.iter_mut().zip(&new.objects) {
             own.deforms.clone_from(&new.deforms);
         }
-        let before = self.prepared.state.data.deforms.len();
+        let sizes = |state: &State| (state.data.deforms.len(), state.data.morphs.len());
+        let before = sizes(&self.prepared.state);
         reach(&self.scene.objects, self.prepared.units)?;
         shape(&mut self.prepared.state, &self.scene.objects, self.prepared.units);
         self.pending = Change::EVERYTHING;
-        if self.prepared.state.data.deforms.len() != before {
+        if sizes(&self.prepared.state) != before {
             // Another stage, or room for more.
             self.plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());
             return self.resize();
         }
         // Positions, too: those of an object that nothing deforms any more are written by no stage.
-        self.send(&[Slot::frame, Slot::deforms, Slot::positions])
+        self.send(&[Slot::frame, Slot::deforms, Slot::morphs, Slot::positions])
     }
 
     /// Replaces the camera; its picture may have another size.

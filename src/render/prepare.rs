@@ -10,7 +10,7 @@ use super::units::Units;
 use crate::dipole::form_factor::ladder::Ladder;
 use crate::dipole::profile::Dipole;
 use crate::hierarchy::face_cluster::{self, Method};
-use crate::hierarchy::{Tree, median};
+use crate::hierarchy::{Tree, median, split};
 use crate::layout::{Camera as CameraRecord, Frame, Topology};
 use crate::light::{fresnel, harmonics};
 use crate::scene::{self, Camera, Fresnel, Hierarchy, Material, Mesh, Reflection, Scene, Transport};
@@ -113,9 +113,12 @@ fn tree_of(object: &scene::Object, hierarchy: Hierarchy, units: Units) -> (Tree,
     let build = |positions: &[DVec3]| match hierarchy {
         Hierarchy::FaceClusters => face_cluster::build(positions, &object.mesh.triangles),
         Hierarchy::Median => (median::build(positions, &object.mesh.triangles, PLACES), Method::Merged),
+        Hierarchy::Butterfly | Hierarchy::ShrinkWrap => {
+            split::build(positions, &object.mesh.triangles, &object.mesh.splits)
+        }
     };
     let (tree, method) = build(&object.mesh.positions);
-    match spoilt(object, units, &tree) {
+    match spoilt(object, hierarchy, units, &tree) {
         None => (tree, method, None),
         Some((moved, growth)) => {
             let (tree, method) = build(&moved);

@@ -6,11 +6,11 @@ use glam::DVec3;
 
 use super::units::Units;
 use crate::error::{Input, Result};
-use crate::geometry::deform::{deform, displace};
+use crate::geometry::deform::{deform, displace, way};
 use crate::hierarchy::Tree;
 use crate::hierarchy::compact::spread;
 use crate::layout::Deform as Record;
-use crate::scene::{Deform, Object};
+use crate::scene::{Deform, Hierarchy, Object};
 use crate::state::{State, narrow, wide};
 
 /// Puts the objects' deformations in place, and what they deform: vertices and normals at rest. Nothing is there where
@@ -18,9 +18,10 @@ use crate::state::{State, narrow, wide};
 pub fn shape(state: &mut State, objects: &[Object], units: Units) {
     let data = &mut state.data;
     data.deforms.clear();
+    data.morphs.clear();
     for ((object, part), frame) in objects.iter().zip(&mut state.objects).zip(&mut data.frame) {
         frame.first_deform = data.deforms.len() as u32;
-        data.deforms.extend(object.deforms.iter().filter_map(|deform| record(deform, units)));
+        data.deforms.extend(records(object, units, &mut data.morphs));
         frame.deforms = data.deforms.len() as u32 - frame.first_deform;
         part.deforms = frame.deforms as usize;
     }
@@ -61,12 +62,14 @@ fn rest(object: &Object, units: Units) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
 
 /// An object's vertices as deformed, in the state's units; none where nothing deforms it.
 pub fn moved(object: &Object, units: Units) -> Option<Vec<DVec3>> {
-    let own: Vec<Record> = object.deforms.iter().filter_map(|deform| record(deform, units)).collect();
+    let mut morphs = Vec::new();
+    let own = records(object, units, &mut morphs);
     if own.is_empty() {
         return None;
     }
     let (places, normals) = rest(object, units);
-    Some(places.iter().zip(&normals).map(|(&p, &n)| wide(own.iter().fold(p, |p, d| displace(d, p, n)))).collect())
+    let place = |v: usize| own.iter().fold(places[v], |p, d| displace(d, p, normals[v], way(&morphs, d, v)));
+    Some((0..places.len()).map(|v| wide(place(v))).collect())
 }
 
 /// How far from the middle of the scene at rest vertices may go, in the state's units: it is at most 1 across.
@@ -75,6 +78,12 @@ const FARTHEST: f64 = 1.0;
 /// Whether the deformations keep the objects where distances are within the tables of reaches and `f32` is fine enough.
 pub fn reach(objects: &[Object], units: Units) -> Result<()> {
     for (number, object) in objects.iter().enumerate() {
+        let vertices = object.mesh.positions.len();
+        let other = |deform: &&Deform| matches!(deform, Deform::Morph { ways, .. } if ways.len() != vertices);
+        if object.deforms.iter().any(|deform| other(&deform)) {
+            let fault = Input::new("a morph is of another mesh").key(format!("object.{number}.deform"));
+            return Err(fault.expected(format!("a way for each of {vertices} vertices")).into());
+        }
         let beyond = |p: &&DVec3| !p.is_finite() || p.abs().max_element() > FARTHEST;
         if let Some(p) = moved(object, units).and_then(|moved| moved.iter().find(beyond).copied()) {
             let found = format!("a vertex at {:.4}", units.outside(p));
@@ -94,12 +103,30 @@ pub fn reach(objects: &[Object], units: Units) -> Result<()> {
 const SPOILT: f64 = 1.05;
 
 /// The vertices that the tree of an object should be built over instead of those at rest, and how much wider its clusters
-/// have become, where that is too much. It depends on the shape alone, not on shapes before it.
-pub fn spoilt(object: &Object, units: Units, tree: &Tree) -> Option<(Vec<DVec3>, f64)> {
+/// have become, where that is too much. It depends on the shape alone, not on shapes before it. What 4-to-1 splits leave
+/// would be the same over any shape.
+pub fn spoilt(object: &Object, hierarchy: Hierarchy, units: Units, tree: &Tree) -> Option<(Vec<DVec3>, f64)> {
+    if matches!(hierarchy, Hierarchy::Butterfly | Hierarchy::ShrinkWrap) {
+        return None;
+    }
     let moved = moved(object, units)?;
     let triangles = &object.mesh.triangles;
     let growth = spread(tree, &moved, triangles) / spread(tree, &object.mesh.positions, triangles);
     (growth > SPOILT).then_some((moved, growth))
+}
+
+/// An object's deformations in the state's units, but for those that do nothing; the ways of morphs are added to `morphs`.
+fn records(object: &Object, units: Units, morphs: &mut Vec<[f32; 3]>) -> Vec<Record> {
+    let mut records = Vec::new();
+    for deform in &object.deforms {
+        let Some(mut record) = record(deform, units) else { continue };
+        if let Deform::Morph { ways, .. } = deform {
+            record.first = morphs.len() as u32;
+            morphs.extend(ways.iter().map(|&way| narrow(way * units.length)));
+        }
+        records.push(record);
+    }
+    records
 }
 
 /// A deformation in the state's units; none where it does nothing.
@@ -125,6 +152,7 @@ fn record(deform: &Deform, units: Units) -> Option<Record> {
             extent: long(span.length),
             rate: (angle / TAU / (span.length * units.length)) as f32,
             amount: long(span.length / angle),
+            ..Record::default()
         }),
         Deform::Bump { position, radius, height, direction } => (height != 0.0).then(|| Record {
             kind: if direction.is_some() { 3 } else { 4 },
@@ -141,16 +169,28 @@ fn record(deform: &Deform, units: Units) -> Option<Record> {
             amount: long(amplitude),
             ..Record::default()
         }),
+        Deform::Morph { weight, .. } => {
+            (weight != 0.0).then(|| Record { kind: 6, amount: weight as f32, ..Record::default() })
+        }
     }
 }
 
 /// How many triangles of each object its deformations turn inside out or leave without an area: what was in front of them
-/// at rest is behind them, or nowhere.
+/// at rest is behind them, or nowhere. A morph tells nothing of what is in front: then those that lie against what is round
+/// them, or all of a closed surface if its inside comes to lie outside.
 pub fn turned(state: &State) -> Vec<usize> {
     let data = &state.data;
     let count = |(part, frame): (&crate::state::Object, &crate::layout::Frame)| {
         let own = &data.deforms[frame.first_deform as usize..][..frame.deforms as usize];
-        let moved = |p: DVec3, n: DVec3| wide(own.iter().fold(narrow(p), |p, deform| displace(deform, p, narrow(n))));
+        let triangles = &data.triangles[part.first.faces..][..part.count.faces];
+        if own.is_empty() {
+            return 0;
+        }
+        if own.iter().any(|deform| deform.kind == 6) {
+            return folded(state, part.first.vertices, part.count.vertices, triangles);
+        }
+        let moved =
+            |p: DVec3, n: DVec3| wide(own.iter().fold(narrow(p), |p, deform| displace(deform, p, narrow(n), [0.0; 3])));
         let turned = |triangle: &&[u32; 3]| {
             let rest = triangle.map(|v| wide(data.rest[v as usize]));
             let normals = triangle.map(|v| wide(data.rest_normals[v as usize]));
@@ -162,10 +202,36 @@ pub fn turned(state: &State) -> Vec<usize> {
             let up = moved(middle + step, normal) - moved(middle, normal);
             after.length() <= 1e-6 * before.length() || (before.length() > 0.0 && after.dot(up) <= 0.0)
         };
-        if own.is_empty() {
-            return 0;
-        }
-        data.triangles[part.first.faces..][..part.count.faces].iter().filter(turned).count()
+        triangles.iter().filter(turned).count()
     };
     state.objects.iter().zip(&data.frame).map(count).collect()
+}
+
+/// How many triangles lie against the triangles round their corners or have lost their area, or all if the volume that
+/// they enclose has changed its sign.
+fn folded(state: &State, first: usize, vertices: usize, triangles: &[[u32; 3]]) -> usize {
+    let corners = |places: &[[f32; 3]], triangle: &[u32; 3]| triangle.map(|v| wide(places[v as usize]));
+    let area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
+    let (rest, now) = (&state.data.rest, &state.data.positions);
+    let mut round = vec![DVec3::ZERO; vertices];
+    let (mut volumes, mut sum, mut all) = ([0.0; 2], DVec3::ZERO, 0.0);
+    for triangle in triangles {
+        for (volume, places) in volumes.iter_mut().zip([rest, now]) {
+            let [a, b, c] = corners(places, triangle);
+            *volume += a.dot(b.cross(c));
+        }
+        let own = area(corners(now, triangle));
+        triangle.iter().for_each(|&v| round[v as usize - first] += own);
+        (sum, all) = (sum + own, all + own.length());
+    }
+    // Only of a closed surface do the vector areas cancel.
+    if volumes[0] * volumes[1] < 0.0 && sum.length() < 1e-4 * all {
+        return triangles.len();
+    }
+    let folded = |triangle: &&[u32; 3]| {
+        let [before, after] = [rest, now].map(|places| area(corners(places, triangle)));
+        let others = triangle.iter().map(|&v| round[v as usize - first]).sum::<DVec3>() - 3.0 * after;
+        after.length() <= 1e-6 * before.length() || after.dot(others) < -0.5 * after.length() * others.length()
+    };
+    triangles.iter().filter(folded).count()
 }

@@ -1,14 +1,16 @@
 //! What deforms an object, after it has been given its size and place: in the scene's coordinates.
 
-use super::mesh::Mesh;
+use super::mesh::{Mesh, Origin};
 use super::range::{self, Checked};
 use super::vector::Vector;
 use crate::error::Input;
 use glam::DVec3;
 use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A deformation; lengths in scene units.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Deform {
     /// Turned about an axis: not at all at the low end, by `angle` radians at the high one and beyond, evenly between.
     Twist {
@@ -46,6 +48,13 @@ pub enum Deform {
         /// Where its lattice begins.
         offset: DVec3,
     },
+    /// Moved towards the places of another mesh of equal topology.
+    Morph {
+        /// Of each vertex, the way from its place at rest to that of the other mesh.
+        ways: Arc<[DVec3]>,
+        /// Which share of the way: 1 all of it, -10 to 10.
+        weight: f64,
+    },
 }
 
 /// A stretch of an axis.
@@ -69,14 +78,17 @@ pub(super) enum DeformFile {
     Bend { angle: f64, axis: Option<Vector>, toward: Option<Vector>, center: Option<Vector>, length: Option<f64> },
     Bump { position: Vector, radius: f64, height: f64, direction: Option<Vector> },
     Noise { amplitude: f64, scale: f64, offset: Option<Vector> },
+    Morph { mesh: PathBuf, weight: f64 },
 }
 
 /// A deformation, checked, but for what the mesh decides.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Draft {
     deform: Deform,
     center: Option<DVec3>,
     length: Option<f64>,
+    /// A morph's other mesh, relative to the scene file.
+    other: Option<PathBuf>,
 }
 
 /// Most deformations of an object.
@@ -109,6 +121,7 @@ impl DeformFile {
                 deform: Deform::Twist { span: along(axis)?, angle: angle(*turn)?.to_radians() },
                 center: point("center", center)?,
                 length: length.map(|x| size("length", x)).transpose()?,
+                other: None,
             },
             Self::Bend { angle: turn, axis, toward, center, length } => {
                 let span = along(axis)?;
@@ -124,6 +137,7 @@ impl DeformFile {
                     deform: Deform::Bend { span, toward: across.normalize(), angle: angle(*turn)?.to_radians() },
                     center: point("center", center)?,
                     length: length.map(|x| size("length", x)).transpose()?,
+                    other: None,
                 }
             }
             Self::Bump { position, radius, height: top, direction: along } => {
@@ -133,7 +147,7 @@ impl DeformFile {
                     height: height("height", *top)?,
                     direction: direction("direction", along)?,
                 };
-                Draft { deform, center: None, length: None }
+                Draft { deform, center: None, length: None, other: None }
             }
             Self::Noise { amplitude, scale, offset } => {
                 let deform = Deform::Noise {
@@ -141,17 +155,43 @@ impl DeformFile {
                     scale: size("scale", *scale)?,
                     offset: point("offset", offset)?.unwrap_or_default(),
                 };
-                Draft { deform, center: None, length: None }
+                Draft { deform, center: None, length: None, other: None }
+            }
+            Self::Morph { mesh, weight } => {
+                let weight = range::number(&key("weight"), *weight, |x| x.abs() <= 10.0, "-10 to 10")?;
+                let deform = Deform::Morph { ways: Arc::default(), weight };
+                Draft { deform, center: None, length: None, other: Some(mesh.clone()) }
             }
         })
     }
 }
 
 impl Draft {
+    /// Reads a morph's other mesh, from `folder`, which must match the object's own file `own`; none is a shape made here.
+    /// `origin` is how the object's vertices come from that file's, `place` how ways are scaled and turned.
+    pub(super) fn load(
+        &mut self,
+        folder: &Path,
+        own: Option<&Path>,
+        origin: &Origin,
+        place: impl Fn(DVec3) -> DVec3,
+        key: &str,
+    ) -> Checked<()> {
+        let (Some(other), Deform::Morph { ways, .. }) = (&self.other, &mut self.deform) else { return Ok(()) };
+        let Some(own) = own else {
+            let fault = Input::new("a shape made here has no file whose vertices another mesh could match");
+            return Err(fault.key(key).expected("an object with `mesh`"));
+        };
+        let ends = Mesh::read_ends(&folder.join(own), &folder.join(other), key)?;
+        let [rest, other] = ends.map(|places| origin.apply(places));
+        *ways = rest.iter().zip(&other).map(|(&from, &to)| place(to - from)).collect();
+        Ok(())
+    }
+
     /// The deformation of this mesh: an axis goes through the middle of its box, from its low end to its high one, where
     /// nothing else is said.
     pub(super) fn on(&self, mesh: &Mesh) -> Deform {
-        let mut deform = self.deform;
+        let mut deform = self.deform.clone();
         if let Deform::Twist { span, .. } | Deform::Bend { span, .. } = &mut deform {
             let (low, high) = mesh.bounds();
             span.center = self.center.unwrap_or(0.5 * (low + high));

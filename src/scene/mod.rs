@@ -103,7 +103,7 @@ impl Scene {
         let mut objects = Vec::with_capacity(draft.objects.len());
         for (index, mut object) in draft.objects.into_iter().enumerate() {
             let mut notes = Vec::new();
-            let mesh = object.mesh(&text.folder, index, &mut notes);
+            let mesh = object.mesh(&text.folder, index, &draft.transport, &mut notes);
             let mesh = mesh.map_err(|fault| match fault.file.as_os_str().is_empty() {
                 true => read::place(fault, &text.toml, &text.file, sets),
                 false => fault,

@@ -3,8 +3,9 @@
 use super::deform::{self, Deform, DeformFile};
 use super::file::MaterialFile;
 use super::material::Material;
-use super::mesh::{Mesh, Shape};
+use super::mesh::{Mesh, Origin, Shape};
 use super::range::{self, Checked};
+use super::transport::Transport;
 use super::vector::Vector;
 use crate::error::Input;
 use glam::{DQuat, DVec3, EulerRot};
@@ -132,25 +133,46 @@ impl ObjectFile {
 }
 
 impl Draft {
-    /// Loads the texture, and reads or makes the mesh, at its size and place; paths are relative to `folder`.
-    pub(super) fn mesh(&mut self, folder: &Path, index: usize, report: &mut Vec<String>) -> Checked<Mesh> {
+    /// Loads the texture, reads or makes the mesh, as fine as the hierarchy wants it, at its size and place, and reads the
+    /// meshes that it is morphed to; paths are relative to `folder`.
+    pub(super) fn mesh(
+        &mut self,
+        folder: &Path,
+        index: usize,
+        transport: &Transport,
+        report: &mut Vec<String>,
+    ) -> Checked<Mesh> {
         let key = format!("object.{index}.material.texture");
         let textured = self.material.texture.as_ref().map(|_| key.as_str());
         if let Some(texture) = &mut self.material.texture {
             texture.load(folder, &self.source, &key)?;
         }
-        let mut mesh = match &self.source {
+        let mesh = match &self.source {
             Source::File(path) => Mesh::read(&folder.join(path), textured, report)?,
             Source::Shape(shape, detail) if textured.is_some() => shape.build_textured(*detail),
             Source::Shape(shape, detail) => shape.build(*detail),
         };
-        if let Some(size) = self.size {
-            mesh.resize(size, &format!("object.{index}.size"))?;
-        }
+        // What no light enters needs no hierarchy.
+        let (mut mesh, origin) = match self.material.opaque {
+            None => mesh.refined(transport, report)?,
+            Some(_) => (mesh, Origin::File),
+        };
+        let factor = match self.size {
+            Some(size) => mesh.resize(size, &format!("object.{index}.size"))?,
+            None => 1.0,
+        };
         if self.rotation != DQuat::IDENTITY || self.position != DVec3::ZERO {
             for position in &mut mesh.positions {
                 *position = self.rotation * *position + self.position;
             }
+        }
+        let own = match &self.source {
+            Source::File(path) => Some(path.as_path()),
+            Source::Shape(..) => None,
+        };
+        for (number, deform) in self.deforms.iter_mut().enumerate() {
+            let key = format!("object.{index}.deform.{number}.mesh");
+            deform.load(folder, own, &origin, |way| self.rotation * (factor * way), &key)?;
         }
         Ok(mesh)
     }

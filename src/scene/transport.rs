@@ -16,6 +16,9 @@ pub const PLANARITY: f64 = 0.3;
 /// The relative error allowed in one form factor.
 pub const FORM_FACTOR_TOLERANCE: f64 = 1e-2;
 
+/// How often a base is cut in four.
+const LEVELS: u32 = 4;
+
 /// From which solid angle on a cell of the octree is opened, in steradian.
 pub const OCTREE_ANGLE: f64 = 0.2;
 
@@ -28,6 +31,10 @@ pub enum Hierarchy {
     FaceClusters,
     /// The box is split at the median centre of its longest axis.
     Median,
+    /// The mesh is a coarse base; its triangles are cut in four, new vertices by the modified butterfly scheme.
+    Butterfly,
+    /// A coarse base is made for a closed mesh and cut in four, new vertices on the mesh.
+    ShrinkWrap,
 }
 
 /// How clusters give light to receivers.
@@ -99,6 +106,8 @@ pub struct Transport {
     pub order: u32,
     /// How faces are grouped.
     pub hierarchy: Hierarchy,
+    /// Hierarchies butterfly and shrink-wrap: how often the base is cut in four, 1 to 8.
+    pub levels: u32,
     /// Where radiosity is computed for a picture.
     pub receivers: Receivers,
     /// How often triangles may be cut in four where irradiance is not alike all over them, 0 to 4.
@@ -145,6 +154,7 @@ impl Transport {
             )?,
             order: range::number("transport.order", f64::from(file.order), |x| x <= 2.0, "0, 1 or 2")? as u32,
             hierarchy: file.hierarchy.unwrap_or(tree),
+            levels: levels(file)?,
             distance: file.distance,
             near: file.near,
             receiver_angle: angle("transport.receiver_angle", file.receiver_angle.unwrap_or(RECEIVER_ANGLE))?,
@@ -163,6 +173,23 @@ impl Transport {
             )?,
             octree_angle: angle("transport.octree_angle", file.octree_angle)?,
         })
+    }
+}
+
+/// How often a base is cut in four, where the hierarchy has one.
+fn levels(file: &TransportFile) -> Checked<u32> {
+    let split = matches!(file.hierarchy, Some(Hierarchy::Butterfly | Hierarchy::ShrinkWrap));
+    let key = "transport.levels";
+    match file.levels {
+        None => Ok(LEVELS),
+        Some(_) if !split => {
+            let fault = Input::new("only a hierarchy of 4-to-1 splits has levels").key(key);
+            Err(fault.expected("hierarchy = \"butterfly\" or \"shrink-wrap\""))
+        }
+        Some(levels) => {
+            let levels = u32::try_from(levels).ok().filter(|levels| (1..=8).contains(levels));
+            levels.ok_or_else(|| Input::new("out of range").key(key).found(file.levels.unwrap_or(0)).expected("1 to 8"))
+        }
     }
 }
 
@@ -232,7 +259,12 @@ mod tests {
             ("octree_angle = 0", "transport.octree_angle: out of range; found 0; expected steradian, above 0"),
             ("planarity = 1.1", "transport.planarity: out of range; found 1.1; expected 0 to 1"),
             ("form_factor_tolerance = 0.5", "transport.form_factor_tolerance: out of range"),
-            ("hierarchy = 'octree'", "unknown variant `octree`, expected `face-clusters` or `median`"),
+            (
+                "hierarchy = 'octree'",
+                "unknown variant `octree`, expected one of `face-clusters`, `median`, `butterfly`, `shrink-wrap`",
+            ),
+            ("levels = 3", "transport.levels: only a hierarchy of 4-to-1 splits has levels; expected"),
+            ("hierarchy = 'butterfly'\nlevels = 9", "transport.levels: out of range; found 9; expected 1 to 8"),
         ];
         for (text, message) in cases {
             let error = transport(text).err().unwrap_or_default();

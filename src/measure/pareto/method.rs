@@ -185,6 +185,7 @@ fn brute_seconds(bench: &Bench<'_>, lighting: Lighting) -> Result<f64> {
     }
     mesh.triangles = mesh.triangles.iter().copied().step_by(step).collect();
     mesh.input_face = mesh.input_face.iter().copied().step_by(step).collect();
+    mesh.splits.clear();
     let pairs = (all as f64 / mesh.triangles.len() as f64).powi(2);
     let Opened::Ready(mut solver) = brute(&Bench { scene: &scene, ..*bench }, lighting, 0.0)? else {
         return Ok(0.0);

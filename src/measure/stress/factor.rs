@@ -80,8 +80,8 @@ impl Pair {
             positions: self.triangle.into_iter().chain(small).collect(),
             triangles: vec![[0, 1, 2], [3, 4, 5]],
             input_face: vec![0, 1],
-            uvs: None,
             open_edges: 6,
+            ..Mesh::default()
         };
         scene.objects[0].material = Material {
             opaque: None,

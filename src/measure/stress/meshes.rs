@@ -7,7 +7,7 @@ use crate::scene::Mesh;
 /// A mesh of these corners and triangles.
 pub(super) fn mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     let input_face = (0..triangles.len() as u32).collect();
-    Mesh { positions, triangles, input_face, uvs: None, open_edges: 1 }
+    Mesh { positions, triangles, input_face, open_edges: 1, ..Mesh::default() }
 }
 
 /// Turns a mesh about its origin so that no coordinate stays a round number.

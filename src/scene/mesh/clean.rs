@@ -11,8 +11,9 @@ use rayon::slice::ParallelSliceMut;
 /// A face with at most this area, relative to its longest edge squared, is degenerate.
 const SLIVER: f64 = 1e-7;
 
-/// The cleaned mesh, faces in the order of the input; its open edges are not counted yet.
-pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<Mesh> {
+/// The cleaned mesh, faces in the order of the input, and the vertex of the input that each of its own is; its open edges
+/// are not counted yet.
+pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<(Mesh, Vec<u32>)> {
     let Soup { positions, triangles, input_face, uvs, unused } = soup;
     let (first, welded) = weld(&positions);
 
@@ -41,11 +42,13 @@ pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<Mesh> {
 
     // Vertices are numbered again in the order of first use.
     let mut number = vec![u32::MAX; positions.len()];
+    let mut from = Vec::new();
     for corner in mesh.triangles.iter_mut().flatten() {
         let old = *corner as usize;
         if number[old] == u32::MAX {
             number[old] = u32::try_from(mesh.positions.len()).unwrap_or(u32::MAX);
             mesh.positions.push(positions[old]);
+            from.push(*corner);
         }
         *corner = number[old];
     }
@@ -62,11 +65,11 @@ pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<Mesh> {
             report.push(format!("{done}: {count} {what}"));
         }
     }
-    Ok(mesh)
+    Ok((mesh, from))
 }
 
 /// For each vertex the first one in the same place, and how many are not the first.
-fn weld(positions: &[DVec3]) -> (Vec<u32>, usize) {
+pub(super) fn weld(positions: &[DVec3]) -> (Vec<u32>, usize) {
     // Adding 0 makes -0 into 0, so that equal coordinates have equal bits.
     let key = |p: &DVec3| (*p + DVec3::ZERO).to_array().map(f64::to_bits);
     let mut sorted: Vec<([u64; 3], u32)> = positions.iter().map(key).zip(0..).collect();
@@ -112,7 +115,8 @@ mod tests {
         let corners =
             [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, -0.0, 0.0], [1.0, 1.0, 0.0], [-0.0, 1.0, 0.0]];
         let mut report = Vec::new();
-        let mesh = clean(soup(&corners, &[[0, 1, 2], [3, 4, 5]]), &mut report).expect("a square");
+        let (mesh, from) = clean(soup(&corners, &[[0, 1, 2], [3, 4, 5]]), &mut report).expect("a square");
+        assert_eq!(from, [0, 1, 2, 4]);
         assert_eq!(mesh.triangles, [[0, 1, 2], [1, 3, 2]]);
         assert_eq!(report, ["welded: 2 vertices in the place of another one"]);
     }
@@ -123,7 +127,7 @@ mod tests {
         let faces = [[0, 1, 2], [3, 3, 0], [0, 1, 4], [1, 2, 4]];
         let mut report = Vec::new();
         let uvs = Some((0..4).map(|face| [[f64::from(face); 2]; 3]).collect());
-        let mesh = clean(Soup { uvs, ..soup(&corners, &faces) }, &mut report).expect("two faces");
+        let (mesh, _) = clean(Soup { uvs, ..soup(&corners, &faces) }, &mut report).expect("two faces");
         assert_eq!(mesh.input_face, [2, 3]);
         assert_eq!(mesh.uvs, Some(vec![[[2.0; 2]; 3], [[3.0; 2]; 3]]));
         assert_eq!(mesh.positions.len(), 4);

@@ -1,21 +1,27 @@
 //! Triangle meshes: read from a file or made as a shape, cleaned, and turned the right way out.
 
 mod bust;
+mod butterfly;
 mod candle;
 mod clean;
 mod edges;
 mod import;
 mod lotus;
+mod morph;
 mod nesting;
 mod nets;
 mod orient;
+mod refine;
 mod relief;
 mod shape;
 mod split;
 mod sweep;
 mod uv;
+mod walk;
+mod wrap;
 
 pub(super) use import::map_kd;
+pub(super) use refine::Origin;
 pub use shape::Shape;
 
 use super::range::Checked;
@@ -38,6 +44,9 @@ pub struct Mesh {
     pub uvs: Option<Vec<[[f64; 2]; 3]>>,
     /// The number of edges that one triangle has alone; 0 when the mesh is closed.
     pub open_edges: usize,
+    /// How often each triangle was cut in four, of a mesh that came about like that: the parts of one follow each other,
+    /// the one in the middle last. Empty of any other mesh.
+    pub splits: Vec<u8>,
 }
 
 impl Mesh {
@@ -45,7 +54,7 @@ impl Mesh {
     /// wanted, its key is given, and every corner must have a place in it.
     pub(super) fn read(path: &Path, textured: Option<&str>, report: &mut Vec<String>) -> Checked<Self> {
         let soup = import::read(path, textured)?;
-        let mut mesh = clean::clean(soup, report).map_err(|fault| fault.file(path))?;
+        let (mut mesh, _) = clean::clean(soup, report).map_err(|fault| fault.file(path))?;
         orient::orient(&mut mesh, report);
         Ok(mesh)
     }
@@ -89,8 +98,9 @@ impl Mesh {
         if self.open_edges > 0 { None } else { points.iter().filter(boxed).find(inside).copied() }
     }
 
-    /// Moves the middle of the bounding box to the origin and scales the largest extent to `size`, which `key` asks for.
-    pub(super) fn resize(&mut self, size: f64, key: &str) -> Checked<()> {
+    /// Moves the middle of the bounding box to the origin and scales the largest extent to `size`, which `key` asks for;
+    /// returns the factor.
+    pub(super) fn resize(&mut self, size: f64, key: &str) -> Checked<f64> {
         let (low, high) = self.bounds();
         let extent = (high - low).max_element();
         if extent <= 0.0 {
@@ -100,7 +110,7 @@ impl Mesh {
         for position in &mut self.positions {
             *position = (*position - middle) * factor;
         }
-        Ok(())
+        Ok(factor)
     }
 }
 

@@ -169,7 +169,7 @@ mod tests {
             ..Soup::default()
         };
         let mut report = Vec::new();
-        let mut again = clean::clean(soup, &mut report).expect("faces with an area");
+        let (mut again, _) = clean::clean(soup, &mut report).expect("faces with an area");
         orient::orient(&mut again, &mut report);
         assert_eq!(report, Vec::<String>::new(), "{shape:?} {detail}");
         assert_eq!(again.triangles.len(), mesh.triangles.len());

@@ -17,6 +17,7 @@ impl Mesh {
             let uvs = self.uvs.as_ref().map(|uvs| uvs[face]);
             if !cut(face) {
                 fine.push([a, b, c], self.input_face[face], uvs);
+                fine.splits.extend(self.splits.get(face));
                 from.push(face as u32);
                 continue;
             }
@@ -33,6 +34,7 @@ impl Mesh {
             });
             for (k, triangle) in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]].into_iter().enumerate() {
                 fine.push(triangle, self.input_face[face], parts.map(|parts| parts[k]));
+                fine.splits.extend(self.splits.get(face).map(|times| times + 1));
                 from.push(face as u32);
             }
         }

@@ -1,0 +1,41 @@
+//! Two files of equal topology: where each vertex of a mesh is in either.
+
+use super::{Mesh, clean, import};
+use crate::error::Input;
+use crate::scene::range::Checked;
+use glam::DVec3;
+use std::path::Path;
+
+impl Mesh {
+    /// The places of the vertices of the mesh read from `own`, in that file and in `other`, which `key` names. Both must have
+    /// the same triangles of as many vertices, in the same order, and what lies in one place in the first has to in the other.
+    pub(in crate::scene) fn read_ends(own: &Path, other: &Path, key: &str) -> Checked<[Vec<DVec3>; 2]> {
+        let [rest, end] = [own, other].map(|path| import::read(path, None));
+        let (rest, end) = (rest?, end?);
+        let fault = |what: &str, found: String, expected: String| {
+            Err(Input::new(what).key(key).found(found).expected(expected))
+        };
+        let count =
+            |soup: &import::Soup| format!("{} vertices in {} triangles", soup.positions.len(), soup.triangles.len());
+        let [here, there] = [own, other].map(|path| path.display().to_string());
+        let what = "the meshes do not match one to one";
+        if rest.positions.len() != end.positions.len() || rest.triangles.len() != end.triangles.len() {
+            return fault(what, format!("{} in {there}", count(&end)), format!("{} as in {here}", count(&rest)));
+        }
+        if let Some(first) = (0..rest.triangles.len()).find(|&k| rest.triangles[k] != end.triangles[k]) {
+            let face = end.input_face[first] + 1;
+            let expected = format!("the faces of {here}, of the same vertices in the same order");
+            return fault(what, format!("other vertices from face {face} of {there} on"), expected);
+        }
+        let (first, _) = clean::weld(&rest.positions);
+        let parts = |&(&one, place): &(&u32, &DVec3)| end.positions[one as usize] != *place;
+        let parted = first.iter().zip(&end.positions).filter(parts).count();
+        if parted > 0 {
+            let found = format!("{parted} vertices that do so in {here} but not in {there}");
+            return fault(what, found, "that what lies in one place stays together".into());
+        }
+        let places = rest.positions.clone();
+        let (_, from) = clean::clean(rest, &mut Vec::new()).map_err(|fault| fault.file(own))?;
+        Ok([places, end.positions].map(|places| from.iter().map(|&v| places[v as usize]).collect()))
+    }
+}

@@ -1,0 +1,227 @@
+//! Shrink-wrapping (section 5.1.2 of Mertens et al. 2003, after Kobbelt et al. 1999): a closed mesh without handles made
+//! anew, as a coarse base cut in four again and again.
+//!
+//! The mesh is laid over the ball and relaxed. The base shares its vertices with the mesh; its triangles are split on the
+//! ball, and every new vertex gets the place of the mesh's triangle that it lies in, as seen from the ball's middle.
+
+mod coarsen;
+mod sphere;
+
+use super::Mesh;
+use super::edges::Edges;
+use super::walk::{self, Surface};
+use crate::error::Input;
+use crate::scene::range::Checked;
+use glam::DVec3;
+use sphere::{lay, side};
+
+/// Where a vertex comes from: three vertices of the mesh as it was, and the share of each.
+pub(super) type Share = ([u32; 3], [f64; 3]);
+
+/// Fewest triangles of a base, where the mesh has as many.
+const BASE: usize = 12;
+
+/// The mesh as a base cut in four `levels` times, of about as many triangles as before, and where its vertices come from.
+pub(super) fn shrink_wrap(
+    mesh: &Mesh,
+    levels: u32,
+    key: &str,
+    report: &mut Vec<String>,
+) -> Checked<(Mesh, Vec<Share>)> {
+    check(mesh, key)?;
+    let all = mesh.triangles.len();
+    let wanted = (all >> (2 * levels)).max(BASE).min(all);
+    let laid = lay(&mesh.positions, &mesh.triangles, wanted).ok_or_else(|| {
+        let fault = Input::new("the mesh cannot be laid over a ball: rounding turns triangles over").key(key);
+        fault.expected("a mesh without parts that hang on next to nothing, or another hierarchy")
+    })?;
+    let ball = Ball { places: laid.places, triangles: &mesh.triangles, twin: Edges::of(&mesh.triangles).twin };
+
+    // The base, with vertices of its own numbers.
+    let mut number = vec![u32::MAX; mesh.positions.len()];
+    let mut fine = Mesh { splits: vec![0; laid.base.len()], ..Mesh::made(Vec::new(), laid.base) };
+    let mut from = Vec::new();
+    for corner in fine.triangles.iter_mut().flatten() {
+        let own = *corner as usize;
+        if number[own] == u32::MAX {
+            number[own] = fine.positions.len() as u32;
+            fine.positions.push(ball.places[own]);
+            from.push(own as u32);
+        }
+        *corner = number[own];
+    }
+    // Which triangle each vertex lies in: of a corner any of its own.
+    let mut own = vec![0; mesh.positions.len()];
+    (0..).zip(&mesh.triangles).for_each(|(face, triangle)| triangle.iter().for_each(|&v| own[v as usize] = face));
+    let mut lies: Vec<u32> = from.iter().map(|&v| own[v as usize]).collect();
+
+    for _ in 0..levels {
+        let (mut finer, _) = fine.split(|_| true);
+        lies.resize(finer.positions.len(), u32::MAX);
+        for half in 0..3 * fine.triangles.len() {
+            let middle = finer.triangles[4 * (half / 3) + 3][half % 3] as usize;
+            if lies[middle] == u32::MAX {
+                finer.positions[middle] = finer.positions[middle].normalize();
+                lies[middle] = ball.find(finer.positions[middle], lies[fine.triangles[half / 3][half % 3] as usize]);
+            }
+        }
+        fine = finer;
+    }
+    let share = |(&face, &p): (&u32, &DVec3)| (mesh.triangles[face as usize], ball.shares(face, p));
+    let mut shares: Vec<Share> = lies.iter().zip(&fine.positions).map(share).collect();
+    for (share, &vertex) in shares.iter_mut().zip(&from) {
+        *share = ([vertex; 3], [1.0, 0.0, 0.0]);
+    }
+    let middle = |[a, b, c]: [u32; 3]| {
+        let p = [a, b, c].map(|v| fine.positions[v as usize]).into_iter().sum::<DVec3>().normalize();
+        mesh.input_face[ball.find(p, lies[a as usize]) as usize]
+    };
+    fine.input_face = fine.triangles.iter().map(|&corners| middle(corners)).collect();
+    fine.positions = apply(&shares, &mesh.positions);
+    let (now, base) = (fine.triangles.len(), fine.triangles.len() >> (2 * levels));
+    let change = 100.0 * (fine.volume() / mesh.volume() - 1.0);
+    report.push(format!("shrink-wrapped: {now} triangles ({base} x 4^{levels}) for {all}, volume {change:+.2} %"));
+    Ok((fine, shares))
+}
+
+/// Where vertices are, from those that they come from.
+pub(super) fn apply(shares: &[Share], positions: &[DVec3]) -> Vec<DVec3> {
+    let place =
+        |(corners, parts): &Share| corners.iter().zip(parts).map(|(&v, &part)| part * positions[v as usize]).sum();
+    shares.iter().map(place).collect()
+}
+
+/// Whether a mesh is one closed surface without handles.
+fn check(mesh: &Mesh, key: &str) -> Checked<()> {
+    let fault = |found: String| {
+        let fault = Input::new("the mesh cannot be shrink-wrapped").key(key).found(found);
+        Err(fault.expected("one closed surface without handles; other hierarchies take any mesh"))
+    };
+    let open = Edges::of(&mesh.triangles).open;
+    if open > 0 {
+        return fault(format!("{open} open edges"));
+    }
+    walk::check(mesh, key)?;
+    let (parts, touching) = Surface::of(mesh).parts();
+    if touching > 0 {
+        return fault(format!("{touching} vertices at which it touches itself"));
+    }
+    if parts > 1 {
+        return fault(format!("{parts} parts"));
+    }
+    let euler = mesh.positions.len() as i64 - mesh.triangles.len() as i64 / 2;
+    if euler != 2 {
+        return fault(format!("a surface with {} handles", (2 - euler) / 2));
+    }
+    Ok(())
+}
+
+/// The mesh on the ball.
+struct Ball<'a> {
+    places: Vec<DVec3>,
+    triangles: &'a [[u32; 3]],
+    twin: Vec<u32>,
+}
+
+impl Ball<'_> {
+    /// For each edge of a triangle how far within it a point is.
+    fn within(&self, face: u32, p: DVec3) -> [f64; 3] {
+        let [a, b, c] = self.triangles[face as usize].map(|v| self.places[v as usize]);
+        [side(p, a, b), side(p, b, c), side(p, c, a)]
+    }
+
+    /// The triangle that a point lies in, looked for from another one on.
+    fn find(&self, p: DVec3, mut face: u32) -> u32 {
+        for _ in 0..self.triangles.len() {
+            let within = self.within(face, p);
+            let worst = (0..3).fold(0, |worst, k| if within[k] < within[worst] { k } else { worst });
+            if within[worst] >= 0.0 {
+                return face;
+            }
+            face = self.twin[3 * face as usize + worst] / 3;
+        }
+        // Going round in circles: the one that it is least outside of.
+        let least = |face: &u32| self.within(*face, p).into_iter().fold(f64::INFINITY, f64::min);
+        (0..self.triangles.len() as u32).max_by(|a, b| least(a).total_cmp(&least(b))).unwrap_or(face)
+    }
+
+    /// The shares of a triangle's corners at a point in it.
+    fn shares(&self, face: u32, p: DVec3) -> [f64; 3] {
+        let [c, a, b] = self.within(face, p).map(|x| x.max(0.0));
+        let sum = a + b + c;
+        if sum > 0.0 { [a / sum, b / sum, c / sum] } else { [1.0, 0.0, 0.0] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Shape;
+    use super::*;
+
+    fn wrapped(shape: Shape, detail: u32, levels: u32) -> (Mesh, Mesh) {
+        let mesh = shape.build(detail);
+        let mut report = Vec::new();
+        let (fine, shares) = shrink_wrap(&mesh, levels, "k", &mut report).expect("a closed surface");
+        assert!(report.len() == 1 && report[0].starts_with("shrink-wrapped: "), "{report:?}");
+        assert_eq!(fine.positions, apply(&shares, &mesh.positions));
+        (mesh, fine)
+    }
+
+    /// Closed, of one part, without handles, every triangle with an area.
+    fn check_surface(fine: &Mesh) {
+        assert!(check(fine, "k").is_ok());
+        let area = |face| fine.corners(face).map_or(0.0, |[a, b, c]| (b - a).cross(c - a).length());
+        assert!((0..fine.triangles.len()).all(|face| area(face) > 0.0));
+    }
+
+    #[test]
+    fn a_ball_stays_one() {
+        let (ball, fine) = wrapped(Shape::Sphere, 4, 3);
+        check_surface(&fine);
+        assert_eq!(fine.splits, vec![3; fine.triangles.len()]);
+        let count = fine.triangles.len() as f64 / ball.triangles.len() as f64;
+        assert!((0.9..1.1).contains(&count), "{count}");
+        // On the triangles of the ball, so hardly within it, and as even as can be expected.
+        assert!(fine.positions.iter().all(|p| (0.99..=1.0 + 1e-12).contains(&p.length())));
+        assert!((fine.volume() / ball.volume() - 1.0).abs() < 0.03, "{}", fine.volume() / ball.volume());
+        let mut areas: Vec<f64> = (0..fine.triangles.len())
+            .filter_map(|face| fine.corners(face))
+            .map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length())
+            .collect();
+        areas.sort_by(f64::total_cmp);
+        assert!(areas[areas.len() * 9 / 10] < 6.0 * areas[areas.len() / 10], "{areas:?}");
+    }
+
+    #[test]
+    fn folded_things_are_wrapped_too() {
+        // Seen from the middle the bowl hides itself many times over.
+        for (shape, detail, levels, most) in
+            [(Shape::Lotus, 32, 2, 0.1), (Shape::Candle, 48, 3, 0.03), (Shape::Bust, 64, 3, 0.03)]
+        {
+            let (mesh, fine) = wrapped(shape, detail, levels);
+            check_surface(&fine);
+            let change = fine.volume() / mesh.volume() - 1.0;
+            assert!(change.abs() < most, "{shape:?}: {change}");
+            let ((low, high), (a, b)) = (mesh.bounds(), fine.bounds());
+            let slack = 1e-9 * (high - low).length();
+            assert!(a.cmpge(low - slack).all() && b.cmple(high + slack).all());
+        }
+    }
+
+    #[test]
+    fn what_is_no_ball_is_refused() {
+        let refused =
+            |mesh: &Mesh| shrink_wrap(mesh, 2, "k", &mut Vec::new()).err().map(|e| e.to_string()).unwrap_or_default();
+        let open = refused(&Shape::Plane.build(3));
+        assert!(
+            open.starts_with("k: the mesh cannot be shrink-wrapped; found 12 open edges; expected one closed"),
+            "{open}"
+        );
+        let mut two = Shape::Sphere.build(0);
+        let second: Vec<_> = two.positions.iter().map(|p| *p + 9.0).collect();
+        two.positions.extend(second);
+        two.triangles.extend_from_within(..);
+        two.triangles[20..].iter_mut().flatten().for_each(|v| *v += 12);
+        assert!(refused(&two).contains("found 2 parts"));
+    }
+}
