@@ -90,7 +90,7 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
 }
 
 /// How many emitters, clusters or triangles, each receiver's radiosity was summed from; of brute force nothing is known.
-fn links(state: &State) -> Vec<u32> {
+pub fn links(state: &State) -> Vec<u32> {
     let data = &state.data;
     let mut count = vec![0; data.radiosity.len()];
     if !data.spans.is_empty() {

@@ -42,12 +42,18 @@ use std::path::{Path, PathBuf};
 
 /// The built-in scenes: name, TOML text, and one line about it.
 pub const BUILTIN: &[(&str, &str, &str)] = &[
-    ("bump", include_str!("builtin/bump.toml"), "a slab of stone with a bump, whose shadow light leaks into"),
+    (
+        "bump",
+        include_str!("builtin/bump.toml"),
+        "a slab of stone with a bump, whose shadow light leaks into; another one moves over 60 frames",
+    ),
     ("bust", include_str!("builtin/bust.toml"), "a marble bust under the sky"),
     ("candle", include_str!("builtin/candle.toml"), "a candle on a table, lit by its flame"),
     ("lotus", include_str!("builtin/lotus.toml"), "a bowl of petals with a candle in it"),
+    ("noise", include_str!("builtin/noise.toml"), "a cube of skim milk, moved by wandering noise over 60 frames"),
     ("slab", include_str!("builtin/slab.toml"), "a slab of skim milk, a lamp close behind it"),
     ("sphere", include_str!("builtin/sphere.toml"), "a marble ball in the sun"),
+    ("torus", include_str!("builtin/torus.toml"), "a ring of jade, bent to and fro over 60 frames"),
     ("twist", include_str!("builtin/twist.toml"), "a slab of wax, wrung like a cloth over 60 frames"),
 ];
 

@@ -16,9 +16,6 @@ pub const PLANARITY: f64 = 0.3;
 /// The relative error allowed in one form factor.
 pub const FORM_FACTOR_TOLERANCE: f64 = 1e-2;
 
-/// How often a base is cut in four.
-const LEVELS: u32 = 4;
-
 /// From which solid angle on a cell of the octree is opened, in steradian.
 pub const OCTREE_ANGLE: f64 = 0.2;
 
@@ -106,8 +103,8 @@ pub struct Transport {
     pub order: u32,
     /// How faces are grouped.
     pub hierarchy: Hierarchy,
-    /// Hierarchies butterfly and shrink-wrap: how often the base is cut in four, 1 to 8.
-    pub levels: u32,
+    /// Hierarchies butterfly and shrink-wrap: how often the base is cut in four, 1 to 8, if the scene says so.
+    pub levels: Option<u32>,
     /// Where radiosity is computed for a picture.
     pub receivers: Receivers,
     /// How often triangles may be cut in four where irradiance is not alike all over them, 0 to 4.
@@ -177,18 +174,19 @@ impl Transport {
 }
 
 /// How often a base is cut in four, where the hierarchy has one.
-fn levels(file: &TransportFile) -> Checked<u32> {
+fn levels(file: &TransportFile) -> Checked<Option<u32>> {
     let split = matches!(file.hierarchy, Some(Hierarchy::Butterfly | Hierarchy::ShrinkWrap));
     let key = "transport.levels";
     match file.levels {
-        None => Ok(LEVELS),
+        None => Ok(None),
         Some(_) if !split => {
             let fault = Input::new("only a hierarchy of 4-to-1 splits has levels").key(key);
             Err(fault.expected("hierarchy = \"butterfly\" or \"shrink-wrap\""))
         }
         Some(levels) => {
             let levels = u32::try_from(levels).ok().filter(|levels| (1..=8).contains(levels));
-            levels.ok_or_else(|| Input::new("out of range").key(key).found(file.levels.unwrap_or(0)).expected("1 to 8"))
+            let found = file.levels.unwrap_or_default();
+            levels.map(Some).ok_or_else(|| Input::new("out of range").key(key).found(found).expected("1 to 8"))
         }
     }
 }

@@ -9,6 +9,12 @@ use crate::scene::range::Checked;
 use crate::scene::transport::{Hierarchy, Transport};
 use glam::DVec3;
 
+/// How often a base is cut in four, where the scene does not say.
+const LEVELS: u32 = 4;
+
+/// Fewest triangles of a base then, of those that are made here: with fewer a thing of many limbs loses some.
+const BASE: usize = 200;
+
 /// Most triangles after that.
 const MOST: usize = 1 << 23;
 
@@ -37,7 +43,7 @@ impl Origin {
 impl Mesh {
     /// The mesh as its hierarchy wants it, and where its vertices come from.
     pub(in crate::scene) fn refined(self, transport: &Transport, report: &mut Vec<String>) -> Checked<(Self, Origin)> {
-        let (key, levels) = ("transport.hierarchy", transport.levels);
+        let (key, levels) = ("transport.hierarchy", transport.levels.unwrap_or(LEVELS));
         match transport.hierarchy {
             Hierarchy::FaceClusters | Hierarchy::Median => Ok((self, Origin::File)),
             Hierarchy::Butterfly => {
@@ -56,7 +62,9 @@ impl Mesh {
                 Err(fault.found("an object with material.texture").expected("another hierarchy, or no texture"))
             }
             Hierarchy::ShrinkWrap => {
-                let (mesh, shares) = shrink_wrap(&self, levels, key, report)?;
+                let all = self.triangles.len();
+                let usual = (1..=LEVELS).rev().find(|levels| all >> (2 * levels) >= BASE).unwrap_or(1);
+                let (mesh, shares) = shrink_wrap(&self, transport.levels.unwrap_or(usual), key, report)?;
                 Ok((mesh, Origin::Wrapped(shares)))
             }
         }

@@ -1,4 +1,4 @@
-//! Flat things that lie: an open plane, and a rounded slab with a bump on it.
+//! An open plane, and boxes with round edges: a cube, and a slab with a bump on it.
 
 use super::Mesh;
 use super::number;
@@ -20,6 +20,9 @@ pub(super) fn plane(cells: u32) -> Mesh {
     Mesh { open_edges: 4 * cells as usize, ..mesh }
 }
 
+/// Radius of the cube's round edges.
+const SOFT: f64 = 0.1;
+
 /// The slab's thickness, the radius of its edges, and the bump's radius and height.
 const THICK: f64 = 0.2;
 const ROUND: f64 = 0.04;
@@ -29,14 +32,28 @@ const HIGH: f64 = 0.2;
 /// A closed slab of 1 x 0.2 x 1 with round edges and a smooth round bump of 0.2 in the middle of its top, with `cells`
 /// along a side.
 pub(super) fn bump(cells: u32) -> Mesh {
+    rounded(cells, DVec3::new(0.5, THICK / 2.0, 0.5), ROUND, |p, out| {
+        let distance = (p.x.hypot(p.z) / WIDE).min(1.0);
+        let lift = if out.y > 0.999 { HIGH * (1.0 - distance * distance).powi(3) } else { 0.0 };
+        DVec3::Y * lift
+    })
+}
+
+/// A closed cube of 1 with round edges, with `cells` along a side.
+pub(super) fn cube(cells: u32) -> Mesh {
+    rounded(cells, DVec3::splat(0.5), SOFT, |_, _| DVec3::ZERO)
+}
+
+/// A closed box with edges of this radius, of nearly square cells, `cells` in a length of 1; its points are moved by what `lift` says
+/// of their places on the box with sharp edges and of their normals.
+fn rounded(cells: u32, half: DVec3, round: f64, lift: impl Fn(DVec3, DVec3) -> DVec3) -> Mesh {
     // Along each axis: the straight part in equal steps, and the roundings in equal angles.
     let step = 1.0 / f64::from(cells);
-    let turns = ((2.0 * FRAC_PI_4 * ROUND / step) as u32 / 2).max(3);
-    let half = [0.5, THICK / 2.0, 0.5];
-    let axes = half.map(|half| {
-        let flat = half - ROUND;
+    let turns = ((2.0 * FRAC_PI_4 * round / step) as u32 / 2).max(3);
+    let axes = half.to_array().map(|half| {
+        let flat = half - round;
         let steps = ((2.0 * flat / step).round() as u32).max(1);
-        let turn = |k: u32| flat + ROUND * (FRAC_PI_4 * f64::from(k) / f64::from(turns)).tan();
+        let turn = |k: u32| flat + round * (FRAC_PI_4 * f64::from(k) / f64::from(turns)).tan();
         let mut places: Vec<f64> = (1..=turns).rev().map(|k| -turn(k)).collect();
         places.extend((0..=steps).map(|k| flat * (2.0 * f64::from(k) / f64::from(steps) - 1.0)));
         places.extend((1..=turns).map(turn));
@@ -48,7 +65,9 @@ pub(super) fn bump(cells: u32) -> Mesh {
     let mut vertex = |place: [usize; 3]| {
         *numbers.entry(place).or_insert_with(|| {
             let on_box = DVec3::new(axes[0][place[0]], axes[1][place[1]], axes[2][place[2]]);
-            positions.push(rounded(on_box, DVec3::from_array(half) - ROUND));
+            let inner = on_box.clamp(round - half, half - round);
+            let out = (on_box - inner).normalize_or_zero();
+            positions.push(inner + round * out + lift(on_box, out));
             number(positions.len() - 1)
         })
     };
@@ -72,13 +91,4 @@ pub(super) fn bump(cells: u32) -> Mesh {
         }
     }
     Mesh::made(positions, triangles)
-}
-
-/// A point of a box on the rounded box within, and on its bump.
-fn rounded(p: DVec3, flat: DVec3) -> DVec3 {
-    let inner = p.clamp(-flat, flat);
-    let out = (p - inner).normalize_or_zero();
-    let distance = (p.x.hypot(p.z) / WIDE).min(1.0);
-    let lift = if out.y > 0.999 { HIGH * (1.0 - distance * distance).powi(3) } else { 0.0 };
-    inner + ROUND * out + DVec3::Y * lift
 }

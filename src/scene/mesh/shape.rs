@@ -1,6 +1,6 @@
 //! Shapes made here: closed, outward, and as fine as their `detail` says.
 
-use super::{Mesh, bust, candle, lotus, number, relief, uv};
+use super::{Mesh, bust, candle, lotus, number, relief, sweep, uv};
 use glam::DVec3;
 use serde::Deserialize;
 use std::collections::HashMap;
@@ -18,6 +18,10 @@ pub enum Shape {
     Lotus,
     /// An open square of 1 x 1 in the xz-plane, facing +y; detail: cells along a side.
     Plane,
+    /// A cube of 1 with round edges; detail: cells along a side.
+    Cube,
+    /// A ring in the xy-plane, 2.8 across, its tube 0.8; detail: cells along it.
+    Torus,
     /// A slab of 1 x 0.2 x 1 with round edges and a smooth bump of 0.2 on its top; detail: cells along a side.
     Bump,
     /// A candle with a hollow in its top, 1 high, 0.7 across; detail: cells round the circle.
@@ -34,6 +38,8 @@ impl Shape {
             Self::Slab => 1..=512,
             Self::Lotus => 16..=2048,
             Self::Plane | Self::Bump => 1..=512,
+            Self::Cube => 1..=256,
+            Self::Torus => 3..=1024,
             Self::Candle => 16..=1024,
             Self::Bust => 64..=192,
         }
@@ -46,6 +52,8 @@ impl Shape {
             Self::Slab => 32,
             Self::Lotus => 256,
             Self::Plane => 32,
+            Self::Cube => 48,
+            Self::Torus => 160,
             Self::Bump => 128,
             Self::Candle => 192,
             Self::Bust => 128,
@@ -60,6 +68,8 @@ impl Shape {
             Self::Slab => slab(detail),
             Self::Lotus => lotus::lotus(detail),
             Self::Plane => relief::plane(detail),
+            Self::Cube => relief::cube(detail),
+            Self::Torus => sweep::torus(detail, TUBE),
             Self::Bump => relief::bump(detail),
             Self::Candle => candle::candle(detail),
             Self::Bust => bust::bust(detail),
@@ -72,6 +82,9 @@ impl Shape {
         Mesh { uvs: Some(uv::of_shape(self, &mesh)), ..mesh }
     }
 }
+
+/// Half the thickness of the ring's tube.
+const TUBE: f64 = 0.4;
 
 /// An icosahedron, its triangles cut into four again and again, its corners pushed out to the ball.
 fn sphere(subdivisions: u32) -> Mesh {
@@ -215,6 +228,22 @@ mod tests {
             let extent = high - low;
             assert!((extent.x - 1.0).abs() < 1e-9 && (extent.z - 1.0).abs() < 1e-9, "{extent}");
             assert!(extent.y > 0.2 - 1e-9 && extent.y < 0.4 + 1e-9, "{extent}");
+        }
+    }
+
+    #[test]
+    fn cubes_and_rings_are_closed() {
+        for detail in [1, 5, 48] {
+            let mesh = check(Shape::Cube, detail);
+            let (low, high) = mesh.bounds();
+            assert!((high - low - 1.0).abs().max_element() < 1e-12 && mesh.volume() > 0.95, "{}", mesh.volume());
+        }
+        for detail in [3, 4, 17, 160] {
+            let mesh = check(Shape::Torus, detail);
+            // A handle: as many vertices and triangles as edges.
+            assert_eq!(2 * mesh.positions.len(), mesh.triangles.len());
+            let whole = 2.0 * std::f64::consts::PI.powi(2) * TUBE * TUBE;
+            assert!(mesh.volume() < whole && (detail < 160 || mesh.volume() > 0.99 * whole), "{}", mesh.volume());
         }
     }
 

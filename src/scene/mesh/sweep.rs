@@ -1,4 +1,4 @@
-//! Closed surfaces swept round the y axis, ring by ring.
+//! Closed surfaces swept round an axis, ring by ring.
 
 use super::Mesh;
 use super::number;
@@ -20,6 +20,22 @@ pub(super) fn sweep(counts: &[u32], point: impl Fn(usize, f64) -> DVec3) -> Mesh
         join(&positions, (start[0], pair[0] as usize), (start[1], pair[1] as usize), &mut triangles);
     }
     Mesh::made(positions, triangles)
+}
+
+/// A ring round the z axis, 1 from its middle to the middle of its tube, which is `tube` thick either way: `cells` along it,
+/// and round the tube so many that they are nearly square.
+pub(super) fn torus(cells: u32, tube: f64) -> Mesh {
+    let round = ((f64::from(cells) * tube).round() as u32).max(3);
+    let point = |k: u32| {
+        let [along, about] = [(k / round, cells), (k % round, round)].map(|(k, n)| TAU * f64::from(k) / f64::from(n));
+        let radius = 1.0 + tube * about.cos();
+        DVec3::new(radius * along.cos(), radius * along.sin(), tube * about.sin())
+    };
+    let cell = |k: u32| {
+        let at = |along: u32, about: u32| (k / round + along) % cells * round + (k % round + about) % round;
+        [[at(0, 0), at(1, 0), at(1, 1)], [at(0, 0), at(1, 1), at(0, 1)]]
+    };
+    Mesh::made((0..cells * round).map(point).collect(), (0..cells * round).flat_map(cell).collect())
 }
 
 /// The triangles between two rings, each given by its first vertex and its count. The counts are

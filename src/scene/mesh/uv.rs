@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 /// Ball: longitude to the right, latitude upwards; the middle of the texture is at +z, its left and right edge meet at
 /// -z. Lotus: the angle round its axis in the same way, and the height. Slab: each side has the texture by itself, the
 /// longest side of the slab across the whole of it, seen upright from outside where that has a meaning. Candle and bust:
-/// as the lotus. Plane and bump: seen from above, +x to the right, -z upwards.
+/// as the lotus. Plane and bump: seen from above, +x to the right, -z upwards. Cube: as the slab. Torus: seen from +z.
 pub(super) fn of_shape(shape: Shape, mesh: &Mesh) -> Vec<[[f64; 2]; 3]> {
     let (low, high) = mesh.bounds();
     let corners = (0..mesh.triangles.len()).filter_map(|face| mesh.corners(face));
@@ -17,7 +17,8 @@ pub(super) fn of_shape(shape: Shape, mesh: &Mesh) -> Vec<[[f64; 2]; 3]> {
         Shape::Sphere => around(corners, |p| 0.5 + p.y.clamp(-1.0, 1.0).asin() / PI),
         Shape::Lotus | Shape::Candle | Shape::Bust => around(corners, |p| (p.y - low.y) / (high.y - low.y)),
         Shape::Plane | Shape::Bump => corners.map(|p| [p.x + 0.5, 0.5 - p.z]),
-        Shape::Slab => planar(corners),
+        Shape::Slab | Shape::Cube => planar(corners),
+        Shape::Torus => corners.map(|p| [0.5 + p.x / 2.8, 0.5 + p.y / 2.8]),
     };
     corners.map(place).collect()
 }

@@ -1,7 +1,8 @@
-//! A closed surface with vertices taken away one by one, each drawn along the shortest edge into a neighbour, and given
-//! back in the opposite order.
+//! A closed surface with vertices taken away one by one, each drawn into a neighbour, and given back in the opposite order.
+//! First go those that change the shape least (quadrics: Garland and Heckbert 1997) and whose neighbours are near, so that
+//! tips stay, and what is left is even elsewhere.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -99,38 +100,82 @@ impl Rounds {
         let others = |[a, b]: &[u32; 2]| *a != into && *b != into;
         common == 2 && (freely || self.ring(vertex).filter(others).all(|edge| stays(&edge)))
     }
+}
 
-    /// How readily a vertex is drawn into a neighbour: the nearer, the sooner, unless too many triangles meet there then.
-    fn cost(&self, places: &[DVec3], vertex: u32, into: u32) -> u64 {
-        let meet = (self.round[vertex as usize].len() + self.round[into as usize].len()).saturating_sub(4);
-        let crowd = 1u64 << (2 * meet.saturating_sub(8)).min(60);
-        (places[vertex as usize].distance_squared(places[into as usize]) * crowd as f64).to_bits()
+/// Area times squared distance from planes, summed over them: p.A p + 2 b.p + c.
+#[derive(Clone, Copy, Default)]
+struct Quadric {
+    a: DMat3,
+    b: DVec3,
+    c: f64,
+}
+
+impl Quadric {
+    /// Of the plane of a triangle.
+    fn of([p, q, r]: [DVec3; 3]) -> Self {
+        let normal = (q - p).cross(r - p);
+        let (area, unit) = (0.5 * normal.length(), normal.normalize_or_zero());
+        let height = -unit.dot(p);
+        let a = DMat3::from_cols(unit.x * unit, unit.y * unit, unit.z * unit) * area;
+        Self { a, b: area * height * unit, c: area * height * height }
     }
+
+    fn add(&mut self, other: Self) {
+        (self.a, self.b, self.c) = (self.a + other.a, self.b + other.b, self.c + other.c);
+    }
+
+    fn at(&self, p: DVec3) -> f64 {
+        (p.dot(self.a * p) + 2.0 * self.b.dot(p) + self.c).max(0.0)
+    }
+}
+
+/// How much distance counts beside the change of shape.
+const EVEN: f64 = 0.03;
+
+/// What it costs to draw a vertex into a neighbour; more where too many triangles would meet.
+fn cost(rounds: &Rounds, places: &[DVec3], quadrics: &[Quadric], vertex: u32, into: u32) -> u64 {
+    let [from, to] = [vertex, into].map(|v| places[v as usize]);
+    let area = |[a, b]: [u32; 2]| 0.5 * (places[a as usize] - from).cross(places[b as usize] - from).length();
+    let around: f64 = rounds.ring(vertex).map(area).sum();
+    let meet = (rounds.round[vertex as usize].len() + rounds.round[into as usize].len()).saturating_sub(4);
+    let crowd = 1u64 << (2 * meet.saturating_sub(8)).min(60);
+    ((quadrics[vertex as usize].at(to) + EVEN * around * from.distance_squared(to)) * crowd as f64).to_bits()
 }
 
 /// Takes vertices away until four are left; none if that cannot be done.
 pub(super) fn coarsen(rounds: &mut Rounds, places: &[DVec3]) -> Option<Vec<Removal>> {
     let mut removals = Vec::new();
     let last = places.len().checked_sub(4)?;
+    // About the middle, so that digits are not lost.
+    let middle = places.iter().sum::<DVec3>() / places.len().max(1) as f64;
+    let places: &[DVec3] = &places.iter().map(|p| *p - middle).collect::<Vec<_>>();
+    let mut quadrics = vec![Quadric::default(); places.len()];
+    for triangle in &rounds.triangles {
+        let own = Quadric::of(triangle.map(|v| places[v as usize]));
+        triangle.iter().for_each(|&v| quadrics[v as usize].add(own));
+    }
     let mut freely = false;
     while removals.len() < last {
         let before = removals.len();
         let mut queue = BinaryHeap::new();
-        let entry = |rounds: &Rounds, vertex, into| Reverse((rounds.cost(places, vertex, into), vertex, into));
         for vertex in (0..places.len() as u32).filter(|&v| rounds.there[v as usize]) {
-            queue.extend(rounds.ring(vertex).map(|[into, _]| entry(rounds, vertex, into)));
+            let entry = |[into, _]: [u32; 2]| Reverse((cost(rounds, places, &quadrics, vertex, into), vertex, into));
+            queue.extend(rounds.ring(vertex).map(entry));
         }
-        while let Some(Reverse((cost, vertex, into))) = queue.pop() {
+        while let Some(Reverse((asked, vertex, into))) = queue.pop() {
             if removals.len() == last {
                 break;
             }
             let linked = rounds.there[vertex as usize] && rounds.ring(vertex).any(|[a, _]| a == into);
-            let now = if linked { rounds.cost(places, vertex, into) } else { cost };
-            if now > cost {
+            let now = if linked { cost(rounds, places, &quadrics, vertex, into) } else { asked };
+            if now > asked {
                 queue.push(Reverse((now, vertex, into)));
             } else if linked && rounds.may_go(places, vertex, into, freely) {
                 removals.push(rounds.remove(vertex, into));
-                queue.extend(rounds.ring(into).flat_map(|[a, _]| [entry(rounds, a, into), entry(rounds, into, a)]));
+                let own = quadrics[vertex as usize];
+                quadrics[into as usize].add(own);
+                let entry = |(a, b)| Reverse((cost(rounds, places, &quadrics, a, b), a, b));
+                queue.extend(rounds.ring(into).flat_map(|[a, _]| [(a, into), (into, a)]).map(entry));
             }
         }
         // What was not possible may be now, or with folds.

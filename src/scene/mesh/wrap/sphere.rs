@@ -24,13 +24,11 @@ pub(super) struct Sphere {
 pub(super) fn lay(positions: &[DVec3], triangles: &[[u32; 3]], base: usize) -> Option<Sphere> {
     let mut rounds = Rounds::new(positions.len(), triangles);
     let mut removals = coarsen(&mut rounds, positions)?;
-    let mut laid = Laid { places: first(&rounds, positions)?, rounds, fixed: vec![false; positions.len()] };
-    let mut left = 4;
-    let mut corners = None;
-    let mut relaxed = left;
+    let mut laid = Laid { places: first(&rounds, positions)?, rounds, base: None };
+    let (mut left, mut relaxed) = (4, 4);
     while let Some(removal) = removals.pop() {
-        if corners.is_none() && left >= base / 2 + 2 {
-            corners = Some(laid.fix());
+        if left == base / 2 + 2 {
+            laid.settle();
         }
         laid.insert(&removal)?;
         left += 1;
@@ -39,16 +37,18 @@ pub(super) fn lay(positions: &[DVec3], triangles: &[[u32; 3]], base: usize) -> O
             relaxed = left;
         }
     }
-    let base = corners.unwrap_or_else(|| laid.fix());
+    if laid.base.is_none() {
+        laid.settle();
+    }
     laid.relax(LAST);
-    Some(Sphere { places: laid.places, base })
+    Some(Sphere { places: laid.places, base: laid.base?.triangles })
 }
 
 struct Laid {
     rounds: Rounds,
     places: Vec<DVec3>,
-    /// Those that stay where they are.
-    fixed: Vec<bool>,
+    /// The base, once it is known: its triangles are not turned over either.
+    base: Option<Rounds>,
 }
 
 /// The last four vertices as seen from the middle of the surface, or as even as can be where that would turn them over.
@@ -79,21 +79,23 @@ pub(super) fn side(a: DVec3, b: DVec3, c: DVec3) -> f64 {
 }
 
 impl Laid {
-    /// The triangles that are there are the base, and its corners stay.
-    fn fix(&mut self) -> Vec<[u32; 3]> {
+    /// The triangles that are there are the base.
+    fn settle(&mut self) {
         self.relax(LAST);
-        self.fixed.clone_from(&self.rounds.there);
-        self.rounds.present().into_iter().map(|t| self.rounds.triangles[t as usize]).collect()
+        let base: Vec<[u32; 3]> = self.rounds.present().iter().map(|&t| self.rounds.triangles[t as usize]).collect();
+        self.base = Some(Rounds::new(self.places.len(), &base));
     }
 
-    /// The thinnest of a vertex's triangles if it were here: height by length, below 0 where one is turned over.
+    /// The thinnest of a vertex's triangles, the base's too, if it were here: height by length, below 0 where one is turned
+    /// over.
     fn thinnest(&self, vertex: u32, place: DVec3) -> f64 {
         let thin = |[a, b]: [u32; 2]| {
             let (a, b) = (self.places[a as usize], self.places[b as usize]);
             let longest = place.distance_squared(a).max(place.distance_squared(b)).max(a.distance_squared(b));
             side(place, a, b) / longest
         };
-        self.rounds.ring(vertex).map(thin).fold(f64::INFINITY, f64::min)
+        let base = self.base.iter().flat_map(|base| base.ring(vertex));
+        self.rounds.ring(vertex).chain(base).map(thin).fold(f64::INFINITY, f64::min)
     }
 
     /// The middle of the neighbours.
@@ -138,11 +140,8 @@ impl Laid {
         }
     }
 
-    /// Draws a vertex that is not fixed towards the middle of its neighbours, the whole way or a half or a quarter.
+    /// Draws a vertex towards the middle of its neighbours, the whole way or a half or a quarter.
     fn draw(&mut self, vertex: u32) {
-        if self.fixed[vertex as usize] {
-            return;
-        }
         let (from, to) = (self.places[vertex as usize], self.umbrella(vertex));
         let least = self.thinnest(vertex, from).min(THIN);
         let mut tries = [1.0, 0.5, 0.25].map(|share| from.lerp(to, share).normalize_or_zero()).into_iter();

@@ -1,0 +1,114 @@
+//! `cargo bench --bench hierarchies`: the four hierarchies on one thing that deforms, time and links beside the error, in one
+//! run on the default device.
+//!
+//! A ball of 20,480 triangles, moved by noise and wrung by up to 240 degrees. Face clusters, median and butterfly have the
+//! same triangles (an icosahedron of 320 faces, cut in four three times); shrink-wrap has those that it makes of the same
+//! ball. Every frame is one of `render --frames`: all stages anew, and the tree where the deformation spoils it.
+
+use std::time::Instant;
+
+use milkglass::error::Result;
+use milkglass::gpu::{Device, Instance};
+use milkglass::layout::Slot;
+use milkglass::measure::norms::worst;
+use milkglass::measure::reference::verify;
+use milkglass::render::aov::links;
+use milkglass::render::plan::{Change, Goal, Mode, Options};
+use milkglass::render::run::{Room, Session};
+use milkglass::scene::{Hierarchy, Scene};
+
+/// How the ball is made, and how it moves.
+const BALL: [&str; 3] = [
+    "object.0.deform=[{ type = 'noise', amplitude = 3, scale = 6, offset = { keyframes = [[0, [0, 0, 0]], [59, [0, 12, 0]]] } }, \
+     { type = 'twist', angle = { keyframes = [[0, 0], [40, 240], [59, 0]], curve = 'smooth' } }]",
+    "object.0.size=20",
+    "camera.size=[64, 64]",
+];
+
+/// The frames that are measured, each after the one before.
+const FRAMES: [f64; 7] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 59.0];
+
+/// Receivers that are compared with brute force in `f64`, a frame.
+const SAMPLES: usize = 500;
+
+const COARSE: [&str; 3] = ["object.0.detail=2", "transport.hierarchy=butterfly", "transport.levels=3"];
+const FINE: [&str; 3] = ["object.0.detail=5", "transport.hierarchy=shrink-wrap", "transport.levels=3"];
+
+/// Name, tree, and how the mesh is made.
+const ROWS: [(&str, Hierarchy, &[&str]); 4] = [
+    ("face-clusters", Hierarchy::FaceClusters, &COARSE),
+    ("median", Hierarchy::Median, &COARSE),
+    ("butterfly", Hierarchy::Butterfly, &COARSE),
+    ("shrink-wrap", Hierarchy::ShrinkWrap, &FINE),
+];
+
+/// The ball at a frame.
+fn scene(hierarchy: Hierarchy, mesh: &[&str], tolerance: f64, frame: f64) -> Result<Scene> {
+    let mut sets: Vec<String> = BALL.iter().chain(mesh).map(ToString::to_string).collect();
+    sets.push(format!("transport.tolerance={tolerance}"));
+    let mut scene = Scene::load_at("sphere", &sets, frame)?;
+    scene.transport.hierarchy = hierarchy;
+    Ok(scene)
+}
+
+/// One line: means over the frames, but for the error, whose largest counts.
+fn row(device: &Device, name: &str, hierarchy: Hierarchy, mesh: &[&str], tolerance: f64) -> Result<String> {
+    let options = Options { mode: Mode::Render, goal: Goal::Radiosity, ..Options::default() };
+    let start = Instant::now();
+    let mut session =
+        Session::new(&scene(hierarchy, mesh, tolerance, FRAMES[0])?, Some(device), options, Room::default())?;
+    let build = start.elapsed().as_secs_f64() * 1e3;
+    session.frame(Change::EVERYTHING)?;
+    let (mut ms, mut host, mut count, mut error, mut built) = (0.0, 0.0, 0.0, 0f64, 0);
+    for frame in FRAMES {
+        let next = scene(hierarchy, mesh, tolerance, frame)?;
+        let start = Instant::now();
+        session.show(&next)?;
+        host += start.elapsed().as_secs_f64() * 1e3;
+        built += usize::from(session.prepared.spoilt[0].is_some());
+        session.frame(Change::EVERYTHING)?;
+        let mut times = Vec::new();
+        for _ in 0..5 {
+            times.push(session.frame(Change::EVERYTHING)?.iter().map(|part| part.milliseconds).sum::<f64>());
+        }
+        times.sort_by(f64::total_cmp);
+        ms += times[2];
+        session.fetch(&[Slot::runs, Slot::spans])?;
+        let lists = links(session.state());
+        count += lists.iter().map(|&links| f64::from(links)).sum::<f64>() / lists.len() as f64;
+        error = error.max(worst(&verify(&mut session, SAMPLES, 1)?).l2);
+    }
+    let all = FRAMES.len() as f64;
+    let (faces, depth) = (session.state().data.triangles.len(), session.prepared.trees[0].depth());
+    let (ms, host, count) = (ms / all, host / all, count / all);
+    Ok(format!(
+        "{name:<14} {faces:>9} {depth:>6} {tolerance:>9.0e} {ms:>9.1} {host:>9.1} {count:>9.0} {error:>9.1e} {built:>9} {build:>9.0}"
+    ))
+}
+
+fn run() -> Result<()> {
+    let instance = Instance::open(false)?;
+    let Some(adapter) = instance.adapters()?.into_iter().find(|adapter| adapter.unusable.is_none()) else {
+        println!("no usable Vulkan device");
+        return Ok(());
+    };
+    let device = Device::open(&instance, &adapter)?;
+    println!("{}, {}", adapter.name, adapter.driver);
+    println!(
+        "{:<14} {:>9} {:>6} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+        "hierarchy", "triangles", "levels", "asked", "frame ms", "host ms", "links/rec", "L2", "rebuilt", "start ms"
+    );
+    for tolerance in [1e-2, 1e-3, 1e-4] {
+        for (name, hierarchy, mesh) in ROWS {
+            println!("{}", row(&device, name, hierarchy, mesh, tolerance)?);
+        }
+    }
+    Ok(())
+}
+
+fn main() {
+    if let Err(error) = run() {
+        eprintln!("{error}");
+        std::process::exit(error.exit_code().into());
+    }
+}
