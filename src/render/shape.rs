@@ -207,31 +207,38 @@ pub fn turned(state: &State) -> Vec<usize> {
     state.objects.iter().zip(&data.frame).map(count).collect()
 }
 
-/// How many triangles lie against the triangles round their corners or have lost their area, or all if the volume that
-/// they enclose has changed its sign.
+/// How many triangles have come to lie against the triangles round their corners or have lost their area, or all if the
+/// volume that they enclose has changed its sign.
 fn folded(state: &State, first: usize, vertices: usize, triangles: &[[u32; 3]]) -> usize {
-    let corners = |places: &[[f32; 3]], triangle: &[u32; 3]| triangle.map(|v| wide(places[v as usize]));
-    let area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
-    let (rest, now) = (&state.data.rest, &state.data.positions);
-    let mut round = vec![DVec3::ZERO; vertices];
-    let (mut volumes, mut sum, mut all) = ([0.0; 2], DVec3::ZERO, 0.0);
-    for triangle in triangles {
-        for (volume, places) in volumes.iter_mut().zip([rest, now]) {
-            let [a, b, c] = corners(places, triangle);
-            *volume += a.dot(b.cross(c));
-        }
-        let own = area(corners(now, triangle));
-        triangle.iter().for_each(|&v| round[v as usize - first] += own);
-        (sum, all) = (sum + own, all + own.length());
-    }
+    let [rest, now] = [&state.data.rest, &state.data.positions].map(|places| {
+        let area = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|v| wide(places[v as usize]));
+            (a.dot(b.cross(c)), (b - a).cross(c - a))
+        };
+        let (mut round, mut volume) = (vec![DVec3::ZERO; vertices], 0.0);
+        let areas: Vec<DVec3> = triangles
+            .iter()
+            .map(|triangle| {
+                let (part, own) = area(triangle);
+                volume += part;
+                triangle.iter().for_each(|&v| round[v as usize - first] += own);
+                own
+            })
+            .collect();
+        // The cosine between each triangle and those round it.
+        let lies = |(triangle, own): (&[u32; 3], &DVec3)| {
+            let others = triangle.iter().map(|&v| round[v as usize - first]).sum::<DVec3>() - 3.0 * *own;
+            own.normalize_or_zero().dot(others.normalize_or_zero())
+        };
+        let cosines: Vec<f64> = triangles.iter().zip(&areas).map(lies).collect();
+        (areas, cosines, volume)
+    });
     // Only of a closed surface do the vector areas cancel.
-    if volumes[0] * volumes[1] < 0.0 && sum.length() < 1e-4 * all {
+    let (sum, all) = now.0.iter().fold((DVec3::ZERO, 0.0), |(sum, all), area| (sum + *area, all + area.length()));
+    if rest.2 * now.2 < 0.0 && sum.length() < 1e-4 * all {
         return triangles.len();
     }
-    let folded = |triangle: &&[u32; 3]| {
-        let [before, after] = [rest, now].map(|places| area(corners(places, triangle)));
-        let others = triangle.iter().map(|&v| round[v as usize - first]).sum::<DVec3>() - 3.0 * after;
-        after.length() <= 1e-6 * before.length() || after.dot(others) < -0.5 * after.length() * others.length()
-    };
-    triangles.iter().filter(folded).count()
+    let folded =
+        |&k: &usize| now.0[k].length() <= 1e-6 * rest.0[k].length() || (now.1[k] < -0.5 && now.1[k] < rest.1[k] - 0.5);
+    (0..triangles.len()).filter(folded).count()
 }
