@@ -49,6 +49,7 @@
 //! - *moments*: sum W, centroid and second moments Q of a cluster's light; *expansion*: a quadratic about a block's centre.
 //! - *chunk*: the receivers linked in one go; *room*: how much fits a list; *hand down*: leave an emitter to the
 //!   receiver's children.
+//! - *base*: a coarse mesh whose triangles are cut in four, *split*, again and again: butterfly subdivision and shrink-wrapping.
 //! - *internal units*: the object has unit extent, the brightest light about unit irradiance; both by powers of two.
 
 #![deny(missing_docs)]

@@ -197,7 +197,7 @@ fn what_moves_from_object_to_object() {
 fn ends_are_the_objects_wherever_the_centre_is() {
     let sets = |center: &str| {
         let deform = format!("object.0.deform=[{{type='twist', angle=90, center={center}}}]");
-        Scene::load("sphere", &["object.0.detail=2".into(), deform]).unwrap().objects[0].deforms[0]
+        Scene::load("sphere", &["object.0.detail=2".into(), deform]).unwrap().objects[0].deforms[0].clone()
     };
     let span = |deform: Deform| match deform {
         Deform::Twist { span, .. } => (span.center.y + span.low, span.length),
