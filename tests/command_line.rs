@@ -214,7 +214,7 @@ fn bad_arguments_are_named() {
     let png = "-o a.png --size 4x4 --device cpu";
     let cases: &[(String, &[&str])] = &[
         (format!("render a.toml {png}"), &["a.toml:2: camera.fow", "did you mean `fov`?"]),
-        (format!("render spere {png}"), &["did you mean `sphere`?", "lotus, slab, sphere"]),
+        (format!("render spere {png}"), &["did you mean `sphere`?", "lotus, noise, slab, sphere"]),
         (format!("render gone.toml {png}"), &["neither a built-in scene nor a file", "gone.toml"]),
         (format!("render gone.obj {png}"), &["gone.obj"]),
         (format!("render . {png}"), &["the scene file cannot be read"]),
@@ -225,7 +225,7 @@ fn bad_arguments_are_named() {
         ("render sphere -o a.png --size 0x4".into(), &["--size: not a picture size"]),
         ("render sphere -o a.jpg".into(), &["-o: ", ".jpg", ".png or .exr"]),
         ("solve sphere -o a.png".into(), &["-o: ", ".csv or .ply"]),
-        ("scenes spere".into(), &["no built-in scene", "lotus, slab, sphere"]),
+        ("scenes spere".into(), &["no built-in scene", "lotus, noise, slab, sphere"]),
         ("rendr sphere".into(), &["'rendr'", "'render'"]),
         (format!("render {SMALL} -o gone/a.png --size 4x4"), &["gone/a.png: could not be written"]),
     ];
