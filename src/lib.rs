@@ -60,6 +60,7 @@ pub mod error;
 pub mod geometry;
 pub mod gpu;
 pub mod hierarchy;
+pub mod layers;
 pub mod layout;
 pub mod light;
 pub mod measure;

@@ -132,6 +132,8 @@ enum TransportArgument {
     Octree,
     /// Every face to every face.
     Brute,
+    /// Not at all: what scatters once in layers, what opaque objects give back, and reflections.
+    None,
 }
 
 impl RunArguments {
@@ -141,6 +143,7 @@ impl RunArguments {
                 TransportArgument::Hierarchy => Transport::Hierarchy,
                 TransportArgument::Octree => Transport::Octree,
                 TransportArgument::Brute => Transport::Brute,
+                TransportArgument::None => Transport::None,
             },
             mode: match self.mode {
                 ModeArgument::OnTheFly => Mode::OnTheFly,

@@ -4,6 +4,7 @@ pub mod aov;
 mod blocks;
 mod changes;
 pub mod clusters;
+mod layers;
 pub mod lights;
 pub mod octree;
 pub mod options;

@@ -8,6 +8,7 @@ mod camera;
 mod deform;
 mod file;
 mod image;
+mod layers;
 mod light;
 mod locate;
 mod material;
@@ -25,6 +26,7 @@ mod vector;
 pub use animate::numbered;
 pub use camera::{Camera, Tone};
 pub use deform::Deform;
+pub use layers::{DepthMap, Integration, Layer, Layers, Phase};
 pub use light::{Light, Sky, Source};
 pub use material::{Fresnel, Material};
 pub use mesh::{Mesh, Shape};
@@ -47,6 +49,11 @@ pub const BUILTIN: &[(&str, &str, &str)] = &[
     ("candle", include_str!("builtin/candle.toml"), "a candle on a table, lit by its flame"),
     ("lotus", include_str!("builtin/lotus.toml"), "a bowl of petals with a candle in it"),
     ("slab", include_str!("builtin/slab.toml"), "a slab of skim milk, a lamp close behind it"),
+    (
+        "slab-layers",
+        include_str!("builtin/slab-layers.toml"),
+        "a slab of three even layers, in which light scatters once",
+    ),
     ("sphere", include_str!("builtin/sphere.toml"), "a marble ball in the sun"),
     ("twist", include_str!("builtin/twist.toml"), "a slab of wax, wrung like a cloth over 60 frames"),
 ];

@@ -132,18 +132,28 @@ impl ObjectFile {
 }
 
 impl Draft {
-    /// Loads the texture, and reads or makes the mesh, at its size and place; paths are relative to `folder`.
+    /// Loads texture and depth maps, and reads or makes the mesh, at its size and place; paths are relative to `folder`.
     pub(super) fn mesh(&mut self, folder: &Path, index: usize, report: &mut Vec<String>) -> Checked<Mesh> {
         let key = format!("object.{index}.material.texture");
+        let layered = format!("object.{index}.material.layers");
+        let maps = format!("{layered}.maps");
         let textured = self.material.texture.as_ref().map(|_| key.as_str());
+        let mapped = self.material.layers.as_ref().is_some_and(|layers| layers.map.mapped);
+        let textured = textured.or(mapped.then_some(maps.as_str()));
         if let Some(texture) = &mut self.material.texture {
             texture.load(folder, &self.source, &key)?;
+        }
+        if let Some(layers) = &mut self.material.layers {
+            layers.load(folder, &layered, report)?;
         }
         let mut mesh = match &self.source {
             Source::File(path) => Mesh::read(&folder.join(path), textured, report)?,
             Source::Shape(shape, detail) if textured.is_some() => shape.build_textured(*detail),
             Source::Shape(shape, detail) => shape.build(*detail),
         };
+        if let Some(layers) = &self.material.layers {
+            layers.check_mesh(&mesh, &layered, report)?;
+        }
         if let Some(size) = self.size {
             mesh.resize(size, &format!("object.{index}.size"))?;
         }
