@@ -47,6 +47,8 @@ pub const BUILTIN: &[(&str, &str, &str)] = &[
     ("bump", include_str!("builtin/bump.toml"), "a slab of stone with a bump, whose shadow light leaks into"),
     ("bust", include_str!("builtin/bust.toml"), "a marble bust under the sky"),
     ("candle", include_str!("builtin/candle.toml"), "a candle on a table, lit by its flame"),
+    ("fish", include_str!("builtin/fish.toml"), "a fish whose ribs and belly show through its skin"),
+    ("gecko", include_str!("builtin/gecko.toml"), "a gecko in a thin bumpy skin"),
     ("lotus", include_str!("builtin/lotus.toml"), "a bowl of petals with a candle in it"),
     ("slab", include_str!("builtin/slab.toml"), "a slab of skim milk, a lamp close behind it"),
     (
@@ -56,6 +58,7 @@ pub const BUILTIN: &[(&str, &str, &str)] = &[
     ),
     ("sphere", include_str!("builtin/sphere.toml"), "a marble ball in the sun"),
     ("twist", include_str!("builtin/twist.toml"), "a slab of wax, wrung like a cloth over 60 frames"),
+    ("veins", include_str!("builtin/veins.toml"), "a bust of skin with veins under it"),
 ];
 
 /// A scene, checked.

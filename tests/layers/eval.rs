@@ -51,7 +51,7 @@ fn a_bad_row_is_named() {
             "layers: not a number of layers; found \"5\"; expected a whole number from 1 to 4",
         ),
         (good.replacen(",1,", ",2,", 1), "thickness2: not a finite number; found \"\""),
-        (good.replacen(",1,", ",3,", 1).replace(",,,,", ",1,1,1,0,"), "thickness3: this column is missing"),
+        (good.replacen(",1,", ",3,", 1).replace(",,,,", ",1,1,1,0"), "thickness3: this column is missing"),
         (good.replace("0,0,2", "0,0,-2"), "lz: the light is not above the slab; found -2"),
         (good.replace("0,0,1", "0,1,0"), "woz: the eye is not above the slab; found 0"),
         (good.replace("directional", "spot"), "light: not a kind of light; found \"spot\""),

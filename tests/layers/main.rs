@@ -6,6 +6,7 @@ mod shell;
 mod eval;
 mod frames;
 mod inputs;
+mod measured;
 mod slab;
 
 use milkglass::render::plan::{Change, Options};

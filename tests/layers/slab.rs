@@ -84,7 +84,7 @@ fn flat(light: &str, samples: u32, more: &str) -> Session {
     };
     let layers = SKIN.iter().map(layer).collect::<Vec<_>>().join(", ");
     let sets = [
-        "camera={ position = [14.0, 9.0, 20.0], target = [0.0, 0.0, 0.0], size = [17, 13], fov = 20 }".to_string(),
+        "camera={ position = [10.0, 18.0, 14.0], target = [0.0, 0.0, 0.0], size = [17, 13], fov = 12 }".to_string(),
         format!("light=[{light}]"),
         "object.0.shape=plane".to_string(),
         "object.0.size=40".to_string(),

@@ -13,6 +13,7 @@
 //! the whole for even layers on a plane under a light from afar, with one step. `integration = "paper"` takes the left
 //! rule with its N + 1 samples instead.
 
+mod full;
 mod ray;
 
 use rayon::prelude::*;
@@ -21,6 +22,7 @@ use crate::error::Result;
 use crate::geometry::trace::UNFINISHED;
 use crate::layout::{Hit, Slot};
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+pub use full::Kept;
 use ray::Ray;
 
 /// The table's entry.
@@ -51,6 +53,17 @@ fn cpu(state: &mut State, _at: Place) {
         }
     };
     state.data.radiance = data.hits.par_iter().zip(&data.radiance).map(of_pixel).collect();
+}
+
+/// What the layered volume itself gives at a pixel that shows an object with layers, linear radiance in the scene's units:
+/// by `steps` midpoints along the view ray and `legs` along each way of light, but for what of the march is kept.
+#[must_use]
+pub fn full(state: &State, pixel: usize, kept: Kept, steps: u32, legs: u32) -> Option<[f64; 3]> {
+    let hit = state.data.hits.get(pixel).filter(|hit| hit.face < UNFINISHED)?;
+    let object = state.object_of(hit.face as usize) as u32;
+    let layering = state.data.layerings.iter().find(|layering| layering.object == object)?;
+    let scale = f64::from(state.data.camera[0].radiance);
+    Some((scale * Ray::new(state, layering, hit).full(kept, steps, legs)).to_array())
 }
 
 /// Steps of a march that one invocation may take: half of where some drivers end a loop.

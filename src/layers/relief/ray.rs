@@ -10,34 +10,34 @@ use crate::light::texture::{place, texel};
 use crate::state::{State, wide};
 
 /// The least cosine between NS_P and the view ray that counts.
-const GRAZING: f64 = 0.05;
+pub(super) const GRAZING: f64 = 0.05;
 /// A sample of the left rule at an interface counts as above it, whatever the rounding: its depth counts times this.
 const AT_LEAST: f64 = 0.99999;
 /// The least cosine between a plane and the light.
-const LEAST_COSINE: f64 = 1e-6;
+pub(super) const LEAST_COSINE: f64 = 1e-6;
 
 /// Depths of up to 16 lower interfaces.
 pub type Depths = [f64; 16];
 
 /// The ray beneath one visible point.
 pub struct Ray<'a> {
-    state: &'a State,
-    layering: &'a Layering,
-    sigma_t: [DVec3; 16],
-    face: usize,
-    point: DVec3,
-    normal: DVec3,
+    pub(super) state: &'a State,
+    pub(super) layering: &'a Layering,
+    pub(super) sigma_t: [DVec3; 16],
+    pub(super) face: usize,
+    pub(super) point: DVec3,
+    pub(super) normal: DVec3,
     /// Of the fitted plane.
-    plane_normal: DVec3,
-    plane_point: DVec3,
+    pub(super) plane_normal: DVec3,
+    pub(super) plane_point: DVec3,
     /// To the eye.
-    eye: DVec3,
+    pub(super) eye: DVec3,
     place: DVec2,
     /// Gradients of the place: of its first and its second coordinate.
     across: [DVec3; 2],
     /// Depth won per length.
-    slope: f64,
-    length: f64,
+    pub(super) slope: f64,
+    pub(super) length: f64,
 }
 
 impl<'a> Ray<'a> {
@@ -95,15 +95,19 @@ impl<'a> Ray<'a> {
         }
     }
 
-    fn layers(&self) -> &[Layer] {
+    pub(super) fn layers(&self) -> &[Layer] {
         &self.state.data.beneath[self.layering.first_layer as usize..][..self.layering.layers as usize]
     }
 
     /// Depths of the lower interfaces below a place that lies off P by `offset`; without end beyond the last one.
-    fn depths(&self, offset: DVec3) -> Depths {
+    pub(super) fn depths(&self, offset: DVec3) -> Depths {
+        self.depths_of(self.place + DVec2::new(self.across[0].dot(offset), self.across[1].dot(offset)))
+    }
+
+    /// The same at a place in the maps.
+    pub(super) fn depths_of(&self, place: DVec2) -> Depths {
         let [width, height] = self.layering.size;
-        let at = self.place + DVec2::new(self.across[0].dot(offset), self.across[1].dot(offset));
-        let at = at * DVec2::new(width.into(), height.into()) - 0.5;
+        let at = place * DVec2::new(width.into(), height.into()) - 0.5;
         let (left, top) = (at.x.floor(), at.y.floor());
         let column = |i: f64| texel(i as i64, width, self.layering.wrap);
         let row = |i: f64| texel(i as i64, height, self.layering.wrap) * width;

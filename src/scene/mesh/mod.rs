@@ -4,6 +4,8 @@ mod bust;
 mod candle;
 mod clean;
 mod edges;
+mod fish;
+mod gecko;
 mod import;
 mod lotus;
 mod nesting;

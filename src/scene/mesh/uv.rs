@@ -9,7 +9,8 @@ use std::f64::consts::{PI, TAU};
 /// Ball: longitude to the right, latitude upwards; the middle of the texture is at +z, its left and right edge meet at
 /// -z. Lotus: the angle round its axis in the same way, and the height. Slab: each side has the texture by itself, the
 /// longest side of the slab across the whole of it, seen upright from outside where that has a meaning. Candle and bust:
-/// as the lotus. Plane and bump: seen from above, +x to the right, -z upwards.
+/// as the lotus. Plane and bump: seen from above, +x to the right, -z upwards; so the gecko, four times over its length.
+/// Fish: seen from its side, +x to the right.
 pub(super) fn of_shape(shape: Shape, mesh: &Mesh) -> Vec<[[f64; 2]; 3]> {
     let (low, high) = mesh.bounds();
     let corners = (0..mesh.triangles.len()).filter_map(|face| mesh.corners(face));
@@ -18,6 +19,8 @@ pub(super) fn of_shape(shape: Shape, mesh: &Mesh) -> Vec<[[f64; 2]; 3]> {
         Shape::Lotus | Shape::Candle | Shape::Bust => around(corners, |p| (p.y - low.y) / (high.y - low.y)),
         Shape::Plane | Shape::Bump => corners.map(|p| [p.x + 0.5, 0.5 - p.z]),
         Shape::Slab => planar(corners),
+        Shape::Fish => corners.map(|p| [p.x + 0.5, p.y + 0.5]),
+        Shape::Gecko => corners.map(|p| [4.0 * p.x + 2.0, 2.0 - 4.0 * p.z]),
     };
     corners.map(place).collect()
 }
