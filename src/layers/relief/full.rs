@@ -29,7 +29,7 @@ impl Ray<'_> {
     pub fn full(&self, kept: Kept, steps: u32, legs: u32) -> DVec3 {
         let (data, layers) = (&self.state.data, self.layers());
         let lights: Vec<&Light> = data.beams.iter().filter(|light| reaches(data, light, self.face)).collect();
-        let leaves = self.distance(self.point - self.eye * 1e-4, -self.eye) + 1e-4;
+        let leaves = self.distance(self.point - self.eye * 1e-4, -self.eye).map_or(f64::INFINITY, |far| far + 1e-4);
         let length = if kept.tangent_space { self.length } else { leaves.min(self.layering.reach.into()) };
         let step = length / f64::from(steps);
         let (mut sum, mut above) = (DVec3::ZERO, DVec3::ZERO);
@@ -63,7 +63,11 @@ impl Ray<'_> {
         let normal = self.normal.lerp(self.plane_normal, share).normalize_or_zero();
         let height = (self.point.lerp(self.plane_point, share) - at).dot(normal).max(0.0);
         let cosine = normal.dot(toward).max(LEAST_COSINE);
-        let length = if kept.planar_entry { (height / cosine).min(1e3) } else { self.distance(at, toward) };
+        // A place from which no surface is met lies outside.
+        let length = match kept.planar_entry {
+            true => (height / cosine).min(1e3),
+            false => self.distance(at, toward).unwrap_or(0.0),
+        };
         let sigma_t = &self.sigma_t[..self.layering.layers as usize];
         if kept.mean_depths {
             let entry = at + toward * length;
@@ -84,10 +88,10 @@ impl Ray<'_> {
         (0..legs).map(one).sum()
     }
 
-    /// How far a ray from a place inside goes until it leaves the object; 0 where it is outside.
-    fn distance(&self, from: DVec3, along: DVec3) -> f64 {
+    /// How far a ray from a place inside goes until it leaves the object; none where it does not.
+    fn distance(&self, from: DVec3, along: DVec3) -> Option<f64> {
         let hit = trace(&self.state.data, narrow(from), narrow(along));
-        if hit.face >= UNFINISHED { 0.0 } else { f64::from(hit.numerator / hit.denominator) }
+        (hit.face < UNFINISHED).then(|| f64::from(hit.numerator / hit.denominator))
     }
 
     /// How deep a place lies, and the depths of the interfaces there: those of the nearest point of the surface.
