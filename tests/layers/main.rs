@@ -3,6 +3,7 @@
 #[path = "../shell/mod.rs"]
 mod shell;
 
+mod bake;
 mod eval;
 mod frames;
 mod inputs;
