@@ -15,7 +15,6 @@ mod stress;
 mod text;
 
 use std::ffi::OsString;
-use std::io::Write;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 

@@ -117,7 +117,7 @@ pub fn rules(
     Ok(lines)
 }
 
-/// Each approximation of the march by itself, and all together: its name, and its relative L2 error against the layered
+/// Each approximation of the march by itself, all together, and the march itself, which has all of them: its name, and its relative L2 error against the layered
 /// volume at up to `pixels` pixels.
 pub fn approximations(scene: &Scene, pixels: usize) -> Result<Vec<(&'static str, f64)>> {
     let host = session(&with(&bare(scene), Integration::Exact, 1), None)?;
@@ -130,5 +130,8 @@ pub fn approximations(scene: &Scene, pixels: usize) -> Result<Vec<(&'static str,
         ("depth and place in tangent space alone", Kept { tangent_space: true, ..none }),
         ("all three", Kept { planar_entry: true, mean_depths: true, tangent_space: true }),
     ];
-    Ok(cases.map(|(name, kept)| (name, l2(&reference(host.state(), &pixels, kept), &truth))).to_vec())
+    let mut errors = cases.map(|(name, kept)| (name, l2(&reference(host.state(), &pixels, kept), &truth))).to_vec();
+    let march = at(&mut session(&with(&bare(scene), Integration::Exact, CONVERGED), None)?, &pixels)?;
+    errors.push(("the march itself, converged", l2(&march, &truth)));
+    Ok(errors)
 }

@@ -38,5 +38,7 @@ fn on_a_plane_no_approximation_costs_anything() {
     }
     // On a bumpy skin each does.
     let gecko = approximations(&scene("gecko", &["camera.size=[48, 40]"]), 24).unwrap();
+    let [.., (_, all), (_, march)] = gecko[..] else { panic!("{gecko:?}") };
+    assert!((all / march - 1.0).abs() < 0.05, "{gecko:?}");
     assert!(gecko.iter().all(|(_, error)| *error > 1e-3 && *error < 1.0), "{gecko:?}");
 }
