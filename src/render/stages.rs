@@ -5,7 +5,7 @@ use crate::geometry::{deform, refit};
 use crate::layers::{plane_fit, relief};
 use crate::light::{entry, environment, irradiance, opaque, shadow};
 use crate::state::{Object, Place, Stage, State, Step, Unit};
-use crate::transport::{average, evaluate, gather, level, link, pull, push, radii};
+use crate::transport::{average, contrast, evaluate, gather, level, link, pull, push, radii};
 use crate::view::{backdrop, exit, points, reflect, shade, visibility};
 
 /// Every stage, in the order of a frame; the last two are no part of one: `brute` takes the place of
@@ -26,6 +26,7 @@ pub static STAGES: &[&Stage] = &[
     &spread::STAGE,
     &pull::STAGE,
     &level::STAGE,
+    &contrast::STAGE,
     &radii::STAGE,
     &points::STAGE,
     &link::STAGE,

@@ -78,13 +78,15 @@ pub struct Method {
     pub nodes: u32,
     /// Whether an error estimate is carried along.
     pub estimate: bool,
+    /// Whether lists are made to serve any light, as mode `render` has them.
+    pub any_light: bool,
     /// How the scheme as published evaluates triangles too near for a few samples.
     pub near: Near,
 }
 
 impl Default for Method {
     fn default() -> Self {
-        Self { scheme: Scheme::Blocks, order: 2, nodes: 6, estimate: false, near: Near::Exact }
+        Self { scheme: Scheme::Blocks, order: 2, nodes: 6, estimate: false, any_light: false, near: Near::Exact }
     }
 }
 
