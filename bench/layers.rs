@@ -44,7 +44,7 @@ fn run() -> Result<()> {
     }
     let device = if cpu { None } else { device()? };
     println!("on {}\n", device.as_ref().map_or("cpu", Device::name));
-    let (pixels, repeat) = if quick { (40, 3) } else { (400, 7) };
+    let (pixels, repeat) = if quick { (40, 3) } else { (240, 7) };
 
     println!(
         "scene        rule   samples  L2 of integration  L2 in all  relief ms  of 10 samples  cost a sample  ms a view"
@@ -79,7 +79,7 @@ fn run() -> Result<()> {
 
     println!("\nscene        approximation                             L2");
     for of in ["fish", "gecko"] {
-        for (what, error) in approximations(&scene(of, &["camera.size=[400, 300]"])?, pixels)? {
+        for (what, error) in approximations(&scene(of, &["camera.size=[400, 300]"])?, pixels / 4)? {
             println!("{of:<12} {what:<40}  {error:.1e}");
         }
     }
