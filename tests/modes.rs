@@ -104,6 +104,22 @@ fn a_light_of_another_contrast_has_lists_made_anew() {
 }
 
 #[test]
+fn a_frame_without_a_change_dispatches_nothing() {
+    devices::on_devices(|device| {
+        for (scheme, mode) in [("blocks", Mode::Render), ("blocks", Mode::OnTheFly), ("links", Mode::Render)] {
+            let sets = ["object.0.detail=2", "camera.size=[32, 32]", &format!("transport.scheme={scheme}")];
+            let options = Options { mode, goal: Goal::Picture, ..RENDER };
+            let mut session = Session::new(&scene("sphere", &sets), Some(device), options, Room::default()).unwrap();
+            assert!(!names(&mut session, Change::EVERYTHING).is_empty());
+            assert_eq!(names(&mut session, Change::default()), [""; 0], "{scheme} {mode:?}");
+            // Another view of it carries no light.
+            let transport = names(&mut session, Change::VIEW);
+            assert_eq!(transport, ["visibility", "shade"], "{scheme} {mode:?}");
+        }
+    });
+}
+
+#[test]
 fn the_plan_says_what_lists_serve() {
     let scene = scene("sphere", &["object.0.detail=2"]);
     let why = |options: Options| {
