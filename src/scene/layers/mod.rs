@@ -14,14 +14,14 @@ use serde::Deserialize;
 use std::path::Path;
 
 /// Most layers.
-pub const MOST_LAYERS: usize = 16;
+const MOST_LAYERS: usize = 16;
 /// Most samples along a ray.
 const MOST_SAMPLES: i64 = 1000;
 
 /// Layers from the surface down, checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layers {
-    /// 1 to [`MOST_LAYERS`] of them.
+    /// 1 to 16 of them.
     pub layers: Vec<Layer>,
     /// Depths of their lower interfaces.
     pub map: DepthMap,
