@@ -12,7 +12,8 @@
 //! 6. `points`: the places that pixels show, where those receive; `link`: which emitters each block of receivers expands, links, or takes triangle by triangle;
 //! 7. `gather`: what they give the block;
 //! 8. `push`: from blocks to receivers; `opaque`: what opaque objects give back; `average`: to vertices;
-//! 9. `shade`: with which radiance each pixel shines (equation 3); `exit`: times a texture; `reflect`:
+//! 9. `shade`: with which radiance each pixel shines (equation 3); `exit`: times a texture; `plane_fit` and `relief`: plus
+//!    what scatters once in layers beneath the surface (Francois et al. 2006); `reflect`:
 //!    what the surface itself reflects, and `backdrop`: the environment behind the object.
 //!
 //! Equations and sections are those of Mertens et al. 2003, "Interactive Rendering of Translucent Deformable Objects".
@@ -24,7 +25,7 @@
 //!   the tables of Mertens et al. beside ours.
 //! - [`render`]: from a scene to the stages it needs, the table of stages, and their run on the CPU or a device.
 //! - [`transport`]: Mertens et al., made to meet an error. [`baseline`]: the same as published, brute force, an octree.
-//!   [`view`]: from radiosity to a picture.
+//!   [`layers`]: Francois et al., subsurface texture mapping. [`view`]: from radiosity to a picture.
 //! - [`dipole`]: the profile, its derivatives, form factors: the mathematics of both.
 //! - [`light`]: light arriving, and Fresnel's formulas.
 //! - [`geometry`]: from positions to clusters; rays through the same trees.
@@ -47,6 +48,7 @@
 //!   lists; *batch*: blocks linked in one go;
 //!   *group*: channels whose irradiances are proportional, carried together.
 //! - *moments*: sum W, centroid and second moments Q of a cluster's light; *expansion*: a quadratic about a block's centre.
+//! - *interface*: the lower end of a layer, given by its depth; *leg*: light's way from where it enters to where it scatters.
 //! - *chunk*: the receivers linked in one go; *room*: how much fits a list; *hand down*: leave an emitter to the
 //!   receiver's children.
 //! - *base*: a coarse mesh whose triangles are cut in four, *split*, again and again: butterfly subdivision and shrink-wrapping.
@@ -61,6 +63,7 @@ pub mod error;
 pub mod geometry;
 pub mod gpu;
 pub mod hierarchy;
+pub mod layers;
 pub mod layout;
 pub mod light;
 pub mod measure;

@@ -1,11 +1,10 @@
 // The texture at one place: its texels, linear between the centres of four of them.
 
-// Of an object's texture, which of `count` texels in a row stands at place i; places are at least -count.
+#include "light/wrap.glsl"
+
+// Of an object's texture, which of `count` texels in a row stands at place i.
 uint texel(uint object, int i, uint count) {
-    if (frame[object].texture_wrap == 1) return uint(clamp(i, 0, int(count) - 1));
-    uint period = frame[object].texture_wrap == 2 ? 2 * count : count;
-    uint k = uint(max(i + int(period), 0)) % period;
-    return k < count ? k : period - 1 - k;
+    return wrapped(frame[object].texture_wrap, i, count);
 }
 
 // Factors at a place: (0, 0) is the upper left corner of the texture, (1, 1) the lower right one.

@@ -1,5 +1,7 @@
 //! `milkglass eval`: one number a row, to check the kernels from outside.
 
+mod layered;
+
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -21,7 +23,9 @@ use crate::view::picture::write_whole;
 #[derive(Args)]
 #[command(after_help = "Example: milkglass eval form-factor rows.csv -o values.csv --device cpu\n\n\
     form-factor: v0x,v0y,v0z,v1x,...,v2z,xox,xoy,xoz,sigma_s_prime,sigma_a,eta -> value (Table 1, displaced \
-    sources, no clamp), value_radial\nprofile: r,sigma_s_prime,sigma_a,eta -> value, R_d(r)")]
+    sources, no clamp), value_radial\nprofile: r,sigma_s_prime,sigma_a,eta -> value, R_d(r)\n\
+    layered: light (directional or point), layers, thickness1..4, sigma_s1..4, sigma_t1..4, g1..4 (blank where unused), \
+    lx,ly,lz,intensity,wox,woy,woz -> value, radiance at the origin of a flat slab under z = 0 towards wo")]
 pub struct Arguments {
     /// What to evaluate.
     kind: Kind,
@@ -43,6 +47,8 @@ enum Kind {
     FormFactor,
     /// The diffuse reflectance profile.
     Profile,
+    /// Single scattering of a flat slab of layers.
+    Layered,
 }
 
 #[derive(Clone, Copy, Default, ValueEnum)]
@@ -74,14 +80,23 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let header = reader.headers().map_err(|e| bad_row(file, &e))?.clone();
     let dipole = ["sigma_s_prime", "sigma_a", "eta"];
     let places: &[&str] = if arguments.kind == Kind::FormFactor { &CORNERS } else { &["r"] };
-    if let Some(key) = places.iter().chain(&dipole).find(|key| !header.iter().any(|name| name == **key)) {
+    let needed: Vec<&str> = match arguments.kind {
+        Kind::Layered => layered::COLUMNS.to_vec(),
+        _ => places.iter().chain(&dipole).copied().collect(),
+    };
+    if let Some(key) = needed.iter().find(|key| !header.iter().any(|name| name == **key)) {
         let fault = Input::new("this column is missing").file(file).line(1).key(*key);
         return Err(fault.expected("a column of this name").into());
     }
     let records = reader.into_records().collect::<std::result::Result<Vec<_>, _>>().map_err(|e| bad_row(file, &e))?;
-    let rows =
-        records.iter().map(|record| row(arguments, &header, record)).collect::<std::result::Result<Vec<_>, Input>>()?;
-    let values = evaluate(arguments, &rows)?;
+    let cells = records.iter().map(|record| Cells { file, header: &header, record });
+    let values = if arguments.kind == Kind::Layered {
+        let rows = cells.map(|cells| layered::row(&cells)).collect::<std::result::Result<Vec<_>, Input>>()?;
+        layered::evaluate(&rows, arguments.device.open(validation())?.as_ref())?
+    } else {
+        let rows = cells.map(|cells| row(arguments, &cells)).collect::<std::result::Result<Vec<_>, Input>>()?;
+        evaluate(arguments, &rows)?
+    };
 
     // The input's columns, then the values.
     let mut writer = csv::Writer::from_writer(Vec::new());
@@ -104,23 +119,43 @@ fn bad_row(file: &Path, error: &csv::Error) -> Input {
     }
 }
 
-/// Reads one record.
-fn row(arguments: &Arguments, header: &StringRecord, record: &StringRecord) -> std::result::Result<Row, Input> {
-    let line = record.position().map_or(0, |position| position.line() as usize);
-    let fault = |key: &str, what: &str| Input::new(what).file(&arguments.input).line(line).key(key);
-    let number = |key: &str| {
-        let column = header.iter().position(|name| name == key);
-        let cell = column.and_then(|column| record.get(column)).unwrap_or("");
+/// The cells of a row, by the names of their columns.
+struct Cells<'a> {
+    file: &'a Path,
+    header: &'a StringRecord,
+    record: &'a StringRecord,
+}
+
+impl Cells<'_> {
+    fn fault(&self, key: &str, what: &str) -> Input {
+        let line = self.record.position().map_or(0, |position| position.line() as usize);
+        Input::new(what).file(self.file).line(line).key(key)
+    }
+
+    fn text(&self, key: &str) -> &str {
+        let column = self.header.iter().position(|name| name == key);
+        column.and_then(|column| self.record.get(column)).unwrap_or("")
+    }
+
+    fn number(&self, key: &str) -> std::result::Result<f64, Input> {
+        let cell = self.text(key);
         let value = cell.parse::<f64>().ok().filter(|x| x.is_finite());
-        value.ok_or_else(|| fault(key, "not a finite number").found(format!("{cell:?}")).expected("a number"))
-    };
-    let at_least = |key: &str, least: f64| {
-        let value = number(key)?;
+        value.ok_or_else(|| self.fault(key, "not a finite number").found(format!("{cell:?}")).expected("a number"))
+    }
+
+    fn at_least(&self, key: &str, least: f64) -> std::result::Result<f64, Input> {
+        let value = self.number(key)?;
         if value >= least {
             return Ok(value);
         }
-        Err(fault(key, "out of range").found(value).expected(format!("at least {least}")))
-    };
+        Err(self.fault(key, "out of range").found(value).expected(format!("at least {least}")))
+    }
+}
+
+/// Reads one record.
+fn row(arguments: &Arguments, cells: &Cells<'_>) -> std::result::Result<Row, Input> {
+    let fault = |key: &str, what: &str| cells.fault(key, what);
+    let at_least = |key: &str, least: f64| cells.at_least(key, least);
 
     // The medium; the row's unit of length is its mean free path.
     let (scattering, absorption) = (at_least("sigma_s_prime", 0.0)?, at_least("sigma_a", 0.0)?);
@@ -144,7 +179,7 @@ fn row(arguments: &Arguments, header: &StringRecord, record: &StringRecord) -> s
     } else {
         let mut v = [0.0; 12];
         for (value, key) in v.iter_mut().zip(CORNERS) {
-            *value = number(key)?;
+            *value = cells.number(key)?;
         }
         let point = |k: usize| DVec3::new(v[k], v[k + 1], v[k + 2]);
         triangle = [0, 3, 6].map(|k| (point(k) - point(9)) / unit);

@@ -1,5 +1,6 @@
 //! One thin file per subcommand, and the arguments they share.
 
+mod bake;
 mod conform;
 mod devices;
 mod eval;
@@ -11,9 +12,9 @@ mod render;
 mod sequence;
 mod solve;
 mod stress;
+mod text;
 
 use std::ffi::OsString;
-use std::io::Write;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -23,6 +24,7 @@ use crate::hierarchy::face_cluster::Method;
 use crate::render::plan::{Mode, Options, Transport};
 use crate::render::run::{Room, Session};
 use crate::scene::Scene;
+use text::{print, size, table};
 
 #[derive(Parser)]
 #[command(name = "milkglass", version, about = "Renders translucent things in Vulkan compute, proved against the CPU")]
@@ -47,6 +49,8 @@ enum Command {
     Pareto(pareto::Arguments),
     /// Evaluate form factors or profiles, one a row of a CSV file.
     Eval(eval::Arguments),
+    /// Bake a depth map from surfaces that lie in one another.
+    BakeLayers(bake::Arguments),
     /// List the Vulkan devices and the CPU back end.
     #[command(after_help = "Example: milkglass devices")]
     Devices,
@@ -132,6 +136,8 @@ enum TransportArgument {
     Octree,
     /// Every face to every face.
     Brute,
+    /// Not at all: what scatters once in layers, what opaque objects give back, and reflections.
+    None,
 }
 
 impl RunArguments {
@@ -141,6 +147,7 @@ impl RunArguments {
                 TransportArgument::Hierarchy => Transport::Hierarchy,
                 TransportArgument::Octree => Transport::Octree,
                 TransportArgument::Brute => Transport::Brute,
+                TransportArgument::None => Transport::None,
             },
             mode: match self.mode {
                 ModeArgument::OnTheFly => Mode::OnTheFly,
@@ -218,44 +225,6 @@ fn validation() -> bool {
     std::env::var_os("MILKGLASS_VALIDATION").is_some_and(|value| value != "0")
 }
 
-/// Writes a result to standard output; a reader that has gone away is no error.
-fn print(text: &str) -> Result<()> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Input::new(format!("standard output could not be written: {error}")).into())
-        }
-        _ => Ok(()),
-    }
-}
-
-/// A table with aligned columns; those named in `right` are aligned to the right.
-fn table(header: &[&str], right: &[usize], rows: &[Vec<String>]) -> String {
-    let width =
-        |k: usize| rows.iter().map(|row| row[k].chars().count()).chain([header[k].chars().count()]).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..header.len()).map(width).collect();
-    let line = |cells: &mut dyn Iterator<Item = &str>| {
-        let padded = cells.enumerate().map(|(k, cell)| {
-            let gap = " ".repeat(widths[k].saturating_sub(cell.chars().count()));
-            if right.contains(&k) { format!("{gap}{cell}") } else { format!("{cell}{gap}") }
-        });
-        format!("{}\n", padded.collect::<Vec<_>>().join("  ").trim_end())
-    };
-    let mut text = line(&mut header.iter().copied());
-    for row in rows {
-        text += &line(&mut row.iter().map(String::as_str));
-    }
-    text
-}
-
-/// Bytes in a unit that reads well.
-fn size(bytes: u64) -> String {
-    match bytes {
-        0..10_000 => format!("{bytes} B"),
-        10_000..10_000_000 => format!("{:.1} KiB", bytes as f64 / 1024.0),
-        _ => format!("{:.1} MiB", bytes as f64 / 1_048_576.0),
-    }
-}
-
 /// Reports each validation message; one is enough to fail.
 fn check_messages(device: Option<&Device>) -> Result<()> {
     let messages = device.map(Device::take_messages).unwrap_or_default();
@@ -289,6 +258,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
         Command::Stress(arguments) => stress::run(&arguments),
         Command::Pareto(arguments) => pareto::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
+        Command::BakeLayers(arguments) => bake::run(&arguments),
         Command::Devices => devices::run(),
         Command::Scenes(arguments) => lists::scenes(&arguments),
         Command::Materials => lists::materials(),

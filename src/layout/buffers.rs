@@ -122,6 +122,18 @@ buffers! {
     seen: u32, pixel;
     /// Linear radiance of each pixel.
     radiance: [f32; 3], pixel;
+    /// The objects that have layers beneath their surface.
+    layerings: Layering, layering;
+    /// Their layers.
+    beneath: Layer, layer;
+    /// Depths of the layers' lower interfaces, four a texel, rows from the top.
+    depths: [f32; 4], texel;
+    /// What shines into layers: the lights that have a place or a direction, and the environment as lights from afar.
+    beams: Light, beam;
+    /// The vertices of each cluster.
+    crowds: Crowd, node;
+    /// The plane that fits the surface round each vertex: its unit normal, and its height over the vertex along that.
+    planes: [f32; 4], vertex;
     /// Form factors to evaluate one by one.
     queries: Query, query;
     /// Their values: radial, then displaced sources (Table 1).

@@ -54,6 +54,7 @@ plain! {
     [f32; 4], "vec4", 4, Float;
     [u32; 2], "uvec2", 2, Unsigned;
     [u32; 3], "uvec3", 3, Unsigned;
+    [u32; 5], "uint[5]", 5, Unsigned;
     [u32; 6], "uint[6]", 6, Unsigned;
     [u32; 16], "uint[16]", 16, Unsigned;
     [u32; 32], "uint[32]", 32, Unsigned;
@@ -244,12 +245,14 @@ macro_rules! buffers {
 }
 
 mod arriving;
+mod beneath;
 mod buffers;
 mod lists;
 mod records;
 mod viewing;
 
 pub use arriving::*;
+pub use beneath::*;
 pub use buffers::*;
 pub use lists::*;
 pub use records::*;
@@ -261,5 +264,6 @@ pub fn records() -> Vec<Record> {
     all.extend(list_records());
     all.extend(light_records());
     all.extend(view_records());
+    all.extend(layer_records());
     all
 }

@@ -102,12 +102,14 @@ records! { frame_records:
         tint: [f32; 3],
         /// chi below which 1 (with second moments), 3, 6 and 12 area points serve.
         ladder: [f32; 4],
+        /// How far round a vertex the surface is taken for a plane, where there are layers beneath it; 0 where there are none.
+        fit_radius: f32,
         /// Nothing.
         padding: [u32; 32],
         /// Nothing.
         more_padding: [u32; 16],
         /// Nothing.
-        last_padding: [u32; 6],
+        last_padding: [u32; 5],
     }
     /// A deformation of an object's vertices.
     Deform {

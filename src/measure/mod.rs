@@ -1,10 +1,11 @@
 //! The measuring: conformance, error norms, the worth of an error estimate, references, error against time, extreme cases,
-//! the paper's tables.
+//! the paper's tables, layers.
 
 pub mod compare;
 pub mod conform;
 pub mod estimate;
 pub mod fixtures;
+pub mod layers;
 pub mod norms;
 pub mod pareto;
 pub mod reference;

@@ -35,8 +35,16 @@ impl Session {
             self.pending = Change::EVERYTHING;
             return self.resize();
         }
-        let inputs =
-            [Slot::frame, Slot::lights, Slot::camera, Slot::sky, Slot::sky_rows, Slot::sky_columns, Slot::lobe];
+        let inputs = [
+            Slot::frame,
+            Slot::lights,
+            Slot::camera,
+            Slot::sky,
+            Slot::sky_rows,
+            Slot::sky_columns,
+            Slot::lobe,
+            Slot::beams,
+        ];
         self.send(&inputs)
     }
 

@@ -4,6 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::blocks::group;
+use super::layers::beams;
 use super::units::Units;
 use crate::layout::{Light as Record, SkyColumn, SkyRow};
 use crate::scene::{Light, Object, Sky, Source};
@@ -35,6 +36,7 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &
             tables(state, sky, units.light);
         }
     }
+    beams(state, lights, units.light);
     for (object, frame) in state.objects.iter_mut().zip(&mut state.data.frame) {
         object.groups = group(frame, &state.data.texels, lights);
     }
@@ -127,7 +129,7 @@ fn records(light: &Light, units: Units) -> Vec<Record> {
 }
 
 /// The direction of ray `k` of `count`, evenly spread over the sphere: a Fibonacci lattice.
-fn spread(k: u32, count: u32) -> DVec3 {
+pub(super) fn spread(k: u32, count: u32) -> DVec3 {
     let y = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(count);
     let turn = f64::from(k) * std::f64::consts::PI * (3.0 - 5f64.sqrt());
     let across = (1.0 - y * y).sqrt();

@@ -1,9 +1,11 @@
 //! From a scene to the stages it needs ([`plan`]), and a plan run on the CPU or a device ([`run`]).
 
 pub mod aov;
+pub mod bake;
 mod blocks;
 mod changes;
 pub mod clusters;
+mod layers;
 pub mod lights;
 pub mod octree;
 pub mod options;

@@ -10,6 +10,8 @@ pub enum Transport {
     Octree,
     /// Every face to every face.
     Brute,
+    /// Not at all: what scatters once in layers, and what opaque objects give back.
+    None,
 }
 
 /// What survives from frame to frame (section 5.5).

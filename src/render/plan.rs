@@ -2,6 +2,7 @@
 
 pub use super::options::{Goal, Mode, Options, Transport};
 
+use super::layers::unlayered;
 use super::lights::lit;
 use super::reasons::{reason, unestimated, unlit, unpeopled};
 use super::stages::{STAGES, steps};
@@ -67,6 +68,7 @@ impl Plan {
         for &stage in STAGES {
             let why = reason(stage.name, options, state.method, dark);
             let why = why.or_else(|| unlit(stage.name, state)).or_else(|| untextured(stage.name, state));
+            let why = why.or_else(|| unlayered(stage.name, state));
             match why.or_else(|| unpeopled(stage.name, state)) {
                 None => plan.stages.push(stage),
                 Some(why) => plan.left_out.push((stage.name, why)),
@@ -98,10 +100,10 @@ impl Plan {
         let pixels = state.objects.iter().any(|object| object.by_pixel);
         let runs = |stage: &&'static Stage| match stage.name {
             _ if change.everything => true,
-            "deform" | "refit" => false,
+            "deform" | "refit" | "plane_fit" => false,
             "visibility" | "points" => change.view,
             "link" | "gather" | "push" if pixels && change.view => true,
-            "shade" | "exit" | "reflect" | "backdrop" => change.view || change.light || resum,
+            "shade" | "exit" | "relief" | "reflect" | "backdrop" => change.view || change.light || resum,
             name if kept && builds_links(name) => false,
             "radii" | "link" if any_light => change.relink,
             // Else the lists of blocks depend on the light.

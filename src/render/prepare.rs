@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::blocks::{blocks, edge_nodes, link_error, of_picture, triangle_size};
+use super::layers::layers;
 use super::lights::lights;
 use super::shape::{shape, spoilt};
 use super::textures::texture;
@@ -103,6 +104,7 @@ pub fn prepare(scene: &Scene, by_pixel: bool) -> Prepared {
     let mut state = State::join(parts);
     state.method.nodes = edge_nodes(scene.transport.tolerance, largest);
     shape(&mut state, &scene.objects, units);
+    layers(&mut state, &scene.objects, units);
     lights(&mut state, &scene.lights, &mut units, &scene.objects);
     camera(&mut state, &scene.camera, units);
     Prepared { state, units, trees, method, spoilt, faces }
@@ -133,7 +135,7 @@ fn one(scene: &Scene, object: &scene::Object, tree: &Tree, units: Units, by_pixe
     let mut state = State { distance: transport.distance, ..State::default() };
     let faces = topology(&mut state, mesh, tree, units);
     frame(&mut state, &object.material, transport, units);
-    texture(&mut state, object.material.texture.as_ref(), mesh, &faces);
+    texture(&mut state, &object.material, mesh, &faces);
     state.method = Switches {
         scheme: transport.scheme,
         order: transport.order,

@@ -18,8 +18,9 @@ pub(super) fn reason(name: &str, options: Options, method: Method, dark: bool) -
             name,
             "shadow" | "environment" | "irradiance" | "entry" | "points" | "opaque" | "average" | "brute"
         )
-        || matches!(name, "exit" | "reflect");
-    let pictorial = matches!(name, "average" | "visibility" | "points" | "shade" | "exit" | "reflect" | "backdrop");
+        || matches!(name, "exit" | "plane_fit" | "relief" | "reflect");
+    let pictorial = matches!(name, "average" | "visibility" | "points" | "shade" | "exit" | "reflect" | "backdrop")
+        || matches!(name, "plane_fit" | "relief");
     if name == "evaluate" {
         return Some("answers `milkglass eval` only".into());
     }
@@ -36,6 +37,7 @@ pub(super) fn reason(name: &str, options: Options, method: Method, dark: bool) -
         Transport::Octree if blocks || links || name == "brute" => {
             Some("the octree carries the light, in native code on the host".into())
         }
+        Transport::None if blocks || links || name == "brute" => Some("no light is to be carried".into()),
         _ if name == "contrast" && !method.any_light => Some("lists are made for the light of their frame".into()),
         Transport::Brute if blocks || links && name != "reach" => Some("brute force needs no clusters".into()),
         _ => None,
@@ -81,6 +83,7 @@ pub(super) fn unestimated(state: &State, options: Options) -> Option<&'static st
     match options.transport {
         _ if state.method.estimate => None,
         Transport::Octree => Some("the octree estimates nothing"),
+        Transport::None => Some("no light is carried"),
         Transport::Brute => Some("brute force takes every pair of faces by itself, and estimates nothing"),
         Transport::Hierarchy if state.method.scheme == Scheme::Links => Some("scheme links has none"),
         Transport::Hierarchy => Some("nobody reads it: `solve` that writes or verifies does, and `render --aov`"),

@@ -274,4 +274,6 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.gathered = bytemuck::zeroed_vec(per(Slot::gathered, nodes));
     data.radiosity = bytemuck::zeroed_vec(receivers);
     data.vertex_radiosity = bytemuck::zeroed_vec(vertices);
+    data.crowds = bytemuck::zeroed_vec(per(Slot::crowds, nodes));
+    data.planes = bytemuck::zeroed_vec(per(Slot::planes, vertices));
 }

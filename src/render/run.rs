@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::layers::drop_unlooked;
 use super::octree::OctreeTransport;
 use super::plan::{Change, Mode, Options, Plan, Transport, before_transport};
 use super::prepare::{Prepared, prepare};
@@ -17,7 +18,7 @@ use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
 use crate::layout::{Cursor, Slot};
 use crate::scene::Scene;
-use crate::state::{DeviceState, Scheme, State, Step};
+use crate::state::{DeviceState, Scheme, Stage, State, Step};
 use crate::view::picture::Picture;
 
 /// Where the stages run.
@@ -76,6 +77,7 @@ impl Session {
         let (by_pixel, why) = by_pixel(&scene, options);
         let mut prepared = prepare(&scene, by_pixel);
         drop_unseen(&mut prepared.state, options);
+        drop_unlooked(&mut prepared.state, options);
         prepared.state.keep = options.mode != Mode::OnTheFly;
         let blocks = prepared.state.method.scheme == Scheme::Blocks && options.transport == Transport::Hierarchy;
         prepared.state.method.estimate = options.estimate && blocks;
@@ -249,9 +251,14 @@ impl Session {
         let inputs: Vec<Slot> = Plan::inputs().collect();
         self.send(&inputs)?;
         // What no stage of the plan writes must be zero where a stage or the host reads it.
+        let carried = self.plan.options().transport != Transport::None;
+        let unwritten = |slot: &Slot| {
+            let writes = |stage: &Stage| stage.writes.iter().any(|(written, _, _)| written == slot);
+            !self.plan.stages.iter().any(|stage| writes(stage)) || (*slot == Slot::radiosity && !carried)
+        };
         let blank: Vec<Slot> = [Slot::irradiance, Slot::radiosity, Slot::vertex_radiosity, Slot::estimate]
             .into_iter()
-            .filter(|slot| !self.plan.stages.iter().any(|s| s.writes.iter().any(|(w, _, _)| w == slot)))
+            .filter(unwritten)
             .collect();
         self.send(&blank)?;
         self.send(&[Slot::cut_short])

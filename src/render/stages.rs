@@ -2,6 +2,7 @@
 
 use crate::baseline::{brute, collect, form_factor, mean, reach, refine, spread};
 use crate::geometry::{deform, refit};
+use crate::layers::{plane_fit, relief};
 use crate::light::{entry, environment, irradiance, opaque, shadow};
 use crate::state::{Object, Place, Stage, State, Step, Unit};
 use crate::transport::{average, contrast, evaluate, gather, level, link, pull, push, radii};
@@ -33,8 +34,10 @@ pub static STAGES: &[&Stage] = &[
     &push::STAGE,
     &opaque::STAGE,
     &average::STAGE,
+    &plane_fit::STAGE,
     &shade::STAGE,
     &exit::STAGE,
+    &relief::STAGE,
     &reflect::STAGE,
     &backdrop::STAGE,
     &brute::STAGE,
@@ -52,6 +55,7 @@ fn serves(stage: &Stage, object: &Object) -> bool {
         "deform" => object.deforms > 0,
         "refit" | "irradiance" | "entry" => true,
         "points" => object.by_pixel,
+        "plane_fit" => object.layered,
         "average" => !object.by_pixel,
         name => object.opaque == (name == "opaque"),
     }

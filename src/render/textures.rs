@@ -2,7 +2,7 @@
 
 use super::options::{Goal, Options};
 use crate::layout::{CornerUvs, Frame};
-use crate::scene::{Mesh, Side, Texture, Wrap};
+use crate::scene::{Material, Mesh, Side, Wrap};
 use crate::state::State;
 
 /// The bit of `frame.texture_side` for light that enters.
@@ -10,30 +10,32 @@ const ENTRY: u32 = 1;
 /// The same for light that leaves.
 const EXIT: u32 = 2;
 
-/// Puts a texture in place; `faces` is the mesh's triangle of each triangle of the state. A mesh without places in a
+/// Puts a texture in place, and the corners' places in it and in depth maps; `faces` is the mesh's triangle of each triangle of the state. A mesh without places in a
 /// texture has none.
-pub(super) fn texture(state: &mut State, texture: Option<&Texture>, mesh: &Mesh, faces: &[u32]) {
-    let (Some(texture), Some(uvs)) = (texture, &mesh.uvs) else { return };
+pub(super) fn texture(state: &mut State, material: &Material, mesh: &Mesh, faces: &[u32]) {
+    let (texture, layers) = (material.texture.as_ref(), material.layers.as_ref().filter(|layers| layers.map.mapped));
+    let wrap = texture.map(|texture| texture.wrap).or(layers.map(|layers| layers.map.wrap));
+    let (Some(wrap), Some(uvs)) = (wrap, &mesh.uvs) else { return };
     let data = &mut state.data;
-    let frame = &mut data.frame[0];
+    // A period, where there is one.
+    let (wrap, period) = match wrap {
+        Wrap::Repeat => (0, Some(1.0)),
+        Wrap::Clamp => (1, None),
+        Wrap::Mirror => (2, Some(2.0)),
+    };
+    let places = faces.iter().map(|&face| uvs.get(face as usize).map_or(CornerUvs::default(), |uvs| near(uvs, period)));
+    data.corner_uvs = places.collect();
+    let (Some(texture), frame) = (texture, &mut data.frame[0]) else { return };
     frame.texture_side = match texture.side {
         Side::Entry => ENTRY,
         Side::Exit => EXIT,
         Side::Both => ENTRY | EXIT,
-    };
-    // A period, where there is one.
-    let (wrap, period) = match texture.wrap {
-        Wrap::Repeat => (0, Some(1.0)),
-        Wrap::Clamp => (1, None),
-        Wrap::Mirror => (2, Some(2.0)),
     };
     frame.texture_wrap = wrap;
     frame.texture_size = texture.size;
     frame.texture_first = data.texels.len() as u32;
     let root = |x: f32| if texture.side == Side::Both { x.sqrt() } else { x };
     data.texels.extend(texture.texels.iter().map(|texel| texel.map(root)));
-    let places = faces.iter().map(|&face| uvs.get(face as usize).map_or(CornerUvs::default(), |uvs| near(uvs, period)));
-    data.corner_uvs = places.collect();
 }
 
 /// A triangle's places from the texture's upper left corner, whole periods taken off.

@@ -2,6 +2,7 @@
 //! [`Draft`], which is everything but the meshes themselves.
 
 use super::camera::{self, Framing, Tone};
+use super::layers::LayersFile;
 use super::light::{Light, LightFile};
 use super::material::Fresnel;
 use super::object::{self, ObjectFile};
@@ -90,6 +91,7 @@ pub(super) struct MaterialFile {
     pub texture: Option<String>,
     pub texture_on: Option<Side>,
     pub texture_wrap: Option<Wrap>,
+    pub layers: Option<LayersFile>,
 }
 
 impl Default for MaterialFile {
@@ -111,6 +113,7 @@ impl Default for MaterialFile {
             texture: None,
             texture_on: None,
             texture_wrap: None,
+            layers: None,
         }
     }
 }

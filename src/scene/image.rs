@@ -1,4 +1,4 @@
-//! Images as linear numbers: OpenEXR, Radiance HDR, and PNG with its sRGB undone.
+//! Images as linear numbers: OpenEXR, Radiance HDR, and PNG with its sRGB undone; or as they are, where they hold depths.
 
 use std::path::Path;
 
@@ -20,6 +20,43 @@ pub(super) fn read_hdr(path: &Path) -> Image {
     let image = decode(path)?.into_rgb32f();
     let size = [image.width(), image.height()];
     Ok((size, image.pixels().map(|pixel| pixel.0).collect()))
+}
+
+/// Size, pixels of up to four channels with nothing undone, and how many there are.
+pub(super) type Depths = Result<([u32; 2], Vec<[f32; 4]>, usize), String>;
+
+/// Numbers of a .png (8 or 16 bits, 0 to 1) or .exr (channels R, G, B, A, or one alone) as they are, rows from the top;
+/// none where the name ends otherwise.
+pub(super) fn read_depths(path: &Path) -> Option<Depths> {
+    let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
+    match end.as_str() {
+        "png" => Some(decode(path).map(|image| {
+            let (channels, image) = (usize::from(image.color().channel_count()), image.into_rgba16());
+            let size = [image.width(), image.height()];
+            // Grey with opacity: two channels.
+            let order = if channels == 2 { [0, 3, 3, 3] } else { [0, 1, 2, 3] };
+            let share = |pixel: [u16; 4]| order.map(|c| (f64::from(pixel[c]) / 65535.0) as f32);
+            (size, image.pixels().map(|pixel| share(pixel.0)).collect(), channels)
+        })),
+        "exr" => Some(exr_depths(path)),
+        _ => None,
+    }
+}
+
+fn exr_depths(path: &Path) -> Depths {
+    let layer = exr::prelude::read_first_flat_layer_from_file(path).map_err(|error| error.to_string())?.layer_data;
+    let list = &layer.channel_data.list;
+    let named = |name: &&str| list.iter().find(|channel| channel.name.eq_case_insensitive(name));
+    let mut channels: Vec<_> = ["R", "G", "B", "A"].iter().map_while(named).collect();
+    if channels.is_empty() {
+        channels = list.iter().take(1).collect();
+    }
+    let mut pixels = vec![[0f32; 4]; layer.size.area()];
+    for (c, channel) in channels.iter().enumerate() {
+        let values = channel.sample_data.values_as_f32();
+        pixels.iter_mut().zip(values).for_each(|(pixel, value)| pixel[c] = value);
+    }
+    Ok(([layer.size.width() as u32, layer.size.height() as u32], pixels, channels.len()))
 }
 
 /// 8 or 16 bits a channel, or one channel of grey; opacity is passed over.

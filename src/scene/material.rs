@@ -1,6 +1,7 @@
 //! What an object is made of: scattering and absorption per scene unit, refraction, Fresnel formula.
 
 use super::file::MaterialFile;
+use super::layers::Layers;
 use super::locate;
 use super::preset::{PRESETS, Preset};
 use super::range::{self, Checked};
@@ -48,14 +49,23 @@ pub struct Material {
     pub surface: Surface,
     /// What light is multiplied by where it enters or leaves, if not by 1 everywhere.
     pub texture: Option<Texture>,
+    /// What lies beneath the surface, if anything does; light scatters once in it.
+    pub layers: Option<Layers>,
 }
 
 impl Material {
     /// Checks the `material` under `key`, in scene units of `unit_mm` millimetres.
     pub(super) fn check(file: &MaterialFile, key: &str, unit_mm: f64) -> Checked<Self> {
         let key = |name: &str| format!("{key}.{name}");
-        if file.opaque {
-            return Self::opaque(file, key);
+        let layers = |scale: f64| match &file.layers {
+            Some(layers) => Layers::check(layers, &key("layers"), scale * unit_mm).map(Some),
+            None => Ok(None),
+        };
+        let bare = file.preset.is_none() && file.sigma_s_prime.is_none() && file.sigma_a.is_none();
+        if file.opaque || (file.layers.is_some() && bare) {
+            let scale = range::number(&key("scale"), file.scale, |x| x > 0.0, "above 0")?;
+            let made = Self { layers: layers(scale)?, ..Self::opaque(file, &key)? };
+            return made.check_wraps(key).map(|()| made);
         }
         if file.albedo.is_some() {
             let fault = Input::new("only an opaque material has an albedo").key(key("albedo"));
@@ -106,12 +116,14 @@ impl Material {
             Some(preset) => preset.name.to_owned(),
         };
         let (fresnel, two_sided) = (file.fresnel, file.two_sided);
-        let (surface, texture) = (Surface::check(file, key)?, Texture::check(file, key)?);
-        Ok(Self { name, sigma_s_prime, sigma_a, eta, opaque: None, fresnel, two_sided, surface, texture })
+        let (surface, texture, layers) = (Surface::check(file, key)?, Texture::check(file, key)?, layers(scale)?);
+        let made =
+            Self { name, sigma_s_prime, sigma_a, eta, opaque: None, fresnel, two_sided, surface, texture, layers };
+        made.check_wraps(key).map(|()| made)
     }
 
     /// A material that no light enters: a diffuse surface, refracting only where its index is not 1.
-    fn opaque(file: &MaterialFile, key: impl Fn(&str) -> String) -> Checked<Self> {
+    fn opaque(file: &MaterialFile, key: &impl Fn(&str) -> String) -> Checked<Self> {
         let others = [
             ("preset", file.preset.is_some()),
             ("sigma_s_prime", file.sigma_s_prime.is_some()),
@@ -120,14 +132,22 @@ impl Material {
             ("normalize_exit", file.normalize_exit),
         ];
         if let Some((name, _)) = others.into_iter().find(|(_, given)| *given) {
-            let fault = Input::new("an opaque material has no such key").key(key(name));
-            return Err(fault
-                .found("opaque = true")
+            let (what, found) = match file.opaque {
+                true => ("an opaque material has no such key", "opaque = true"),
+                false => {
+                    ("a material of layers alone has no such key", "no sigma_s_prime and sigma_a beside the layers")
+                }
+            };
+            return Err(Input::new(what)
+                .key(key(name))
+                .found(found)
                 .expected("albedo, eta, reflection, roughness, shininess, texture"));
         }
-        let albedo = file.albedo.map_or([0.5; 3], |rgb| rgb.0);
+        // Of layers alone the surface gives back nothing itself, unless it says so.
+        let usual = if file.layers.is_some() && !file.opaque { 0.0 } else { 0.5 };
+        let albedo = file.albedo.map_or([usual; 3], |rgb| rgb.0);
         range::channels(&key("albedo"), albedo, |x| (0.0..=1.0).contains(&x), "numbers from 0 to 1")?;
-        let (surface, texture) = (Surface::check(file, &key)?, Texture::check(file, &key)?);
+        let (surface, texture) = (Surface::check(file, key)?, Texture::check(file, key)?);
         let eta = file.eta.map_or([if surface.reflection == Reflection::None { 1.0 } else { 1.5 }; 3], |rgb| rgb.0);
         range::channels(&key("eta"), eta, |x| (1.0..=5.0).contains(&x), "numbers from 1 to 5")?;
         Ok(Self {
@@ -140,7 +160,19 @@ impl Material {
             two_sided: false,
             surface,
             texture,
+            layers: None,
         })
+    }
+
+    /// A depth map and a texture share the places of the mesh's corners, whole periods taken off.
+    fn check_wraps(&self, key: impl Fn(&str) -> String) -> Checked<()> {
+        match (&self.layers, &self.texture) {
+            (Some(layers), Some(texture)) if layers.map.mapped && layers.map.wrap != texture.wrap => {
+                let fault = Input::new("texture and maps go on beyond their edges in different ways");
+                Err(fault.key(key("layers.wrap")).expected("the same as texture_wrap"))
+            }
+            _ => Ok(()),
+        }
     }
 }
 

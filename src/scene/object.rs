@@ -133,8 +133,8 @@ impl ObjectFile {
 }
 
 impl Draft {
-    /// Loads the texture, reads or makes the mesh, as fine as the hierarchy wants it, at its size and place, and reads the
-    /// meshes that it is morphed to; paths are relative to `folder`.
+    /// Loads texture and depth maps, reads or makes the mesh, as fine as the hierarchy wants it, at its size and place, and
+    /// reads the meshes that it is morphed to; paths are relative to `folder`.
     pub(super) fn mesh(
         &mut self,
         folder: &Path,
@@ -143,9 +143,16 @@ impl Draft {
         report: &mut Vec<String>,
     ) -> Checked<Mesh> {
         let key = format!("object.{index}.material.texture");
+        let layered = format!("object.{index}.material.layers");
+        let maps = format!("{layered}.maps");
         let textured = self.material.texture.as_ref().map(|_| key.as_str());
+        let mapped = self.material.layers.as_ref().is_some_and(|layers| layers.map.mapped);
+        let textured = textured.or(mapped.then_some(maps.as_str()));
         if let Some(texture) = &mut self.material.texture {
             texture.load(folder, &self.source, &key)?;
+        }
+        if let Some(layers) = &mut self.material.layers {
+            layers.load(folder, &layered, report)?;
         }
         let mesh = match &self.source {
             Source::File(path) => Mesh::read(&folder.join(path), textured, report)?,
@@ -157,6 +164,9 @@ impl Draft {
             None => mesh.refined(transport, report)?,
             Some(_) => (mesh, Origin::File),
         };
+        if let Some(layers) = &self.material.layers {
+            layers.check_mesh(&mesh, &layered, report)?;
+        }
         let factor = match self.size {
             Some(size) => mesh.resize(size, &format!("object.{index}.size"))?,
             None => 1.0,

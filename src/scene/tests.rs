@@ -84,7 +84,8 @@ fn meshes_are_found_beside_the_scene_file_and_keep_their_size() {
 fn what_is_not_there_or_cannot_be_read_is_an_error() {
     let error = message(Scene::load("lotsu", &[]));
     let expected = "neither a built-in scene nor a file, did you mean `lotus`?; found lotsu; \
-                    expected a file, or one of bump, bust, candle, lotus, noise, slab, sphere, torus, twist";
+                    expected a file, or one of bump, bust, candle, fish, gecko, lotus, noise, slab, slab-layers, sphere, torus, \
+                    twist, veins";
     assert_eq!(error, expected);
     let error = message(Scene::load("no/such/horse.obj", &[]));
     assert!(error.starts_with("neither a built-in scene nor a file; found no/such/horse.obj"), "{error}");

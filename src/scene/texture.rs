@@ -12,9 +12,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Most texels of a texture: what the smallest devices bind.
-const MOST_TEXELS: usize = 1 << 23;
+pub(super) const MOST_TEXELS: usize = 1 << 23;
 /// Most texels along a side.
-const MOST_SIDE: u32 = 1 << 14;
+pub(super) const MOST_SIDE: u32 = 1 << 14;
 /// The name that stands for the one in the mesh's material library.
 const LIBRARY: &str = "mtl";
 /// Textures made here: name, and the two colours of its squares, linear.

@@ -34,6 +34,8 @@ pub struct Object {
     pub opaque: bool,
     /// Whether its receivers are the places that pixels show, 16 a tile of 4 x 4.
     pub by_pixel: bool,
+    /// Whether it has layers beneath its surface.
+    pub layered: bool,
     /// How many deformations it has.
     pub deforms: usize,
 }

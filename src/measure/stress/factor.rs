@@ -93,6 +93,7 @@ impl Pair {
             two_sided: false,
             surface: Surface::default(),
             texture: None,
+            layers: None,
         };
         // The receiver may stand in the light, and is not meant to.
         scene.lights = vec![Light { shadows: false, ..Light::directional(normal, [1.0; 3]) }];

@@ -68,6 +68,7 @@ fn material(name: &str) -> [Dipole; 3] {
             two_sided: false,
             surface: Surface::default(),
             texture: None,
+            layers: None,
         },
         1.0,
     )

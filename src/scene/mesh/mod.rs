@@ -5,6 +5,8 @@ mod butterfly;
 mod candle;
 mod clean;
 mod edges;
+mod fish;
+mod gecko;
 mod import;
 mod lotus;
 mod morph;

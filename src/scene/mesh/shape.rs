@@ -1,6 +1,6 @@
 //! Shapes made here: closed, outward, and as fine as their `detail` says.
 
-use super::{Mesh, bust, candle, lotus, number, relief, sweep, uv};
+use super::{Mesh, bust, candle, fish, gecko, lotus, number, relief, sweep, uv};
 use glam::DVec3;
 use serde::Deserialize;
 use std::collections::HashMap;
@@ -28,6 +28,10 @@ pub enum Shape {
     Candle,
     /// A head on shoulders and a plinth, 1.8 high, looking along +z; detail: grid cells from top to bottom.
     Bust,
+    /// A fish, 1 long along x, seen from its side along z; detail: 1 has 2788 triangles.
+    Fish,
+    /// A gecko with a bumpy skin, 1 long along x, its back at +y; detail: 1 has 10,944 triangles.
+    Gecko,
 }
 
 impl Shape {
@@ -42,6 +46,7 @@ impl Shape {
             Self::Torus => 3..=1024,
             Self::Candle => 16..=1024,
             Self::Bust => 64..=192,
+            Self::Fish | Self::Gecko => 1..=8,
         }
     }
 
@@ -57,6 +62,7 @@ impl Shape {
             Self::Bump => 128,
             Self::Candle => 192,
             Self::Bust => 128,
+            Self::Fish | Self::Gecko => 1,
         }
     }
 
@@ -73,6 +79,8 @@ impl Shape {
             Self::Bump => relief::bump(detail),
             Self::Candle => candle::candle(detail),
             Self::Bust => bust::bust(detail),
+            Self::Fish => fish::fish(detail),
+            Self::Gecko => gecko::gecko(detail),
         }
     }
 

@@ -62,6 +62,14 @@ fn join(positions: &[DVec3], (a, na): (usize, usize), (b, nb): (usize, usize), t
     }
 }
 
+/// The same surface with its outside on the side away from its volume, whichever way it was swept.
+pub(super) fn outward(mut mesh: Mesh) -> Mesh {
+    if mesh.volume() < 0.0 {
+        mesh.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+    }
+    mesh
+}
+
 /// From 0 at `low` to 1 at `high`, without a corner.
 pub(super) fn smooth(low: f64, high: f64, x: f64) -> f64 {
     let t = ((x - low) / (high - low)).clamp(0.0, 1.0);

@@ -9,7 +9,8 @@ use std::f64::consts::{PI, TAU};
 /// Ball: longitude to the right, latitude upwards; the middle of the texture is at +z, its left and right edge meet at
 /// -z. Lotus: the angle round its axis in the same way, and the height. Slab: each side has the texture by itself, the
 /// longest side of the slab across the whole of it, seen upright from outside where that has a meaning. Candle and bust:
-/// as the lotus. Plane and bump: seen from above, +x to the right, -z upwards. Cube: as the slab. Torus: seen from +z.
+/// as the lotus. Plane and bump: seen from above, +x to the right, -z upwards; so the gecko, four times over its length.
+/// Cube: as the slab. Torus: seen from +z. Fish: seen from its side, +x to the right.
 pub(super) fn of_shape(shape: Shape, mesh: &Mesh) -> Vec<[[f64; 2]; 3]> {
     let (low, high) = mesh.bounds();
     let corners = (0..mesh.triangles.len()).filter_map(|face| mesh.corners(face));
@@ -19,6 +20,8 @@ pub(super) fn of_shape(shape: Shape, mesh: &Mesh) -> Vec<[[f64; 2]; 3]> {
         Shape::Plane | Shape::Bump => corners.map(|p| [p.x + 0.5, 0.5 - p.z]),
         Shape::Slab | Shape::Cube => planar(corners),
         Shape::Torus => corners.map(|p| [0.5 + p.x / 2.8, 0.5 + p.y / 2.8]),
+        Shape::Fish => corners.map(|p| [p.x + 0.5, p.y + 0.5]),
+        Shape::Gecko => corners.map(|p| [4.0 * p.x + 2.0, 2.0 - 4.0 * p.z]),
     };
     corners.map(place).collect()
 }

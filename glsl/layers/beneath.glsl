@@ -1,0 +1,150 @@
+// The march beneath one visible point: where its ray runs, what lies there, and the light that comes there.
+layout(constant_id = 0) const uint SHADOWS = 0;
+layout(constant_id = 1) const uint MAPS = 1;    // of four layers each
+layout(constant_id = 2) const uint MAPPED = 0;  // not 0 where depths vary
+layout(constant_id = 3) const uint HENYEY = 0;
+layout(constant_id = 4) const uint FRESNEL = 0;
+layout(push_constant, scalar) uniform push_block { uint number, first_beam, last_beam; }; // the layers and lights at hand
+READS(frame)
+READS(camera)
+READS(lit)
+READS(triangles)
+READS(positions)
+READS(normals)
+READS(planes)
+READS(corner_uvs)
+READS(hits)
+READS(layerings)
+READS(beneath)
+READS(depths)
+READS(beams)
+UPDATES(radiance)
+#include "light/arrival.glsl"
+#include "light/fresnel.glsl"
+#include "light/wrap.glsl"
+
+const float GRAZING = 0.05, LEAST_COSINE = 1e-6;
+
+struct March {
+    vec3 point, normal, plane_point, plane_normal; // at P, and of the fitted plane
+    vec3 eye;                                      // towards it
+    vec2 place;                                    // in the maps, at P
+    vec3 du, dv;                                   // gradients of that
+    float slope;                                   // depth won per length
+    float reach;                                   // length of the ray
+};
+
+vec3 unit(vec3 v) { return v / sqrt(max(dot(v, v), 1e-30)); }
+
+March march(Layering own, Hit hit) {
+    uvec3 corner = triangles[hit.face];
+    vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
+    vec3 a = positions[corner.x], b = positions[corner.y], c = positions[corner.z];
+    vec4 plane = weight.x * planes[corner.x] + weight.y * planes[corner.y] + weight.z * planes[corner.z];
+    March m;
+    m.point = weight.x * a + weight.y * b + weight.z * c;
+    m.eye = unit(camera[0].origin - m.point);
+    vec3 area = cross(b - a, c - a), fitted = unit(plane.xyz);
+    float side = dot(area, m.eye) < 0.0 ? -1.0 : 1.0;
+    m.normal = side * unit(weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z]);
+    m.plane_normal = side * fitted;
+    m.plane_point = m.point + plane.w * fitted;
+    m.place = vec2(0);
+    m.du = vec3(0);
+    m.dv = vec3(0);
+    if (MAPPED != 0) {
+        CornerUvs uvs = corner_uvs[hit.face];
+        m.place = weight.x * uvs.a + weight.y * uvs.b + weight.z * uvs.c;
+        vec2 p = uvs.b - uvs.a, q = uvs.c - uvs.a;
+        vec3 x = cross(c - a, area), y = cross(area, b - a);
+        float square = dot(area, area);
+        if (square > 0.0) {
+            m.du = (p.x * x + q.x * y) / square;
+            m.dv = (p.y * x + q.y * y) / square;
+        }
+    }
+    m.slope = max(dot(m.plane_normal, m.eye), GRAZING);
+    m.reach = min(own.deepest / m.slope, own.reach);
+    return m;
+}
+
+// Where the four texels round a place lie in a map, and how far it is beyond the first, in texels.
+struct Texels {
+    uvec4 at;
+    vec2 part;
+};
+
+Texels texels_at(Layering own, March m, vec3 offset) {
+    vec2 place = m.place + vec2(dot(m.du, offset), dot(m.dv, offset));
+    // Within reach of whole numbers.
+    if (own.wrap == 0) place -= floor(place);
+    if (own.wrap == 1) place = clamp(place, vec2(-1), vec2(2));
+    if (own.wrap == 2) place -= 2.0 * floor(0.5 * place);
+    vec2 at = vec2(own.size) * place - 0.5, low = floor(at);
+    int x = int(low.x), y = int(low.y);
+    uint left = wrapped(own.wrap, x, own.size.x), right = wrapped(own.wrap, x + 1, own.size.x);
+    uint above = wrapped(own.wrap, y, own.size.y) * own.size.x, below = wrapped(own.wrap, y + 1, own.size.y) * own.size.x;
+    return Texels(own.first_texel + uvec4(above + left, above + right, below + left, below + right), at - low);
+}
+
+// Depths of four layers' lower interfaces there.
+vec4 depths_of(Layering own, Texels t, uint map) {
+    if (MAPPED == 0) return depths[own.first_texel + map];
+    uvec4 at = t.at + map * own.size.x * own.size.y;
+    return mix(mix(depths[at.x], depths[at.y], t.part.x), mix(depths[at.z], depths[at.w], t.part.x), t.part.y);
+}
+
+// How many interfaces lie above a depth, beginning with a map's first.
+uint above(vec4 interfaces, float depth) {
+    uvec4 counts = uvec4(greaterThanEqual(vec4(depth), interfaces));
+    return counts.x + counts.y + counts.z + counts.w;
+}
+
+float phase(float g, float cosine) {
+    float base = HENYEY != 0 ? 1.0 + g * g + 2.0 * g * cosine : 1.0 + g * cosine;
+    float power = HENYEY != 0 ? base * sqrt(base) : base * base;
+    return (1.0 - g * g) / (4.0 * 3.14159265358979 * power);
+}
+
+// What a light does at a place: its share that arrives but for the dimming, the depth of its way there, and the cosine
+// that the phase function takes.
+struct Lit {
+    vec3 arrives;
+    vec3 dimmed;
+    float cosine;
+};
+
+// `here` are the depths of the interfaces at that place, `t` along the ray.
+Lit lit_at(Layering own, March m, uint object, Light light, uint face, float t, vec4 here[4]) {
+    vec3 place = m.point - t * m.eye, toward;
+    float falloff = arrival(light, place, toward) * reaches(light, face);
+
+    // The plane between the tangent one and the fitted one, and where light comes through it.
+    float share = t / m.reach;
+    vec3 normal = unit(mix(m.normal, m.plane_normal, share));
+    float depth = max(dot(mix(m.point, m.plane_point, share) - place, normal), 0.0);
+    float cosine = max(dot(normal, toward), LEAST_COSINE);
+    Texels entry;
+    if (MAPPED != 0) entry = texels_at(own, m, place + toward * (depth / cosine) - m.point);
+
+    vec3 sum = vec3(0);
+    float before = 0.0;
+    for (uint map = 0; map < MAPS; ++map) {
+        vec4 bottoms = MAPPED != 0 ? 0.5 * (here[map] + depths_of(own, entry, map)) : here[map];
+        for (uint k = 0; k < 4; ++k) {
+            uint layer = 4 * map + k;
+            float bottom = layer + 1 < own.layers ? min(bottoms[k], depth) : depth;
+            sum += beneath[own.first_layer + min(layer, own.layers - 1)].sigma_t * (bottom - before);
+            before = bottom;
+        }
+    }
+    vec3 arrives = vec3(falloff);
+    if (FRESNEL != 0) arrives *= transmittance(frame[object].eta, cosine);
+    return Lit(arrives, sum / cosine, dot(toward, m.eye));
+}
+
+// Adds light to a pixel.
+void shine(uint pixel, uint object, March m, vec3 sum) {
+    if (FRESNEL != 0) sum *= transmittance(frame[object].eta, abs(dot(m.normal, m.eye)));
+    radiance[pixel] += camera[0].radiance * sum;
+}

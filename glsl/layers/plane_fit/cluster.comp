@@ -1,0 +1,19 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// The vertices of a cluster, from its two children; one level a dispatch.
+layout(push_constant, scalar) uniform push_block { Range range; };
+READS(topology)
+READS(order)
+UPDATES(crowds)
+#include "layers/crowd.glsl"
+
+void main() {
+    uint i = invocation();
+    if (i >= range.count) return;
+    uint node = order[range.first + i];
+    if (topology[node].face != NONE) return;
+    crowds[node] = joined(crowds[node + 1], crowds[topology[node + 1].skip]);
+}

@@ -1,0 +1,47 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+#include "layers/beneath.glsl"
+
+// The same by the left rule of algorithm 1, both ends included. A sample at an interface counts as above it, whatever the
+// rounding.
+const float AT_LEAST = 0.99999;
+
+void main() {
+    uint pixel = invocation();
+    if (pixel >= camera[0].width * camera[0].height) return;
+    Hit hit = hits[pixel];
+    Layering own = layerings[number];
+    uint object = own.object;
+    if (hit.face < frame[object].first_face || hit.face >= frame[object].first_face + frame[object].faces) return;
+    March m = march(own, hit);
+    if (m.reach <= 0.0) return;
+    float pace = m.reach / float(own.samples);
+
+    vec3 sum = vec3(0), dimmed = vec3(1);
+    uint beam = first_beam, step = 0;
+    while (beam < last_beam) {
+        float t = pace * float(step);
+        Texels there;
+        if (MAPPED != 0) there = texels_at(own, m, -t * m.eye);
+        vec4 here[4];
+        uint now = 0;
+        for (uint map = 0; map < MAPS; ++map) {
+            here[map] = depths_of(own, there, map);
+            now += above(here[map], AT_LEAST * m.slope * t);
+        }
+        Layer layer = beneath[own.first_layer + min(now, own.layers - 1)];
+        Light light = beams[beam];
+        Lit lights = lit_at(own, m, object, light, hit.face, t, here);
+        vec3 scattered = layer.sigma_s * lights.arrives * exp(-lights.dimmed) * dimmed * phase(layer.g, lights.cosine);
+        if (now < own.layers) sum += light.color * pace * scattered;
+        dimmed *= exp(-layer.sigma_t * pace);
+
+        bool over = step == own.samples;
+        step = over ? 0 : step + 1;
+        dimmed = over ? vec3(1) : dimmed;
+        beam += uint(over);
+    }
+    shine(pixel, object, m, sum);
+}

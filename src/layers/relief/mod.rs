@@ -1,0 +1,90 @@
+//! Stage `relief`: light that scatters once in the layers beneath each visible point, by a march along the view ray in
+//! texture space (algorithms 1 and 2).
+//!
+//! From P the ray goes down to M_max (equation 15, with a unit NS_P; at a silhouette the ray counts as 3 degrees below the
+//! plane), N steps. The place in the depth maps moves by the gradients of the texture coordinates, the depth by NS_P. At M
+//! light comes through a plane between the tangent plane at P and the fitted one (equation 9, as is right at M = P); its
+//! optical depth is that of the layers' mean depths at M and where it enters (equations 11 and 12, clamped; below its
+//! lower interface the last layer goes on, but does not scatter). Depth above the plane counts as 0, and light from behind
+//! it as grazing: it has vanished before it gets anywhere.
+//!
+//! Steps are split where the ray crosses an interface, found as if depths varied evenly within a step. Between two such
+//! places falloff times phase varies evenly and the depth of both legs does, too: [`segment`](super::beneath::segment) is exact for that, and so is
+//! the whole for even layers on a plane under a light from afar, with one step. `integration = "paper"` takes the left
+//! rule with its N + 1 samples instead.
+
+mod full;
+mod ray;
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::geometry::trace::UNFINISHED;
+use crate::layout::{Hit, Slot};
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+pub use full::Kept;
+use ray::Ray;
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "relief",
+    room: "layers",
+    about: "light scattered once in the layers beneath each visible point",
+    equation: "Francois et al. 2006, equations 1 to 5, 9 to 13, 15, corrected",
+    writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-5 })],
+    reason: "an exponential's depth is off by some roundings of its own size, and a place in the maps by 1e-7 times their \
+             texels and contrast",
+    unit: Unit::Scene,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _at: Place) {
+    let data = &state.data;
+    let scale = f64::from(data.camera[0].radiance);
+    let of_pixel = |(hit, &before): (&Hit, &[f32; 3])| {
+        if hit.face >= UNFINISHED {
+            return before;
+        }
+        let object = state.object_of(hit.face as usize) as u32;
+        match data.layerings.iter().find(|layering| layering.object == object) {
+            Some(layering) => narrow(wide(before) + scale * Ray::new(state, layering, hit).radiance()),
+            None => before,
+        }
+    };
+    state.data.radiance = data.hits.par_iter().zip(&data.radiance).map(of_pixel).collect();
+}
+
+/// What the layered volume itself gives at a pixel that shows an object with layers, linear radiance in the scene's units:
+/// by `steps` midpoints along the view ray and `legs` along each way of light, but for what of the march is kept.
+#[must_use]
+pub fn full(state: &State, pixel: usize, kept: Kept, steps: u32, legs: u32) -> Option<[f64; 3]> {
+    let hit = state.data.hits.get(pixel).filter(|hit| hit.face < UNFINISHED)?;
+    let object = state.object_of(hit.face as usize) as u32;
+    let layering = state.data.layerings.iter().find(|layering| layering.object == object)?;
+    let scale = f64::from(state.data.camera[0].radiance);
+    Some((scale * Ray::new(state, layering, hit).full(kept, steps, legs)).to_array())
+}
+
+/// Steps of a march that one invocation may take: half of where some drivers end a loop.
+const STEPS: usize = 1 << 15;
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let data = &pass.state.data;
+    let pixels = data.radiance.len();
+    for (number, layering) in (0u32..).zip(&data.layerings) {
+        let frame = &data.frame[layering.object as usize];
+        let mapped = u32::from(layering.size != [1, 1]);
+        let shadows = u32::from(frame.shadow_words > 0);
+        let constants = [shadows, layering.layers.div_ceil(4), mapped, layering.henyey, layering.fresnel];
+        let kernel = if layering.paper != 0 { "paper" } else { "exact" };
+        // With an interface crossed at every step there and back.
+        let a_light = (layering.samples as usize + 1) * (layering.layers as usize + 1);
+        let (count, most) = (data.beams.len(), (STEPS / a_light).max(1));
+        for first in (0..count).step_by(most) {
+            let push = [number, first as u32, count.min(first + most) as u32];
+            pass.dispatch(Some(kernel), &constants, bytemuck::cast_slice(&push), pixels)?;
+        }
+    }
+    Ok(())
+}

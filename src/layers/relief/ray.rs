@@ -1,0 +1,253 @@
+//! The march beneath one visible point.
+
+use glam::{DVec2, DVec3};
+
+use crate::layers::beneath::{optical_depth, phase, segment};
+use crate::layout::{Hit, Layer, Layering, Light};
+use crate::light::fresnel::transmittance;
+use crate::light::irradiance::{arrival, reaches};
+use crate::light::texture::{place, texel};
+use crate::state::{State, wide};
+
+/// The least cosine between NS_P and the view ray that counts.
+pub(super) const GRAZING: f64 = 0.05;
+/// A sample of the left rule at an interface counts as above it, whatever the rounding: its depth counts times this.
+const AT_LEAST: f64 = 0.99999;
+/// The least cosine between a plane and the light.
+pub(super) const LEAST_COSINE: f64 = 1e-6;
+
+/// Depths of up to 16 lower interfaces.
+pub type Depths = [f64; 16];
+
+/// The ray beneath one visible point.
+pub struct Ray<'a> {
+    pub(super) state: &'a State,
+    pub(super) layering: &'a Layering,
+    pub(super) sigma_t: [DVec3; 16],
+    pub(super) face: usize,
+    pub(super) point: DVec3,
+    pub(super) normal: DVec3,
+    /// Of the fitted plane.
+    pub(super) plane_normal: DVec3,
+    pub(super) plane_point: DVec3,
+    /// To the eye.
+    pub(super) eye: DVec3,
+    place: DVec2,
+    /// Gradients of the place: of its first and its second coordinate.
+    across: [DVec3; 2],
+    /// Depth won per length.
+    pub(super) slope: f64,
+    pub(super) length: f64,
+}
+
+impl<'a> Ray<'a> {
+    /// Beneath the point that a pixel shows of an object with these layers.
+    pub fn new(state: &'a State, layering: &'a Layering, hit: &Hit) -> Self {
+        let (data, face) = (&state.data, hit.face as usize);
+        let corners = data.triangles[face];
+        let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
+        let mix = |value: &dyn Fn(u32) -> DVec3| -> DVec3 { (0..3).map(|k| weight[k] * value(corners[k])).sum() };
+        let [a, b, c] = corners.map(|v| wide(data.positions[v as usize]));
+        let point = mix(&|v| wide(data.positions[v as usize]));
+        let eye = (wide(data.camera[0].origin) - point).normalize_or_zero();
+        let area = (b - a).cross(c - a);
+        let side = if area.dot(eye) < 0.0 { -1.0 } else { 1.0 };
+        let normal = mix(&|v| wide(data.normals[v as usize])).normalize_or_zero() * side;
+        let plane = |v: u32| data.planes[v as usize];
+        let fitted = mix(&|v| wide([plane(v)[0], plane(v)[1], plane(v)[2]])).normalize_or_zero();
+        let height: f64 = (0..3).map(|k| weight[k] * f64::from(plane(corners[k])[3])).sum();
+
+        // Gradients of the texture coordinates: (b - a) . g = difference along that edge, and g in the plane.
+        let (mut across, mut at) = ([DVec3::ZERO; 2], DVec2::ZERO);
+        let mapped = !data.corner_uvs.is_empty() && layering.size != [1, 1];
+        if mapped {
+            at = place(data, face, hit.u.into(), hit.v.into());
+            let uvs = &data.corner_uvs[face];
+            let square = area.length_squared();
+            if square > 0.0 {
+                let along = [area.cross(c - a) / square, area.cross(b - a) / square];
+                let gradient = |k: usize| {
+                    let [p, q, r] = [uvs.a[k], uvs.b[k], uvs.c[k]].map(f64::from);
+                    along[1] * (r - p) - along[0] * (q - p)
+                };
+                across = [gradient(0), gradient(1)];
+            }
+        }
+        let slope = (fitted * side).dot(eye).max(GRAZING);
+        let length = (f64::from(layering.deepest) / slope).min(layering.reach.into());
+        let layers = &data.beneath[layering.first_layer as usize..][..layering.layers as usize];
+        let mut sigma_t = [DVec3::ZERO; 16];
+        sigma_t.iter_mut().zip(layers).for_each(|(sigma, layer)| *sigma = wide(layer.sigma_t));
+        Self {
+            state,
+            layering,
+            sigma_t,
+            face,
+            point,
+            normal,
+            plane_normal: fitted * side,
+            plane_point: point + height * fitted,
+            eye,
+            place: at,
+            across,
+            slope,
+            length,
+        }
+    }
+
+    pub(super) fn layers(&self) -> &[Layer] {
+        &self.state.data.beneath[self.layering.first_layer as usize..][..self.layering.layers as usize]
+    }
+
+    /// Depths of the lower interfaces below a place that lies off P by `offset`; without end beyond the last one.
+    pub(super) fn depths(&self, offset: DVec3) -> Depths {
+        self.depths_of(self.place + DVec2::new(self.across[0].dot(offset), self.across[1].dot(offset)))
+    }
+
+    /// The same at a place in the maps.
+    pub(super) fn depths_of(&self, place: DVec2) -> Depths {
+        let [width, height] = self.layering.size;
+        let at = place * DVec2::new(width.into(), height.into()) - 0.5;
+        let (left, top) = (at.x.floor(), at.y.floor());
+        let column = |i: f64| texel(i as i64, width, self.layering.wrap);
+        let row = |i: f64| texel(i as i64, height, self.layering.wrap) * width;
+        let corners = [(left, top), (left + 1.0, top), (left, top + 1.0), (left + 1.0, top + 1.0)];
+        let corners = corners.map(|(x, y)| self.layering.first_texel + row(y) + column(x));
+        let [right, below] = [at.x - left, at.y - top];
+        let weights = [(1.0 - right) * (1.0 - below), right * (1.0 - below), (1.0 - right) * below, right * below];
+        let mut depths = [f64::INFINITY; 16];
+        for (layer, depth) in depths.iter_mut().enumerate().take(self.layering.layers as usize) {
+            let map = layer as u32 / 4 * width * height;
+            let of = |corner: u32| f64::from(self.state.data.depths[(corner + map) as usize][layer % 4]);
+            *depth = corners.iter().zip(weights).map(|(&corner, weight)| weight * of(corner)).sum();
+        }
+        depths
+    }
+
+    /// Of a light at the place so far along the ray: what arrives but for the dimming, the depth of its leg, and the cosine
+    /// that the phase function takes. `depths` are those at that place.
+    fn light(&self, light: &Light, t: f64, depths: &Depths) -> (DVec3, DVec3, f64) {
+        let place = self.point - t * self.eye;
+        let (toward, falloff) = arrival(light, place);
+
+        // The plane between the tangent one and the fitted one, and where light comes through it.
+        let share = t / self.length;
+        let normal = self.normal.lerp(self.plane_normal, share).normalize_or_zero();
+        let depth = (self.point.lerp(self.plane_point, share) - place).dot(normal).max(0.0);
+        let cosine = normal.dot(toward).max(LEAST_COSINE);
+        let entry = self.depths(place + toward * (depth / cosine) - self.point);
+
+        let sigma_t = &self.sigma_t[..self.layering.layers as usize];
+        let dimmed = optical_depth(sigma_t, |j| 0.5 * (depths[j] + entry[j]), depth, cosine);
+        (self.transmitted(cosine) * falloff, dimmed, toward.dot(self.eye))
+    }
+
+    /// Fresnel transmittance, where it is asked for.
+    fn transmitted(&self, cosine: f64) -> DVec3 {
+        if self.layering.fresnel == 0 {
+            return DVec3::ONE;
+        }
+        let eta = self.state.data.frame[self.layering.object as usize].eta;
+        DVec3::from_array(eta.map(|eta| transmittance(eta.into(), cosine)))
+    }
+
+    fn layer(&self, t: f64, depths: &Depths) -> usize {
+        depths.iter().filter(|&&depth| self.slope * t >= depth).count()
+    }
+
+    fn depths_at(&self, t: f64) -> Depths {
+        self.depths(-t * self.eye)
+    }
+
+    /// The parts of the ray, each within one layer and one step.
+    fn parts(&self) -> Vec<Part> {
+        let steps = self.layering.samples;
+        let at = |i: u32| self.length * f64::from(i) / f64::from(steps);
+        let mut parts = Vec::new();
+        let mut before = self.depths_at(0.0);
+        for i in 0..steps {
+            let (from, to) = (at(i), at(i + 1));
+            let after = self.depths_at(to);
+            let (mut now, last) = (self.layer(from, &before), self.layer(to, &after));
+            let crossing = |interface: usize| {
+                let (a, b) = (self.slope * from - before[interface], self.slope * to - after[interface]);
+                (a / (a - b)).clamp(0.0, 1.0)
+            };
+            let within = |share: f64| -> (f64, Depths) {
+                let depths = std::array::from_fn(|j| {
+                    if before[j] < 1e30 { before[j] + (after[j] - before[j]) * share } else { f64::INFINITY }
+                });
+                (from + (to - from) * share, depths)
+            };
+            let mut share = 0.0;
+            while now != last {
+                let next = crossing(if now < last { now } else { now - 1 }).max(share);
+                parts.push(Part { from: within(share), to: within(next), layer: now });
+                (share, now) = (next, if now < last { now + 1 } else { now - 1 });
+            }
+            parts.push(Part { from: within(share), to: (to, after), layer: now });
+            before = after;
+        }
+        parts
+    }
+
+    /// What a light gives, of intensity 1, in closed form part by part.
+    fn exact(&self, light: &Light, parts: &[Part]) -> DVec3 {
+        let (layers, henyey) = (self.layers(), self.layering.henyey != 0);
+        let (mut sum, mut above) = (DVec3::ZERO, DVec3::ZERO);
+        for part in parts {
+            let layer = &layers[part.layer.min(layers.len() - 1)];
+            let (length, g) = (part.to.0 - part.from.0, f64::from(layer.g));
+            let below = above + wide(layer.sigma_t) * length;
+            if part.layer < layers.len() {
+                let [a, b] = [&part.from, &part.to].map(|(t, depths)| self.light(light, *t, depths));
+                let (p, q) = (a.0 * phase(henyey, g, a.2), b.0 * phase(henyey, g, b.2));
+                let (near, far) = (above + a.1, below + b.1);
+                let channel = |c: usize| segment(p[c], q[c], near[c], far[c]);
+                sum += wide(layer.sigma_s) * DVec3::new(channel(0), channel(1), channel(2)) * length;
+            }
+            above = below;
+        }
+        sum
+    }
+
+    /// The same by the left rule.
+    fn paper(&self, light: &Light) -> DVec3 {
+        let (layers, henyey) = (self.layers(), self.layering.henyey != 0);
+        let step = self.length / f64::from(self.layering.samples);
+        let (mut sum, mut dimmed) = (DVec3::ZERO, DVec3::ONE);
+        for i in 0..=self.layering.samples {
+            let t = step * f64::from(i);
+            let depths = self.depths_at(t);
+            let number = self.layer(AT_LEAST * t, &depths);
+            let layer = &layers[number.min(layers.len() - 1)];
+            if number < layers.len() {
+                let (arrives, depth, cosine) = self.light(light, t, &depths);
+                let p = phase(henyey, layer.g.into(), cosine);
+                sum += wide(layer.sigma_s) * arrives * (-depth).exp() * dimmed * (p * step);
+            }
+            dimmed *= (-wide(layer.sigma_t) * step).exp();
+        }
+        sum
+    }
+
+    /// Light towards the eye, internal units.
+    pub fn radiance(&self) -> DVec3 {
+        if self.length <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let data = &self.state.data;
+        let lights = data.beams.iter().filter(|light| reaches(data, light, self.face));
+        let parts = if self.layering.paper == 0 { self.parts() } else { Vec::new() };
+        let one = |light| if self.layering.paper == 0 { self.exact(light, &parts) } else { self.paper(light) };
+        let sum: DVec3 = lights.map(|light| one(light) * wide(light.color)).sum();
+        sum * self.transmitted(self.normal.dot(self.eye).abs())
+    }
+}
+
+/// A part of a ray within one layer: where it begins and ends, and the depths of the interfaces there.
+struct Part {
+    from: (f64, Depths),
+    to: (f64, Depths),
+    layer: usize,
+}

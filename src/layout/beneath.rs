@@ -1,0 +1,55 @@
+//! The structs of layers beneath a surface, shared by host and device.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::{Element, Record, Word};
+
+records! { layer_records:
+    /// The layers of one object. Lengths are internal.
+    Layering {
+        /// The object.
+        object: u32,
+        /// Its first layer in `beneath`.
+        first_layer: u32,
+        /// Number of its layers, 1 to 16.
+        layers: u32,
+        /// Its first texel in `depths`.
+        first_texel: u32,
+        /// Width and height of its depth maps, in texels.
+        size: [u32; 2],
+        /// What they are beyond their edges: 0 the same again, 1 their outermost texels, 2 the same mirrored.
+        wrap: u32,
+        /// Steps along a ray.
+        samples: u32,
+        /// The greatest depth of the last layer's lower interface.
+        deepest: f32,
+        /// How long a ray is followed at most.
+        reach: f32,
+        /// Not 0 where light is summed by the left rule.
+        paper: u32,
+        /// Not 0 where phase functions are Henyey's and Greenstein's, 0 where Schlick's.
+        henyey: u32,
+        /// Not 0 where light is multiplied by the Fresnel transmittance where it enters and leaves.
+        fresnel: u32,
+    }
+    /// A layer, per internal length.
+    Layer {
+        /// Scattering coefficient.
+        sigma_s: [f32; 3],
+        /// Extinction coefficient.
+        sigma_t: [f32; 3],
+        /// The phase function's parameter.
+        g: f32,
+    }
+    /// The vertices of a cluster; each vertex belongs to the first triangle of those round it.
+    Crowd {
+        /// Their number.
+        count: f32,
+        /// Their centroid.
+        center: [f32; 3],
+        /// Sum of squares about it: xx, yy, zz.
+        diagonal: [f32; 3],
+        /// Sum of products about it: yz, zx, xy.
+        mixed: [f32; 3],
+    }
+}

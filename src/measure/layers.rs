@@ -1,0 +1,137 @@
+//! What the march through layers costs and errs: both rules of integration, by their samples, and each approximation alone.
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::gpu::Device;
+use crate::layers::relief::{Kept, full};
+use crate::render::plan::{Change, Options, Transport};
+use crate::render::run::{Room, Session};
+use crate::scene::{Integration, Scene, Surface};
+use crate::state::State;
+
+/// Midpoints of the reference along a view ray, and along each way of light.
+const STEPS: u32 = 240;
+const LEGS: u32 = 40;
+/// Steps of the march that counts as converged.
+const CONVERGED: u32 = 1000;
+
+/// One rule with so many samples.
+#[derive(Clone, Debug)]
+pub struct Line {
+    /// The rule.
+    pub rule: Integration,
+    /// Its samples.
+    pub samples: u32,
+    /// Relative L2 error against the same march, exact rule, 1000 samples: of the integration alone.
+    pub integration: f64,
+    /// Relative L2 error against the layered volume itself.
+    pub total: f64,
+    /// Milliseconds of stage `relief`, the least of the frames.
+    pub relief: f64,
+    /// Milliseconds of all that a new view takes, likewise.
+    pub view: f64,
+}
+
+/// A scene of which nothing is seen but what scatters in layers.
+fn bare(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    scene.camera.background = [0.0; 3];
+    for object in &mut scene.objects {
+        object.material.surface = Surface::default();
+        object.material.opaque = object.material.opaque.map(|_| [0.0; 3]);
+    }
+    scene
+}
+
+fn with(scene: &Scene, rule: Integration, samples: u32) -> Scene {
+    let mut scene = scene.clone();
+    for layers in scene.objects.iter_mut().filter_map(|object| object.material.layers.as_mut()) {
+        (layers.integration, layers.samples) = (rule, samples);
+    }
+    scene
+}
+
+fn session(scene: &Scene, device: Option<&Device>) -> Result<Session> {
+    let options = Options { transport: Transport::None, ..Options::default() };
+    let mut session = Session::new(scene, device, options, Room::default())?;
+    session.frame(Change::EVERYTHING)?;
+    Ok(session)
+}
+
+/// At most `most` pixels that show an object with layers, evenly spread over them.
+fn shown(state: &State, most: usize) -> Vec<usize> {
+    let all: Vec<usize> =
+        (0..state.data.hits.len()).filter(|&pixel| full(state, pixel, Kept::default(), 0, 0).is_some()).collect();
+    let step = all.len().div_ceil(most.max(1)).max(1);
+    all.into_iter().skip(step / 2).step_by(step).collect()
+}
+
+/// Root of the sum of squared differences over that of the reference.
+fn l2(found: &[[f64; 3]], reference: &[[f64; 3]]) -> f64 {
+    let square = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
+    let apart = square(&mut found.iter().flatten().zip(reference.iter().flatten()).map(|(a, b)| a - b));
+    (apart / square(&mut reference.iter().flatten().copied()).max(1e-300)).sqrt()
+}
+
+fn at(session: &mut Session, pixels: &[usize]) -> Result<Vec<[f64; 3]>> {
+    let picture = session.picture()?;
+    Ok(pixels.iter().map(|&pixel| picture.pixels[pixel].map(f64::from)).collect())
+}
+
+/// The layered volume itself at these pixels, but for what is kept of the march.
+fn reference(state: &State, pixels: &[usize], kept: Kept) -> Vec<[f64; 3]> {
+    pixels.par_iter().filter_map(|&pixel| full(state, pixel, kept, STEPS, LEGS)).collect()
+}
+
+/// Both rules with each of these numbers of samples: errors at up to `pixels` pixels, times over `repeat` frames.
+pub fn rules(
+    scene: &Scene,
+    device: Option<&Device>,
+    samples: &[u32],
+    pixels: usize,
+    repeat: usize,
+) -> Result<Vec<Line>> {
+    let scene = bare(scene);
+    let host = session(&with(&scene, Integration::Exact, 1), None)?;
+    let pixels = shown(host.state(), pixels);
+    let truth = reference(host.state(), &pixels, Kept::default());
+    let converged = at(&mut session(&with(&scene, Integration::Exact, CONVERGED), device)?, &pixels)?;
+    let mut lines = Vec::new();
+    for rule in [Integration::Paper, Integration::Exact] {
+        for &samples in samples {
+            let mut session = session(&with(&scene, rule, samples), device)?;
+            let (mut relief, mut view) = (f64::INFINITY, f64::INFINITY);
+            for _ in 0..repeat.max(1) {
+                let times = session.frame(Change::VIEW)?;
+                let sum = |name: &str| -> f64 {
+                    times.iter().filter(|step| step.name.contains(name)).map(|step| step.milliseconds).sum()
+                };
+                (relief, view) = (relief.min(sum("relief")), view.min(sum("")));
+            }
+            let found = at(&mut session, &pixels)?;
+            let (integration, total) = (l2(&found, &converged), l2(&found, &truth));
+            lines.push(Line { rule, samples, integration, total, relief, view });
+        }
+    }
+    Ok(lines)
+}
+
+/// Each approximation of the march by itself, all together, and the march itself, which has all of them: its name, and its relative L2 error against the layered
+/// volume at up to `pixels` pixels.
+pub fn approximations(scene: &Scene, pixels: usize) -> Result<Vec<(&'static str, f64)>> {
+    let host = session(&with(&bare(scene), Integration::Exact, 1), None)?;
+    let pixels = shown(host.state(), pixels);
+    let none = Kept::default();
+    let truth = reference(host.state(), &pixels, none);
+    let cases = [
+        ("planar entry alone", Kept { planar_entry: true, ..none }),
+        ("averaged thickness alone", Kept { mean_depths: true, ..none }),
+        ("depth and place in tangent space alone", Kept { tangent_space: true, ..none }),
+        ("all three", Kept { planar_entry: true, mean_depths: true, tangent_space: true }),
+    ];
+    let mut errors = cases.map(|(name, kept)| (name, l2(&reference(host.state(), &pixels, kept), &truth))).to_vec();
+    let march = at(&mut session(&with(&bare(scene), Integration::Exact, CONVERGED), None)?, &pixels)?;
+    errors.push(("the march itself, converged", l2(&march, &truth)));
+    Ok(errors)
+}

@@ -1,0 +1,145 @@
+//! Depth maps from meshes: at each place of a surface's texture coordinates, how far below it another surface lies (Francois
+//! et al. 2006, section 2.1).
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::options::{Options, Transport};
+use super::plan::Change;
+use super::run::{Room, Session};
+use crate::error::{Input, Result};
+use crate::geometry::trace::{UNFINISHED, trace};
+use crate::scene::{Mesh, Scene};
+use crate::state::narrow;
+
+/// Depths of up to four surfaces below another, texel by texel, rows from the top.
+pub struct Baked {
+    /// Scene units; channels of surfaces that are not there are 0.
+    pub depths: Vec<[f64; 4]>,
+    /// The greatest of them, above 0.
+    pub deepest: f64,
+    /// Texels that lie in a triangle's texture coordinates; the others have what is nearest to them.
+    pub covered: usize,
+    /// Rays that met nothing: there the surface is as deep as the deepest.
+    pub missed: usize,
+}
+
+/// A mesh ready for rays.
+fn ready(scene: &Scene) -> Result<Session> {
+    let options = Options { transport: Transport::None, ..Options::default() };
+    let mut session = Session::new(scene, None, options, Room::default())?;
+    session.frame(Change::EVERYTHING)?;
+    Ok(session)
+}
+
+/// A vertex's normal: that of the summed vector areas round it.
+fn normals(mesh: &Mesh) -> Vec<DVec3> {
+    let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
+    for (face, corners) in mesh.triangles.iter().enumerate() {
+        if let Some([a, b, c]) = mesh.corners(face) {
+            corners.iter().for_each(|&v| sums[v as usize] += (b - a).cross(c - a));
+        }
+    }
+    sums.into_iter().map(DVec3::normalize_or_zero).collect()
+}
+
+/// Texels whose centres lie in a triangle's places, whole repetitions taken off, and the weights of its corners there.
+fn texels([width, height]: [u32; 2], uvs: &[[f64; 2]; 3]) -> Vec<(usize, [f64; 3])> {
+    let size = DVec2::new(width.into(), height.into());
+    let [a, b, c] = uvs.map(|[u, v]| DVec2::new(u, 1.0 - v) * size - 0.5);
+    let area = (b - a).perp_dot(c - a);
+    if area == 0.0 {
+        return Vec::new();
+    }
+    let (low, high) = (a.min(b).min(c).ceil(), a.max(b).max(c).floor());
+    let mut found = Vec::new();
+    for y in low.y as i64..=high.y as i64 {
+        for x in low.x as i64..=high.x as i64 {
+            let p = DVec2::new(x as f64, y as f64);
+            let weights = [(b - p).perp_dot(c - p), (c - p).perp_dot(a - p), (a - p).perp_dot(b - p)].map(|w| w / area);
+            if weights.iter().all(|&w| w >= -1e-9) {
+                let [x, y] = [x.rem_euclid(width.into()), y.rem_euclid(height.into())];
+                found.push(((y * i64::from(width) + x) as usize, weights));
+            }
+        }
+    }
+    found
+}
+
+/// Depths below the first object of `outer`, which has texture coordinates, of the first objects of up to four `inner`
+/// scenes in the same unit, each at least as deep as the one before.
+pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2]) -> Result<Baked> {
+    let mesh = &outer.objects[0].mesh;
+    let uvs = mesh.uvs.as_deref().unwrap_or_default();
+    let sessions = inner.iter().map(ready).collect::<Result<Vec<_>>>()?;
+    let below: Vec<_> = sessions.iter().map(|session| (&session.state().data, session.units())).collect();
+    let (normals, places) = (normals(mesh), size[0] as usize * size[1] as usize);
+
+    // A ray down from each texel's place.
+    let down = |at: DVec3, normal: DVec3| -> [f64; 4] {
+        std::array::from_fn(|k| {
+            let Some((data, units)) = below.get(k) else { return 0.0 };
+            let hit = trace(data, narrow(units.inside(at)), narrow(-normal));
+            if hit.face >= UNFINISHED {
+                f64::INFINITY
+            } else {
+                f64::from(hit.numerator / hit.denominator) / units.length
+            }
+        })
+    };
+    let of_face = |face: usize| -> Vec<(usize, [f64; 4])> {
+        let corners = mesh.triangles[face].map(|v| v as usize);
+        let mix = |values: &[DVec3], weights: [f64; 3]| -> DVec3 {
+            corners.iter().zip(weights).map(|(&v, weight)| weight * values[v]).sum()
+        };
+        let found = texels(size, &uvs[face]);
+        let depth = |w: [f64; 3]| down(mix(&mesh.positions, w), mix(&normals, w).normalize_or_zero());
+        found.into_iter().map(|(texel, weights)| (texel, depth(weights))).collect()
+    };
+    let faces: Vec<_> = (0..uvs.len()).into_par_iter().map(of_face).collect();
+    let mut depths: Vec<Option<[f64; 4]>> = vec![None; places];
+    for (texel, depth) in faces.into_iter().flatten() {
+        depths[texel].get_or_insert(depth);
+    }
+    let covered = depths.iter().flatten().count();
+    let finite = depths.iter().flatten().flatten().copied().filter(|depth| depth.is_finite());
+    let deepest = finite.fold(0.0, f64::max);
+    if deepest <= 0.0 {
+        let fault = Input::new("no ray down from the outer surface meets an inner one");
+        return Err(fault.expected("inner surfaces within the outer one, which has texture coordinates").into());
+    }
+
+    // Where nothing was met, and where nothing is: the deepest, and what is nearest.
+    let missed = depths.iter().flatten().filter(|depth| depth.iter().any(|d| d.is_infinite())).count();
+    for depth in depths.iter_mut().flatten() {
+        let mut before = 0f64;
+        for d in depth.iter_mut().take(inner.len()) {
+            before = before.max(d.min(deepest));
+            *d = before;
+        }
+    }
+    Ok(Baked { depths: spread(depths, size), deepest, covered, missed })
+}
+
+/// Gives each empty texel what its neighbours have, ring after ring, round the edges.
+fn spread(mut depths: Vec<Option<[f64; 4]>>, [width, height]: [u32; 2]) -> Vec<[f64; 4]> {
+    let (w, h) = (width as usize, height as usize);
+    let around = |k: usize| {
+        let (x, y) = (k % w, k / w);
+        [y * w + (x + 1) % w, y * w + (x + w - 1) % w, (y + 1) % h * w + x, (y + h - 1) % h * w + x]
+    };
+    let mut edge: Vec<usize> = (0..w * h).filter(|&k| depths[k].is_some()).collect();
+    while !edge.is_empty() {
+        let mut next = Vec::new();
+        for k in edge {
+            for other in around(k) {
+                if depths[other].is_none() {
+                    depths[other] = depths[k];
+                    next.push(other);
+                }
+            }
+        }
+        edge = next;
+    }
+    depths.into_iter().map(Option::unwrap_or_default).collect()
+}

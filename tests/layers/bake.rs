@@ -1,0 +1,85 @@
+//! `milkglass bake-layers`: maps of surfaces whose depths are known.
+
+use super::shell::{bad, folder, good};
+
+/// A square at a height, facing +z, that leans by `slope` along x; with texture coordinates or without.
+fn square(height: f64, slope: f64, textured: bool) -> String {
+    let corner = |x: f64, y: f64| format!("v {x} {y} {}\n", height + slope * x);
+    let corners = [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)].map(|(x, y)| corner(x, y)).concat();
+    match textured {
+        true => format!("{corners}vt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n"),
+        false => format!("{corners}f 1 2 3\nf 1 3 4\n"),
+    }
+}
+
+#[test]
+fn a_map_holds_the_depths_of_the_surfaces_below() {
+    let files = [
+        ("skin.obj", square(0.0, 0.0, true)),
+        ("flesh.obj", square(-1.0, -0.5, false)),
+        ("bone.obj", square(-1.5, 0.0, false)),
+    ];
+    let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (*name, text.as_str())).collect();
+    let here = folder(&files);
+    for (name, word) in [("a.png", "bright"), ("a.exr", "dark")] {
+        let (out, _) =
+            good(&here, &format!("bake-layers skin.obj flesh.obj bone.obj -o {name} --size 32x8 --depth {word}"));
+        assert!(out.starts_with(&format!("maps = [\"{name}\"]\ndepth = \"{word}\"\nscale = 1.9")), "{out}");
+        let scale: f64 = out.lines().nth(2).unwrap().trim_start_matches("scale = ").parse().unwrap();
+        // Triangles cover the left half; the rest has what is nearest, round the edge too.
+        assert!(out.contains("# 128 of 256 texels are covered by triangles, 0 rays met nothing"), "{out}");
+        let image = image::open(here.path().join(name)).map(|image| image.into_rgba32f());
+        let texel = |x: u32, y: u32| -> [f32; 4] {
+            match &image {
+                Ok(image) => image.get_pixel(x, y).0,
+                Err(_) => exr_texel(&here.path().join(name), x as usize, y as usize),
+            }
+        };
+        for (x, y) in [(0, 0), (5, 3), (15, 7), (18, 2)] {
+            let place = 2.0 * (f64::from(x.min(15)) + 0.5) / 16.0;
+            let depths = [1.0 + 0.5 * place, f64::max(1.5, 1.0 + 0.5 * place)];
+            for (value, depth) in texel(x, y).iter().zip(depths) {
+                let share = if word == "bright" { depth / scale } else { 1.0 - depth / scale };
+                assert!((f64::from(*value) - share).abs() < 2e-5, "{name} ({x}, {y}): {value}, not {share}");
+            }
+        }
+        // It can be used as it is.
+        let scene = format!(
+            "[[light]]\ntype = 'directional'\ndirection = [0, 0, 1]\nirradiance = 1\n[camera]\nsize = [8, 8]\n\
+             [[object]]\nmesh = 'skin.obj'\n[object.material.layers]\n{out}layer = [{{ sigma_s = 1, sigma_t = 2 }}, \
+             {{ sigma_s = 1, sigma_t = 1 }}]\n"
+        );
+        std::fs::write(here.path().join("a.toml"), scene).unwrap();
+        let (_, err) = good(&here, "render a.toml -o b.png --device cpu");
+        assert!(!err.contains("depths lay above"), "{err}");
+    }
+}
+
+fn exr_texel(path: &std::path::Path, x: usize, y: usize) -> [f32; 4] {
+    let image = exr::prelude::read_first_rgba_layer_from_file(
+        path,
+        |size, _| (size.width(), vec![[0f32; 4]; size.area()]),
+        |(width, pixels), at, (r, g, b, a): (f32, f32, f32, f32)| pixels[at.y() * *width + at.x()] = [r, g, b, a],
+    );
+    let (width, pixels) = image.unwrap().layer_data.channel_data.pixels;
+    pixels[y * width + x]
+}
+
+#[test]
+fn what_cannot_be_baked_is_an_error() {
+    let (skin, above, bare) = (square(0.0, 0.0, true), square(1.0, 0.0, false), square(0.0, 0.0, false));
+    let here = folder(&[("skin.obj", &skin), ("above.obj", &above), ("bare.obj", &bare)]);
+    let cases = [
+        ("bake-layers skin.obj above.obj -o a.png", "no ray down from the outer surface meets an inner one"),
+        ("bake-layers bare.obj above.obj -o a.png", "bare.obj"),
+        ("bake-layers skin.obj gone.obj -o a.png", "gone.obj: there is no such mesh file"),
+        (
+            "bake-layers skin.obj above.obj -o a.jpg",
+            "-o: a map's name says its format; found a.jpg; expected .png or .exr",
+        ),
+        ("bake-layers skin.obj above.obj -o a.png --size 0x9", "--size: not the size of a map; found 0x9"),
+    ];
+    for (line, message) in cases {
+        bad(&here, line, 2, &[message]);
+    }
+}

@@ -1,0 +1,120 @@
+//! Plans with and without layers, and what is done again when something changes.
+
+use milkglass::layout::Slot;
+use milkglass::render::plan::{Change, Options, Transport};
+use milkglass::render::run::Session;
+
+use super::{scene, session};
+
+const LAYERS: &str = "object.0.material.layers={ samples = 5, layer = [\
+    { sigma_s = [2, 1, 1], sigma_t = [2.6, 1.6, 1.6], g = 0.25, thickness = 0.5 }, \
+    { sigma_s = 1, sigma_t = 1.5, g = 0.5, thickness = 2 }] }";
+const SMALL: [&str; 2] = ["object.0.detail=3", "camera.size=[40, 40]"];
+const OWN: [Slot; 6] = [Slot::layerings, Slot::beneath, Slot::depths, Slot::beams, Slot::crowds, Slot::planes];
+
+fn picture(session: &mut Session) -> Vec<[f32; 3]> {
+    session.picture().unwrap().pixels
+}
+
+#[test]
+fn a_scene_without_layers_has_no_trace_of_them() {
+    let bare = session(&scene("sphere", &SMALL), Options::default());
+    for name in ["plane_fit", "relief"] {
+        assert!(!bare.plan.stages.iter().any(|stage| stage.name == name));
+        assert!(bare.plan.left_out.contains(&(name, "no material has layers".to_string())));
+    }
+    assert!(OWN.iter().all(|&slot| bare.state().data.bytes(slot).is_empty()));
+
+    let layered = session(&scene("sphere", &[&SMALL[..], &[LAYERS]].concat()), Options::default());
+    assert!(OWN.iter().all(|&slot| !layered.state().data.bytes(slot).is_empty()));
+    // Nor has one whose radiosity alone is wanted.
+    let options = Options { goal: milkglass::render::plan::Goal::Radiosity, ..Options::default() };
+    let solved = session(&scene("sphere", &[&SMALL[..], &[LAYERS]].concat()), options);
+    assert!(OWN.iter().all(|&slot| solved.state().data.bytes(slot).is_empty()));
+}
+
+#[test]
+fn light_beneath_the_surface_is_added_to_what_any_transport_gives() {
+    let layered = scene("sphere", &[&SMALL[..], &[LAYERS]].concat());
+    let with = |transport| Options { transport, ..Options::default() };
+    let alone = picture(&mut session(&layered, with(Transport::None)));
+    assert!(alone.iter().flatten().any(|&x| x > 0.01));
+    for transport in [Transport::Hierarchy, Transport::Octree, Transport::Brute] {
+        let both = picture(&mut session(&layered, with(transport)));
+        let without = picture(&mut session(&scene("sphere", &SMALL), with(transport)));
+        for ((both, without), alone) in both.iter().zip(&without).zip(&alone) {
+            // Where nothing is hit both show the background.
+            let shown = layered.camera.background.map(|x| x as f32) != *both;
+            let fits = (0..3).all(|c| (both[c] - without[c] - alone[c]).abs() <= 1e-6 * (1.0 + both[c]));
+            assert!(!shown || fits, "{transport:?}: {both:?} {without:?} {alone:?}");
+        }
+    }
+    let none = session(&scene("sphere", &SMALL), with(Transport::None));
+    let why = none.plan.left_out.iter().find(|(name, _)| *name == "gather");
+    assert_eq!(why, Some(&("gather", "no light is to be carried".to_string())));
+}
+
+#[test]
+fn planes_are_fitted_again_only_where_the_shape_changes() {
+    let sets = [&SMALL[..], &[LAYERS, "object.0.deform=[{ type = 'twist', angle = 40 }]"]].concat();
+    let first = scene("sphere", &sets);
+    let mut kept = session(&first, Options::default());
+    let ran = |session: &mut Session, change: Change| -> Vec<String> {
+        session.frame(change).unwrap().into_iter().map(|step| step.name).collect()
+    };
+    for change in [Change::LIGHT, Change::VIEW, Change::RESUM] {
+        let names = ran(&mut kept, change);
+        assert!(names.contains(&"relief".to_string()) && !names.contains(&"plane_fit".to_string()), "{names:?}");
+    }
+    // Another shape, other lights, another view: the frame that a new session makes.
+    let more = ["object.0.deform.0.angle=140", "light.0.direction=[1, 0.2, 0.6]", "camera.position=[9, 4, 44]"];
+    let second = scene("sphere", &[&sets[..], &more].concat());
+    kept.show(&second).unwrap();
+    assert!(ran(&mut kept, Change::default()).contains(&"plane_fit".to_string()));
+    assert_eq!(picture(&mut kept), picture(&mut session(&second, Options::default())));
+    let more = ["object.0.material.layers.layer.0.thickness=0.1"];
+    let third = scene("sphere", &[&sets[..], &more].concat());
+    kept.show(&third).unwrap();
+    kept.frame(Change::default()).unwrap();
+    assert_eq!(picture(&mut kept), picture(&mut session(&third, Options::default())));
+}
+
+#[test]
+fn of_several_objects_each_has_its_own_layers() {
+    let both = [
+        "camera={ position = [0.0, 0.0, 90.0], size = [60, 30], fov = 36 }",
+        "object.0.detail=3",
+        "object.0.position=[-14, 0, 0]",
+        LAYERS,
+        "object.1={ shape = 'sphere', detail = 3, size = 20, position = [14, 0, 0] }",
+        "object.1.material={ layers = { layer = [{ sigma_s = 1, sigma_t = 1, thickness = 3 }] } }",
+        "light.0.shadows=false",
+    ];
+    let all = picture(&mut session(&scene("sphere", &both), Options::default()));
+    let mut first = scene("sphere", &both);
+    let mut second = first.clone();
+    first.objects[1].material.layers = None;
+    second.objects[0].material.layers = None;
+    let [a, b] = [first, second].map(|scene| picture(&mut session(&scene, Options::default())));
+    let (mut left, mut right) = (0, 0);
+    for (pixel, (all, (a, b))) in all.iter().zip(a.iter().zip(&b)).enumerate() {
+        let half = pixel % 60 < 30;
+        assert_eq!(all, if half { a } else { b });
+        left += usize::from(half && a != b);
+        right += usize::from(!half && a != b);
+    }
+    assert!(left > 10 && right > 10, "{left} {right}");
+}
+
+#[test]
+fn an_environment_shines_as_so_many_suns() {
+    // Even light from all around: E on a plane is pi times the radiance, and all suns together give 4 pi.
+    let sky = "light.0={ type = 'environment', radiance = [0.5, 1.0, 2.0] }";
+    let session = session(&scene("sphere", &[&SMALL[..], &[LAYERS, sky]].concat()), Options::default());
+    let (beams, unit) = (&session.state().data.beams, session.units().light);
+    assert_eq!(beams.len(), 32);
+    let sum: f64 = beams.iter().map(|beam| f64::from(beam.color[2]) * unit).sum();
+    assert!((sum / (8.0 * std::f64::consts::PI) - 1.0).abs() < 1e-4, "{sum}");
+    let most = beams.iter().map(|beam| f64::from(beam.color[2]) * unit).fold(0.0, f64::max);
+    assert!(most < 2.0 * sum / 32.0, "{most}");
+}

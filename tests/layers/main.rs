@@ -1,0 +1,27 @@
+//! Layers beneath a surface: against closed forms, in plans, in pictures, and from the command line.
+
+#[path = "../shell/mod.rs"]
+mod shell;
+
+mod bake;
+mod eval;
+mod frames;
+mod inputs;
+mod measured;
+mod slab;
+
+use milkglass::render::plan::{Change, Options};
+use milkglass::render::run::{Room, Session};
+use milkglass::scene::Scene;
+
+/// A built-in scene with these settings.
+fn scene(name: &str, sets: &[&str]) -> Scene {
+    Scene::load(name, &sets.iter().map(|set| set.to_string()).collect::<Vec<_>>()).unwrap()
+}
+
+/// A session on the CPU after its first frame.
+fn session(scene: &Scene, options: Options) -> Session {
+    let mut session = Session::new(scene, None, options, Room::default()).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    session
+}
