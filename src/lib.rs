@@ -15,6 +15,9 @@
 //! 9. `shade`: with which radiance each pixel shines (equation 3); `exit`: times a texture; `reflect`:
 //!    what the surface itself reflects, and `backdrop`: the environment behind the object.
 //!
+//! With `--transport cdrf` or `lambert` steps 3 to 8 have no place: `curvature` follows `refit`, and `cdrf`, perhaps by
+//! `cdrf_table`, or `lambert` takes the place of `shade`.
+//!
 //! Equations and sections are those of Mertens et al. 2003, "Interactive Rendering of Translucent Deformable Objects".
 //!
 //! # The rooms, from the top floor down; arrows point downward only
@@ -24,7 +27,7 @@
 //!   the tables of Mertens et al. beside ours.
 //! - [`render`]: from a scene to the stages it needs, the table of stages, and their run on the CPU or a device.
 //! - [`transport`]: Mertens et al., made to meet an error. [`baseline`]: the same as published, brute force, an octree.
-//!   [`view`]: from radiosity to a picture.
+//!   [`view`]: from radiosity to a picture. [`local`]: shading by the place alone, Kubo et al.
 //! - [`dipole`]: the profile, its derivatives, form factors: the mathematics of both.
 //! - [`light`]: light arriving, and Fresnel's formulas.
 //! - [`geometry`]: from positions to clusters; rays through the same trees.
@@ -49,6 +52,8 @@
 //! - *moments*: sum W, centroid and second moments Q of a cluster's light; *expansion*: a quadratic about a block's centre.
 //! - *chunk*: the receivers linked in one go; *room*: how much fits a list; *hand down*: leave an emitter to the
 //!   receiver's children.
+//! - *kappa*: the curvature that counts for scattering; *sigma_0*: how far light spreads along a surface; *CDRF*: the
+//!   function of the cosine at the surface and sigma = sigma_0 kappa.
 //! - *internal units*: the object has unit extent, the brightest light about unit irradiance; both by powers of two.
 
 #![deny(missing_docs)]
@@ -62,6 +67,7 @@ pub mod gpu;
 pub mod hierarchy;
 pub mod layout;
 pub mod light;
+pub mod local;
 pub mod measure;
 pub mod render;
 pub mod scene;

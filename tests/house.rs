@@ -9,7 +9,7 @@ const FLOORS: &[&[&str]] = &[
     &["command"],
     &["measure"],
     &["render"],
-    &["transport", "baseline", "view"],
+    &["transport", "baseline", "local", "view"],
     &["dipole"],
     &["light"],
     &["geometry"],

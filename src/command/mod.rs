@@ -1,6 +1,7 @@
 //! One thin file per subcommand, and the arguments they share.
 
 mod conform;
+mod device;
 mod devices;
 mod eval;
 mod faces;
@@ -18,11 +19,12 @@ use std::io::Write;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::error::{Error, Input, Result};
-use crate::gpu::{Adapter, Device, Instance};
+use crate::gpu::Device;
 use crate::hierarchy::face_cluster::Method;
 use crate::render::plan::{Mode, Options, Transport};
 use crate::render::run::{Room, Session};
 use crate::scene::Scene;
+use device::DeviceArgument;
 
 #[derive(Parser)]
 #[command(name = "milkglass", version, about = "Renders translucent things in Vulkan compute, proved against the CPU")]
@@ -107,13 +109,6 @@ struct RunArguments {
     transport: TransportArgument,
 }
 
-#[derive(Args)]
-struct DeviceArgument {
-    /// `cpu`, a device's number in `milkglass devices`, or a part of its name [default: the best Vulkan device].
-    #[arg(long, value_name = "DEVICE")]
-    device: Option<String>,
-}
-
 #[derive(Clone, Copy, Default, ValueEnum)]
 enum ModeArgument {
     /// Everything from scratch in each frame.
@@ -132,6 +127,10 @@ enum TransportArgument {
     Octree,
     /// Every face to every face.
     Brute,
+    /// None: the curvature-dependent reflectance function of Kubo et al. 2010, at each pixel.
+    Cdrf,
+    /// None: Lambert's cosine, at each pixel.
+    Lambert,
 }
 
 impl RunArguments {
@@ -141,6 +140,8 @@ impl RunArguments {
                 TransportArgument::Hierarchy => Transport::Hierarchy,
                 TransportArgument::Octree => Transport::Octree,
                 TransportArgument::Brute => Transport::Brute,
+                TransportArgument::Cdrf => Transport::Cdrf,
+                TransportArgument::Lambert => Transport::Lambert,
             },
             mode: match self.mode {
                 ModeArgument::OnTheFly => Mode::OnTheFly,
@@ -149,56 +150,6 @@ impl RunArguments {
             ..Options::default()
         }
     }
-}
-
-impl DeviceArgument {
-    /// The device asked for, or the best; `None` is the CPU.
-    fn open(&self, validation: bool) -> Result<Option<Device>> {
-        let wish = self.device.as_deref();
-        if wish.is_some_and(|wish| wish.eq_ignore_ascii_case("cpu")) {
-            return Ok(None);
-        }
-        let found = Instance::open(validation).and_then(|instance| Ok((instance.adapters()?, instance)));
-        match (wish, found) {
-            (None, Ok((adapters, instance))) => match best(&adapters) {
-                Some(adapter) => Device::open(&instance, adapter).map(Some),
-                None => {
-                    eprintln!("no usable Vulkan device: running on the CPU");
-                    Ok(None)
-                }
-            },
-            (None, Err(error)) if !validation => {
-                eprintln!("running on the CPU: {error}");
-                Ok(None)
-            }
-            (_, Err(error)) => Err(error),
-            (Some(wish), Ok((adapters, instance))) => Device::open(&instance, pick(&adapters, wish)?).map(Some),
-        }
-    }
-}
-
-/// The usable adapter that promises most: discrete, integrated, virtual, then anything.
-fn best(adapters: &[Adapter]) -> Option<&Adapter> {
-    let rank = |adapter: &&Adapter| match adapter.kind {
-        "discrete" => 0,
-        "integrated" => 1,
-        "virtual" => 2,
-        _ => 3,
-    };
-    adapters.iter().filter(|adapter| adapter.unusable.is_none()).min_by_key(rank)
-}
-
-/// The adapter of this number, or the first whose name contains this text.
-fn pick<'a>(adapters: &'a [Adapter], wish: &str) -> Result<&'a Adapter> {
-    let low = wish.to_lowercase();
-    let by_number = wish.parse::<usize>().ok().and_then(|index| adapters.get(index));
-    by_number.or_else(|| adapters.iter().find(|a| !low.is_empty() && a.name.to_lowercase().contains(&low))).ok_or_else(
-        || {
-            let names: Vec<_> = adapters.iter().enumerate().map(|(i, a)| format!("{i} ({})", a.name)).collect();
-            let known = if names.is_empty() { "no Vulkan device is installed".to_string() } else { names.join(", ") };
-            Error::device(format!("looking for device {wish:?}"), format!("there is none; there are cpu, {known}"))
-        },
-    )
 }
 
 /// A session on this device; what there is to say of it goes to standard error.

@@ -63,6 +63,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let found = arguments.output.display();
         return Err(Input::new("only OpenEXR has layers").key("--aov").found(found).expected("-o FILE.exr").into());
     }
+    if aov {
+        arguments.run.options().carries("--aov")?;
+    }
     let frames = arguments.frames.as_deref().map(|text| sequence::parse(text, &arguments.output)).transpose()?;
     let size = arguments.size.as_deref().map(parse_size).transpose()?;
     let pick = arguments.pick.as_deref().map(parse_pick).transpose()?;
@@ -74,7 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     if pick.is_some() {
         if options.transport != Transport::Hierarchy {
-            let found = "--transport octree or brute";
+            let found = "--transport octree, brute, cdrf or lambert";
             return Err(Input::new("only the hierarchy has links").key("--view clusters").found(found).into());
         }
         options.mode = Mode::Render;

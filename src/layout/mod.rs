@@ -246,12 +246,14 @@ macro_rules! buffers {
 mod arriving;
 mod buffers;
 mod lists;
+mod local;
 mod records;
 mod viewing;
 
 pub use arriving::*;
 pub use buffers::*;
 pub use lists::*;
+pub use local::*;
 pub use records::*;
 pub use viewing::*;
 
@@ -259,6 +261,7 @@ pub use viewing::*;
 pub fn records() -> Vec<Record> {
     let mut all = frame_records();
     all.extend(list_records());
+    all.extend(local_records());
     all.extend(light_records());
     all.extend(view_records());
     all

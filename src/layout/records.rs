@@ -102,12 +102,20 @@ records! { frame_records:
         tint: [f32; 3],
         /// chi below which 1 (with second moments), 3, 6 and 12 area points serve.
         ladder: [f32; 4],
+        /// Local shading: standard deviation of the scattering along the surface, per channel, length.
+        sigma_0: [f32; 3],
+        /// Local shading: share of the light that comes back from a flat surface, per channel.
+        diffuse: [f32; 3],
+        /// Local shading: what kappa is, 0 sqrt((k1^2 + k2^2) / 2), 1 |k1 + k2| / 2.
+        kappa: u32,
         /// Nothing.
         padding: [u32; 32],
         /// Nothing.
-        more_padding: [u32; 16],
+        more_padding: [u32; 6],
         /// Nothing.
-        last_padding: [u32; 6],
+        other_padding: [u32; 6],
+        /// Nothing.
+        last_padding: [u32; 3],
     }
     /// A deformation of an object's vertices.
     Deform {

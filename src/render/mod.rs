@@ -5,6 +5,7 @@ mod blocks;
 mod changes;
 pub mod clusters;
 pub mod lights;
+pub mod local;
 pub mod octree;
 pub mod options;
 pub mod plan;

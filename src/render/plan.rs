@@ -3,7 +3,7 @@
 pub use super::options::{Goal, Mode, Options, Transport};
 
 use super::lights::lit;
-use super::reasons::{reason, unestimated, unlit, unpeopled};
+use super::reasons::{delocalized, reason, unestimated, unlit, unpeopled};
 use super::stages::{STAGES, steps};
 use super::textures::untextured;
 use crate::layout::{SLOTS, Slot};
@@ -61,7 +61,10 @@ impl Plan {
         let dark = !lit(state);
         for &stage in STAGES {
             let why = reason(stage.name, options, state.method.scheme, dark);
-            let why = why.or_else(|| unlit(stage.name, state)).or_else(|| untextured(stage.name, state));
+            let why = why
+                .or_else(|| delocalized(stage.name, state))
+                .or_else(|| unlit(stage.name, state))
+                .or_else(|| untextured(stage.name, state));
             match why.or_else(|| unpeopled(stage.name, state)) {
                 None => plan.stages.push(stage),
                 Some(why) => plan.left_out.push((stage.name, why)),
@@ -91,10 +94,12 @@ impl Plan {
         let pixels = state.objects.iter().any(|object| object.by_pixel);
         let runs = |stage: &&'static Stage| match stage.name {
             _ if change.everything => true,
-            "deform" | "refit" => false,
+            "deform" | "refit" | "curvature" | "cdrf_table" => false,
             "visibility" | "points" => change.view,
             "link" | "gather" | "push" if pixels && change.view => true,
-            "shade" | "exit" | "reflect" | "backdrop" => change.view || change.light || change.resum,
+            "shade" | "cdrf" | "lambert" | "exit" | "reflect" | "backdrop" => {
+                change.view || change.light || change.resum
+            }
             name if kept && builds_links(name) => false,
             // The lists of blocks depend on the light.
             "link" if kept => change.light,

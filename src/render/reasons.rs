@@ -1,12 +1,16 @@
 //! Why a stage has no place in the frame of a scene.
 
+use super::lights::lit;
 use super::options::{Goal, Options, Transport};
-use crate::state::{Scheme, State};
+use crate::state::{Local, Scheme, State};
 
 /// Stages of the hierarchy with blocks.
 const BLOCKS: [&str; 6] = ["pull", "level", "radii", "link", "gather", "push"];
 /// Stages of the hierarchy as published.
 const LINKS: [&str; 6] = ["reach", "mean", "refine", "form_factor", "collect", "spread"];
+
+/// Stages of local shading.
+const LOCAL: [&str; 4] = ["curvature", "cdrf_table", "cdrf", "lambert"];
 
 /// Why this stage has no place in the frame, if it has none.
 pub(super) fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -> Option<String> {
@@ -17,8 +21,10 @@ pub(super) fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -
             name,
             "shadow" | "environment" | "irradiance" | "entry" | "points" | "opaque" | "average" | "brute"
         )
+        || LOCAL.contains(&name)
         || matches!(name, "exit" | "reflect");
-    let pictorial = matches!(name, "average" | "visibility" | "points" | "shade" | "exit" | "reflect" | "backdrop");
+    let pictorial = LOCAL.contains(&name)
+        || matches!(name, "average" | "visibility" | "points" | "shade" | "exit" | "reflect" | "backdrop");
     if name == "evaluate" {
         return Some("answers `milkglass eval` only".into());
     }
@@ -28,6 +34,12 @@ pub(super) fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -
     if needs_light && dark {
         return Some("no light shines: every radiosity is zero".into());
     }
+    if options.transport.is_local() && (blocks || links || name == "brute") {
+        return Some("no light is carried: what comes back depends on the place alone".into());
+    }
+    if !options.transport.is_local() && LOCAL.contains(&name) {
+        return Some("light is carried; --transport cdrf or lambert shades by the place alone".into());
+    }
     match options.transport {
         Transport::Hierarchy if name == "brute" => Some("the hierarchy transports the light".into()),
         Transport::Hierarchy if links && scheme == Scheme::Blocks => Some("scheme blocks carries the light".into()),
@@ -36,6 +48,25 @@ pub(super) fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -
             Some("the octree carries the light, in native code on the host".into())
         }
         Transport::Brute if blocks || links && name != "reach" => Some("brute force needs no clusters".into()),
+        _ => None,
+    }
+}
+
+/// Why local shading does without this stage, if it does.
+pub(super) fn delocalized(name: &str, state: &State) -> Option<String> {
+    let local = state.method.local?;
+    let opaque = state.objects.iter().any(|object| object.opaque);
+    let alone = "light is looked at where the pixels are, and no object is opaque";
+    match name {
+        "irradiance" | "entry" | "average" if !opaque => Some(alone.into()),
+        "shade" if !opaque && lit(state) => Some(alone.into()),
+        "shadow" if state.objects.len() == 1 => {
+            Some("an object does not shadow itself in local shading, and there is no other".into())
+        }
+        "curvature" | "cdrf" if local == Local::Lambert => Some("Lambert's cosine knows no curvature".into()),
+        "cdrf_table" if local == Local::Lambert => Some("Lambert's cosine needs no table".into()),
+        "cdrf_table" if local == Local::Closed => Some("transport.cdrf is closed: nothing is looked up".into()),
+        "lambert" if local != Local::Lambert => Some("the CDRF takes its place".into()),
         _ => None,
     }
 }
@@ -79,6 +110,7 @@ pub(super) fn unestimated(state: &State, options: Options) -> Option<&'static st
     match options.transport {
         _ if state.method.estimate => None,
         Transport::Octree => Some("the octree estimates nothing"),
+        Transport::Cdrf | Transport::Lambert => Some("no light is carried whose error could be estimated"),
         Transport::Brute => Some("brute force takes every pair of faces by itself, and estimates nothing"),
         Transport::Hierarchy if state.method.scheme == Scheme::Links => Some("scheme links has none"),
         Transport::Hierarchy => Some("nobody reads it: `solve` that writes or verifies does, and `render --aov`"),

@@ -3,6 +3,7 @@
 use crate::baseline::{brute, collect, form_factor, mean, reach, refine, spread};
 use crate::geometry::{deform, refit};
 use crate::light::{entry, environment, irradiance, opaque, shadow};
+use crate::local::{cdrf, cdrf_table, curvature, lambert};
 use crate::state::{Object, Place, Stage, State, Step, Unit};
 use crate::transport::{average, evaluate, gather, level, link, pull, push, radii};
 use crate::view::{backdrop, exit, points, reflect, shade, visibility};
@@ -12,6 +13,7 @@ use crate::view::{backdrop, exit, points, reflect, shade, visibility};
 pub static STAGES: &[&Stage] = &[
     &deform::STAGE,
     &refit::STAGE,
+    &curvature::STAGE,
     &visibility::STAGE,
     &shadow::STAGE,
     &environment::STAGE,
@@ -33,6 +35,9 @@ pub static STAGES: &[&Stage] = &[
     &opaque::STAGE,
     &average::STAGE,
     &shade::STAGE,
+    &cdrf_table::STAGE,
+    &cdrf::STAGE,
+    &lambert::STAGE,
     &exit::STAGE,
     &reflect::STAGE,
     &backdrop::STAGE,
@@ -46,10 +51,13 @@ pub fn stage(name: &str) -> Option<&'static Stage> {
 }
 
 /// Whether a stage has to do with an object: that light enters or not, whose receivers are pixels or triangles.
-fn serves(stage: &Stage, object: &Object) -> bool {
+fn serves(stage: &Stage, object: &Object, local: bool) -> bool {
     match stage.name {
         "deform" => object.deforms > 0,
-        "refit" | "irradiance" | "entry" => true,
+        "refit" => true,
+        // Of others, light is looked at where the pixels are.
+        "irradiance" | "entry" | "average" if local => object.opaque,
+        "irradiance" | "entry" => true,
         "points" => object.by_pixel,
         "average" => !object.by_pixel,
         name => object.opaque == (name == "opaque"),
@@ -77,7 +85,11 @@ pub fn steps(stages: &[&'static Stage], state: &State) -> Vec<Step> {
             };
             for (group, chunk) in (0..groups).flat_map(|group| (0..chunks).map(move |chunk| (group, chunk))) {
                 let at = Place { object, chunk, group };
-                steps.extend(run.iter().filter(|stage| serves(stage, part)).map(|&stage| Step { stage, at }));
+                steps.extend(
+                    run.iter()
+                        .filter(|stage| serves(stage, part, state.method.local.is_some()))
+                        .map(|&stage| Step { stage, at }),
+                );
             }
         }
         rest = after;

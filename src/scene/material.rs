@@ -46,6 +46,8 @@ pub struct Material {
     pub two_sided: bool,
     /// What its surface does with light.
     pub surface: Surface,
+    /// sigma_0 of the CDRF in scene units, r g b, at least 0; none where it follows from the coefficients.
+    pub sigma_0: Option<[f64; 3]>,
     /// What light is multiplied by where it enters or leaves, if not by 1 everywhere.
     pub texture: Option<Texture>,
 }
@@ -106,8 +108,15 @@ impl Material {
             Some(preset) => preset.name.to_owned(),
         };
         let (fresnel, two_sided) = (file.fresnel, file.two_sided);
-        let (surface, texture) = (Surface::check(file, key)?, Texture::check(file, key)?);
-        Ok(Self { name, sigma_s_prime, sigma_a, eta, opaque: None, fresnel, two_sided, surface, texture })
+        let (surface, texture) = (Surface::check(file, &key)?, Texture::check(file, &key)?);
+        let sigma_0 = match file.sigma_0 {
+            None => None,
+            Some(Rgb(values)) => {
+                let values = values.map(|x| x / (scale * unit_mm));
+                Some(range::channels(&key("sigma_0"), values, |x| x >= 0.0, "numbers of at least 0, mm")?)
+            }
+        };
+        Ok(Self { name, sigma_s_prime, sigma_a, eta, opaque: None, fresnel, two_sided, surface, sigma_0, texture })
     }
 
     /// A material that no light enters: a diffuse surface, refracting only where its index is not 1.
@@ -118,6 +127,7 @@ impl Material {
             ("sigma_a", file.sigma_a.is_some()),
             ("two_sided", file.two_sided),
             ("normalize_exit", file.normalize_exit),
+            ("sigma_0", file.sigma_0.is_some()),
         ];
         if let Some((name, _)) = others.into_iter().find(|(_, given)| *given) {
             let fault = Input::new("an opaque material has no such key").key(key(name));
@@ -139,6 +149,7 @@ impl Material {
             fresnel: file.fresnel,
             two_sided: false,
             surface,
+            sigma_0: None,
             texture,
         })
     }

@@ -92,6 +92,7 @@ impl Pair {
             fresnel: Fresnel::Exact,
             two_sided: false,
             surface: Surface::default(),
+            sigma_0: None,
             texture: None,
         };
         // The receiver may stand in the light, and is not meant to.
