@@ -5,6 +5,7 @@ mod shell;
 
 use devices::on_devices;
 use milkglass::layout::{SLOTS, Slot};
+use milkglass::local::reflectance::zonal;
 use milkglass::render::plan::{Change, Options, Transport};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::Scene;
@@ -152,5 +153,24 @@ fn the_command_line_says_what_local_shading_does_not_tell() {
     ];
     for (set, words) in cases {
         bad(&here, &format!("render sphere --transport cdrf -o c.png --set {set}"), 2, &[words]);
+    }
+}
+
+#[test]
+fn an_environment_counts_by_its_own_factors() {
+    // Light from all around alike: A_0(sigma) of it at every normal, sigma the same all over a ball.
+    let sky = "light.0={ type = 'environment', radiance = 2 }";
+    let ball =
+        ["object.0.detail=5", "object.0.size=20", "object.0.material.eta=1", "object.0.material.sigma_0=[9, 2, 0]"];
+    let mut session = run(&scene("sphere", &[&ball[..], &[sky, "camera.background=0"]].concat(), 0.0), CDRF);
+    let picture = session.picture().unwrap();
+    let frame = session.state().data.frame[0];
+    let seen: Vec<_> = picture.pixels.iter().filter(|pixel| **pixel != [0.0; 3]).collect();
+    assert!(seen.len() > 100);
+    for (c, sigma) in [(0, 0.9), (1, 0.2), (2, 0.0)] {
+        let expected = f64::from(frame.diffuse[c]) / std::f64::consts::PI * zonal(sigma)[0] * 2.0;
+        for pixel in &seen {
+            assert!((f64::from(pixel[c]) / expected - 1.0).abs() < 5e-3, "{c}: {pixel:?} {expected}");
+        }
     }
 }

@@ -5,6 +5,7 @@ mod device;
 mod devices;
 mod eval;
 mod faces;
+mod fit_cdrf;
 mod lists;
 mod pareto;
 mod plan;
@@ -12,6 +13,7 @@ mod render;
 mod sequence;
 mod solve;
 mod stress;
+mod validity;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -49,6 +51,10 @@ enum Command {
     Pareto(pareto::Arguments),
     /// Evaluate form factors or profiles, one a row of a CSV file.
     Eval(eval::Arguments),
+    /// Fit the sigma_0 of `--transport cdrf` to a material: to the dipole, and to a random walk.
+    FitCdrf(fit_cdrf::Arguments),
+    /// Tell where shading by curvature is a good stand-in for the dipole, and where not.
+    Validity(validity::Arguments),
     /// List the Vulkan devices and the CPU back end.
     #[command(after_help = "Example: milkglass devices")]
     Devices,
@@ -240,6 +246,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
         Command::Stress(arguments) => stress::run(&arguments),
         Command::Pareto(arguments) => pareto::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
+        Command::FitCdrf(arguments) => fit_cdrf::run(&arguments),
+        Command::Validity(arguments) => validity::run(&arguments),
         Command::Devices => devices::run(),
         Command::Scenes(arguments) => lists::scenes(&arguments),
         Command::Materials => lists::materials(),

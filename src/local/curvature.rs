@@ -20,9 +20,9 @@ use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit, wide
 
 /// Curvatures within a share of kappa, whose square is the scale of K.
 const FIELDS: &[Field] = &[
-    Field { name: "kappa", relative: 2e-3, floor: 1e-3, of: "" },
-    Field { name: "mean", relative: 2e-3, floor: 1e-3, of: "" },
-    Field { name: "gaussian", relative: 2e-3, floor: 1e-2, of: "" },
+    Field { name: "kappa", relative: 1e-3, floor: 1e-3, of: "" },
+    Field { name: "mean", relative: 1e-3, floor: 1e-3, of: "" },
+    Field { name: "gaussian", relative: 1e-3, floor: 1e-2, of: "" },
 ];
 
 /// The table's entry.
@@ -32,7 +32,7 @@ pub static STAGE: Stage = Stage {
     about: "mean and Gaussian curvature of each vertex, and kappa",
     equation: "Meyer et al. 2003, equations 8 to 10",
     writes: &[(Slot::curvature, Role::Output, Tolerance::Fields(FIELDS))],
-    reason: "sums that cancel: roundings of an edge, 2^-24, over its length squared; a driver's arctangent of 4096 ULP",
+    reason: "sums that cancel: roundings of an edge, 2^-24, over its length squared; angles of 2e-7 over the area",
     unit: Unit::Object,
     cpu,
     gpu,

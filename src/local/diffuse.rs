@@ -21,8 +21,9 @@ use crate::state::{Pass, State, narrow, wide};
 /// The share of the arriving light that goes on to the eye, by the cosine at the surface and sigma.
 pub type Response<'a> = dyn Fn(f64, f64) -> f64 + Sync + 'a;
 
-/// Everything that light gives a pixel, before k_d and what leaves.
-fn received(state: &State, hit: &Hit, place: [DVec3; 2], sigma: DVec3, response: &Response<'_>) -> DVec3 {
+/// Everything that light gives a place and normal on a triangle, before k_d and what leaves.
+#[must_use]
+pub fn received(state: &State, face: usize, place: [DVec3; 2], sigma: DVec3, response: &Response<'_>) -> DVec3 {
     let data = &state.data;
     let [point, normal] = place;
     let of = |cosine: f64| DVec3::from_array([0, 1, 2].map(|c| response(cosine, sigma[c])));
@@ -30,7 +31,7 @@ fn received(state: &State, hit: &Hit, place: [DVec3; 2], sigma: DVec3, response:
     let (mut sum, mut all, mut free) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
     for light in &data.lights {
         let (toward, falloff) = arrival(light, point);
-        let arrives = reaches(data, light, hit.face as usize);
+        let arrives = reaches(data, light, face);
         if light.kind == 5 {
             let weight = harmonics::radiance(&sky, toward) * of(normal.dot(toward));
             all += weight;
@@ -66,7 +67,7 @@ fn pixel(state: &State, hit: &Hit, before: [f32; 3], response: &Response<'_>, be
     if bends {
         kappa = corners.iter().zip(weight).map(|(&v, w)| w * f64::from(data.curvature[v as usize].kappa)).sum();
     }
-    let sum = received(state, hit, [point, normal], wide(frame.sigma_0) * kappa, response);
+    let sum = received(state, hit.face as usize, [point, normal], wide(frame.sigma_0) * kappa, response);
     let toward = (wide(camera.origin) - point).normalize_or_zero();
     let leaves = frame.eta.map(|eta| fresnel::transmittance(eta.into(), normal.dot(toward).abs()));
     let scale = f64::from(camera.radiance) / std::f64::consts::PI;

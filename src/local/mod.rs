@@ -3,7 +3,9 @@
 
 pub mod cdrf;
 pub mod cdrf_table;
+pub mod cdrf_values;
 pub mod curvature;
 pub mod diffuse;
+pub mod fit;
 pub mod lambert;
 pub mod reflectance;

@@ -29,7 +29,7 @@ pub fn cdrf(cosine: f64, sigma: f64) -> f64 {
     let theta = cosine.acos();
     if sigma >= WIDE {
         let sum: f64 = (1..=TERMS).map(|n| term(n, sigma) * (f64::from(2 * n) * theta).cos()).sum();
-        return 1.0 / PI + 0.5 * (-0.5 * sigma * sigma).exp() * cosine + 2.0 / PI * sum;
+        return (1.0 / PI + 0.5 * (-0.5 * sigma * sigma).exp() * cosine + 2.0 / PI * sum).max(0.0);
     }
     // The lit half of the circle, and of the next ones on both sides.
     [-TAU, 0.0, TAU].into_iter().map(|turn| lobe(theta - turn, sigma)).sum()

@@ -17,17 +17,18 @@ pub fn local(settings: &scene::Transport, transport: Transport) -> Option<Local>
     }
 }
 
-/// How far light spreads where nothing is absorbed, and that has no bound: 1000 times the scene's extent.
-const WIDEST: f64 = 1e3;
+/// The most mean free paths that light spreads where the material does not say.
+pub const WIDEST: f64 = 10.0;
 
 /// How far light spreads along the surface where the material does not say: the standard deviation in one direction of the
 /// dipole's profile, sqrt(z / sigma_tr), z the mean of the sources' distances by the light that each gives. Length;
-/// at most [`WIDEST`].
+/// at most [`WIDEST`] mean free paths: where little is absorbed it is the profile's far tail that counts, for which few
+/// objects have room.
 #[must_use]
 pub fn spread(dipole: &Dipole) -> f64 {
     let weights = dipole.depths().map(|z| (-dipole.sigma * z).exp());
     let mean = (weights[0] * dipole.z_real + weights[1] * dipole.z_virtual) / (weights[0] + weights[1]);
-    (mean / dipole.sigma).sqrt().min(WIDEST)
+    (mean / dipole.sigma).sqrt().min(WIDEST * dipole.z_real)
 }
 
 /// sigma_0, the material's own in scene units or else in the dipoles', and k_d: (1 - F_ext) times the dipole's total
@@ -56,5 +57,7 @@ mod tests {
         }
         let expected = (sum / whole).sqrt();
         assert!((spread(&dipole) / expected - 1.0).abs() < 1e-4, "{} {expected}", spread(&dipole));
+        let clear = Dipole::new(2.0, 0.0, 3.0);
+        assert_eq!(spread(&clear), 10.0 * clear.z_real);
     }
 }

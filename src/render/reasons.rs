@@ -25,7 +25,7 @@ pub(super) fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -
         || matches!(name, "exit" | "reflect");
     let pictorial = LOCAL.contains(&name)
         || matches!(name, "average" | "visibility" | "points" | "shade" | "exit" | "reflect" | "backdrop");
-    if name == "evaluate" {
+    if name == "evaluate" || name == "cdrf_values" {
         return Some("answers `milkglass eval` only".into());
     }
     if pictorial && options.goal == Goal::Radiosity {

@@ -3,13 +3,13 @@
 use crate::baseline::{brute, collect, form_factor, mean, reach, refine, spread};
 use crate::geometry::{deform, refit};
 use crate::light::{entry, environment, irradiance, opaque, shadow};
-use crate::local::{cdrf, cdrf_table, curvature, lambert};
+use crate::local::{cdrf, cdrf_table, cdrf_values, curvature, lambert};
 use crate::state::{Object, Place, Stage, State, Step, Unit};
 use crate::transport::{average, evaluate, gather, level, link, pull, push, radii};
 use crate::view::{backdrop, exit, points, reflect, shade, visibility};
 
-/// Every stage, in the order of a frame; the last two are no part of one: `brute` takes the place of
-/// `pull` to `push`, `evaluate` answers `milkglass eval`.
+/// Every stage, in the order of a frame; the last three are no part of one: `brute` takes the place of
+/// `pull` to `push`, `evaluate` and `cdrf_values` answer `milkglass eval`.
 pub static STAGES: &[&Stage] = &[
     &deform::STAGE,
     &refit::STAGE,
@@ -43,6 +43,7 @@ pub static STAGES: &[&Stage] = &[
     &backdrop::STAGE,
     &brute::STAGE,
     &evaluate::STAGE,
+    &cdrf_values::STAGE,
 ];
 
 /// A stage by its name.

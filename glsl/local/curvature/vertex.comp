@@ -5,7 +5,8 @@
 
 // Curvature of a vertex by the triangles round it. The angles' deficit is a small difference of large sums: it is taken
 // triangle by triangle instead, as what the angle is larger by once projected along the normal. Those projected make full
-// turns; how many tells the plain sum.
+// turns; how many tells the plain sum, which serves alone where an edge runs along the normal: at sharp rims, where it is
+// not small.
 READS(frame)
 READS(positions)
 READS(triangles)
@@ -14,6 +15,7 @@ READS(corners)
 READS(normals)
 WRITES(curvature)
 #include "local/curvature/ring.glsl"
+#include "local/curvature/angle.glsl"
 
 const float TURN = 6.28318530717959, COTANGENT = 100.0, SHARPEST = 1e4, SMALLEST = 1e-16;
 
@@ -29,7 +31,7 @@ void main() {
     if (vertex >= frame[0].vertices) return;
     uint self = frame[0].first_vertex + vertex, after = 0, before = 0;
     vec3 normal = normals[vertex], pull = vec3(0), a = positions[self];
-    float area = 0.0, angle = 0.0, deficit = 0.0;
+    float area = 0.0, angle = 0.0, deficit = 0.0, least = 1.0;
     for (uint i = corner_starts[vertex]; i < corner_starts[vertex + 1]; ++i) {
         uvec3 corner = turned(triangles[corners[i]], self);
         after += mark(corner.y);
@@ -49,12 +51,15 @@ void main() {
         vec3 tilt = normal - n * over;
         float lost = 0.5 * dot(tilt, tilt), rise = dot(u, normal) * dot(w, normal);
         float across = twice * (rise - da * lost), along = da * (da - rise) + twice * twice * (1.0 - lost);
-        deficit += whole ? atan(across, along) : 0.0;
-        angle += whole ? atan(twice, da) : 0.0;
+        float up = dot(u, normal), off = dot(w, normal), uu = dot(u, u), ww = dot(w, w);
+        least = min(least, min(1.0 - up * up / max(uu, 1e-37), 1.0 - off * off / max(ww, 1e-37)));
+        deficit += whole ? angle_of(across, along) : 0.0;
+        angle += whole ? angle_of(twice, da) : 0.0;
     }
     Curvature found = Curvature(0.0, 0.0, 0.0, 0.0);
     if (after == before && corner_starts[vertex + 1] > corner_starts[vertex] && area > SMALLEST) {
-        deficit -= TURN * round((deficit - (TURN - angle)) / TURN);
+        float plain = TURN - angle;
+        deficit = least < 0.25 ? plain : deficit - TURN * round((deficit - plain) / TURN);
         // The edges point away from the vertex here.
         float mean = clamp(-dot(pull, normal) / (4.0 * area), -SHARPEST, SHARPEST);
         float gaussian = clamp(deficit / area, -SHARPEST * SHARPEST, SHARPEST * SHARPEST);
