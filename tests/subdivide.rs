@@ -1,6 +1,7 @@
 //! Triangles cut finer where a shadow's border crosses them.
 
 use milkglass::layout::Slot;
+use milkglass::measure::estimate::Quality;
 use milkglass::measure::reference::at;
 use milkglass::render::plan::{Change, Goal, Options};
 use milkglass::render::run::{Room, Session};
@@ -87,13 +88,40 @@ fn the_borders_of_shadows_are_where_they_are() {
 }
 
 #[test]
+fn the_estimate_knows_what_a_border_still_misses() {
+    // One cut leaves much, two leave little.
+    for cuts in [1, 2] {
+        let scene = scene(&["transport.tolerance=1e-2", &format!("transport.subdivide={cuts}")]);
+        let options = Options { estimate: true, ..options() };
+        let mut session = Session::new(&scene, None, options, Room::default()).unwrap();
+        session.frame(Change::EVERYTHING).unwrap();
+        let (places, light) = (session.prepared.places(0), session.units().light);
+        let (data, parts) = (&session.state().data, &session.parts[0]);
+        let [mut errors, mut estimates, mut missed] = [const { Vec::new() }; 3];
+        for (&part, exact) in parts.middle.iter().zip(exact(&scene)) {
+            let place = places[part as usize];
+            let of = |values: &[[f32; 3]]| values[place].map(|x| f64::from(x) * light);
+            let (value, own) = (of(&data.radiosity), of(&data.estimate));
+            errors.push([0, 1, 2].map(|c| (value[c] - exact[c]).abs()));
+            estimates.push([0, 1, 2].map(|c| own[c].hypot(session.missed(place)[c])));
+            missed.push(own);
+        }
+        let counts = vec![1.0; errors.len()];
+        let [with, without] = [&estimates, &missed].map(|estimates| Quality::of(&counts, estimates, &errors));
+        println!("{cuts}: {with:?}, without {without:?}");
+        assert!(with.covered >= 0.999 && with.ratio < 20.0 && with.rank > 0.5, "{with:?}");
+        assert!(cuts == 2 || without.covered < 0.99, "nothing is missed: {without:?}");
+    }
+}
+
+#[test]
 fn only_what_needs_it_is_cut() {
     let mut unlit = scene(&["transport.subdivide=3"]);
     unlit.lights.clear();
-    let (_, parts) = subdivide(&unlit).unwrap();
+    let (_, parts) = subdivide(&unlit, false).unwrap();
     assert_eq!(parts[0].of.len(), parts[0].whole.len());
     let mut lit = scene(&["transport.subdivide=1"]);
-    let (fine, parts) = subdivide(&lit).unwrap();
+    let (fine, parts) = subdivide(&lit, false).unwrap();
     let [whole, part] = [&lit, &fine].map(|scene| scene.objects[0].mesh.triangles.len());
     assert!(part > whole && part < 2 * whole, "{whole} {part}");
     // Every triangle has all its parts, and its centre in one of them.
@@ -104,7 +132,7 @@ fn only_what_needs_it_is_cut() {
     // Without a plate there is no border.
     lit.objects.truncate(1);
     lit.lights.truncate(1);
-    let (_, parts) = subdivide(&lit).unwrap();
+    let (_, parts) = subdivide(&lit, false).unwrap();
     assert_eq!(parts[0].of.len(), whole);
 }
 

@@ -81,7 +81,10 @@ fn put_together(parts: Vec<Row>, made: &Parts, before: u32) -> Vec<Row> {
             area,
             irradiance: mean(light, DVec3::from_array(row.irradiance)).to_array(),
             radiosity: row.radiosity,
-            estimate: row.estimate,
+            estimate: row.estimate.map(|own| {
+                let missed = made.missed.get(middle as usize).copied().unwrap_or_default();
+                [0, 1, 2].map(|c| own[c].hypot(missed[c]))
+            }),
             triangle: made.whole[face].map(|v| v + before),
         }
     };

@@ -78,7 +78,12 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
         Layer::vector("normal", ["X", "Y", "Z"], &normals),
     ];
     if state.method.estimate {
-        layers.push(Layer::vector("error_estimate", rgb, &received(&data.estimate)));
+        let mut estimate = received(&data.estimate);
+        for (estimate, hit) in estimate.iter_mut().zip(&shown) {
+            let missed = hit.map_or([0.0; 3], |hit| session.missed(hit.face as usize));
+            *estimate = [0, 1, 2].map(|c| f64::from(estimate[c]).hypot(missed[c]).min(f32::MAX.into()) as f32);
+        }
+        layers.push(Layer::vector("error_estimate", rgb, &estimate));
     }
     // The rays' directions have a component of 1 along the view.
     let depth = |hit: &Option<&Hit>| hit.map_or(f32::INFINITY, |hit| (f64::from(hit.depth) / units.length) as f32);

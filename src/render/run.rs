@@ -42,7 +42,7 @@ pub struct Session {
     /// What became of each object's triangles, where `transport.subdivide` asks for that.
     pub parts: Vec<Parts>,
     pub(super) scene: Scene,
-    lists: Lists,
+    pub(super) lists: Lists,
     pub(super) pending: Change,
     octree: Option<OctreeTransport>,
     pub(super) fixed: Fixed,
@@ -70,7 +70,7 @@ impl Session {
         // Cut finer where the lights want it, and in what follows nothing else is known.
         let asked = (scene.transport.subdivide > 0 && local.is_none()).then(|| scene.clone());
         let (scene, parts) = match &asked {
-            Some(asked) => subdivide(asked)?,
+            Some(asked) => subdivide(asked, options.estimate)?,
             None => (scene.clone(), Vec::new()),
         };
         let (by_pixel, why) = by_pixel(&scene, options);
@@ -100,6 +100,12 @@ impl Session {
     pub fn triangle(&self, face: usize) -> u32 {
         let (object, part) = self.prepared.source(face);
         self.parts.get(object).map_or(part, |parts| parts.of[part as usize])
+    }
+
+    /// What borders of shadows may still miss of the radiosity of a triangle of the state, in the units of B.
+    pub fn missed(&self, face: usize) -> [f64; 3] {
+        let (object, part) = self.prepared.source(face);
+        self.parts.get(object).and_then(|parts| parts.missed.get(part as usize)).copied().unwrap_or_default()
     }
 
     /// The units.

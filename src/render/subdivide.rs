@@ -3,12 +3,15 @@
 //! has as a whole by more than the tolerance, of the root mean square over the object; parts likewise, up to as many times
 //! as the scene says. What varies evenly over a triangle needs no cut: light goes in at the right place on the whole.
 
-use super::plan::{Goal, Options};
+use super::plan::{Change, Goal, Options, before_transport};
 use super::run::{Room, Session};
 use super::shape::moved;
 use super::units::Units;
 use crate::error::Result;
 use crate::scene::{Mesh, Object, Scene};
+
+/// Tolerance of an estimate of errors.
+const ROUGH: f64 = 0.1;
 
 /// What became of an object's triangles.
 #[derive(Clone, Debug, Default)]
@@ -21,10 +24,14 @@ pub struct Parts {
     pub middle: Vec<u32>,
     /// Of each triangle, the face of the input it came from.
     pub input_face: Vec<u32>,
+    /// Of each part, the radiosity that may be missing because irradiance still varies over parts, in the units of B, per
+    /// channel; empty where nobody asked.
+    pub missed: Vec<[f64; 3]>,
 }
 
-/// The scene with its triangles cut as its lights want it, and of each object what became of them.
-pub fn subdivide(scene: &Scene) -> Result<(Scene, Vec<Parts>)> {
+/// The scene with its triangles cut as its lights want it, and of each object what became of them; with what borders still
+/// miss where an `estimate` is wanted.
+pub fn subdivide(scene: &Scene, estimate: bool) -> Result<(Scene, Vec<Parts>)> {
     let mut fine = scene.clone();
     fine.transport.subdivide = 0;
     // The shape as deformed is cut, so that parts lie on it and next to each other.
@@ -36,24 +43,32 @@ pub fn subdivide(scene: &Scene) -> Result<(Scene, Vec<Parts>)> {
         object.deforms.clear();
     }
     let mut parts: Vec<Parts> = scene.objects.iter().map(|object| whole(&object.mesh)).collect();
-    for left in (0..scene.transport.subdivide).rev() {
+    for left in (0..=scene.transport.subdivide).rev() {
+        if left == 0 && !estimate {
+            break;
+        }
         // All triangles cut, twice where they may be, to see which should have been: a border may cross a corner alone.
         let mut finer = fine.clone();
-        let looks = 1 + left.min(1);
+        let looks = 1 + u32::from(left != 1);
         for _ in 0..looks {
             finer.objects.iter_mut().for_each(|object| object.mesh = object.mesh.split(|_| true).0);
         }
         let (coarse_light, fine_light) = (irradiance(&fine)?, irradiance(&finer)?);
+        let lost: Vec<Vec<[f64; 3]>> =
+            coarse_light.iter().zip(&fine_light).map(|(coarse, fine)| lost(coarse, fine)).collect();
         let mut any = false;
-        for (number, object) in fine.objects.iter_mut().enumerate() {
+        for (number, object) in fine.objects.iter_mut().enumerate().filter(|_| left > 0) {
             let limit = scene.transport.tolerance;
-            let cut = wanted(&object.mesh, &coarse_light[number], &fine_light[number], limit);
+            let cut = wanted(&object.mesh, &coarse_light[number], &lost[number], limit);
             any |= cut.contains(&true);
             let (mesh, from) = object.mesh.split(|face| cut[face]);
             parts[number].cut(&cut, &from);
             *object = Object { mesh, ..object.clone() };
         }
         if !any {
+            if estimate {
+                carried(&fine, &lost)?.into_iter().zip(&mut parts).for_each(|(missed, parts)| parts.missed = missed);
+            }
             break;
         }
     }
@@ -63,7 +78,13 @@ pub fn subdivide(scene: &Scene) -> Result<(Scene, Vec<Parts>)> {
 /// Nothing cut yet.
 fn whole(mesh: &Mesh) -> Parts {
     let all: Vec<u32> = (0..).take(mesh.triangles.len()).collect();
-    Parts { whole: mesh.triangles.clone(), of: all.clone(), middle: all, input_face: mesh.input_face.clone() }
+    Parts {
+        whole: mesh.triangles.clone(),
+        of: all.clone(),
+        middle: all,
+        input_face: mesh.input_face.clone(),
+        missed: Vec::new(),
+    }
 }
 
 impl Parts {
@@ -85,23 +106,56 @@ fn irradiance(scene: &Scene) -> Result<Vec<Vec<[f64; 3]>>> {
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(scene, None, options, Room::default())?;
     session.prepare_light();
-    let values = &session.state().data.irradiance;
-    let of_object =
-        |object: usize| session.prepared.places(object).into_iter().map(|face| values[face].map(f64::from)).collect();
-    Ok((0..scene.objects.len()).map(of_object).collect())
+    Ok(by_object(&session, &session.state().data.irradiance, 1.0))
+}
+
+/// Values of the triangles in the order of the objects' meshes.
+fn by_object(session: &Session, values: &[[f32; 3]], scale: f64) -> Vec<Vec<[f64; 3]>> {
+    let value = |face: usize| values[face].map(|x| scale * f64::from(x));
+    let of_object = |object: usize| session.prepared.places(object).into_iter().map(value).collect();
+    (0..session.scene().objects.len()).map(of_object).collect()
+}
+
+/// How far the mean over the parts of each triangle is from what it has as a whole.
+fn lost(coarse: &[[f64; 3]], fine: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let parts = fine.len() / coarse.len().max(1);
+    let of = |(whole, parts): (&[f64; 3], &[[f64; 3]])| {
+        [0, 1, 2].map(|c| (parts.iter().map(|e| e[c]).sum::<f64>() / parts.len() as f64 - whole[c]).abs())
+    };
+    coarse.iter().zip(fine.chunks(parts.max(1))).map(of).collect()
 }
 
 /// Whether each triangle has to be cut.
-fn wanted(mesh: &Mesh, coarse: &[[f64; 3]], fine: &[[f64; 3]], limit: f64) -> Vec<bool> {
-    let parts = fine.len() / coarse.len().max(1);
+fn wanted(mesh: &Mesh, light: &[[f64; 3]], lost: &[[f64; 3]], limit: f64) -> Vec<bool> {
     let area = |face: usize| mesh.corners(face).map_or(0.0, |[a, b, c]| 0.5 * (b - a).cross(c - a).length());
-    let areas: Vec<f64> = (0..coarse.len()).map(area).collect();
+    let areas: Vec<f64> = (0..light.len()).map(area).collect();
     let all: f64 = areas.iter().sum();
-    let power = |c: usize| coarse.iter().zip(&areas).map(|(e, area)| area * e[c] * e[c]).sum::<f64>();
+    let power = |c: usize| light.iter().zip(&areas).map(|(e, area)| area * e[c] * e[c]).sum::<f64>();
     let level = [0, 1, 2].map(|c| (power(c) / all.max(f64::MIN_POSITIVE)).sqrt());
-    let differs = |face: usize| {
-        let mean = |c: usize| fine[parts * face..parts * (face + 1)].iter().map(|e| e[c]).sum::<f64>() / parts as f64;
-        (0..3).any(|c| (mean(c) - coarse[face][c]).abs() > limit * level[c])
-    };
-    (0..coarse.len()).map(differs).collect()
+    lost.iter().map(|lost| (0..3).any(|c| lost[c] > limit * level[c])).collect()
+}
+
+/// The radiosity that this light would give: what the parts lose or gain has either sign along a border, so its sizes make
+/// a bound.
+fn carried(scene: &Scene, lost: &[Vec<[f64; 3]>]) -> Result<Vec<Vec<[f64; 3]>>> {
+    let mut rough = scene.clone();
+    rough.transport.tolerance = ROUGH;
+    let options = Options { goal: Goal::Radiosity, ..Options::default() };
+    let mut session = Session::new(&rough, None, options, Room::default())?;
+    let steps = session.plan.steps(session.state(), Change::EVERYTHING);
+    let after: Vec<_> = steps.iter().filter(|step| !before_transport(step.stage.name)).collect();
+    loop {
+        session.prepare_light();
+        for (object, lost) in lost.iter().enumerate() {
+            for (place, lost) in session.prepared.places(object).into_iter().zip(lost) {
+                session.prepared.state.data.irradiance[place] = lost.map(|x| x as f32);
+            }
+        }
+        after.iter().for_each(|step| step.reference(&mut session.prepared.state));
+        if session.state().data.cursor.iter().all(|cursor| cursor.overflow == 0) {
+            return Ok(by_object(&session, &session.state().data.radiosity, session.units().light));
+        }
+        session.lists.grow(&mut session.prepared)?;
+        session.resize()?;
+    }
 }
