@@ -138,11 +138,14 @@ pub fn verdict(places: &[Place]) -> String {
     if all.error <= ASKED {
         return format!("within {}: error {} over the whole surface", percent(ASKED), percent(all.error));
     }
+    // The fewest conditions first; of equal parts the last one is taken.
     let thicks = || [0.0].into_iter().chain(THICK);
-    let bends = || BENT.into_iter().chain([f64::INFINITY]);
-    let choices = thicks().flat_map(|thick| bends().map(move |bent| (thick, bent)));
+    let bends = || [f64::INFINITY].into_iter().chain(BENT.into_iter().rev());
+    let choices: Vec<_> = thicks().flat_map(|thick| bends().map(move |bent| (thick, bent))).collect();
     let inside = |thick: f64, bent: f64| move |p: &Place| p.thickness >= thick && p.sigma <= bent;
     let found = choices
+        .into_iter()
+        .rev()
         .map(|(thick, bent)| (thick, bent, share(places, inside(thick, bent))))
         .filter(|(.., part)| part.error <= ASKED && part.area >= 0.01)
         .max_by(|a, b| a.2.area.total_cmp(&b.2.area));

@@ -108,7 +108,7 @@ impl Material {
             Some(preset) => preset.name.to_owned(),
         };
         let (fresnel, two_sided) = (file.fresnel, file.two_sided);
-        let (surface, texture) = (Surface::check(file, &key)?, Texture::check(file, &key)?);
+        let (surface, texture) = (Surface::check(file, key)?, Texture::check(file, key)?);
         let sigma_0 = match file.sigma_0 {
             None => None,
             Some(Rgb(values)) => {

@@ -15,12 +15,9 @@ use crate::render::run::{Room, Session};
 use crate::scene::{Cdrf, Mesh, Scene};
 
 /// What a picture may err by.
-const SHADED: Bound = within(3e-5, 2e-4);
-const SHADED_REASON: &str = "the closed form is within 5e-6 of the convolution, the table's entries too; curvature of slivers \
-                             is off by some 1e-4, and f changes by at most sigma / sqrt(2 pi)";
-
-/// The same of a needle, whose cotangents are off by more.
-const NEEDLE: Bound = within(2.5e-4, 5e-4);
+const SHADED: Bound = within(3e-6, 1e-5);
+const SHADED_REASON: &str = "some ten roundings; curvature of slivers is off by 1e-4, and f changes by at most sigma / sqrt(2 pi); the \
+                             closed form is within 5e-6 of the convolution";
 
 /// A case: closed form first, table beside it.
 const fn case(name: &'static str, fallback: &'static str, make: fn() -> Result<Scene>) -> Case {
@@ -53,19 +50,15 @@ pub(super) const CASES: &[Case] = &[
         scene(&["object.0.material.sigma_0=1e9"])
     }),
     case("shading: hollow", "kappa has no sign: as a hill", || {
-        Ok(with(reversed(scene(&["object.0.detail=2"])?.objects[0].mesh.clone()), "[0.1, 0.3, 1]")?)
+        with(reversed(scene(&["object.0.detail=2"])?.objects[0].mesh.clone()), "[0.1, 0.3, 1]")
     }),
     case("shading: fan of 1000", "a vertex of many triangles, as any", || {
         with(cone(1000, 0.45, 0.01), "[0.01, 0.1, 1]")
     }),
     case("shading: cone", "the tip's angles lack a part of a turn", || with(cone(40, 0.3, 0.45), "[0.01, 0.1, 1]")),
-    Case {
-        bound: NEEDLE,
-        brute: NEEDLE,
-        ..case("shading: needle", "cotangents end at 100, curvature at 1e4 of the extent", || {
-            with(cone(6, 1e-3, 0.49), "[1e-6, 1e-3, 1]")
-        })
-    },
+    case("shading: needle", "cotangents end at 100, curvature at 1e4 of the extent", || {
+        with(cone(6, 1e-3, 0.49), "[1e-6, 1e-3, 1]")
+    }),
     case("shading: slivers", "cotangents end at 100", || {
         with(turned(sheet(&doubled(6, 1e-4), &doubled(6, 1e-4))), "[0.01, 0.1, 1]")
     }),
