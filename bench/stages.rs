@@ -29,7 +29,7 @@ fn run() -> Result<()> {
     };
     let device = Device::open(&instance, &adapter)?;
     println!("{}, {}", adapter.name, adapter.driver);
-    println!("{:<20} {:<24} {:>10} {:>9} {:>9} {:>9}", "scene", "method", "ms", "faster", "L2", "p99");
+    println!("{:<20} {:<30} {:>10} {:>9} {:>9} {:>9}", "scene", "method", "ms", "faster", "L2", "p99");
     let named: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
     let mut scenes = Vec::new();
     for name in &named {
@@ -45,7 +45,7 @@ fn run() -> Result<()> {
         for (method, transport, mode, change) in [
             ("brute force", Transport::Brute, Mode::OnTheFly, Change::EVERYTHING),
             ("hierarchy, from scratch", Transport::Hierarchy, Mode::OnTheFly, Change::EVERYTHING),
-            ("hierarchy, new light", Transport::Hierarchy, Mode::Render, Change::LIGHT),
+            ("hierarchy, render, new light", Transport::Hierarchy, Mode::Render, Change::LIGHT),
         ] {
             let options = Options { transport, mode, goal: Goal::Radiosity, ..Options::default() };
             let mut session = Session::new(&scene, Some(&device), options, Room::default())?;
@@ -58,7 +58,7 @@ fn run() -> Result<()> {
             let (l2, p99) = (error.l2, error.p99);
             let faster = baseline / ms;
             let name = &scene.name;
-            println!("{name:<20} {method:<24} {ms:>10.2} {faster:>8.1}x {l2:>9.2e} {p99:>9.2e}");
+            println!("{name:<20} {method:<30} {ms:>10.2} {faster:>8.1}x {l2:>9.2e} {p99:>9.2e}");
         }
     }
     Ok(())

@@ -7,7 +7,7 @@
 //! 2. `shadow`: which lights reach which faces; `environment`: harmonics of the light from all around; `irradiance`: the
 //!    light that enters each face (equation 5); `entry`: times a texture;
 //! 3. `pull`: moments of the light that enters every cluster;
-//! 4. `level`: how bright the object will be, roughly;
+//! 4. `level`: how bright the object will be, roughly; `contrast`: against the light, where lists serve any;
 //! 5. `radii`: how far from a cluster what may be done with it, so that the tolerance is met;
 //! 6. `points`: the places that pixels show, where those receive; `link`: which emitters each block of receivers expands, links, or takes triangle by triangle;
 //! 7. `gather`: what they give the block;

@@ -120,7 +120,7 @@ enum ModeArgument {
     /// Everything from scratch in each frame.
     #[default]
     OnTheFly,
-    /// Links and form factors are kept.
+    /// Links are kept, and serve any light.
     Render,
 }
 

@@ -9,7 +9,7 @@ use super::{RunArguments, SceneArguments, check_messages, open_session, print, s
 use crate::error::{Input, Result};
 use crate::render::bends::{Bends, bends};
 use crate::render::clusters::{Emitters, clusters, color};
-use crate::render::plan::{Change, Mode, Options, Transport};
+use crate::render::plan::{Change, Options, Transport};
 use crate::scene::{Camera, Tone};
 use crate::view::picture::{check, encode};
 
@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut options = arguments.run.options();
     if aov {
         // Lists are kept, because a layer tells how long they are.
-        options = Options { estimate: true, mode: Mode::Render, ..options };
+        options = Options { estimate: true, mode: options.mode.kept(), ..options };
     }
     let clustered = matches!(arguments.view, Some(View::Clusters));
     if clustered != pick.is_some() {
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             let found = "--transport octree, brute, cdrf or lambert";
             return Err(Input::new("only the hierarchy has links").key("--view clusters").found(found).into());
         }
-        options.mode = Mode::Render;
+        options.mode = options.mode.kept();
     }
     if let Some(frames) = frames {
         let (scenes, output, skip) = (&arguments.scene, &arguments.output, arguments.skip_existing);

@@ -121,7 +121,7 @@ pub fn print_times(session: &mut Session, times: &[Timing]) -> Result<()> {
     let data = &session.state().data;
     let links: u64 = data.spans.iter().map(|span| u64::from(span.links)).sum();
     print(&table(&["stage", "ms"], &[1], &rows))?;
-    let count = |of: fn(&crate::layout::Runs) -> u32| data.runs.iter().map(|run| u64::from(of(run))).sum::<u64>();
+    let count = |of: fn(&crate::layout::Runs) -> u32| session.state().runs().map(|run| u64::from(of(run))).sum::<u64>();
     let lists = [
         ("expanded", count(|run| run.expanded)),
         ("direct", count(|run| run.direct)),
@@ -129,7 +129,7 @@ pub fn print_times(session: &mut Session, times: &[Timing]) -> Result<()> {
         ("edge form", count(|run| run.edge)),
         ("dropped", count(|run| run.dropped)),
     ];
-    if !data.runs.is_empty() {
+    if session.state().runs().next().is_some() {
         let per = |(name, n): &(&str, u64)| {
             format!("{:.1} {name}", *n as f64 / session.state().sum(|object| object.count.blocks) as f64)
         };

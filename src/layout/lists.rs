@@ -59,12 +59,18 @@ records! { list_records:
         overflow: u32,
         /// Not 0 when a driver ended a loop early, or would: lavapipe does so after 65,535 iterations.
         unfinished: u32,
+        /// Where lists serve any light: its contrast now, root mean square irradiance over reference level, per channel.
+        contrast: [f32; 3],
+        /// The contrast that the lists were made for.
+        served: [f32; 3],
         /// Nothing.
         padding: [u32; 32],
         /// Nothing.
-        more_padding: [u32; 16],
+        more_padding: [u32; 6],
         /// Nothing.
-        last_padding: [u32; 3],
+        last_padding: [u32; 6],
+        /// Nothing.
+        end_padding: u32,
     }
     /// A run of elements for one dispatch.
     Range {
@@ -89,5 +95,19 @@ records! { list_records:
         z_real: f32,
         /// Height of the virtual source.
         z_virtual: f32,
+    }
+}
+
+impl Cursor {
+    /// At the start of a frame's lists: empty, and for the contrast of now.
+    #[must_use]
+    pub fn opened(&self) -> Self {
+        Self { contrast: self.contrast, served: self.contrast, ..Self::default() }
+    }
+
+    /// Whether the lists serve the light of now.
+    #[must_use]
+    pub fn serves(&self) -> bool {
+        self.contrast == self.served
     }
 }

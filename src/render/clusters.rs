@@ -27,7 +27,7 @@ pub struct Emitters {
 }
 
 /// The clusters that light what a pixel shows, as a picture and by their levels: those of the first group of channels. The
-/// session keeps its lists (`Mode::Render`) and has had its frame.
+/// session keeps its lists (`Mode::Keep`) and has had its frame.
 pub fn clusters(session: &mut Session, pick: [u32; 2]) -> Result<(Picture, Emitters)> {
     let lists = [Slot::runs, Slot::entries, Slot::spans, Slot::links, Slot::blocks, Slot::normals];
     session.fetch(&[Slot::hits, Slot::seen])?;

@@ -32,8 +32,19 @@ pub enum Mode {
     /// Everything from scratch in each frame; links are scratch.
     #[default]
     OnTheFly,
-    /// Links and form factors are kept: a change of light runs shadow, irradiance, pull, gather, push and average only.
+    /// Links are made for the light of a frame, and kept: frames in which nothing changes sum them again only.
+    Keep,
+    /// Links serve any light, and are kept: a change of light runs shadow, irradiance, pull, level, contrast, gather, push and
+    /// average only, as long as the contrast stays the same.
     Render,
+}
+
+impl Mode {
+    /// The mode itself if it keeps links, else the one that keeps them as they are.
+    #[must_use]
+    pub fn kept(self) -> Self {
+        if self == Self::OnTheFly { Self::Keep } else { self }
+    }
 }
 
 /// What the frame is for.

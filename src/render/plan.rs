@@ -21,17 +21,21 @@ pub struct Change {
     /// Nothing, yet radiosity is summed again from what is known of the light: over kept links gather, push and
     /// average; where links are scratch they are made anew.
     pub resum: bool,
+    /// The lists do not serve the light that they were kept for.
+    pub relink: bool,
 }
 
 impl Change {
     /// Everything.
-    pub const EVERYTHING: Self = Self { everything: true, light: false, view: false, resum: false };
+    pub const EVERYTHING: Self = Self { everything: true, light: false, view: false, resum: false, relink: false };
     /// The lights.
-    pub const LIGHT: Self = Self { everything: false, light: true, view: false, resum: false };
+    pub const LIGHT: Self = Self { everything: false, light: true, view: false, resum: false, relink: false };
     /// The camera.
-    pub const VIEW: Self = Self { everything: false, light: false, view: true, resum: false };
+    pub const VIEW: Self = Self { everything: false, light: false, view: true, resum: false, relink: false };
+    /// Lists that serve another light.
+    pub const RELINK: Self = Self { everything: false, light: false, view: false, resum: false, relink: true };
     /// Nothing, yet radiosity is summed again.
-    pub const RESUM: Self = Self { everything: false, light: false, view: false, resum: true };
+    pub const RESUM: Self = Self { everything: false, light: false, view: false, resum: true, relink: false };
 
     /// Both changes.
     #[must_use]
@@ -41,6 +45,7 @@ impl Change {
             light: self.light || other.light,
             view: self.view || other.view,
             resum: self.resum || other.resum,
+            relink: self.relink || other.relink,
         }
     }
 }
@@ -60,7 +65,7 @@ impl Plan {
         let mut plan = Self { stages: Vec::new(), left_out: Vec::new(), options };
         let dark = !lit(state);
         for &stage in STAGES {
-            let why = reason(stage.name, options, state.method.scheme, dark);
+            let why = reason(stage.name, options, state.method, dark);
             let why = why
                 .or_else(|| delocalized(stage.name, state))
                 .or_else(|| unlit(stage.name, state))
@@ -90,20 +95,21 @@ impl Plan {
 
     /// The steps of a frame after this change.
     pub fn steps(&self, state: &State, change: Change) -> Vec<Step> {
-        let kept = self.options.mode == Mode::Render && self.options.transport == Transport::Hierarchy;
+        let kept = self.options.mode != Mode::OnTheFly && self.options.transport == Transport::Hierarchy;
+        let any_light = kept && state.method.any_light;
+        let resum = change.resum || change.relink;
         let pixels = state.objects.iter().any(|object| object.by_pixel);
         let runs = |stage: &&'static Stage| match stage.name {
             _ if change.everything => true,
             "deform" | "refit" | "curvature" | "cdrf_table" => false,
             "visibility" | "points" => change.view,
             "link" | "gather" | "push" if pixels && change.view => true,
-            "shade" | "cdrf" | "lambert" | "exit" | "reflect" | "backdrop" => {
-                change.view || change.light || change.resum
-            }
+            "shade" | "cdrf" | "lambert" | "exit" | "reflect" | "backdrop" => change.view || change.light || resum,
             name if kept && builds_links(name) => false,
-            // The lists of blocks depend on the light.
+            "radii" | "link" if any_light => change.relink,
+            // Else the lists of blocks depend on the light.
             "link" if kept => change.light,
-            name => change.light || (change.resum && sums(name)),
+            name => change.light || (resum && sums(name)),
         };
         let stages: Vec<_> = self.stages.iter().copied().filter(runs).collect();
         steps(&stages, state)
@@ -151,6 +157,7 @@ mod tests {
     fn plan(scheme: Scheme, transport: Transport, mode: Mode) -> (State, Plan) {
         let mut state = State::default();
         state.method.scheme = scheme;
+        state.method.any_light = scheme == Scheme::Blocks && mode == Mode::Render;
         let mut object = crate::state::Object::default();
         object.schedule.chunks.push(crate::state::Chunk::default());
         object.schedule.batches.push(0..1);
@@ -180,7 +187,11 @@ mod tests {
     #[test]
     fn a_new_light_leaves_the_shape_alone() {
         let blocks = ["irradiance", "pull", "level", "radii", "link", "gather", "push"];
-        assert_eq!(names(Scheme::Blocks, Mode::Render, Change::LIGHT), blocks);
+        assert_eq!(names(Scheme::Blocks, Mode::OnTheFly, Change::LIGHT), blocks);
+        assert_eq!(names(Scheme::Blocks, Mode::Keep, Change::LIGHT), blocks);
+        let served = ["irradiance", "pull", "level", "contrast", "gather", "push"];
+        assert_eq!(names(Scheme::Blocks, Mode::Render, Change::LIGHT), served);
+        assert_eq!(names(Scheme::Blocks, Mode::Render, Change::RELINK), ["radii", "link", "gather", "push"]);
         assert_eq!(names(Scheme::Links, Mode::Render, Change::LIGHT), ["irradiance", "mean", "collect", "spread"]);
         assert_eq!(names(Scheme::Blocks, Mode::Render, Change::VIEW), [""; 0]);
     }

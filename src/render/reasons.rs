@@ -2,10 +2,10 @@
 
 use super::lights::lit;
 use super::options::{Goal, Options, Transport};
-use crate::state::{Local, Scheme, State};
+use crate::state::{Local, Method, Scheme, State};
 
 /// Stages of the hierarchy with blocks.
-const BLOCKS: [&str; 6] = ["pull", "level", "radii", "link", "gather", "push"];
+const BLOCKS: [&str; 7] = ["pull", "level", "contrast", "radii", "link", "gather", "push"];
 /// Stages of the hierarchy as published.
 const LINKS: [&str; 6] = ["reach", "mean", "refine", "form_factor", "collect", "spread"];
 
@@ -13,7 +13,8 @@ const LINKS: [&str; 6] = ["reach", "mean", "refine", "form_factor", "collect", "
 const LOCAL: [&str; 4] = ["curvature", "cdrf_table", "cdrf", "lambert"];
 
 /// Why this stage has no place in the frame, if it has none.
-pub(super) fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -> Option<String> {
+pub(super) fn reason(name: &str, options: Options, method: Method, dark: bool) -> Option<String> {
+    let scheme = method.scheme;
     let (blocks, links) = (BLOCKS.contains(&name), LINKS.contains(&name));
     let needs_light = blocks
         || links
@@ -47,6 +48,7 @@ pub(super) fn reason(name: &str, options: Options, scheme: Scheme, dark: bool) -
         Transport::Octree if blocks || links || name == "brute" => {
             Some("the octree carries the light, in native code on the host".into())
         }
+        _ if name == "contrast" && !method.any_light => Some("lists are made for the light of their frame".into()),
         Transport::Brute if blocks || links && name != "reach" => Some("brute force needs no clusters".into()),
         _ => None,
     }

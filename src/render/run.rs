@@ -16,7 +16,7 @@ use super::units::Units;
 use crate::error::{Error, Result};
 use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
-use crate::layout::Slot;
+use crate::layout::{Cursor, Slot};
 use crate::scene::Scene;
 use crate::state::{DeviceState, Scheme, State, Step};
 use crate::view::picture::Picture;
@@ -39,6 +39,8 @@ pub struct Session {
     pub backend: Backend,
     /// How often a frame had to run again because a list overflowed.
     pub retries: usize,
+    /// How often a frame had to run again because its light had another contrast than kept lists serve.
+    pub relinks: usize,
     /// What became of each object's triangles, where `transport.subdivide` asks for that.
     pub parts: Vec<Parts>,
     pub(super) scene: Scene,
@@ -76,17 +78,19 @@ impl Session {
         let (by_pixel, why) = by_pixel(&scene, options);
         let mut prepared = prepare(&scene, by_pixel, local);
         drop_unseen(&mut prepared.state, options);
-        prepared.state.keep = options.mode == Mode::Render;
+        prepared.state.keep = options.mode != Mode::OnTheFly;
         let blocks = prepared.state.method.scheme == Scheme::Blocks && options.transport == Transport::Hierarchy;
         prepared.state.method.estimate = options.estimate && blocks;
+        prepared.state.method.any_light = options.mode == Mode::Render && blocks;
         let receivers = (if by_pixel { "receivers at triangles" } else { "receivers at pixels" }, why);
         let plan = Plan::new(&prepared.state, options).without(receivers.clone());
         let lists = Lists::new(room, device.map(Device::limits));
         lists.cut(&mut prepared);
         let backend = device.map_or(Backend::Cpu, |device| Backend::Gpu(DeviceState::new(device, false)));
-        let (retries, pending) = (0, Change::EVERYTHING);
+        let (retries, relinks, pending) = (0, 0, Change::EVERYTHING);
         let fixed = Fixed { asked, room, receivers };
-        let mut session = Self { prepared, plan, backend, retries, parts, scene, lists, pending, octree, fixed };
+        let mut session =
+            Self { prepared, plan, backend, retries, relinks, parts, scene, lists, pending, octree, fixed };
         session.resize()?;
         Ok(session)
     }
@@ -131,7 +135,17 @@ impl Session {
                     return Err(unfinished("following a shadow ray", "use a mesh with fewer overlapping parts"));
                 }
             }
-            if !steps.iter().any(|step| ["link", "refine"].contains(&step.stage.name)) {
+            let ran = |names: &[&str]| steps.iter().any(|step| names.contains(&step.stage.name));
+            if ran(&["contrast"]) && !ran(&["link"]) {
+                self.fetch(&[Slot::cursor])?;
+                let served = |cursor: &Cursor| cursor.serves();
+                if !self.prepared.state.data.cursor.iter().all(served) {
+                    self.relinks += 1;
+                    change = Change::RELINK;
+                    continue;
+                }
+            }
+            if !ran(&["link", "refine"]) {
                 self.pending = Change::default();
                 return Ok(times);
             }

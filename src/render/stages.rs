@@ -5,7 +5,7 @@ use crate::geometry::{deform, refit};
 use crate::light::{entry, environment, irradiance, opaque, shadow};
 use crate::local::{cdrf, cdrf_table, cdrf_values, curvature, lambert};
 use crate::state::{Object, Place, Stage, State, Step, Unit};
-use crate::transport::{average, evaluate, gather, level, link, pull, push, radii};
+use crate::transport::{average, contrast, evaluate, gather, level, link, pull, push, radii};
 use crate::view::{backdrop, exit, points, reflect, shade, visibility};
 
 /// Every stage, in the order of a frame; the last three are no part of one: `brute` takes the place of
@@ -27,6 +27,7 @@ pub static STAGES: &[&Stage] = &[
     &spread::STAGE,
     &pull::STAGE,
     &level::STAGE,
+    &contrast::STAGE,
     &radii::STAGE,
     &points::STAGE,
     &link::STAGE,

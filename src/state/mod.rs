@@ -78,6 +78,8 @@ pub struct Method {
     pub nodes: u32,
     /// Whether an error estimate is carried along.
     pub estimate: bool,
+    /// Whether lists are made to serve any light, as mode `render` has them.
+    pub any_light: bool,
     /// How the scheme as published evaluates triangles too near for a few samples.
     pub near: Near,
     /// The function of light and normal that takes the place of transport, if one does.
@@ -97,7 +99,15 @@ pub enum Local {
 
 impl Default for Method {
     fn default() -> Self {
-        Self { scheme: Scheme::Blocks, order: 2, nodes: 6, estimate: false, near: Near::Exact, local: None }
+        Self {
+            scheme: Scheme::Blocks,
+            order: 2,
+            nodes: 6,
+            estimate: false,
+            any_light: false,
+            near: Near::Exact,
+            local: None,
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 //! own can be made of it. Runs begin at multiples of 64 elements, so that a device can bind any of them.
 
 use super::{Group, Place, Schedule, State};
-use crate::layout::{Cut, Frame, SLOTS, Slot};
+use crate::layout::{Cut, Frame, Runs, SLOTS, Slot};
 
 /// How many an object has of what there is, or where its first ones lie.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -92,6 +92,17 @@ impl State {
                 move |group| batches.clone().map(move |(chunk, batch)| (Place { object, chunk, group }, batch));
             (0..part.groups.len()).flat_map(of_group)
         })
+    }
+
+    /// Where the lists of all blocks lie, as far as they are there: of every batch where lists are kept, else of the last one.
+    /// Between the batches' parts a device's buffer may hold anything.
+    pub fn runs(&self) -> impl Iterator<Item = &Runs> + '_ {
+        let there = if self.keep { 0 } else { self.batches().count().saturating_sub(1) };
+        let of_batch = |(at, batch): (Place, &std::ops::Range<u32>)| {
+            let first = self.part(Slot::runs, at).0;
+            self.data.runs.get(first..first + batch.len()).unwrap_or_default()
+        };
+        self.batches().skip(there).flat_map(of_batch)
     }
 
     /// Elements of all objects' buffers of a kind, gaps included.

@@ -218,13 +218,13 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let push = bytemuck::bytes_of(&range);
     let (group, method) = (pass.object().groups[pass.at.group], pass.state.method);
     let (count, estimate) = (range.count as usize, u32::from(method.estimate));
-    let alone = u32::from(pass.object().groups.len() == 1);
-    pass.dispatch(Some("expand"), &[group.channels, method.order, estimate, alone], push, count)?;
+    let (alone, any_light) = (u32::from(pass.object().groups.len() == 1), u32::from(method.any_light));
+    pass.dispatch(Some("expand"), &[group.channels, method.order, estimate, alone, any_light], push, count)?;
     if method.estimate {
         pass.dispatch(Some("dropped"), &[group.channels], push, count)?;
     }
     let places = count * PLACES;
-    pass.dispatch(Some("direct"), &[group.channels, method.order, estimate], push, places)?;
-    pass.dispatch_counted("area", &[group.channels, estimate], push, Slot::near_groups)?;
-    pass.dispatch_counted("edge", &[group.channels, method.nodes, estimate], push, Slot::near_groups)
+    pass.dispatch(Some("direct"), &[group.channels, method.order, estimate, any_light], push, places)?;
+    pass.dispatch_counted("area", &[group.channels, estimate, any_light], push, Slot::near_groups)?;
+    pass.dispatch_counted("edge", &[group.channels, method.nodes, estimate, any_light], push, Slot::near_groups)
 }

@@ -15,6 +15,7 @@ const SAMPLES: usize = 256;
 const SAMPLE: &[Field] = &[
     Field { name: "chance", relative: 1e-5, floor: 0.0, of: "" },
     Field { name: "value", relative: 2e-4, floor: 1e-25, of: "" },
+    Field { name: "light", relative: 2e-5, floor: 1e-30, of: "" },
 ];
 
 /// The table's entry.
@@ -66,7 +67,14 @@ fn cpu(state: &mut State, at: Place) {
         let whole = moments[0].weight;
         let light = if whole > 0.0 { f64::from(moments[leaf].weight) / f64::from(whole) } else { 0.0 };
         let chance = 0.5 / f64::from(faces) + 0.5 * light;
-        Sample { face: data.topology[leaf].face, chance: chance as f32, value: sum.map(|v| v.max(0.0) as f32) }
+        let (area, mean) = (f64::from(data.clusters[leaf].area), f64::from(data.clusters[0].area) / f64::from(faces));
+        let share = if area * mean > 0.0 { f64::from(moments[leaf].weight).powi(2) / (area * mean) } else { 0.0 };
+        Sample {
+            face: data.topology[leaf].face,
+            chance: chance as f32,
+            value: sum.map(|v| v.max(0.0) as f32),
+            light: (share / (chance * f64::from(faces))) as f32,
+        }
     };
     data.samples = (0..SAMPLES).into_par_iter().map(drawn).collect();
 

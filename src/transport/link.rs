@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::PLACES;
 use crate::dipole::distance2;
 use crate::error::Result;
-use crate::layout::{Cursor, Emitter, Range, Runs, Slot, Sphere};
+use crate::layout::{Emitter, Range, Runs, Slot, Sphere};
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
 
 /// The table's entry.
@@ -103,7 +103,7 @@ fn cpu(state: &mut State, at: Place) {
     let (base, _) = state.part(Slot::emitters, at);
     let data = &mut state.data;
     if (at.chunk, at.group) == (0, 0) {
-        data.cursor[0] = Cursor::default();
+        data.cursor[0] = data.cursor[0].opened();
     }
     let emitters = &data.emitters[base..base + data.topology.len()];
     let expands = &data.expands[base..base + data.topology.len()];

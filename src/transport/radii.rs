@@ -3,6 +3,9 @@
 //!
 //! A law `factor W tau^n sum_j z_j p(s_j) (q2 / (2 s_j^2))^n` separates into the node's strength `W tau^n` and a function
 //! of distance alone, the same for all nodes. Its inverse is tabled once a frame: a node takes a look at a table.
+//!
+//! Where lists have to serve any light of some contrast (mode `render`), W is the node's area, tau the second moment of its
+//! area, about the area's centroid.
 
 use rayon::prelude::*;
 
@@ -11,7 +14,7 @@ use crate::dipole::form_factor::ladder::{chi_distance, q2};
 use crate::dipole::jet::Jets;
 use crate::error::Result;
 use crate::layout::{Emitter, Slot};
-use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
 
 /// A logarithm's rounding, 60 x 2^-24, moves the argument by that share of the table's depth.
 const EMITTER: &[Field] = &[
@@ -61,8 +64,8 @@ fn laws(order: u32) -> ([f64; LAWS], [f64; LAWS]) {
     ([0.0, cluster, 1.5, triangle, 3.0], [1.0, if order == 2 { 0.5 } else { 1.0 }, 0.5, sample, 0.045])
 }
 
-/// The binary logarithm of a law at a distance: the largest over the channels.
-fn law(jets: &Jets, level: [f32; 3], u: f64, power: f64) -> f64 {
+/// The binary logarithm of a law at a distance: the largest over the channels, each times its scale.
+fn law(jets: &Jets, scale: [f64; 3], u: f64, power: f64) -> f64 {
     let channel = |c: usize| {
         let dipole = jets.dipole(c);
         let source = |z: f64| {
@@ -73,21 +76,21 @@ fn law(jets: &Jets, level: [f32; 3], u: f64, power: f64) -> f64 {
         };
         let [real, virt] = dipole.depths().map(source);
         let both = real.max(virt) + (1.0 + (real.min(virt) - real.max(virt)).exp2()).log2();
-        both + dipole.strength.max(1e-37).log2() - f64::from(level[c]).log2()
+        both + dipole.strength.max(1e-37).log2() + scale[c].log2()
     };
     jets.channels().map(channel).fold(-1e30, f64::max)
 }
 
 /// One law's table: its logarithm at distance 0, how far it falls, and the distances of evenly spaced values.
-fn table(jets: &Jets, level: [f32; 3], power: f64) -> Vec<f32> {
-    let top = law(jets, level, 0.0, power);
-    let depth = DEEPEST.min(top - law(jets, level, FARTHEST, power));
+fn table(jets: &Jets, scale: [f64; 3], power: f64) -> Vec<f32> {
+    let top = law(jets, scale, 0.0, power);
+    let depth = DEEPEST.min(top - law(jets, scale, FARTHEST, power));
     let solve = |entry: usize| {
         let wanted = top - depth * entry as f64 / (ENTRIES - 1) as f64;
         let (mut low, mut high) = (0.0, std::f64::consts::SQRT_2);
         for _ in 0..30 {
             let middle: f64 = 0.5 * (low + high);
-            if law(jets, level, middle.powi(4), power) <= wanted { high = middle } else { low = middle }
+            if law(jets, scale, middle.powi(4), power) <= wanted { high = middle } else { low = middle }
         }
         if entry == 0 { 0.0 } else { high.powi(4) as f32 }
     };
@@ -96,12 +99,17 @@ fn table(jets: &Jets, level: [f32; 3], power: f64) -> Vec<f32> {
 
 fn cpu(state: &mut State, at: Place) {
     let (base, _) = state.part(Slot::moments, at);
-    let (group, order) = (state.object(at).groups[at.group], state.method.order);
+    let (group, order, any_light) = (state.object(at).groups[at.group], state.method.order, state.method.any_light);
     let data = &mut state.data;
     let frame = data.frame[0];
     let jets = Jets::new(&frame, group.channels);
     let (power, factor) = laws(order);
-    data.ranges = power.into_par_iter().flat_map(|power| table(&jets, data.level[0], power)).collect();
+    // Of what enters as light, or of areas where lists have to serve any light.
+    let scale = [0, 1, 2].map(|c| {
+        let tint = f64::from(frame.tint[c]).max(1e-37);
+        if any_light { f64::from(data.cursor[0].contrast[c]) / tint } else { 1.0 / f64::from(data.level[0][c]) }
+    });
+    data.ranges = power.into_par_iter().flat_map(|power| table(&jets, scale, power)).collect();
 
     let range = |law: usize, strength: f64, allowed: f64| {
         let table = &data.ranges[law * (ENTRIES + 2)..];
@@ -122,14 +130,21 @@ fn cpu(state: &mut State, at: Place) {
     let sigma = frame.sigma.map(f64::from);
     let nearest = frame.z_real.iter().copied().map(f64::from).fold(f64::INFINITY, f64::min);
     let emitter = |node: usize| {
-        let (m, s) = (&data.moments[base + node], &data.spreads[base + node]);
+        let (m, s, cluster) = (&data.moments[base + node], &data.spreads[base + node], &data.clusters[node]);
         let skip = data.topology[node].skip;
-        let [x, y, z] = m.center;
+        let of_light =
+            (m.center, m.weight, s.diagonal.iter().copied().map(f64::from).sum::<f64>(), f64::from(s.radius));
+        let (center, strength, trace, radius) = if any_light {
+            let [low, high, center] = [data.bounds[node].low, data.bounds[node].high, cluster.center].map(wide);
+            (cluster.center, cluster.area, f64::from(cluster.spread), (center - low).max(high - center).length())
+        } else {
+            of_light
+        };
+        let [x, y, z] = center;
         let mut emitter = Emitter { place: [x, y, z, -1e9], accept: 0.0, area: 0.0, skip };
         let mut expands = [0.0; 4];
-        if m.weight > 0.0 {
-            let (weight, radius) = (f64::from(m.weight).log2(), f64::from(s.radius));
-            let tau = s.diagonal.iter().copied().map(f64::from).sum::<f64>().max(1e-30).log2();
+        if strength > 0.0 {
+            let (weight, tau) = (f64::from(strength).log2(), trace.max(1e-30).log2());
             let leaf = skip as usize == node + 1;
             let rule = if leaf { 3 } else { 1 };
             let valid = |chi: f64| {
@@ -160,7 +175,8 @@ fn cpu(state: &mut State, at: Place) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let (group, order) = (pass.object().groups[pass.at.group], pass.state.method.order);
-    pass.dispatch(Some("table"), &[group.channels, order], &[], LAWS * ENTRIES)?;
-    pass.dispatch(Some("node"), &[order], &[], pass.object().count.nodes)
+    let (group, method) = (pass.object().groups[pass.at.group], pass.state.method);
+    let any_light = u32::from(method.any_light);
+    pass.dispatch(Some("table"), &[group.channels, method.order, any_light], &[], LAWS * ENTRIES)?;
+    pass.dispatch(Some("node"), &[method.order, any_light], &[], pass.object().count.nodes)
 }

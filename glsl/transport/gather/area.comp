@@ -6,6 +6,7 @@
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint ESTIMATE = 0;
+layout(constant_id = 2) const uint ANY_LIGHT = 0;
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 READS(blocks)
@@ -38,6 +39,8 @@ void main() {
     vec3 sum = vec3(0), error = vec3(0);
     for (uint k = 0; k < run.area; ++k) {
         uint node = entries[first + k];
+        // Lists for any light have dark emitters, too.
+        if (ANY_LIGHT != 0 && moments[node].weight == 0.0) continue;
         uvec3 corner = triangles[topology[node].face];
         vec3 a = self.x - positions[corner.x], b = self.x - positions[corner.y], c = self.x - positions[corner.z];
         float weight = moments[node].weight;

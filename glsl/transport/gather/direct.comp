@@ -9,6 +9,7 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint ORDER = 2;
 layout(constant_id = 2) const uint ESTIMATE = 0;
+layout(constant_id = 3) const uint ANY_LIGHT = 0;
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 READS(blocks)
@@ -39,10 +40,12 @@ void main() {
         uint last = min(width, count - at);
         for (uint k = 0; k < last; ++k) {
             uint from = base + k;
+            float weight = subgroupShuffle(load.weight, from);
+            // Lists for any light have dark emitters, too.
+            if (ANY_LIGHT != 0 && weight == 0.0) continue;
             vec3 center = vec3(subgroupShuffle(load.center.x, from), subgroupShuffle(load.center.y, from), subgroupShuffle(load.center.z, from));
             vec3 diagonal = vec3(subgroupShuffle(load.diagonal.x, from), subgroupShuffle(load.diagonal.y, from), subgroupShuffle(load.diagonal.z, from));
             vec3 mixed = vec3(subgroupShuffle(load.mixed.x, from), subgroupShuffle(load.mixed.y, from), subgroupShuffle(load.mixed.z, from));
-            float weight = subgroupShuffle(load.weight, from);
             vec3 d = self.x - center;
             float d2 = dot(d, d);
             float half_tau = ORDER == 2 ? 0.5 * (diagonal.x + diagonal.y + diagonal.z) : 0.0;

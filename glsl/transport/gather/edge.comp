@@ -7,6 +7,7 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint NODES = 6;
 layout(constant_id = 2) const uint ESTIMATE = 0;
+layout(constant_id = 3) const uint ANY_LIGHT = 0;
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 READS(blocks)
@@ -37,6 +38,8 @@ void main() {
     vec3 sum = vec3(0), error = vec3(0);
     for (uint k = 0; k < run.edge; ++k) {
         uint node = entries[first + k], face = topology[node].face;
+        // Lists for any light have dark emitters, too.
+        if (ANY_LIGHT != 0 && irradiance[face] == vec3(0)) continue;
         Cluster emitter = clusters[node];
         uvec3 corner = triangles[face];
         vec3 a = positions[corner.x] - self.x, b = positions[corner.y] - self.x, c = positions[corner.z] - self.x;

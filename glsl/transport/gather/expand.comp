@@ -9,6 +9,7 @@ layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint ORDER = 2;
 layout(constant_id = 2) const uint ESTIMATE = 0;
 layout(constant_id = 3) const uint ALONE = 1;
+layout(constant_id = 4) const uint ANY_LIGHT = 0;
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 READS(moments)
@@ -33,6 +34,8 @@ void main() {
     vec3 gradient[3] = vec3[3](vec3(0), vec3(0), vec3(0));
     vec3 diagonal[3] = vec3[3](vec3(0), vec3(0), vec3(0)), mixed[3] = vec3[3](vec3(0), vec3(0), vec3(0));
     for (uint k = first; k < last; ++k) {
+        // Lists for any light have dark emitters, too.
+        if (ANY_LIGHT != 0 && moments[entries[k]].weight == 0.0) continue;
         Cloud m = cloud_of(entries[k]);
         vec3 d = center - m.center;
         float d2 = dot(d, d);

@@ -7,5 +7,9 @@
 UPDATES(cursor)
 
 void main() {
-    if (invocation() == 0) cursor[0] = Cursor(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, cursor[0].padding, cursor[0].more_padding, uvec3(0));
+    if (invocation() == 0) {
+        Cursor old = cursor[0];
+        cursor[0] = Cursor(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, old.contrast, old.contrast, old.padding, old.more_padding,
+            old.last_padding, 0);
+    }
 }

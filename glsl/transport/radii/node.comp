@@ -5,8 +5,10 @@
 
 // Each node's distances: where its light counts for nothing, where one link serves, one expansion, 6 area points.
 layout(constant_id = 0) const uint ORDER = 2;
+layout(constant_id = 1) const uint ANY_LIGHT = 0;
 READS(frame)
 READS(topology)
+READS(bounds)
 READS(clusters)
 READS(moments)
 READS(spreads)
@@ -15,6 +17,19 @@ WRITES(emitters)
 WRITES(expands)
 #include "transport/radii/laws.glsl"
 #include "transport/chi.glsl"
+
+// What the laws are about: a node's light, or its area where lists have to serve any light.
+struct Source { vec3 center; float strength; float trace; float radius; };
+
+Source source_of(uint node) {
+    if (ANY_LIGHT != 0) {
+        Cluster cluster = clusters[node];
+        vec3 corner = max(cluster.center - bounds[node].low, bounds[node].high - cluster.center);
+        return Source(cluster.center, cluster.area, cluster.spread, length(corner));
+    }
+    Spread s = spreads[node];
+    return Source(moments[node].center, moments[node].weight, s.diagonal.x + s.diagonal.y + s.diagonal.z, s.radius);
+}
 
 // Distance from which on a link of the strength W tau^n, as a logarithm, keeps within `allowed`.
 float range_of(uint which, float strength, float allowed) {
@@ -40,24 +55,23 @@ float reach(float radius, float range) { return range > 0.0 ? radius + range : -
 void main() {
     uint node = invocation();
     if (node >= frame[0].nodes) return;
-    Moment m = moments[node];
-    Spread spread = spreads[node];
+    Source source = source_of(node);
     uint skip = topology[node].skip;
-    Emitter emitter = Emitter(vec4(m.center, -1e9), 0, 0, skip);
+    Emitter emitter = Emitter(vec4(source.center, -1e9), 0, 0, skip);
     vec4 expand = vec4(0);
-    if (m.weight > 0.0) {
+    if (source.strength > 0.0) {
         float error = frame[0].link_error;
-        float weight = log2(m.weight), tau = log2(max(spread.diagonal.x + spread.diagonal.y + spread.diagonal.z, 1e-30));
+        float weight = log2(source.strength), tau = log2(max(source.trace, 1e-30));
         bool leaf = skip == node + 1;
         uint rule = leaf ? 3 : 1;
-        float trace = spread.diagonal.x + spread.diagonal.y + spread.diagonal.z;
+        float trace = source.trace;
         float accept = range_of(rule, weight + power_of(rule) * tau, error);
         if (leaf) accept = max(accept, valid(trace, SAMPLE_CHI));
         // A flat disc of a block's mean area, and four times more for each further class.
         float disc = log2(max(clusters[0].area / (6.2831853 * float(frame[0].usual_blocks)), 1e-30));
         // The laws hold at a cluster's nearest point; a triangle's at its centroid.
-        float radius = leaf ? 0.0 : spread.radius;
-        emitter.place.w = reach(spread.radius, range_of(0, weight, NOTHING * error));
+        float radius = leaf ? 0.0 : source.radius;
+        emitter.place.w = reach(source.radius, range_of(0, weight, NOTHING * error));
         emitter.accept = reach(radius, accept);
         for (uint k = 0; k < 4; ++k) {
             float bent = range_of(2, weight + power_of(2) * (disc + 2.0 * float(k)), RECEIVER_SHARE * error);

@@ -5,11 +5,14 @@
 
 // For each error law the distances at which it takes evenly spaced values, in the logarithm: the inverse of a falling
 // function by bisection. A law is the largest over the channels of
-//   strength sum_j z_j p(s_j) (q2(sigma s_j) / (2 s_j^2))^n / level,  s_j^2 = u^2 + z_j^2.
+//   strength sum_j z_j p(s_j) (q2(sigma s_j) / (2 s_j^2))^n / level,  s_j^2 = u^2 + z_j^2,
+// or, for any light of a contrast, of that times strength sum_j ...
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint ORDER = 2;
+layout(constant_id = 2) const uint ANY_LIGHT = 0;
 READS(frame)
 READS(level)
+READS(cursor)
 WRITES(ranges)
 #include "transport/channels.glsl"
 #include "transport/radii/laws.glsl"
@@ -26,7 +29,8 @@ float law(float u, float power) {
         float real = source(frame[0].sigma[c], frame[0].z_real[c], u, power);
         float virt = source(frame[0].sigma[c], frame[0].z_virtual[c], u, power);
         float both = max(real, virt) + log2(1.0 + exp2(min(real, virt) - max(real, virt)));
-        largest = max(largest, both + log2(max(frame[0].strength[c] * frame[0].tint[c], 1e-37)) - log2(level[0][c]));
+        float strength = max(frame[0].strength[c] * (ANY_LIGHT != 0 ? 1.0 : frame[0].tint[c]), 1e-37);
+        largest = max(largest, both + log2(strength) + log2(ANY_LIGHT != 0 ? cursor[0].contrast[c] : 1.0 / level[0][c]));
     })
     return largest;
 }

@@ -126,7 +126,7 @@ fn cpu(state: &mut State, at: Place) {
 /// Starts a chunk's lists.
 fn open(cursor: &mut Cursor, chunk: usize) {
     if chunk == 0 {
-        *cursor = Cursor::default();
+        *cursor = cursor.opened();
     }
     (cursor.links, cursor.areas, cursor.edges, cursor.hands) = (0, 0, 0, cursor.kept);
 }

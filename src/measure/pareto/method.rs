@@ -68,6 +68,15 @@ pub static METHODS: &[Method] = &[
         foretell: None,
     },
     Method {
+        name: "blocks-kept",
+        about: "the same, lists that serve any light kept under a new one: for a shape at rest",
+        parameter: "tolerance",
+        values: &[1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5],
+        leaves: Leaves::Exact,
+        open: blocks_kept,
+        foretell: None,
+    },
+    Method {
         name: "links",
         about: "Mertens et al. 2003; a new light builds everything anew, a resting one keeps links and form factors",
         parameter: "angle",
@@ -117,14 +126,24 @@ fn change(lighting: Lighting) -> Change {
 }
 
 fn blocks(bench: &Bench<'_>, lighting: Lighting, tolerance: f64) -> Result<Opened> {
+    blocks_in(bench, Mode::Keep, lighting, tolerance)
+}
+
+fn blocks_kept(bench: &Bench<'_>, lighting: Lighting, tolerance: f64) -> Result<Opened> {
+    if lighting == Lighting::Rests {
+        return Ok(Opened::NotOffered("blocks are faster where the light rests".into()));
+    }
+    blocks_in(bench, Mode::Render, lighting, tolerance)
+}
+
+fn blocks_in(bench: &Bench<'_>, mode: Mode, lighting: Lighting, tolerance: f64) -> Result<Opened> {
     if bench.scene.transport.distance != Distance::Radial {
         return Ok(Opened::NotOffered("moments serve radial distances only".into()));
     }
     let mut scene = bench.scene.clone();
     (scene.transport.scheme, scene.transport.hierarchy) = (Scheme::Blocks, Hierarchy::Median);
     scene.transport.tolerance = tolerance;
-    let options =
-        Options { transport: Transport::Hierarchy, mode: Mode::Render, goal: Goal::Radiosity, estimate: false };
+    let options = Options { transport: Transport::Hierarchy, mode, goal: Goal::Radiosity, estimate: false };
     Frames::open(&scene, bench.device, options, change(lighting))
 }
 
@@ -139,7 +158,7 @@ fn at_angle(scene: &Scene, angle: f64) -> Scene {
 fn links(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opened> {
     let mode = match lighting {
         Lighting::Moves => Mode::OnTheFly,
-        Lighting::Rests => Mode::Render,
+        Lighting::Rests => Mode::Keep,
     };
     let options = Options { transport: Transport::Hierarchy, mode, goal: Goal::Radiosity, estimate: false };
     Frames::open(&at_angle(bench.scene, angle), bench.device, options, change(lighting))

@@ -1,0 +1,73 @@
+//! Stage `contrast`: how bright the light that enters is against how bright the object will be. In mode `render` lists are
+//! made as if light entered everywhere alike, as much as its root mean square, so that they depend on shape, material,
+//! tolerance and this one number a channel, and serve every light of the same contrast. Steps of a fourth of an octave,
+//! upward, so that it seldom changes; when it does, lists are made anew. Nothing depends on the light of earlier frames.
+
+use crate::error::Result;
+use crate::layout::{Frame, Sample, Slot};
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "contrast",
+    room: "transport",
+    about: "root mean square irradiance over the reference level, rounded up: what lists that serve any light are made for",
+    equation: "least q of 2^(k/4) with (q level)^2 >= mean of E^2; the mean over the samples of `level`",
+    writes: &[(Slot::cursor, Role::Update, Tolerance::Exact)],
+    reason: "a decision: additions, multiplications and comparisons in f32, the same everywhere",
+    unit: Unit::Group,
+    cpu,
+    gpu,
+};
+
+/// Steps of an octave.
+const ROOTS: [f32; 4] = [1.0, 1.189_207_1, std::f32::consts::SQRT_2, 1.681_792_9];
+/// From 2^-8 to 2^20.
+const STEPS: usize = 112;
+
+/// The contrast of one channel: decisions, as the kernel has them.
+fn contrast(square: f32, frame: &Frame, level: f32, channel: usize) -> f32 {
+    let tint = frame.tint[channel];
+    let light = square * (tint * tint);
+    let mut octave = 1.0 / 256.0;
+    for step in 0..STEPS {
+        let q = octave * ROOTS[step % 4];
+        let reach = q * level;
+        if reach * reach >= light {
+            return q;
+        }
+        octave *= if step % 4 == 3 { 2.0 } else { 1.0 };
+    }
+    octave
+}
+
+fn cpu(state: &mut State, at: Place) {
+    let channels = state.object(at).groups[at.group].channels;
+    let data = &mut state.data;
+    let square = data.samples.iter().fold(0.0f32, |sum, Sample { light, .. }| sum + light) * (1.0 / 256.0);
+    for c in (0..3).filter(|c| channels >> c & 1 == 1) {
+        data.cursor[0].contrast[c] = contrast(square, &data.frame[0], data.level[0][c], c);
+    }
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    pass.dispatch(None, &[pass.object().groups[pass.at.group].channels], &[], 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_the_next_step_up() {
+        let frame = Frame { tint: [1.0, 0.5, 1.0], ..Frame::default() };
+        assert_eq!(contrast(1.0, &frame, 1.0, 0), 1.0);
+        assert_eq!(contrast(1.0, &frame, 0.99, 0), ROOTS[1]);
+        assert_eq!(contrast(4.0, &frame, 1.0, 1), 1.0);
+        assert_eq!(contrast(9.0, &frame, 1.0, 0), 2.0 * ROOTS[3]);
+        // In the dark, and beyond the last.
+        assert_eq!((contrast(0.0, &frame, 1e-30, 0), contrast(1.0, &frame, 1e-30, 0)), (1.0 / 256.0, 1_048_576.0));
+        let steps = |q: f32| f64::from(q).log2() * 4.0;
+        assert!(ROOTS.iter().enumerate().all(|(k, &root)| (steps(root) - k as f64).abs() < 1e-6));
+    }
+}

@@ -1,0 +1,131 @@
+//! What the modes keep between frames, and that nothing of it shows in the results.
+
+mod devices;
+
+use milkglass::gpu::Device;
+use milkglass::layout::Slot;
+use milkglass::measure::norms::worst;
+use milkglass::measure::reference::verify;
+use milkglass::render::plan::{Change, Goal, Mode, Options};
+use milkglass::render::run::{Room, Session};
+use milkglass::scene::{Light, Scene};
+
+const RENDER: Options = Options {
+    transport: milkglass::render::plan::Transport::Hierarchy,
+    mode: Mode::Render,
+    goal: Goal::Radiosity,
+    estimate: false,
+};
+
+fn scene(name: &str, sets: &[&str]) -> Scene {
+    Scene::load(name, &sets.iter().map(|set| set.to_string()).collect::<Vec<_>>()).unwrap()
+}
+
+/// The scene with its light `turn` turns further round.
+fn turned(scene: &Scene, turn: f64) -> Vec<Light> {
+    let (sine, cosine) = (std::f64::consts::TAU * turn).sin_cos();
+    let direction =
+        format!("light.0={{ type = 'directional', direction = [{sine}, {cosine}, 0.2], irradiance = [3, 2, 1] }}");
+    let mut lights = Scene::load(&scene.name, &[direction]).unwrap().lights;
+    lights.truncate(1);
+    lights
+}
+
+fn radiosity(session: &mut Session) -> Vec<[f32; 3]> {
+    session.fetch(&[Slot::radiosity]).unwrap();
+    session.state().data.radiosity.clone()
+}
+
+fn names(session: &mut Session, change: Change) -> Vec<String> {
+    session.frame(change).unwrap().into_iter().map(|time| time.name).collect()
+}
+
+/// Round a lotus goes a light: whether lists were made anew, stages of the frame, and errors.
+fn round(device: Option<&Device>) {
+    let scene = scene("lotus", &["object.0.detail=32", "transport.tolerance=1e-2"]);
+    let mut session = Session::new(&scene, device, RENDER, Room::default()).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    let (mut kept, mut fresh_bits) = (0, 0);
+    for step in 0..8 {
+        let lights = turned(&scene, f64::from(step) / 8.0);
+        let before = session.relinks;
+        session.set_lights(&lights).unwrap();
+        let ran = names(&mut session, Change::default());
+        if session.relinks == before && step > 0 {
+            kept += 1;
+            for idle in ["deform", "refit", "radii", "link"] {
+                assert!(!ran.iter().any(|name| name == idle), "{idle} ran though the lists serve: {ran:?}");
+            }
+        }
+        let error = worst(&verify(&mut session, 100, 5).unwrap()).l2;
+        assert!(error <= 1e-2, "turn {step}: {error}");
+        if step % 3 == 1 {
+            // Nothing is left of the frames before.
+            let mut alone = scene.clone();
+            alone.lights = lights;
+            let mut alone = Session::new(&alone, device, RENDER, Room::default()).unwrap();
+            alone.frame(Change::EVERYTHING).unwrap();
+            assert!(radiosity(&mut alone) == radiosity(&mut session), "turn {step}");
+            fresh_bits += 1;
+        }
+    }
+    println!("kept {kept} of 7, made anew {}", session.relinks);
+    assert!(kept >= 3 && session.relinks > 0 && fresh_bits == 3, "kept {kept}");
+}
+
+#[test]
+fn lists_for_any_light_serve_a_light_that_goes_round() {
+    round(None);
+    devices::on_devices(|device| round(Some(device)));
+}
+
+#[test]
+fn a_light_of_another_contrast_has_lists_made_anew() {
+    let spot = |outer: u32| {
+        let light = format!(
+            "light.0={{ type = 'spot', position = [0, 0, 30], direction = [0, 0, -1], intensity = 900, \
+             inner = 2, outer = {outer}, shadows = false }}"
+        );
+        let mut scene = scene("slab", &["object.0.detail=24", "transport.tolerance=1e-2", &light]);
+        scene.lights.truncate(1);
+        scene
+    };
+    let (wide, narrow) = (spot(60), spot(6));
+    let mut session = Session::new(&wide, None, RENDER, Room::default()).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    let before = session.state().data.cursor[0];
+    assert!(before.serves() && session.relinks == 0);
+    session.set_lights(&narrow.lights).unwrap();
+    session.frame(Change::default()).unwrap();
+    let after = session.state().data.cursor[0];
+    assert!(after.serves() && session.relinks == 1, "{} {:?} {:?}", session.relinks, before.contrast, after.contrast);
+    assert!(after.contrast != before.contrast);
+    assert!(worst(&verify(&mut session, 300, 5).unwrap()).l2 <= 1e-2);
+}
+
+#[test]
+fn a_frame_without_a_change_dispatches_nothing() {
+    devices::on_devices(|device| {
+        for (scheme, mode) in [("blocks", Mode::Render), ("blocks", Mode::OnTheFly), ("links", Mode::Render)] {
+            let sets = ["object.0.detail=2", "camera.size=[32, 32]", &format!("transport.scheme={scheme}")];
+            let options = Options { mode, goal: Goal::Picture, ..RENDER };
+            let mut session = Session::new(&scene("sphere", &sets), Some(device), options, Room::default()).unwrap();
+            assert!(!names(&mut session, Change::EVERYTHING).is_empty());
+            assert_eq!(names(&mut session, Change::default()), [""; 0], "{scheme} {mode:?}");
+            // Another view of it carries no light.
+            let transport = names(&mut session, Change::VIEW);
+            assert_eq!(transport, ["visibility", "shade"], "{scheme} {mode:?}");
+        }
+    });
+}
+
+#[test]
+fn the_plan_says_what_lists_serve() {
+    let scene = scene("sphere", &["object.0.detail=2"]);
+    let why = |options: Options| {
+        let session = Session::new(&scene, None, options, Room::default()).unwrap();
+        session.plan.left_out.iter().find(|(name, _)| *name == "contrast").map(|(_, why)| why.clone())
+    };
+    assert_eq!(why(RENDER), None);
+    assert!(why(Options { mode: Mode::OnTheFly, ..RENDER }).unwrap().contains("light of their frame"));
+}
