@@ -64,15 +64,14 @@ fn reference(name: &str) -> (Vec<u8>, usize, usize) {
 }
 
 /// What is rendered besides: the picture's name, the scene, a setting, the transport.
-const MORE: [(&str, &str, &str, Transport); 2] = [
-    ("bust-cdrf", "bust", "object.0.material.sigma_0=[1.5, 0.8, 0.4]", Transport::Cdrf),
-    ("bust-lambert", "bust", "camera.samples=1", Transport::Lambert),
-];
+const MORE: [(&str, &str, &str, Transport); 1] =
+    [("bust-cdrf", "bust", "object.0.material.sigma_0=[1.5, 0.8, 0.4]", Transport::Cdrf)];
 
 fn render(name: &str, width: usize, height: usize, device: Option<&Device>) -> Vec<u8> {
     let more = MORE.iter().find(|(file, ..)| *file == name);
-    let &(_, name, set, transport) = more.unwrap_or(&("", name, "camera.samples=1", Transport::Hierarchy));
-    let scene = Scene::load(name, &[format!("camera.size=[{width}, {height}]"), set.to_string()]).unwrap();
+    let (scene, transport) = more.map_or((name, Transport::Hierarchy), |more| (more.1, more.3));
+    let sets: Vec<String> = more.iter().map(|more| more.2.to_string()).collect();
+    let scene = Scene::load(scene, &[&[format!("camera.size=[{width}, {height}]")], &sets[..]].concat()).unwrap();
     let options = Options { transport, ..Options::default() };
     let mut session = Session::new(&scene, device, options, Room::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
