@@ -16,6 +16,9 @@
 //!    what scatters once in layers beneath the surface (Francois et al. 2006); `reflect`:
 //!    what the surface itself reflects, and `backdrop`: the environment behind the object.
 //!
+//! With `--transport cdrf` or `lambert` steps 3 to 8 have no place: `curvature` follows `refit`, and `cdrf`, perhaps by
+//! `cdrf_table`, or `lambert` takes the place of `shade`.
+//!
 //! Equations and sections are those of Mertens et al. 2003, "Interactive Rendering of Translucent Deformable Objects".
 //!
 //! # The rooms, from the top floor down; arrows point downward only
@@ -25,7 +28,8 @@
 //!   the tables of Mertens et al. beside ours.
 //! - [`render`]: from a scene to the stages it needs, the table of stages, and their run on the CPU or a device.
 //! - [`transport`]: Mertens et al., made to meet an error. [`baseline`]: the same as published, brute force, an octree.
-//!   [`layers`]: Francois et al., subsurface texture mapping. [`view`]: from radiosity to a picture.
+//!   [`layers`]: Francois et al., subsurface texture mapping. [`local`]: shading by the place alone, Kubo et al.
+//!   [`view`]: from radiosity to a picture.
 //! - [`dipole`]: the profile, its derivatives, form factors: the mathematics of both.
 //! - [`light`]: light arriving, and Fresnel's formulas.
 //! - [`geometry`]: from positions to clusters; rays through the same trees.
@@ -52,6 +56,8 @@
 //! - *chunk*: the receivers linked in one go; *room*: how much fits a list; *hand down*: leave an emitter to the
 //!   receiver's children.
 //! - *base*: a coarse mesh whose triangles are cut in four, *split*, again and again: butterfly subdivision and shrink-wrapping.
+//! - *kappa*: the curvature that counts for scattering; *sigma_0*: how far light spreads along a surface; *CDRF*: the
+//!   function of the cosine at the surface and sigma = sigma_0 kappa.
 //! - *internal units*: the object has unit extent, the brightest light about unit irradiance; both by powers of two.
 
 #![deny(missing_docs)]
@@ -66,6 +72,7 @@ pub mod hierarchy;
 pub mod layers;
 pub mod layout;
 pub mod light;
+pub mod local;
 pub mod measure;
 pub mod render;
 pub mod scene;

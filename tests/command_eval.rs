@@ -67,3 +67,43 @@ fn eval_names_the_line_of_a_bad_row() {
         bad(&here, "eval profile in.csv -o out.csv --device cpu", 2, &["in.csv:1: ", "column is missing"]);
     }
 }
+
+#[test]
+fn eval_cdrf_is_the_periodic_convolution() {
+    let here =
+        folder(&[("in.csv", "sigma,cos_theta\n0,0.5\n0.3,-0.2\n0.3,1\n0.05,0\n1,-1\n2.5,0.3\n1e30,0.9\n0,-1\n")]);
+    for (device, error) in [("--device cpu", 1e-9), ("", 5e-6)] {
+        good(&here, &format!("eval cdrf in.csv -o out.csv {device}"));
+        let (header, rows) = numbers(&read(&here, "out.csv"));
+        assert_eq!((header.as_str(), rows.len()), ("sigma,cos_theta,value", 8));
+        for row in rows {
+            let [sigma, cosine, value] = row[..] else { panic!("{row:?}") };
+            let expected = convolution(cosine.acos(), sigma);
+            assert!((value - expected).abs() < error, "{device} {sigma} {cosine}: {value} {expected}");
+        }
+    }
+    for (row, word) in [("0,1.5", "cos_theta: out of range"), ("-1,0", "sigma: out of range"), ("x,0", "sigma: ")] {
+        std::fs::write(here.path().join("in.csv"), format!("sigma,cos_theta\n{row}\n")).unwrap();
+        bad(&here, "eval cdrf in.csv -o b.csv", 2, &["in.csv:2: ", word]);
+    }
+    std::fs::write(here.path().join("in.csv"), "sigma\n1\n").unwrap();
+    bad(&here, "eval cdrf in.csv -o b.csv", 2, &["in.csv:1: cos_theta: ", "column is missing"]);
+}
+
+/// max(cos, 0) round the circle with a Gaussian, by the trapezium rule.
+fn convolution(theta: f64, sigma: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    if sigma == 0.0 {
+        return theta.cos().max(0.0);
+    }
+    if sigma > 100.0 {
+        return 1.0 / PI;
+    }
+    let steps = 400_000;
+    let width = (20.0 * sigma).max(TAU);
+    let at = |k: i32| {
+        let t = width * (f64::from(k) / f64::from(steps) - 0.5);
+        (theta - t).cos().max(0.0) * (-0.5 * (t / sigma).powi(2)).exp()
+    };
+    (0..=steps).map(at).sum::<f64>() * width / f64::from(steps) / (TAU.sqrt() * sigma)
+}

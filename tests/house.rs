@@ -9,7 +9,7 @@ const FLOORS: &[&[&str]] = &[
     &["command"],
     &["measure"],
     &["render"],
-    &["transport", "baseline", "layers", "view"],
+    &["transport", "baseline", "layers", "local", "view"],
     &["dipole"],
     &["light"],
     &["geometry"],

@@ -1,11 +1,11 @@
 //! The built-in scenes against small reference pictures, compared as an eye would: blurred a little, in CIE Lab.
 //!
-//! After a wanted change of look: `milkglass render NAME --size 240x240 -o tests/pictures/NAME.png`.
+//! After a wanted change of look: `milkglass render NAME --size 240x240 -o tests/pictures/NAME.png`; see `MORE`, too.
 
 use std::path::Path;
 
 use milkglass::gpu::{Device, Instance};
-use milkglass::render::plan::{Change, Options};
+use milkglass::render::plan::{Change, Options, Transport};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::{BUILTIN, Scene};
 
@@ -63,9 +63,17 @@ fn reference(name: &str) -> (Vec<u8>, usize, usize) {
     (picture.into_raw(), width as usize, height as usize)
 }
 
+/// What is rendered besides: the picture's name, the scene, a setting, the transport.
+const MORE: [(&str, &str, &str, Transport); 1] =
+    [("bust-cdrf", "bust", "object.0.material.sigma_0=[1.5, 0.8, 0.4]", Transport::Cdrf)];
+
 fn render(name: &str, width: usize, height: usize, device: Option<&Device>) -> Vec<u8> {
-    let scene = Scene::load(name, &[format!("camera.size=[{width}, {height}]")]).unwrap();
-    let mut session = Session::new(&scene, device, Options::default(), Room::default()).unwrap();
+    let more = MORE.iter().find(|(file, ..)| *file == name);
+    let (scene, transport) = more.map_or((name, Transport::Hierarchy), |more| (more.1, more.3));
+    let sets: Vec<String> = more.iter().map(|more| more.2.to_string()).collect();
+    let scene = Scene::load(scene, &[&[format!("camera.size=[{width}, {height}]")], &sets[..]].concat()).unwrap();
+    let options = Options { transport, ..Options::default() };
+    let mut session = Session::new(&scene, device, options, Room::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session.picture().unwrap().bytes(&scene.camera)
 }
@@ -77,7 +85,7 @@ fn the_built_in_scenes_look_as_they_did() {
         Device::open(&instance, &adapter).ok()
     });
     assert!(device.is_some() || std::env::var_os("MILKGLASS_NO_DEVICE").is_some(), "no usable Vulkan device");
-    for (name, _, _) in BUILTIN {
+    for name in BUILTIN.iter().map(|(name, ..)| *name).chain(MORE.map(|(name, ..)| name)) {
         let (expected, width, height) = reference(name);
         let on_cpu = render(name, width, height, None);
         let (mean, worst) = difference(&expected, &on_cpu, width, height);

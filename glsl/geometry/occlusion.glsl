@@ -10,7 +10,9 @@ const uint FREE = 0, BLOCKED = 1;
 
 // From `origin` along `direction`, up to the light at `light`, or for ever where it is `far`; `own` is the plane that the
 // ray starts from, and `side` the side on which it leaves. Not wanted, no ray is followed.
-uint occlusion(vec3 origin, vec3 direction, bool far, vec3 light, uint self, Plane own, float side, bool wanted) {
+// With `others`, the `spared` triangles (first, number) block nothing, and those behind that plane do.
+uint occlusion(vec3 origin, vec3 direction, bool far, vec3 light, uint self, Plane own, float side, bool wanted,
+               uvec2 spared, bool others) {
     Sight ray = sight(direction);
     Nearest limit = Nearest(far ? NONE : 0, vec3(0), ray.square, ray.scale); // the light: `along` / `scale`
     uint end = frame[0].scene_nodes, node = wanted ? 0 : end;
@@ -33,8 +35,9 @@ uint occlusion(vec3 origin, vec3 direction, bool far, vec3 light, uint self, Pla
             Plane plane = plane_of(pa, pb, pc);
             float through = dot3(direction, plane.normal) > 0.0 ? 1.0 : -1.0;
             bool nearer = far || beyond(plane, light, through);
-            bool front = beyond(own, pa, side) || beyond(own, pb, side) || beyond(own, pc, side);
-            if (face != self && found.face != NONE && found.numerator > 0.0 && nearer && front) node = end + 1;
+            bool counts = others ? face - spared.x >= spared.y : face != self;
+            bool front = others || beyond(own, pa, side) || beyond(own, pb, side) || beyond(own, pc, side);
+            if (counts && found.face != NONE && found.numerator > 0.0 && nearer && front) node = end + 1;
         }
     }
     return node < end ? UNFINISHED : node > end ? BLOCKED : FREE;

@@ -4,6 +4,7 @@
 #include "invocation.glsl"
 
 // Whether one light reaches each of some faces: a bit of `lit`. Decisions only.
+layout(constant_id = 0) const uint OTHERS = 0; // not 0 where an object does not shadow itself
 layout(push_constant, scalar) uniform push_block { Rays rays; };
 READS(frame)
 READS(lights)
@@ -38,8 +39,9 @@ void main() {
     precise float square = along * along;
     precise float least = cosine * cosine * dot3(direction, direction);
     bool shines = (light.kind != 3 || along > 0.0) && (light.kind != 2 || (along > 0.0 && square > least));
-    bool wanted = shines && (facing > 0.0 || (frame[rays.object].two_sided != 0 && facing < 0.0));
-    uint met = occlusion(origin, direction, far, light.place, face, own, side, wanted);
+    bool wanted = shines && (OTHERS != 0 || facing > 0.0 || (frame[rays.object].two_sided != 0 && facing < 0.0));
+    uvec2 spared = uvec2(frame[rays.object].first_face, frame[rays.object].faces);
+    uint met = occlusion(origin, direction, far, light.place, face, own, side, wanted, spared, OTHERS != 0);
     if (met == UNFINISHED) cut_short[0] = 1;
 
     // The first light of a word clears it.

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::{pick, print, table};
+use super::device::pick;
+use super::{print, table};
 use crate::error::{Error, Input, Result};
 use crate::gpu::{Adapter, Device, Instance};
 use crate::measure::conform::{Row, conform};

@@ -15,6 +15,7 @@ use crate::dipole::profile::Dipole;
 use crate::error::{Error, Input, Result};
 use crate::layout::{Query, Slot};
 use crate::light::fresnel;
+use crate::local::reflectance::cdrf;
 use crate::render::stages::stage;
 use crate::state::{DeviceState, Place, State, Step};
 use crate::view::picture::write_whole;
@@ -24,6 +25,7 @@ use crate::view::picture::write_whole;
 #[command(after_help = "Example: milkglass eval form-factor rows.csv -o values.csv --device cpu\n\n\
     form-factor: v0x,v0y,v0z,v1x,...,v2z,xox,xoy,xoz,sigma_s_prime,sigma_a,eta -> value (Table 1, displaced \
     sources, no clamp), value_radial\nprofile: r,sigma_s_prime,sigma_a,eta -> value, R_d(r)\n\
+    cdrf: cos_theta,sigma (radian) -> value, f of Kubo et al. 2010, equation 1, periodic\n\
     layered: light (directional or point), layers, thickness1..4, sigma_s1..4, sigma_t1..4, g1..4 (blank where unused), \
     lx,ly,lz,intensity,wox,woy,woz -> value, radiance at the origin of a flat slab under z = 0 towards wo")]
 pub struct Arguments {
@@ -49,6 +51,21 @@ enum Kind {
     Profile,
     /// Single scattering of a flat slab of layers.
     Layered,
+    /// The curvature-dependent reflectance function.
+    Cdrf,
+}
+
+impl Kind {
+    /// The columns that it takes.
+    fn columns(self) -> Vec<&'static str> {
+        let medium = ["sigma_s_prime", "sigma_a", "eta"];
+        match self {
+            Self::FormFactor => [&CORNERS[..], &medium].concat(),
+            Self::Profile => [&["r"][..], &medium].concat(),
+            Self::Layered => layered::COLUMNS.to_vec(),
+            Self::Cdrf => vec!["cos_theta", "sigma"],
+        }
+    }
 }
 
 #[derive(Clone, Copy, Default, ValueEnum)]
@@ -78,14 +95,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let text = std::fs::read_to_string(file).map_err(|e| Input::new(e.to_string()).file(file))?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let header = reader.headers().map_err(|e| bad_row(file, &e))?.clone();
-    let dipole = ["sigma_s_prime", "sigma_a", "eta"];
-    let places: &[&str] = if arguments.kind == Kind::FormFactor { &CORNERS } else { &["r"] };
-    let needed: Vec<&str> = match arguments.kind {
-        Kind::Layered => layered::COLUMNS.to_vec(),
-        _ => places.iter().chain(&dipole).copied().collect(),
-    };
-    if let Some(key) = needed.iter().find(|key| !header.iter().any(|name| name == **key)) {
-        let fault = Input::new("this column is missing").file(file).line(1).key(*key);
+    if let Some(key) = arguments.kind.columns().into_iter().find(|key| !header.iter().any(|name| name == *key)) {
+        let fault = Input::new("this column is missing").file(file).line(1).key(key);
         return Err(fault.expected("a column of this name").into());
     }
     let records = reader.into_records().collect::<std::result::Result<Vec<_>, _>>().map_err(|e| bad_row(file, &e))?;
@@ -157,6 +168,16 @@ fn row(arguments: &Arguments, cells: &Cells<'_>) -> std::result::Result<Row, Inp
     let fault = |key: &str, what: &str| cells.fault(key, what);
     let at_least = |key: &str, least: f64| cells.at_least(key, least);
 
+    if arguments.kind == Kind::Cdrf {
+        let cosine = cells.number("cos_theta")?;
+        if cosine.abs() > 1.0 {
+            return Err(fault("cos_theta", "out of range").found(cosine).expected("-1 to 1"));
+        }
+        // No medium: cosine and sigma in the place of a corner.
+        let triangle = [DVec3::new(cosine, at_least("sigma", 0.0)?, 0.0), DVec3::ZERO, DVec3::ZERO];
+        return Ok(Row { triangle, dipole: Dipole::new(1.0, 0.0, 1.0), unit: 1.0 });
+    }
+
     // The medium; the row's unit of length is its mean free path.
     let (scattering, absorption) = (at_least("sigma_s_prime", 0.0)?, at_least("sigma_a", 0.0)?);
     let eta = at_least("eta", 0.5)?;
@@ -193,9 +214,12 @@ fn row(arguments: &Arguments, cells: &Cells<'_>) -> std::result::Result<Row, Inp
 /// The values: on a device by its kernels in `f32`, on the CPU in `f64`.
 fn evaluate(arguments: &Arguments, rows: &[Row]) -> Result<Vec<[f64; 2]>> {
     let device = arguments.device.open(validation())?;
-    let profile = arguments.kind == Kind::Profile;
+    let (profile, local) = (arguments.kind == Kind::Profile, arguments.kind == Kind::Cdrf);
     let Some(device) = device else {
         let value = |row: &Row| {
+            if local {
+                return [cdrf(row.triangle[0].x, row.triangle[0].y), 0.0];
+            }
             if profile {
                 return [row.dipole.radial(row.triangle[0].length_squared()) / (row.unit * row.unit), 0.0];
             }
@@ -220,13 +244,19 @@ fn evaluate(arguments: &Arguments, rows: &[Row]) -> Result<Vec<[f64; 2]>> {
         .collect();
     state.data.answers = vec![[0.0; 3]; rows.len()];
     let mut twin = DeviceState::new(&device, false);
-    let steps: Vec<Step> = stage("evaluate").into_iter().map(|stage| Step { stage, at: Place::default() }).collect();
+    let steps: Vec<Step> = stage(if local { "cdrf_values" } else { "evaluate" })
+        .into_iter()
+        .map(|stage| Step { stage, at: Place::default() })
+        .collect();
     twin.upload(&state, &[Slot::queries])?;
     twin.run(&state, &steps)?;
     twin.download(&mut state, &[Slot::answers])?;
     check_messages(Some(&device))?;
     let value = |(row, answer): (&Row, &[f32; 3])| {
         let [radial, displaced, reflectance] = answer.map(f64::from);
+        if local {
+            return [radial, 0.0];
+        }
         if profile { [reflectance / (row.unit * row.unit), 0.0] } else { [displaced, radial] }
     };
     Ok(rows.iter().zip(&state.data.answers).map(value).collect())

@@ -2,9 +2,11 @@
 
 mod bake;
 mod conform;
+mod device;
 mod devices;
 mod eval;
 mod faces;
+mod fit_cdrf;
 mod lists;
 mod pareto;
 mod plan;
@@ -13,17 +15,19 @@ mod sequence;
 mod solve;
 mod stress;
 mod text;
+mod validity;
 
 use std::ffi::OsString;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::error::{Error, Input, Result};
-use crate::gpu::{Adapter, Device, Instance};
+use crate::gpu::Device;
 use crate::hierarchy::face_cluster::Method;
 use crate::render::plan::{Mode, Options, Transport};
 use crate::render::run::{Room, Session};
 use crate::scene::Scene;
+use device::DeviceArgument;
 use text::{print, size, table};
 
 #[derive(Parser)]
@@ -51,6 +55,10 @@ enum Command {
     Eval(eval::Arguments),
     /// Bake a depth map from surfaces that lie in one another.
     BakeLayers(bake::Arguments),
+    /// Fit the sigma_0 of `--transport cdrf` to a material: to the dipole, and to a random walk.
+    FitCdrf(fit_cdrf::Arguments),
+    /// Tell where shading by curvature is a good stand-in for the dipole, and where not.
+    Validity(validity::Arguments),
     /// List the Vulkan devices and the CPU back end.
     #[command(after_help = "Example: milkglass devices")]
     Devices,
@@ -111,13 +119,6 @@ struct RunArguments {
     transport: TransportArgument,
 }
 
-#[derive(Args)]
-struct DeviceArgument {
-    /// `cpu`, a device's number in `milkglass devices`, or a part of its name [default: the best Vulkan device].
-    #[arg(long, value_name = "DEVICE")]
-    device: Option<String>,
-}
-
 #[derive(Clone, Copy, Default, ValueEnum)]
 enum ModeArgument {
     /// Everything from scratch in each frame.
@@ -138,6 +139,10 @@ enum TransportArgument {
     Brute,
     /// Not at all: what scatters once in layers, what opaque objects give back, and reflections.
     None,
+    /// None: the curvature-dependent reflectance function of Kubo et al. 2010, at each pixel.
+    Cdrf,
+    /// None: Lambert's cosine, at each pixel.
+    Lambert,
 }
 
 impl RunArguments {
@@ -148,6 +153,8 @@ impl RunArguments {
                 TransportArgument::Octree => Transport::Octree,
                 TransportArgument::Brute => Transport::Brute,
                 TransportArgument::None => Transport::None,
+                TransportArgument::Cdrf => Transport::Cdrf,
+                TransportArgument::Lambert => Transport::Lambert,
             },
             mode: match self.mode {
                 ModeArgument::OnTheFly => Mode::OnTheFly,
@@ -156,56 +163,6 @@ impl RunArguments {
             ..Options::default()
         }
     }
-}
-
-impl DeviceArgument {
-    /// The device asked for, or the best; `None` is the CPU.
-    fn open(&self, validation: bool) -> Result<Option<Device>> {
-        let wish = self.device.as_deref();
-        if wish.is_some_and(|wish| wish.eq_ignore_ascii_case("cpu")) {
-            return Ok(None);
-        }
-        let found = Instance::open(validation).and_then(|instance| Ok((instance.adapters()?, instance)));
-        match (wish, found) {
-            (None, Ok((adapters, instance))) => match best(&adapters) {
-                Some(adapter) => Device::open(&instance, adapter).map(Some),
-                None => {
-                    eprintln!("no usable Vulkan device: running on the CPU");
-                    Ok(None)
-                }
-            },
-            (None, Err(error)) if !validation => {
-                eprintln!("running on the CPU: {error}");
-                Ok(None)
-            }
-            (_, Err(error)) => Err(error),
-            (Some(wish), Ok((adapters, instance))) => Device::open(&instance, pick(&adapters, wish)?).map(Some),
-        }
-    }
-}
-
-/// The usable adapter that promises most: discrete, integrated, virtual, then anything.
-fn best(adapters: &[Adapter]) -> Option<&Adapter> {
-    let rank = |adapter: &&Adapter| match adapter.kind {
-        "discrete" => 0,
-        "integrated" => 1,
-        "virtual" => 2,
-        _ => 3,
-    };
-    adapters.iter().filter(|adapter| adapter.unusable.is_none()).min_by_key(rank)
-}
-
-/// The adapter of this number, or the first whose name contains this text.
-fn pick<'a>(adapters: &'a [Adapter], wish: &str) -> Result<&'a Adapter> {
-    let low = wish.to_lowercase();
-    let by_number = wish.parse::<usize>().ok().and_then(|index| adapters.get(index));
-    by_number.or_else(|| adapters.iter().find(|a| !low.is_empty() && a.name.to_lowercase().contains(&low))).ok_or_else(
-        || {
-            let names: Vec<_> = adapters.iter().enumerate().map(|(i, a)| format!("{i} ({})", a.name)).collect();
-            let known = if names.is_empty() { "no Vulkan device is installed".to_string() } else { names.join(", ") };
-            Error::device(format!("looking for device {wish:?}"), format!("there is none; there are cpu, {known}"))
-        },
-    )
 }
 
 /// A session on this device; what there is to say of it goes to standard error.
@@ -259,6 +216,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
         Command::Pareto(arguments) => pareto::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::BakeLayers(arguments) => bake::run(&arguments),
+        Command::FitCdrf(arguments) => fit_cdrf::run(&arguments),
+        Command::Validity(arguments) => validity::run(&arguments),
         Command::Devices => devices::run(),
         Command::Scenes(arguments) => lists::scenes(&arguments),
         Command::Materials => lists::materials(),

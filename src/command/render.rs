@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::{RunArguments, SceneArguments, check_messages, open_session, print, sequence, table, validation};
 use crate::error::{Input, Result};
+use crate::render::bends::{Bends, bends};
 use crate::render::clusters::{Emitters, clusters, color};
 use crate::render::plan::{Change, Options, Transport};
 use crate::scene::{Camera, Tone};
@@ -29,9 +30,8 @@ pub struct Arguments {
     /// Add layers to an `.exr`: irradiance, radiosity, normal, error_estimate, depth, object, triangle, links.
     #[arg(long)]
     aov: bool,
-    /// Show, instead of light, the clusters that light what `--pick` names: blue the largest, red the smallest, white
-    /// the receivers, grey what gives nothing. Of the first group of channels (`plan` lists them).
-    #[arg(long, value_enum, requires = "pick", conflicts_with = "aov")]
+    /// Show something else than light.
+    #[arg(long, value_enum, conflicts_with = "aov")]
     view: Option<View>,
     /// Render these frames, both ends included, each to a file of its own: `-o frame-%04d.png`. No frame depends on another.
     #[arg(long, value_name = "A..B", conflicts_with_all = ["view", "frame", "times"], allow_hyphen_values = true)]
@@ -50,8 +50,11 @@ pub struct Arguments {
 /// What can be shown instead of light.
 #[derive(Clone, Copy, ValueEnum)]
 enum View {
-    /// The clusters that light one receiver, by level.
+    /// The clusters that light what `--pick` names: blue the largest, red the smallest, white the receivers, grey what gives
+    /// nothing. Of the first group of channels (`plan` lists them).
     Clusters,
+    /// How much the surface bends (kappa of `--transport cdrf`): red much, blue little.
+    Curvature,
 }
 
 /// Renders and writes the picture.
@@ -63,6 +66,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let found = arguments.output.display();
         return Err(Input::new("only OpenEXR has layers").key("--aov").found(found).expected("-o FILE.exr").into());
     }
+    if aov {
+        arguments.run.options().carries("--aov")?;
+    }
     let frames = arguments.frames.as_deref().map(|text| sequence::parse(text, &arguments.output)).transpose()?;
     let size = arguments.size.as_deref().map(parse_size).transpose()?;
     let pick = arguments.pick.as_deref().map(parse_pick).transpose()?;
@@ -72,9 +78,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         // Lists are kept, because a layer tells how long they are.
         options = Options { estimate: true, mode: options.mode.kept(), ..options };
     }
-    if pick.is_some() {
+    let clustered = matches!(arguments.view, Some(View::Clusters));
+    if clustered != pick.is_some() {
+        let fault = Input::new("--view clusters and --pick X,Y go together").key("--pick");
+        return Err(fault.expected("both or neither").into());
+    }
+    if matches!(arguments.view, Some(View::Curvature)) {
+        options.transport = Transport::Cdrf;
+    }
+    if clustered {
         if options.transport != Transport::Hierarchy {
-            let found = "--transport octree or brute";
+            let found = "--transport octree, brute, cdrf or lambert";
             return Err(Input::new("only the hierarchy has links").key("--view clusters").found(found).into());
         }
         options.mode = options.mode.kept();
@@ -96,6 +110,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         check_messages(device.as_ref())?;
         picture.save(&arguments.output, &plain(&scene.camera))?;
         return print_levels(&emitters);
+    }
+    if arguments.view.is_some() {
+        let (picture, bends) = bends(&mut session)?;
+        check_messages(device.as_ref())?;
+        picture.save(&arguments.output, &plain(&scene.camera))?;
+        return print_bends(&bends, scene.unit_mm);
     }
     let picture = sequence::shoot(&mut session, aov, &arguments.output)?;
     check_messages(device.as_ref())?;
@@ -119,6 +139,21 @@ fn print_levels(emitters: &Emitters) -> Result<()> {
     };
     let rows: Vec<_> = emitters.levels.iter().map(row).collect();
     print(&table(&["level", "emitters", "triangles in them", "colour"], &[0, 1, 2], &rows))
+}
+
+/// What the colours of a picture of curvature mean.
+fn print_bends(bends: &Bends, unit_mm: f64) -> Result<()> {
+    let [low, high] = bends.ends;
+    let row = |k: i32| {
+        let kappa = if low > 0.0 { low * (high / low).powf(f64::from(k) / 4.0) } else { high * f64::from(k) / 4.0 };
+        let [r, g, b] = bends.color(kappa).map(|x| (encode(x.into()) * 255.0).round() as u8);
+        let radius = if kappa > 0.0 { format!("{:.3e}", unit_mm / kappa) } else { "flat".into() };
+        vec![format!("{:.3e}", kappa / unit_mm), radius, format!("#{r:02x}{g:02x}{b:02x}")]
+    };
+    let rows: Vec<_> = (0..5).map(row).collect();
+    print(&table(&["kappa, 1/mm", "1 / kappa, mm", "colour"], &[0, 1], &rows))?;
+    let [median, most] = bends.apart.map(|share| 100.0 * share);
+    print(&format!("a cubic fit differs by {median:.1} % of the sum of both (median), {most:.0} % (95th percentile)\n"))
 }
 
 /// `120,80`, counted from the upper left.

@@ -65,6 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if output.is_none() && arguments.verify.is_none() && !arguments.times {
         return Err(Input::new("nothing to do").expected("-o FILE, --verify FACES or --times").into());
     }
+    arguments.run.options().carries("solve")?;
     let scene = arguments.scene.load()?;
     let device = arguments.run.device.open(validation())?;
     // Times alone are those of a frame that estimates nothing.

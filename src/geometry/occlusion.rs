@@ -6,17 +6,20 @@
 //!   the front never goes below that plane, so this leaves out no triangle that could block, but every one that rounding
 //!   might put in the way: flat and convex neighbours, however fine, and coincident sheets. A convex object never shadows
 //!   itself, at any light and any scale;
+//! - where an object does not shadow itself, it is none of that object's; what the corners are in front of counts no more then;
 //! - a light that has a place lies beyond the triangle, for certain: a light in a surface is not blocked by that surface.
 //!
 //! What is left to rounding is which side of an edge a ray passes, as for any ray; a ray through a shared edge or corner
 //! meets at least one of the triangles.
+
+use std::ops::Range;
 
 use super::plane::Plane;
 use super::trace::{Nearest, Sight, UNFINISHED, dot, meets, minus};
 use crate::layout::Buffers;
 
 /// A ray from a triangle towards a light.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Ray {
     /// The triangle that it starts from.
     pub face: u32,
@@ -28,6 +31,8 @@ pub struct Ray {
     pub light: Option<[f32; 3]>,
     /// On which side of its triangle it leaves: 1 in front, -1 behind.
     pub side: f32,
+    /// Triangles that block nothing; where they are given, those behind the plane that the ray starts from do.
+    pub spared: Option<Range<u32>>,
 }
 
 /// Whether any triangle of `data` blocks the ray.
@@ -42,7 +47,8 @@ pub fn blocked(data: &Buffers, ray: &Ray) -> bool {
     while let Some(bounds) = data.bounds.get(node) {
         let met = meets(bounds.low, bounds.high, ray.origin, &sight, &limit);
         node = if met && bounds.face == u32::MAX { node + 1 } else { bounds.next as usize };
-        if !met || bounds.face == u32::MAX || bounds.face == ray.face {
+        let spared = ray.spared.as_ref().is_some_and(|spared| spared.contains(&bounds.face));
+        if !met || bounds.face == u32::MAX || bounds.face == ray.face || spared {
             continue;
         }
         let points = corners(bounds.face);
@@ -50,7 +56,8 @@ pub fn blocked(data: &Buffers, ray: &Ray) -> bool {
         let plane = Plane::new(points);
         let through = if dot(ray.direction, plane.normal) > 0.0 { 1.0 } else { -1.0 };
         let nearer = ray.light.is_none_or(|light| plane.beyond(light, through));
-        if found.numerator > 0.0 && nearer && points.iter().any(|&point| own.beyond(point, ray.side)) {
+        let front = || points.iter().any(|&point| own.beyond(point, ray.side));
+        if found.numerator > 0.0 && nearer && (ray.spared.is_some() || front()) {
             return true;
         }
     }

@@ -56,6 +56,10 @@ buffers! {
     clusters: Cluster, node;
     /// Unit vertex normals, area-weighted.
     normals: [f32; 3], vertex;
+    /// How the surface bends at each vertex.
+    curvature: Curvature, vertex;
+    /// The table of the CDRF: the values at the corners of its cells, rows of rising sigma.
+    cdrf_cells: [f32; 4], cell;
     /// Irradiance that enters each triangle, E of equation 5, times a texture at the entry.
     irradiance: [f32; 3], face;
     /// Area-weighted mean irradiance of each cluster.

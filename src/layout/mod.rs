@@ -248,6 +248,7 @@ mod arriving;
 mod beneath;
 mod buffers;
 mod lists;
+mod local;
 mod records;
 mod viewing;
 
@@ -255,6 +256,7 @@ pub use arriving::*;
 pub use beneath::*;
 pub use buffers::*;
 pub use lists::*;
+pub use local::*;
 pub use records::*;
 pub use viewing::*;
 
@@ -262,6 +264,7 @@ pub use viewing::*;
 pub fn records() -> Vec<Record> {
     let mut all = frame_records();
     all.extend(list_records());
+    all.extend(local_records());
     all.extend(light_records());
     all.extend(view_records());
     all.extend(layer_records());

@@ -104,12 +104,20 @@ records! { frame_records:
         ladder: [f32; 4],
         /// How far round a vertex the surface is taken for a plane, where there are layers beneath it; 0 where there are none.
         fit_radius: f32,
+        /// Local shading: standard deviation of the scattering along the surface, per channel, length.
+        sigma_0: [f32; 3],
+        /// Local shading: share of the light that comes back from a flat surface, per channel.
+        diffuse: [f32; 3],
+        /// Local shading: what kappa is, 0 sqrt((k1^2 + k2^2) / 2), 1 |k1 + k2| / 2.
+        kappa: u32,
         /// Nothing.
         padding: [u32; 32],
         /// Nothing.
-        more_padding: [u32; 16],
+        more_padding: [u32; 6],
         /// Nothing.
-        last_padding: [u32; 5],
+        other_padding: [u32; 6],
+        /// Nothing.
+        last_padding: [u32; 2],
     }
     /// A deformation of an object's vertices.
     Deform {

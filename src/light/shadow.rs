@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::geometry::occlusion::{Ray, blocked};
 use crate::geometry::plane::Plane;
 use crate::layout::{Light, Rays, Slot};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{Object, Pass, Place, Role, Stage, State, Tolerance, Unit};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -44,6 +44,11 @@ fn cpu(state: &mut State, _at: Place) {
     state.data.lit = lit;
 }
 
+/// Whether only other objects shadow an object.
+fn others_only(state: &State, object: &Object) -> bool {
+    state.method.local.is_some() && !object.opaque
+}
+
 /// The ray from a face to a light; none where the face is turned away, behind an area, or outside a spot's cone.
 fn ray(state: &State, face: u32, light: &Light, both: bool) -> Option<Ray> {
     let (data, first) = (&state.data, state.objects[state.object_of(face as usize)].first.nodes);
@@ -51,6 +56,12 @@ fn ray(state: &State, face: u32, light: &Light, both: bool) -> Option<Ray> {
     let origin = data.clusters[first + data.leaves[face as usize] as usize].center;
     let far = light.kind == 0 || light.kind == 5;
     let direction = if far { light.place } else { std::array::from_fn(|k| light.place[k] - origin[k]) };
+    // In local shading an object's own triangles neither block light nor turn away from it.
+    let object = &state.objects[state.object_of(face as usize)];
+    let spared = others_only(state, object).then(|| {
+        let first = object.first.faces as u32;
+        first..first + object.count.faces as u32
+    });
     let own = Plane::new(data.triangles[face as usize].map(|v| data.positions[v as usize]));
     let facing = dot(direction, own.normal);
     let along = -dot(direction, light.axis);
@@ -60,20 +71,26 @@ fn ray(state: &State, face: u32, light: &Light, both: bool) -> Option<Ray> {
         3 => along > 0.0,
         _ => true,
     };
-    let wanted = shines && (facing > 0.0 || (both && facing < 0.0));
+    let wanted = shines && (spared.is_some() || facing > 0.0 || (both && facing < 0.0));
     let side = if facing > 0.0 { 1.0 } else { -1.0 };
-    wanted.then_some(Ray { face, origin, direction, light: (!far).then_some(light.place), side })
+    wanted.then_some(Ray { face, origin, direction, light: (!far).then_some(light.place), side, spared })
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let lights = &pass.state.data.lights;
     for (number, object) in pass.state.objects.iter().enumerate() {
+        let others = u32::from(others_only(pass.state, object));
         let end = object.first.faces + object.count.faces;
         for light in (0..lights.len()).filter(|&light| lights[light].shadow != u32::MAX) {
             for first in (object.first.faces..end).step_by(RAYS) {
                 let count = RAYS.min(end - first);
                 let [object, first, faces, light] = [number, first, count, light].map(|n| n as u32);
-                pass.dispatch(None, &[], bytemuck::bytes_of(&Rays { object, first, count: faces, light }), count)?;
+                pass.dispatch(
+                    None,
+                    &[others],
+                    bytemuck::bytes_of(&Rays { object, first, count: faces, light }),
+                    count,
+                )?;
             }
         }
     }

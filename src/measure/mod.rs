@@ -1,6 +1,7 @@
 //! The measuring: conformance, error norms, the worth of an error estimate, references, error against time, extreme cases,
 //! the paper's tables, layers.
 
+pub mod balls;
 pub mod compare;
 pub mod conform;
 pub mod estimate;
@@ -12,3 +13,4 @@ pub mod reference;
 pub mod sample;
 pub mod stress;
 pub mod tables;
+pub mod validity;

@@ -2,11 +2,13 @@
 
 pub mod aov;
 pub mod bake;
+pub mod bends;
 mod blocks;
 mod changes;
 pub mod clusters;
 mod layers;
 pub mod lights;
+pub mod local;
 pub mod octree;
 pub mod options;
 pub mod plan;

@@ -1,5 +1,7 @@
 //! How a scene is to be run.
 
+use crate::error::{Input, Result};
+
 /// How light gets from where it enters to where it leaves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Transport {
@@ -12,6 +14,18 @@ pub enum Transport {
     Brute,
     /// Not at all: what scatters once in layers, and what opaque objects give back.
     None,
+    /// None: the curvature-dependent reflectance function of Kubo et al. 2010.
+    Cdrf,
+    /// None: Lambert's cosine.
+    Lambert,
+}
+
+impl Transport {
+    /// Whether no light is carried: what a surface gives back depends on what arrives at the very place.
+    #[must_use]
+    pub fn is_local(self) -> bool {
+        matches!(self, Self::Cdrf | Self::Lambert)
+    }
 }
 
 /// What survives from frame to frame (section 5.5).
@@ -56,4 +70,15 @@ pub struct Options {
     pub goal: Goal,
     /// Whether an error estimate is wanted for each receiver; scheme blocks has one, the others do not.
     pub estimate: bool,
+}
+
+impl Options {
+    /// Fails where no light is carried, of which `what` could tell something.
+    pub fn carries(&self, what: &str) -> Result<()> {
+        if !self.transport.is_local() {
+            return Ok(());
+        }
+        let fault = Input::new(format!("{what} tells of light that is carried, and here none is")).key("--transport");
+        Err(fault.found("cdrf or lambert").expected("hierarchy, octree or brute").into())
+    }
 }

@@ -4,7 +4,7 @@ pub use super::options::{Goal, Mode, Options, Transport};
 
 use super::layers::unlayered;
 use super::lights::lit;
-use super::reasons::{reason, unestimated, unlit, unpeopled};
+use super::reasons::{delocalized, reason, unestimated, unlit, unpeopled};
 use super::stages::{STAGES, steps};
 use super::textures::untextured;
 use crate::layout::{SLOTS, Slot};
@@ -67,8 +67,11 @@ impl Plan {
         let dark = !lit(state);
         for &stage in STAGES {
             let why = reason(stage.name, options, state.method, dark);
-            let why = why.or_else(|| unlit(stage.name, state)).or_else(|| untextured(stage.name, state));
-            let why = why.or_else(|| unlayered(stage.name, state));
+            let why = why
+                .or_else(|| delocalized(stage.name, state))
+                .or_else(|| unlit(stage.name, state))
+                .or_else(|| untextured(stage.name, state))
+                .or_else(|| unlayered(stage.name, state));
             match why.or_else(|| unpeopled(stage.name, state)) {
                 None => plan.stages.push(stage),
                 Some(why) => plan.left_out.push((stage.name, why)),
@@ -100,10 +103,12 @@ impl Plan {
         let pixels = state.objects.iter().any(|object| object.by_pixel);
         let runs = |stage: &&'static Stage| match stage.name {
             _ if change.everything => true,
-            "deform" | "refit" | "plane_fit" => false,
+            "deform" | "refit" | "plane_fit" | "curvature" | "cdrf_table" => false,
             "visibility" | "points" => change.view,
             "link" | "gather" | "push" if pixels && change.view => true,
-            "shade" | "exit" | "relief" | "reflect" | "backdrop" => change.view || change.light || resum,
+            "shade" | "cdrf" | "lambert" | "exit" | "relief" | "reflect" | "backdrop" => {
+                change.view || change.light || resum
+            }
             name if kept && builds_links(name) => false,
             "radii" | "link" if any_light => change.relink,
             // Else the lists of blocks depend on the light.

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::blocks::{blocks, edge_nodes, link_error, of_picture, triangle_size};
 use super::layers::layers;
 use super::lights::lights;
+use super::local;
 use super::shape::{shape, spoilt};
 use super::textures::texture;
 use super::units::Units;
@@ -14,8 +15,8 @@ use crate::hierarchy::face_cluster::{self, Method};
 use crate::hierarchy::{Tree, median, split};
 use crate::layout::{Camera as CameraRecord, Frame, Topology};
 use crate::light::{fresnel, harmonics};
-use crate::scene::{self, Camera, Fresnel, Hierarchy, Material, Mesh, Reflection, Scene, Transport};
-use crate::state::{Extent, Method as Switches, Object, Schedule, Scheme, State, narrow};
+use crate::scene::{self, Camera, Fresnel, Hierarchy, Kappa, Material, Mesh, Reflection, Scene, Side, Transport};
+use crate::state::{Extent, Local, Method as Switches, Object, Schedule, Scheme, State, narrow};
 use crate::transport::PLACES;
 use crate::view::points::LAYERS;
 
@@ -85,13 +86,15 @@ pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
 }
 
 /// Builds trees and state of a scene, `by_pixel` with receivers where the pixels show its objects.
-pub fn prepare(scene: &Scene, by_pixel: bool) -> Prepared {
+///
+/// With `local`, what comes back depends on the place alone: there are no receivers, and a texture is looked at once.
+pub fn prepare(scene: &Scene, by_pixel: bool, local: Option<Local>) -> Prepared {
     let mut units = Units::of(scene.objects.iter().map(|object| &object.mesh));
     let (mut parts, mut trees, mut method) = (Vec::new(), Vec::new(), Method::Merged);
     let (mut faces, mut spoilt, mut largest) = (Vec::new(), Vec::new(), 0.0);
     for object in &scene.objects {
         let (tree, made, growth) = tree_of(object, scene.transport.hierarchy, units);
-        let (part, own) = one(scene, object, &tree, units, by_pixel);
+        let (part, own) = one(scene, object, &tree, units, (by_pixel, local));
         spoilt.push(growth);
         if object.material.opaque.is_none() {
             largest = f64::max(largest, triangle_size(&part));
@@ -130,21 +133,32 @@ fn tree_of(object: &scene::Object, hierarchy: Hierarchy, units: Units) -> (Tree,
 }
 
 /// The state of one object by itself, and the mesh's triangle of each of its own.
-fn one(scene: &Scene, object: &scene::Object, tree: &Tree, units: Units, by_pixel: bool) -> (State, Vec<u32>) {
+fn one(
+    scene: &Scene,
+    object: &scene::Object,
+    tree: &Tree,
+    units: Units,
+    (by_pixel, local): (bool, Option<Local>),
+) -> (State, Vec<u32>) {
     let (mesh, transport) = (&object.mesh, &scene.transport);
     let mut state = State { distance: transport.distance, ..State::default() };
     let faces = topology(&mut state, mesh, tree, units);
     frame(&mut state, &object.material, transport, units);
-    texture(&mut state, &object.material, mesh, &faces);
+    let mut material = object.material.clone();
+    if let (Some(texture), Some(_)) = (&mut material.texture, local) {
+        texture.side = Side::Exit;
+    }
+    texture(&mut state, &material, mesh, &faces);
     state.method = Switches {
         scheme: transport.scheme,
         order: transport.order,
         estimate: false,
         near: transport.near,
+        local,
         ..Switches::default()
     };
     let opaque = object.material.opaque.is_some();
-    if transport.scheme == Scheme::Blocks && !opaque {
+    if transport.scheme == Scheme::Blocks && !opaque && local.is_none() {
         state.data.blocks = if by_pixel { of_picture(scene.camera.size) } else { blocks(&state) };
         state.data.frame[0].by_pixel = u32::from(by_pixel);
         let blocks = state.data.blocks.len() as u32;
@@ -205,6 +219,7 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
         Reflection::Phong { shininess } => (1, shininess as f32),
         Reflection::Ggx { roughness } => (2, roughness as f32),
     };
+    let (sigma_0, diffuse) = local::coefficients(material, dipoles.as_ref());
     let zonal = material.eta.map(harmonics::zonal);
     let degree = |l: usize| zonal.map(|factors| factors[l] as f32);
     state.data.frame = vec![Frame {
@@ -230,6 +245,9 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
         zonal_0: degree(0),
         zonal_1: degree(1),
         zonal_2: degree(2),
+        sigma_0: sigma_0.map(|sigma| (sigma * if material.sigma_0.is_some() { units.length } else { 1.0 }) as f32),
+        diffuse: diffuse.map(|share| share as f32),
+        kappa: u32::from(transport.curvature == Kappa::Mean),
         link_error: link_error(transport.tolerance) as f32,
         ladder: Ladder::new(transport.form_factor_tolerance).chi.map(|chi| chi as f32),
         ..Frame::default()

@@ -1,12 +1,16 @@
 //! Why a stage has no place in the frame of a scene.
 
+use super::lights::lit;
 use super::options::{Goal, Options, Transport};
-use crate::state::{Method, Scheme, State};
+use crate::state::{Local, Method, Scheme, State};
 
 /// Stages of the hierarchy with blocks.
 const BLOCKS: [&str; 7] = ["pull", "level", "contrast", "radii", "link", "gather", "push"];
 /// Stages of the hierarchy as published.
 const LINKS: [&str; 6] = ["reach", "mean", "refine", "form_factor", "collect", "spread"];
+
+/// Stages of local shading.
+const LOCAL: [&str; 4] = ["curvature", "cdrf_table", "cdrf", "lambert"];
 
 /// Why this stage has no place in the frame, if it has none.
 pub(super) fn reason(name: &str, options: Options, method: Method, dark: bool) -> Option<String> {
@@ -18,10 +22,12 @@ pub(super) fn reason(name: &str, options: Options, method: Method, dark: bool) -
             name,
             "shadow" | "environment" | "irradiance" | "entry" | "points" | "opaque" | "average" | "brute"
         )
+        || LOCAL.contains(&name)
         || matches!(name, "exit" | "plane_fit" | "relief" | "reflect");
-    let pictorial = matches!(name, "average" | "visibility" | "points" | "shade" | "exit" | "reflect" | "backdrop")
+    let pictorial = LOCAL.contains(&name)
+        || matches!(name, "average" | "visibility" | "points" | "shade" | "exit" | "reflect" | "backdrop")
         || matches!(name, "plane_fit" | "relief");
-    if name == "evaluate" {
+    if name == "evaluate" || name == "cdrf_values" {
         return Some("answers `milkglass eval` only".into());
     }
     if pictorial && options.goal == Goal::Radiosity {
@@ -29,6 +35,12 @@ pub(super) fn reason(name: &str, options: Options, method: Method, dark: bool) -
     }
     if needs_light && dark {
         return Some("no light shines: every radiosity is zero".into());
+    }
+    if options.transport.is_local() && (blocks || links || name == "brute") {
+        return Some("no light is carried: what comes back depends on the place alone".into());
+    }
+    if !options.transport.is_local() && LOCAL.contains(&name) {
+        return Some("light is carried; --transport cdrf or lambert shades by the place alone".into());
     }
     match options.transport {
         Transport::Hierarchy if name == "brute" => Some("the hierarchy transports the light".into()),
@@ -40,6 +52,25 @@ pub(super) fn reason(name: &str, options: Options, method: Method, dark: bool) -
         Transport::None if blocks || links || name == "brute" => Some("no light is to be carried".into()),
         _ if name == "contrast" && !method.any_light => Some("lists are made for the light of their frame".into()),
         Transport::Brute if blocks || links && name != "reach" => Some("brute force needs no clusters".into()),
+        _ => None,
+    }
+}
+
+/// Why local shading does without this stage, if it does.
+pub(super) fn delocalized(name: &str, state: &State) -> Option<String> {
+    let local = state.method.local?;
+    let opaque = state.objects.iter().any(|object| object.opaque);
+    let alone = "light is looked at where the pixels are, and no object is opaque";
+    match name {
+        "irradiance" | "entry" | "average" if !opaque => Some(alone.into()),
+        "shade" if !opaque && lit(state) => Some(alone.into()),
+        "shadow" if state.objects.len() == 1 => {
+            Some("an object does not shadow itself in local shading, and there is no other".into())
+        }
+        "curvature" | "cdrf" if local == Local::Lambert => Some("Lambert's cosine knows no curvature".into()),
+        "cdrf_table" if local == Local::Lambert => Some("Lambert's cosine needs no table".into()),
+        "cdrf_table" if local == Local::Closed => Some("transport.cdrf is closed: nothing is looked up".into()),
+        "lambert" if local != Local::Lambert => Some("the CDRF takes its place".into()),
         _ => None,
     }
 }
@@ -84,6 +115,7 @@ pub(super) fn unestimated(state: &State, options: Options) -> Option<&'static st
         _ if state.method.estimate => None,
         Transport::Octree => Some("the octree estimates nothing"),
         Transport::None => Some("no light is carried"),
+        Transport::Cdrf | Transport::Lambert => Some("no light is carried whose error could be estimated"),
         Transport::Brute => Some("brute force takes every pair of faces by itself, and estimates nothing"),
         Transport::Hierarchy if state.method.scheme == Scheme::Links => Some("scheme links has none"),
         Transport::Hierarchy => Some("nobody reads it: `solve` that writes or verifies does, and `render --aov`"),

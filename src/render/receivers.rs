@@ -14,6 +14,7 @@ pub fn by_pixel(scene: &Scene, options: Options) -> (bool, String) {
     let pixels = width * height * scene.camera.samples as usize;
     let why = match transport.receivers {
         _ if options.goal == Goal::Radiosity => return (false, "no picture is asked for".into()),
+        _ if options.transport.is_local() => return (false, "no light is carried to any".into()),
         _ if options.transport != Transport::Hierarchy => {
             return (false, "only the hierarchy has blocks of them".into());
         }

@@ -6,7 +6,8 @@ use crate::error::{Error, Result};
 use crate::gpu::Limits;
 use crate::layout::{Cursor, Slot};
 use crate::light::environment;
-use crate::state::{Extent, Scheme, State};
+use crate::local::cdrf_table;
+use crate::state::{Extent, Local, Scheme, State};
 use crate::transport::radii::{ENTRIES as ENTRIES_OF_A_LAW, LAWS};
 
 /// Faces of a chunk to begin with; fewer once a chunk's lists turn out not to fit a binding.
@@ -236,6 +237,12 @@ pub fn size(state: &mut State, plan: &Plan) {
     let each = part(largest_batch(state));
     let moments = state.sum(|object| object.groups.len() * part(object.count.nodes));
     let objects = state.objects.len();
+    // In local shading only stage `shade` and what it needs read radiosity.
+    let carries = state.method.local.is_none() || plan.stages.iter().any(|stage| stage.name == "shade");
+    let table = match state.method.local {
+        Some(Local::Table(side)) => cdrf_table::cells(side),
+        _ => 0,
+    };
     let data = &mut state.data;
     let frame = data.frame[0];
     let per = |slot: Slot, count: usize| if used(slot) { count } else { 0 };
@@ -245,7 +252,9 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.lit = bytemuck::zeroed_vec(per(Slot::lit, faces * frame.shadow_words as usize));
     data.cut_short = bytemuck::zeroed_vec(per(Slot::cut_short, 1));
     data.harmonics = bytemuck::zeroed_vec(per(Slot::harmonics, environment::elements(frame.sky)));
-    data.irradiance = bytemuck::zeroed_vec(faces);
+    data.curvature = bytemuck::zeroed_vec(per(Slot::curvature, vertices));
+    data.cdrf_cells = bytemuck::zeroed_vec(per(Slot::cdrf_cells, table));
+    data.irradiance = bytemuck::zeroed_vec(if carries { faces } else { 0 });
     data.cluster_irradiance = bytemuck::zeroed_vec(per(Slot::cluster_irradiance, nodes));
     data.spheres = bytemuck::zeroed_vec(blocks);
     data.moments = bytemuck::zeroed_vec(per(Slot::moments, moments));
@@ -272,8 +281,8 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.area_links = bytemuck::zeroed_vec(per(Slot::area_links, chunks * frame.area_room as usize));
     data.edge_links = bytemuck::zeroed_vec(per(Slot::edge_links, chunks * frame.edge_room as usize));
     data.gathered = bytemuck::zeroed_vec(per(Slot::gathered, nodes));
-    data.radiosity = bytemuck::zeroed_vec(receivers);
-    data.vertex_radiosity = bytemuck::zeroed_vec(vertices);
+    data.radiosity = bytemuck::zeroed_vec(if carries { receivers } else { 0 });
+    data.vertex_radiosity = bytemuck::zeroed_vec(if carries { vertices } else { 0 });
     data.crowds = bytemuck::zeroed_vec(per(Slot::crowds, nodes));
     data.planes = bytemuck::zeroed_vec(per(Slot::planes, vertices));
 }

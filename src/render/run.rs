@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::layers::drop_unlooked;
+use super::local::local;
 use super::octree::OctreeTransport;
 use super::plan::{Change, Mode, Options, Plan, Transport, before_transport};
 use super::prepare::{Prepared, prepare};
@@ -67,15 +68,16 @@ impl Session {
             Transport::Octree => Some(OctreeTransport::new(&scene.transport)?),
             _ => None,
         };
+        let local = local(&scene.transport, options.transport);
         reach(&scene.objects, Units::of(scene.objects.iter().map(|object| &object.mesh)))?;
         // Cut finer where the lights want it, and in what follows nothing else is known.
-        let asked = (scene.transport.subdivide > 0).then(|| scene.clone());
+        let asked = (scene.transport.subdivide > 0 && local.is_none()).then(|| scene.clone());
         let (scene, parts) = match &asked {
             Some(asked) => subdivide(asked, options.estimate)?,
             None => (scene.clone(), Vec::new()),
         };
         let (by_pixel, why) = by_pixel(&scene, options);
-        let mut prepared = prepare(&scene, by_pixel);
+        let mut prepared = prepare(&scene, by_pixel, local);
         drop_unseen(&mut prepared.state, options);
         drop_unlooked(&mut prepared.state, options);
         prepared.state.keep = options.mode != Mode::OnTheFly;

@@ -4,15 +4,17 @@ use crate::baseline::{brute, collect, form_factor, mean, reach, refine, spread};
 use crate::geometry::{deform, refit};
 use crate::layers::{plane_fit, relief};
 use crate::light::{entry, environment, irradiance, opaque, shadow};
+use crate::local::{cdrf, cdrf_table, cdrf_values, curvature, lambert};
 use crate::state::{Object, Place, Stage, State, Step, Unit};
 use crate::transport::{average, contrast, evaluate, gather, level, link, pull, push, radii};
 use crate::view::{backdrop, exit, points, reflect, shade, visibility};
 
-/// Every stage, in the order of a frame; the last two are no part of one: `brute` takes the place of
-/// `pull` to `push`, `evaluate` answers `milkglass eval`.
+/// Every stage, in the order of a frame; the last three are no part of one: `brute` takes the place of
+/// `pull` to `push`, `evaluate` and `cdrf_values` answer `milkglass eval`.
 pub static STAGES: &[&Stage] = &[
     &deform::STAGE,
     &refit::STAGE,
+    &curvature::STAGE,
     &visibility::STAGE,
     &shadow::STAGE,
     &environment::STAGE,
@@ -36,12 +38,16 @@ pub static STAGES: &[&Stage] = &[
     &average::STAGE,
     &plane_fit::STAGE,
     &shade::STAGE,
+    &cdrf_table::STAGE,
+    &cdrf::STAGE,
+    &lambert::STAGE,
     &exit::STAGE,
     &relief::STAGE,
     &reflect::STAGE,
     &backdrop::STAGE,
     &brute::STAGE,
     &evaluate::STAGE,
+    &cdrf_values::STAGE,
 ];
 
 /// A stage by its name.
@@ -50,10 +56,13 @@ pub fn stage(name: &str) -> Option<&'static Stage> {
 }
 
 /// Whether a stage has to do with an object: that light enters or not, whose receivers are pixels or triangles.
-fn serves(stage: &Stage, object: &Object) -> bool {
+fn serves(stage: &Stage, object: &Object, local: bool) -> bool {
     match stage.name {
         "deform" => object.deforms > 0,
-        "refit" | "irradiance" | "entry" => true,
+        "refit" => true,
+        // Of others, light is looked at where the pixels are.
+        "irradiance" | "entry" | "average" if local => object.opaque,
+        "irradiance" | "entry" => true,
         "points" => object.by_pixel,
         "plane_fit" => object.layered,
         "average" => !object.by_pixel,
@@ -82,7 +91,11 @@ pub fn steps(stages: &[&'static Stage], state: &State) -> Vec<Step> {
             };
             for (group, chunk) in (0..groups).flat_map(|group| (0..chunks).map(move |chunk| (group, chunk))) {
                 let at = Place { object, chunk, group };
-                steps.extend(run.iter().filter(|stage| serves(stage, part)).map(|&stage| Step { stage, at }));
+                steps.extend(
+                    run.iter()
+                        .filter(|stage| serves(stage, part, state.method.local.is_some()))
+                        .map(|&stage| Step { stage, at }),
+                );
             }
         }
         rest = after;

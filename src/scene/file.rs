@@ -9,7 +9,7 @@ use super::object::{self, ObjectFile};
 use super::range::Checked;
 use super::surface::ReflectionKind;
 use super::texture::{Side, Wrap};
-use super::transport::{self, Distance, Hierarchy, Near, Oracle, Receivers, Scheme, Transport};
+use super::transport::{self, Cdrf, Distance, Hierarchy, Kappa, Near, Oracle, Receivers, Scheme, Transport};
 use super::vector::{Background, Rgb, Vector};
 use serde::Deserialize;
 
@@ -88,6 +88,7 @@ pub(super) struct MaterialFile {
     pub reflection: ReflectionKind,
     pub roughness: Option<f64>,
     pub shininess: Option<i64>,
+    pub sigma_0: Option<Rgb>,
     pub texture: Option<String>,
     pub texture_on: Option<Side>,
     pub texture_wrap: Option<Wrap>,
@@ -110,6 +111,7 @@ impl Default for MaterialFile {
             reflection: ReflectionKind::None,
             roughness: None,
             shininess: None,
+            sigma_0: None,
             texture: None,
             texture_on: None,
             texture_wrap: None,
@@ -137,6 +139,9 @@ pub(super) struct TransportFile {
     pub planarity: Option<f64>,
     pub form_factor_tolerance: f64,
     pub octree_angle: f64,
+    pub cdrf: Cdrf,
+    pub cdrf_table: u32,
+    pub curvature: Kappa,
 }
 
 impl Default for TransportFile {
@@ -157,6 +162,9 @@ impl Default for TransportFile {
             planarity: None,
             form_factor_tolerance: transport::FORM_FACTOR_TOLERANCE,
             octree_angle: transport::OCTREE_ANGLE,
+            cdrf: Cdrf::default(),
+            cdrf_table: transport::CDRF_TABLE,
+            curvature: Kappa::default(),
         }
     }
 }

@@ -47,6 +47,8 @@ pub struct Material {
     pub two_sided: bool,
     /// What its surface does with light.
     pub surface: Surface,
+    /// sigma_0 of the CDRF in scene units, r g b, at least 0; none where it follows from the coefficients.
+    pub sigma_0: Option<[f64; 3]>,
     /// What light is multiplied by where it enters or leaves, if not by 1 everywhere.
     pub texture: Option<Texture>,
     /// What lies beneath the surface, if anything does; light scatters once in it.
@@ -117,8 +119,26 @@ impl Material {
         };
         let (fresnel, two_sided) = (file.fresnel, file.two_sided);
         let (surface, texture, layers) = (Surface::check(file, key)?, Texture::check(file, key)?, layers(scale)?);
-        let made =
-            Self { name, sigma_s_prime, sigma_a, eta, opaque: None, fresnel, two_sided, surface, texture, layers };
+        let sigma_0 = match file.sigma_0 {
+            None => None,
+            Some(Rgb(values)) => {
+                let values = values.map(|x| x / (scale * unit_mm));
+                Some(range::channels(&key("sigma_0"), values, |x| x >= 0.0, "numbers of at least 0, mm")?)
+            }
+        };
+        let made = Self {
+            name,
+            sigma_s_prime,
+            sigma_a,
+            eta,
+            opaque: None,
+            fresnel,
+            two_sided,
+            surface,
+            sigma_0,
+            texture,
+            layers,
+        };
         made.check_wraps(key).map(|()| made)
     }
 
@@ -130,6 +150,7 @@ impl Material {
             ("sigma_a", file.sigma_a.is_some()),
             ("two_sided", file.two_sided),
             ("normalize_exit", file.normalize_exit),
+            ("sigma_0", file.sigma_0.is_some()),
         ];
         if let Some((name, _)) = others.into_iter().find(|(_, given)| *given) {
             let (what, found) = match file.opaque {
@@ -159,6 +180,7 @@ impl Material {
             fresnel: file.fresnel,
             two_sided: false,
             surface,
+            sigma_0: None,
             texture,
             layers: None,
         })

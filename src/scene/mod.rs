@@ -34,7 +34,7 @@ pub use object::Object;
 pub use preset::{PRESETS, Preset};
 pub use surface::{Reflection, Surface};
 pub use texture::{Side, Texture, Wrap};
-pub use transport::{Distance, Hierarchy, Near, Oracle, Receivers, Scheme, Transport};
+pub use transport::{Cdrf, Distance, Hierarchy, Kappa, Near, Oracle, Receivers, Scheme, Transport};
 
 use crate::error::{Input, Result};
 

@@ -19,6 +19,31 @@ pub const FORM_FACTOR_TOLERANCE: f64 = 1e-2;
 /// From which solid angle on a cell of the octree is opened, in steradian.
 pub const OCTREE_ANGLE: f64 = 0.2;
 
+/// Rows and columns of the table of the CDRF.
+pub const CDRF_TABLE: u32 = 256;
+
+/// How the curvature-dependent reflectance function is evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Cdrf {
+    /// In closed form.
+    #[default]
+    Closed,
+    /// From a table, linear between its entries.
+    Table,
+}
+
+/// What the curvature kappa of the CDRF is, of principal curvatures k1 and k2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kappa {
+    /// sqrt((k1^2 + k2^2) / 2).
+    #[default]
+    Rms,
+    /// |k1 + k2| / 2.
+    Mean,
+}
+
 /// How faces are grouped into clusters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -123,6 +148,12 @@ pub struct Transport {
     pub form_factor_tolerance: f64,
     /// The irradiance octree: the solid angle from which on a cell is opened, steradian, above 0.
     pub octree_angle: f64,
+    /// How the CDRF is evaluated.
+    pub cdrf: Cdrf,
+    /// Rows and columns of its table, 2 to 1024.
+    pub cdrf_table: u32,
+    /// What its curvature is.
+    pub curvature: Kappa,
 }
 
 impl Transport {
@@ -169,6 +200,14 @@ impl Transport {
                 "1e-4 to 1e-1",
             )?,
             octree_angle: angle("transport.octree_angle", file.octree_angle)?,
+            cdrf: file.cdrf,
+            cdrf_table: range::number(
+                "transport.cdrf_table",
+                f64::from(file.cdrf_table),
+                |x| (2.0..=1024.0).contains(&x),
+                "2 to 1024",
+            )? as u32,
+            curvature: file.curvature,
         })
     }
 }

@@ -82,11 +82,32 @@ pub struct Method {
     pub any_light: bool,
     /// How the scheme as published evaluates triangles too near for a few samples.
     pub near: Near,
+    /// The function of light and normal that takes the place of transport, if one does.
+    pub local: Option<Local>,
+}
+
+/// Local shading: what a surface gives back depends on its normal, and on its curvature perhaps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Local {
+    /// max(cos, 0).
+    Lambert,
+    /// The curvature-dependent reflectance function, in closed form.
+    Closed,
+    /// The same from a table of this many rows and columns, linear between its entries.
+    Table(u32),
 }
 
 impl Default for Method {
     fn default() -> Self {
-        Self { scheme: Scheme::Blocks, order: 2, nodes: 6, estimate: false, any_light: false, near: Near::Exact }
+        Self {
+            scheme: Scheme::Blocks,
+            order: 2,
+            nodes: 6,
+            estimate: false,
+            any_light: false,
+            near: Near::Exact,
+            local: None,
+        }
     }
 }
 

@@ -92,6 +92,7 @@ impl Pair {
             fresnel: Fresnel::Exact,
             two_sided: false,
             surface: Surface::default(),
+            sigma_0: None,
             texture: None,
             layers: None,
         };

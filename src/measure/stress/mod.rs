@@ -9,6 +9,7 @@ mod factors;
 mod materials;
 mod meshes;
 mod places;
+mod shade;
 mod solve;
 
 use crate::error::{Input, Result};
@@ -65,6 +66,8 @@ enum Kind {
     Factors(fn() -> Vec<factor::Pair>),
     /// The radiosity of a scene.
     Scene(fn() -> Result<solve::Setup>),
+    /// A picture by local shading, in closed form and, in the place of brute force, by its table.
+    Shade(fn() -> Result<crate::scene::Scene>),
 }
 
 /// Errors of a case by one method, worst channel.
@@ -152,7 +155,7 @@ impl Found {
 
 /// Every case: single form factors, then materials, then meshes, places and lights.
 fn cases() -> impl Iterator<Item = &'static Case> {
-    factors::CASES.iter().chain(materials::CASES).chain(places::CASES)
+    factors::CASES.iter().chain(materials::CASES).chain(places::CASES).chain(shade::CASES)
 }
 
 /// Runs the cases whose name contains `only`, on a device or, without one, on the CPU.
@@ -169,6 +172,10 @@ fn run(case: &'static Case, device: Option<&Device>, plant: Option<Plant>) -> Re
     let (usual, brute, octree) = match case.kind {
         Kind::Factors(pairs) => {
             let [usual, brute] = factor::run(&pairs(), device, plant)?;
+            (usual, brute, None)
+        }
+        Kind::Shade(make) => {
+            let [usual, brute] = shade::run(&make()?, device, plant)?;
             (usual, brute, None)
         }
         Kind::Scene(make) => {

@@ -67,6 +67,7 @@ fn material(name: &str) -> [Dipole; 3] {
             fresnel: Fresnel::Paper,
             two_sided: false,
             surface: Surface::default(),
+            sigma_0: None,
             texture: None,
             layers: None,
         },

@@ -1,0 +1,28 @@
+// sigma = sigma_0 kappa at a place, and the CDRF's factors on the environment.
+READS(curvature)
+
+vec3 spread(uint object, uvec3 corner, vec3 weight) {
+    vec3 kappa = vec3(curvature[corner.x].kappa, curvature[corner.y].kappa, curvature[corner.z].kappa);
+    return frame[object].sigma_0 * dot(weight, kappa);
+}
+
+// 2 pi times the integrals of f(mu) P_l(mu) over mu from -1 to 1, for l of 0, 1 and 2, by the cosine series. The last
+// term counts by half: where sigma is 0 the signs alternate.
+mat3 respond_sky(vec3 sigma) {
+    vec3 s = min(sigma, vec3(8.0)), e = exp(-0.5 * s * s), q = e * e;
+    q *= q;
+    vec3 q2 = q * q, power = q, factor = q2 * q, zero = vec3(4.0), two = vec3(0);
+    float sign = 4.0, last = 2.0, own = -2.0 / 3.0;
+    for (int n = 1; n <= 16; ++n) {
+        float square = float(4 * n * n), next = -2.0 / (square + float(8 * n) + 3.0);
+        vec3 term = (n < 16 ? sign : 0.5 * sign) / (square - 1.0) * power;
+        zero += term * own;
+        two += term * 0.25 * (own + 1.5 * (next + last));
+        power *= factor;
+        factor *= q2;
+        last = own;
+        own = next;
+        sign = -sign;
+    }
+    return mat3(zero, 2.09439510239320 * e, two);
+}

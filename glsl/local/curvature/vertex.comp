@@ -1,0 +1,70 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// Curvature of a vertex by the triangles round it. The angles' deficit is a small difference of large sums: it is taken
+// triangle by triangle instead, as what the angle is larger by once projected along the normal. Those projected make full
+// turns; how many tells the plain sum, which serves alone where an edge runs along the normal: at sharp rims, where it is
+// not small.
+READS(frame)
+READS(positions)
+READS(triangles)
+READS(corner_starts)
+READS(corners)
+READS(normals)
+WRITES(curvature)
+#include "local/curvature/ring.glsl"
+#include "local/curvature/angle.glsl"
+
+const float TURN = 6.28318530717959, COTANGENT = 100.0, SHARPEST = 1e4, SMALLEST = 1e-16;
+
+// A number for a vertex, so that sums of them tell whether the same vertices are in both.
+uint mark(uint vertex) {
+    uint h = (vertex ^ (vertex >> 16)) * 0x7feb352du;
+    h = (h ^ (h >> 15)) * 0x846ca68bu;
+    return h ^ (h >> 16);
+}
+
+void main() {
+    uint vertex = invocation();
+    if (vertex >= frame[0].vertices) return;
+    uint self = frame[0].first_vertex + vertex, after = 0, before = 0;
+    vec3 normal = normals[vertex], pull = vec3(0), a = positions[self];
+    float area = 0.0, angle = 0.0, deficit = 0.0, least = 1.0;
+    for (uint i = corner_starts[vertex]; i < corner_starts[vertex + 1]; ++i) {
+        uvec3 corner = turned(triangles[corners[i]], self);
+        after += mark(corner.y);
+        before += mark(corner.z);
+        vec3 b = positions[corner.y], c = positions[corner.z], u = b - a, w = c - a, e = c - b;
+        vec3 n = cross(u, w);
+        float twice = length(n);
+        bool whole = twice > 0.0;
+        float over = whole ? 1.0 / twice : 0.0;
+        float da = dot(u, w), db = -dot(u, e), dc = dot(w, e);
+        float cb = clamp(db * over, -COTANGENT, COTANGENT), cc = clamp(dc * over, -COTANGENT, COTANGENT);
+        pull += whole ? cc * u + cb * w : vec3(0);
+        float part = (dot(u, u) * cc + dot(w, w) * cb) / 8.0;
+        part = db < 0.0 || dc < 0.0 ? twice / 8.0 : part;
+        area += whole ? (da < 0.0 ? twice / 4.0 : part) : 0.0;
+        // tan(projected - own) = (|n| ab - da |n| (1 - cos)) / (da (da - ab) + |n|^2 cos), all over |n| |u| |w|.
+        vec3 tilt = normal - n * over;
+        float lost = 0.5 * dot(tilt, tilt), rise = dot(u, normal) * dot(w, normal);
+        float across = twice * (rise - da * lost), along = da * (da - rise) + twice * twice * (1.0 - lost);
+        float up = dot(u, normal), off = dot(w, normal), uu = dot(u, u), ww = dot(w, w);
+        least = min(least, min(1.0 - up * up / max(uu, 1e-37), 1.0 - off * off / max(ww, 1e-37)));
+        deficit += whole ? angle_of(across, along) : 0.0;
+        angle += whole ? angle_of(twice, da) : 0.0;
+    }
+    Curvature found = Curvature(0.0, 0.0, 0.0, 0.0);
+    if (after == before && corner_starts[vertex + 1] > corner_starts[vertex] && area > SMALLEST) {
+        float plain = TURN - angle;
+        deficit = least < 0.25 ? plain : deficit - TURN * round((deficit - plain) / TURN);
+        // The edges point away from the vertex here.
+        float mean = clamp(-dot(pull, normal) / (4.0 * area), -SHARPEST, SHARPEST);
+        float gaussian = clamp(deficit / area, -SHARPEST * SHARPEST, SHARPEST * SHARPEST);
+        float rms = sqrt(mean * mean + max(mean * mean - gaussian, 0.0));
+        found = Curvature(frame[0].kappa == 0 ? rms : abs(mean), mean, gaussian, 1.0);
+    }
+    curvature[vertex] = found;
+}

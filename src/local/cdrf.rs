@@ -1,0 +1,42 @@
+//! Stage `cdrf`: radiance of each pixel by the curvature-dependent reflectance function, in closed form or from its table.
+//!
+//! The closed form on a device: from sigma = 0.3 on a cosine series of six terms, below it a lobe alone, to sixth order in
+//! sigma, by the Gaussian's integral. Both are within 5e-6 of the convolution.
+
+use super::cdrf_table::lookup;
+use super::diffuse::{record, shade};
+use super::reflectance::cdrf;
+use crate::error::Result;
+use crate::layout::Slot;
+use crate::state::{Local, Pass, Place, Role, Stage, State, Tolerance, Unit};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "cdrf",
+    room: "local",
+    about: "radiance of each pixel by light, normal and curvature there (`--transport cdrf`)",
+    equation: "Kubo et al. 2010, equations 1, 4, 5",
+    writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 3e-5, floor: 3e-5 })],
+    reason: "the closed form is within 5e-6 of the convolution, whose largest value is 1",
+    unit: Unit::Scene,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _at: Place) {
+    match state.method.local {
+        Some(Local::Table(side)) => {
+            let cells = std::mem::take(&mut state.data.cdrf_cells);
+            shade(state, &|cosine, sigma| lookup(&cells, side, cosine, sigma), true);
+            state.data.cdrf_cells = cells;
+        }
+        _ => shade(state, &cdrf, true),
+    }
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    match pass.state.method.local {
+        Some(Local::Table(side)) => record(pass, Some("table"), &[side]),
+        _ => record(pass, Some("closed"), &[]),
+    }
+}

@@ -1,0 +1,90 @@
+//! Light that comes back from where it arrives, at each pixel that shows an object that light enters: the reference of the
+//! stages `cdrf` and `lambert`, which differ by one function of cosine and sigma.
+//!
+//! L = F_t(w_o) k_d / pi times the sum over the lights of f(cos, sigma) E, E the irradiance on a plane that faces the light
+//! (equation 5 of Kubo et al. 2010, with the 1 / pi that it lacks). k_d is the share of light that comes back from a flat
+//! surface, (1 - F_ext) times the dipole's total reflectance; with an index of 1 it is the paper's.
+//!
+//! An object does not shadow itself: its shadow would cut off the very glow that f has beyond 90 degrees. Other objects
+//! shadow it. Light from all around comes by nine harmonics, each degree times f's own factor.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::reflectance;
+use crate::error::Result;
+use crate::layout::{Frame, Hit};
+use crate::light::irradiance::{arrival, reaches};
+use crate::light::{fresnel, harmonics};
+use crate::state::{Pass, State, narrow, wide};
+
+/// The share of the arriving light that goes on to the eye, by the cosine at the surface and sigma.
+pub type Response<'a> = dyn Fn(f64, f64) -> f64 + Sync + 'a;
+
+/// Everything that light gives a place and normal on a triangle, before k_d and what leaves.
+#[must_use]
+pub fn received(state: &State, face: usize, place: [DVec3; 2], sigma: DVec3, response: &Response<'_>) -> DVec3 {
+    let data = &state.data;
+    let [point, normal] = place;
+    let of = |cosine: f64| DVec3::from_array([0, 1, 2].map(|c| response(cosine, sigma[c])));
+    let sky: Vec<DVec3> = data.harmonics.iter().take(9).map(|&c| wide(c)).collect();
+    let (mut sum, mut all, mut free) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+    for light in &data.lights {
+        let (toward, falloff) = arrival(light, point);
+        let arrives = reaches(data, light, face);
+        if light.kind == 5 {
+            let weight = harmonics::radiance(&sky, toward) * of(normal.dot(toward));
+            all += weight;
+            free += if arrives { weight } else { DVec3::ZERO };
+        } else if arrives {
+            sum += wide(light.color) * of(normal.dot(toward)) * falloff;
+        }
+    }
+    if sky.is_empty() {
+        return sum;
+    }
+    // By degree, each channel its own.
+    let zonal = [0, 1, 2].map(|c| reflectance::zonal(sigma[c]));
+    let factors = [0, 1, 2].map(|degree| DVec3::from_array([0, 1, 2].map(|c| zonal[c][degree])));
+    let share = |k: usize| if free[k] == all[k] { 1.0 } else { free[k] / all[k] };
+    sum + harmonics::irradiance(&sky, factors, normal) * DVec3::new(share(0), share(1), share(2))
+}
+
+/// Radiance of one pixel.
+fn pixel(state: &State, hit: &Hit, before: [f32; 3], response: &Response<'_>, bends: bool) -> [f32; 3] {
+    let (data, camera) = (&state.data, &state.data.camera[0]);
+    let Some(corners) = data.triangles.get(hit.face as usize) else { return camera.background };
+    let frame: &Frame = &data.frame[state.object_of(hit.face as usize)];
+    if frame.opaque != 0 {
+        return before;
+    }
+    let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
+    let mix = |values: &[[f32; 3]]| -> DVec3 {
+        corners.iter().zip(weight).map(|(&v, weight)| weight * wide(values[v as usize])).sum()
+    };
+    let (point, normal) = (mix(&data.positions), mix(&data.normals).normalize_or_zero());
+    let mut kappa = 0.0;
+    if bends {
+        kappa = corners.iter().zip(weight).map(|(&v, w)| w * f64::from(data.curvature[v as usize].kappa)).sum();
+    }
+    let sum = received(state, hit.face as usize, [point, normal], wide(frame.sigma_0) * kappa, response);
+    let toward = (wide(camera.origin) - point).normalize_or_zero();
+    let leaves = frame.eta.map(|eta| fresnel::transmittance(eta.into(), normal.dot(toward).abs()));
+    let scale = f64::from(camera.radiance) / std::f64::consts::PI;
+    narrow(DVec3::from_array(leaves) * wide(frame.exit) * wide(frame.diffuse) * sum * scale)
+}
+
+/// Radiance of each pixel that shows no opaque object, by this function; `bends` where curvature counts.
+pub fn shade(state: &mut State, response: &Response<'_>, bends: bool) {
+    let pixels = state.data.hits.par_iter().zip(&state.data.radiance);
+    let radiance = pixels.map(|(hit, &before)| pixel(state, hit, before, response, bends)).collect();
+    state.data.radiance = radiance;
+}
+
+/// Records the kernel `part`, with constants of its own after those that all have.
+pub fn record(pass: &mut Pass<'_>, part: Option<&str>, own: &[u32]) -> Result<()> {
+    let data = &pass.state.data;
+    let shadows = u32::from(data.frame.iter().any(|frame| frame.shadow_words > 0));
+    let all = [pass.state.objects.len() as u32, shadows, u32::from(!data.sky.is_empty())];
+    pass.dispatch(part, &[&all, own].concat(), &[], data.radiance.len())
+}

@@ -1,0 +1,27 @@
+//! Stage `lambert`: Lambert's cosine at each pixel, for comparison: what stage `cdrf` does, with f = max(cos, 0).
+
+use super::diffuse::{record, shade};
+use crate::error::Result;
+use crate::layout::Slot;
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "lambert",
+    room: "local",
+    about: "radiance of each pixel by Lambert's cosine (`--transport lambert`)",
+    equation: "L = F_t k_d / pi max(cos, 0) E",
+    writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
+    reason: "a short chain of f32 operations; a cosine cancels where light grazes",
+    unit: Unit::Scene,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _at: Place) {
+    shade(state, &|cosine, _| cosine.max(0.0), false);
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    record(pass, None, &[])
+}

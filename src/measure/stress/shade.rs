@@ -1,0 +1,104 @@
+//! Local shading where curvature is at the edge of what there is: a device's picture against the reference's.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::meshes::{doubled, even, mesh, reversed, sheet, turned};
+use super::solve::scene;
+use super::{Bound, Case, Found, Kind, Plant, Worst, within};
+use crate::error::{Error, Result};
+use crate::gpu::Device;
+use crate::layout::Slot;
+use crate::render::plan::{Change, Options, Transport};
+use crate::render::run::{Room, Session};
+use crate::scene::{Cdrf, Mesh, Scene};
+
+/// What a picture may err by.
+const SHADED: Bound = within(3e-6, 1e-5);
+const SHADED_REASON: &str = "some ten roundings; curvature of slivers is off by 1e-4, and f changes by at most sigma / sqrt(2 pi); the \
+                             closed form is within 5e-6 of the convolution";
+
+/// A case: closed form first, table beside it.
+const fn case(name: &'static str, fallback: &'static str, make: fn() -> Result<Scene>) -> Case {
+    Case { name, fallback, bound: SHADED, brute: SHADED, reason: SHADED_REASON, kind: Kind::Shade(make) }
+}
+
+/// The base scene with a mesh of its own, within the ball's box.
+fn with(mesh: Mesh, sigma_0: &str) -> Result<Scene> {
+    let mut scene = scene(&["object.0.detail=0", &format!("object.0.material.sigma_0={sigma_0}")])?;
+    scene.objects[0].mesh = mesh;
+    Ok(scene)
+}
+
+/// A closed fan: a cone on a flat disc.
+fn cone(count: u32, radius: f64, height: f64) -> Mesh {
+    let angle = |k: u32| TAU * f64::from(k) / f64::from(count);
+    let rim = (0..count).map(|k| DVec3::new(radius * angle(k).cos(), radius * angle(k).sin(), 0.0));
+    let positions = [DVec3::new(0.0, 0.0, height), DVec3::ZERO].into_iter().chain(rim).collect();
+    let next = |k: u32| 2 + (k + 1) % count;
+    turned(mesh(positions, (0..count).flat_map(|k| [[0, 2 + k, next(k)], [1, next(k), 2 + k]]).collect()))
+}
+
+/// The cases.
+pub(super) const CASES: &[Case] = &[
+    case("shading: kappa 0", "a flat sheet: Lambert's cosine", || {
+        with(turned(sheet(&even(8), &even(8))), "[1, 1e9, 0]")
+    }),
+    case("shading: sigma_0 0", "Lambert's cosine", || scene(&["object.0.material.sigma_0=0"])),
+    case("shading: sigma_0 1e9 mm", "light from all around alike: 1 / pi", || {
+        scene(&["object.0.material.sigma_0=1e9"])
+    }),
+    case("shading: hollow", "kappa has no sign: as a hill", || {
+        with(reversed(scene(&["object.0.detail=2"])?.objects[0].mesh.clone()), "[0.1, 0.3, 1]")
+    }),
+    case("shading: fan of 1000", "a vertex of many triangles, as any", || {
+        with(cone(1000, 0.45, 0.01), "[0.01, 0.1, 1]")
+    }),
+    case("shading: cone", "the tip's angles lack a part of a turn", || with(cone(40, 0.3, 0.45), "[0.01, 0.1, 1]")),
+    case("shading: needle", "cotangents end at 100, curvature at 1e4 of the extent", || {
+        with(cone(6, 1e-3, 0.49), "[1e-6, 1e-3, 1]")
+    }),
+    case("shading: slivers", "cotangents end at 100", || {
+        with(turned(sheet(&doubled(6, 1e-4), &doubled(6, 1e-4))), "[0.01, 0.1, 1]")
+    }),
+];
+
+/// The picture in closed form, and by the table, against the reference's.
+pub(super) fn run(scene: &Scene, device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 2]> {
+    let mut tabled = scene.clone();
+    tabled.transport.cdrf = Cdrf::Table;
+    Ok([method(scene, device, plant)?, method(&tabled, device, None)?])
+}
+
+fn method(scene: &Scene, device: Option<&Device>, plant: Option<Plant>) -> Result<Found> {
+    let options = Options { transport: Transport::Cdrf, ..Options::default() };
+    let picture = |device: Option<&Device>| {
+        let mut session = Session::new(scene, device, options, Room::default())?;
+        session.frame(Change::EVERYTHING)?;
+        session.fetch(&[Slot::curvature, Slot::radiance])?;
+        Ok::<_, Error>((session.state().data.curvature.clone(), session.state().data.radiance.clone()))
+    };
+    let (_, expected) = picture(None)?;
+    let (curvature, mut radiance) = picture(device)?;
+    if let Some(plant) = plant {
+        plant.apply(&mut radiance);
+    }
+    let mut found = Found::default();
+    found.look("kappa", &curvature.iter().map(|bend| [bend.kappa; 3]).collect::<Vec<_>>());
+    found.look("radiance", &radiance);
+    let sound = |bend: &crate::layout::Curvature| bend.mean.is_finite() && bend.gaussian.is_finite();
+    if !curvature.iter().all(sound) {
+        found.faults.push("a curvature is no number".into());
+    }
+    let square = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
+    let numbers = || expected.iter().flatten().map(|&x| f64::from(x));
+    let misses = || numbers().zip(radiance.iter().flatten()).map(|(a, &b)| (a - f64::from(b)).abs());
+    let whole = square(&mut numbers());
+    let shown = numbers().filter(|x| *x > 0.0).count().max(1) as f64;
+    found.error = Worst {
+        l2: (square(&mut misses()) / whole).sqrt(),
+        max: misses().fold(0.0, f64::max) / (whole / shown).sqrt(),
+    };
+    Ok(found)
+}

@@ -1,0 +1,198 @@
+//! How far shading by curvature can be trusted on an object: its error against the hierarchical dipole, triangle by
+//! triangle, by how thick the object is there and how much it bends.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::error::{Input, Result};
+use crate::geometry::trace::trace;
+use crate::gpu::Device;
+use crate::layout::Slot;
+use crate::local::diffuse::received;
+use crate::local::reflectance::cdrf;
+use crate::render::plan::{Change, Goal, Options, Transport};
+use crate::render::run::{Room, Session};
+use crate::scene::{Receivers, Scene};
+use crate::state::{State, wide};
+
+/// The error that a verdict asks for.
+pub const ASKED: f64 = 0.1;
+
+/// One triangle and one channel.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// The object.
+    pub object: usize,
+    /// Its triangle, as in the scene's mesh.
+    pub triangle: u32,
+    /// The channel.
+    pub channel: usize,
+    /// The triangle's area, scene unit^2.
+    pub area: f64,
+    /// sigma_0 kappa, radian.
+    pub sigma: f64,
+    /// How far the object goes straight below, in multiples of sigma_0; infinite where nothing is met.
+    pub thickness: f64,
+    /// Radiosity by the dipole, W per scene unit^2.
+    pub dipole: f64,
+    /// The same by the CDRF.
+    pub cdrf: f64,
+}
+
+/// Error of a part of the places: sqrt(sum A d^2 / sum A B^2), and its share of the area.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Share {
+    /// The error.
+    pub error: f64,
+    /// The share.
+    pub area: f64,
+}
+
+/// Radiosity by both, at every triangle that light enters.
+pub fn places(scene: &Scene, device: Option<&Device>) -> Result<Vec<Place>> {
+    let mut scene = scene.clone();
+    (scene.transport.receivers, scene.transport.subdivide) = (Receivers::Faces, 0);
+    scene.camera.size = [1, 1];
+    let solve = Options { goal: Goal::Radiosity, ..Options::default() };
+    let mut dipole = Session::new(&scene, device, solve, Room::default())?;
+    dipole.frame(Change::EVERYTHING)?;
+    dipole.fetch(&[Slot::radiosity])?;
+    let local = Options { transport: Transport::Cdrf, ..Options::default() };
+    let mut session = Session::new(&scene, None, local, Room::default())?;
+    session.frame(Change::EVERYTHING)?;
+    if session.state().data.curvature.is_empty() {
+        return Err(Input::new("no light shines: there is nothing to compare").expected("a [[light]]").into());
+    }
+
+    let (state, units) = (session.state(), *session.units());
+    let mut all = Vec::new();
+    for (number, object) in state.objects.iter().enumerate().filter(|(_, object)| !object.opaque) {
+        let radiosity = &dipole.state().data.radiosity[dipole.state().objects[number].first.receivers..];
+        let brightness = dipole.units().light;
+        let triangles: Vec<u32> = (0..object.count.faces).map(|k| session.triangle(object.first.faces + k)).collect();
+        let triangles = &triangles;
+        let sigma_0 = wide(state.data.frame[number].sigma_0);
+        let own = (object.first.faces..object.first.faces + object.count.faces).into_par_iter().flat_map_iter(|face| {
+            let (shade, sigma, thickness) = at(state, number, face);
+            let carried = wide(radiosity[face - object.first.faces]) * brightness;
+            let leaf = object.first.nodes + state.data.leaves[face] as usize;
+            let area = f64::from(state.data.clusters[leaf].area) / units.length.powi(2);
+            let triangle = triangles[face - object.first.faces];
+            (0..3).map(move |channel| Place {
+                object: number,
+                triangle,
+                channel,
+                area,
+                sigma: sigma[channel],
+                thickness: thickness / sigma_0[channel].max(f64::MIN_POSITIVE),
+                dipole: carried[channel],
+                cdrf: shade[channel] * units.light,
+            })
+        });
+        all.par_extend(own);
+    }
+    Ok(all)
+}
+
+/// Radiosity of a triangle by the CDRF at its middle, its sigma, and the way straight through the object below it.
+fn at(state: &State, number: usize, face: usize) -> (DVec3, DVec3, f64) {
+    let (data, frame) = (&state.data, &state.data.frame[number]);
+    let corners = data.triangles[face].map(|v| v as usize);
+    let mean = |of: &dyn Fn(usize) -> DVec3| corners.iter().map(|&v| of(v)).sum::<DVec3>() / 3.0;
+    let point = mean(&|v| wide(data.positions[v]));
+    let normal = mean(&|v| wide(data.normals[v])).normalize_or_zero();
+    let kappa = corners.iter().map(|&v| f64::from(data.curvature[v].kappa)).sum::<f64>() / 3.0;
+    let sigma = wide(frame.sigma_0) * kappa;
+    let light = received(state, face, [point, normal], sigma, &cdrf);
+    let [a, b, c] = corners.map(|v| wide(data.positions[v]));
+    let inward = -(b - a).cross(c - a).normalize_or_zero();
+    // From a little below the surface, so that it is not met itself.
+    let start = point + 1e-5 * inward;
+    let met = trace(data, start.to_array().map(|x| x as f32), inward.to_array().map(|x| x as f32));
+    let through = f64::from(met.numerator) / f64::from(met.denominator);
+    let thickness = if met.face as usize >= data.triangles.len() { f64::INFINITY } else { through };
+    (wide(frame.diffuse) * light, sigma, thickness)
+}
+
+/// The error over the places that `of` chooses.
+pub fn share(places: &[Place], of: impl Fn(&Place) -> bool) -> Share {
+    let sum = |f: &dyn Fn(&Place) -> f64| places.iter().filter(|place| of(place)).map(f).sum::<f64>();
+    let whole: f64 = places.iter().map(|place| place.area).sum();
+    let squares = sum(&|p| p.area * (p.cdrf - p.dipole).powi(2));
+    let light = sum(&|p| p.area * p.dipole.powi(2));
+    let error = if light > 0.0 { (squares / light).sqrt() } else { 0.0 };
+    Share { error, area: if whole > 0.0 { sum(&|p| p.area) / whole } else { 0.0 } }
+}
+
+/// Borders of thickness, in multiples of sigma_0, that verdicts and tables go by.
+pub const THICK: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
+/// Borders of sigma.
+pub const BENT: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
+
+/// In one line: from which thickness on, and up to which sigma, the error is within [`ASKED`], for the largest part of the
+/// surface that this can be said of.
+#[must_use]
+pub fn verdict(places: &[Place]) -> String {
+    let all = share(places, |_| true);
+    let percent = |x: f64| format!("{:.0} %", 100.0 * x);
+    if all.error <= ASKED {
+        return format!("within {}: error {} over the whole surface", percent(ASKED), percent(all.error));
+    }
+    // The fewest conditions first; of equal parts the last one is taken.
+    let thicks = || [0.0].into_iter().chain(THICK);
+    let bends = || [f64::INFINITY].into_iter().chain(BENT.into_iter().rev());
+    let choices: Vec<_> = thicks().flat_map(|thick| bends().map(move |bent| (thick, bent))).collect();
+    let inside = |thick: f64, bent: f64| move |p: &Place| p.thickness >= thick && p.sigma <= bent;
+    let found = choices
+        .into_iter()
+        .rev()
+        .map(|(thick, bent)| (thick, bent, share(places, inside(thick, bent))))
+        .filter(|(.., part)| part.error <= ASKED && part.area >= 0.01)
+        .max_by(|a, b| a.2.area.total_cmp(&b.2.area));
+    let Some((thick, bent, part)) = found else {
+        return format!(
+            "not within {} on any part that thickness or curvature tells: error {}",
+            percent(ASKED),
+            percent(all.error)
+        );
+    };
+    let rest = share(places, |p| !inside(thick, bent)(p));
+    let mut words = Vec::new();
+    if thick > 0.0 {
+        words.push(format!("thicker than {thick} sigma_0"));
+    }
+    if bent.is_finite() {
+        words.push(format!("sigma_0 kappa is below {bent}"));
+    }
+    format!(
+        "within {} where {} ({} of the surface, error {}); elsewhere {}",
+        percent(ASKED),
+        words.join(" and "),
+        percent(part.area),
+        percent(part.error),
+        percent(rest.error)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn place(thickness: f64, sigma: f64, cdrf: f64) -> Place {
+        Place { object: 0, triangle: 0, channel: 0, area: 2.0, sigma, thickness, dipole: 1.0, cdrf }
+    }
+
+    #[test]
+    fn a_verdict_parts_what_is_thin() {
+        let good = vec![place(5.0, 0.3, 1.05), place(0.5, 0.3, 0.95)];
+        assert_eq!(verdict(&good), "within 10 %: error 5 % over the whole surface");
+        let thin = vec![place(5.0, 0.3, 1.05), place(9.0, 2.0, 0.95), place(1.5, 0.3, 2.0)];
+        assert_eq!(
+            verdict(&thin),
+            "within 10 % where thicker than 2 sigma_0 (67 % of the surface, error 5 %); elsewhere 100 %"
+        );
+        let bad = vec![place(5.0, 0.3, 2.0)];
+        assert!(verdict(&bad).starts_with("not within 10 %"));
+        assert_eq!(share(&thin, |p| p.sigma > 1.0), Share { error: 0.050_000_000_000_000_044, area: 1.0 / 3.0 });
+    }
+}

@@ -1,0 +1,40 @@
+//! `milkglass fit-cdrf` from outside.
+
+mod shell;
+
+use shell::{bad, folder, good, read};
+
+/// The three numbers after these words.
+fn list(text: &str, words: &str) -> Vec<f64> {
+    let line = text.lines().find(|line| line.starts_with(words)).unwrap_or_else(|| panic!("no {words:?} in {text}"));
+    let inner = line.split_once('[').unwrap().1.trim_end_matches(']');
+    inner.split(", ").map(|number| number.parse().unwrap()).collect()
+}
+
+#[test]
+fn a_fit_tells_sigma_0_and_draws() {
+    let here = folder(&[]);
+    let (out, _) = good(&here, "fit-cdrf marble --radii 10,20,40 --photons 4000 --svg marble.svg");
+    // On balls of many mean free paths the fit is the spread of the profile.
+    let (dipole, usual) = (list(&out, "fitted to the dipole"), list(&out, "without material.sigma_0"));
+    let walk = list(&out, "fitted to the random walk");
+    for c in 0..3 {
+        assert!((dipole[c] / usual[c] - 1.0).abs() < 0.2, "{out}");
+        assert!((walk[c] / dipole[c] - 1.0).abs() < 0.3, "{out}");
+    }
+    assert!(dipole[0] > dipole[1] && dipole[1] > dipole[2], "red goes farthest: {out}");
+    let picture = read(&here, "marble.svg");
+    assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>") && picture.contains("sigma_0"));
+    let (again, _) = good(&here, "fit-cdrf MARBLE --radii 10,20,40 --photons 4000");
+    assert_eq!(again, out);
+    assert_ne!(good(&here, "fit-cdrf marble --radii 10,20,40 --photons 4000 --seed 2").0, out);
+}
+
+#[test]
+fn bad_input_is_named() {
+    let here = folder(&[]);
+    bad(&here, "fit-cdrf marbel", 2, &["no material of this name", "marbel"]);
+    bad(&here, "fit-cdrf marble --radii 1,x", 2, &["--radii", "1,x"]);
+    bad(&here, "fit-cdrf marble --radii 0", 2, &["--radii"]);
+    bad(&here, "fit-cdrf marble --photons 0", 2, &["--photons", "out of range"]);
+}

@@ -1,0 +1,176 @@
+//! Local shading: what runs for it and what does not, and what its pictures show.
+
+mod devices;
+mod shell;
+
+use devices::on_devices;
+use milkglass::layout::{SLOTS, Slot};
+use milkglass::local::reflectance::zonal;
+use milkglass::render::plan::{Change, Options, Transport};
+use milkglass::render::run::{Room, Session};
+use milkglass::scene::Scene;
+use shell::{bad, folder, good};
+
+const CDRF: Options = options(Transport::Cdrf);
+const LAMBERT: Options = options(Transport::Lambert);
+
+const fn options(transport: Transport) -> Options {
+    use milkglass::render::plan::{Goal, Mode};
+    Options { transport, mode: Mode::OnTheFly, goal: Goal::Picture, estimate: false }
+}
+
+fn scene(name: &str, sets: &[&str], frame: f64) -> Scene {
+    let sets: Vec<String> = ["camera.size=[40, 30]"].iter().chain(sets).map(|set| set.to_string()).collect();
+    Scene::load_at(name, &sets, frame).unwrap()
+}
+
+fn run(scene: &Scene, options: Options) -> Session {
+    let mut session = Session::new(scene, None, options, Room::default()).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    session
+}
+
+fn names(session: &Session) -> Vec<&'static str> {
+    session.plan.stages.iter().map(|stage| stage.name).collect()
+}
+
+#[test]
+fn nothing_of_transport_has_a_stage_or_a_buffer() {
+    let ball = scene("sphere", &["object.0.detail=2"], 0.0);
+    let session = run(&ball, CDRF);
+    assert_eq!(names(&session), ["refit", "curvature", "visibility", "cdrf"]);
+    let used: Vec<&str> = SLOTS
+        .iter()
+        .filter(|slot| !session.state().data.bytes(**slot).is_empty())
+        .map(|slot| slot.spec().name)
+        .collect();
+    let expected = [
+        "frame",
+        "lights",
+        "camera",
+        "positions",
+        "triangles",
+        "corner_starts",
+        "corners",
+        "topology",
+        "leaves",
+        "order",
+        "bounds",
+        "clusters",
+        "normals",
+        "curvature",
+        "cursor",
+        "hits",
+        "radiance",
+    ];
+    assert_eq!(used, expected);
+    for (stage, word) in
+        [("gather", "no light is carried"), ("shadow", "does not shadow itself"), ("cdrf_table", "closed")]
+    {
+        assert!(session.plan.left_out.iter().any(|(name, why)| *name == stage && why.contains(word)), "{stage}");
+    }
+
+    assert_eq!(names(&run(&ball, LAMBERT)), ["refit", "visibility", "lambert"]);
+    let table = scene("sphere", &["object.0.detail=2", "transport.cdrf=table", "transport.cdrf_table=9"], 0.0);
+    let session = run(&table, CDRF);
+    assert_eq!(names(&session), ["refit", "curvature", "visibility", "cdrf_table", "cdrf"]);
+    assert_eq!(session.state().data.cdrf_cells.len(), 64);
+    let dark = scene("sphere", &["object.0.detail=2", "light.0.irradiance=0"], 0.0);
+    let mut session = run(&dark, CDRF);
+    assert_eq!(names(&session), ["refit", "visibility", "shade"]);
+    assert!(session.picture().unwrap().pixels.contains(&[0.0; 3]));
+
+    // And where light is carried, none of these.
+    let session = run(&ball, Options::default());
+    for stage in ["curvature", "cdrf_table", "cdrf", "lambert"] {
+        assert!(
+            session.plan.left_out.iter().any(|(name, why)| *name == stage && why.contains("light is carried")),
+            "{stage}"
+        );
+    }
+    assert!(session.state().data.curvature.is_empty());
+}
+
+#[test]
+fn curvature_follows_the_shape_and_nothing_else() {
+    let deformed = |frame: f64| scene("twist", &["object.0.detail=8", "object.0.material.sigma_0=3"], frame);
+    on_devices(|device| {
+        for backend in [None, Some(device)] {
+            let mut moving = Session::new(&deformed(0.0), backend, CDRF, Room::default()).unwrap();
+            moving.frame(Change::EVERYTHING).unwrap();
+            let ran = |times: &[milkglass::gpu::Timing]| times.iter().any(|time| time.name == "curvature");
+            assert!(!ran(&moving.frame(Change::LIGHT).unwrap()) && !ran(&moving.frame(Change::VIEW).unwrap()));
+            for frame in [4.0, 30.0, 2.0] {
+                moving.show(&deformed(frame)).unwrap();
+                assert!(ran(&moving.frame(Change::default()).unwrap()));
+                let mut fresh = Session::new(&deformed(frame), backend, CDRF, Room::default()).unwrap();
+                fresh.frame(Change::EVERYTHING).unwrap();
+                for slot in [Slot::curvature, Slot::radiance] {
+                    let [a, b] = [&mut moving, &mut fresh].map(|session| {
+                        session.fetch(&[slot]).unwrap();
+                        session.state().data.bytes(slot).to_vec()
+                    });
+                    assert!(!a.is_empty() && a == b, "{slot:?} at {frame}");
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn only_other_objects_cast_shadows() {
+    // A ball lit from behind, and a plate between it and the light, or behind the eye.
+    let ball = ["object.0.detail=3", "object.0.material.sigma_0=9", "light.0.direction=[0, 0, -1]"];
+    let plate =
+        "object.1={ shape = 'slab', detail = 2, size = 60, position = [0, 0, -40], material = { opaque = true } }";
+    let aside =
+        "object.1={ shape = 'slab', detail = 2, size = 60, position = [0, 0, 90], material = { opaque = true } }";
+    let view = ["camera.position=[0, 0, 60]", "camera.target=[0, 0, 0]", "camera.background=0"];
+    let sum = |more: &[&str]| {
+        let mut session = run(&scene("sphere", &[&ball[..], &view, more].concat(), 0.0), CDRF);
+        session.picture().unwrap().pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>()
+    };
+    let alone = sum(&[]);
+    assert!(alone > 0.0);
+    assert_eq!(sum(&[plate, "light.0.shadows=true"]), 0.0);
+    assert!(sum(&[plate, "light.0.shadows=false"]) >= alone);
+    assert!((sum(&[aside]) / alone - 1.0).abs() < 1e-3, "behind the eye it hides nothing");
+}
+
+#[test]
+fn the_command_line_says_what_local_shading_does_not_tell() {
+    let here = folder(&[]);
+    good(&here, "render sphere --transport cdrf -o a.png --size 24x20 --device cpu --set object.0.detail=1");
+    good(&here, "render sphere --transport lambert -o b.png --size 24x20 --device cpu --set object.0.detail=1");
+    bad(&here, "solve sphere --transport cdrf -o a.csv", 2, &["--transport", "cdrf or lambert", "hierarchy"]);
+    bad(&here, "render sphere --transport lambert --aov -o a.exr", 2, &["--aov", "hierarchy"]);
+    let cases = [
+        ("object.0.material.sigma_0=-1", "object.0.material.sigma_0"),
+        ("object.0.material.sigma_0=[1,nan,1]", "object.0.material.sigma_0"),
+        ("transport.cdrf=tabel", "cdrf"),
+        ("transport.cdrf_table=1", "transport.cdrf_table: out of range; found 1; expected 2 to 1024"),
+        ("transport.curvature=max", "curvature"),
+    ];
+    for (set, words) in cases {
+        bad(&here, &format!("render sphere --transport cdrf -o c.png --set {set}"), 2, &[words]);
+    }
+}
+
+#[test]
+fn an_environment_counts_by_its_own_factors() {
+    // Light from all around alike: A_0(sigma) of it at every normal, sigma the same all over a ball.
+    let sky = "light.0={ type = 'environment', radiance = 2 }";
+    let ball =
+        ["object.0.detail=5", "object.0.size=20", "object.0.material.eta=1", "object.0.material.sigma_0=[9, 2, 0]"];
+    let mut session = run(&scene("sphere", &[&ball[..], &[sky, "camera.background=0"]].concat(), 0.0), CDRF);
+    let picture = session.picture().unwrap();
+    let frame = session.state().data.frame[0];
+    let seen: Vec<_> = picture.pixels.iter().filter(|pixel| **pixel != [0.0; 3]).collect();
+    assert!(seen.len() > 100);
+    for (c, sigma) in [(0, 0.9), (1, 0.2), (2, 0.0)] {
+        let expected = f64::from(frame.diffuse[c]) / std::f64::consts::PI * zonal(sigma)[0] * 2.0;
+        for pixel in &seen {
+            assert!((f64::from(pixel[c]) / expected - 1.0).abs() < 5e-3, "{c}: {pixel:?} {expected}");
+        }
+    }
+}
