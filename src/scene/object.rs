@@ -151,8 +151,11 @@ impl Draft {
             Source::Shape(shape, detail) if textured.is_some() => shape.build_textured(*detail),
             Source::Shape(shape, detail) => shape.build(*detail),
         };
+        let mut unsaid = Vec::new();
         if let Some(layers) = &self.material.layers {
-            layers.check_mesh(&mesh, &layered, report)?;
+            // What is flat in the places of a shape made here is known.
+            let shape = matches!(self.source, Source::Shape(..));
+            layers.check_mesh(&mesh, &layered, if shape { &mut unsaid } else { report })?;
         }
         if let Some(size) = self.size {
             mesh.resize(size, &format!("object.{index}.size"))?;
