@@ -134,11 +134,14 @@ fn overflow_and_chunks_change_no_bit() {
 
 fn overflow_changes_no_bit(scene: &Scene) {
     on_devices(|device| {
-        let mut plain = Session::new(scene, Some(device), Options::default(), Room::default()).unwrap();
-        plain.frame(Change::EVERYTHING).unwrap();
-        let expected = bits(&mut plain, Slot::radiosity);
         let tight = Room { chunk_faces: 700, links: 1, batch_blocks: 60, binding: 1 << 18 };
-        for mode in [Mode::OnTheFly, Mode::Render] {
+        for (mode, like) in
+            [(Mode::OnTheFly, Mode::OnTheFly), (Mode::Keep, Mode::OnTheFly), (Mode::Render, Mode::Render)]
+        {
+            let options = Options { mode: like, ..Options::default() };
+            let mut plain = Session::new(scene, Some(device), options, Room::default()).unwrap();
+            plain.frame(Change::EVERYTHING).unwrap();
+            let expected = bits(&mut plain, Slot::radiosity);
             let options = Options { mode, ..Options::default() };
             let mut cut = Session::new(scene, Some(device), options, tight).unwrap();
             cut.frame(Change::EVERYTHING).unwrap();

@@ -13,7 +13,7 @@ UPDATES(cursor)
 #include "transport/channels.glsl"
 
 const uint SAMPLES = 256, STEPS = 112;
-const float ROOTS[4] = float[4](1.0, 1.1892071, 1.4142136, 1.6817929);
+const float ROOTS[4] = float[4](1.0, 1.18920712, 1.41421356, 1.68179283);
 
 void main() {
     if (invocation() != 0) return;

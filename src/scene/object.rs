@@ -164,8 +164,11 @@ impl Draft {
             None => mesh.refined(transport, report)?,
             Some(_) => (mesh, Origin::File),
         };
+        let mut unsaid = Vec::new();
         if let Some(layers) = &self.material.layers {
-            layers.check_mesh(&mesh, &layered, report)?;
+            // What is flat in the places of a shape made here is known.
+            let shape = matches!(self.source, Source::Shape(..));
+            layers.check_mesh(&mesh, &layered, if shape { &mut unsaid } else { report })?;
         }
         let factor = match self.size {
             Some(size) => mesh.resize(size, &format!("object.{index}.size"))?,

@@ -21,7 +21,7 @@ pub static STAGE: Stage = Stage {
 };
 
 /// Steps of an octave.
-const ROOTS: [f32; 4] = [1.0, 1.189_207_1, std::f32::consts::SQRT_2, 1.681_792_9];
+const ROOTS: [f32; 4] = [1.0, 1.189_207_1, std::f32::consts::SQRT_2, 1.681_792_8];
 /// From 2^-8 to 2^20.
 const STEPS: usize = 112;
 

@@ -118,3 +118,21 @@ fn an_environment_shines_as_so_many_suns() {
     let most = beams.iter().map(|beam| f64::from(beam.color[2]) * unit).fold(0.0, f64::max);
     assert!(most < 2.0 * sum / 32.0, "{most}");
 }
+
+#[test]
+fn fish_and_gecko_are_closed_and_as_fine_as_the_papers() {
+    for (name, vertices, triangles) in [("fish", Some(1396), 2788), ("gecko", None, 10_944)] {
+        let mesh = &scene(name, &[]).objects[0].mesh;
+        assert_eq!(mesh.triangles.len(), triangles);
+        assert!(vertices.is_none_or(|vertices| mesh.positions.len() == vertices));
+        assert!(mesh.volume() > 0.0);
+        // Each edge is walked once in either direction.
+        let mut edges = std::collections::BTreeMap::new();
+        for &[a, b, c] in &mesh.triangles {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                *edges.entry((from.min(to), from.max(to))).or_insert(0) += if from < to { 1 } else { -1 };
+            }
+        }
+        assert!(edges.values().all(|&sum| sum == 0) && edges.len() * 2 == triangles * 3, "{name}");
+    }
+}
