@@ -93,12 +93,19 @@ fn exr_holds_linear_light() {
 fn the_same_scene_gives_the_same_bytes() {
     let here = folder(&[]);
     for device in ["--device cpu", ""] {
-        let line = format!("render sphere --set object.0.detail=2 --size 16x16 {device}");
-        good(&here, &format!("{line} -o a.exr"));
-        good(&here, &format!("{line} -o b.exr"));
-        good(&here, &format!("{line} -o c.exr --mode render"));
-        assert_eq!(bytes(&here, "a.exr"), bytes(&here, "b.exr"), "twice, {device}");
-        assert_eq!(bytes(&here, "a.exr"), bytes(&here, "c.exr"), "--mode render, {device}");
+        for scheme in ["blocks", "links"] {
+            let sets = format!("--set object.0.detail=2 --set transport.scheme={scheme}");
+            let line = format!("render sphere {sets} --size 16x16 {device}");
+            good(&here, &format!("{line} -o a.exr"));
+            good(&here, &format!("{line} -o b.exr"));
+            good(&here, &format!("{line} -o c.exr --mode render"));
+            good(&here, &format!("{line} -o d.exr --mode render"));
+            assert_eq!(bytes(&here, "a.exr"), bytes(&here, "b.exr"), "twice, {device}");
+            assert_eq!(bytes(&here, "c.exr"), bytes(&here, "d.exr"), "twice, --mode render, {device}");
+            // Lists of blocks that serve any light are others.
+            let same = bytes(&here, "a.exr") == bytes(&here, "c.exr");
+            assert_eq!(same, scheme == "links", "--mode render, {device}");
+        }
     }
 }
 
@@ -214,7 +221,7 @@ fn bad_arguments_are_named() {
     let png = "-o a.png --size 4x4 --device cpu";
     let cases: &[(String, &[&str])] = &[
         (format!("render a.toml {png}"), &["a.toml:2: camera.fow", "did you mean `fov`?"]),
-        (format!("render spere {png}"), &["did you mean `sphere`?", "lotus, noise, slab, sphere"]),
+        (format!("render spere {png}"), &["did you mean `sphere`?", "lotus, noise, slab, slab-layers, sphere"]),
         (format!("render gone.toml {png}"), &["neither a built-in scene nor a file", "gone.toml"]),
         (format!("render gone.obj {png}"), &["gone.obj"]),
         (format!("render . {png}"), &["the scene file cannot be read"]),
@@ -225,7 +232,7 @@ fn bad_arguments_are_named() {
         ("render sphere -o a.png --size 0x4".into(), &["--size: not a picture size"]),
         ("render sphere -o a.jpg".into(), &["-o: ", ".jpg", ".png or .exr"]),
         ("solve sphere -o a.png".into(), &["-o: ", ".csv or .ply"]),
-        ("scenes spere".into(), &["no built-in scene", "lotus, noise, slab, sphere"]),
+        ("scenes spere".into(), &["no built-in scene", "lotus, noise, slab, slab-layers, sphere"]),
         ("rendr sphere".into(), &["'rendr'", "'render'"]),
         (format!("render {SMALL} -o gone/a.png --size 4x4"), &["gone/a.png: could not be written"]),
     ];

@@ -75,6 +75,20 @@ pub fn subdivide(scene: &Scene, estimate: bool) -> Result<(Scene, Vec<Parts>)> {
     Ok((fine, parts))
 }
 
+impl Session {
+    /// The number of a triangle of the state in the mesh of its object, as the scene has it.
+    pub fn triangle(&self, face: usize) -> u32 {
+        let (object, part) = self.prepared.source(face);
+        self.parts.get(object).map_or(part, |parts| parts.of[part as usize])
+    }
+
+    /// What borders of shadows may still miss of the radiosity of a triangle of the state, in the units of B.
+    pub fn missed(&self, face: usize) -> [f64; 3] {
+        let (object, part) = self.prepared.source(face);
+        self.parts.get(object).and_then(|parts| parts.missed.get(part as usize)).copied().unwrap_or_default()
+    }
+}
+
 /// Nothing cut yet.
 fn whole(mesh: &Mesh) -> Parts {
     let all: Vec<u32> = (0..).take(mesh.triangles.len()).collect();

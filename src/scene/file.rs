@@ -4,12 +4,13 @@
 use super::camera::{self, Framing, Tone};
 use super::layers::LayersFile;
 use super::light::{Light, LightFile};
+use super::local::{self, Cdrf, Kappa};
 use super::material::Fresnel;
 use super::object::{self, ObjectFile};
 use super::range::Checked;
 use super::surface::ReflectionKind;
 use super::texture::{Side, Wrap};
-use super::transport::{self, Cdrf, Distance, Hierarchy, Kappa, Near, Oracle, Receivers, Scheme, Transport};
+use super::transport::{self, Distance, Hierarchy, Near, Oracle, Receivers, Scheme, Transport};
 use super::vector::{Background, Rgb, Vector};
 use serde::Deserialize;
 
@@ -163,7 +164,7 @@ impl Default for TransportFile {
             form_factor_tolerance: transport::FORM_FACTOR_TOLERANCE,
             octree_angle: transport::OCTREE_ANGLE,
             cdrf: Cdrf::default(),
-            cdrf_table: transport::CDRF_TABLE,
+            cdrf_table: local::CDRF_TABLE,
             curvature: Kappa::default(),
         }
     }

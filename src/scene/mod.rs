@@ -10,6 +10,7 @@ mod file;
 mod image;
 mod layers;
 mod light;
+mod local;
 mod locate;
 mod material;
 mod mesh;
@@ -28,13 +29,14 @@ pub use camera::{Camera, Tone};
 pub use deform::Deform;
 pub use layers::{DepthMap, Integration, Layer, Layers, Phase};
 pub use light::{Light, Sky, Source};
+pub use local::{Cdrf, Kappa};
 pub use material::{Fresnel, Material};
 pub use mesh::{Mesh, Shape};
 pub use object::Object;
 pub use preset::{PRESETS, Preset};
 pub use surface::{Reflection, Surface};
 pub use texture::{Side, Texture, Wrap};
-pub use transport::{Cdrf, Distance, Hierarchy, Kappa, Near, Oracle, Receivers, Scheme, Transport};
+pub use transport::{Distance, Hierarchy, Near, Oracle, Receivers, Scheme, Transport};
 
 use crate::error::{Input, Result};
 

@@ -1,6 +1,7 @@
 //! How light is carried through the material: which tree, which sources, and how fine the links are.
 
 use super::file::TransportFile;
+use super::local::{Cdrf, Kappa};
 use super::range::{self, Checked};
 use crate::error::Input;
 use serde::Deserialize;
@@ -18,31 +19,6 @@ pub const FORM_FACTOR_TOLERANCE: f64 = 1e-2;
 
 /// From which solid angle on a cell of the octree is opened, in steradian.
 pub const OCTREE_ANGLE: f64 = 0.2;
-
-/// Rows and columns of the table of the CDRF.
-pub const CDRF_TABLE: u32 = 256;
-
-/// How the curvature-dependent reflectance function is evaluated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Cdrf {
-    /// In closed form.
-    #[default]
-    Closed,
-    /// From a table, linear between its entries.
-    Table,
-}
-
-/// What the curvature kappa of the CDRF is, of principal curvatures k1 and k2.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Kappa {
-    /// sqrt((k1^2 + k2^2) / 2).
-    #[default]
-    Rms,
-    /// |k1 + k2| / 2.
-    Mean,
-}
 
 /// How faces are grouped into clusters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
