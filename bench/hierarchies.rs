@@ -53,7 +53,7 @@ fn scene(hierarchy: Hierarchy, mesh: &[&str], tolerance: f64, frame: f64) -> Res
 
 /// One line: means over the frames, but for the error, whose largest counts.
 fn row(device: &Device, name: &str, hierarchy: Hierarchy, mesh: &[&str], tolerance: f64) -> Result<String> {
-    let options = Options { mode: Mode::Render, goal: Goal::Radiosity, ..Options::default() };
+    let options = Options { mode: Mode::Keep, goal: Goal::Radiosity, ..Options::default() };
     let start = Instant::now();
     let mut session =
         Session::new(&scene(hierarchy, mesh, tolerance, FRAMES[0])?, Some(device), options, Room::default())?;

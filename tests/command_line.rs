@@ -90,26 +90,6 @@ fn exr_holds_linear_light() {
 }
 
 #[test]
-fn the_same_scene_gives_the_same_bytes() {
-    let here = folder(&[]);
-    for device in ["--device cpu", ""] {
-        for scheme in ["blocks", "links"] {
-            let sets = format!("--set object.0.detail=2 --set transport.scheme={scheme}");
-            let line = format!("render sphere {sets} --size 16x16 {device}");
-            good(&here, &format!("{line} -o a.exr"));
-            good(&here, &format!("{line} -o b.exr"));
-            good(&here, &format!("{line} -o c.exr --mode render"));
-            good(&here, &format!("{line} -o d.exr --mode render"));
-            assert_eq!(bytes(&here, "a.exr"), bytes(&here, "b.exr"), "twice, {device}");
-            assert_eq!(bytes(&here, "c.exr"), bytes(&here, "d.exr"), "twice, --mode render, {device}");
-            // Lists of blocks that serve any light are others.
-            let same = bytes(&here, "a.exr") == bytes(&here, "c.exr");
-            assert_eq!(same, scheme == "links", "--mode render, {device}");
-        }
-    }
-}
-
-#[test]
 fn solve_writes_one_row_a_face() {
     let quads = "v 0 0 0\nv 4 0 0\nv 4 2 0\nv 0 2 0\nv 8 0 0\nv 8 2 0\nf 1 2 3 4\nf 2 5 6 3\n";
     let scene = format!("unit = 'cm'\n{SUN}[[object]]\nmesh = 'm.obj'\nmaterial = {{ preset = 'marble' }}\n");

@@ -132,3 +132,25 @@ fn what_the_command_line_says_of_them() {
         bad(&here, &format!("{solve} --set object.0.detail=3 --set transport.{more}"), 2, &["transport.", words]);
     }
 }
+
+#[test]
+fn small_and_odd_meshes_are_taken_or_refused() {
+    // A tetrahedron with a spike on each face: no vertex can be taken away without a fold.
+    let corners = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]];
+    let tips = [[12, 12, -12], [12, -12, 12], [-12, 12, 12], [-12, -12, -12]];
+    let vertices: String = corners.iter().chain(&tips).map(|[x, y, z]: &[i32; 3]| format!("v {x} {y} {z}\n")).collect();
+    let faces =
+        "f 1 2 5\nf 2 3 5\nf 3 1 5\nf 1 4 6\nf 4 2 6\nf 2 1 6\nf 1 3 7\nf 3 4 7\nf 4 1 7\nf 2 4 8\nf 4 3 8\nf 3 2 8\n";
+    let both = "v 10 0 0\nv 11 0 0\nv 10 1 0\nf 1 2 3\nf 3 2 1\n";
+    let here = folder(&[("spikes.obj", &format!("{vertices}{faces}")), ("both.obj", both)]);
+    let solve = |mesh: &str, hierarchy: &str| {
+        format!("solve {mesh} --device cpu -o a.csv --set transport.hierarchy={hierarchy} --set transport.levels=1")
+    };
+    good(&here, &solve("spikes.obj", "shrink-wrap"));
+    // Both sides of one triangle: new vertices stay near its edges.
+    good(&here, &solve("both.obj", "butterfly"));
+    let text = read(&here, "a.csv");
+    let centers = text.lines().skip(1).map(|row| row.split(',').nth(1).unwrap().parse::<f64>().unwrap());
+    let (low, high) = centers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    assert!(text.lines().count() == 9 && high - low < 20.0, "{low} {high}\n{text}");
+}

@@ -138,11 +138,32 @@ fn only_other_objects_cast_shadows() {
 }
 
 #[test]
+fn opaque_objects_are_shaded_as_ever() {
+    // Alone, with its own shadow, and its texture where the light arrives.
+    let sets = [
+        "object.0.detail=64",
+        "object.0.material={ opaque = true, texture = 'builtin:tiles', texture_on = 'entry' }",
+        "light.0={ type = 'directional', direction = [1, 0.3, 0.4], irradiance = 3 }",
+        "camera.background=0",
+    ];
+    let bust = scene("bust", &sets, 0.0);
+    let picture = |transport: Transport| run(&bust, options(transport)).picture().unwrap().pixels;
+    let [carried, local, lambert] = [Transport::Hierarchy, Transport::Cdrf, Transport::Lambert].map(picture);
+    assert!(carried == local && carried == lambert);
+    let session = run(&bust, CDRF);
+    assert!(
+        names(&session).contains(&"shadow") && !names(&session).iter().any(|name| ["cdrf", "curvature"].contains(name))
+    );
+}
+
+#[test]
 fn the_command_line_says_what_local_shading_does_not_tell() {
     let here = folder(&[]);
     good(&here, "render sphere --transport cdrf -o a.png --size 24x20 --device cpu --set object.0.detail=1");
     good(&here, "render sphere --transport lambert -o b.png --size 24x20 --device cpu --set object.0.detail=1");
     bad(&here, "solve sphere --transport cdrf -o a.csv", 2, &["--transport", "cdrf or lambert", "hierarchy"]);
+    let dark = "render sphere --view curvature -o k.png --size 9x9 --device cpu --set light.0.irradiance=0";
+    bad(&here, dark, 2, &["--view curvature", "no light shines"]);
     bad(&here, "render sphere --transport lambert --aov -o a.exr", 2, &["--aov", "hierarchy"]);
     let cases = [
         ("object.0.material.sigma_0=-1", "object.0.material.sigma_0"),

@@ -1,6 +1,7 @@
 //! What the modes keep between frames, and that nothing of it shows in the results.
 
 mod devices;
+mod shell;
 
 use milkglass::gpu::Device;
 use milkglass::layout::Slot;
@@ -9,6 +10,7 @@ use milkglass::measure::reference::verify;
 use milkglass::render::plan::{Change, Goal, Mode, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::{Light, Scene};
+use shell::{bytes, folder, good};
 
 const RENDER: Options = Options {
     transport: milkglass::render::plan::Transport::Hierarchy,
@@ -104,6 +106,48 @@ fn a_light_of_another_contrast_has_lists_made_anew() {
 }
 
 #[test]
+fn frames_of_a_sequence_are_those_of_a_new_session() {
+    // Receivers at pixels and at triangles, an opaque object beside, lights of two colours, one of which moves.
+    let at = |turn: f64, receivers: &str| {
+        let (sine, cosine) = (std::f64::consts::TAU * turn).sin_cos();
+        let receivers = format!("transport.receivers={receivers}");
+        let light =
+            format!("light.0={{ type = 'directional', direction = [{sine}, {cosine}, 0.2], irradiance = [3, 2, 1] }}");
+        let other = "light.1={ type = 'directional', direction = [0.5, 1, 1], irradiance = [0.1, 0.2, 0.2] }";
+        let plate =
+            "object.1={ shape = 'slab', detail = 2, size = 30, position = [0, -20, 0], material = { opaque = true } }";
+        let sets = [
+            "object.0.detail=24",
+            "camera.size=[40, 30]",
+            "transport.tolerance=1e-2",
+            other,
+            plate,
+            &light,
+            &receivers,
+        ];
+        scene("lotus", &sets)
+    };
+    let options = Options { mode: Mode::Render, goal: Goal::Picture, ..RENDER };
+    devices::on_devices(|device| {
+        for receivers in ["pixels", "faces"] {
+            let mut session = Session::new(&at(0.0, receivers), Some(device), options, Room::default()).unwrap();
+            session.frame(Change::EVERYTHING).unwrap();
+            let mut contrasts = Vec::new();
+            for turn in [0.1, 0.35, 0.5, 0.75] {
+                session.show(&at(turn, receivers)).unwrap();
+                session.frame(Change::default()).unwrap();
+                let mut fresh = Session::new(&at(turn, receivers), Some(device), options, Room::default()).unwrap();
+                fresh.frame(Change::EVERYTHING).unwrap();
+                assert!(session.picture().unwrap().pixels == fresh.picture().unwrap().pixels, "{receivers} at {turn}");
+                contrasts.push(session.state().data.cursor[0].contrast);
+            }
+            contrasts.dedup();
+            assert!(contrasts.len() > 1, "nothing to follow: {contrasts:?}");
+        }
+    });
+}
+
+#[test]
 fn a_frame_without_a_change_dispatches_nothing() {
     devices::on_devices(|device| {
         for (scheme, mode) in [("blocks", Mode::Render), ("blocks", Mode::OnTheFly), ("links", Mode::Render)] {
@@ -128,4 +172,24 @@ fn the_plan_says_what_lists_serve() {
     };
     assert_eq!(why(RENDER), None);
     assert!(why(Options { mode: Mode::OnTheFly, ..RENDER }).unwrap().contains("light of their frame"));
+}
+
+#[test]
+fn the_same_scene_gives_the_same_bytes() {
+    let here = folder(&[]);
+    for device in ["--device cpu", ""] {
+        for scheme in ["blocks", "links"] {
+            let sets = format!("--set object.0.detail=2 --set transport.scheme={scheme}");
+            let line = format!("render sphere {sets} --size 16x16 {device}");
+            good(&here, &format!("{line} -o a.exr"));
+            good(&here, &format!("{line} -o b.exr"));
+            good(&here, &format!("{line} -o c.exr --mode render"));
+            good(&here, &format!("{line} -o d.exr --mode render"));
+            assert_eq!(bytes(&here, "a.exr"), bytes(&here, "b.exr"), "twice, {device}");
+            assert_eq!(bytes(&here, "c.exr"), bytes(&here, "d.exr"), "twice, --mode render, {device}");
+            // Lists of blocks that serve any light are others.
+            let same = bytes(&here, "a.exr") == bytes(&here, "c.exr");
+            assert_eq!(same, scheme == "links", "--mode render, {device}");
+        }
+    }
 }

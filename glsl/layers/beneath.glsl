@@ -4,7 +4,7 @@ layout(constant_id = 1) const uint MAPS = 1;    // of four layers each
 layout(constant_id = 2) const uint MAPPED = 0;  // not 0 where depths vary
 layout(constant_id = 3) const uint HENYEY = 0;
 layout(constant_id = 4) const uint FRESNEL = 0;
-layout(push_constant, scalar) uniform push_block { uint number, first_beam, last_beam; }; // the layers and lights at hand
+layout(push_constant, scalar) uniform push_block { uint number, first_beam, last_beam, first_pixel; }; // the layers and lights at hand
 READS(frame)
 READS(camera)
 READS(lit)
@@ -23,7 +23,7 @@ UPDATES(radiance)
 #include "light/fresnel.glsl"
 #include "light/wrap.glsl"
 
-const float GRAZING = 0.05, LEAST_COSINE = 1e-6;
+const float GRAZING = 0.05, LEAST_COSINE = 1e-6, FADING = 0.01;
 
 struct March {
     vec3 point, normal, plane_point, plane_normal; // at P, and of the fitted plane
@@ -101,9 +101,11 @@ uint above(vec4 interfaces, float depth) {
 }
 
 float phase(float g, float cosine) {
-    float base = HENYEY != 0 ? 1.0 + g * g + 2.0 * g * cosine : 1.0 + g * cosine;
+    // In sums of positive terms: 1 + g^2 + 2 g c, or 1 + g c.
+    float size = abs(g), past = size * max(1.0 + (g < 0.0 ? -cosine : cosine), 0.0);
+    float base = HENYEY != 0 ? (1.0 - size) * (1.0 - size) + 2.0 * past : 1.0 - size + past;
     float power = HENYEY != 0 ? base * sqrt(base) : base * base;
-    return (1.0 - g * g) / (4.0 * 3.14159265358979 * power);
+    return (1.0 - size) * (1.0 + size) / (4.0 * 3.14159265358979 * power);
 }
 
 // What a light does at a place: its share that arrives but for the dimming, the depth of its way there, and the cosine
@@ -123,7 +125,9 @@ Lit lit_at(Layering own, March m, uint object, Light light, uint face, float t, 
     float share = t / m.reach;
     vec3 normal = unit(mix(m.normal, m.plane_normal, share));
     float depth = max(dot(mix(m.point, m.plane_point, share) - place, normal), 0.0);
-    float cosine = max(dot(normal, toward), LEAST_COSINE);
+    float facing = dot(normal, toward), cosine = max(facing, LEAST_COSINE);
+    // From behind it nothing comes in.
+    falloff *= clamp(facing / FADING, 0.0, 1.0);
     Texels entry;
     if (MAPPED != 0) entry = texels_at(own, m, place + toward * (depth / cosine) - m.point);
 

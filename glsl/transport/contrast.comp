@@ -9,10 +9,12 @@ layout(constant_id = 0) const uint CHANNELS = 7;
 READS(frame)
 READS(samples)
 READS(level)
+READS(clusters)
+READS(moments)
 UPDATES(cursor)
 #include "transport/channels.glsl"
 
-const uint SAMPLES = 256, STEPS = 112;
+const uint SAMPLES = 256, STEPS = 112, DOUBLINGS = 100;
 const float ROOTS[4] = float[4](1.0, 1.18920712, 1.41421356, 1.68179283);
 
 void main() {
@@ -20,12 +22,19 @@ void main() {
     precise float sum = 0.0;
     for (uint k = 0; k < SAMPLES; ++k) sum = sum + samples[k].light;
     precise float mean = sum * (1.0 / 256.0);
-    precise vec3 light = mean * (frame[0].tint * frame[0].tint);
-    vec3 level_here = level[0], found = vec3(0);
+    // What is squared is scaled by a power of two, so that however dim an object is nothing vanishes.
+    float whole = moments[0].weight, scale = 1.0;
+    for (uint k = 0; k < DOUBLINGS; ++k) {
+        precise float scaled = whole * scale;
+        scale *= scaled < 1.0 ? 2.0 : 1.0;
+    }
+    precise vec3 enters = (whole * scale) * frame[0].tint, comes = (level[0] * scale) * clusters[0].area;
+    precise vec3 light = mean * (enters * enters);
+    vec3 found = vec3(0);
     float octave = 1.0 / 256.0;
     for (uint k = 0; k < STEPS; ++k) {
         float q = octave * ROOTS[k % 4];
-        precise vec3 reach = q * level_here;
+        precise vec3 reach = q * comes;
         precise vec3 reach2 = reach * reach;
         EACH_CHANNEL({ found[c] = found[c] == 0.0 && reach2[c] >= light[c] ? q : found[c]; })
         octave *= k % 4 == 3 ? 2.0 : 1.0;

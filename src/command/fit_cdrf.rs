@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     });
     report(preset, &channels)?;
     if let Some(path) = &arguments.svg {
-        let fits = channels.each_ref().map(|channel| fit(&channel.dipole, mean_path, false).sigma_0);
+        let fits = channels.each_ref().map(|channel| fit(&channel.dipole, channel.usual, false).sigma_0);
         let panels: Vec<_> = (0..3)
             .map(|c| Panel { name: NAMES[c], dipole: &channels[c].dipole, walk: &channels[c].walk, sigma_0: fits[c] })
             .collect();
@@ -92,7 +92,6 @@ const NAMES: [&str; 3] = ["red", "green", "blue"];
 
 /// Prints the fits of all radii together, then of each.
 fn report(preset: &Preset, channels: &[Channel; 3]) -> Result<()> {
-    let length = |channel: &Channel| channel.dipole.iter().map(|curve| curve.radius).fold(f64::INFINITY, f64::min);
     let cells =
         |found: Fit| [format!("{:.4}", found.sigma_0), format!("{:.4}", found.residual), format!("{:.3}", found.worst)];
     // Weighed as the residual is.
@@ -106,7 +105,7 @@ fn report(preset: &Preset, channels: &[Channel; 3]) -> Result<()> {
     let (mut dipole_fit, mut walk_fit) = ([0.0; 3], [0.0; 3]);
     for (c, channel) in channels.iter().enumerate() {
         let all = [(&channel.dipole, false), (&channel.walk, true)];
-        let all = all.map(|(curves, free)| fit(curves, length(channel), free));
+        let all = all.map(|(curves, free)| fit(curves, channel.usual, free));
         (dipole_fit[c], walk_fit[c]) = (all[0].sigma_0, all[1].sigma_0);
         let row = |radius: String, fits: [Fit; 2], walk: &[Curve]| {
             let mut row = vec![NAMES[c].to_string(), radius];
@@ -117,7 +116,7 @@ fn report(preset: &Preset, channels: &[Channel; 3]) -> Result<()> {
         rows.push(row("all".into(), all, &channel.walk));
         for (dipole, walk) in channel.dipole.iter().zip(&channel.walk) {
             let own = [(dipole, false), (walk, true)];
-            let own = own.map(|(curve, free)| fit(std::slice::from_ref(curve), curve.radius, free));
+            let own = own.map(|(curve, free)| fit(std::slice::from_ref(curve), channel.usual, free));
             rows.push(row(format!("{:.3}", dipole.radius), own, std::slice::from_ref(walk)));
         }
     }

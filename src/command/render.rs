@@ -9,7 +9,7 @@ use super::{RunArguments, SceneArguments, check_messages, open_session, print, s
 use crate::error::{Input, Result};
 use crate::render::bends::{Bends, bends};
 use crate::render::clusters::{Emitters, clusters, color};
-use crate::render::plan::{Change, Options, Transport};
+use crate::render::plan::{Change, Mode, Options, Transport};
 use crate::scene::{Camera, Tone};
 use crate::view::picture::{check, encode};
 
@@ -88,10 +88,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     if clustered {
         if options.transport != Transport::Hierarchy {
-            let found = "--transport octree, brute, cdrf or lambert";
+            let found = "another --transport";
             return Err(Input::new("only the hierarchy has links").key("--view clusters").found(found).into());
         }
-        options.mode = options.mode.kept();
+        options.mode = Mode::Keep;
     }
     if let Some(frames) = frames {
         let (scenes, output, skip) = (&arguments.scene, &arguments.output, arguments.skip_existing);

@@ -23,6 +23,7 @@ pub static STAGE: Stage = Stage {
     writes: &[
         (Slot::crowds, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-5 }),
         (Slot::planes, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-4 }),
+        (Slot::cut_short, Role::Update, Tolerance::Exact),
     ],
     reason: "centroids are sums of places that are rounded to 6e-8 each; an axis turns by the moments' rounding, 1e-7, over \
              their difference, 0.005 of the largest at least",

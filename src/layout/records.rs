@@ -196,7 +196,7 @@ records! { frame_records:
         chance: f32,
         /// Its radiosity.
         value: [f32; 3],
-        /// The square of the irradiance that enters it, times its share of the area over its chance.
+        /// The square of the irradiance that enters it, of the object's mean, times its share of the area over its chance.
         light: f32,
     }
     /// Where a block's lists lie, one after the other.

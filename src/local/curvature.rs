@@ -109,7 +109,8 @@ fn closed(ring: &Ring) -> bool {
 /// Curvature of a vertex by its own triangles.
 fn own(data: &Buffers, vertex: usize) -> Curvature {
     let ring = ring(data, vertex);
-    if !closed(&ring) || ring.area <= SMALLEST {
+    // Where sheets lie back to back there is no normal, and nothing is told.
+    if !closed(&ring) || ring.area <= SMALLEST || data.normals[vertex] == [0.0; 3] {
         return Curvature::default();
     }
     let mean = (ring.pull.dot(wide(data.normals[vertex])) / (4.0 * ring.area)).clamp(-SHARPEST, SHARPEST);

@@ -9,7 +9,7 @@ use crate::layout::{Hit, Slot};
 use crate::state::{State, narrow, wide};
 use crate::view::aov::{Layer, Samples};
 
-/// The layers of a session's last picture. Numbers of links are right where lists are kept (`Mode::Keep`), or where
+/// The layers of a session's last picture. Numbers of links are right where lists are kept (`Mode::Keep`; in `Mode::Render` dark emitters count, too), or where
 /// one list holds them all.
 pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
     let known = [

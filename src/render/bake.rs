@@ -43,6 +43,9 @@ fn normals(mesh: &Mesh) -> Vec<DVec3> {
     sums.into_iter().map(DVec3::normalize_or_zero).collect()
 }
 
+/// How often the boxes round all triangles together may cover the map.
+const MOST_TIMES: f64 = 32.0;
+
 /// Texels whose centres lie in a triangle's places, whole repetitions taken off, and the weights of its corners there.
 fn texels([width, height]: [u32; 2], uvs: &[[f64; 2]; 3]) -> Vec<(usize, [f64; 3])> {
     let size = DVec2::new(width.into(), height.into());
@@ -74,6 +77,22 @@ pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2]) -> Result<Baked> {
     let sessions = inner.iter().map(ready).collect::<Result<Vec<_>>>()?;
     let below: Vec<_> = sessions.iter().map(|session| (&session.state().data, session.units())).collect();
     let (normals, places) = (normals(mesh), size[0] as usize * size[1] as usize);
+
+    // Texels are looked for in the box round each triangle.
+    let across = |uvs: &[[f64; 2]; 3]| {
+        let extent = |k: usize| {
+            let [a, b, c] = uvs.map(|uv| uv[k]);
+            (a.max(b).max(c) - a.min(b).min(c)) * f64::from(size[k]) + 1.0
+        };
+        extent(0) * extent(1)
+    };
+    let looked_at: f64 = uvs.iter().map(across).sum();
+    let most = MOST_TIMES * places as f64 + MOST_TIMES * uvs.len() as f64;
+    if looked_at > most {
+        let fault = Input::new("the texture's places are repeated too often to be baked");
+        let found = format!("triangles that go over {:.0} times the map", looked_at / places as f64);
+        return Err(fault.found(found).expected(format!("at most {MOST_TIMES} times, places from 0 to 1")).into());
+    }
 
     // A ray down from each texel's place.
     let down = |at: DVec3, normal: DVec3| -> [f64; 4] {

@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::run::Session;
-use crate::error::Result;
+use crate::error::{Input, Result};
 use crate::layout::{Hit, Slot};
 use crate::local::fit;
 use crate::scene::Kappa;
@@ -52,6 +52,10 @@ pub fn bends(session: &mut Session) -> Result<(Picture, Bends)> {
     session.fetch(&[Slot::hits, Slot::normals, Slot::curvature, Slot::positions])?;
     let (state, length) = (session.state(), session.units().length);
     let mean = session.scene().transport.curvature == Kappa::Mean;
+    if state.data.curvature.is_empty() && state.objects.iter().any(|object| !object.opaque) {
+        let fault = Input::new("no light shines: no curvature is computed").key("--view curvature");
+        return Err(fault.expected("a [[light]]").into());
+    }
 
     // kappa of all vertices, and what the fit has instead.
     let (mut all, mut apart) = (Vec::new(), Vec::new());

@@ -19,7 +19,7 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &
 
     // Each record that casts shadows gets a bit.
     let mut bits = 0;
-    let alone = state.method.local.is_some() && state.objects.len() == 1;
+    let alone = state.method.local.is_some() && state.objects.len() == 1 && !state.objects[0].opaque;
     for record in state.data.lights.iter_mut().filter(|record| record.shadow != u32::MAX) {
         if alone {
             // In local shading an object does not shadow itself.

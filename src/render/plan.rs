@@ -110,6 +110,8 @@ impl Plan {
                 change.view || change.light || resum
             }
             name if kept && builds_links(name) => false,
+            // Lists that are made anew anyway, for other pixels, are made for the light of now.
+            "radii" if any_light && pixels && change.view && change.light => true,
             "radii" | "link" if any_light => change.relink,
             // Else the lists of blocks depend on the light.
             "link" if kept => change.light,

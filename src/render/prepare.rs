@@ -145,7 +145,7 @@ fn one(
     let faces = topology(&mut state, mesh, tree, units);
     frame(&mut state, &object.material, transport, units);
     let mut material = object.material.clone();
-    if let (Some(texture), Some(_)) = (&mut material.texture, local) {
+    if let (Some(texture), Some(_), None) = (&mut material.texture, local, material.opaque) {
         texture.side = Side::Exit;
     }
     texture(&mut state, &material, mesh, &faces);
@@ -245,7 +245,9 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
         zonal_0: degree(0),
         zonal_1: degree(1),
         zonal_2: degree(2),
-        sigma_0: sigma_0.map(|sigma| (sigma * if material.sigma_0.is_some() { units.length } else { 1.0 }) as f32),
+        // Beyond a million extents the function no longer changes.
+        sigma_0: sigma_0
+            .map(|sigma| (sigma * if material.sigma_0.is_some() { units.length } else { 1.0 }).min(1e6) as f32),
         diffuse: diffuse.map(|share| share as f32),
         kappa: u32::from(transport.curvature == Kappa::Mean),
         link_error: link_error(transport.tolerance) as f32,

@@ -64,7 +64,7 @@ pub(super) fn delocalized(name: &str, state: &State) -> Option<String> {
     match name {
         "irradiance" | "entry" | "average" if !opaque => Some(alone.into()),
         "shade" if !opaque && lit(state) => Some(alone.into()),
-        "shadow" if state.objects.len() == 1 => {
+        "shadow" if state.objects.len() == 1 && !opaque => {
             Some("an object does not shadow itself in local shading, and there is no other".into())
         }
         "curvature" | "cdrf" if local == Local::Lambert => Some("Lambert's cosine knows no curvature".into()),
@@ -96,7 +96,7 @@ pub(super) fn unlit(name: &str, state: &State) -> Option<String> {
 /// Why this stage is not needed for these objects, if it is not.
 pub(super) fn unpeopled(name: &str, state: &State) -> Option<String> {
     let any = |opaque: bool| state.objects.iter().any(|object| object.opaque == opaque);
-    let carries = BLOCKS.contains(&name) || LINKS.contains(&name) || name == "brute";
+    let carries = BLOCKS.contains(&name) || LINKS.contains(&name) || LOCAL.contains(&name) || name == "brute";
     match name {
         "deform" if state.data.deforms.is_empty() => Some("nothing deforms an object".into()),
         "opaque" if !any(true) => Some("no object is opaque".into()),

@@ -72,8 +72,9 @@ impl Session {
         reach(&scene.objects, Units::of(scene.objects.iter().map(|object| &object.mesh)))?;
         // Cut finer where the lights want it, and in what follows nothing else is known.
         let asked = (scene.transport.subdivide > 0 && local.is_none()).then(|| scene.clone());
+        let blocks = scene.transport.scheme == Scheme::Blocks && options.transport == Transport::Hierarchy;
         let (scene, parts) = match &asked {
-            Some(asked) => subdivide(asked, options.estimate)?,
+            Some(asked) => subdivide(asked, options.estimate && blocks)?,
             None => (scene.clone(), Vec::new()),
         };
         let (by_pixel, why) = by_pixel(&scene, options);
@@ -81,7 +82,6 @@ impl Session {
         drop_unseen(&mut prepared.state, options);
         drop_unlooked(&mut prepared.state, options);
         prepared.state.keep = options.mode != Mode::OnTheFly;
-        let blocks = prepared.state.method.scheme == Scheme::Blocks && options.transport == Transport::Hierarchy;
         prepared.state.method.estimate = options.estimate && blocks;
         prepared.state.method.any_light = options.mode == Mode::Render && blocks;
         let receivers = (if by_pixel { "receivers at triangles" } else { "receivers at pixels" }, why);
@@ -119,10 +119,11 @@ impl Session {
         loop {
             let steps = self.plan.steps(&self.prepared.state, change);
             let times = if self.plan.octree(change) { self.run_octree(&steps, change)? } else { self.run(&steps)? };
-            if steps.iter().any(|step| step.stage.name == "shadow") {
+            if steps.iter().any(|step| ["shadow", "plane_fit"].contains(&step.stage.name)) {
                 self.fetch(&[Slot::cut_short])?;
                 if self.prepared.state.data.cut_short != [0] {
-                    return Err(unfinished("following a shadow ray", "use a mesh with fewer overlapping parts"));
+                    let doing = "following a shadow ray, or fitting a plane to a vertex";
+                    return Err(unfinished(doing, "use a mesh with fewer overlapping parts"));
                 }
             }
             let ran = |names: &[&str]| steps.iter().any(|step| names.contains(&step.stage.name));
@@ -251,7 +252,8 @@ impl Session {
             .filter(unwritten)
             .collect();
         self.send(&blank)?;
-        self.send(&[Slot::cut_short])
+        // And what the host asks of every object, though not every object has lists.
+        self.send(&[Slot::cut_short, Slot::cursor])
     }
 
     /// The bits of all shadows have to fit one binding.

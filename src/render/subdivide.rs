@@ -65,7 +65,8 @@ pub fn subdivide(scene: &Scene, estimate: bool) -> Result<(Scene, Vec<Parts>)> {
             parts[number].cut(&cut, &from);
             *object = Object { mesh, ..object.clone() };
         }
-        if !any {
+        // What is left has to have been looked at twice.
+        if !any && (!estimate || looks > 1) {
             if estimate {
                 carried(&fine, &lost)?.into_iter().zip(&mut parts).for_each(|(missed, parts)| parts.missed = missed);
             }

@@ -5,7 +5,24 @@ use std::path::Path;
 /// Size and pixels of an image file, rows from the top, or what is wrong with it.
 pub(super) type Image = Result<([u32; 2], Vec<[f32; 3]>), String>;
 
+/// Most pixels of a file: more are refused before any memory is taken for them.
+const MOST_PIXELS: usize = 1 << 26;
+
+fn few_enough(width: usize, height: usize) -> Result<(), String> {
+    match width.checked_mul(height) {
+        Some(pixels) if pixels <= MOST_PIXELS => Ok(()),
+        _ => Err(format!("{width} x {height} pixels, more than {MOST_PIXELS}")),
+    }
+}
+
+/// Whether all layers of an OpenEXR file, by its header, have few enough pixels.
+fn check_exr(path: &Path) -> Result<(), String> {
+    let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|error| error.to_string())?;
+    meta.headers.iter().try_for_each(|header| few_enough(header.layer_size.width(), header.layer_size.height()))
+}
+
 pub(super) fn read_exr(path: &Path) -> Image {
+    check_exr(path)?;
     let image = exr::prelude::read_first_rgba_layer_from_file(
         path,
         |size, _| (size.width(), vec![[0f32; 3]; size.area()]),
@@ -44,6 +61,7 @@ pub(super) fn read_depths(path: &Path) -> Option<Depths> {
 }
 
 fn exr_depths(path: &Path) -> Depths {
+    check_exr(path)?;
     let layer = exr::prelude::read_first_flat_layer_from_file(path).map_err(|error| error.to_string())?.layer_data;
     let list = &layer.channel_data.list;
     let named = |name: &&str| list.iter().find(|channel| channel.name.eq_case_insensitive(name));
@@ -72,6 +90,8 @@ pub(super) fn read_png(path: &Path) -> Image {
 }
 
 fn decode(path: &Path) -> Result<image::DynamicImage, String> {
-    let reader = image::ImageReader::open(path).map_err(|error| error.to_string())?;
-    reader.decode().map_err(|error| error.to_string())
+    let open = || image::ImageReader::open(path).map_err(|error| error.to_string());
+    let (width, height) = open()?.into_dimensions().map_err(|error| error.to_string())?;
+    few_enough(width as usize, height as usize)?;
+    open()?.decode().map_err(|error| error.to_string())
 }

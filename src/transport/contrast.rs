@@ -12,7 +12,7 @@ pub static STAGE: Stage = Stage {
     name: "contrast",
     room: "transport",
     about: "root mean square irradiance over the reference level, rounded up: what lists that serve any light are made for",
-    equation: "least q of 2^(k/4) with (q level)^2 >= mean of E^2; the mean over the samples of `level`",
+    equation: "least q of 2^(k/4) with (q B_rms)^2 >= mean of E^2; the mean over the samples of `level`",
     writes: &[(Slot::cursor, Role::Update, Tolerance::Exact)],
     reason: "a decision: additions, multiplications and comparisons in f32, the same everywhere",
     unit: Unit::Group,
@@ -24,11 +24,15 @@ pub static STAGE: Stage = Stage {
 const ROOTS: [f32; 4] = [1.0, 1.189_207_1, std::f32::consts::SQRT_2, 1.681_792_8];
 /// From 2^-8 to 2^20.
 const STEPS: usize = 112;
+/// The most that light is doubled.
+const DOUBLINGS: u32 = 100;
 
-/// The contrast of one channel: decisions, as the kernel has them.
-fn contrast(square: f32, frame: &Frame, level: f32, channel: usize) -> f32 {
-    let tint = frame.tint[channel];
-    let light = square * (tint * tint);
+/// The contrast of one channel, of the mean square of irradiance over its mean, and the light and area of all: decisions, as
+/// the kernel has them. What is squared is scaled by a power of two, so that however dim an object is nothing vanishes.
+fn contrast(square: f32, [light, area]: [f32; 2], frame: &Frame, level: f32, channel: usize) -> f32 {
+    let scale = scale(light);
+    let (light, level) = (light * scale * frame.tint[channel], level * scale * area);
+    let light = square * (light * light);
     let mut octave = 1.0 / 256.0;
     for step in 0..STEPS {
         let q = octave * ROOTS[step % 4];
@@ -41,12 +45,23 @@ fn contrast(square: f32, frame: &Frame, level: f32, channel: usize) -> f32 {
     octave
 }
 
+/// The power of two that brings a number below 1 to 1 or more.
+fn scale(light: f32) -> f32 {
+    let mut scale = 1.0f32;
+    for _ in 0..DOUBLINGS {
+        scale *= if light * scale < 1.0 { 2.0 } else { 1.0 };
+    }
+    scale
+}
+
 fn cpu(state: &mut State, at: Place) {
     let channels = state.object(at).groups[at.group].channels;
+    let (base, _) = state.part(Slot::moments, at);
     let data = &mut state.data;
     let square = data.samples.iter().fold(0.0f32, |sum, Sample { light, .. }| sum + light) * (1.0 / 256.0);
+    let all = [data.moments[base].weight, data.clusters[0].area];
     for c in (0..3).filter(|c| channels >> c & 1 == 1) {
-        data.cursor[0].contrast[c] = contrast(square, &data.frame[0], data.level[0][c], c);
+        data.cursor[0].contrast[c] = contrast(square, all, &data.frame[0], data.level[0][c], c);
     }
 }
 
@@ -61,12 +76,14 @@ mod tests {
     #[test]
     fn it_is_the_next_step_up() {
         let frame = Frame { tint: [1.0, 0.5, 1.0], ..Frame::default() };
-        assert_eq!(contrast(1.0, &frame, 1.0, 0), 1.0);
-        assert_eq!(contrast(1.0, &frame, 0.99, 0), ROOTS[1]);
-        assert_eq!(contrast(4.0, &frame, 1.0, 1), 1.0);
-        assert_eq!(contrast(9.0, &frame, 1.0, 0), 2.0 * ROOTS[3]);
-        // In the dark, and beyond the last.
-        assert_eq!((contrast(0.0, &frame, 1e-30, 0), contrast(1.0, &frame, 1e-30, 0)), (1.0 / 256.0, 1_048_576.0));
+        let contrast = |light: f32, level: f32, c: usize| contrast(1.0, [light, 1.0], &frame, level, c);
+        assert_eq!(contrast(1.0, 1.0, 0), 1.0);
+        assert_eq!(contrast(1.0, 0.99, 0), ROOTS[1]);
+        assert_eq!(contrast(2.0, 1.0, 1), 1.0);
+        assert_eq!(contrast(3.0, 1.0, 0), 2.0 * ROOTS[3]);
+        // In the dark, and beyond the last; but not where all is dim.
+        assert_eq!((contrast(0.0, 1e-30, 0), contrast(1.0, 1e-30, 0)), (1.0 / 256.0, 1_048_576.0));
+        assert_eq!(contrast(3e-25, 1e-25, 0), 2.0 * ROOTS[3]);
         let steps = |q: f32| f64::from(q).log2() * 4.0;
         assert!(ROOTS.iter().enumerate().all(|(k, &root)| (steps(root) - k as f64).abs() < 1e-6));
     }

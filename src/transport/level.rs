@@ -67,8 +67,11 @@ fn cpu(state: &mut State, at: Place) {
         let whole = moments[0].weight;
         let light = if whole > 0.0 { f64::from(moments[leaf].weight) / f64::from(whole) } else { 0.0 };
         let chance = 0.5 / f64::from(faces) + 0.5 * light;
-        let (area, mean) = (f64::from(data.clusters[leaf].area), f64::from(data.clusters[0].area) / f64::from(faces));
-        let share = if area * mean > 0.0 { f64::from(moments[leaf].weight).powi(2) / (area * mean) } else { 0.0 };
+        let (area, all) = (f64::from(data.clusters[leaf].area), f64::from(data.clusters[0].area));
+        let mean = all / f64::from(faces);
+        let entering = f64::from(moments[leaf].weight) * all;
+        let of_mean = if area * f64::from(whole) > 0.0 { entering / (area * f64::from(whole)) } else { 0.0 };
+        let share = if mean > 0.0 { of_mean.powi(2) * area / mean } else { 0.0 };
         Sample {
             face: data.topology[leaf].face,
             chance: chance as f32,

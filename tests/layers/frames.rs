@@ -3,6 +3,7 @@
 use milkglass::layout::Slot;
 use milkglass::render::plan::{Change, Options, Transport};
 use milkglass::render::run::Session;
+use milkglass::scene::Scene;
 
 use super::{scene, session};
 
@@ -77,6 +78,52 @@ fn planes_are_fitted_again_only_where_the_shape_changes() {
     kept.show(&third).unwrap();
     kept.frame(Change::default()).unwrap();
     assert_eq!(picture(&mut kept), picture(&mut session(&third, Options::default())));
+}
+
+#[test]
+fn a_device_follows_shape_light_and_layers() {
+    let sets = [&SMALL[..], &[LAYERS, "object.0.deform=[{ type = 'twist', angle = 40 }]"]].concat();
+    let shape = ["object.0.deform.0.angle=140"];
+    let light = ["light.1={ type = 'point', position = [9, 30, 9], intensity = [900, 800, 700] }"];
+    let layers = ["object.0.material.layers.layer.0.thickness=0.1"];
+    crate::devices::on_devices(|device| {
+        let new = |scene: &Scene| Session::new(scene, Some(device), Options::default(), Default::default()).unwrap();
+        let mut kept = new(&scene("sphere", &sets));
+        kept.frame(Change::EVERYTHING).unwrap();
+        let mut all = sets.clone();
+        for more in [&shape[..], &light, &layers] {
+            all.extend(more);
+            let next = scene("sphere", &all);
+            kept.show(&next).unwrap();
+            kept.frame(Change::default()).unwrap();
+            let mut fresh = new(&next);
+            fresh.frame(Change::EVERYTHING).unwrap();
+            assert!(picture(&mut kept) == picture(&mut fresh), "{more:?}");
+        }
+    });
+}
+
+#[test]
+fn light_from_behind_does_not_come_in() {
+    // A layer thinner than the sag of the fitted planes, lit from behind without shadows: the samples of both rules that lie
+    // at the surface have no depth that could dim it.
+    for rule in ["exact", "paper"] {
+        let layers = format!(
+            "object.0.material.layers={{ integration = '{rule}', layer = [{{ sigma_s = 1, sigma_t = 1, thickness = 0.2 }}] }}"
+        );
+        let sum = |direction: &str| {
+            let light =
+                format!("light.0={{ type = 'directional', direction = {direction}, irradiance = 3, shadows = false }}");
+            let sets = [&SMALL[..], &[&layers, &light, "camera.background=0"]].concat();
+            let mut session =
+                session(&scene("sphere", &sets), Options { transport: Transport::None, ..Options::default() });
+            picture(&mut session).iter().map(|pixel| f64::from(pixel[0])).sum::<f64>()
+        };
+        let camera = scene("sphere", &SMALL).camera;
+        let toward = (camera.position - camera.target).normalize();
+        let [front, behind] = [toward, -toward].map(|d| sum(&format!("[{}, {}, {}]", d.x, d.y, d.z)));
+        assert!(front > 1.0 && behind < 0.02 * front, "{rule}: {front} {behind}");
+    }
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Layers beneath a surface: against closed forms, in plans, in pictures, and from the command line.
 
+#[path = "../devices/mod.rs"]
+mod devices;
 #[path = "../shell/mod.rs"]
 mod shell;
 

@@ -15,6 +15,7 @@ READS(topology)
 READS(bounds)
 READS(crowds)
 WRITES(planes)
+UPDATES(cut_short)
 #include "layers/crowd.glsl"
 
 float square(vec3 d) {
@@ -62,6 +63,8 @@ void main() {
         if (meets) sum = joined(sum, own);
         node = meets && !inside && !leaf ? node + 1 : topology[node].skip;
     }
+
+    if (node < frame[0].nodes) cut_short[0] = 1;
 
     // The axes of their second moments, by rotating pair after pair of axes.
     float trace = sum.diagonal.x + sum.diagonal.y + sum.diagonal.z;

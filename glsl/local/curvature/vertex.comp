@@ -57,7 +57,9 @@ void main() {
         angle += whole ? angle_of(twice, da) : 0.0;
     }
     Curvature found = Curvature(0.0, 0.0, 0.0, 0.0);
-    if (after == before && corner_starts[vertex + 1] > corner_starts[vertex] && area > SMALLEST) {
+    // Of unit length or 0: where sheets lie back to back nothing is told.
+    bool stands = dot(normal, normal) > 0.5;
+    if (stands && after == before && corner_starts[vertex + 1] > corner_starts[vertex] && area > SMALLEST) {
         float plain = TURN - angle;
         deficit = least < 0.25 ? plain : deficit - TURN * round((deficit - plain) / TURN);
         // The edges point away from the vertex here.

@@ -72,7 +72,7 @@ void main() {
     float chance = 0.5 / float(frame[0].faces) + 0.5 * light;
     float area = clusters[leaf].area, mean = clusters[0].area / float(frame[0].faces);
     // One factor after the other, so that nothing leaves the range of f32.
-    float enters = area > 0.0 ? moments[leaf].weight / area : 0.0;
+    float enters = area > 0.0 && whole > 0.0 ? light * (clusters[0].area / area) : 0.0;
     float share = mean > 0.0 ? area / mean : 0.0;
     samples[k] = Sample(topology[leaf].face, chance, max(sum, vec3(0)), enters * enters * (share / (chance * float(frame[0].faces))));
 }

@@ -5,7 +5,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::ray::{Depths, GRAZING, LEAST_COSINE, Ray};
+use super::ray::{Depths, FADING, GRAZING, LEAST_COSINE, Ray};
 use crate::geometry::trace::{UNFINISHED, trace};
 use crate::layers::beneath::{optical_depth, phase};
 use crate::layout::Light;
@@ -62,7 +62,10 @@ impl Ray<'_> {
     fn leg(&self, kept: Kept, share: f64, at: DVec3, toward: DVec3, depths: &Depths, legs: u32) -> DVec3 {
         let normal = self.normal.lerp(self.plane_normal, share).normalize_or_zero();
         let height = (self.point.lerp(self.plane_point, share) - at).dot(normal).max(0.0);
-        let cosine = normal.dot(toward).max(LEAST_COSINE);
+        let facing = normal.dot(toward);
+        let cosine = facing.max(LEAST_COSINE);
+        // Through a plane nothing comes from behind.
+        let lost = if kept.planar_entry { -(facing / FADING).clamp(1e-30, 1.0).ln() } else { 0.0 };
         // A place from which no surface is met lies outside.
         let length = match kept.planar_entry {
             true => (height / cosine).min(1e3),
@@ -72,12 +75,13 @@ impl Ray<'_> {
         if kept.mean_depths {
             let entry = at + toward * length;
             let there = if kept.tangent_space { self.depths(entry - self.point) } else { self.beneath(entry).1 };
-            return optical_depth(
-                sigma_t,
-                |j| 0.5 * (depths[j] + there[j]),
-                length * cosine.max(GRAZING),
-                cosine.max(GRAZING),
-            );
+            return DVec3::splat(lost)
+                + optical_depth(
+                    sigma_t,
+                    |j| 0.5 * (depths[j] + there[j]),
+                    length * cosine.max(GRAZING),
+                    cosine.max(GRAZING),
+                );
         }
         let part = length / f64::from(legs);
         let one = |k: u32| {
@@ -85,7 +89,7 @@ impl Ray<'_> {
             let number = depths.iter().filter(|&&bottom| depth >= bottom).count();
             sigma_t[number.min(sigma_t.len() - 1)] * part
         };
-        (0..legs).map(one).sum()
+        DVec3::splat(lost) + (0..legs).map(one).sum::<DVec3>()
     }
 
     /// How far a ray from a place inside goes until it leaves the object; none where it does not.

@@ -68,6 +68,8 @@ pub fn full(state: &State, pixel: usize, kept: Kept, steps: u32, legs: u32) -> O
 
 /// Steps of a march that one invocation may take: half of where some drivers end a loop.
 const STEPS: usize = 1 << 15;
+/// Steps of one dispatch at most: about a second on the slowest device.
+const DISPATCH: usize = 1 << 27;
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let data = &pass.state.data;
@@ -82,8 +84,12 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
         let a_light = (layering.samples as usize + 1) * (layering.layers as usize + 1);
         let (count, most) = (data.beams.len(), (STEPS / a_light).max(1));
         for first in (0..count).step_by(most) {
-            let push = [number, first as u32, count.min(first + most) as u32];
-            pass.dispatch(Some(kernel), &constants, bytemuck::cast_slice(&push), pixels)?;
+            let last = count.min(first + most);
+            let each = (DISPATCH / (a_light * (last - first))).max(64);
+            for pixel in (0..pixels).step_by(each) {
+                let push = [number, first as u32, last as u32, pixel as u32];
+                pass.dispatch(Some(kernel), &constants, bytemuck::cast_slice(&push), each.min(pixels - pixel))?;
+            }
         }
     }
     Ok(())

@@ -13,6 +13,8 @@ use crate::state::{State, wide};
 pub(super) const GRAZING: f64 = 0.05;
 /// A sample of the left rule at an interface counts as above it, whatever the rounding: its depth counts times this.
 const AT_LEAST: f64 = 0.99999;
+/// Cosine of light below which less and less comes in through a plane, down to nothing from behind it.
+pub(super) const FADING: f64 = 0.01;
 /// The least cosine between a plane and the light.
 pub(super) const LEAST_COSINE: f64 = 1e-6;
 
@@ -134,7 +136,8 @@ impl<'a> Ray<'a> {
         let share = t / self.length;
         let normal = self.normal.lerp(self.plane_normal, share).normalize_or_zero();
         let depth = (self.point.lerp(self.plane_point, share) - place).dot(normal).max(0.0);
-        let cosine = normal.dot(toward).max(LEAST_COSINE);
+        let facing = normal.dot(toward);
+        let (cosine, falloff) = (facing.max(LEAST_COSINE), falloff * (facing / FADING).clamp(0.0, 1.0));
         let entry = self.depths(place + toward * (depth / cosine) - self.point);
 
         let sigma_t = &self.sigma_t[..self.layering.layers as usize];

@@ -44,7 +44,7 @@ pub struct Layer {
     pub sigma_s: [f64; 3],
     /// Extinction coefficient per scene unit, r g b, at least `sigma_s`.
     pub sigma_t: [f64; 3],
-    /// The phase function's parameter, above -1 and below 1; forward is above 0.
+    /// The phase function's parameter, -0.999 to 0.999; forward is above 0.
     pub g: f64,
 }
 
@@ -174,7 +174,7 @@ impl LayerFile {
             let fault = fault.found(format!("{} in channel {}", extinction[c], ["r", "g", "b"][c]));
             return Err(fault.expected(format!("at least sigma_s, {}", scattering[c])));
         }
-        let g = range::number(&at("g"), self.g, |g| g.abs() < 1.0, "above -1 and below 1")?;
+        let g = range::number(&at("g"), self.g, |g| g.abs() <= 0.999, "-0.999 to 0.999")?;
         let scaled = |name: &str, values: [f64; 3]| {
             range::channels(&at(name), values.map(|x| x * per_unit), |_| true, "a finite number after unit and scale")
         };

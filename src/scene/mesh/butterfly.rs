@@ -61,10 +61,11 @@ impl Surface<'_> {
         }
     }
 
-    /// What the start of a half-edge says of its middle, if it lies within and has not six neighbours.
+    /// What the start of a half-edge says of its middle, if it lies within and has not six neighbours, nor two: the scheme has
+    /// weights for three and more.
     fn extraordinary(&self, half: u32) -> Option<DVec3> {
         let (fan, whole) = self.fan(half);
-        if !whole || fan.len() == 6 {
+        if !whole || fan.len() == 6 || fan.len() < 3 {
             return None;
         }
         let ring = fan.iter().zip(ring(fan.len())).map(|(&out, weight)| weight * self.place(after(out)));

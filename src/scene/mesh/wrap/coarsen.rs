@@ -179,7 +179,7 @@ pub(super) fn coarsen(rounds: &mut Rounds, places: &[DVec3]) -> Option<Vec<Remov
             }
         }
         // What was not possible may be now, or with folds.
-        if removals.len() - before < last / 64 {
+        if removals.len() - before <= last / 64 {
             if freely && removals.len() == before {
                 return None;
             }
