@@ -245,9 +245,9 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
         zonal_0: degree(0),
         zonal_1: degree(1),
         zonal_2: degree(2),
-        // Beyond a million extents the function no longer changes.
+        // A number in `f32`, too; times a curvature of 0 it is 0.
         sigma_0: sigma_0
-            .map(|sigma| (sigma * if material.sigma_0.is_some() { units.length } else { 1.0 }).min(1e6) as f32),
+            .map(|sigma| (sigma * if material.sigma_0.is_some() { units.length } else { 1.0 }).min(1e30) as f32),
         diffuse: diffuse.map(|share| share as f32),
         kappa: u32::from(transport.curvature == Kappa::Mean),
         link_error: link_error(transport.tolerance) as f32,
