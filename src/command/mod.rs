@@ -11,6 +11,7 @@ mod lists;
 mod pareto;
 mod plan;
 mod render;
+mod report;
 mod sequence;
 mod solve;
 mod stress;
@@ -51,6 +52,8 @@ enum Command {
     Stress(stress::Arguments),
     /// Measure error against run time: methods, settings, and the Pareto front.
     Pareto(pareto::Arguments),
+    /// Measure everything and write it on one page, with plots and pictures.
+    Report(report::Arguments),
     /// Evaluate form factors or profiles, one a row of a CSV file.
     Eval(eval::Arguments),
     /// Bake a depth map from surfaces that lie in one another.
@@ -214,6 +217,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
         Command::Conform(arguments) => conform::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
         Command::Pareto(arguments) => pareto::run(&arguments),
+        Command::Report(arguments) => report::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::BakeLayers(arguments) => bake::run(&arguments),
         Command::FitCdrf(arguments) => fit_cdrf::run(&arguments),

@@ -10,6 +10,7 @@ pub mod layers;
 pub mod norms;
 pub mod pareto;
 pub mod reference;
+pub mod report;
 pub mod sample;
 pub mod stress;
 pub mod tables;

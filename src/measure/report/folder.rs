@@ -1,0 +1,105 @@
+//! Where a report goes. The rule: the folder is new, or empty, or holds an earlier report; files of the same names are
+//! replaced, the page last, all others are left alone. Everything is written into a folder beside them first, so that a run
+//! that fails leaves what was there.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Input, Result};
+
+/// The page's name.
+pub const PAGE: &str = "index.html";
+/// What an earlier report has among its first bytes.
+const MARK: &str = "content=\"milkglass report\"";
+
+/// A folder that a report will be moved to; what is not moved is removed when it is dropped.
+#[derive(Debug)]
+pub struct Folder {
+    target: PathBuf,
+    beside: PathBuf,
+    /// Whether the target was there before.
+    old: bool,
+}
+
+impl Folder {
+    /// Checks the rule, and that the folder can be written, before anything is measured.
+    pub fn open(target: &Path) -> Result<Self> {
+        let fault = |what: &str| Input::new(what).key("-o").found(target.display());
+        let expected = "a new folder, an empty one, or one with an earlier report";
+        let old = target.exists();
+        let part = format!(".report.{}.part", std::process::id());
+        let beside = if old {
+            let list = fs::read_dir(target).map_err(|e| fault(&format!("not a folder: {e}")).expected(expected))?;
+            let page = fs::read_to_string(target.join(PAGE)).unwrap_or_default();
+            if list.count() > 0 && !page.get(..page.len().min(600)).is_some_and(|start| start.contains(MARK)) {
+                return Err(fault("the folder holds something else, which is not written over")
+                    .expected(expected)
+                    .into());
+            }
+            target.join(part)
+        } else {
+            let name = target.file_name().ok_or_else(|| fault("not a folder's name").expected(expected))?;
+            target.with_file_name(format!(".{}{part}", name.to_string_lossy()))
+        };
+        fs::create_dir(&beside).map_err(|e| fault(&format!("the folder can't be written: {e}")).expected(expected))?;
+        Ok(Self { target: target.to_path_buf(), beside, old })
+    }
+
+    /// Writes every file, then moves them all, the page last.
+    pub fn fill(self, page: &str, files: &[(String, Vec<u8>)]) -> Result<()> {
+        let write = |name: &str, bytes: &[u8]| -> std::io::Result<()> { fs::write(self.beside.join(name), bytes) };
+        let all = || files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
+        let all = || all().chain([(PAGE, page.as_bytes())]);
+        let done = all().try_for_each(|(name, bytes)| write(name, bytes)).and_then(|()| match self.old {
+            false => fs::rename(&self.beside, &self.target),
+            true => all().try_for_each(|(name, _)| fs::rename(self.beside.join(name), self.target.join(name))),
+        });
+        done.map_err(|e| Error::from(Input::new(format!("could not be written: {e}")).file(&self.target)))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.beside);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let name = |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string().unwrap();
+        let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(name).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_report_replaces_a_report_and_nothing_else() {
+        let here = tempfile::tempdir().unwrap();
+        let target = here.path().join("r");
+        let page = format!("<meta {MARK}>");
+        let files = |text: &str| vec![("a.csv".to_string(), text.as_bytes().to_vec())];
+        Folder::open(&target).unwrap().fill(&page, &files("1")).unwrap();
+        assert_eq!(names(&target), ["a.csv", PAGE]);
+        fs::write(target.join("mine"), "kept").unwrap();
+        Folder::open(&target).unwrap().fill(&page, &files("2")).unwrap();
+        assert_eq!((names(&target).len(), fs::read_to_string(target.join("a.csv")).unwrap()), (3, "2".into()));
+        // A run that fails leaves what was there.
+        drop(Folder::open(&target).unwrap());
+        assert_eq!((names(&target).len(), names(here.path())), (3, vec!["r".to_string()]));
+
+        let other = here.path().join("other");
+        fs::create_dir(&other).unwrap();
+        drop(Folder::open(&other).unwrap());
+        fs::write(other.join(PAGE), "a page of someone's").unwrap();
+        let fault = Folder::open(&other).unwrap_err();
+        assert!(fault.to_string().contains("not written over") && fault.exit_code() == 2, "{fault}");
+        for bad in [other.join(PAGE), other.join("no").join("such"), PathBuf::from("/"), PathBuf::from("/proc/report")]
+        {
+            let fault = Folder::open(&bad).unwrap_err();
+            assert!(fault.exit_code() == 2 && fault.to_string().starts_with("-o: "), "{fault}");
+        }
+    }
+}

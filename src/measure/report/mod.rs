@@ -1,0 +1,114 @@
+//! The report: everything that is measured, on one page, for one device.
+//!
+//! A section is one entry of [`SECTIONS`] and one function that writes it. A section that fails says so on the page, and
+//! the others go on.
+
+mod folder;
+mod html;
+mod setting;
+
+use std::time::Instant;
+
+pub use folder::{Folder, PAGE};
+pub use html::{Page, Shown, Tone, Written, whole};
+
+use crate::error::Result;
+use crate::gpu::Device;
+
+/// On what a report is made, and how much of it.
+#[derive(Clone, Copy)]
+pub struct Bench<'a> {
+    /// The device; none is the CPU.
+    pub device: Option<&'a Device>,
+    /// Small scenes and few settings: minutes.
+    pub quick: bool,
+}
+
+impl Bench<'_> {
+    /// One of two values: for a quick report, or a full one.
+    fn either<T>(&self, quick: T, full: T) -> T {
+        if self.quick { quick } else { full }
+    }
+}
+
+/// A section.
+pub struct Section {
+    /// Its name, as `--only` takes it.
+    pub name: &'static str,
+    /// Its heading.
+    pub title: &'static str,
+    /// Measures and writes it.
+    pub write: fn(&Bench<'_>, &mut Page) -> Result<()>,
+}
+
+/// Every section, in the order of the page.
+pub static SECTIONS: &[Section] = &[
+    Section { name: "devices", title: "Devices", write: setting::devices },
+    Section { name: "plan", title: "What each scene needs", write: setting::plans },
+];
+
+/// A report: the page, the files beside it, and what failed.
+pub struct Report {
+    /// The HTML page.
+    pub page: String,
+    /// Name and bytes of each file beside it.
+    pub files: Vec<(String, Vec<u8>)>,
+    /// Checks and sections that failed.
+    pub faults: Vec<String>,
+}
+
+/// Writes these sections; `tell` is told the name of each before it begins.
+pub fn report(bench: &Bench<'_>, sections: &[&Section], tell: &mut dyn FnMut(&str)) -> Report {
+    let mut written = Vec::new();
+    for section in sections {
+        tell(section.name);
+        let (start, mut page) = (Instant::now(), Page::default());
+        if let Err(error) = (section.write)(bench, &mut page) {
+            page.fail(&error.to_string());
+        }
+        for message in bench.device.map(Device::take_messages).unwrap_or_default() {
+            page.fail(&format!("the validation layer says: {message}"));
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        written.push(Written { name: section.name, title: section.title, page, seconds });
+    }
+    let page = whole("milkglass report", &setting::about(bench), &written);
+    let (mut files, mut faults) = (Vec::new(), Vec::new());
+    for Written { name, page, .. } in written {
+        files.extend(page.files);
+        faults.extend(page.faults.into_iter().map(|fault| format!("{name}: {fault}")));
+    }
+    Report { page, files, faults }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Error;
+
+    #[test]
+    fn what_fails_is_shown_and_the_rest_goes_on() {
+        let good = |_: &Bench<'_>, page: &mut Page| {
+            page.find(Tone::Loss, "slower than <that>");
+            page.table("sizes", &["what", "mm"], &[vec!["a, b".into(), "1.5".into()]])
+        };
+        let bad = |_: &Bench<'_>, page: &mut Page| {
+            page.say("so far so good");
+            Err(Error::Check("it broke".into()))
+        };
+        let sections =
+            [Section { name: "bad", title: "Bad", write: bad }, Section { name: "good", title: "Good", write: good }];
+        let mut told = Vec::new();
+        let bench = Bench { device: None, quick: true };
+        let made = report(&bench, &sections.each_ref(), &mut |name| told.push(name.to_string()));
+        assert_eq!((told, made.faults), (vec!["bad".into(), "good".into()], vec!["bad: it broke".to_string()]));
+        for words in
+            ["1 checks FAIL", "so far so good", "FAILS: it broke", "slower than &lt;that&gt;", "<td class=\"r\">1.5"]
+        {
+            assert!(made.page.contains(words), "{words}");
+        }
+        assert_eq!(made.files, [("sizes.csv".to_string(), b"what,mm\n\"a, b\",1.5\n".to_vec())]);
+        let fine = report(&bench, &[&sections[1]], &mut |_| ());
+        assert!(fine.faults.is_empty() && fine.page.contains("Every check passes"));
+    }
+}

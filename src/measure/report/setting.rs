@@ -1,0 +1,96 @@
+//! What the report is about: the devices, and what each built-in scene needs of one.
+
+use super::{Bench, Page};
+use crate::error::Result;
+use crate::gpu::{Adapter, Device, Instance};
+use crate::layout::SLOTS;
+use crate::render::plan::Options;
+use crate::render::run::{Room, Session};
+use crate::scene::{BUILTIN, Scene};
+
+/// What the page was made with and on.
+pub fn about(bench: &Bench<'_>) -> Vec<(&'static str, String)> {
+    let device = bench.device;
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    vec![
+        ("device", device.map_or("cpu", Device::name).to_string()),
+        ("driver", device.map_or("none: the f64 reference on the host", Device::driver).to_string()),
+        ("host", format!("{} {}, {cores} cores", std::env::consts::OS, std::env::consts::ARCH)),
+        ("milkglass", env!("CARGO_PKG_VERSION").to_string()),
+        ("extent", bench.either("quick: small scenes, few settings", "full").to_string()),
+    ]
+}
+
+/// Every Vulkan device, with the limits that matter.
+pub fn devices(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
+    let adapters = match Instance::open(false).and_then(|instance| instance.adapters()) {
+        Ok(adapters) => adapters,
+        Err(error) => {
+            page.say(&format!("No Vulkan here: {error}."));
+            return Ok(());
+        }
+    };
+    let row = |adapter: &Adapter| {
+        let limits = &adapter.limits;
+        let used = bench.device.is_some_and(|device| device.name() == adapter.name);
+        let state = adapter.unusable.clone().unwrap_or_else(|| if used { "used" } else { "usable" }.into());
+        vec![
+            adapter.name.clone(),
+            adapter.kind.into(),
+            adapter.driver.clone(),
+            adapter.version.clone(),
+            state,
+            (limits.binding_bytes >> 20).to_string(),
+            (limits.allocation_bytes >> 20).to_string(),
+            limits.storage_buffers.to_string(),
+            limits.push_bytes.to_string(),
+            limits.group_invocations.to_string(),
+            limits.subgroup_size.to_string(),
+            if limits.round_to_nearest { "to nearest" } else { "not offered" }.into(),
+        ]
+    };
+    let header = [
+        "name",
+        "kind",
+        "driver",
+        "Vulkan",
+        "state",
+        "binding, MiB",
+        "allocation, MiB",
+        "buffers",
+        "push, B",
+        "group",
+        "subgroup",
+        "rounding",
+    ];
+    page.table("devices", &header, &adapters.iter().map(row).collect::<Vec<_>>())
+}
+
+/// The stages and buffers of each built-in scene, and what it leaves out.
+pub fn plans(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
+    page.say("What a scene does not use costs nothing: no pipeline, no buffer, no dispatch. Lists grow with the first frame.");
+    let mut rows = Vec::new();
+    let mut reasons = Vec::new();
+    for (name, ..) in BUILTIN {
+        let scene = Scene::load(name, &[])?;
+        let session = Session::new(&scene, bench.device, Options::default(), Room::default())?;
+        let (state, plan) = (session.state(), &session.plan);
+        let bytes: usize = SLOTS.iter().map(|slot| state.data.bytes(*slot).len()).sum();
+        let buffers = SLOTS.iter().filter(|slot| !state.data.bytes(**slot).is_empty()).count();
+        let stages: Vec<_> = plan.stages.iter().map(|stage| stage.name).collect();
+        rows.push(vec![
+            (*name).to_string(),
+            state.sum(|object| object.count.faces).to_string(),
+            state.objects.len().to_string(),
+            stages.len().to_string(),
+            buffers.to_string(),
+            format!("{:.1}", bytes as f64 / 1_048_576.0),
+            plan.left_out.len().to_string(),
+            stages.join(" "),
+        ]);
+        reasons.extend(plan.left_out.iter().map(|(what, why)| vec![(*name).into(), (*what).into(), why.clone()]));
+    }
+    let header = ["scene", "triangles", "objects", "stages", "buffers", "MiB", "left out", "the stages"];
+    page.table("plan", &header, &rows)?;
+    page.fold("What is left out, and why", |page| page.table("left-out", &["scene", "left out", "because"], &reasons))
+}
