@@ -1,11 +1,13 @@
 //! The measuring: conformance, error norms, the worth of an error estimate, references, error against time, extreme cases,
 //! the paper's tables, layers.
 
+pub mod accuracy;
 pub mod balls;
 pub mod compare;
 pub mod conform;
 pub mod estimate;
 pub mod fixtures;
+pub mod flat;
 pub mod layers;
 pub mod norms;
 pub mod pareto;
@@ -15,3 +17,4 @@ pub mod sample;
 pub mod stress;
 pub mod tables;
 pub mod validity;
+pub mod walk;

@@ -1,53 +1,18 @@
-//! The same by a random walk, without the dipole's approximations: light scatters evenly in all directions with the reduced
-//! coefficient, is absorbed, and is reflected at the surface from inside by Fresnel's formulas.
+//! The same by a random walk: light from +z that enters a ball evenly over the disc that it sees.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::{ANGLES, Curve};
-use crate::light::fresnel;
-
-/// A medium: reduced scattering and absorption, 1/length, and index, inside over outside.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Medium {
-    /// sigma_s', at least 0.
-    pub scattering: f64,
-    /// sigma_a, at least 0; the sum is above 0.
-    pub absorption: f64,
-    /// The index.
-    pub eta: f64,
-}
-
-/// Independent parts of a walk, whose spread tells the standard error.
-const BATCHES: u64 = 32;
-/// Steps after which a photon is given up: what is left of it would be lost anyway.
-const STEPS: usize = 1_000_000;
-/// The weight below which a photon goes on with one chance in two, twice as heavy.
-const LIGHT: f64 = 0.1;
-
-/// Random numbers: splitmix64.
-struct Random(u64);
-
-impl Random {
-    /// Above 0, up to 1.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (((z ^ (z >> 31)) >> 11) as f64 + 1.0) / (1u64 << 53) as f64
-    }
-}
+use crate::measure::flat::{Lighting, enter};
+use crate::measure::walk::{BATCHES, Body, Estimate, Medium, Random, batches, refracted, travel};
 
 /// What leaves a ball of this radius, in units of `flat`, what leaves a plane in full light; `photons` enter.
 #[must_use]
 pub fn curve(medium: Medium, radius: f64, flat: f64, photons: u64, seed: u64) -> Curve {
     let each = photons.div_ceil(BATCHES).max(1);
-    let batch = |number: u64| {
-        let mut random = Random(seed.wrapping_mul(0xd134_2543_de82_ef95) ^ (number << 32));
-        random.next();
+    let found = batches(seed, |mut random| {
         let mut bins = [0.0; ANGLES];
         for _ in 0..each {
             if let Some((cosine, weight)) = photon(medium, radius, &mut random) {
@@ -56,63 +21,37 @@ pub fn curve(medium: Medium, radius: f64, flat: f64, photons: u64, seed: u64) ->
             }
         }
         bins
-    };
-    let batches: Vec<_> = (0..BATCHES).into_par_iter().map(batch).collect();
+    });
     let edge = |k: usize| (PI * k as f64 / ANGLES as f64).cos();
     // Through a disc of pi r^2 entered `each`; a bin has 2 pi r^2 times its span of cosines.
     let scale = |k: usize| 1.0 / (each as f64 * 2.0 * (edge(k) - edge(k + 1)) * flat);
-    let count = BATCHES as f64;
-    let mean = |k: usize| batches.iter().map(|bins| bins[k]).sum::<f64>() / count;
-    let spread = |k: usize| batches.iter().map(|bins| (bins[k] - mean(k)).powi(2)).sum::<f64>() / (count - 1.0);
-    Curve {
-        radius,
-        values: (0..ANGLES).map(|k| mean(k) * scale(k)).collect(),
-        errors: (0..ANGLES).map(|k| (spread(k) / count).sqrt() * scale(k)).collect(),
-    }
+    let all: Vec<_> = (0..ANGLES).map(|k| Estimate::of(found.iter().map(|bins| bins[k] * scale(k)))).collect();
+    Curve { radius, values: all.iter().map(|e| e.mean).collect(), errors: all.iter().map(|e| e.error).collect() }
+}
+
+/// The share that leaves a ball of this radius of what enters, under the same radiance from everywhere.
+#[must_use]
+pub fn constant(medium: Medium, radius: f64, photons: u64, seed: u64) -> Estimate {
+    let each = photons.div_ceil(BATCHES).max(1);
+    // All places of the surface are alike: that of the slab's is turned to the top of the ball.
+    let found = batches(seed, |mut random| {
+        let photon = |_| {
+            let direction = enter(medium.eta, Lighting::Constant, &mut random);
+            travel(medium, Body::Ball(radius), radius * DVec3::Z, direction, &mut random)
+                .map_or(0.0, |(.., weight)| weight)
+        };
+        (0..each).map(photon).sum::<f64>() / each as f64
+    });
+    Estimate::of(found.into_iter())
 }
 
 /// Where a photon leaves, as the cosine of the angle from the light, and with what weight, if it does.
 fn photon(medium: Medium, radius: f64, random: &mut Random) -> Option<(f64, f64)> {
-    let extinction = medium.scattering + medium.absorption;
-    let albedo = medium.scattering / extinction;
-    // Evenly over the disc that the light sees, refracted; light comes from +z.
     let cosine = random.next().sqrt();
     let normal = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
-    let mut place = radius * normal;
-    let sine2 = (1.0 - cosine * cosine) / (medium.eta * medium.eta);
-    let inner = (1.0 - sine2).max(0.0).sqrt();
-    let mut direction = (-DVec3::Z / medium.eta + (cosine / medium.eta - inner) * normal).normalize();
-    let mut weight = 1.0;
-    for _ in 0..STEPS {
-        let along = place.dot(direction);
-        let edge = -along + (along * along + radius * radius - place.length_squared()).max(0.0).sqrt();
-        let step = -random.next().ln() / extinction;
-        if step < edge {
-            place += step * direction;
-            weight *= albedo;
-            if weight < LIGHT {
-                if random.next() > 0.5 {
-                    return None;
-                }
-                weight *= 2.0;
-            }
-            let (z, turn) = (2.0 * random.next() - 1.0, TAU * random.next());
-            let across = (1.0 - z * z).sqrt();
-            direction = DVec3::new(across * turn.cos(), across * turn.sin(), z);
-            continue;
-        }
-        // At the surface: out, or back in.
-        place = radius * (place + edge * direction).normalize();
-        let normal = place / radius;
-        let cosine = direction.dot(normal);
-        let sine2 = (1.0 - cosine * cosine).max(0.0) * medium.eta * medium.eta;
-        let out = (1.0 - sine2).max(0.0).sqrt();
-        if random.next() < fresnel::transmittance(medium.eta, out) {
-            return Some((normal.z, weight));
-        }
-        direction -= 2.0 * cosine * normal;
-    }
-    None
+    let direction = refracted(medium.eta, DVec3::Z, normal);
+    let (_, normal, weight) = travel(medium, Body::Ball(radius), radius * normal, direction, random)?;
+    Some((normal.z, weight))
 }
 
 #[cfg(test)]
@@ -122,6 +61,7 @@ mod tests {
     #[test]
     fn without_absorption_all_light_leaves() {
         let medium = Medium { scattering: 2.0, absorption: 0.0, eta: 1.4 };
+        assert!((constant(medium, 1.5, 3200, 7).mean - 1.0).abs() < 1e-12);
         let ball = curve(medium, 1.5, 1.0, 20_000, 7);
         let edge = |k: usize| (PI * k as f64 / ANGLES as f64).cos();
         let sum: f64 = (0..ANGLES).map(|k| ball.values[k] * 2.0 * (edge(k) - edge(k + 1))).sum();

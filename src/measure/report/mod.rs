@@ -3,9 +3,17 @@
 //! A section is one entry of [`SECTIONS`] and one function that writes it. A section that fails says so on the page, and
 //! the others go on.
 
+mod accuracy;
+mod chart;
+mod checks;
 mod folder;
+mod francois;
 mod html;
+mod kubo;
+mod mertens;
+mod pictures;
 mod setting;
+mod speed;
 
 use std::time::Instant;
 
@@ -45,6 +53,14 @@ pub struct Section {
 pub static SECTIONS: &[Section] = &[
     Section { name: "devices", title: "Devices", write: setting::devices },
     Section { name: "plan", title: "What each scene needs", write: setting::plans },
+    Section { name: "conform", title: "Does the device compute what the CPU does", write: checks::conform },
+    Section { name: "stress", title: "Extreme cases", write: checks::stress },
+    Section { name: "pareto", title: "Error against run time", write: speed::pareto },
+    Section { name: "mertens", title: "Hierarchical dipole: Mertens et al. 2003", write: mertens::mertens },
+    Section { name: "kubo", title: "Shading by curvature: Kubo et al. 2010", write: kubo::kubo },
+    Section { name: "layers", title: "Layers beneath the surface: Francois et al. 2006", write: francois::francois },
+    Section { name: "accuracy", title: "Numerical error and the model's", write: accuracy::accuracy },
+    Section { name: "pictures", title: "Built-in scenes", write: pictures::scenes },
 ];
 
 /// A report: the page, the files beside it, and what failed.

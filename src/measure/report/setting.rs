@@ -8,13 +8,22 @@ use crate::render::plan::Options;
 use crate::render::run::{Room, Session};
 use crate::scene::{BUILTIN, Scene};
 
+/// The device's name.
+pub fn name(bench: &Bench<'_>) -> String {
+    bench.device.map_or("cpu", Device::name).to_string()
+}
+
+/// Its driver.
+pub fn driver(bench: &Bench<'_>) -> String {
+    bench.device.map_or("none: the f64 reference on the host", Device::driver).to_string()
+}
+
 /// What the page was made with and on.
 pub fn about(bench: &Bench<'_>) -> Vec<(&'static str, String)> {
-    let device = bench.device;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     vec![
-        ("device", device.map_or("cpu", Device::name).to_string()),
-        ("driver", device.map_or("none: the f64 reference on the host", Device::driver).to_string()),
+        ("device", name(bench)),
+        ("driver", driver(bench)),
         ("host", format!("{} {}, {cores} cores", std::env::consts::OS, std::env::consts::ARCH)),
         ("milkglass", env!("CARGO_PKG_VERSION").to_string()),
         ("extent", bench.either("quick: small scenes, few settings", "full").to_string()),

@@ -1,0 +1,134 @@
+//! Two errors that are not to be confused, material by material: the numerical one, of our radiosity against brute force
+//! over the same triangles, and the model's, of the dipole against a random walk that has none of its approximations.
+
+use crate::dipole::profile::Dipole;
+use crate::error::Result;
+use crate::gpu::Device;
+use crate::light::fresnel;
+use crate::measure::balls::{ANGLES, angle, dipole as ball, walk as ball_walk};
+use crate::measure::flat::{Lighting, beyond, walk};
+use crate::measure::norms::worst;
+use crate::measure::reference::verify;
+use crate::measure::walk::{Estimate, Medium};
+use crate::render::plan::{Change, Goal, Options};
+use crate::render::run::{Room, Session};
+use crate::scene::{Preset, Scene};
+
+/// How much is measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Effort {
+    /// Photons of each random walk.
+    pub photons: u64,
+    /// Faces at which the numerical error is measured.
+    pub samples: usize,
+    /// The detail of the ball that it is measured on.
+    pub detail: u32,
+    /// Seed of walks and faces.
+    pub seed: u64,
+}
+
+/// Thickness of the slab and radius of the ball, mean free paths.
+pub const PATHS: f64 = 5.0;
+
+/// What the model says and what the walk finds.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair {
+    /// By the dipole.
+    pub dipole: f64,
+    /// By the walk.
+    pub walk: Estimate,
+}
+
+impl Pair {
+    /// The model's error, as a share of what the walk finds.
+    #[must_use]
+    pub fn error(&self) -> f64 {
+        self.dipole / self.walk.mean - 1.0
+    }
+}
+
+/// The model's error for one channel of a material, of light that has entered.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// Reduced albedo, 0 to 1.
+    pub albedo: f64,
+    /// What a half-space gives back under collimated and under constant light.
+    pub plane: [Pair; 2],
+    /// What passes a slab of [`PATHS`] mean free paths under constant light.
+    pub slab: Pair,
+    /// What leaves a ball of that radius under constant light.
+    pub constant: Pair,
+    /// The same ball under collimated light: L2 over its surface of the dipole against the walk.
+    pub ball: f64,
+    /// The L2 of the walk's own standard error there.
+    pub noise: f64,
+}
+
+/// The model's error for a channel of a preset.
+#[must_use]
+pub fn model(preset: &Preset, channel: usize, effort: Effort) -> Model {
+    let (scattering, absorption) = (preset.sigma_s_prime[channel], preset.sigma_a[channel]);
+    let medium = Medium { scattering, absorption, eta: preset.eta };
+    let inner = fresnel::diffuse_internal_exact(preset.eta);
+    let dipole = Dipole::new(scattering, absorption, fresnel::boundary(inner));
+    let (size, photons) = (PATHS / (scattering + absorption), effort.photons);
+    let flat = |thickness, lighting| walk(medium, thickness, lighting, photons, effort.seed);
+    let plane = [Lighting::Collimated, Lighting::Constant]
+        .map(|lighting| Pair { dipole: dipole.total(), walk: flat(f64::INFINITY, lighting).back });
+    let slab = Pair { dipole: beyond(&dipole, size), walk: flat(size, Lighting::Constant).through };
+    // On a ball a chord of length s leads to 2 pi s ds of its surface, as in a plane, up to its diameter.
+    let all = dipole.total() - beyond(&dipole, 2.0 * size);
+    let constant = Pair { dipole: all, walk: ball_walk::constant(medium, size, photons, effort.seed) };
+    let by_dipole = ball::curve(&dipole, size);
+    let walked = ball_walk::curve(medium, size, dipole.total(), photons, effort.seed);
+    let norm = |of: &dyn Fn(usize) -> f64| (0..ANGLES).map(|k| angle(k).sin() * of(k).powi(2)).sum::<f64>().sqrt();
+    let whole = norm(&|k| walked.values[k]);
+    Model {
+        albedo: scattering / (scattering + absorption),
+        plane,
+        slab,
+        constant,
+        ball: norm(&|k| by_dipole.values[k] - walked.values[k]) / whole,
+        noise: norm(&|k| walked.errors[k]) / whole,
+    }
+}
+
+/// The numerical error for a preset: L2 of the radiosity of a ball of [`PATHS`] mean free paths (of the channels' mean) in
+/// the sun, worst channel, at the default tolerance.
+pub fn numerical(preset: &Preset, device: Option<&Device>, effort: Effort) -> Result<f64> {
+    let paths = [0, 1, 2].map(|c| 1.0 / (preset.sigma_s_prime[c] + preset.sigma_a[c]));
+    let size = 2.0 * PATHS * paths.iter().sum::<f64>() / 3.0;
+    let sets = [
+        format!("object.0.material.preset={}", preset.name),
+        format!("object.0.size={size}"),
+        format!("object.0.detail={}", effort.detail),
+        "camera.size=[1, 1]".into(),
+    ];
+    let options = Options { goal: Goal::Radiosity, ..Options::default() };
+    let mut session = Session::new(&Scene::load("sphere", &sets)?, device, options, Room::default())?;
+    session.frame(Change::EVERYTHING)?;
+    Ok(worst(&verify(&mut session, effort.samples, effort.seed)?).l2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_model_errs_by_much_more_than_the_numbers() {
+        let effort = Effort { photons: 20_000, samples: 40, detail: 2, seed: 1 };
+        let marble = Preset::named("marble").unwrap();
+        let found = model(marble, 1, effort);
+        // Little absorbed, many scatterings: the dipole is right to some parts in a hundred, and never by chance alone.
+        for pair in found.plane.iter().chain([&found.constant]) {
+            assert!(pair.error().abs() < 0.1 && pair.walk.error < 0.02, "{found:?}");
+        }
+        assert!((0.005..0.5).contains(&found.ball) && found.noise < 0.1, "{found:?}");
+        assert!(found.slab.walk.mean > 0.0 && found.slab.dipole > 0.0, "{found:?}");
+        // Ketchup's blue absorbs nearly all: no diffusion.
+        let dark = model(Preset::named("ketchup").unwrap(), 2, effort);
+        assert!(dark.plane[1].error().abs() > found.plane[1].error().abs(), "{dark:?}");
+        let numerical = numerical(marble, None, effort).unwrap();
+        assert!(numerical < 2e-3 && numerical < 0.2 * found.ball, "{numerical}");
+    }
+}

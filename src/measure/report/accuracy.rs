@@ -1,0 +1,101 @@
+//! Numerical error beside the model's.
+
+use rayon::prelude::*;
+
+use super::chart::{Axis, Line, chart};
+use super::{Bench, Page, Tone};
+use crate::error::Result;
+use crate::measure::accuracy::{Effort, PATHS, Pair, model, numerical};
+use crate::scene::PRESETS;
+
+/// Every preset, every channel.
+pub fn accuracy(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
+    let effort = Effort { photons: bench.either(10_000, 200_000), samples: 100, detail: bench.either(3, 5), seed: 1 };
+    page.say(&format!(
+        "Numerical error: our radiosity against brute force in f64 over the same triangles, L2, worst channel, on a ball of {PATHS} \
+         mean free paths in the sun. Model error: the dipole against a random walk of {} photons with even scattering by the reduced \
+         coefficient and Fresnel's reflection at the surface, of light that has entered; \u{b1} is the walk's standard error. A \
+         plane is a half-space, a slab and the balls measure {PATHS} mean free paths of their channel; a walk ends after a million steps, \
+         which costs Spectralon some light.",
+        effort.photons
+    ));
+    let percent = |x: f64| format!("{:+.1}", 100.0 * x);
+    let cells = |pair: &Pair| {
+        [
+            format!("{:.4}", pair.dipole),
+            format!("{:.4} \u{b1} {:.4}", pair.walk.mean, pair.walk.error),
+            percent(pair.error()),
+        ]
+    };
+    let (mut rows, mut errors) = (Vec::new(), Vec::new());
+    let mut dots: [Vec<(f64, f64)>; 3] = Default::default();
+    for preset in PRESETS {
+        let numeric = numerical(preset, bench.device, effort)?;
+        let models: Vec<_> = (0..3).into_par_iter().map(|channel| model(preset, channel, effort)).collect();
+        for (found, channel) in models.iter().zip(["red", "green", "blue"]) {
+            let mut row = vec![preset.name.to_string(), channel.to_string(), format!("{:.5}", found.albedo)];
+            let pairs = found.plane.iter().chain([&found.slab, &found.constant]);
+            row.extend(pairs.flat_map(cells));
+            row.extend([format!("{:.1}", 100.0 * found.ball), format!("{:.1}", 100.0 * found.noise)]);
+            row.push(format!("{:.3}", 100.0 * numeric));
+            rows.push(row);
+            errors.push((found.ball, numeric));
+            let absorbed = (1.0 - found.albedo).max(1e-6);
+            dots[0].push((absorbed, 100.0 * found.plane[1].error().abs()));
+            dots[1].push((absorbed, 100.0 * found.ball));
+            dots[2].push((absorbed, 100.0 * numeric));
+        }
+    }
+    let [plane, ball, ours] = dots;
+    page.plot(
+        &chart(
+            "Model error and numerical error",
+            Axis { label: "1 - reduced albedo", log: true },
+            Axis { label: "error, %", log: true },
+            &[
+                Line::dots("model: plane, constant light", plane),
+                Line::dots("model: ball, collimated light", ball),
+                Line::dots("numerical: ours", ours),
+            ],
+        )?,
+        false,
+    );
+    let header = [
+        "material",
+        "channel",
+        "albedo'",
+        "plane, collimated: dipole",
+        "walk",
+        "error %",
+        "plane, constant: dipole",
+        "walk",
+        "error %",
+        "slab, passes: dipole",
+        "walk",
+        "error %",
+        "ball, constant: dipole",
+        "walk",
+        "error %",
+        "ball, collimated: L2 %",
+        "walk's noise %",
+        "numerical %",
+    ];
+    page.table("accuracy", &header, &rows)?;
+    let middle = |of: fn(&(f64, f64)) -> f64| {
+        let mut list: Vec<f64> = errors.iter().map(of).collect();
+        list.sort_by(f64::total_cmp);
+        list[list.len() / 2]
+    };
+    let (model, ours) = (middle(|e| e.0), middle(|e| e.1));
+    let tone = if ours < 0.1 * model { Tone::Win } else { Tone::Loss };
+    page.find(
+        tone,
+        &format!(
+            "numerical error {:.2} % against the dipole's own {:.0} % (medians over {} materials, balls in the sun)",
+            100.0 * ours,
+            100.0 * model,
+            PRESETS.len()
+        ),
+    );
+    Ok(())
+}

@@ -1,0 +1,183 @@
+//! A plot as SVG: lines, dots and bars of error on plain or logarithmic axes, each with its name and unit.
+
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::prelude::*;
+
+use crate::error::{Error, Result};
+
+/// An axis.
+#[derive(Clone, Copy)]
+pub struct Axis<'a> {
+    /// What it shows, with the unit.
+    pub label: &'a str,
+    /// Whether it is logarithmic; then only numbers above 0 have a place on it.
+    pub log: bool,
+}
+
+/// How a line is drawn.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Mark {
+    /// From point to point.
+    Line,
+    /// A dot each.
+    Dots,
+}
+
+/// A line, or dots.
+pub struct Line {
+    /// Its name in the legend.
+    pub name: String,
+    /// How it is drawn.
+    pub mark: Mark,
+    /// Its points; what is no number, or has no place on its axes, is left out.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl Line {
+    /// A line.
+    pub fn new(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self { name: name.into(), mark: Mark::Line, points: points.into_iter().collect() }
+    }
+
+    /// Dots.
+    pub fn dots(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self { mark: Mark::Dots, ..Self::new(name, points) }
+    }
+}
+
+/// Size of a plot, pixels: as wide as a phone's screen nearly is, so that its text stays legible there.
+const SIZE: (u32, u32) = (480, 380);
+/// Colours that people who see few of them can tell apart (Okabe and Ito).
+const COLORS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(0, 0, 0),
+];
+
+/// The picture.
+pub fn chart(title: &str, x: Axis<'_>, y: Axis<'_>, lines: &[Line]) -> Result<String> {
+    let placed = |&(a, b): &(f64, f64)| a.is_finite() && b.is_finite() && !(x.log && a <= 0.0) && !(y.log && b <= 0.0);
+    let kept: Vec<Line> = lines
+        .iter()
+        .map(|line| Line {
+            name: line.name.clone(),
+            mark: line.mark,
+            points: line.points.iter().copied().filter(placed).collect(),
+        })
+        .filter(|line| !line.points.is_empty())
+        .collect();
+    let all = || kept.iter().flat_map(|line| &line.points);
+    let (wide, high) = (range(all().map(|p| p.0), x.log), range(all().map(|p| p.1), y.log));
+    let mut picture = String::new();
+    let drawn = match (x.log, y.log) {
+        (false, false) => draw(&mut picture, title, [x, y], wide, high, &kept),
+        (true, false) => draw(&mut picture, title, [x, y], wide.log_scale(), high, &kept),
+        (false, true) => draw(&mut picture, title, [x, y], wide, high.log_scale(), &kept),
+        (true, true) => draw(&mut picture, title, [x, y], wide.log_scale(), high.log_scale(), &kept),
+    };
+    drawn.map_err(|error| Error::Check(format!("the plot could not be drawn: {error}")))?;
+    Ok(picture)
+}
+
+/// From the least to the most, with a margin; never empty.
+fn range(numbers: impl Iterator<Item = f64>, log: bool) -> std::ops::Range<f64> {
+    let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    match (low > high, log) {
+        (true, true) => 0.1..1.0,
+        (true, false) => 0.0..1.0,
+        (false, true) => low / 1.3..high * 1.3,
+        (false, false) => {
+            let margin = 0.04 * (high - low).max(1e-9 * high.abs()).max(1e-300);
+            // From 0 where that is near.
+            let start = if low >= 0.0 && low < 0.3 * high { 0.0 } else { low - margin };
+            start..high + margin
+        }
+    }
+}
+
+/// A number on an axis: plain where it is short, else with an exponent.
+fn short(number: &f64) -> String {
+    let number: f64 = format!("{number:.3e}").parse().unwrap_or(*number);
+    if number == 0.0 || (0.01..1e4).contains(&number.abs()) { number.to_string() } else { format!("{number:e}") }
+}
+
+type Drawn = std::result::Result<(), Box<dyn std::error::Error>>;
+
+fn draw<X, Y>(picture: &mut String, title: &str, axes: [Axis<'_>; 2], x: X, y: Y, lines: &[Line]) -> Drawn
+where
+    X: AsRangedCoord<Value = f64>,
+    Y: AsRangedCoord<Value = f64>,
+    X::CoordDescType: ValueFormatter<f64>,
+    Y::CoordDescType: ValueFormatter<f64>,
+{
+    let root = SVGBackend::with_string(picture, SIZE).into_drawing_area();
+    root.fill(&WHITE)?;
+    let mut chart = ChartBuilder::on(&root)
+        .caption(title, ("sans-serif", 16))
+        .margin(8)
+        .margin_right(18)
+        .x_label_area_size(44)
+        .y_label_area_size(62)
+        .build_cartesian_2d(x, y)?;
+    chart
+        .configure_mesh()
+        .x_desc(axes[0].label)
+        .y_desc(axes[1].label)
+        .x_label_formatter(&short)
+        .y_label_formatter(&short)
+        .x_labels(6)
+        .y_labels(7)
+        .label_style(("sans-serif", 13))
+        .axis_desc_style(("sans-serif", 14))
+        .light_line_style(WHITE)
+        .draw()?;
+    for (k, line) in lines.iter().enumerate() {
+        let color = COLORS[k % COLORS.len()];
+        match line.mark {
+            Mark::Line => {
+                let legend = move |(x, y)| PathElement::new([(x, y), (x + 14, y)], color.stroke_width(2));
+                let line_series = LineSeries::new(line.points.iter().copied(), color.stroke_width(2));
+                chart.draw_series(line_series)?.label(&line.name).legend(legend);
+            }
+            Mark::Dots => {
+                let size = if line.points.len() > 300 { 1 } else { 3 };
+                let dots = line.points.iter().map(|&point| Circle::new(point, size, color.filled()));
+                let legend = move |(x, y)| Circle::new((x + 7, y), 3, color.filled());
+                chart.draw_series(dots)?.label(&line.name).legend(legend);
+            }
+        }
+    }
+    if lines.len() > 1 {
+        let style = WHITE.mix(0.85).filled();
+        chart.configure_series_labels().label_font(("sans-serif", 13)).background_style(style).draw()?;
+    }
+    root.present()?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plot_names_its_axes_and_leaves_out_what_has_no_place() {
+        let axis = |label, log| Axis { label, log };
+        let lines = [
+            Line::new("up & down", [(1.0, 1.0), (2.0, 0.0), (3.0, 5.0)]),
+            Line::dots("odd", [(2.0, f64::NAN), (2.0, 2.0)]),
+        ];
+        for (a, b) in [(false, false), (true, false), (false, true), (true, true)] {
+            let svg = chart("a plot", axis("x, mm", a), axis("y, W", b), &lines).unwrap();
+            for words in ["<svg", "a plot", "x, mm", "y, W", "up &amp; down", "odd"] {
+                assert!(svg.contains(words), "{words}");
+            }
+            assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+            // Nothing to show is no error.
+            assert!(chart("empty", axis("x", a), axis("y", b), &[]).unwrap().contains("empty"));
+        }
+    }
+}

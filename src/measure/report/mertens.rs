@@ -1,0 +1,114 @@
+//! Mertens et al. 2003: figures 3 and 4 as plots, tables 3, 4 and 5 beside ours.
+
+use super::chart::{Axis, Line, chart};
+use super::{Bench, Page, Tone};
+use crate::error::Result;
+use crate::measure::tables::curves::{Point, TOLERANCES, figure_3, figure_4};
+use crate::measure::tables::{Bench as Models, TABLES};
+
+const NAMES: [&str; 3] = ["red", "green", "blue"];
+
+/// The figures, then the tables.
+pub fn mertens(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
+    page.head("Figure 3: the form factor of a triangle of skim milk");
+    page.say("Base 10 mm, height 5 mm, its tip towards the receiver in its plane. Lines: to nearly all digits; dots: the paper's method.");
+    let third = figure_3();
+    let place = Axis { label: "receiver to tip, mm", log: false };
+    let mut lines = of_channels(&third, |p| p.exact, Line::new);
+    lines.extend(of_channels(&third, |p| p.paper.value, Line::dots));
+    let error = Axis { label: "relative error", log: true };
+    let green = |points: &[Point], of: &dyn Fn(&Point) -> f64| -> Vec<(f64, f64)> {
+        points.iter().filter(|p| p.channel == 1).map(|p| (p.place, of(p).abs())).collect()
+    };
+    let errors = [
+        Line::new("paper's method", green(&third, &|p| p.error(p.paper.value))),
+        Line::new("12 random samples, rms", green(&third, &|p| p.scatter / 12f64.sqrt())),
+        Line::new("10,000 random samples", green(&third, &|p| p.scatter / 100.0)),
+        Line::new("ours at 1e-2", green(&third, &|p| p.error(p.ours[0].1))),
+        Line::new("ours at 1e-4", green(&third, &|p| p.error(p.ours[1].1))),
+    ];
+    page.plots(&[
+        chart("Figure 3: form factor", place, Axis { label: "F, no unit", log: false }, &lines)?,
+        chart("Its error, green", place, error, &errors)?,
+    ]);
+    csv(page, "figure-3", "tip_mm", &third)?;
+
+    page.head("Figure 4: marble, from 0.1 to 100 mm");
+    page.say("The tip at the receiver, the base twice as wide as it is far. How often the kernel is evaluated, and what that gives.");
+    let fourth = figure_4();
+    let place = Axis { label: "receiver to base, mm", log: true };
+    let counts = [
+        Line::new("paper's segments", green(&fourth, &|p| p.paper.segments as f64 / 2.0)),
+        Line::new("samples, Jensen and Buhler", green(&fourth, &|p| p.discs as f64)),
+        Line::new("ours at 1e-2", green(&fourth, &|p| p.ours[0].0 as f64)),
+        Line::new("ours at 1e-4", green(&fourth, &|p| p.ours[1].0 as f64)),
+    ];
+    let errors = [
+        Line::new("paper's method", green(&fourth, &|p| p.error(p.paper.value))),
+        Line::new("samples, rms", green(&fourth, &|p| p.scatter / (p.discs as f64).sqrt())),
+        Line::new("ours at 1e-2", green(&fourth, &|p| p.error(p.ours[0].1))),
+        Line::new("ours at 1e-4", green(&fourth, &|p| p.error(p.ours[1].1))),
+    ];
+    page.plots(&[
+        chart("Figure 4: evaluations a source, green", place, Axis { label: "evaluations", log: true }, &counts)?,
+        chart("Its error, green", place, error, &errors)?,
+    ]);
+    csv(page, "figure-4", "base_mm", &fourth)?;
+    for (name, points) in [("figure 3", &third), ("figure 4", &fourth)] {
+        let most = |of: &dyn Fn(&Point) -> f64| points.iter().map(|p| of(p).abs()).fold(0.0, f64::max);
+        let (paper, ours) = (most(&|p| p.error(p.paper.value)), most(&|p| p.error(p.ours[1].1)));
+        let tone = if ours <= paper { Tone::Win } else { Tone::Loss };
+        page.find(
+            tone,
+            &format!("{name}, worst error: the paper's method {paper:.1e}, ours at {:e} {ours:.1e}", TOLERANCES[1]),
+        );
+    }
+
+    page.head("Tables 3, 4 and 5");
+    page.say(
+        "The scheme as published, on this device; the paper's columns first. Its models are lost, so shapes made here stand in; \
+         absolute times of 2003 mean nothing today: what is compared is how they grow.",
+    );
+    let models = Models { device: bench.device, meshes: &[], samples: 100, most_faces: bench.either(2_100, 17_000) };
+    for (_, table) in TABLES.iter().take(bench.either(1, TABLES.len())) {
+        let mut text = String::new();
+        table(&models, &mut |line| text += &format!("{line}\n"))?;
+        page.text(&text);
+    }
+    if bench.quick {
+        page.say("Tables 4 and 5 and the larger models of table 3 are in the full report, and in `cargo bench --bench tables`.");
+    }
+    Ok(())
+}
+
+/// A line a channel.
+fn of_channels(points: &[Point], of: fn(&Point) -> f64, make: fn(String, Vec<(f64, f64)>) -> Line) -> Vec<Line> {
+    let one = |channel: usize| {
+        let own = points.iter().filter(|p| p.channel == channel).map(|p| (p.place, of(p)));
+        make(NAMES[channel].to_string(), own.collect())
+    };
+    (0..3).map(one).collect()
+}
+
+/// Every point as a file.
+fn csv(page: &mut Page, name: &str, place: &str, points: &[Point]) -> Result<()> {
+    let header = [
+        "channel",
+        place,
+        "F",
+        "paper_segments",
+        "paper_error",
+        "ours_1e-2_error",
+        "ours_1e-4_error",
+        "sample_scatter",
+        "discs",
+    ];
+    let row = |p: &Point| {
+        let mut row = vec![NAMES[p.channel].to_string(), format!("{:.6}", p.place), format!("{:.9e}", p.exact)];
+        row.push((p.paper.segments / 2).to_string());
+        row.extend([p.error(p.paper.value), p.error(p.ours[0].1), p.error(p.ours[1].1)].map(|x| format!("{x:.3e}")));
+        row.extend([format!("{:.4}", p.scatter), p.discs.to_string()]);
+        row
+    };
+    page.fold("All points", |page| page.table(name, &header, &points.iter().map(row).collect::<Vec<_>>()))
+}

@@ -1,0 +1,146 @@
+//! Pictures on the page, and how far two of them are apart to the eye: the mean of NVIDIA's FLIP (Andersson et al. 2020),
+//! 0 the same, 1 as far as can be, at 67 pixels a degree.
+
+use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool, flip, magma_lut};
+
+use super::html::Shown;
+use super::{Bench, Page, Tone};
+use crate::error::{Error, Result};
+use crate::gpu::Device;
+use crate::render::plan::{Change, Options, Transport};
+use crate::render::run::{Room, Session};
+use crate::scene::{BUILTIN, Camera, Scene};
+use crate::view::picture::Picture;
+
+/// A picture as it is shown.
+pub struct Shot {
+    /// Width, height, pixels.
+    pub size: [u32; 2],
+    /// Eight bits a channel, sRGB.
+    pub bytes: Vec<u8>,
+    /// Milliseconds of the frame by the device's clock, or the host's on the CPU.
+    pub ms: f64,
+}
+
+impl Shot {
+    /// A picture by the scene's camera.
+    pub fn of(picture: &Picture, camera: &Camera, ms: f64) -> Self {
+        Self { size: [picture.width as u32, picture.height as u32], bytes: picture.bytes(camera), ms }
+    }
+
+    /// A scene on a device, none being the CPU.
+    pub fn take(scene: &Scene, device: Option<&Device>, transport: Transport) -> Result<Self> {
+        let options = Options { transport, ..Options::default() };
+        let mut session = Session::new(scene, device, options, Room::default())?;
+        let times = session.frame(Change::EVERYTHING)?;
+        let picture = session.picture()?;
+        Ok(Self::of(&picture, &scene.camera, times.iter().map(|time| time.milliseconds).sum()))
+    }
+
+    /// On the page.
+    pub fn show(&self, label: impl Into<String>) -> Result<Shown> {
+        Ok(Shown { label: label.into(), png: png(self.size, &self.bytes)? })
+    }
+
+    /// FLIP's mean error of this against another of the same size, and its map: black the same, yellow far.
+    pub fn apart(&self, reference: &Self) -> Result<(f64, Shot)> {
+        if self.size != reference.size {
+            return Err(Error::Check("pictures of different sizes can't be compared".into()));
+        }
+        let [width, height] = self.size;
+        let image = |shot: &Self| FlipImageRgb8::with_data(width, height, &shot.bytes);
+        let map = flip(image(reference), image(self), DEFAULT_PIXELS_PER_DEGREE);
+        let mean = f64::from(FlipPool::from_image(&map).mean());
+        let bytes = map.apply_color_lut(&magma_lut()).to_vec();
+        Ok((mean, Self { size: self.size, bytes, ms: f64::NAN }))
+    }
+}
+
+/// A PNG file.
+fn png([width, height]: [u32; 2], bytes: &[u8]) -> Result<Vec<u8>> {
+    let mut file = std::io::Cursor::new(Vec::new());
+    image::write_buffer_with_format(
+        &mut file,
+        bytes,
+        width,
+        height,
+        image::ExtendedColorType::Rgb8,
+        image::ImageFormat::Png,
+    )
+    .map_err(|error| Error::Check(format!("a picture could not be made: {error}")))?;
+    Ok(file.into_inner())
+}
+
+/// A built-in scene with a picture of this size, one place a pixel.
+pub fn scene(name: &str, [width, height]: [u32; 2], sets: &[&str]) -> Result<Scene> {
+    let own = [format!("camera.size=[{width}, {height}]"), "camera.samples=1".into()];
+    Scene::load(name, &own.into_iter().chain(sets.iter().map(|set| (*set).to_string())).collect::<Vec<_>>())
+}
+
+/// What FLIP may say of two pictures that are the same but for rounding: far below what can be seen.
+const SAME: f64 = 5e-3;
+
+/// Every built-in scene by the device and by the CPU's reference, and what is between them.
+pub fn scenes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
+    let side = bench.either(144, 240);
+    page.say("FLIP is the mean of NVIDIA's perceptual difference, 0 to 1, beside its map: black where two pictures are the same.");
+    let (mut rows, mut worst) = (Vec::new(), 0.0f64);
+    for (name, _, about) in BUILTIN {
+        let scene = scene(name, [side; 2], &[])?;
+        let reference = Shot::take(&scene, None, Transport::Hierarchy)?;
+        page.head(&format!("{name}: {about}"));
+        let Some(device) = bench.device else {
+            page.pictures(&[reference.show("CPU reference, f64")?]);
+            continue;
+        };
+        let found = Shot::take(&scene, Some(device), Transport::Hierarchy)?;
+        let (mean, map) = found.apart(&reference)?;
+        worst = worst.max(mean);
+        let steps = found.bytes.iter().zip(&reference.bytes).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
+        page.pictures(&[
+            found.show(device.name())?,
+            reference.show("CPU reference, f64")?,
+            map.show(format!("difference, FLIP {mean:.1e}"))?,
+        ]);
+        rows.push(vec![
+            (*name).to_string(),
+            format!("{mean:.1e}"),
+            steps.to_string(),
+            format!("{:.1}", found.ms),
+            format!("{:.1}", reference.ms),
+        ]);
+        if mean > SAME {
+            page.fail(&format!(
+                "{name}: the device's picture is FLIP {mean:.1e} from the reference, beyond {SAME:.0e}"
+            ));
+        }
+    }
+    if rows.is_empty() {
+        return Ok(());
+    }
+    page.table("pictures", &["scene", "FLIP", "largest step of 255", "device, ms", "CPU, ms"], &rows)?;
+    let words = format!("{} scenes: the device's pictures are at most FLIP {worst:.1e} from the CPU's", rows.len());
+    page.find(Tone::Win, &words);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flip_sees_what_differs() {
+        let shot = |of: fn(u32) -> u8| Shot {
+            size: [32, 24],
+            bytes: (0..32 * 24).flat_map(|i| [of(i); 3]).collect(),
+            ms: 0.0,
+        };
+        let (grey, other) = (shot(|i| (i % 32) as u8 * 7), shot(|i| (i % 32) as u8 * 7 + if i > 380 { 30 } else { 0 }));
+        let (same, black) = grey.apart(&grey).unwrap();
+        let (apart, map) = other.apart(&grey).unwrap();
+        assert!(same == 0.0 && (0.01..0.5).contains(&apart), "{same} {apart}");
+        assert!(black.bytes.iter().all(|byte| *byte < 6) && map.bytes.iter().any(|byte| *byte > 60));
+        assert!(grey.show("grey").unwrap().png.starts_with(b"\x89PNG"));
+        assert!(grey.apart(&Shot { size: [24, 32], ..shot(|_| 0) }).is_err());
+    }
+}

@@ -1,0 +1,160 @@
+//! Monte Carlo: a random walk of light in a body, without the dipole's approximations. Light scatters evenly in all
+//! directions with the reduced coefficient, is absorbed, and is reflected at the surface from inside by Fresnel's formulas.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::light::fresnel;
+
+/// A medium: reduced scattering and absorption, 1/length, and index, inside over outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Medium {
+    /// sigma_s', at least 0.
+    pub scattering: f64,
+    /// sigma_a, at least 0; the sum is above 0.
+    pub absorption: f64,
+    /// The index.
+    pub eta: f64,
+}
+
+/// A body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Body {
+    /// A ball of this radius round the origin.
+    Ball(f64),
+    /// What lies below z = 0 down to this depth, which may be infinite: a half-space.
+    Slab(f64),
+}
+
+impl Body {
+    /// How far a ray inside runs to the surface.
+    fn reach(self, place: DVec3, direction: DVec3) -> f64 {
+        match self {
+            Self::Ball(radius) => {
+                let along = place.dot(direction);
+                -along + (along * along + radius * radius - place.length_squared()).max(0.0).sqrt()
+            }
+            Self::Slab(_) if direction.z > 0.0 => (-place.z / direction.z).max(0.0),
+            Self::Slab(depth) if direction.z < 0.0 => ((-depth - place.z) / direction.z).max(0.0),
+            Self::Slab(_) => f64::INFINITY,
+        }
+    }
+
+    /// A place on the surface nearest to one that is there but for rounding, and the normal there, outward.
+    fn surface(self, place: DVec3, direction: DVec3) -> (DVec3, DVec3) {
+        match self {
+            Self::Ball(radius) => {
+                let place = radius * place.normalize();
+                (place, place / radius)
+            }
+            Self::Slab(_) if direction.z > 0.0 => (DVec3::new(place.x, place.y, 0.0), DVec3::Z),
+            Self::Slab(depth) => (DVec3::new(place.x, place.y, -depth), -DVec3::Z),
+        }
+    }
+}
+
+/// Independent parts of a walk, whose spread tells the standard error.
+pub const BATCHES: u64 = 32;
+/// Steps after which a photon is given up: what is left of it would be lost anyway.
+const STEPS: usize = 1_000_000;
+/// The weight below which a photon goes on with one chance in two, twice as heavy.
+const LIGHT: f64 = 0.1;
+
+/// Random numbers: splitmix64.
+pub struct Random(u64);
+
+impl Random {
+    /// Of one batch of a walk.
+    #[must_use]
+    pub fn of(seed: u64, batch: u64) -> Self {
+        let mut random = Self(seed.wrapping_mul(0xd134_2543_de82_ef95) ^ (batch << 32));
+        random.next();
+        random
+    }
+
+    /// Above 0, up to 1.
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (((z ^ (z >> 31)) >> 11) as f64 + 1.0) / (1u64 << 53) as f64
+    }
+}
+
+/// Runs every batch, and returns what each found.
+pub fn batches<T: Send>(seed: u64, batch: impl Fn(Random) -> T + Sync) -> Vec<T> {
+    (0..BATCHES).into_par_iter().map(|number| batch(Random::of(seed, number))).collect()
+}
+
+/// A number with its standard error.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// The mean over the batches.
+    pub mean: f64,
+    /// Its standard error.
+    pub error: f64,
+}
+
+impl Estimate {
+    /// From what each batch found; there are at least two.
+    #[must_use]
+    pub fn of(values: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
+        let count = values.len() as f64;
+        let mean = values.clone().sum::<f64>() / count;
+        let spread = values.map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        Self { mean, error: (spread / count).sqrt() }
+    }
+}
+
+/// The direction inside of light that comes from `toward` through a surface of this normal, both away from the body.
+#[must_use]
+pub fn refracted(eta: f64, toward: DVec3, normal: DVec3) -> DVec3 {
+    let cosine = toward.dot(normal);
+    let inner = (1.0 - (1.0 - cosine * cosine) / (eta * eta)).max(0.0).sqrt();
+    (-toward / eta + (cosine / eta - inner) * normal).normalize()
+}
+
+/// Where a photon leaves that has entered here, the normal there, and with what weight, if it does.
+pub fn travel(
+    medium: Medium,
+    body: Body,
+    mut place: DVec3,
+    mut direction: DVec3,
+    random: &mut Random,
+) -> Option<(DVec3, DVec3, f64)> {
+    let extinction = medium.scattering + medium.absorption;
+    let albedo = medium.scattering / extinction;
+    let mut weight = 1.0;
+    for _ in 0..STEPS {
+        let edge = body.reach(place, direction);
+        let step = -random.next().ln() / extinction;
+        if step < edge {
+            place += step * direction;
+            weight *= albedo;
+            if weight < LIGHT {
+                if random.next() > 0.5 {
+                    return None;
+                }
+                weight *= 2.0;
+            }
+            let (z, turn) = (2.0 * random.next() - 1.0, TAU * random.next());
+            let across = (1.0 - z * z).sqrt();
+            direction = DVec3::new(across * turn.cos(), across * turn.sin(), z);
+            continue;
+        }
+        // At the surface: out, or back in.
+        let (at, normal) = body.surface(place + edge * direction, direction);
+        place = at;
+        let cosine = direction.dot(normal);
+        let sine2 = (1.0 - cosine * cosine).max(0.0) * medium.eta * medium.eta;
+        let out = (1.0 - sine2).max(0.0).sqrt();
+        if random.next() < fresnel::transmittance(medium.eta, out) {
+            return Some((place, normal, weight));
+        }
+        direction -= 2.0 * cosine * normal;
+    }
+    None
+}
