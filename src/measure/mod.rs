@@ -1,5 +1,5 @@
 //! The measuring: conformance, error norms, the worth of an error estimate, references, error against time, extreme cases,
-//! the paper's tables, layers.
+//! the paper's tables, layers, modes.
 
 pub mod accuracy;
 pub mod balls;
@@ -9,6 +9,7 @@ pub mod estimate;
 pub mod fixtures;
 pub mod flat;
 pub mod layers;
+pub mod modes;
 pub mod norms;
 pub mod pareto;
 pub mod reference;

@@ -1,0 +1,180 @@
+//! What each mode costs after each change, against a frame from scratch of the same scheme: time, links, form factors, error.
+
+use glam::DVec3;
+
+use crate::error::Result;
+use crate::gpu::Device;
+use crate::layout::Slot;
+use crate::measure::norms::worst;
+use crate::measure::reference::verify;
+use crate::render::plan::{Change, Goal, Mode, Options};
+use crate::render::run::{Room, Session};
+use crate::scene::{Deform, Scene, Scheme};
+
+/// What has changed since the frame before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum What {
+    /// Every vertex has moved.
+    Shape,
+    /// A bump that alters 1 % of the triangles has risen.
+    Bump,
+    /// The light.
+    Light,
+    /// Nothing.
+    Nothing,
+}
+
+/// All of them, in the order of the table.
+pub const CHANGES: [What; 4] = [What::Shape, What::Bump, What::Light, What::Nothing];
+/// The share of the triangles that the bump alters.
+pub const LOCAL: f64 = 0.01;
+/// The modes, with the name that `--mode` has for each.
+pub const MODES: [(&str, Mode); 2] = [("on-the-fly", Mode::OnTheFly), ("render", Mode::Render)];
+
+/// One row of the table.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// The scene, and its triangles.
+    pub scene: (String, usize),
+    /// The scheme: `blocks` or `links`.
+    pub scheme: &'static str,
+    /// The mode, as `--mode` names it.
+    pub mode: &'static str,
+    /// The change.
+    pub change: &'static str,
+    /// Median time of a frame after it, milliseconds.
+    pub milliseconds: f64,
+    /// That over the time of a frame on-the-fly in which every vertex has moved.
+    pub ratio: f64,
+    /// Entries of all lists.
+    pub links: u64,
+    /// Form factors that the last of these frames computed; blocks evaluate every entry whenever they gather.
+    pub factors: u64,
+    /// L2 error of the radiosity of the last of these frames against the area integral, worst channel.
+    pub error: f64,
+}
+
+impl Row {
+    /// The heads of the columns.
+    pub const HEADS: [&'static str; 9] =
+        ["scene", "scheme", "mode", "change", "time", "of scratch", "links", "form factors", "L2"];
+
+    /// The cells of a table.
+    #[must_use]
+    pub fn cells(&self) -> [String; 9] {
+        [
+            format!("{}, {} triangles", self.scene.0, self.scene.1),
+            self.scheme.into(),
+            self.mode.into(),
+            self.change.into(),
+            format!("{:.1} ms", self.milliseconds),
+            format!("{:.2}", self.ratio),
+            self.links.to_string(),
+            self.factors.to_string(),
+            format!("{:.1e}", self.error),
+        ]
+    }
+}
+
+impl What {
+    /// Its name in the table.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Shape => "shape",
+            Self::Bump => "bump",
+            Self::Light => "light",
+            Self::Nothing => "nothing",
+        }
+    }
+}
+
+/// The scene of a frame: noise and a bump on its first object, as this change has moved them until then.
+#[must_use]
+pub fn moved(scene: &Scene, what: What, step: usize) -> Scene {
+    let mut moved = scene.clone();
+    let Some(object) = moved.objects.first_mut() else { return moved };
+    let mesh = &object.mesh;
+    let extent = |p: &DVec3| p.abs().max_element();
+    let size = mesh.positions.iter().map(extent).fold(0.0, f64::max);
+    let middle = mesh.triangles.first().map_or(DVec3::ZERO, |t| mesh.positions[t[0] as usize]);
+    let away = |triangle: &[u32; 3]| {
+        triangle.iter().map(|&v| mesh.positions[v as usize].distance(middle)).fold(f64::INFINITY, f64::min)
+    };
+    let mut distances: Vec<f64> = mesh.triangles.iter().map(away).collect();
+    distances.sort_by(f64::total_cmp);
+    let within = (LOCAL * distances.len() as f64) as usize;
+    let radius = distances.get(within).copied().unwrap_or(size).max(1e-6 * size);
+    let steps = |own: What| if what == own { step as f64 } else { 0.0 };
+    let height = 0.1 * radius * (1.0 + 0.1 * steps(What::Bump));
+    let offset = DVec3::new(0.0, 0.01 * size * steps(What::Shape), 0.0);
+    object.deforms.push(Deform::Noise { amplitude: 0.01 * size, scale: 0.5 * size, offset });
+    object.deforms.push(Deform::Bump { position: middle, radius, height, direction: None });
+    moved
+}
+
+/// The rows of one scene on a device or the CPU: both schemes, every mode, every change, each over so many frames.
+pub fn rows(device: Option<&Device>, scene: &Scene, frames: usize) -> Result<Vec<Row>> {
+    let mut rows = Vec::new();
+    for (scheme, called) in [(Scheme::Blocks, "blocks"), (Scheme::Links, "links")] {
+        let mut scene = scene.clone();
+        scene.transport.scheme = scheme;
+        let mut scratch = f64::NAN;
+        for (mode, kind) in MODES {
+            for what in CHANGES {
+                let mut row = one(device, &scene, (kind, what), frames)?;
+                if scratch.is_nan() {
+                    scratch = row.milliseconds;
+                }
+                (row.scheme, row.mode, row.ratio) = (called, mode, row.milliseconds / scratch);
+                rows.push(row);
+            }
+        }
+    }
+    Ok(rows)
+}
+
+/// One row; scheme, mode and ratio are the caller's to tell.
+fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frames: usize) -> Result<Row> {
+    let options = Options { mode, goal: Goal::Radiosity, ..Options::default() };
+    let mut session = Session::new(&moved(scene, what, 0), device, options, Room::default())?;
+    session.frame(Change::EVERYTHING)?;
+    let (mut times, mut made, mut summed) = (Vec::new(), false, false);
+    for step in 1..=frames {
+        session.show(&moved(scene, what, step))?;
+        // The same light again costs what another costs.
+        let change = if what == What::Light { Change::LIGHT } else { Change::default() };
+        let parts = session.frame(change)?;
+        let ran = |names: [&str; 2]| parts.iter().any(|part| names.contains(&part.name.as_str()));
+        (made, summed) = (ran(["refine", "link"]), ran(["gather", "refine"]));
+        times.push(parts.iter().map(|part| part.milliseconds).sum::<f64>());
+    }
+    times.sort_by(f64::total_cmp);
+    let links = links(&session, &moved(scene, what, frames), device)?;
+    let factors = if made || summed { links } else { 0 };
+    let error = worst(&verify(&mut session, 500, 1)?).l2;
+    let triangles = session.state().sum(|object| object.count.faces);
+    Ok(Row {
+        scene: (scene.name.clone(), triangles),
+        scheme: "",
+        mode: "",
+        change: what.name(),
+        milliseconds: times[times.len() / 2],
+        ratio: 1.0,
+        links,
+        factors,
+        error,
+    })
+}
+
+/// Entries of all lists that a session of these options has for a scene. On-the-fly lists are scratch, overwritten part by
+/// part; those of mode `keep` are the same.
+fn links(session: &Session, scene: &Scene, device: Option<&Device>) -> Result<u64> {
+    let options = session.plan.options();
+    let mut counted = Session::new(scene, device, Options { mode: options.mode.kept(), ..options }, Room::default())?;
+    counted.frame(Change::EVERYTHING)?;
+    counted.fetch(&[Slot::runs, Slot::spans])?;
+    let (state, data) = (counted.state(), &counted.state().data);
+    let entries = state.runs().map(|run| u64::from(run.expanded + run.direct + run.area + run.edge));
+    Ok(entries.sum::<u64>() + data.spans.iter().map(|span| u64::from(span.links)).sum::<u64>())
+}
