@@ -1,5 +1,5 @@
 //! The measuring: conformance, error norms, the worth of an error estimate, references, error against time, extreme cases,
-//! the paper's tables, layers.
+//! the papers' tables, layers, local shading.
 
 pub mod balls;
 pub mod compare;
@@ -7,6 +7,7 @@ pub mod conform;
 pub mod estimate;
 pub mod fixtures;
 pub mod layers;
+pub mod local;
 pub mod norms;
 pub mod pareto;
 pub mod reference;
@@ -14,3 +15,9 @@ pub mod sample;
 pub mod stress;
 pub mod tables;
 pub mod validity;
+
+/// The value in the middle, the upper one of two; no number where there is none.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
