@@ -5,13 +5,10 @@
 
 use milkglass::error::{Error, Input, Result};
 use milkglass::gpu::{Device, Instance};
-use milkglass::measure::layers::{Line, approximations, rules};
+use milkglass::measure::layers::{Line, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules};
 use milkglass::render::plan::{Change, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::{Integration, Scene};
-
-/// Samples as in table 2.
-const SAMPLES: [u32; 3] = [10, 50, 100];
 
 fn device() -> Result<Option<Device>> {
     let instance = Instance::open(false)?;
@@ -73,9 +70,24 @@ fn run() -> Result<()> {
             );
         }
     }
-    println!(
-        "\ntable 2: frames a second with 10, 50, 100 samples: fish 126, 51, 20; gecko 120, 33, 16 (GeForce 7800 GTX)"
-    );
+    println!("\ntable 2 of the paper, frames a second on a GeForce 7800 GTX");
+    for (samples, fish, gecko) in PAPER {
+        println!("{samples:>4} samples: fish {fish}, gecko {gecko}");
+    }
+
+    println!("\nscene        lights  relief ms  ms a light");
+    for (of, sets) in [("fish", &["camera.size=[400, 300]"][..]), ("gecko", &["camera.size=[400, 300]"])] {
+        for (lights, ms) in by_lights(&scene(of, sets)?, device.as_ref(), &[1, 2, 4, 8, 16], repeat)? {
+            println!("{of:<12} {lights:>6}  {ms:>9.1}  {:>10.2}", ms / f64::from(lights));
+        }
+    }
+
+    println!("\nfigure 14: error of integration against samples, fish\nsamples      paper      exact");
+    let lines = rules(&scene("fish", &["camera.size=[400, 300]"])?, device.as_ref(), &SWEEP, pixels, 1)?;
+    let (paper, exact) = lines.split_at(SWEEP.len());
+    for (paper, exact) in paper.iter().zip(exact) {
+        println!("{:>7}  {:>9.1e}  {:>9.1e}", paper.samples, paper.integration, exact.integration);
+    }
 
     println!("\nscene        approximation                             L2");
     for of in ["fish", "gecko"] {

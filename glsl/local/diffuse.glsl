@@ -35,7 +35,9 @@ void main() {
     vec3 sigma = spread(object, corner, weight);
 
     vec3 sum = vec3(0), all = vec3(0), open = vec3(0);
-    for (uint i = 0; i < frame[0].lights; ++i) {
+    // The loop is left at its end: where it is left at its head some drivers run the body once more, for nobody.
+    uint i = 0;
+    if (frame[0].lights > 0) do {
         Light light = lights[i];
         vec3 toward;
         float arrives = arrival(light, point, toward), lets = reaches(light, hit.face);
@@ -48,7 +50,7 @@ void main() {
                 open += lets * part;
             }
         }
-    }
+    } while (++i < frame[0].lights);
     if (SKY != 0) {
         // Where no ray is blocked the share is 1 to the last bit.
         mat3 zonal = respond_sky(sigma);

@@ -38,6 +38,8 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
+/// The square of twice an area up to which there is none; far above where a device may take numbers for 0.
+const FLAT: f32 = 1e-30;
 /// The largest cotangent of an angle.
 const COTANGENT: f64 = 100.0;
 /// The largest mean curvature.
@@ -80,10 +82,10 @@ fn ring(data: &Buffers, vertex: usize) -> Ring {
         ring.rim[0].push(corners[1]);
         ring.rim[1].push(corners[2]);
         let [a, b, c] = corners.map(|v| wide(data.positions[v as usize]));
-        let double = (b - a).cross(c - a).length();
-        if double == 0.0 {
+        if !whole(corners.map(|v| data.positions[v as usize])) {
             continue;
         }
+        let double = (b - a).cross(c - a).length();
         let cosines = [(b - a).dot(c - a), (a - b).dot(c - b), (a - c).dot(b - c)];
         let cotangent = cosines.map(|cosine| (cosine / double).clamp(-COTANGENT, COTANGENT));
         ring.pull += cotangent[2] * (a - b) + cotangent[1] * (a - c);
@@ -97,6 +99,14 @@ fn ring(data: &Buffers, vertex: usize) -> Ring {
         };
     }
     ring
+}
+
+/// Whether a triangle has an area as a device in `f32` sees it: the square of twice that is above [`FLAT`].
+fn whole([a, b, c]: [[f32; 3]; 3]) -> bool {
+    let edge = |end: [f32; 3]| -> [f32; 3] { std::array::from_fn(|k| end[k] - a[k]) };
+    let (u, w) = (edge(b), edge(c));
+    let n = [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];
+    n[0] * n[0] + n[1] * n[1] + n[2] * n[2] > FLAT
 }
 
 /// Whether every corner after the vertex comes before it in another triangle: its triangles close round it.

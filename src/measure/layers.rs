@@ -1,5 +1,6 @@
 //! What the march through layers costs and errs: both rules of integration, by their samples, and each approximation alone.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
@@ -7,8 +8,15 @@ use crate::gpu::Device;
 use crate::layers::relief::{Kept, full};
 use crate::render::plan::{Change, Options, Transport};
 use crate::render::run::{Room, Session};
-use crate::scene::{Integration, Scene, Surface};
+use crate::scene::{Integration, Light, Scene, Surface};
 use crate::state::State;
+
+/// Samples as in table 2 of Francois et al. 2006.
+pub const SAMPLES: [u32; 3] = [10, 50, 100];
+/// Frames a second there, on a GeForce 7800 GTX at 800 x 600: samples, fish, gecko.
+pub const PAPER: [(u32, f64, f64); 3] = [(10, 126.0, 120.0), (50, 51.0, 33.0), (100, 20.0, 16.0)];
+/// Samples along figure 14, error against samples.
+pub const SWEEP: [u32; 9] = [2, 4, 7, 10, 20, 35, 50, 100, 200];
 
 /// Midpoints of the reference along a view ray, and along each way of light.
 const STEPS: u32 = 240;
@@ -115,6 +123,31 @@ pub fn rules(
         }
     }
     Ok(lines)
+}
+
+/// What more lights cost: milliseconds of stage `relief` for each of these numbers of point lights round the scene's first
+/// object, by turns, the least of `repeat` frames.
+pub fn by_lights(scene: &Scene, device: Option<&Device>, counts: &[u32], repeat: usize) -> Result<Vec<(u32, f64)>> {
+    let (low, high) = scene.objects[0].mesh.bounds();
+    let (middle, radius) = ((low + high) / 2.0, 2.0 * (high - low).length());
+    let light = |k: u32, count: u32| {
+        let turn = std::f64::consts::TAU * f64::from(k) / f64::from(count);
+        Light::point(middle + radius * DVec3::new(turn.cos(), 0.5, turn.sin()), [radius * radius / f64::from(count); 3])
+    };
+    let of = |&count: &u32| {
+        let mut scene = bare(scene);
+        scene.lights = (0..count).map(|k| Light { shadows: false, ..light(k, count) }).collect();
+        session(&scene, device)
+    };
+    let mut sessions = counts.iter().map(of).collect::<Result<Vec<_>>>()?;
+    let mut least = vec![f64::INFINITY; counts.len()];
+    for _ in 0..repeat.max(1) {
+        for (session, least) in sessions.iter_mut().zip(&mut least) {
+            let times = session.frame(Change::VIEW)?;
+            *least = least.min(times.iter().filter(|t| t.name == "relief").map(|t| t.milliseconds).sum());
+        }
+    }
+    Ok(counts.iter().copied().zip(least).collect())
 }
 
 /// Each approximation of the march by itself, all together, and the march itself, which has all of them: its name, and its relative L2 error against the layered

@@ -1,5 +1,5 @@
 //! The measuring: conformance, error norms, the worth of an error estimate, references, error against time, extreme cases,
-//! the paper's tables, layers, modes.
+//! the papers' tables, layers, local shading, modes, numerical error beside the model's; and the report of it all.
 
 pub mod accuracy;
 pub mod balls;
@@ -9,6 +9,7 @@ pub mod estimate;
 pub mod fixtures;
 pub mod flat;
 pub mod layers;
+pub mod local;
 pub mod modes;
 pub mod norms;
 pub mod pareto;
@@ -19,3 +20,9 @@ pub mod stress;
 pub mod tables;
 pub mod validity;
 pub mod walk;
+
+/// The value in the middle, the upper one of two; no number where there is none.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}

@@ -17,7 +17,7 @@ WRITES(curvature)
 #include "local/curvature/ring.glsl"
 #include "local/curvature/angle.glsl"
 
-const float TURN = 6.28318530717959, COTANGENT = 100.0, SHARPEST = 1e4, SMALLEST = 1e-16;
+const float TURN = 6.28318530717959, COTANGENT = 100.0, SHARPEST = 1e4, SMALLEST = 1e-16, FLAT = 1e-30;
 
 // A number for a vertex, so that sums of them tell whether the same vertices are in both.
 uint mark(uint vertex) {
@@ -37,9 +37,11 @@ void main() {
         after += mark(corner.y);
         before += mark(corner.z);
         vec3 b = positions[corner.y], c = positions[corner.z], u = b - a, w = c - a, e = c - b;
-        vec3 n = cross(u, w);
-        float twice = length(n);
-        bool whole = twice > 0.0;
+        // Whether it has an area is decided; a fused operation would make one out of roundings.
+        precise vec3 n = u.yzx * w.zxy - u.zxy * w.yzx;
+        precise float square = n.x * n.x + n.y * n.y + n.z * n.z;
+        bool whole = square > FLAT;
+        float twice = sqrt(square);
         float over = whole ? 1.0 / twice : 0.0;
         float da = dot(u, w), db = -dot(u, e), dc = dot(w, e);
         float cb = clamp(db * over, -COTANGENT, COTANGENT), cc = clamp(dc * over, -COTANGENT, COTANGENT);

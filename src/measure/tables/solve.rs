@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use crate::gpu::Device;
 use crate::layout::Slot;
+use crate::measure::median;
 use crate::measure::norms::{Norms, norms, worst};
 use crate::measure::reference::{radiosity, receivers};
 use crate::measure::sample::Sample;
@@ -28,11 +29,6 @@ pub enum Kept {
 pub struct Truth {
     sample: Sample,
     radiosity: Vec<[f64; 3]>,
-}
-
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times.get(times.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// A model after its first frame, which warms everything up.

@@ -1,0 +1,232 @@
+//! What shading by curvature costs and errs beside Lambert's cosine, and what its paper shows: table 1 and figures 1, 4, 7,
+//! 9 and 11 of Kubo et al. 2010 as rows and scenes. Figure 6 is [`crate::measure::balls`], how far to trust it
+//! [`crate::measure::validity`].
+
+use crate::error::{Input, Result};
+use crate::gpu::Device;
+use crate::layout::Slot;
+use crate::local::reflectance::cdrf;
+use crate::measure::median;
+use crate::render::local::spread;
+use crate::render::plan::{Change, Options, Transport};
+use crate::render::prepare::dipoles;
+use crate::render::run::{Room, Session};
+use crate::scene::{Cdrf, Receivers, Scene, Surface};
+use crate::state::wide;
+
+/// One way to shade.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// What shades, as the paper's table calls it.
+    pub technique: &'static str,
+    /// Milliseconds of its own stages for a new view under a new light, visibility and shadows left out: the median.
+    pub shading: f64,
+    /// That over Lambert's, frame by frame: the median.
+    pub ratio: f64,
+    /// Milliseconds of all that a new view under a new light takes.
+    pub frame: f64,
+    /// Relative L2 of the radiance against the hierarchical dipole's, over the pixels that show what light enters.
+    pub error: f64,
+}
+
+/// Frames a second in the paper's table 1, on a GeForce 9300M GS at 512 x 512: technique, human head (20,154 vertices),
+/// bunny (48,903).
+pub const PAPER: [(&str, f64, f64); 4] = [
+    ("Lambert", 575.2, 693.2),
+    ("texture blur", 41.5, 35.3),
+    ("CDRF, closed form", 133.2, 110.9),
+    ("CDRF, table", 492.1, 482.6),
+];
+
+/// The stages that are the cost of a technique itself.
+const OWN: [&str; 3] = ["lambert", "cdrf", "cdrf_table"];
+
+/// The paper's techniques on a scene, in the order of its table, timed by turns over `frames` frames each; those that the scene
+/// does not allow are left out.
+pub fn table_1(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<Vec<Row>> {
+    let scene = &bare(scene);
+    let carried = picture(scene, device, Options::default())?;
+    let techniques = [
+        (PAPER[0].0, Transport::Lambert, Cdrf::Closed),
+        (PAPER[2].0, Transport::Cdrf, Cdrf::Closed),
+        (PAPER[3].0, Transport::Cdrf, Cdrf::Table),
+    ];
+    let (mut sessions, mut errors) = (Vec::new(), Vec::new());
+    for (name, transport, cdrf) in techniques {
+        let mut scene = scene.clone();
+        scene.transport.cdrf = cdrf;
+        let options = Options { transport, ..Options::default() };
+        let mut session = Session::new(&scene, device, options, Room::default())?;
+        session.frame(Change::EVERYTHING)?;
+        errors.push(error(&mut session, &carried)?);
+        sessions.push((name, session));
+    }
+    let mut times = vec![Vec::new(); sessions.len()];
+    for _ in 0..frames.max(1) {
+        for ((_, session), times) in sessions.iter_mut().zip(&mut times) {
+            let steps = session.frame(Change::VIEW.and(Change::LIGHT))?;
+            let own = steps.iter().filter(|step| OWN.contains(&step.name.as_str()));
+            let sum = own.map(|step| step.milliseconds).sum::<f64>();
+            times.push((sum, steps.iter().map(|step| step.milliseconds).sum::<f64>()));
+        }
+    }
+    let ratio = |k: usize| median(times[k].iter().zip(&times[0]).map(|(own, first)| own.0 / first.0).collect());
+    let row = |(k, (technique, _)): (usize, &(&'static str, Session))| Row {
+        technique,
+        shading: median(times[k].iter().map(|time| time.0).collect()),
+        ratio: ratio(k),
+        frame: median(times[k].iter().map(|time| time.1).collect()),
+        error: errors[k],
+    };
+    Ok(sessions.iter().enumerate().map(row).collect())
+}
+
+/// A scene of which nothing is seen but light that entered: no reflections, a sample a pixel.
+fn bare(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    scene.camera.samples = 1;
+    scene.objects.iter_mut().for_each(|object| object.material.surface = Surface::default());
+    scene
+}
+
+/// The picture of a scene.
+fn picture(scene: &Scene, device: Option<&Device>, options: Options) -> Result<Vec<[f32; 3]>> {
+    let mut session = Session::new(scene, device, options, Room::default())?;
+    session.frame(Change::EVERYTHING)?;
+    Ok(session.picture()?.pixels)
+}
+
+/// Relative L2 of a session's picture against another one, where it shows what light enters; 0 where it shows none.
+fn error(session: &mut Session, other: &[[f32; 3]]) -> Result<f64> {
+    let own = session.picture()?.pixels;
+    session.fetch(&[Slot::hits])?;
+    let state = session.state();
+    let shows = |face: u32| {
+        let known = (face as usize) < state.data.triangles.len();
+        known && !state.objects[state.object_of(face as usize)].opaque
+    };
+    let seen = state.data.hits.iter().map(|hit| shows(hit.face));
+    let (mut apart, mut whole) = (0.0, 0.0);
+    for ((own, other), _) in own.iter().zip(other).zip(seen).filter(|(_, seen)| *seen) {
+        apart += (wide(*own) - wide(*other)).length_squared();
+        whole += wide(*other).length_squared();
+    }
+    Ok(if whole > 0.0 { (apart / whole).sqrt() } else { 0.0 })
+}
+
+/// What curvature costs where the shape is new in every frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Bending {
+    /// Vertices of all objects.
+    pub vertices: usize,
+    /// Milliseconds of stage `curvature`: the median.
+    pub curvature: f64,
+    /// Milliseconds of what the hierarchy does to know the radiosity of every triangle, all from scratch.
+    pub solve: f64,
+}
+
+/// Curvature against a solve, over `frames` frames each.
+pub fn bending(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<Bending> {
+    let mut scene = scene.clone();
+    // The picture is no part of it.
+    (scene.camera.size, scene.transport.receivers) = ([64, 64], Receivers::Faces);
+    let session = |transport: Transport| {
+        let mut session = Session::new(&scene, device, Options { transport, ..Options::default() }, Room::default())?;
+        session.frame(Change::EVERYTHING).map(|_| session)
+    };
+    let (mut local, mut carried) = (session(Transport::Cdrf)?, session(Transport::Hierarchy)?);
+    let (mut bends, mut solves) = (Vec::new(), Vec::new());
+    for _ in 0..frames.max(1) {
+        let sum = |session: &mut Session, counts: &dyn Fn(&str) -> bool| -> Result<f64> {
+            let steps = session.frame(Change::EVERYTHING)?;
+            Ok(steps.iter().filter(|step| counts(&step.name)).map(|step| step.milliseconds).sum())
+        };
+        bends.push(sum(&mut local, &|name| name == "curvature")?);
+        let seen = ["visibility", "shade", "exit", "reflect", "backdrop", "plane_fit", "relief"];
+        solves.push(sum(&mut carried, &|name| !seen.contains(&name))?);
+    }
+    let vertices = local.state().sum(|object| object.count.vertices);
+    Ok(Bending { vertices, curvature: median(bends), solve: median(solves) })
+}
+
+/// f over the angle from the light (figures 4 and 8): `count` pairs of degrees, from 0 to 180, and f, at a sigma of at least 0,
+/// radian.
+#[must_use]
+pub fn curve(sigma: f64, count: usize) -> Vec<[f64; 2]> {
+    let degrees = |k: usize| 180.0 * k as f64 / (count.max(2) - 1) as f64;
+    (0..count.max(2)).map(|k| [degrees(k), cdrf(degrees(k).to_radians().cos(), sigma)]).collect()
+}
+
+/// A ball of a scene's material in parallel light (figure 7).
+#[derive(Clone, Debug)]
+pub struct Ball {
+    /// Its radius, mm.
+    pub radius: f64,
+    /// sigma_0 over that, per channel.
+    pub sigma: [f64; 3],
+    /// Degrees from the light, and f of each channel.
+    pub curve: Vec<[f64; 4]>,
+}
+
+/// Balls of these radii, mm, of the material of a scene's first object, which light enters; `count` angles each.
+pub fn balls(scene: &Scene, radii: &[f64], count: usize) -> Result<Vec<Ball>> {
+    let material = &scene.objects[0].material;
+    if material.opaque.is_some() {
+        return Err(Input::new("no light enters the material").expected("scattering and absorption").into());
+    }
+    let usual = dipoles(material, 1.0).each_ref().map(spread);
+    let sigma_0 = material.sigma_0.unwrap_or(usual).map(|length| length * scene.unit_mm);
+    let ball = |&radius: &f64| {
+        let sigma = sigma_0.map(|length| length / radius);
+        let [r, g, b] = sigma.map(|sigma| curve(sigma, count));
+        let all = r.iter().zip(&g).zip(&b).map(|((r, g), b)| [r[0], r[1], g[1], b[1]]).collect();
+        Ball { radius, sigma, curve: all }
+    };
+    Ok(radii.iter().map(ball).collect())
+}
+
+/// One picture of a figure, as a scene of ours.
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// The paper's figure.
+    pub figure: u32,
+    /// What it shows.
+    pub caption: String,
+    /// The scene.
+    pub scene: Scene,
+    /// How it is shaded.
+    pub transport: Transport,
+}
+
+/// Figures 1, 7, 9 and 11: the bust at rising sigma_0, balls of skin without and with scattering, the bust by the CDRF and by
+/// the dipole, the lotus without and with scattering, lit from the front and from behind. Figure 9's numbers are those of
+/// [`crate::measure::validity::places`].
+pub fn panels(size: [u32; 2]) -> Result<Vec<Panel>> {
+    let mut all = Vec::new();
+    let mut add = |figure: u32, caption: &str, name: &str, sets: &[&str], transport: Transport| -> Result<()> {
+        let mut sets: Vec<String> = sets.iter().map(|set| (*set).to_string()).collect();
+        sets.push(format!("camera.size=[{}, {}]", size[0], size[1]));
+        all.push(Panel { figure, caption: caption.into(), scene: Scene::load(name, &sets)?, transport });
+        Ok(())
+    };
+    add(1, "Lambert", "bust", &[], Transport::Lambert)?;
+    for [r, g, b] in [[0.5, 0.4, 0.3], [2.0, 1.6, 1.2], [6.0, 4.8, 3.6]] {
+        let sigma = format!("object.0.material.sigma_0=[{r}, {g}, {b}]");
+        add(1, &format!("sigma_0 = {r}, {g}, {b} mm"), "bust", &[&sigma], Transport::Cdrf)?;
+    }
+    let skin = "object.0.material.preset=skin1";
+    add(7, "Lambert", "sphere", &[skin, "object.0.size=40"], Transport::Lambert)?;
+    for radius in [20, 5] {
+        let ball = format!("object.0.size={}", 2 * radius);
+        add(7, &format!("radius {radius} mm"), "sphere", &[skin, &ball], Transport::Cdrf)?;
+    }
+    add(9, "CDRF", "bust", &[], Transport::Cdrf)?;
+    add(9, "hierarchical dipole", "bust", &[], Transport::Hierarchy)?;
+    for (side, light) in [("front", "light.0.position=[20, 40, 60]"), ("behind", "light.0.position=[-20, 30, -60]")] {
+        let light = [light, "light.0.intensity=[6000, 6000, 6000]", "light.0.shadows=false"];
+        let sigma = "object.0.material.sigma_0=[0.9, 1.3, 2.3]";
+        add(11, &format!("from {side}, Lambert"), "lotus", &light, Transport::Lambert)?;
+        add(11, &format!("from {side}, CDRF"), "lotus", &[&light[..], &[sigma]].concat(), Transport::Cdrf)?;
+    }
+    Ok(all)
+}
