@@ -9,6 +9,7 @@ pub mod fixtures;
 pub mod layers;
 pub mod norms;
 pub mod pareto;
+pub mod profile;
 pub mod reference;
 pub mod sample;
 pub mod stress;
