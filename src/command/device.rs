@@ -22,7 +22,7 @@ impl DeviceArgument {
         }
         let found = Instance::open(validation).and_then(|instance| Ok((instance.adapters()?, instance)));
         match (wish, found) {
-            (None, Ok((adapters, instance))) => match best(&adapters) {
+            (None, Ok((adapters, instance))) => match Adapter::best(&adapters) {
                 Some(adapter) => Device::open(&instance, adapter).map(Some),
                 None => {
                     eprintln!("no usable Vulkan device: running on the CPU");
@@ -37,17 +37,6 @@ impl DeviceArgument {
             (Some(wish), Ok((adapters, instance))) => Device::open(&instance, pick(&adapters, wish)?).map(Some),
         }
     }
-}
-
-/// The usable adapter that promises most: discrete, integrated, virtual, then anything.
-fn best(adapters: &[Adapter]) -> Option<&Adapter> {
-    let rank = |adapter: &&Adapter| match adapter.kind {
-        "discrete" => 0,
-        "integrated" => 1,
-        "virtual" => 2,
-        _ => 3,
-    };
-    adapters.iter().filter(|adapter| adapter.unusable.is_none()).min_by_key(rank)
 }
 
 /// The adapter of this number, or the first whose name contains this text.

@@ -243,7 +243,7 @@ fn evaluate(arguments: &Arguments, rows: &[Row]) -> Result<Vec<[f64; 2]>> {
         })
         .collect();
     state.data.answers = vec![[0.0; 3]; rows.len()];
-    let mut twin = DeviceState::new(&device, false);
+    let mut twin = DeviceState::new(&device, false)?;
     let steps: Vec<Step> = stage(if local { "cdrf_values" } else { "evaluate" })
         .into_iter()
         .map(|stage| Step { stage, at: Place::default() })

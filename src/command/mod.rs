@@ -10,6 +10,7 @@ mod fit_cdrf;
 mod lists;
 mod pareto;
 mod plan;
+mod profile;
 mod render;
 mod report;
 mod sequence;
@@ -46,6 +47,8 @@ enum Command {
     Solve(solve::Arguments),
     /// Show what a scene needs: stages, buffers, and what is left out and why.
     Plan(plan::Arguments),
+    /// Time each stage, count what it does, and compare that with what the device can do.
+    Profile(profile::Arguments),
     /// Compare every stage on a device with the CPU reference.
     Conform(conform::Arguments),
     /// Run the table of extreme cases: fallback, finite or not, worst error against f64.
@@ -214,6 +217,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
         Command::Render(arguments) => render::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
+        Command::Profile(arguments) => profile::run(&arguments),
         Command::Conform(arguments) => conform::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
         Command::Pareto(arguments) => pareto::run(&arguments),

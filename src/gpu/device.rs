@@ -1,5 +1,7 @@
 //! An opened device: its queue, its allocator and its pipeline cache.
 
+use std::cell::Cell;
+use std::collections::BTreeMap;
 use std::ffi::CString;
 use std::rc::Rc;
 use std::sync::Mutex;
@@ -14,7 +16,16 @@ use crate::error::{Error, Result};
 
 /// A device with one compute queue. Clones share it; it stays on its thread, because its queue and command pool do.
 #[derive(Clone)]
-pub struct Device(pub(super) Rc<Inner>);
+pub struct Device(pub(super) Rc<Inner>, pub(super) Rc<Kit>);
+
+/// What is special about the kernels that are made with a device.
+#[derive(Clone, Default)]
+pub(super) struct Kit {
+    /// SPIR-V that takes the place of the build's, by kernel.
+    pub(super) replaced: BTreeMap<String, Vec<u32>>,
+    /// Whether kernels count what they do.
+    pub(super) counts: bool,
+}
 
 pub(super) struct Inner {
     pub(super) raw: ash::Device,
@@ -25,6 +36,8 @@ pub(super) struct Inner {
     /// `None` only while the device is being destroyed.
     pub(super) allocator: Mutex<Option<Allocator>>,
     pub(super) adapter: Adapter,
+    /// Bytes allocated now, and the most since [`Device::forget_peak`].
+    pub(super) allocated: Cell<(u64, u64)>,
     instance: Instance,
 }
 
@@ -55,6 +68,7 @@ impl Device {
             cache: vk::PipelineCache::null(),
             allocator: Mutex::new(None),
             adapter: adapter.clone(),
+            allocated: Cell::default(),
             instance: instance.clone(),
         };
 
@@ -80,7 +94,44 @@ impl Device {
                 .create_pipeline_cache(&vk::PipelineCacheCreateInfo::default(), None)
                 .map_err(|code| fault(&doing, code))?;
         }
-        Ok(Self(Rc::new(inner)))
+        Ok(Self(Rc::new(inner), Rc::default()))
+    }
+
+    /// The best usable device, by its kind and then in the loader's order; none where there is none.
+    pub fn first() -> Result<Option<Self>> {
+        let instance = Instance::open(false)?;
+        let adapters = instance.adapters()?;
+        Adapter::best(&adapters).map(|adapter| Self::open(&instance, adapter)).transpose()
+    }
+
+    /// The same device, where this SPIR-V takes the place of a kernel of the build. Nothing is checked: see `measure::replace`.
+    #[must_use]
+    pub fn replacing(&self, kernel: &str, words: Vec<u32>) -> Self {
+        let mut kit = Kit::clone(&self.1);
+        kit.replaced.insert(kernel.to_string(), words);
+        Self(self.0.clone(), Rc::new(kit))
+    }
+
+    /// The same device, where kernels count what they do, and take their time about it: see [`super::Kernels::tallies`].
+    #[must_use]
+    pub fn counting(&self) -> Self {
+        Self(self.0.clone(), Rc::new(Kit { counts: true, ..Kit::clone(&self.1) }))
+    }
+
+    /// The kernels that do not come from the build.
+    pub fn replaced(&self) -> impl Iterator<Item = &str> {
+        self.1.replaced.keys().map(String::as_str)
+    }
+
+    /// Bytes of device memory allocated now, and the most at once since [`Self::forget_peak`]; copies' staging counts.
+    pub fn memory(&self) -> (u64, u64) {
+        self.0.allocated.get()
+    }
+
+    /// The most memory is counted anew from here.
+    pub fn forget_peak(&self) {
+        let (now, _) = self.memory();
+        self.0.allocated.set((now, now));
     }
 
     /// The adapter's name.

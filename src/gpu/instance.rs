@@ -62,6 +62,19 @@ pub struct Adapter {
     pub(super) queue_family: u32,
 }
 
+impl Adapter {
+    /// The usable adapter that promises most: discrete, integrated, virtual, then anything.
+    pub fn best(adapters: &[Self]) -> Option<&Self> {
+        let rank = |adapter: &&Self| match adapter.kind {
+            "discrete" => 0,
+            "integrated" => 1,
+            "virtual" => 2,
+            _ => 3,
+        };
+        adapters.iter().filter(|adapter| adapter.unusable.is_none()).min_by_key(rank)
+    }
+}
+
 unsafe extern "system" fn on_message(
     severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     _kind: vk::DebugUtilsMessageTypeFlagsEXT,

@@ -6,8 +6,10 @@ use std::rc::Rc;
 
 use ash::vk;
 
+use super::count::{self, Tally};
 use super::device::Device;
 use super::fault;
+use super::memory::Buffer;
 use super::reflect::{Access, reflect, round_to_nearest, words_of};
 use crate::error::{Error, Result};
 
@@ -27,7 +29,15 @@ pub struct Kernel {
     pub push_bytes: u32,
     /// Invocations of a group.
     pub group: u32,
+    /// Where it counts how often each of its blocks runs, and what they do, if it counts.
+    pub(super) meter: Option<Meter>,
     device: Device,
+}
+
+/// The counters of a kernel: two words a block, the lower first.
+pub(super) struct Meter {
+    blocks: Vec<count::Block>,
+    pub(super) counters: Buffer,
 }
 
 /// The kernels of a device, each made when first asked for.
@@ -48,13 +58,49 @@ impl Kernels {
         if let Some(kernel) = self.made.borrow().get(&key) {
             return Ok(kernel.clone());
         }
-        let kernel = Rc::new(Kernel::new(&self.device, name, words_of(name)?, constants)?);
+        let kit = &self.device.1;
+        let words = kit.replaced.get(name).map_or_else(|| words_of(name), |words| Ok(words.clone()))?;
+        let counted = if kit.counts { count::counted(&words) } else { None };
+        let mut kernel = match &counted {
+            Some(counted) => Kernel::new(&self.device, name, counted.words.clone(), constants)?,
+            None => Kernel::new(&self.device, name, words, constants)?,
+        };
+        if let Some(counted) = counted {
+            let counters = Buffer::new(&self.device, "counters", 8 * counted.blocks.len() as u64)?;
+            kernel.meter = Some(Meter { blocks: counted.blocks, counters });
+            kernel.zero()?;
+        }
+        let kernel = Rc::new(kernel);
         self.made.borrow_mut().insert(key, kernel.clone());
         Ok(kernel)
+    }
+
+    /// The kernels made so far, each with its specialization constants.
+    pub fn made(&self) -> Vec<(String, Vec<u32>)> {
+        self.made.borrow().keys().cloned().collect()
+    }
+
+    /// What each kernel has done since the last call, where kernels count; none have otherwise.
+    pub fn tallies(&self) -> Result<Vec<(String, Tally)>> {
+        let made = self.made.borrow();
+        let mut tallies = Vec::new();
+        for ((name, _), kernel) in made.iter() {
+            let Some(meter) = &kernel.meter else { continue };
+            let mut counts = vec![0u64; meter.blocks.len()];
+            meter.counters.download(bytemuck::cast_slice_mut(&mut counts))?;
+            kernel.zero()?;
+            tallies.push((name.clone(), Tally::new(&meter.blocks, &counts)));
+        }
+        Ok(tallies)
     }
 }
 
 impl Kernel {
+    /// Counts from 0 again.
+    fn zero(&self) -> Result<()> {
+        self.meter.as_ref().map_or(Ok(()), |meter| meter.counters.upload(&vec![0; 8 * meter.blocks.len()]))
+    }
+
     /// The kernel of this SPIR-V with these specialization constants (0, 1, ...), or what the device lacks for it.
     pub(super) fn new(device: &Device, name: &str, mut words: Vec<u32>, constants: &[u32]) -> Result<Self> {
         let doing = format!("preparing kernel {name}");
@@ -88,6 +134,7 @@ impl Kernel {
             accesses: found.accesses,
             push_bytes: found.push_bytes,
             group: found.group,
+            meter: None,
             device: device.clone(),
         };
         let bindings: Vec<_> = kernel

@@ -60,6 +60,9 @@ impl Buffer {
             .map_err(|error| Error::device(doing.as_str(), error))?;
         // SAFETY: memory and offset come from the allocator for just these requirements.
         let bound = unsafe { device.0.raw.bind_buffer_memory(raw, allocation.memory(), allocation.offset()) };
+        let (now, most) = device.memory();
+        let now = now + allocation.size();
+        device.0.allocated.set((now, most.max(now)));
         buffer.allocation = Some(allocation);
         drop(allocator);
         bound.map_err(|code| fault(&doing, code))?;
@@ -160,6 +163,8 @@ impl Drop for Buffer {
         if let (Some(allocation), Ok(mut allocator)) = (self.allocation.take(), self.device.0.allocator.lock())
             && let Some(allocator) = allocator.as_mut()
         {
+            let (now, most) = self.device.memory();
+            self.device.0.allocated.set((now.saturating_sub(allocation.size()), most));
             let _ = allocator.free(allocation);
         }
     }

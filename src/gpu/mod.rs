@@ -4,6 +4,7 @@
 
 mod alone;
 mod bind;
+pub mod count;
 mod device;
 mod instance;
 mod kernel;
@@ -19,7 +20,7 @@ pub use kernel::{Kernel, Kernels};
 pub use memory::Buffer;
 pub use record::Timing;
 pub(crate) use record::{Recorder, Work};
-pub use reflect::{Access, kernel_names, reflect_records};
+pub use reflect::{Access, accesses, kernel_names, reflect_records, spirv};
 
 use ash::vk;
 

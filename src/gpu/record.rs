@@ -8,6 +8,7 @@ use ash::vk;
 use ash::vk::Handle as _;
 
 use super::bind::{Binding, Sets};
+use super::count;
 use super::device::Device;
 use super::fault;
 use super::kernel::Kernel;
@@ -23,6 +24,8 @@ pub struct Timing {
     pub name: String,
     /// Time on the device, milliseconds; not a number where the device has no timestamps.
     pub milliseconds: f64,
+    /// When it began, milliseconds after the first part of its submission; not a number likewise.
+    pub start: f64,
 }
 
 /// How much a dispatch does.
@@ -136,6 +139,13 @@ impl Recorder {
                 ));
             }
         }
+        // A kernel that counts has a buffer of its own for that.
+        let mut bindings = bindings.to_vec();
+        if let Some(meter) = &kernel.meter {
+            let (number, buffer) = (count::BINDING, &meter.counters);
+            bindings.push(Binding { number, buffer, offset: 0, size: buffer.size() });
+        }
+        let bindings = &bindings;
         let set = self.sets.get(kernel, bindings)?;
         self.order(kernel, bindings, work);
 
@@ -231,9 +241,14 @@ impl Recorder {
                 .map_err(|code| fault(&doing, code))?;
         }
         let period = f64::from(self.device.limits().timestamp_period);
-        let timing = |(k, name): (usize, &String)| {
-            let span = ticks.get(2 * k..2 * k + 2).map(|pair| pair[1].saturating_sub(pair[0]) as f64);
-            Timing { name: name.clone(), milliseconds: span.map_or(f64::NAN, |ticks| ticks * period * 1e-6) }
+        let between = |from: Option<&u64>, to: Option<&u64>| match (from, to) {
+            (Some(from), Some(to)) => to.saturating_sub(*from) as f64 * period * 1e-6,
+            _ => f64::NAN,
+        };
+        let timing = |(k, name): (usize, &String)| Timing {
+            name: name.clone(),
+            milliseconds: between(ticks.get(2 * k), ticks.get(2 * k + 1)),
+            start: between(ticks.first(), ticks.get(2 * k)),
         };
         Ok(self.names.iter().enumerate().map(timing).collect())
     }

@@ -24,11 +24,19 @@ pub fn kernel_names() -> impl Iterator<Item = &'static str> {
     SPIRV.iter().map(|(name, _)| *name)
 }
 
+/// The SPIR-V of a kernel of the program, as bytes of little-endian words.
+pub fn spirv(name: &str) -> Option<&'static [u8]> {
+    SPIRV.iter().find(|(known, _)| *known == name).map(|(_, bytes)| *bytes)
+}
+
+/// What a kernel of the program does with which buffers.
+pub fn accesses(name: &str) -> Result<Vec<Access>> {
+    Ok(reflect(name, &words_of(name)?)?.accesses)
+}
+
 pub(super) fn words_of(name: &str) -> Result<Vec<u32>> {
-    let (_, bytes) = SPIRV
-        .iter()
-        .find(|(known, _)| *known == name)
-        .ok_or_else(|| Error::device(format!("looking for kernel {name}"), "no such shader was built"))?;
+    let bytes =
+        spirv(name).ok_or_else(|| Error::device(format!("looking for kernel {name}"), "no such shader was built"))?;
     Ok(bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
 }
 

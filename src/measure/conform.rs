@@ -46,7 +46,7 @@ pub struct Plant {
 /// Runs every step of a fixture; one row a stage. With a planted error, only its stage runs on the device.
 pub fn conform(device: &Device, fixture: &Fixture, plant: Option<Plant>) -> Result<Vec<Row>> {
     let mut rows: Vec<Row> = Vec::new();
-    let mut twin = DeviceState::new(device, true);
+    let mut twin = DeviceState::new(device, true)?;
     let mut state = fixture.state.clone();
     let _ = device.take_messages();
     for step in &fixture.steps {

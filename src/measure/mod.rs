@@ -13,6 +13,7 @@ pub mod local;
 pub mod modes;
 pub mod norms;
 pub mod pareto;
+pub mod profile;
 pub mod reference;
 pub mod report;
 pub mod sample;

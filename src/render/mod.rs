@@ -1,6 +1,7 @@
 //! From a scene to the stages it needs ([`plan`]), and a plan run on the CPU or a device ([`run`]).
 
 pub mod aov;
+mod apart;
 pub mod bake;
 pub mod bends;
 mod blocks;

@@ -52,7 +52,7 @@ impl OctreeTransport {
             let sums = tree.gather(&dipoles, self.angle, centers);
             state.data.radiosity[object.first.receivers..][..sums.len()].copy_from_slice(&sums);
         }
-        Timing { name: NAME.into(), milliseconds: start.elapsed().as_secs_f64() * 1e3 }
+        Timing { name: NAME.into(), milliseconds: start.elapsed().as_secs_f64() * 1e3, start: f64::NAN }
     }
 }
 

@@ -88,7 +88,8 @@ impl Session {
         let plan = Plan::new(&prepared.state, options).without(receivers.clone());
         let lists = Lists::new(room, device.map(Device::limits));
         lists.cut(&mut prepared);
-        let backend = device.map_or(Backend::Cpu, |device| Backend::Gpu(DeviceState::new(device, false)));
+        let twin = device.map(|device| DeviceState::new(device, false)).transpose()?;
+        let backend = twin.map_or(Backend::Cpu, Backend::Gpu);
         let (retries, relinks, pending) = (0, 0, Change::EVERYTHING);
         let fixed = Fixed { asked, room, receivers };
         let mut session =
@@ -166,17 +167,18 @@ impl Session {
     }
 
     /// Runs these steps where the stages run.
-    fn run(&mut self, steps: &[Step]) -> Result<Vec<Timing>> {
+    pub(super) fn run(&mut self, steps: &[Step]) -> Result<Vec<Timing>> {
         match &mut self.backend {
             Backend::Gpu(_) if steps.is_empty() => Ok(Vec::new()),
             Backend::Gpu(twin) => twin.run(&self.prepared.state, steps),
             Backend::Cpu => {
                 let state = &mut self.prepared.state;
+                let begin = Instant::now();
                 let mut time = |step: &Step| {
-                    let start = Instant::now();
+                    let start = begin.elapsed().as_secs_f64() * 1e3;
                     step.reference(state);
-                    let milliseconds = start.elapsed().as_secs_f64() * 1e3;
-                    Timing { name: step.stage.name.to_string(), milliseconds }
+                    let milliseconds = begin.elapsed().as_secs_f64() * 1e3 - start;
+                    Timing { name: step.stage.name.to_string(), milliseconds, start }
                 };
                 Ok(steps.iter().map(&mut time).collect())
             }

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::{Object, Place, State, Step};
+use super::pass::Pass;
+use super::{Place, State, Step};
 use crate::error::Result;
 use crate::gpu::{Binding, Buffer, Device, Kernels, Recorder, Timing, Work};
-use crate::layout::{Range, SLOTS, Slot};
+use crate::layout::{SLOTS, Slot};
 
 /// Bytes after the end of each buffer that no kernel may touch, when guarded.
 const GUARD: u64 = 64;
@@ -17,25 +18,16 @@ pub struct DeviceState {
     device: Device,
     kernels: Kernels,
     buffers: BTreeMap<Slot, Buffer>,
+    /// Bound where a kernel names a buffer that this scene has no elements of.
+    nothing: Buffer,
     guarded: bool,
-}
-
-/// What a stage records its dispatches with.
-pub struct Pass<'a> {
-    /// The host's state: sizes, schedule and settings only; its contents may be older than the device's.
-    pub state: &'a State,
-    /// The part of the work at hand.
-    pub at: Place,
-    twin: &'a DeviceState,
-    recorder: &'a mut Recorder,
-    room: &'static str,
-    stage: &'static str,
 }
 
 impl DeviceState {
     /// No buffers yet. With `guarded`, every buffer is followed by bytes that [`Self::trespasses`] checks.
-    pub fn new(device: &Device, guarded: bool) -> Self {
-        Self { device: device.clone(), kernels: Kernels::new(device), buffers: BTreeMap::new(), guarded }
+    pub fn new(device: &Device, guarded: bool) -> Result<Self> {
+        let nothing = Buffer::new(device, "nothing", 4)?;
+        Ok(Self { device: device.clone(), kernels: Kernels::new(device), buffers: BTreeMap::new(), nothing, guarded })
     }
 
     /// The device.
@@ -43,11 +35,16 @@ impl DeviceState {
         &self.device
     }
 
-    /// Makes every buffer as large as the state's; contents survive only where the size is unchanged.
+    /// Makes every buffer as large as the state's; contents survive only where the size is unchanged. What is empty has no
+    /// buffer, unless guarded.
     pub fn resize(&mut self, state: &State) -> Result<()> {
         for &slot in SLOTS {
-            let size = (state.data.bytes(slot).len() as u64).max(4);
-            let whole = if self.guarded { size.next_multiple_of(4) + GUARD } else { size };
+            let size = state.data.bytes(slot).len() as u64;
+            if size == 0 && !self.guarded {
+                self.buffers.remove(&slot);
+                continue;
+            }
+            let whole = if self.guarded { size.max(4).next_multiple_of(4) + GUARD } else { size };
             if self.buffers.get(&slot).is_some_and(|buffer| buffer.size() == whole) {
                 continue;
             }
@@ -102,51 +99,34 @@ impl DeviceState {
     pub fn run(&self, state: &State, steps: &[Step]) -> Result<Vec<Timing>> {
         let mut recorder = Recorder::new(&self.device, steps.len())?;
         for step in steps {
-            recorder.part(step.stage.name, |recorder| {
-                let (room, stage) = (step.stage.room, step.stage.name);
-                (step.stage.gpu)(&mut Pass { state, at: step.at, twin: self, recorder, room, stage })
-            })?;
+            recorder
+                .part(step.stage.name, |recorder| (step.stage.gpu)(&mut Pass::record(state, *step, self, recorder)))?;
         }
         recorder.submit()
     }
-}
 
-impl<'s> Pass<'s> {
-    /// The object at hand.
-    pub fn object(&self) -> &'s Object {
-        self.state.object(self.at)
+    /// The kernels made so far, and what they have done where they count.
+    pub fn kernels(&self) -> &Kernels {
+        &self.kernels
     }
 
-    /// Invocations that run in lockstep on the device.
-    pub fn subgroup(&self) -> usize {
-        self.twin.device.limits().subgroup_size.max(1) as usize
+    /// The buffers that are there, but for the one that stands for all empty ones, with their bytes.
+    pub fn buffers(&self) -> impl Iterator<Item = (Slot, u64)> + '_ {
+        self.buffers.iter().map(|(slot, buffer)| (*slot, buffer.size()))
     }
 
-    /// Runs the stage's own kernel for `count` invocations, or its kernel of the name `part`.
-    pub fn dispatch(&mut self, part: Option<&str>, constants: &[u32], push: &[u8], count: usize) -> Result<()> {
-        let name = match part {
-            Some(part) => format!("{}/{}/{part}", self.room, self.stage),
-            None => format!("{}/{}", self.room, self.stage),
-        };
-        self.submit(&name, constants, push, Work::Invocations(count as u64))
-    }
-
-    /// The same for as many groups as the first element of this buffer's part says: three numbers, written earlier.
-    pub fn dispatch_counted(&mut self, part: &str, constants: &[u32], push: &[u8], groups: Slot) -> Result<()> {
-        let name = format!("{}/{}/{part}", self.room, self.stage);
-        let Some(buffer) = self.twin.buffers.get(&groups) else { return Ok(()) };
-        let offset = self.state.part(groups, self.at).0 * groups.spec().stride;
-        self.submit(&name, constants, push, Work::Groups(buffer, offset as u64))
-    }
-
-    fn submit(&mut self, name: &str, constants: &[u32], push: &[u8], work: Work<'_>) -> Result<()> {
-        let kernel = self.twin.kernels.get(name, constants)?;
+    /// Records one dispatch of a kernel, with the part of every buffer that belongs to this part of the work.
+    pub(super) fn submit(&self, recorder: &mut Recorder, state: &State, call: &Call<'_>) -> Result<()> {
+        let kernel = self.kernels.get(call.kernel, call.constants)?;
         let mut bindings = Vec::with_capacity(kernel.accesses.len());
         for access in &kernel.accesses {
             let Some(&slot) = SLOTS.get(access.binding as usize) else { continue };
-            let Some(buffer) = self.twin.buffers.get(&slot) else { continue };
+            let Some(buffer) = self.buffers.get(&slot) else {
+                bindings.push(Binding { number: access.binding, buffer: &self.nothing, offset: 0, size: 4 });
+                continue;
+            };
             let stride = slot.spec().stride as u64;
-            let (first, count) = self.state.part(slot, self.at);
+            let (first, count) = state.part(slot, call.at);
             bindings.push(Binding {
                 number: access.binding,
                 buffer,
@@ -154,15 +134,23 @@ impl<'s> Pass<'s> {
                 size: (count as u64 * stride).max(4),
             });
         }
-        self.recorder.dispatch(&kernel, &bindings, push, work)
+        let work = match call.groups {
+            Err(count) => Work::Invocations(count as u64),
+            Ok(groups) => {
+                let Some(buffer) = self.buffers.get(&groups) else { return Ok(()) };
+                Work::Groups(buffer, (state.part(groups, call.at).0 * groups.spec().stride) as u64)
+            }
+        };
+        recorder.dispatch(&kernel, &bindings, call.push, work)
     }
+}
 
-    /// Runs the stage's kernel `part` once a level of the tree, children always before their parents.
-    pub fn climb(&mut self, part: &str, constants: &[u32]) -> Result<()> {
-        for level in self.object().schedule.upward() {
-            let range = Range { first: level.start, count: level.end - level.start };
-            self.dispatch(Some(part), constants, bytemuck::bytes_of(&range), range.count as usize)?;
-        }
-        Ok(())
-    }
+/// A dispatch as a stage asks for it.
+pub(super) struct Call<'a> {
+    pub(super) kernel: &'a str,
+    pub(super) constants: &'a [u32],
+    pub(super) push: &'a [u8],
+    pub(super) at: Place,
+    /// The buffer whose part begins with the number of groups, or the number of invocations.
+    pub(super) groups: std::result::Result<Slot, usize>,
 }

@@ -2,10 +2,12 @@
 
 mod device;
 mod objects;
+mod pass;
 mod schedule;
 
-pub use device::{DeviceState, Pass};
+pub use device::DeviceState;
 pub use objects::{Extent, Object};
+pub use pass::{Dispatch, Pass, dispatches};
 pub use schedule::{Chunk, Schedule};
 
 use crate::error::Result;

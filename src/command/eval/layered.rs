@@ -88,7 +88,7 @@ pub(super) fn evaluate(rows: &[Row], device: Option<&Device>) -> Result<Vec<[f64
     let Some(device) = device else {
         return Ok(rows.iter().map(|row| [radiance(&row.layers, row.lamp, row.eye), 0.0]).collect());
     };
-    let mut twin = DeviceState::new(device, false);
+    let mut twin = DeviceState::new(device, false)?;
     let steps: Vec<Step> = stage("relief").into_iter().map(|stage| Step { stage, at: Place::SCENE }).collect();
     let mut values = Vec::with_capacity(rows.len());
     for row in rows {

@@ -105,7 +105,7 @@ impl Pair {
 /// The form factors of these pairs by `evaluate` and by brute force.
 pub(super) fn run(pairs: &[Pair], device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 2]> {
     // One twin for all: its kernels are made once.
-    let mut twin = device.map(|device| DeviceState::new(device, false));
+    let mut twin = device.map(|device| DeviceState::new(device, false)).transpose()?;
     let mut evaluated = evaluate(pairs, twin.as_mut())?;
     if let Some(plant) = plant {
         plant.apply(&mut evaluated);
@@ -142,7 +142,7 @@ fn judge(pairs: &[Pair], exact: &[[f64; 3]], values: &[[f32; 3]]) -> Found {
 
 /// The form factors by the stage `evaluate` on a device or, without one, by its reference; radial distances.
 pub fn evaluated(pairs: &[Pair], device: Option<&Device>) -> Result<Vec<[f32; 3]>> {
-    evaluate(pairs, device.map(|device| DeviceState::new(device, false)).as_mut())
+    evaluate(pairs, device.map(|device| DeviceState::new(device, false)).transpose()?.as_mut())
 }
 
 fn evaluate(pairs: &[Pair], twin: Option<&mut DeviceState>) -> Result<Vec<[f32; 3]>> {

@@ -1,0 +1,153 @@
+//! `milkglass profile`: what each stage of a scene takes, does and moves, beside what the device can do.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+
+use super::{RunArguments, SceneArguments, check_messages, print, size, table, validation};
+use crate::error::Result;
+use crate::measure::profile::{Profile, Row, Settings, Spread, profile};
+use crate::render::plan::Change;
+use crate::view::picture::write_whole;
+
+/// Arguments of `profile`.
+#[derive(Args)]
+#[command(after_help = "Example: milkglass profile lotus --frames 21 --csv lotus.csv --trace lotus.json\n         \
+                        milkglass profile bunny.obj --change light --mode render")]
+pub struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    #[command(flatten)]
+    run: RunArguments,
+    /// Timed frames, after those that warm up.
+    #[arg(long, value_name = "N", default_value_t = 11, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    frames: u32,
+    /// What changes before each frame.
+    #[arg(long, value_enum, default_value_t)]
+    change: ChangeArgument,
+    /// Also write a row a stage to this file.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Also write everything to this file.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Also write the timed frames for chrome://tracing or ui.perfetto.dev.
+    #[arg(long, value_name = "FILE")]
+    trace: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum ChangeArgument {
+    /// Everything: a frame from scratch.
+    #[default]
+    Everything,
+    /// The lights.
+    Light,
+    /// The camera.
+    View,
+}
+
+/// Measures, prints, and writes what is asked for.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let scene = arguments.scene.load()?;
+    let device = arguments.run.device.open(validation())?;
+    let change = match arguments.change {
+        ChangeArgument::Everything => Change::EVERYTHING,
+        ChangeArgument::Light => Change::LIGHT,
+        ChangeArgument::View => Change::VIEW,
+    };
+    let settings = Settings { options: arguments.run.options(), change, frames: arguments.frames as usize };
+    let found = profile(&scene, device.as_ref(), &settings)?;
+    check_messages(device.as_ref())?;
+    print(&text(&found))?;
+    let write =
+        |path: &Path, text: String| write_whole(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()));
+    if let Some(path) = &arguments.csv {
+        write(path, found.csv()?)?;
+    }
+    if let Some(path) = &arguments.json {
+        write(path, format!("{:#}\n", found.json()))?;
+    }
+    if let Some(path) = &arguments.trace {
+        write(path, format!("{}\n", found.trace()))?;
+    }
+    Ok(())
+}
+
+/// A median with its spread.
+fn milliseconds(spread: Option<Spread>) -> [String; 2] {
+    let show = |s: Spread| [format!("{:.3}", s.median), format!("{:.3}..{:.3}", s.low, s.high)];
+    spread.map_or_else(|| ["-".into(), "-".into()], show)
+}
+
+/// A count in millions.
+fn millions(count: u64) -> String {
+    let millions = count as f64 * 1e-6;
+    if millions == 0.0 || millions >= 0.1 { format!("{millions:.1}") } else { format!("{millions:.4}") }
+}
+
+fn text(found: &Profile) -> String {
+    let mut text = format!("{}, {} frames, on {}, {}\n", found.scene, found.frames, found.device, found.driver);
+    let [wall, spread] = milliseconds(Some(found.wall));
+    text += &format!("a frame: {wall} ms from call to result ({spread})");
+    if let Some(sum) = found.on_device {
+        let [ms, spread] = milliseconds(Some(sum));
+        text += &format!(", {ms} ms of stages on the device ({spread})");
+    }
+    let of = if found.device == "cpu" { "bytes in buffers" } else { "device memory at most" };
+    text += &format!("\n{of}: {}\n", size(found.peak));
+    if let Some(rates) = &found.rates {
+        let (copy, fma, exp) = (rates.copy * 1e-9, rates.fma * 1e-9, rates.exp * 1e-9);
+        text += &format!(
+            "the device at best, measured now: copy {copy:.2} GB/s (read and written), {fma:.2} G FMA/s, {exp:.2} G exp/s\n"
+        );
+    }
+    text +=
+        "\ntimes in ms: median and from 10th to 90th percentile; wall: each step submitted and waited for by itself\n";
+    if found.rows.iter().any(|row| row.work.is_some()) {
+        text += "counted by the kernels themselves, in one more frame of the same bits: read and written: each byte bound once, \
+                 no more\nthan asked for; asked: by all loads and stores; in millions: additions and multiplications, \
+                 divisions and roots, exponentials\nand the like; then shares of copy, FMA and exp rate\n";
+    }
+    text.push('\n');
+    let rows: Vec<Vec<String>> = found.rows.iter().map(|row| cells(found, row)).collect();
+    let header = [
+        "stage",
+        "device",
+        "spread",
+        "wall",
+        "dispatches",
+        "read",
+        "written",
+        "asked",
+        "flop",
+        "div",
+        "exp",
+        "copy",
+        "fma",
+        "exp",
+    ];
+    text += &table(&header, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13], &rows);
+    found.notes.iter().for_each(|note| text += &format!("\n{note}\n"));
+    text
+}
+
+fn cells(found: &Profile, row: &Row) -> Vec<String> {
+    let [device, spread] = milliseconds(row.device);
+    let steps = if row.steps > 1 { format!(" in {} steps", row.steps) } else { String::new() };
+    let mut cells = vec![format!("{}{steps}", row.stage), device, spread, milliseconds(Some(row.wall))[0].clone()];
+    cells.push(row.dispatches.to_string());
+    cells.extend(row.work.map_or([const { String::new() }; 6].map(|_| "-".to_string()), |work| {
+        [
+            size(work.read),
+            size(work.written),
+            size(work.loaded + work.stored),
+            millions(work.flops),
+            millions(work.roots),
+            millions(work.exps),
+        ]
+    }));
+    let percent = |share: Option<f64>| share.map_or("-".into(), |share| format!("{:.1} %", 100.0 * share));
+    cells.extend(found.shares(row).map(percent));
+    cells
+}

@@ -1,0 +1,221 @@
+//! The profile of a scene: what each stage of a frame takes, does and moves, beside what the device can do at best.
+//!
+//! Times are those of whole frames, each stage between two timestamps. What a stage does is not estimated: one more frame
+//! runs with kernels whose blocks count how often they are run (`gpu::count`), and has to give the same bits.
+
+mod rates;
+mod sheet;
+mod spread;
+mod work;
+
+use std::time::Instant;
+
+pub use rates::{Rates, rates};
+pub use spread::Spread;
+pub use work::Work;
+
+use crate::error::{Error, Result};
+use crate::gpu::{Device, Timing};
+use crate::layout::Slot;
+use crate::render::octree;
+use crate::render::plan::{Change, Options, Transport};
+use crate::render::run::{Backend, Room, Session};
+use crate::scene::Scene;
+
+/// What is to be measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// How light travels, and what is kept.
+    pub options: Options,
+    /// What changes before each frame.
+    pub change: Change,
+    /// Frames that are timed, after those that warm up; at least 1.
+    pub frames: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { options: Options::default(), change: Change::EVERYTHING, frames: 11 }
+    }
+}
+
+/// A stage of the frame.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Its name.
+    pub stage: String,
+    /// Times it ran in a frame: once an object, chunk, group or batch.
+    pub steps: usize,
+    /// Dispatches of a frame; 0 on the CPU.
+    pub dispatches: usize,
+    /// Milliseconds of a frame by the device's timestamps; none where there are none, and of what runs on the host.
+    pub device: Option<Spread>,
+    /// Milliseconds by the host's clock: on a device submitted and waited for by itself, step by step.
+    pub wall: Spread,
+    /// What its kernels do in a frame; none on the CPU, and where the device takes no kernel that counts.
+    pub work: Option<Work>,
+}
+
+/// What was measured of a scene.
+#[derive(Clone, Debug)]
+pub struct Profile {
+    /// The scene's name.
+    pub scene: String,
+    /// The device's name, or `cpu`.
+    pub device: String,
+    /// The driver's name and version.
+    pub driver: String,
+    /// Frames that were timed.
+    pub frames: usize,
+    /// What the device can do at best; none on the CPU and without timestamps.
+    pub rates: Option<Rates>,
+    /// The stages, in the order of the frame.
+    pub rows: Vec<Row>,
+    /// Milliseconds of a frame from call to result.
+    pub wall: Spread,
+    /// The sum of the stages by the device's timestamps.
+    pub on_device: Option<Spread>,
+    /// Most bytes of device memory at once, the first frame and copies included; of the CPU the buffers' bytes.
+    pub peak: u64,
+    /// What there is to say besides: why something was not measured.
+    pub notes: Vec<String>,
+    /// Each timed frame: when it began and how long it took, by the host's clock in milliseconds, and its steps.
+    pub trace: Vec<(f64, f64, Vec<Timing>)>,
+}
+
+impl Row {
+    /// The time that shares are taken of, seconds: the device's own.
+    fn seconds(&self) -> Option<f64> {
+        self.device.map(|spread| spread.median * 1e-3).filter(|seconds| *seconds > 0.0)
+    }
+
+    /// Bytes that have to move, as a share of what the device's copy moves in that time.
+    pub fn share_of_copy(&self, rates: &Rates) -> Option<f64> {
+        Some((self.work?.read + self.work?.written) as f64 / self.seconds()? / rates.copy)
+    }
+
+    /// Additions and multiplications, two to a fused one, as a share of what the device does in that time.
+    pub fn share_of_fma(&self, rates: &Rates) -> Option<f64> {
+        Some(self.work?.flops as f64 / 2.0 / self.seconds()? / rates.fma)
+    }
+
+    /// Exponentials and the like likewise.
+    pub fn share_of_exp(&self, rates: &Rates) -> Option<f64> {
+        Some(self.work?.exps as f64 / self.seconds()? / rates.exp)
+    }
+}
+
+/// Measures a scene on a device, or on the CPU.
+pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> Result<Profile> {
+    if let Some(device) = device {
+        device.forget_peak();
+    }
+    let mut session = ready(scene, device, settings)?;
+    let found = timed(&mut [&mut session], settings)?;
+    let mut notes = Vec::new();
+    let peak = device.map_or(session.bytes(), |device| device.memory().1);
+    let rates = device.map(rates).transpose()?.flatten();
+    match device {
+        None => notes.push("on the CPU: the reference in f64, by the host's clock; no device is measured".into()),
+        Some(_) if rates.is_none() => {
+            notes.push("the queue has no timestamps: the host's clock only, no shares".into())
+        }
+        _ => {}
+    }
+    if settings.options.transport == Transport::Octree {
+        notes.push("the octree runs on the host".into());
+    }
+    let mut rows = rows(&mut session, &found[0], settings)?;
+    if let Some(device) = device {
+        match work::of(scene, &device.counting(), settings, &mut session) {
+            Ok(tallies) => rows.iter_mut().for_each(|row| row.work = tallies.get(row.stage.as_str()).copied()),
+            Err(Error::Device { doing, what }) => {
+                notes.push(format!("what stages do was not counted: {doing}: {what}"))
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    let device_of = |times: &Vec<Timing>| times.iter().map(|time| time.milliseconds).sum::<f64>();
+    let sums: Vec<f64> = found[0].iter().map(|(_, _, times)| device_of(times)).collect();
+    Ok(Profile {
+        scene: scene.name.clone(),
+        device: device.map_or("cpu", Device::name).to_string(),
+        driver: device.map_or("the f64 reference", Device::driver).to_string(),
+        frames: settings.frames,
+        rates,
+        rows,
+        wall: Spread::of(found[0].iter().map(|frame| frame.1).collect()),
+        on_device: device.is_some().then(|| Spread::of(sums)).filter(|spread| spread.median.is_finite()),
+        peak,
+        notes,
+        trace: found.into_iter().next().unwrap_or_default(),
+    })
+}
+
+/// A session whose next frames are all alike: lists have their room, pipelines are made.
+pub(super) fn ready(scene: &Scene, device: Option<&Device>, settings: &Settings) -> Result<Session> {
+    let mut session = Session::new(scene, device, settings.options, Room::default())?;
+    session.frame(Change::EVERYTHING)?;
+    if device.is_some() {
+        session.frame(settings.change)?;
+    }
+    Ok(session)
+}
+
+/// Frames of each session.
+pub(super) type Frames = Vec<(f64, f64, Vec<Timing>)>;
+
+/// Times frames of several sessions in turn, so that what disturbs one disturbs the others.
+pub(super) fn timed(sessions: &mut [&mut Session], settings: &Settings) -> Result<Vec<Frames>> {
+    let (begin, mut found) = (Instant::now(), vec![Vec::new(); sessions.len()]);
+    for _ in 0..settings.frames.max(1) {
+        for (session, frames) in sessions.iter_mut().zip(&mut found) {
+            let start = begin.elapsed().as_secs_f64() * 1e3;
+            let times = session.frame(settings.change)?;
+            frames.push((start, begin.elapsed().as_secs_f64() * 1e3 - start, times));
+        }
+    }
+    Ok(found)
+}
+
+/// Milliseconds of a stage in each frame.
+pub(super) fn of_stage(frames: &Frames, stage: &str) -> Vec<f64> {
+    let sum = |times: &Vec<Timing>| times.iter().filter(|time| time.name == stage).map(|time| time.milliseconds).sum();
+    frames.iter().map(|(_, _, times)| sum(times)).collect()
+}
+
+/// The stages in the order of their first step; what they do is not known yet.
+fn rows(session: &mut Session, frames: &Frames, settings: &Settings) -> Result<Vec<Row>> {
+    let on_device = matches!(session.backend, Backend::Gpu(_));
+    let dispatches = if on_device { session.dispatches(settings.change)? } else { Vec::new() };
+    let mut apart: Frames = Vec::new();
+    // Half of the frames once more, each stage by itself.
+    for _ in 0..if on_device { settings.frames.div_ceil(2) } else { 0 } {
+        apart.push((0.0, 0.0, session.apart(settings.change)?));
+    }
+    let mut rows: Vec<Row> = Vec::new();
+    for time in frames.first().map_or(&Vec::new(), |frame| &frame.2) {
+        if let Some(row) = rows.iter_mut().find(|row| row.stage == time.name) {
+            row.steps += 1;
+            continue;
+        }
+        let own = Spread::of(of_stage(frames, &time.name));
+        let stage = on_device && time.name != octree::NAME;
+        rows.push(Row {
+            stage: time.name.clone(),
+            steps: 1,
+            dispatches: dispatches.iter().filter(|dispatch| dispatch.stage == time.name).count(),
+            device: (stage && own.median.is_finite()).then_some(own),
+            wall: if stage { Spread::of(of_stage(&apart, &time.name)) } else { own },
+            work: None,
+        });
+    }
+    Ok(rows)
+}
+
+/// What a frame leaves behind: the bits of radiosity and picture.
+pub(super) fn result(session: &mut Session) -> Result<[Vec<u8>; 2]> {
+    let slots = [Slot::radiosity, Slot::radiance];
+    session.fetch(&slots)?;
+    Ok(slots.map(|slot| session.state().data.bytes(slot).to_vec()))
+}

@@ -1,0 +1,121 @@
+//! A profile as CSV, as JSON, and as a trace for Chrome or Perfetto.
+
+use serde_json::{Value, json};
+
+use super::{Profile, Row, Spread};
+use crate::error::{Error, Input, Result};
+
+/// The columns of the CSV.
+const COLUMNS: [&str; 24] = [
+    "scene",
+    "device",
+    "driver",
+    "frames",
+    "stage",
+    "steps",
+    "dispatches",
+    "device_ms",
+    "device_ms_p10",
+    "device_ms_p90",
+    "wall_ms",
+    "wall_ms_p10",
+    "wall_ms_p90",
+    "invocations",
+    "flops",
+    "divisions_roots",
+    "exps",
+    "bytes_read",
+    "bytes_written",
+    "bytes_loaded",
+    "bytes_stored",
+    "share_copy",
+    "share_fma",
+    "share_exp",
+];
+
+impl Profile {
+    /// The shares of copy, FMA and exp rate that a stage has.
+    pub fn shares(&self, row: &Row) -> [Option<f64>; 3] {
+        self.rates
+            .as_ref()
+            .map_or([None; 3], |rates| [row.share_of_copy(rates), row.share_of_fma(rates), row.share_of_exp(rates)])
+    }
+
+    /// One row a stage, empty where nothing was measured.
+    pub fn csv(&self) -> Result<String> {
+        let fault =
+            |error: &dyn std::fmt::Display| Error::from(Input::new(format!("the table could not be written: {error}")));
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(COLUMNS).map_err(|error| fault(&error))?;
+        for row in &self.rows {
+            let mut cells = vec![self.scene.clone(), self.device.clone(), self.driver.clone()];
+            cells.extend([
+                self.frames.to_string(),
+                row.stage.clone(),
+                row.steps.to_string(),
+                row.dispatches.to_string(),
+            ]);
+            for spread in [row.device, Some(row.wall)] {
+                let show =
+                    |of: fn(&Spread) -> f64| spread.as_ref().map_or_else(String::new, |spread| of(spread).to_string());
+                cells.extend([show(|s| s.median), show(|s| s.low), show(|s| s.high)]);
+            }
+            let counts =
+                row.work.map(|w| [w.invocations, w.flops, w.roots, w.exps, w.read, w.written, w.loaded, w.stored]);
+            cells.extend(counts.map_or([const { String::new() }; 8], |counts| counts.map(|count| count.to_string())));
+            cells.extend(self.shares(row).map(|share| share.map_or_else(String::new, |share| share.to_string())));
+            writer.write_record(&cells).map_err(|error| fault(&error))?;
+        }
+        let bytes = writer.into_inner().map_err(|error| fault(&error))?;
+        String::from_utf8(bytes).map_err(|error| fault(&error))
+    }
+
+    /// Everything; `null` where nothing was measured.
+    pub fn json(&self) -> Value {
+        let spread = |spread: Option<Spread>| spread.map(|s| json!({"median": s.median, "p10": s.low, "p90": s.high}));
+        let row = |row: &Row| {
+            let [copy, fma, exp] = self.shares(row);
+            let work = row.work.map(|w| {
+                json!({"invocations": w.invocations, "flops": w.flops, "divisions_roots": w.roots, "exps": w.exps,
+                       "bytes_read": w.read, "bytes_written": w.written, "bytes_loaded": w.loaded, "bytes_stored": w.stored})
+            });
+            json!({"stage": row.stage, "steps": row.steps, "dispatches": row.dispatches, "device_ms": spread(row.device),
+                   "wall_ms": spread(Some(row.wall)), "work": work,
+                   "share": {"copy": copy, "fma": fma, "exp": exp}})
+        };
+        json!({
+            "scene": self.scene, "device": self.device, "driver": self.driver, "frames": self.frames,
+            "frame_wall_ms": spread(Some(self.wall)), "frame_device_ms": spread(self.on_device),
+            "peak_bytes": self.peak,
+            "rates": self.rates.map(|r| json!({"copy_bytes_per_s": r.copy, "fma_per_s": r.fma, "exp_per_s": r.exp})),
+            "stages": self.rows.iter().map(row).collect::<Vec<_>>(),
+            "notes": self.notes,
+        })
+    }
+
+    /// The timed frames as trace events, microseconds: the host's on one track, the steps on another. A device's clock
+    /// is not the host's: its first step is shown as late as its last one lets it be within the frame.
+    pub fn trace(&self) -> Value {
+        let track = |id: u32, name: &str| json!({"ph": "M", "name": "thread_name", "pid": 1, "tid": id, "args": {"name": name}});
+        let mut events = vec![
+            json!({"ph": "M", "name": "process_name", "pid": 1, "args": {"name": format!("milkglass {}", self.scene)}}),
+            track(1, "host"),
+            track(2, &self.device),
+        ];
+        for (number, (start, length, steps)) in self.trace.iter().enumerate() {
+            let event = |name: &str, id: u32, at: f64, length: f64| json!({"ph": "X", "name": name, "pid": 1, "tid": id, "ts": at * 1e3, "dur": length * 1e3, "args": {"frame": number}});
+            events.push(event("frame", 1, *start, *length));
+            // Steps that do not know when they began follow one another.
+            let (mut placed, mut next) = (Vec::new(), 0.0);
+            for step in steps.iter().filter(|step| step.milliseconds.is_finite()) {
+                let at = if step.start.is_finite() { f64::max(step.start, next) } else { next };
+                placed.push((step, at));
+                next = at + step.milliseconds;
+            }
+            let late = (length - next).max(0.0);
+            events.extend(placed.iter().map(|(step, at)| event(&step.name, 2, start + late + at, step.milliseconds)));
+        }
+        json!({"displayTimeUnit": "ms", "traceEvents": events,
+               "otherData": {"device": self.device, "driver": self.driver}})
+    }
+}

@@ -1,0 +1,115 @@
+//! What the stages of a frame do and move, counted by kernels that count.
+
+use std::collections::BTreeMap;
+
+use super::{Settings, ready, result};
+use crate::error::{Error, Result};
+use crate::gpu::Device;
+use crate::gpu::count::Tally;
+use crate::layout::{SLOTS, Slot};
+use crate::render::run::{Backend, Session};
+use crate::scene::Scene;
+
+/// What a stage does in a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Work {
+    /// Invocations, whole groups.
+    pub invocations: u64,
+    /// Additions, subtractions and multiplications of floats, two in a fused one.
+    pub flops: u64,
+    /// Divisions and square roots.
+    pub roots: u64,
+    /// Exponentials, logarithms, circular functions.
+    pub exps: u64,
+    /// Bytes that have to come from memory at least: each one bound counts once, and no more than are asked for.
+    pub read: u64,
+    /// Bytes that have to go there likewise.
+    pub written: u64,
+    /// Bytes that loads ask for, repeated ones included.
+    pub loaded: u64,
+    /// Bytes that stores name.
+    pub stored: u64,
+}
+
+/// What each stage does in a frame of this scene, on a device that counts; the frame has to leave what `plain` has.
+pub(super) fn of(
+    scene: &Scene,
+    device: &Device,
+    settings: &Settings,
+    plain: &mut Session,
+) -> Result<BTreeMap<&'static str, Work>> {
+    let mut session = ready(scene, Some(device), settings)?;
+    tallies(&session)?;
+    session.frame(settings.change)?;
+    let counted = tallies(&session)?;
+    if result(&mut session)? != result(plain)? {
+        return Err(Error::device(
+            "counting what kernels do",
+            "kernels that count give other values than those that don't",
+        ));
+    }
+    let bound = bound(&session, settings)?;
+    let mut stages: BTreeMap<&'static str, Work> = BTreeMap::new();
+    for (stage, tally) in counted {
+        let work = stages.entry(stage).or_default();
+        (work.invocations, work.flops, work.roots, work.exps) =
+            (tally.invocations, tally.flops, tally.roots, tally.exps);
+        for (binding, [loaded, stored]) in tally.moved {
+            let Some(&slot) = SLOTS.get(binding as usize) else { continue };
+            let most = bound.get(&(stage, slot)).copied().unwrap_or_default();
+            work.loaded += loaded;
+            work.stored += stored;
+            work.read += loaded.min(most);
+            work.written += stored.min(most);
+        }
+    }
+    Ok(stages)
+}
+
+/// What the kernels of each stage have done since the last call.
+fn tallies(session: &Session) -> Result<BTreeMap<&'static str, Tally>> {
+    let Backend::Gpu(twin) = &session.backend else { return Ok(BTreeMap::new()) };
+    let mut stages: BTreeMap<&'static str, Tally> = BTreeMap::new();
+    for (kernel, tally) in twin.kernels().tallies()? {
+        let owner = session.plan.stages.iter().find(|stage| kernel.split('/').nth(1) == Some(stage.name));
+        if let Some(stage) = owner {
+            stages.entry(stage.name).or_default().add(&tally);
+        }
+    }
+    Ok(stages)
+}
+
+/// Bytes of each buffer that a stage binds in a frame, each counted once.
+fn bound(session: &Session, settings: &Settings) -> Result<BTreeMap<(&'static str, Slot), u64>> {
+    let mut ranges: BTreeMap<(&'static str, Slot), Vec<[u64; 2]>> = BTreeMap::new();
+    let mut seen = std::collections::BTreeSet::new();
+    for dispatch in session.dispatches(settings.change)? {
+        let at = (dispatch.at.object, dispatch.at.chunk, dispatch.at.group);
+        if seen.insert((dispatch.kernel.clone(), at)) {
+            for (slot, range, _) in dispatch.bound(session.state())? {
+                ranges.entry((dispatch.stage, slot)).or_default().push(range);
+            }
+        }
+    }
+    Ok(ranges.into_iter().map(|(key, ranges)| (key, union(ranges))).collect())
+}
+
+/// Bytes in any of these ranges.
+fn union(mut ranges: Vec<[u64; 2]>) -> u64 {
+    ranges.sort_unstable();
+    let (mut sum, mut end) = (0, 0);
+    for [first, last] in ranges {
+        sum += last.saturating_sub(first.max(end));
+        end = end.max(last);
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_byte_bound_twice_counts_once() {
+        assert_eq!(super::union(vec![[10, 20], [0, 4], [15, 25], [16, 18]]), 19);
+        assert_eq!(super::union(Vec::new()), 0);
+    }
+}

@@ -1,0 +1,126 @@
+//! What a stage records its dispatches with: on a device, or as a list of what it would dispatch.
+
+use super::device::{Call, DeviceState};
+use super::{Object, Place, State, Step};
+use crate::error::Result;
+use crate::gpu::{Recorder, accesses};
+use crate::layout::{Range, SLOTS, Slot};
+
+/// What a stage records its dispatches with.
+pub struct Pass<'a> {
+    /// The host's state: sizes, schedule and settings only; its contents may be older than the device's.
+    pub state: &'a State,
+    /// The part of the work at hand.
+    pub at: Place,
+    step: Step,
+    sink: Sink<'a>,
+}
+
+/// Where dispatches go.
+enum Sink<'a> {
+    Device(&'a DeviceState, &'a mut Recorder),
+    List(usize, &'a mut Vec<Dispatch>),
+}
+
+/// A dispatch that a step asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dispatch {
+    /// The stage.
+    pub stage: &'static str,
+    /// The kernel, `transport/gather/direct`.
+    pub kernel: String,
+    /// Its specialization constants 0, 1, ...
+    pub constants: Vec<u32>,
+    /// The part of the work.
+    pub at: Place,
+    /// Invocations; none where the device counts them itself.
+    pub invocations: Option<usize>,
+}
+
+impl Dispatch {
+    /// The bytes of each buffer that it binds, begin and end, and whether it reads and writes them.
+    pub fn bound(&self, state: &State) -> Result<Vec<(Slot, [u64; 2], [bool; 2])>> {
+        let range = |slot: Slot| {
+            let (first, count) = state.part(slot, self.at);
+            [first, first + count].map(|element| (element * slot.spec().stride) as u64)
+        };
+        let of = accesses(&self.kernel)?;
+        let known = of.iter().filter_map(|access| Some((*SLOTS.get(access.binding as usize)?, access)));
+        Ok(known.map(|(slot, access)| (slot, range(slot), [access.reads, access.writes])).collect())
+    }
+}
+
+/// What these steps dispatch on a device of this subgroup size, without a device.
+pub fn dispatches(state: &State, steps: &[Step], subgroup: usize) -> Result<Vec<Dispatch>> {
+    let mut found = Vec::new();
+    for step in steps {
+        let sink = Sink::List(subgroup, &mut found);
+        (step.stage.gpu)(&mut Pass { state, at: step.at, step: *step, sink })?;
+    }
+    Ok(found)
+}
+
+impl<'s> Pass<'s> {
+    /// For a step on a device.
+    pub(super) fn record(state: &'s State, step: Step, twin: &'s DeviceState, recorder: &'s mut Recorder) -> Self {
+        Self { state, at: step.at, step, sink: Sink::Device(twin, recorder) }
+    }
+
+    /// The object at hand.
+    pub fn object(&self) -> &'s Object {
+        self.state.object(self.at)
+    }
+
+    /// Invocations that run in lockstep on the device.
+    pub fn subgroup(&self) -> usize {
+        match &self.sink {
+            Sink::Device(twin, _) => twin.device().limits().subgroup_size.max(1) as usize,
+            Sink::List(size, _) => *size,
+        }
+    }
+
+    /// Runs the stage's own kernel for `count` invocations, or its kernel of the name `part`.
+    pub fn dispatch(&mut self, part: Option<&str>, constants: &[u32], push: &[u8], count: usize) -> Result<()> {
+        self.submit(part, constants, push, Err(count))
+    }
+
+    /// The same for as many groups as the first element of this buffer's part says: three numbers, written earlier.
+    pub fn dispatch_counted(&mut self, part: &str, constants: &[u32], push: &[u8], groups: Slot) -> Result<()> {
+        self.submit(Some(part), constants, push, Ok(groups))
+    }
+
+    fn submit(
+        &mut self,
+        part: Option<&str>,
+        constants: &[u32],
+        push: &[u8],
+        groups: std::result::Result<Slot, usize>,
+    ) -> Result<()> {
+        let (room, stage) = (self.step.stage.room, self.step.stage.name);
+        let kernel = match part {
+            Some(part) => format!("{room}/{stage}/{part}"),
+            None => format!("{room}/{stage}"),
+        };
+        match &mut self.sink {
+            Sink::Device(twin, recorder) => {
+                let call = Call { kernel: &kernel, constants, push, at: self.at, groups };
+                twin.submit(recorder, self.state, &call)?;
+            }
+            Sink::List(_, found) if groups != Err(0) => {
+                let (constants, invocations) = (constants.to_vec(), groups.err());
+                found.push(Dispatch { stage, kernel, constants, at: self.at, invocations });
+            }
+            Sink::List(..) => {}
+        }
+        Ok(())
+    }
+
+    /// Runs the stage's kernel `part` once a level of the tree, children always before their parents.
+    pub fn climb(&mut self, part: &str, constants: &[u32]) -> Result<()> {
+        for level in self.object().schedule.upward() {
+            let range = Range { first: level.start, count: level.end - level.start };
+            self.dispatch(Some(part), constants, bytemuck::bytes_of(&range), range.count as usize)?;
+        }
+        Ok(())
+    }
+}
