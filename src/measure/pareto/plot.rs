@@ -171,6 +171,8 @@ fn legend<DB: DrawingBackend>(
         text(root, &name, (x + 24, y), 13, &INK, HPos::Left)?;
         x += 80 + 7 * name.len() as i32;
     }
+    // Below the methods, of which there may be many.
+    let (x, y) = (74, y + 24);
     root.draw(&PathElement::new(vec![(x - 16, y), (x + 16, y)], BAND.stroke_width(10)))?;
     text(root, "Pareto front; hollow marks are off it", (x + 24, y), 13, &INK, HPos::Left)
 }

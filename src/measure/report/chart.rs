@@ -2,6 +2,7 @@
 
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::error::{Error, Result};
 
@@ -31,12 +32,17 @@ pub struct Line {
     pub mark: Mark,
     /// Its points; what is no number, or has no place on its axes, is left out.
     pub points: Vec<(f64, f64)>,
+    /// Its colour, where it is not the next one of the row.
+    pub color: Option<RGBColor>,
 }
+
+/// The colours of the channels.
+pub const CHANNELS: [RGBColor; 3] = [RGBColor(200, 45, 40), RGBColor(30, 140, 55), RGBColor(40, 80, 200)];
 
 impl Line {
     /// A line.
     pub fn new(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        Self { name: name.into(), mark: Mark::Line, points: points.into_iter().collect() }
+        Self { name: name.into(), mark: Mark::Line, points: points.into_iter().collect(), color: None }
     }
 
     /// Dots.
@@ -45,8 +51,10 @@ impl Line {
     }
 }
 
-/// Size of a plot, pixels: as wide as a phone's screen nearly is, so that its text stays legible there.
-const SIZE: (u32, u32) = (480, 380);
+/// Size of a plot without its legend, pixels: as wide as a phone's screen nearly is, so that its text stays legible there.
+const SIZE: (u32, u32) = (480, 360);
+/// Height of a line of the legend, which has two columns.
+const ROW: u32 = 20;
 /// Colours that people who see few of them can tell apart (Okabe and Ito).
 const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
@@ -61,16 +69,9 @@ const COLORS: [RGBColor; 7] = [
 /// The picture.
 pub fn chart(title: &str, x: Axis<'_>, y: Axis<'_>, lines: &[Line]) -> Result<String> {
     let placed = |&(a, b): &(f64, f64)| a.is_finite() && b.is_finite() && !(x.log && a <= 0.0) && !(y.log && b <= 0.0);
-    let kept: Vec<Line> = lines
-        .iter()
-        .map(|line| Line {
-            name: line.name.clone(),
-            mark: line.mark,
-            points: line.points.iter().copied().filter(placed).collect(),
-        })
-        .filter(|line| !line.points.is_empty())
-        .collect();
-    let all = || kept.iter().flat_map(|line| &line.points);
+    let kept: Vec<(&Line, Vec<(f64, f64)>)> =
+        lines.iter().map(|line| (line, line.points.iter().copied().filter(placed).collect())).collect();
+    let all = || kept.iter().flat_map(|(_, points)| points);
     let (wide, high) = (range(all().map(|p| p.0), x.log), range(all().map(|p| p.1), y.log));
     let mut picture = String::new();
     let drawn = match (x.log, y.log) {
@@ -107,16 +108,25 @@ fn short(number: &f64) -> String {
 
 type Drawn = std::result::Result<(), Box<dyn std::error::Error>>;
 
-fn draw<X, Y>(picture: &mut String, title: &str, axes: [Axis<'_>; 2], x: X, y: Y, lines: &[Line]) -> Drawn
+fn draw<X, Y>(
+    picture: &mut String,
+    title: &str,
+    axes: [Axis<'_>; 2],
+    x: X,
+    y: Y,
+    lines: &[(&Line, Vec<(f64, f64)>)],
+) -> Drawn
 where
     X: AsRangedCoord<Value = f64>,
     Y: AsRangedCoord<Value = f64>,
     X::CoordDescType: ValueFormatter<f64>,
     Y::CoordDescType: ValueFormatter<f64>,
 {
-    let root = SVGBackend::with_string(picture, SIZE).into_drawing_area();
+    let rows = if lines.len() > 1 { lines.len().div_ceil(2) as u32 } else { 0 };
+    let root = SVGBackend::with_string(picture, (SIZE.0, SIZE.1 + ROW * rows)).into_drawing_area();
     root.fill(&WHITE)?;
-    let mut chart = ChartBuilder::on(&root)
+    let (plane, legend) = root.split_vertically(SIZE.1);
+    let mut chart = ChartBuilder::on(&plane)
         .caption(title, ("sans-serif", 16))
         .margin(8)
         .margin_right(18)
@@ -135,25 +145,25 @@ where
         .axis_desc_style(("sans-serif", 14))
         .light_line_style(WHITE)
         .draw()?;
-    for (k, line) in lines.iter().enumerate() {
-        let color = COLORS[k % COLORS.len()];
+    let many = lines.iter().map(|(_, points)| points.len()).sum::<usize>() > 600;
+    for (k, (line, points)) in lines.iter().enumerate() {
+        let color = line.color.unwrap_or(COLORS[k % COLORS.len()]);
+        let (x, y) = (62 + 210 * (k as i32 % 2), (ROW as i32) * (k as i32 / 2) + ROW as i32 / 2);
         match line.mark {
             Mark::Line => {
-                let legend = move |(x, y)| PathElement::new([(x, y), (x + 14, y)], color.stroke_width(2));
-                let line_series = LineSeries::new(line.points.iter().copied(), color.stroke_width(2));
-                chart.draw_series(line_series)?.label(&line.name).legend(legend);
+                chart.draw_series(LineSeries::new(points.iter().copied(), color.stroke_width(2)))?;
+                legend.draw(&PathElement::new([(x, y), (x + 16, y)], color.stroke_width(2)))?;
             }
             Mark::Dots => {
-                let size = if line.points.len() > 300 { 1 } else { 3 };
-                let dots = line.points.iter().map(|&point| Circle::new(point, size, color.filled()));
-                let legend = move |(x, y)| Circle::new((x + 7, y), 3, color.filled());
-                chart.draw_series(dots)?.label(&line.name).legend(legend);
+                let size = if many { 1 } else { 3 };
+                chart.draw_series(points.iter().map(|&point| Circle::new(point, size, color.filled())))?;
+                legend.draw(&Circle::new((x + 8, y), 3, color.filled()))?;
             }
         }
-    }
-    if lines.len() > 1 {
-        let style = WHITE.mix(0.85).filled();
-        chart.configure_series_labels().label_font(("sans-serif", 13)).background_style(style).draw()?;
+        if rows > 0 {
+            let style = ("sans-serif", 13).into_font().color(&BLACK).pos(Pos::new(HPos::Left, VPos::Center));
+            legend.draw_text(&line.name, &style, (x + 22, y))?;
+        }
     }
     root.present()?;
     Ok(())

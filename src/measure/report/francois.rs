@@ -4,12 +4,11 @@ use super::chart::{Axis, Line, chart};
 use super::pictures::{Shot, scene};
 use super::{Bench, Page, Tone};
 use crate::error::Result;
-use crate::measure::layers::{Line as Measured, approximations, rules};
+use crate::measure::layers::{Line as Measured, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules};
+use crate::measure::median;
 use crate::render::plan::Transport;
 use crate::scene::Integration;
 
-/// Samples as in table 2.
-const SAMPLES: [u32; 3] = [10, 50, 100];
 const RULES: [(Integration, &str); 2] = [(Integration::Paper, "paper's rule"), (Integration::Exact, "ours")];
 
 fn named(rule: Integration) -> &'static str {
@@ -21,14 +20,21 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("Table 2: samples, error and time");
     page.say(
         "Error of the integration alone, against the same march converged, and in all, against the layered volume itself. The \
-         paper has frames a second with 10, 50 and 100 samples on a GeForce 7800 GTX: fish 126, 51, 20; gecko 120, 33, 16.",
+         paper's frames a second are of a GeForce 7800 GTX at 800 x 600.",
     );
     let size = bench.either([120, 90], [800, 600]);
     let (pixels, repeat) = bench.either((24, 3), (240, 7));
     let mut rows = Vec::new();
     for name in ["slab-layers", "fish", "gecko"] {
-        let lines = rules(&scene(name, size, &[])?, bench.device, &SAMPLES, pixels, repeat)?;
-        for line in &lines {
+        let samples: &[u32] = if name == "fish" { &SWEEP } else { &SAMPLES };
+        let lines = rules(&scene(name, size, &[])?, bench.device, samples, pixels, repeat)?;
+        for line in lines.iter().filter(|line| SAMPLES.contains(&line.samples)) {
+            let theirs = PAPER.iter().find(|(samples, ..)| *samples == line.samples && line.rule == Integration::Paper);
+            let theirs = theirs.and_then(|&(_, fish, gecko)| match name {
+                "fish" => Some(fish),
+                "gecko" => Some(gecko),
+                _ => None,
+            });
             rows.push(vec![
                 name.to_string(),
                 named(line.rule).into(),
@@ -37,38 +43,71 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
                 format!("{:.1e}", line.total),
                 format!("{:.2}", line.relief),
                 format!("{:.2}", line.view),
+                format!("{:.0}", 1e3 / line.view),
+                theirs.map_or(String::new(), |fps| fps.to_string()),
             ]);
         }
         if name == "fish" {
             let of = |rule: Integration| lines.iter().filter(move |line| line.rule == rule);
-            let error = |rule| Line::new(named(rule), of(rule).map(|line: &Measured| (line.relief, line.integration)));
-            page.plot(
-                &chart(
-                    "Fish: error of the integration by time",
-                    Axis { label: "stage relief, ms", log: true },
-                    Axis { label: "relative error, L2", log: true },
-                    &RULES.map(|(rule, _)| error(rule)),
+            let error = |by: fn(&Measured) -> f64| {
+                RULES.map(|(rule, name)| Line::new(name, of(rule).map(move |line| (by(line), line.integration))))
+            };
+            let y = Axis { label: "relative error, L2", log: true };
+            page.plots(&[
+                chart(
+                    "Figure 14: error by samples, fish",
+                    Axis { label: "samples", log: true },
+                    y,
+                    &error(|line| f64::from(line.samples)),
                 )?,
-                false,
-            );
+                chart(
+                    "Error by time, fish",
+                    Axis { label: "stage relief, ms", log: true },
+                    y,
+                    &error(|line| line.relief),
+                )?,
+            ]);
         }
         let at = |rule, samples| lines.iter().find(|line| line.rule == rule && line.samples == samples);
-        if let (Some(ours), Some(theirs), Some(same)) =
-            (at(Integration::Exact, 10), at(Integration::Paper, 100), at(Integration::Paper, 10))
-        {
-            let cost = ours.relief / same.relief;
+        if let (Some(ours), Some(theirs)) = (at(Integration::Exact, 10), at(Integration::Paper, 100)) {
             let tone = if ours.integration <= theirs.integration { Tone::Win } else { Tone::Loss };
+            let (ours, theirs) = (ours.integration, theirs.integration);
             page.find(
                 tone,
-                &format!(
-                    "{name}: 10 samples of ours err by {:.1e}, 100 of the paper's rule by {:.1e}; a sample costs {cost:.2} times as much",
-                    ours.integration, theirs.integration
-                ),
+                &format!("{name}: 10 samples of ours err by {ours:.1e}, 100 of the paper's rule by {theirs:.1e}"),
             );
         }
+        let cost =
+            |&samples: &u32| Some(at(Integration::Exact, samples)?.relief / at(Integration::Paper, samples)?.relief);
+        let costs: Vec<f64> = SAMPLES.iter().filter_map(cost).collect();
+        let cost = median(costs);
+        let tone = if cost <= 1.2 { Tone::Win } else { Tone::Loss };
+        page.find(tone, &format!("{name}: a sample of ours costs {cost:.2} of one of the paper's rule"));
     }
-    let header = ["scene", "rule", "samples", "L2 of integration", "L2 in all", "relief, ms", "a view, ms"];
+    let header = [
+        "scene",
+        "rule",
+        "samples",
+        "L2 of integration",
+        "L2 in all",
+        "relief, ms",
+        "a view, ms",
+        "views/s",
+        "paper's",
+    ];
     page.table("layers", &header, &rows)?;
+
+    page.head("Cost by lights");
+    let counts = bench.either(&[1, 2, 4][..], &[1, 2, 4, 8, 16]);
+    let costs = by_lights(&scene("fish", size, &[])?, bench.device, counts, repeat)?;
+    let row = |&(count, ms): &(u32, f64)| {
+        vec![count.to_string(), format!("{ms:.2}"), format!("{:.2}", ms / f64::from(count))]
+    };
+    page.table(
+        "layers-lights",
+        &["point lights", "relief, ms", "ms a light"],
+        &costs.iter().map(row).collect::<Vec<_>>(),
+    )?;
 
     page.head("Each approximation by itself");
     let mut rows = Vec::new();
@@ -79,7 +118,7 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     }
     page.table("layers-approximations", &["scene", "approximation", "L2"], &rows)?;
 
-    page.head("Figure 14: the fish by its samples");
+    page.head("The fish by its samples");
     let size = bench.either([240, 180], [480, 360]);
     for samples in SAMPLES {
         let shoot = |(rule, _): (Integration, &str)| {

@@ -117,7 +117,9 @@ impl Page {
             format!("<tr>{}</tr>\n", cells.enumerate().map(cell).collect::<String>())
         };
         self.body += "<div class=\"box\"><table>\n";
-        self.body += &line("th", &mut header.iter().copied());
+        if header.iter().any(|head| !head.is_empty()) {
+            self.body += &line("th", &mut header.iter().copied());
+        }
         for row in rows {
             self.body += &line("td", &mut row.iter().map(String::as_str));
         }
@@ -177,7 +179,7 @@ const HEAD: &str = r#"<!doctype html>
 body{font:16px/1.5 system-ui,sans-serif;color:#222;background:#fff;margin:0 auto;max-width:76rem;padding:0 1rem 4rem}
 h1{font-size:1.6rem;margin:1.2rem 0 .3rem}h2{font-size:1.3rem;margin:2.5rem 0 .5rem;border-top:1px solid #ccc;padding-top:1rem}
 h3{font-size:1.05rem;margin:1.5rem 0 .3rem}p{margin:.5rem 0;max-width:60rem}
-.box{overflow-x:auto;margin:.5rem 0;border:1px solid #ddd;border-radius:4px}
+.box{overflow-x:auto;width:fit-content;max-width:100%;margin:.5rem 0;border:1px solid #ddd;border-radius:4px}
 table{border-collapse:collapse;font-size:.85rem;font-variant-numeric:tabular-nums}
 th,td{text-align:left;padding:.2rem .6rem;border-bottom:1px solid #eee;white-space:nowrap;vertical-align:top}
 th{background:#f4f4f4}.r{text-align:right}pre{font-size:.78rem;line-height:1.35;margin:.5rem}
@@ -222,7 +224,7 @@ pub fn whole(title: &str, about: &[(&str, String)], sections: &[Written]) -> Str
         n => format!("<p class=\"fail\">{n} checks FAIL</p>\n<ul>\n"),
     };
     for section in sections {
-        let from = format!(" <a href=\"#{}\">{}</a>", section.name, escape(section.title));
+        let from = format!(" <a href=\"#{0}\">{0}</a>", section.name);
         for fault in &section.page.faults {
             text += &format!("<li class=\"loss\">FAILS: {}{from}</li>\n", escape(fault));
         }

@@ -1,6 +1,6 @@
 //! Mertens et al. 2003: figures 3 and 4 as plots, tables 3, 4 and 5 beside ours.
 
-use super::chart::{Axis, Line, chart};
+use super::chart::{Axis, CHANNELS, Line, chart};
 use super::{Bench, Page, Tone};
 use crate::error::Result;
 use crate::measure::tables::curves::{Point, TOLERANCES, figure_3, figure_4};
@@ -14,8 +14,13 @@ pub fn mertens(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.say("Base 10 mm, height 5 mm, its tip towards the receiver in its plane. Lines: to nearly all digits; dots: the paper's method.");
     let third = figure_3();
     let place = Axis { label: "receiver to tip, mm", log: false };
-    let mut lines = of_channels(&third, |p| p.exact, Line::new);
-    lines.extend(of_channels(&third, |p| p.paper.value, Line::dots));
+    let channel = |c: usize| {
+        let own = |of: fn(&Point) -> f64| third.iter().filter(move |p| p.channel == c).map(move |p| (p.place, of(p)));
+        let colored = |line: Line| Line { color: Some(CHANNELS[c]), ..line };
+        let exact = Line::new(NAMES[c], own(|p| p.exact));
+        [exact, Line::dots("paper's method", own(|p| p.paper.value))].map(colored)
+    };
+    let lines: Vec<Line> = (0..3).flat_map(channel).collect();
     let error = Axis { label: "relative error", log: true };
     let green = |points: &[Point], of: &dyn Fn(&Point) -> f64| -> Vec<(f64, f64)> {
         points.iter().filter(|p| p.channel == 1).map(|p| (p.place, of(p).abs())).collect()
@@ -79,15 +84,6 @@ pub fn mertens(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         page.say("Tables 4 and 5 and the larger models of table 3 are in the full report, and in `cargo bench --bench tables`.");
     }
     Ok(())
-}
-
-/// A line a channel.
-fn of_channels(points: &[Point], of: fn(&Point) -> f64, make: fn(String, Vec<(f64, f64)>) -> Line) -> Vec<Line> {
-    let one = |channel: usize| {
-        let own = points.iter().filter(|p| p.channel == channel).map(|p| (p.place, of(p)));
-        make(NAMES[channel].to_string(), own.collect())
-    };
-    (0..3).map(one).collect()
 }
 
 /// Every point as a file.

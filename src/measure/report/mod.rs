@@ -53,9 +53,11 @@ pub struct Section {
 pub static SECTIONS: &[Section] = &[
     Section { name: "devices", title: "Devices", write: setting::devices },
     Section { name: "plan", title: "What each scene needs", write: setting::plans },
+    Section { name: "profile", title: "What each stage takes", write: speed::profile },
     Section { name: "conform", title: "Does the device compute what the CPU does", write: checks::conform },
     Section { name: "stress", title: "Extreme cases", write: checks::stress },
     Section { name: "pareto", title: "Error against run time", write: speed::pareto },
+    Section { name: "modes", title: "What is kept from frame to frame", write: speed::modes },
     Section { name: "mertens", title: "Hierarchical dipole: Mertens et al. 2003", write: mertens::mertens },
     Section { name: "kubo", title: "Shading by curvature: Kubo et al. 2010", write: kubo::kubo },
     Section { name: "layers", title: "Layers beneath the surface: Francois et al. 2006", write: francois::francois },

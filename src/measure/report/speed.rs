@@ -1,8 +1,9 @@
-//! Error against run time.
+//! What takes how long: stage by stage, mode by mode, and error against run time, method by method.
 
 use super::{Bench, Page, Tone};
 use crate::error::Result;
 use crate::measure::pareto::{self, Lighting, METHODS, Norm, Origin, Reach, Settings, csv, ratios, svg, sweep};
+use crate::measure::{modes as kept, profile as stages};
 use crate::scene::Scene;
 
 /// Every method over its settings, in one run.
@@ -75,15 +76,101 @@ fn compared(ratio: &pareto::Ratio) -> Option<(f64, String)> {
         other => other,
     };
     (0..3).rev().find_map(|k| {
-        let (a, b) = match (theirs(ratio.times[k]), ratio.base[k]) {
-            (Reach::At(a), Reach::At(b)) => (a, b),
-            (Reach::At(a), Reach::Within(b)) if b <= a => (a, b),
-            (Reach::Within(a), Reach::At(b)) if a <= b => (a, b),
+        // A time that is only known to be at most so long decides where it is the shorter one, or both are.
+        let (a, b, bound) = match (theirs(ratio.times[k]), ratio.base[k]) {
+            (Reach::At(a), Reach::At(b)) => (a, b, ""),
+            (Reach::At(a), Reach::Within(b)) if b <= a => (a, b, ""),
+            (Reach::Within(a), Reach::At(b)) if a <= b => (a, b, ""),
+            (Reach::Within(a), Reach::Within(b)) => (a, b, " by the coarsest setting of either"),
             _ => return None,
         };
         let norm = if ratio.norm == Norm::L2 { "L2" } else { "p99" };
         let (error, target) = (ratio.against.name(), ["1e-2", "1e-3", "1e-4"][k]);
         let (ours, name) = (METHODS[0].name, ratio.method.name);
-        Some((a / b, format!("{norm} {target} {error}: {ours} {b:.1} ms, {name} {a:.1} ms")))
+        Some((a / b, format!("{norm} {target} {error}: {ours} {b:.1} ms, {name} {a:.1} ms{bound}")))
     })
+}
+
+/// What each stage takes, does and moves.
+pub fn profile(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
+    page.say(
+        "Times in ms: the median, and from the 10th to the 90th percentile. What a stage does is counted by its own kernels in one \
+         more frame of the same bits: bytes read and written count each byte bound once, and no more than asked for; millions of \
+         additions and multiplications, divisions and roots, exponentials and the like. Shares are of this device's own rates, \
+         measured in the same run.",
+    );
+    for name in bench.either(&["sphere"][..], &["sphere", "lotus", "fish", "bust"]) {
+        let settings = stages::Settings { frames: bench.either(5, 11), ..stages::Settings::default() };
+        let found = stages::profile(&Scene::load(name, &[])?, bench.device, &settings)?;
+        page.head(&format!("{name}: a frame from scratch, {:.2} ms by the host's clock", found.wall.median));
+        if let Some(rates) = &found.rates {
+            let (copy, fma, exp) = (rates.copy * 1e-9, rates.fma * 1e-9, rates.exp * 1e-9);
+            page.say(&format!(
+                "The device at best: copy {copy:.2} GB/s (read and written), {fma:.2} G FMA/s, {exp:.2} G exp/s. Most memory at \
+                 once: {:.1} MiB.",
+                found.peak as f64 / 1_048_576.0
+            ));
+        }
+        found.notes.iter().for_each(|note| page.say(note));
+        let row = |row: &stages::Row| {
+            let time = row.device.unwrap_or(row.wall);
+            let mut cells = vec![
+                row.stage.clone(),
+                format!("{:.3}", time.median),
+                format!("{:.3} to {:.3}", time.low, time.high),
+                row.dispatches.to_string(),
+            ];
+            cells.extend(row.work.map_or([const { String::new() }; 5], |work| {
+                let million = |count: u64| format!("{:.3}", count as f64 * 1e-6);
+                [work.read, work.written, work.flops, work.roots, work.exps].map(million)
+            }));
+            let percent = |share: Option<f64>| share.map_or(String::new(), |share| format!("{:.1}", 100.0 * share));
+            cells.extend(found.shares(row).map(percent));
+            cells
+        };
+        let header = [
+            "stage",
+            "ms",
+            "spread",
+            "dispatches",
+            "read, MB",
+            "written, MB",
+            "M flop",
+            "M div",
+            "M exp",
+            "copy, %",
+            "fma, %",
+            "exp, %",
+        ];
+        page.small_table(&header, &found.rows.iter().map(row).collect::<Vec<_>>());
+        page.file(&format!("profile-{name}.csv"), found.csv()?.into_bytes());
+    }
+    Ok(())
+}
+
+/// What each mode costs after each change.
+pub fn modes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
+    page.say(&format!(
+        "Each change is made before each frame; a bump alters {} % of the triangles. Of scratch: the time over that of a frame \
+         on-the-fly in which every vertex has moved. Links are entries of all lists; form factors, what the last frame computed. \
+         The paper has 0.49 for incremental and 0.28 for render in its table 3, at 131,736 triangles.",
+        100.0 * kept::LOCAL
+    ));
+    let mut rows = Vec::new();
+    for name in bench.either(&["sphere"][..], &["sphere", "lotus"]) {
+        let sets: &[String] = if bench.quick { &["object.0.detail=3".into()] } else { &[] };
+        let found = kept::rows(bench.device, &Scene::load(name, sets)?, bench.either(3, 7))?;
+        for row in found.iter().filter(|row| row.mode == "render" && row.change == "light") {
+            let tone = if row.ratio <= 1.0 { Tone::Win } else { Tone::Loss };
+            let (scheme, ratio) = (row.scheme, row.ratio);
+            page.find(
+                tone,
+                &format!(
+                    "{name}, {scheme}: a new light in mode render costs {ratio:.2} of a frame from scratch (paper 0.28)"
+                ),
+            );
+        }
+        rows.extend(found.iter().map(|row| row.cells().to_vec()));
+    }
+    page.table("modes", &kept::Row::HEADS, &rows)
 }
