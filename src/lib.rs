@@ -25,7 +25,7 @@
 //!
 //! - [`command`]: one thin file a subcommand.
 //! - [`measure`]: conformance, error norms, the brute-force reference, error against run time, the extreme cases,
-//!   the tables of Mertens et al. beside ours.
+//!   the tables of the papers beside ours, numerical error beside the model's, and a report of it all.
 //! - [`render`]: from a scene to the stages it needs, the table of stages, and their run on the CPU or a device.
 //! - [`transport`]: Mertens et al., made to meet an error. [`baseline`]: the same as published, brute force, an octree.
 //!   [`layers`]: Francois et al., subsurface texture mapping. [`local`]: shading by the place alone, Kubo et al.

@@ -10,7 +10,7 @@ use crate::scene::PRESETS;
 
 /// Every preset, every channel.
 pub fn accuracy(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
-    let effort = Effort { photons: bench.either(10_000, 200_000), samples: 100, detail: bench.either(3, 5), seed: 1 };
+    let effort = Effort { photons: bench.either(5_000, 200_000), samples: 100, detail: bench.either(3, 5), seed: 1 };
     page.say(&format!(
         "Numerical error: our radiosity against brute force in f64 over the same triangles, L2, worst channel, on a ball of {PATHS} \
          mean free paths in the sun. Model error: the dipole against a random walk of {} photons with even scattering by the reduced \

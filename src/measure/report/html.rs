@@ -221,6 +221,7 @@ pub fn whole(title: &str, about: &[(&str, String)], sections: &[Written]) -> Str
     let faults: usize = sections.iter().map(|section| section.page.faults.len()).sum();
     text += &match faults {
         0 => "<p>Every check passes. Wins (+) and losses (\u{2212}):</p>\n<ul>\n".to_string(),
+        1 => "<p class=\"fail\">1 check FAILS</p>\n<ul>\n".to_string(),
         n => format!("<p class=\"fail\">{n} checks FAIL</p>\n<ul>\n"),
     };
     for section in sections {

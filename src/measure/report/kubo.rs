@@ -31,7 +31,7 @@ pub fn kubo(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
 
 /// How fine the built-in scenes are: the scene's own settings, or coarser ones for a quick report.
 fn coarser(bench: &Bench<'_>) -> &'static [&'static str] {
-    bench.either(&["object.0.detail=48"], &[])
+    bench.either(&["object.0.detail=64"], &[])
 }
 
 /// f over the angle, as in figures 4 and 7.

@@ -121,7 +121,7 @@ mod tests {
         let made = report(&bench, &sections.each_ref(), &mut |name| told.push(name.to_string()));
         assert_eq!((told, made.faults), (vec!["bad".into(), "good".into()], vec!["bad: it broke".to_string()]));
         for words in
-            ["1 checks FAIL", "so far so good", "FAILS: it broke", "slower than &lt;that&gt;", "<td class=\"r\">1.5"]
+            ["1 check FAILS", "so far so good", "FAILS: it broke", "slower than &lt;that&gt;", "<td class=\"r\">1.5"]
         {
             assert!(made.page.contains(words), "{words}");
         }

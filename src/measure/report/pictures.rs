@@ -80,13 +80,20 @@ pub fn scene(name: &str, [width, height]: [u32; 2], sets: &[&str]) -> Result<Sce
 /// What FLIP may say of two pictures that are the same but for rounding: far below what can be seen.
 const SAME: f64 = 5e-3;
 
+/// Triangles from which on a quick report leaves a scene out.
+const LARGE: usize = 100_000;
+
 /// Every built-in scene by the device and by the CPU's reference, and what is between them.
 pub fn scenes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let side = bench.either(144, 240);
     page.say("FLIP is the mean of NVIDIA's perceptual difference, 0 to 1, beside its map: black where two pictures are the same.");
-    let (mut rows, mut worst) = (Vec::new(), 0.0f64);
+    let (mut rows, mut worst, mut left) = (Vec::new(), 0.0f64, Vec::new());
     for (name, _, about) in BUILTIN {
         let scene = scene(name, [side; 2], &[])?;
+        if bench.quick && scene.objects.iter().map(|object| object.mesh.triangles.len()).sum::<usize>() > LARGE {
+            left.push(*name);
+            continue;
+        }
         let reference = Shot::take(&scene, None, Transport::Hierarchy)?;
         page.head(&format!("{name}: {about}"));
         let Some(device) = bench.device else {
@@ -114,6 +121,9 @@ pub fn scenes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
                 "{name}: the device's picture is FLIP {mean:.1e} from the reference, beyond {SAME:.0e}"
             ));
         }
+    }
+    if !left.is_empty() {
+        page.say(&format!("Left out, for they take the CPU long: {}. The full report has them.", left.join(", ")));
     }
     if rows.is_empty() {
         return Ok(());

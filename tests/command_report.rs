@@ -1,0 +1,100 @@
+//! `milkglass report` from outside: a page that is whole, refers to nothing outside, and what is refused.
+
+mod shell;
+
+use milkglass::measure::report::SECTIONS;
+use shell::{bad, folder, good, names, read};
+
+/// Tags that have no end.
+const VOID: [&str; 4] = ["meta", "link", "img", "!doctype"];
+
+/// The names of all tags that are open where another one ends, or at the end.
+fn unbalanced(page: &str) -> Vec<String> {
+    let (mut open, mut faults): (Vec<&str>, Vec<String>) = (Vec::new(), Vec::new());
+    for part in page.split('<').skip(1) {
+        let tag = part.split('>').next().unwrap();
+        let name = tag.trim_start_matches('/').split(|c: char| c.is_whitespace() || c == '/').next().unwrap();
+        if tag.starts_with('/') {
+            if open.pop() != Some(name) {
+                faults.push(format!("</{name}>"));
+            }
+        } else if !tag.ends_with('/') && !VOID.contains(&name) {
+            open.push(name);
+        }
+    }
+    faults.extend(open.into_iter().map(String::from));
+    faults
+}
+
+/// The values of an attribute.
+fn values<'a>(page: &'a str, attribute: &str) -> Vec<&'a str> {
+    page.split(&format!("{attribute}=\"")).skip(1).map(|rest| rest.split('"').next().unwrap()).collect()
+}
+
+#[test]
+fn a_page_that_needs_nothing_else() {
+    let here = folder(&[]);
+    let (out, err) = good(&here, "report -o r --quick --only devices,plan,layers");
+    assert_eq!((out.trim(), err.contains("layers")), ("r/index.html", false), "{err}");
+    let page = read(&here, "r/index.html");
+    assert_eq!(unbalanced(&page), Vec::<String>::new());
+    for name in ["devices", "plan", "layers"] {
+        assert!(
+            page.contains(&format!("<section id=\"{name}\">")) && page.contains(&format!("href=\"#{name}\"")),
+            "{name}"
+        );
+    }
+    assert!(!page.contains("id=\"stress\""), "only what was asked for");
+    // Nothing is fetched, nothing runs.
+    for word in ["http:", "https:", "<script", "url(", "@import", "<iframe", "javascript"] {
+        assert!(!page.contains(word), "{word}");
+    }
+    let pictures = values(&page, "src");
+    assert!(pictures.len() >= 9 && pictures.iter().all(|src| src.starts_with("data:image/png;base64,iVBOR")));
+    let files = names(&here.path().join("r"));
+    for href in values(&page, "href") {
+        assert!(href.starts_with('#') || href == "data:," || files.iter().any(|file| file == href), "{href}");
+    }
+    assert!(page.matches("<svg").count() >= 2 && page.contains("name=\"viewport\""));
+    for words in ["Error by time, fish", "stage relief, ms", "paper&#39;s rule"] {
+        assert!(page.contains(words) || page.contains(&words.replace("&#39;", "'")), "{words}");
+    }
+    // The files have what the tables show.
+    let csv = read(&here, "r/layers.csv");
+    assert!(csv.starts_with("scene,rule,samples,") && csv.lines().count() == 1 + 3 * 2 * 3, "{csv}");
+    assert!(files.iter().any(|file| file == "plan.csv") && read(&here, "r/plan.csv").contains("\nlotus,"));
+
+    // Again, with less: the page is replaced, and what is not this report's own is left alone.
+    std::fs::write(here.path().join("r/notes.txt"), "mine").unwrap();
+    good(&here, "report -o r --only devices,conform --device cpu");
+    let page = read(&here, "r/index.html");
+    assert!(page.contains("The CPU is the reference itself") && !page.contains("id=\"layers\""));
+    assert_eq!(unbalanced(&page), Vec::<String>::new());
+    assert_eq!((read(&here, "r/notes.txt").as_str(), names(here.path())), ("mine", vec!["r".to_string()]));
+}
+
+#[test]
+fn an_unbalanced_page_is_seen() {
+    assert_eq!(unbalanced("<p>a<b>c</b></p><img src=x><path d/>"), Vec::<String>::new());
+    assert_eq!(unbalanced("<div><p>a</div>"), ["</div>", "div"]);
+}
+
+#[test]
+fn what_can_not_be_done_is_refused_before_anything_is_measured() {
+    let here = folder(&[("file", "text"), ("other.txt", "")]);
+    bad(&here, "report -o file", 2, &["-o: not a folder", "found file", "expected"]);
+    bad(&here, "report -o .", 2, &["not written over", "an earlier report"]);
+    bad(&here, "report -o no/such", 2, &["-o: the folder can't be written", "found no/such"]);
+    bad(&here, "report -o /proc/report", 2, &["-o: the folder can't be written"]);
+    bad(&here, "report -o r --only devices,colours", 2, &["--only: no such section; found colours", "pareto, modes"]);
+    bad(&here, "report -o r --device nothing", 3, &["looking for device \"nothing\""]);
+    bad(&here, "report", 2, &["-o"]);
+}
+
+#[test]
+fn the_readme_names_every_section() {
+    let readme = std::fs::read_to_string("README.md").unwrap();
+    for section in SECTIONS {
+        assert!(readme.contains(&format!("| `{}` |", section.name)), "README's table lacks section {}", section.name);
+    }
+}
