@@ -39,6 +39,8 @@ impl Tone {
 pub struct Shown {
     /// Its caption.
     pub label: String,
+    /// Its width, pixels.
+    pub width: u32,
     /// The PNG file.
     pub png: Vec<u8>,
 }
@@ -151,11 +153,11 @@ impl Page {
     pub fn pictures(&mut self, pictures: &[Shown]) {
         use base64::Engine;
         self.body += "<div class=\"row\">\n";
-        for Shown { label, png } in pictures {
+        for Shown { label, width, png } in pictures {
             let data = base64::engine::general_purpose::STANDARD.encode(png);
             let label = escape(label);
             self.body += &format!(
-                "<figure><img alt=\"{label}\" src=\"data:image/png;base64,{data}\"><figcaption>{label}</figcaption></figure>\n"
+                "<figure style=\"max-width:min(100%,{width}px)\"><img alt=\"{label}\" src=\"data:image/png;base64,{data}\"><figcaption>{label}</figcaption></figure>\n"
             );
         }
         self.body += "</div>\n";
@@ -184,7 +186,7 @@ table{border-collapse:collapse;font-size:.85rem;font-variant-numeric:tabular-num
 th,td{text-align:left;padding:.2rem .6rem;border-bottom:1px solid #eee;white-space:nowrap;vertical-align:top}
 th{background:#f4f4f4}.r{text-align:right}pre{font-size:.78rem;line-height:1.35;margin:.5rem}
 .row{display:flex;flex-wrap:wrap;gap:.8rem;align-items:flex-start}.plot{max-width:100%}.plot svg{max-width:100%;height:auto}
-figure{margin:0;max-width:100%}img{display:block;max-width:100%;background:#000}figcaption{font-size:.8rem;color:#555;max-width:16rem}
+figure{margin:0}img{display:block;max-width:100%;background:#000}figcaption{font-size:.8rem;color:#555}
 .file{font-size:.8rem;margin:.1rem 0}.fail{background:#b00020;color:#fff;padding:.4rem .6rem;border-radius:4px}
 .win{color:#05603a}.loss{color:#a12d00}.note,.took{color:#555}.took{font-size:.8rem}
 nav a{display:inline-block;margin:.15rem .8rem .15rem 0}a{color:#0b57a4}details{margin:.4rem 0}summary{cursor:pointer}

@@ -99,7 +99,7 @@ fn table(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         page.find(
             tone,
             &format!(
-                "{name}: curvature of {} vertices takes {:.2} ms, {share:.3} of a solve of the hierarchy (aim: 0.2)",
+                "{name}: curvature of {} vertices takes {:.2} ms, {share:.1e} of a solve of the hierarchy (aim: 0.2)",
                 bend.vertices, bend.curvature
             ),
         );

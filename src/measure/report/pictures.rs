@@ -39,7 +39,7 @@ impl Shot {
 
     /// On the page.
     pub fn show(&self, label: impl Into<String>) -> Result<Shown> {
-        Ok(Shown { label: label.into(), png: png(self.size, &self.bytes)? })
+        Ok(Shown { label: label.into(), width: self.size[0], png: png(self.size, &self.bytes)? })
     }
 
     /// FLIP's mean error of this against another of the same size, and its map: black the same, yellow far.
