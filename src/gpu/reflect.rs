@@ -1,5 +1,7 @@
 //! What a kernel binds and takes, read from its SPIR-V: no binding, size or group is written twice.
 
+use std::collections::BTreeMap;
+
 use spirq::prelude::*;
 use spirq::spirv::ExecutionMode;
 use spirq::ty::{AccessType, DescriptorType, Type};
@@ -44,9 +46,20 @@ pub(super) fn words_of(name: &str) -> Result<Vec<u32>> {
 pub(super) struct Reflected {
     pub(super) accesses: Vec<Access>,
     types: Vec<Type>,
+    /// Bytes from one element to the next, by binding.
+    pub(super) strides: BTreeMap<u32, usize>,
     pub(super) push_bytes: u32,
     pub(super) group: u32,
     pub(super) constants: usize,
+}
+
+/// Bytes from one element of a buffer to the next.
+fn stride(ty: &Type) -> Option<usize> {
+    let Type::Struct(whole) = ty else { return None };
+    match &whole.members.last()?.ty {
+        Type::Array(array) => array.stride,
+        _ => None,
+    }
 }
 
 pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
@@ -57,7 +70,14 @@ pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
         .reflect()
         .map_err(|error| Error::device(doing(), format!("{error:?}")))?;
     let entry = entries.first().ok_or_else(|| Error::device(doing(), "it has no entry point"))?;
-    let mut found = Reflected { accesses: Vec::new(), types: Vec::new(), push_bytes: 0, group: 0, constants: 0 };
+    let mut found = Reflected {
+        accesses: Vec::new(),
+        types: Vec::new(),
+        strides: BTreeMap::new(),
+        push_bytes: 0,
+        group: 0,
+        constants: 0,
+    };
     for variable in &entry.vars {
         match variable {
             Variable::Descriptor { desc_bind, desc_ty: DescriptorType::StorageBuffer(access), ty, .. } => {
@@ -66,6 +86,7 @@ pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
                     reads: *access != AccessType::WriteOnly,
                     writes: *access != AccessType::ReadOnly,
                 });
+                found.strides.extend(stride(ty).map(|stride| (desc_bind.bind(), stride)));
                 found.types.push(ty.clone());
             }
             Variable::Descriptor { name: which, .. } => {

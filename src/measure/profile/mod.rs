@@ -152,6 +152,40 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
     })
 }
 
+/// A stage on two devices, or all of the frame.
+#[derive(Clone, Debug)]
+pub struct Against {
+    /// The stage, `stages` for the sum of all, or `frame` from call to result.
+    pub what: String,
+    /// Milliseconds before and after.
+    pub times: [Spread; 2],
+    /// The ratio of the medians, after to before.
+    pub ratio: f64,
+}
+
+/// Times frames on two devices in turn, such as one and the same with and without a replaced kernel.
+pub fn against(scene: &Scene, devices: [&Device; 2], settings: &Settings) -> Result<Vec<Against>> {
+    let [mut before, mut after] =
+        [ready(scene, Some(devices[0]), settings)?, ready(scene, Some(devices[1]), settings)?];
+    let found = timed(&mut [&mut before, &mut after], settings)?;
+    let row = |what: &str, values: [Vec<f64>; 2]| {
+        let times = values.map(Spread::of);
+        Against { what: what.to_string(), times, ratio: times[1].median / times[0].median }
+    };
+    let both = |of: &dyn Fn(&Frames) -> Vec<f64>| [of(&found[0]), of(&found[1])];
+    let mut rows: Vec<Against> = Vec::new();
+    for time in found[0].first().map_or(&Vec::new(), |frame| &frame.2) {
+        if !rows.iter().any(|row| row.what == time.name) {
+            rows.push(row(&time.name, both(&|frames| of_stage(frames, &time.name))));
+        }
+    }
+    let all = |frames: &Frames| frames.iter().map(|frame| frame.2.iter().map(|time| time.milliseconds).sum()).collect();
+    rows.push(row("stages", both(&all)));
+    rows.retain(|row| row.ratio.is_finite());
+    rows.push(row("frame", both(&|frames| frames.iter().map(|frame| frame.1).collect())));
+    Ok(rows)
+}
+
 /// A session whose next frames are all alike: lists have their room, pipelines are made.
 pub(super) fn ready(scene: &Scene, device: Option<&Device>, settings: &Settings) -> Result<Session> {
     let mut session = Session::new(scene, device, settings.options, Room::default())?;
