@@ -4,7 +4,7 @@
 //! `cargo bench --bench local -- bunny.obj` takes other scenes. Kernels take turns, and medians are compared.
 
 use milkglass::error::Result;
-use milkglass::gpu::{Device, Instance};
+use milkglass::gpu::Device;
 use milkglass::render::plan::{Change, Options, Transport};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::{Cdrf, Scene};
@@ -24,13 +24,11 @@ fn median(mut times: Vec<f64>) -> f64 {
 }
 
 fn run() -> Result<()> {
-    let instance = Instance::open(false)?;
-    let Some(adapter) = instance.adapters()?.into_iter().find(|adapter| adapter.unusable.is_none()) else {
+    let Some(device) = Device::first()? else {
         println!("no usable Vulkan device");
         return Ok(());
     };
-    let device = Device::open(&instance, &adapter)?;
-    println!("{}, {}", adapter.name, adapter.driver);
+    println!("{}, {}", device.name(), device.driver());
     let named: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
     let names = if named.is_empty() { vec!["sphere".to_string()] } else { named };
     println!("{:<20} {:<12} {:>9} {:>9}", "scene, 1024 x 1024", "function", "ms", "/ lambert");

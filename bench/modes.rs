@@ -4,7 +4,7 @@
 //! `cargo bench --bench modes -- bunny.obj lotus` takes other scenes.
 
 use milkglass::error::Result;
-use milkglass::gpu::{Device, Instance};
+use milkglass::gpu::Device;
 use milkglass::layout::Slot;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
@@ -39,13 +39,11 @@ fn links(session: &mut Session) -> Result<u64> {
 }
 
 fn run() -> Result<()> {
-    let instance = Instance::open(false)?;
-    let Some(adapter) = instance.adapters()?.into_iter().find(|adapter| adapter.unusable.is_none()) else {
+    let Some(device) = Device::first()? else {
         println!("no usable Vulkan device");
         return Ok(());
     };
-    let device = Device::open(&instance, &adapter)?;
-    println!("{}, {}", adapter.name, adapter.driver);
+    println!("{}, {}", device.name(), device.driver());
     let mut names: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
     if names.is_empty() {
         names = vec!["sphere".into(), "lotus".into()];

@@ -23,7 +23,7 @@ pub use kernel::{Kernel, Kernels};
 pub use memory::Buffer;
 pub use record::Timing;
 pub(crate) use record::{Recorder, Work};
-pub use reflect::{Access, accesses, kernel_names, reflect_records, spirv};
+pub use reflect::{Access, accesses, constants, kernel_names, reflect_records, spirv};
 pub use replace::{replacement, source, sources};
 
 use ash::vk;

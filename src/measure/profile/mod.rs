@@ -107,14 +107,17 @@ impl Row {
 
 /// Measures a scene on a device, or on the CPU.
 pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> Result<Profile> {
+    // Before the frames and after them, for what else slows the device now and then.
+    let earlier = device.map(rates).transpose()?.flatten();
     if let Some(device) = device {
         device.forget_peak();
     }
     let mut session = ready(scene, device, settings)?;
     let found = timed(&mut [&mut session], settings)?;
-    let mut notes = Vec::new();
     let peak = device.map_or(session.bytes(), |device| device.memory().1);
-    let rates = device.map(rates).transpose()?.flatten();
+    let later = device.map(rates).transpose()?.flatten();
+    let rates = earlier.zip(later).map(|(one, other)| one.best(other));
+    let mut notes = Vec::new();
     match device {
         None => notes.push("on the CPU: the reference in f64, by the host's clock; no device is measured".into()),
         Some(_) if rates.is_none() => {
@@ -247,9 +250,11 @@ fn rows(session: &mut Session, frames: &Frames, settings: &Settings) -> Result<V
     Ok(rows)
 }
 
-/// What a frame leaves behind: the bits of radiosity and picture.
-pub(super) fn result(session: &mut Session) -> Result<[Vec<u8>; 2]> {
-    let slots = [Slot::radiosity, Slot::radiance];
-    session.fetch(&slots)?;
-    Ok(slots.map(|slot| session.state().data.bytes(slot).to_vec()))
+/// What a frame leaves behind, bit for bit: the picture, or radiosity where none is made. Of receivers at pixels the radiosity
+/// of places that no pixel shows is never written.
+pub(super) fn result(session: &mut Session) -> Result<Vec<u8>> {
+    let pictured = !session.state().data.radiance.is_empty();
+    let slot = if pictured { Slot::radiance } else { Slot::radiosity };
+    session.fetch(&[slot])?;
+    Ok(session.state().data.bytes(slot).to_vec())
 }

@@ -29,6 +29,14 @@ const LONG: f64 = 5.0;
 const FACTORS: [f32; 2] = [0.999, 0.01];
 const STEP: f32 = 0.002;
 
+impl Rates {
+    /// The better of two measurements: what slows a device makes no rate of it.
+    #[must_use]
+    pub fn best(self, other: Self) -> Self {
+        Self { copy: self.copy.max(other.copy), fma: self.fma.max(other.fma), exp: self.exp.max(other.exp) }
+    }
+}
+
 /// Measures a device; none without timestamps.
 pub fn rates(device: &Device) -> Result<Option<Rates>> {
     if device.limits().timestamp_period <= 0.0 {

@@ -1,12 +1,13 @@
 //! What the stages of a frame do and move, counted by kernels that count.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Settings, ready, result};
 use crate::error::{Error, Result};
 use crate::gpu::Device;
 use crate::gpu::count::Tally;
 use crate::layout::{SLOTS, Slot};
+use crate::render::needs::union;
 use crate::render::run::{Backend, Session};
 use crate::scene::Scene;
 
@@ -81,35 +82,11 @@ fn tallies(session: &Session) -> Result<BTreeMap<&'static str, Tally>> {
 
 /// Bytes of each buffer that a stage binds in a frame, each counted once.
 fn bound(session: &Session, settings: &Settings) -> Result<BTreeMap<(&'static str, Slot), u64>> {
-    let mut ranges: BTreeMap<(&'static str, Slot), Vec<[u64; 2]>> = BTreeMap::new();
-    let mut seen = std::collections::BTreeSet::new();
+    let mut ranges: BTreeMap<(&'static str, Slot), BTreeSet<[u64; 2]>> = BTreeMap::new();
     for dispatch in session.dispatches(settings.change)? {
-        let at = (dispatch.at.object, dispatch.at.chunk, dispatch.at.group);
-        if seen.insert((dispatch.kernel.clone(), at)) {
-            for (slot, range, _) in dispatch.bound(session.state())? {
-                ranges.entry((dispatch.stage, slot)).or_default().push(range);
-            }
+        for (slot, range, _) in dispatch.bound(session.state())? {
+            ranges.entry((dispatch.stage, slot)).or_default().insert(range);
         }
     }
     Ok(ranges.into_iter().map(|(key, ranges)| (key, union(ranges))).collect())
-}
-
-/// Bytes in any of these ranges.
-fn union(mut ranges: Vec<[u64; 2]>) -> u64 {
-    ranges.sort_unstable();
-    let (mut sum, mut end) = (0, 0);
-    for [first, last] in ranges {
-        sum += last.saturating_sub(first.max(end));
-        end = end.max(last);
-    }
-    sum
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn a_byte_bound_twice_counts_once() {
-        assert_eq!(super::union(vec![[10, 20], [0, 4], [15, 25], [16, 18]]), 19);
-        assert_eq!(super::union(Vec::new()), 0);
-    }
 }
