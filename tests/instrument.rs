@@ -144,6 +144,9 @@ fn features() -> Vec<(&'static [&'static str], &'static [Slot], Case, Case)> {
     let twisted = || small("twist", &["object.0.detail=2"]);
     let reflects =
         |reflection| changed(ball(&[]), move |scene| scene.objects[0].material.surface.reflection = reflection);
+    let on_a_table =
+        |receivers: &str| small("candle", &["object.0.detail=8", &format!("transport.receivers={receivers}")]);
+    let alone = |scene| changed(scene, |scene| scene.objects.retain(|object| object.material.opaque.is_none()));
     let options = |options: Options| (ball(&[]), options);
     let links = || with(ball(&["transport.scheme=links"]));
     let local = |cdrf: &str| {
@@ -169,14 +172,8 @@ fn features() -> Vec<(&'static [&'static str], &'static [Slot], Case, Case)> {
             changed(twisted(), |scene| scene.objects[0].deforms.clear()),
         ),
         (&["reflect"], &[], reflects(Reflection::Phong { shininess: 9 }), reflects(Reflection::None)),
-        (
-            &["opaque"],
-            &[],
-            with(small("candle", &["object.0.detail=8"])),
-            changed(small("candle", &["object.0.detail=8"]), |scene| {
-                scene.objects.retain(|object| object.material.opaque.is_none());
-            }),
-        ),
+        (&["opaque"], &[], with(on_a_table("faces")), alone(on_a_table("faces"))),
+        (&["plain", "reached"], &[Slot::reached], with(on_a_table("pixels")), alone(on_a_table("pixels"))),
         (&[], &[Slot::estimate], options(Options { estimate: true, ..Options::default() }), with(ball(&[]))),
         (
             &["points"],

@@ -55,6 +55,8 @@ pub enum Goal {
     /// A picture.
     #[default]
     Picture,
+    /// A picture, and beside it what is known of the faces.
+    Layers,
     /// The radiosity of the faces.
     Radiosity,
 }

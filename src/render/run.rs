@@ -7,7 +7,7 @@ use super::local::local;
 use super::octree::OctreeTransport;
 use super::plan::{Change, Mode, Options, Plan, Transport, before_transport};
 use super::prepare::{Prepared, prepare};
-use super::receivers::by_pixel;
+use super::receivers::{by_pixel, lit_at};
 pub use super::room::Room;
 use super::room::{Lists, size};
 use super::shape::reach;
@@ -78,7 +78,7 @@ impl Session {
             None => (scene.clone(), Vec::new()),
         };
         let (by_pixel, why) = by_pixel(&scene, options);
-        let mut prepared = prepare(&scene, by_pixel, local);
+        let mut prepared = prepare(&scene, (by_pixel, lit_at(&scene, options)), local);
         drop_unseen(&mut prepared.state, options);
         drop_unlooked(&mut prepared.state, options);
         prepared.state.keep = options.mode != Mode::OnTheFly;
@@ -120,7 +120,7 @@ impl Session {
         loop {
             let steps = self.plan.steps(&self.prepared.state, change);
             let times = if self.plan.octree(change) { self.run_octree(&steps, change)? } else { self.run(&steps)? };
-            if steps.iter().any(|step| ["shadow", "plane_fit"].contains(&step.stage.name)) {
+            if steps.iter().any(|step| ["shadow", "reached", "plane_fit"].contains(&step.stage.name)) {
                 self.fetch(&[Slot::cut_short])?;
                 if self.prepared.state.data.cut_short != [0] {
                     let doing = "following a shadow ray, or fitting a plane to a vertex";
@@ -259,19 +259,23 @@ impl Session {
     }
 
     /// The bits of all shadows have to fit one binding.
-    fn check_shadows(&self) -> Result<()> {
+    pub(super) fn check_shadows(&self) -> Result<()> {
         let Backend::Gpu(twin) = &self.backend else { return Ok(()) };
         let (data, most) = (&self.prepared.state.data, twin.device().limits().binding_bytes);
-        let bytes = data.bytes(Slot::lit).len() as u64;
-        if bytes <= most {
-            return Ok(());
+        let faces = self.state().sum(|object| object.count.faces);
+        for (slot, of) in
+            [(Slot::lit, format!("{faces} faces")), (Slot::reached, format!("{} pixels", data.hits.len()))]
+        {
+            let (bytes, samples) = (data.bytes(slot).len() as u64, 32 * data.frame[0].shadow_words);
+            if bytes > most {
+                let what = format!(
+                    "a bit for each of {of} and {samples} samples of lights takes {bytes} bytes, a binding of the device \
+                     takes {most}; use fewer samples, or shadows = false"
+                );
+                return Err(Error::device(format!("making room for buffer {}", slot.spec().name), what));
+            }
         }
-        let (faces, samples) = (self.state().sum(|object| object.count.faces), 32 * data.frame[0].shadow_words);
-        let what = format!(
-            "a bit for each of {faces} faces and {samples} samples of lights takes {bytes} bytes, a binding of the \
-             device takes {most}; use fewer samples, or shadows = false"
-        );
-        Err(Error::device("making room for buffer lit", what))
+        Ok(())
     }
 
     pub(super) fn size_picture(&mut self) {
@@ -281,6 +285,9 @@ impl Session {
         let pixels = if shown { camera.width as usize * camera.height as usize } else { 0 };
         data.hits = bytemuck::zeroed_vec(pixels);
         data.radiance = bytemuck::zeroed_vec(pixels);
+        let reached = self.plan.stages.iter().any(|stage| stage.name == "reached");
+        let words = data.frame[0].shadow_words as usize;
+        data.reached = bytemuck::zeroed_vec(if reached { words * pixels } else { 0 });
         // Where nothing is lit there is no stage `points`; `shade` reads on, and finds no radiosity.
         let by_pixel = self.prepared.state.objects.iter().any(|object| object.by_pixel);
         data.seen = bytemuck::zeroed_vec(if by_pixel { pixels } else { 0 });

@@ -6,7 +6,7 @@ mod pass;
 mod schedule;
 
 pub use device::DeviceState;
-pub use objects::{Extent, Object};
+pub use objects::{Extent, LitAt, Object};
 pub use pass::{Dispatch, Pass, dispatches};
 pub use schedule::{Chunk, Schedule};
 
