@@ -145,7 +145,7 @@ fn features() -> Vec<(&'static [&'static str], &'static [Slot], Case, Case)> {
     let reflects =
         |reflection| changed(ball(&[]), move |scene| scene.objects[0].material.surface.reflection = reflection);
     let on_a_table =
-        |receivers: &str| small("candle", &["object.0.detail=8", &format!("transport.receivers={receivers}")]);
+        |receivers: &str| small("candle", &["object.0.detail=16", &format!("transport.receivers={receivers}")]);
     let alone = |scene| changed(scene, |scene| scene.objects.retain(|object| object.material.opaque.is_none()));
     let options = |options: Options| (ball(&[]), options);
     let links = || with(ball(&["transport.scheme=links"]));

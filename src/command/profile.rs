@@ -158,16 +158,12 @@ fn cells(found: &Profile, row: &Row) -> Vec<String> {
     let steps = if row.steps > 1 { format!(" in {} steps", row.steps) } else { String::new() };
     let mut cells = vec![format!("{}{steps}", row.stage), device, spread, milliseconds(Some(row.wall))[0].clone()];
     cells.push(row.dispatches.to_string());
-    cells.extend(row.work.map_or([const { String::new() }; 6].map(|_| "-".to_string()), |work| {
-        [
-            size(work.read),
-            size(work.written),
-            size(work.loaded + work.stored),
-            millions(work.flops),
-            millions(work.roots),
-            millions(work.exps),
-        ]
-    }));
+    let work = row.work.map(|work| {
+        let bytes = [work.read, work.written, work.loaded + work.stored].map(size);
+        let counts = [work.flops, work.roots, work.exps].map(millions);
+        [bytes, counts].concat()
+    });
+    cells.extend(work.unwrap_or_else(|| vec!["-".to_string(); 6]));
     let percent = |share: Option<f64>| share.map_or("-".into(), |share| format!("{:.1} %", 100.0 * share));
     cells.extend(found.shares(row).map(percent));
     cells

@@ -1,4 +1,4 @@
-//! The measuring: conformance, error norms, the worth of an error estimate, references, error against time, extreme cases,
+//! The measuring: conformance, profiles, error norms, the worth of an error estimate, references, error against time, extreme cases,
 //! the paper's tables, layers.
 
 pub mod balls;

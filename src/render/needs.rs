@@ -67,8 +67,8 @@ impl Session {
                 }),
             }
             for (slot, range, [reads, writes]) in dispatch.bound(self.state())? {
-                for written in [false, true] {
-                    if if written { writes } else { reads } {
+                for (written, does) in [(false, reads), (true, writes)] {
+                    if does {
                         ranges.entry((dispatch.stage, slot, written)).or_default().insert(range);
                     }
                 }

@@ -138,8 +138,10 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
             Err(error) => return Err(error),
         }
     }
-    let device_of = |times: &Vec<Timing>| times.iter().map(|time| time.milliseconds).sum::<f64>();
-    let sums: Vec<f64> = found[0].iter().map(|(_, _, times)| device_of(times)).collect();
+    let stages = |times: &Vec<Timing>| {
+        times.iter().filter(|time| time.name != octree::NAME).map(|time| time.milliseconds).sum::<f64>()
+    };
+    let sums: Vec<f64> = found[0].iter().map(|(_, _, times)| stages(times)).collect();
     Ok(Profile {
         scene: scene.name.clone(),
         device: device.map_or("cpu", Device::name).to_string(),
