@@ -141,7 +141,7 @@ fn features() -> Vec<(&'static [&'static str], &'static [Slot], Case, Case)> {
     let tiles =
         |on: &str| ball(&["object.0.material.texture=builtin:tiles", &format!("object.0.material.texture_on={on}")]);
     let layered = || small("slab-layers", &["object.0.detail=4"]);
-    let twisted = || small("twist", &["object.0.detail=2"]);
+    let twisted = ball(&["object.0.deform=[{type='twist',angle=30}]"]);
     let reflects =
         |reflection| changed(ball(&[]), move |scene| scene.objects[0].material.surface.reflection = reflection);
     let on_a_table =
@@ -165,12 +165,7 @@ fn features() -> Vec<(&'static [&'static str], &'static [Slot], Case, Case)> {
             with(layered()),
             changed(layered(), |scene| scene.objects[0].material.layers = None),
         ),
-        (
-            &["deform"],
-            &[Slot::rest, Slot::deforms],
-            with(twisted()),
-            changed(twisted(), |scene| scene.objects[0].deforms.clear()),
-        ),
+        (&["deform"], &[Slot::rest, Slot::deforms], with(twisted), with(ball(&[]))),
         (&["reflect"], &[], reflects(Reflection::Phong { shininess: 9 }), reflects(Reflection::None)),
         (&["opaque"], &[], with(on_a_table("faces")), alone(on_a_table("faces"))),
         (&["plain", "reached"], &[Slot::reached], with(on_a_table("pixels")), alone(on_a_table("pixels"))),
