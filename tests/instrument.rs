@@ -87,12 +87,11 @@ fn a_device_against_itself_takes_every_stage() {
     });
 }
 
+/// Kernels, buffers, and how often each stage dispatches.
+type Made = (BTreeSet<String>, BTreeSet<Slot>, Vec<(&'static str, usize)>);
+
 /// What a frame made on a device: kernels and buffers; and what it dispatched. It has to be what the plan lists.
-fn made(
-    device: &Device,
-    scene: &Scene,
-    options: Options,
-) -> (BTreeSet<String>, BTreeSet<Slot>, Vec<(&'static str, usize)>) {
+fn made(device: &Device, scene: &Scene, options: Options) -> Made {
     let mut session = Session::new(scene, Some(device), options, Room::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     let needs = session.needs(Change::EVERYTHING).unwrap();
@@ -132,8 +131,11 @@ fn carried(transport: Transport) -> Case {
     (ball(&[]), Options { transport, ..Options::default() })
 }
 
+/// Stages, buffers, with, without.
+type Feature = (&'static [&'static str], &'static [Slot], Case, Case);
+
 /// Each feature: the stages and buffers that are its own, a frame with it, and the same without.
-fn features() -> Vec<(&'static [&'static str], &'static [Slot], Case, Case)> {
+fn features() -> Vec<Feature> {
     let sky = |background: bool| {
         let environment = format!("camera.background={}", if background { "environment" } else { "[0,0,0]" });
         ball(&["light.0={type='environment',radiance=1}", &environment])

@@ -48,7 +48,7 @@ pub struct Arguments {
 
 /// Runs the fixtures on every device asked for; fails on any difference beyond tolerance.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    for name in arguments.stage.iter().filter(|name| stage(name).is_none()) {
+    if let Some(name) = arguments.stage.iter().find(|name| stage(name).is_none()) {
         let names: Vec<_> = STAGES.iter().map(|stage| stage.name).collect();
         return Err(Input::new("there is no such stage").key("--stage").found(name).expected(names.join(", ")).into());
     }

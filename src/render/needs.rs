@@ -7,6 +7,7 @@ use super::run::Session;
 use crate::error::Result;
 use crate::gpu::constants;
 use crate::layout::{SLOTS, Slot};
+use crate::state::Bound;
 
 /// What a stage of a frame needs.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -66,7 +67,7 @@ impl Session {
                     dispatches: 1,
                 }),
             }
-            for (slot, range, [reads, writes]) in dispatch.bound(self.state())? {
+            for Bound { slot, range, reads, writes } in dispatch.bound(self.state())? {
                 for (written, does) in [(false, reads), (true, writes)] {
                     if does {
                         ranges.entry((dispatch.stage, slot, written)).or_default().insert(range);

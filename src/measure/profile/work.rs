@@ -89,8 +89,8 @@ fn tallies(session: &Session) -> Result<BTreeMap<&'static str, Tally>> {
 fn bound(session: &Session, settings: &Settings) -> Result<BTreeMap<(&'static str, Slot), u64>> {
     let mut ranges: BTreeMap<(&'static str, Slot), BTreeSet<[u64; 2]>> = BTreeMap::new();
     for dispatch in session.dispatches(settings.change)? {
-        for (slot, range, _) in dispatch.bound(session.state())? {
-            ranges.entry((dispatch.stage, slot)).or_default().insert(range);
+        for bound in dispatch.bound(session.state())? {
+            ranges.entry((dispatch.stage, bound.slot)).or_default().insert(bound.range);
         }
     }
     Ok(ranges.into_iter().map(|(key, ranges)| (key, union(ranges))).collect())
