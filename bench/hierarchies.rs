@@ -8,7 +8,7 @@
 use std::time::Instant;
 
 use milkglass::error::Result;
-use milkglass::gpu::{Device, Instance};
+use milkglass::gpu::Device;
 use milkglass::layout::Slot;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
@@ -87,13 +87,11 @@ fn row(device: &Device, name: &str, hierarchy: Hierarchy, mesh: &[&str], toleran
 }
 
 fn run() -> Result<()> {
-    let instance = Instance::open(false)?;
-    let Some(adapter) = instance.adapters()?.into_iter().find(|adapter| adapter.unusable.is_none()) else {
+    let Some(device) = Device::first()? else {
         println!("no usable Vulkan device");
         return Ok(());
     };
-    let device = Device::open(&instance, &adapter)?;
-    println!("{}, {}", adapter.name, adapter.driver);
+    println!("{}, {}", device.name(), device.driver());
     println!(
         "{:<14} {:>9} {:>6} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
         "hierarchy", "triangles", "levels", "asked", "frame ms", "host ms", "links/rec", "L2", "rebuilt", "start ms"

@@ -4,17 +4,12 @@
 //! both rules there (figure 14).
 
 use milkglass::error::{Error, Input, Result};
-use milkglass::gpu::{Device, Instance};
+use milkglass::gpu::Device;
 use milkglass::measure::layers::{Line, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules};
 use milkglass::render::plan::{Change, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::{Integration, Scene};
 
-fn device() -> Result<Option<Device>> {
-    let instance = Instance::open(false)?;
-    let found = instance.adapters()?.into_iter().find(|adapter| adapter.unusable.is_none());
-    found.map(|adapter| Device::open(&instance, &adapter)).transpose()
-}
 
 fn scene(name: &str, sets: &[&str]) -> Result<Scene> {
     Scene::load(name, &sets.iter().map(|set| (*set).to_string()).collect::<Vec<_>>())
@@ -39,7 +34,7 @@ fn run() -> Result<()> {
             }
         }
     }
-    let device = if cpu { None } else { device()? };
+    let device = if cpu { None } else { Device::first()? };
     println!("on {}\n", device.as_ref().map_or("cpu", Device::name));
     let (pixels, repeat) = if quick { (40, 3) } else { (240, 7) };
 

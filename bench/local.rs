@@ -4,7 +4,7 @@
 //! `cargo bench --bench local -- bunny.obj` takes other scenes. Kernels take turns, and medians are compared.
 
 use milkglass::error::Result;
-use milkglass::gpu::{Device, Instance};
+use milkglass::gpu::Device;
 use milkglass::measure::local::{PAPER, bending, table_1};
 use milkglass::scene::Scene;
 
@@ -12,13 +12,11 @@ use milkglass::scene::Scene;
 const FRAMES: (usize, usize) = (41, 5);
 
 fn run() -> Result<()> {
-    let instance = Instance::open(false)?;
-    let Some(adapter) = instance.adapters()?.into_iter().find(|adapter| adapter.unusable.is_none()) else {
+    let Some(device) = Device::first()? else {
         println!("no usable Vulkan device");
         return Ok(());
     };
-    let device = Device::open(&instance, &adapter)?;
-    println!("{}, {}", adapter.name, adapter.driver);
+    println!("{}, {}", device.name(), device.driver());
     let named: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
     let names = if named.is_empty() { vec!["sphere".to_string()] } else { named };
     println!(

@@ -4,7 +4,7 @@
 //! `cargo bench --bench modes -- bunny.obj lotus` takes other scenes, `--set KEY=VALUE` changes them.
 
 use milkglass::error::Result;
-use milkglass::gpu::{Device, Instance};
+use milkglass::gpu::Device;
 use milkglass::measure::modes::{Row, rows};
 use milkglass::scene::Scene;
 
@@ -12,13 +12,11 @@ use milkglass::scene::Scene;
 const FRAMES: usize = 5;
 
 fn run() -> Result<()> {
-    let instance = Instance::open(false)?;
-    let Some(adapter) = instance.adapters()?.into_iter().find(|adapter| adapter.unusable.is_none()) else {
+    let Some(device) = Device::first()? else {
         println!("no usable Vulkan device");
         return Ok(());
     };
-    let device = Device::open(&instance, &adapter)?;
-    println!("{}, {}", adapter.name, adapter.driver);
+    println!("{}, {}", device.name(), device.driver());
     let (mut names, mut sets) = (Vec::new(), Vec::new());
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {

@@ -1,15 +1,36 @@
-//! `cargo bench`: the hierarchy against brute force on the default device, error beside time, in one run.
+//! `cargo bench`: the hierarchy against brute force on the default device, error beside time, and each stage on the device
+//! and on the CPU, in one run.
 //!
 //! `cargo bench -- bunny.obj lotus` takes other scenes. Times are the device's own, the median of several frames;
-//! each ratio is against brute force of the same scene.
+//! each ratio is against brute force of the same scene. Stages are compared with the reference before they are timed.
 
-use milkglass::error::Result;
-use milkglass::gpu::{Device, Instance};
+use milkglass::error::{Error, Result};
+use milkglass::gpu::Device;
+use milkglass::measure::conform::conform;
+use milkglass::measure::fixtures::Fixture;
 use milkglass::measure::norms::worst;
+use milkglass::measure::profile::{Settings, Spread, profile};
 use milkglass::measure::reference::verify;
 use milkglass::render::plan::{Change, Goal, Mode, Options, Transport};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::Scene;
+
+/// Each stage of a picture on the device and on the CPU, after both have been compared.
+fn stages(scene: &Scene, device: &Device) -> Result<()> {
+    let rows = conform(device, &Fixture::of_scene(&scene.name, scene)?, None)?;
+    if let Some(row) = rows.iter().find(|row| !row.faults.is_empty()) {
+        return Err(Error::Check(format!("{}: {}", scene.name, row.faults[0])));
+    }
+    let gpu = profile(scene, Some(device), &Settings { frames: 7, ..Settings::default() })?;
+    let cpu = profile(scene, None, &Settings { frames: 1, ..Settings::default() })?;
+    println!("\n{:<20} {:<16} {:>10} {:>10} {:>9}", "scene", "stage, conforms", "device ms", "cpu ms", "faster");
+    for (one, other) in gpu.rows.iter().zip(&cpu.rows) {
+        let (ms, host) = (one.device.unwrap_or(one.wall).median, other.wall.median);
+        println!("{:<20} {:<16} {ms:>10.3} {host:>10.3} {:>8.1}x", scene.name, one.stage, host / ms);
+    }
+    println!();
+    Ok(())
+}
 
 /// Median time of a frame after this change, milliseconds.
 fn time(session: &mut Session, change: Change, frames: usize) -> Result<f64> {
@@ -17,18 +38,15 @@ fn time(session: &mut Session, change: Change, frames: usize) -> Result<f64> {
     for _ in 0..frames {
         times.push(session.frame(change)?.iter().map(|part| part.milliseconds).sum::<f64>());
     }
-    times.sort_by(f64::total_cmp);
-    Ok(times[times.len() / 2])
+    Ok(Spread::of(times).median)
 }
 
 fn run() -> Result<()> {
-    let instance = Instance::open(false)?;
-    let Some(adapter) = instance.adapters()?.into_iter().find(|adapter| adapter.unusable.is_none()) else {
+    let Some(device) = Device::first()? else {
         println!("no usable Vulkan device");
         return Ok(());
     };
-    let device = Device::open(&instance, &adapter)?;
-    println!("{}, {}", adapter.name, adapter.driver);
+    println!("{}, {}", device.name(), device.driver());
     println!("{:<20} {:<30} {:>10} {:>9} {:>9} {:>9}", "scene", "method", "ms", "faster", "L2", "p99");
     let named: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
     let mut scenes = Vec::new();
@@ -50,16 +68,20 @@ fn run() -> Result<()> {
             let options = Options { transport, mode, goal: Goal::Radiosity, ..Options::default() };
             let mut session = Session::new(&scene, Some(&device), options, Room::default())?;
             session.frame(Change::EVERYTHING)?;
+            let error = worst(&verify(&mut session, 2000, 1)?);
+            if !error.l2.is_finite() {
+                return Err(Error::Check(format!("{}, {method}: the error is {}", scene.name, error.l2)));
+            }
             let ms = time(&mut session, change, if transport == Transport::Brute { 1 } else { 5 })?;
             if transport == Transport::Brute {
                 baseline = ms;
             }
-            let error = worst(&verify(&mut session, 2000, 1)?);
             let (l2, p99) = (error.l2, error.p99);
             let faster = baseline / ms;
             let name = &scene.name;
             println!("{name:<20} {method:<30} {ms:>10.2} {faster:>8.1}x {l2:>9.2e} {p99:>9.2e}");
         }
+        stages(&scene, &device)?;
     }
     Ok(())
 }

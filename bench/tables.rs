@@ -7,7 +7,7 @@
 use std::path::Path;
 
 use milkglass::error::{Error, Input, Result};
-use milkglass::gpu::{Device, Instance};
+use milkglass::gpu::Device;
 use milkglass::measure::tables::{Bench, TABLES, figure_3, figure_4, given};
 
 /// What the command line asks for.
@@ -64,15 +64,9 @@ fn run() -> Result<()> {
         return Ok(());
     }
 
-    let instance = if asked.cpu { None } else { Instance::open(false).ok() };
-    let adapters = instance.as_ref().map(Instance::adapters).transpose()?.unwrap_or_default();
-    let adapter = adapters.into_iter().find(|adapter| adapter.unusable.is_none());
-    let device = match (&instance, &adapter) {
-        (Some(instance), Some(adapter)) => Some(Device::open(instance, adapter)?),
-        _ => None,
-    };
-    match &adapter {
-        Some(adapter) => tell(&format!("On {}, {}; the device's own clock.", adapter.name, adapter.driver)),
+    let device = if asked.cpu { None } else { Device::first()? };
+    match &device {
+        Some(device) => tell(&format!("On {}, {}; the device's own clock.", device.name(), device.driver())),
         None => tell("On the CPU reference, in f64: its ratios are not a device's."),
     }
     let (device, meshes) = (device.as_ref(), asked.meshes.as_slice());

@@ -25,8 +25,8 @@
 //! # The rooms, from the top floor down; arrows point downward only
 //!
 //! - [`command`]: one thin file a subcommand.
-//! - [`measure`]: conformance, error norms, the brute-force reference, error against run time, the extreme cases,
-//!   the tables of the papers beside ours, numerical error beside the model's, and a report of it all.
+//! - [`measure`]: conformance, profiles, shaders of the user's, error norms, the brute-force reference, error against run
+//!   time, the extreme cases, the tables of the papers beside ours, numerical error beside the model's, and a report of it all.
 //! - [`render`]: from a scene to the stages it needs, the table of stages, and their run on the CPU or a device.
 //! - [`transport`]: Mertens et al., made to meet an error. [`baseline`]: the same as published, brute force, an octree.
 //!   [`layers`]: Francois et al., subsurface texture mapping. [`local`]: shading by the place alone, Kubo et al.
@@ -39,7 +39,7 @@
 //! - [`layout`]: the one source of truth for records and buffers, shared with the build script and the shaders.
 //! - [`error`]: one error, by whose fault it is.
 //!
-//! `glsl/` has the same rooms and the same stems: `glsl/transport/gather.comp` is `src/transport/gather.rs`.
+//! `glsl/measure` measures devices and belongs to no stage; else `glsl/` has the same rooms and the same stems: `glsl/transport/gather.comp` is `src/transport/gather.rs`.
 //!
 //! # Words
 //!
@@ -59,6 +59,7 @@
 //! - *base*: a coarse mesh whose triangles are cut in four, *split*, again and again: butterfly subdivision and shrink-wrapping.
 //! - *kappa*: the curvature that counts for scattering; *sigma_0*: how far light spreads along a surface; *CDRF*: the
 //!   function of the cosine at the surface and sigma = sigma_0 kappa.
+//! - *tally*: what a kernel has done, counted by itself; *rate*: what a device can do at best.
 //! - *internal units*: the object has unit extent, the brightest light about unit irradiance; both by powers of two.
 
 #![deny(missing_docs)]

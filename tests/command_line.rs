@@ -28,8 +28,20 @@ fn exr(path: &Path) -> (usize, usize, Vec<[f32; 3]>) {
 #[test]
 fn every_help_has_an_example() {
     let here = folder(&[]);
-    for command in ["render", "solve", "plan", "conform", "stress", "pareto", "eval", "devices", "scenes", "materials"]
-    {
+    for command in [
+        "render",
+        "solve",
+        "plan",
+        "profile",
+        "shader",
+        "conform",
+        "stress",
+        "pareto",
+        "eval",
+        "devices",
+        "scenes",
+        "materials",
+    ] {
         let (out, err) = good(&here, &format!("{command} --help"));
         assert!(out.contains(&format!("Example: milkglass {command}")), "{command}: {out}");
         assert!(err.is_empty(), "{command}: {err}");

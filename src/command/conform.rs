@@ -6,17 +6,24 @@ use clap::Args;
 use serde_json::json;
 
 use super::device::pick;
+use super::replace::{ReplaceArgument, replaced};
 use super::{print, table};
 use crate::error::{Error, Input, Result};
 use crate::gpu::{Adapter, Device, Instance};
-use crate::measure::conform::{Row, conform};
+use crate::measure::conform::{BINS, Row, conform, conform_stages};
 use crate::measure::fixtures::{Fixture, fixtures};
+use crate::measure::replace;
+use crate::measure::verdict::verdict;
+use crate::render::stages::{STAGES, stage};
 use crate::scene::Scene;
 use crate::view::picture::write_whole;
 
 /// Arguments of `conform`.
 #[derive(Args)]
-#[command(after_help = "Example: milkglass conform --device llvmpipe\n         milkglass conform bunny.obj lotus")]
+#[command(
+    after_help = "Example: milkglass conform --device llvmpipe\n         milkglass conform bunny.obj lotus\n         \
+                        milkglass conform sphere --replace transport/push=my.comp"
+)]
 pub struct Arguments {
     /// Scenes to compare on; without any, the built-in fixtures.
     scenes: Vec<String>,
@@ -29,6 +36,11 @@ pub struct Arguments {
     /// Only fixtures whose name contains this.
     #[arg(long, value_name = "TEXT", default_value = "")]
     only: String,
+    /// Only these stages, by commas; the reference runs the others.
+    #[arg(long, value_name = "STAGES", value_delimiter = ',')]
+    stage: Vec<String>,
+    #[command(flatten)]
+    replace: ReplaceArgument,
     /// Also write the table to this file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -36,6 +48,11 @@ pub struct Arguments {
 
 /// Runs the fixtures on every device asked for; fails on any difference beyond tolerance.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    if let Some(name) = arguments.stage.iter().find(|name| stage(name).is_none()) {
+        let names: Vec<_> = STAGES.iter().map(|stage| stage.name).collect();
+        return Err(Input::new("there is no such stage").key("--stage").found(name).expected(names.join(", ")).into());
+    }
+    let kernels = arguments.replace.load()?;
     let instance = Instance::open(!arguments.no_validation)?;
     let adapters = instance.adapters()?;
     let chosen: Vec<&Adapter> = match arguments.device.as_deref() {
@@ -57,19 +74,76 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         list.push(Fixture::of_scene(name, &Scene::load(name, &[])?)?);
     }
 
-    let mut rows: Vec<(String, Row)> = Vec::new();
+    let mut rows: Vec<(Device, Row)> = Vec::new();
     for adapter in chosen {
-        let device = Device::open(&instance, adapter)?;
+        let device = replaced(&Device::open(&instance, adapter)?, &kernels);
         if !adapter.limits.round_to_nearest {
             eprintln!("{}: rounding to nearest can't be requested; decisions rely on its default", adapter.name);
         }
-        for fixture in &list {
-            for row in conform(&device, fixture, None)? {
-                rows.push((adapter.name.clone(), row));
-            }
+        for row in on_device(arguments, &device, &list)? {
+            rows.push((device.clone(), row));
         }
     }
+    print(&text(&rows))?;
+    if let Some(path) = &arguments.json {
+        let value: Vec<_> = rows
+            .iter()
+            .map(|(device, row)| {
+                json!({"device": device.name(), "driver": device.driver(), "fixture": row.fixture, "stage": row.stage,
+                       "words": row.words, "ulp": row.ulp, "histogram": row.histogram, "relative": row.relative,
+                       "faults": row.faults})
+            })
+            .collect();
+        let text = format!("{:#}\n", serde_json::Value::from(value));
+        write_whole(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))?;
+    }
+    let wrong: Vec<_> = rows.iter().filter(|(_, row)| !row.faults.is_empty()).collect();
+    for (device, row) in &wrong {
+        eprint!("\n{}\n", verdict(device, row, &again(arguments, device, row)));
+    }
+    if rows.is_empty() {
+        return Err(Error::Check("nothing was compared".into()));
+    }
+    if !wrong.is_empty() {
+        let faults: usize = wrong.iter().map(|(_, row)| row.faults.len()).sum();
+        return Err(Error::Check(format!("{faults} differences beyond tolerance")));
+    }
+    print(&format!("{} comparisons, all conform\n", rows.len()))
+}
 
+/// All rows of a device: of every stage, of those asked for, or of those whose kernels are replaced.
+fn on_device(arguments: &Arguments, device: &Device, list: &[Fixture]) -> Result<Vec<Row>> {
+    let mut stages = arguments.stage.clone();
+    stages.extend(replace::stages(device));
+    let (mut rows, mut absent) = (Vec::new(), None);
+    for fixture in list {
+        if device.replaced().next().is_some() {
+            match replace::check(device, fixture) {
+                // Of many fixtures some run the kernel.
+                Err(Error::Input(fault)) => absent = Some(fault),
+                found => rows.extend(found?),
+            }
+        } else if stages.is_empty() {
+            rows.extend(conform(device, fixture, None)?);
+        } else {
+            rows.extend(conform_stages(device, fixture, &stages)?);
+        }
+    }
+    match absent {
+        Some(fault) if rows.is_empty() => Err(fault.into()),
+        _ => Ok(rows),
+    }
+}
+
+/// The command that shows this row again.
+fn again(arguments: &Arguments, device: &Device, row: &Row) -> String {
+    let (name, stage, own) = (device.name(), row.stage, arguments.replace.again());
+    let what = if arguments.scenes.is_empty() { format!("--only {:?}", row.fixture) } else { row.fixture.clone() };
+    format!("milkglass conform {what} --device {name:?} --stage {stage}{own}")
+}
+
+/// The table of comparisons, and that of distances.
+fn text(rows: &[(Device, Row)]) -> String {
     let cells: Vec<_> = rows
         .iter()
         .map(|(device, row)| {
@@ -77,33 +151,37 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             let ulp = if row.ulp > 1_000_000 { "-".to_string() } else { row.ulp.to_string() };
             let verdict = if row.faults.is_empty() { "conforms".to_string() } else { "DIFFERS".to_string() };
             let (words, relative) = (row.words.to_string(), format!("{:.1e}", row.relative));
-            vec![device.clone(), row.fixture.clone(), row.stage.to_string(), words, ulp, relative, verdict]
+            vec![device.name().to_string(), row.fixture.clone(), row.stage.to_string(), words, ulp, relative, verdict]
         })
         .collect();
-    print(&table(&["device", "fixture", "stage", "words", "ulp", "relative", "verdict"], &[3, 4, 5], &cells))?;
-    if let Some(path) = &arguments.json {
-        let value: Vec<_> = rows
-            .iter()
-            .map(|(device, row)| {
-                json!({"device": device, "fixture": row.fixture, "stage": row.stage, "words": row.words,
-                       "ulp": row.ulp, "relative": row.relative, "faults": row.faults})
-            })
-            .collect();
-        let text = format!("{:#}\n", serde_json::Value::from(value));
-        write_whole(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))?;
-    }
-    for (device, row) in &rows {
-        for fault in &row.faults {
-            eprintln!("{device}: {}: {fault}", row.fixture);
+    let mut text = table(&["device", "fixture", "stage", "words", "ulp", "relative", "verdict"], &[3, 4, 5], &cells);
+
+    // Floats of all fixtures together.
+    let mut sums: Vec<(String, &str, [u64; 8])> = Vec::new();
+    for (device, row) in rows {
+        match sums.iter_mut().find(|sum| sum.0 == device.name() && sum.1 == row.stage) {
+            Some(sum) => sum.2.iter_mut().zip(row.histogram).for_each(|(sum, count)| *sum += count),
+            None => sums.push((device.name().to_string(), row.stage, row.histogram)),
         }
     }
-    let faults: usize = rows.iter().map(|(_, row)| row.faults.len()).sum();
-    if rows.is_empty() {
-        return Err(Error::Check("nothing was compared".into()));
-    }
-    if faults > 0 {
-        return Err(Error::Check(format!("{faults} differences beyond tolerance")));
-    }
-    print(&format!("{} comparisons, all conform\n", rows.len()))?;
-    Ok(())
+    let share = |count: u64, all: u64| match 100.0 * count as f64 / all as f64 {
+        _ if count == 0 => ".".to_string(),
+        percent if percent < 0.01 => "<0.01".to_string(),
+        percent => format!("{percent:.2}"),
+    };
+    let row = |(device, stage, counts): &(String, &str, [u64; 8])| {
+        let all: u64 = counts.iter().sum();
+        let shares = counts.iter().map(|&count| share(count, all));
+        [device.clone(), (*stage).to_string(), all.to_string()].into_iter().chain(shares).collect()
+    };
+    let cells: Vec<Vec<String>> = sums.iter().filter(|sum| sum.2.iter().any(|&count| count > 0)).map(row).collect();
+    let up_to = BINS.map(|most| format!("<={most}"));
+    let beyond = format!(">{}", BINS[BINS.len() - 1]);
+    let header: Vec<&str> = ["device", "stage", "floats"]
+        .into_iter()
+        .chain(up_to.iter().map(String::as_str))
+        .chain([beyond.as_str()])
+        .collect();
+    text += "\nfloats by their distance from the reference in units in the last place, per cent of all\n";
+    text + &table(&header, &[2, 3, 4, 5, 6, 7, 8, 9, 10], &cells) + "\n"
 }

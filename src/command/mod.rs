@@ -12,8 +12,10 @@ mod pareto;
 mod plan;
 mod profile;
 mod render;
+mod replace;
 mod report;
 mod sequence;
+mod shader;
 mod solve;
 mod stress;
 mod text;
@@ -51,6 +53,8 @@ enum Command {
     Profile(profile::Arguments),
     /// Compare every stage on a device with the CPU reference.
     Conform(conform::Arguments),
+    /// Print a built-in shader's GLSL, to start one of your own from: see `--replace`.
+    Shader(shader::Arguments),
     /// Run the table of extreme cases: fallback, finite or not, worst error against f64.
     Stress(stress::Arguments),
     /// Measure error against run time: methods, settings, and the Pareto front.
@@ -219,6 +223,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Profile(arguments) => profile::run(&arguments),
         Command::Conform(arguments) => conform::run(&arguments),
+        Command::Shader(arguments) => shader::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
         Command::Pareto(arguments) => pareto::run(&arguments),
         Command::Report(arguments) => report::run(&arguments),

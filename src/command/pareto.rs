@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::replace::ReplaceArgument;
 use super::{DeviceArgument, SceneArguments, check_messages, print, table, validation};
 use crate::error::{Input, Result};
 use crate::measure::norms::Norms;
 use crate::measure::pareto::{
     Against, Bench, Leaves, Lighting, METHODS, Method, Norm, Origin, Settings, Sweep, csv, mark, ratios, svg, sweep,
 };
+use crate::render::plan::Options;
 use crate::scene::{Material, Scene};
 use crate::view::picture::write_whole;
 
@@ -23,6 +25,8 @@ pub struct Arguments {
     scene: SceneArguments,
     #[command(flatten)]
     device: DeviceArgument,
+    #[command(flatten)]
+    replace: ReplaceArgument,
     /// Also write every point to this file.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -62,8 +66,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let scene = arguments.scene.load()?;
     let device = arguments.device.open(validation())?;
+    let again = format!("milkglass pareto {}", arguments.scene.scene);
+    let own = arguments.replace.on(device.as_ref(), &scene, Options::default(), &again)?;
     let bench = Bench { scene: &scene, device: device.as_ref() };
-    let found = sweep(&bench, &settings)?;
+    let mut found = sweep(&bench, &settings)?;
+    if own.is_some() {
+        let after = sweep(&Bench { scene: &scene, device: own.as_ref() }, &settings)?;
+        print(&replaced(&found, &after))?;
+        found = after;
+    }
     check_messages(device.as_ref())?;
     let origin = Origin {
         device: device.as_ref().map_or("cpu", |device| device.name()).to_string(),
@@ -84,6 +95,22 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write(path, svg(&found, &origin)?)?;
     }
     Ok(())
+}
+
+/// Wall times with the built-in shaders and with the user's, point by point.
+fn replaced(before: &Sweep, after: &Sweep) -> String {
+    let pairs = before.points.iter().zip(&after.points);
+    let rows: Vec<_> = pairs
+        .filter_map(|(point, other)| {
+            let (before, after) = (point.run.as_ref().ok()?, other.run.as_ref().ok()?);
+            let cells =
+                [point.lighting.name(), point.method.name].map(String::from).into_iter().chain([point.setting()]);
+            let times = [before.wall_ms, after.wall_ms].map(|ms| format!("{ms:.2}"));
+            Some(cells.chain(times).chain([format!("{:.3}", after.wall_ms / before.wall_ms)]).collect())
+        })
+        .collect();
+    let header = ["", "method", "setting", "built-in ms", "replaced ms", "ratio"];
+    format!("one sweep after the other; what follows is the replaced one's\n{}\n", table(&header, &[3, 4, 5], &rows))
 }
 
 /// A name that says another format is a slip.

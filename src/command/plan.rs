@@ -1,26 +1,34 @@
 //! `milkglass plan`: what a scene needs, without running it.
 
+mod diff;
+
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{RunArguments, SceneArguments, open_session, print, size, table, validation};
-use crate::error::Result;
-use crate::layout::SLOTS;
+use crate::error::{Input, Result};
+use crate::gpu::constants;
+use crate::render::needs::{KernelNeeds, StageNeeds};
 use crate::render::octree;
-use crate::render::plan::{Change, before_transport};
+use crate::render::plan::{Change, Options, before_transport};
+use crate::scene::Scene;
 use crate::state::Extent;
 use crate::view::picture::write_whole;
 
 /// Arguments of `plan`.
 #[derive(Args)]
-#[command(after_help = "Example: milkglass plan lotus --mode render --json plan.json")]
+#[command(after_help = "Example: milkglass plan lotus --mode render --json plan.json\n         \
+                        milkglass plan lotus --set light.0.shadows=false --diff lotus")]
 pub struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
     #[command(flatten)]
     run: RunArguments,
+    /// Show what another scene needs otherwise; `--set` and the other options are the first one's, but for the device.
+    #[arg(long, value_name = "OTHER_SCENE")]
+    diff: Option<String>,
     /// Also write the plan to this file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -31,6 +39,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let scene = arguments.scene.load()?;
     let device = arguments.run.device.open(validation())?;
     let session = open_session(&scene, device.as_ref(), arguments.run.options())?;
+    if let Some(other) = &arguments.diff {
+        if arguments.json.is_some() {
+            let fault = Input::new("a difference has no JSON").key("--json").found("--diff");
+            return Err(fault.expected("one of the two").into());
+        }
+        let scene = Scene::load(other, &[])?;
+        let against = open_session(&scene, device.as_ref(), Options::default())?;
+        return print(&diff::text(&session, &against)?);
+    }
+    let needs = session.needs(Change::EVERYTHING)?;
     let (state, plan) = (session.state(), &session.plan);
 
     let frame = &state.data.frame[0];
@@ -46,7 +64,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         frame.lights,
         device.as_ref().map_or("cpu", |device| device.name()),
     );
-    let mut stages: Vec<_> = plan
+    let mut stages: Vec<Vec<String>> = plan
         .stages
         .iter()
         .map(|stage| {
@@ -59,25 +77,29 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         stages.insert(place, [octree::NAME, octree::ABOUT, octree::EQUATION, "radiosity"].map(String::from).to_vec());
     }
     text += &table(&["stage", "does", "from", "writes"], &[], &stages);
+    let row = |need: &StageNeeds| {
+        let [read, written] = need.bytes.map(size);
+        vec![need.stage.to_string(), need.steps.to_string(), need.dispatches.to_string(), read, written]
+    };
+    let rows: Vec<_> = needs.iter().map(row).collect();
+    text += "\nwork: of a frame from scratch; bytes bound, each once\n";
+    text += &table(&["stage", "steps", "dispatches", "to read", "to write"], &[1, 2, 3, 4], &rows);
+    let mut kernels = Vec::new();
+    for need in needs.iter().flat_map(|need| &need.kernels) {
+        kernels.push(vec![need.name.clone(), need.dispatches.to_string(), need.specialized()?]);
+    }
+    text += "\nkernels: a pipeline each\n";
+    text += &table(&["kernel", "dispatches", "specialization constants"], &[1], &kernels);
 
     // Lists start with a guess and grow to what a frame turns out to need.
     let lists = ["handed", "links", "factors", "area_links", "edge_links"];
-    let mut total = 0;
-    let mut buffers = Vec::new();
-    for slot in SLOTS {
-        let (spec, bytes) = (slot.spec(), state.data.bytes(*slot).len() as u64);
-        if bytes > 0 {
-            total += bytes;
-            let note = if lists.contains(&spec.name) { "grows as needed" } else { "" };
-            let count = bytes / spec.stride as u64;
-            buffers.push(vec![
-                spec.name.to_string(),
-                spec.per.to_string(),
-                count.to_string(),
-                size(bytes),
-                note.to_string(),
-            ]);
-        }
+    let (mut total, mut buffers) = (0, Vec::new());
+    for (slot, bytes) in session.buffers() {
+        let spec = slot.spec();
+        total += bytes;
+        let note = if lists.contains(&spec.name) { "grows as needed" } else { "" };
+        let count = (bytes / spec.stride as u64).to_string();
+        buffers.push(vec![spec.name.to_string(), spec.per.to_string(), count, size(bytes), note.to_string()]);
     }
     buffers.push(vec!["total".into(), String::new(), String::new(), size(total), String::new()]);
     text += "\nbuffers\n";
@@ -95,10 +117,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "nodes": count(|count| count.nodes),
             "objects": state.objects.len(),
             "chunks": state.sum(|object| object.schedule.chunks.len()),
-            "stages": stages.iter().map(|row| json!({"stage": row[0], "does": row[1]})).collect::<Vec<_>>(),
-            "buffers": SLOTS.iter().map(|slot| (slot.spec(), state.data.bytes(*slot).len()))
-                .filter(|(_, bytes)| *bytes > 0)
-                .map(|(spec, bytes)| json!({"buffer": spec.name, "per": spec.per, "bytes": bytes}))
+            "stages": stages.iter().map(|row| stage_json(row, &needs)).collect::<Vec<_>>(),
+            "buffers": session.buffers().iter()
+                .map(|(slot, bytes)| json!({"buffer": slot.spec().name, "per": slot.spec().per, "bytes": bytes}))
                 .collect::<Vec<_>>(),
             "left_out": plan.left_out.iter().map(|(what, why)| json!({"stage": what, "because": why}))
                 .collect::<Vec<_>>(),
@@ -106,4 +127,19 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write_whole(path, |beside| std::fs::write(beside, format!("{value:#}\n")).map_err(|e| e.to_string()))?;
     }
     Ok(())
+}
+
+/// A stage of the table with what it needs.
+fn stage_json(row: &[String], needs: &[StageNeeds]) -> Value {
+    let Some(need) = needs.iter().find(|need| need.stage == row[0]) else {
+        return json!({"stage": row[0], "does": row[1]});
+    };
+    let kernel = |kernel: &KernelNeeds| {
+        let names = constants(&kernel.name).unwrap_or_default().into_iter();
+        let constants: serde_json::Map<_, _> = names.zip(kernel.constants.iter().map(|value| json!(value))).collect();
+        json!({"kernel": kernel.name, "dispatches": kernel.dispatches, "constants": constants})
+    };
+    json!({"stage": row[0], "does": row[1], "steps": need.steps, "dispatches": need.dispatches,
+           "bytes_read": need.bytes[0], "bytes_written": need.bytes[1],
+           "kernels": need.kernels.iter().map(kernel).collect::<Vec<_>>()})
 }

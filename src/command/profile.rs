@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
+use super::replace::ReplaceArgument;
 use super::{RunArguments, SceneArguments, check_messages, print, size, table, validation};
 use crate::error::Result;
-use crate::measure::profile::{Profile, Row, Settings, Spread, profile};
+use crate::measure::profile::{Against, Profile, Row, Settings, Spread, against, profile};
 use crate::render::plan::Change;
 use crate::view::picture::write_whole;
 
@@ -19,6 +20,8 @@ pub struct Arguments {
     scene: SceneArguments,
     #[command(flatten)]
     run: RunArguments,
+    #[command(flatten)]
+    replace: ReplaceArgument,
     /// Timed frames, after those that warm up.
     #[arg(long, value_name = "N", default_value_t = 11, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     frames: u32,
@@ -57,6 +60,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ChangeArgument::View => Change::VIEW,
     };
     let settings = Settings { options: arguments.run.options(), change, frames: arguments.frames as usize };
+    let again = format!("milkglass profile {}", arguments.scene.scene);
+    let own = arguments.replace.on(device.as_ref(), &scene, settings.options, &again)?;
+    if let (Some(before), Some(after)) = (&device, &own) {
+        print(&ratios(&against(&scene, [before, after], &settings)?))?;
+    }
+    let device = own.or(device);
     let found = profile(&scene, device.as_ref(), &settings)?;
     check_messages(device.as_ref())?;
     print(&text(&found))?;
@@ -72,6 +81,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write(path, format!("{}\n", found.trace()))?;
     }
     Ok(())
+}
+
+/// Times before and after.
+fn ratios(rows: &[Against]) -> String {
+    let row = |row: &Against| {
+        let [before, after] = row.times.map(|spread| milliseconds(Some(spread)));
+        let ratio = format!("{:.3}", row.ratio);
+        vec![row.what.clone(), before[0].clone(), before[1].clone(), after[0].clone(), after[1].clone(), ratio]
+    };
+    let cells: Vec<_> = rows.iter().map(row).collect();
+    let header = ["ms", "built-in", "spread", "replaced", "spread", "ratio"];
+    format!("built-in and replaced, frame by frame in turn\n{}\n", table(&header, &[1, 2, 3, 4, 5], &cells))
 }
 
 /// A median with its spread.
@@ -137,16 +158,12 @@ fn cells(found: &Profile, row: &Row) -> Vec<String> {
     let steps = if row.steps > 1 { format!(" in {} steps", row.steps) } else { String::new() };
     let mut cells = vec![format!("{}{steps}", row.stage), device, spread, milliseconds(Some(row.wall))[0].clone()];
     cells.push(row.dispatches.to_string());
-    cells.extend(row.work.map_or([const { String::new() }; 6].map(|_| "-".to_string()), |work| {
-        [
-            size(work.read),
-            size(work.written),
-            size(work.loaded + work.stored),
-            millions(work.flops),
-            millions(work.roots),
-            millions(work.exps),
-        ]
-    }));
+    let work = row.work.map(|work| {
+        let bytes = [work.read, work.written, work.loaded + work.stored].map(size);
+        let counts = [work.flops, work.roots, work.exps].map(millions);
+        [bytes, counts].concat()
+    });
+    cells.extend(work.unwrap_or_else(|| vec!["-".to_string(); 6]));
     let percent = |share: Option<f64>| share.map_or("-".into(), |share| format!("{:.1} %", 100.0 * share));
     cells.extend(found.shares(row).map(percent));
     cells

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use super::bind::Binding;
+use super::count::Tally;
 use super::device::Device;
 use super::kernel::Kernel;
 use super::memory::Buffer;
@@ -25,12 +26,34 @@ impl Alone<'_> {
     /// The buffers are copied to the device before the first run and back after the last, sizes unchanged. Returns the
     /// time of every run; the first one includes what the driver does when a pipeline is first used.
     pub fn run(&self, device: &Device, buffers: &mut [Vec<u8>], count: u64, times: usize) -> Result<Vec<Timing>> {
+        let kernel = Rc::new(Kernel::new(device, self.name, self.words()?, self.constants)?);
+        self.run_kernel(device, &kernel, buffers, count, times)
+    }
+
+    /// Runs it once with counters, and returns what it has done; nothing where its SPIR-V is not of the kind that the build
+    /// makes.
+    pub fn tally(&self, device: &Device, buffers: &mut [Vec<u8>], count: u64) -> Result<Option<Tally>> {
+        let kernel = Rc::new(Kernel::metered(device, self.name, self.words()?, self.constants)?);
+        self.run_kernel(device, &kernel, buffers, count, 1)?;
+        kernel.tally()
+    }
+
+    fn words(&self) -> Result<Vec<u32>> {
         let doing = || format!("running kernel {} alone", self.name);
         if !self.spirv.len().is_multiple_of(4) {
             return Err(Error::device(doing(), format!("{} bytes are no whole words", self.spirv.len())));
         }
-        let words = self.spirv.chunks_exact(4).map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect();
-        let kernel = Rc::new(Kernel::new(device, self.name, words, self.constants)?);
+        Ok(self.spirv.chunks_exact(4).map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect())
+    }
+
+    fn run_kernel(
+        &self,
+        device: &Device,
+        kernel: &Rc<Kernel>,
+        buffers: &mut [Vec<u8>],
+        count: u64,
+        times: usize,
+    ) -> Result<Vec<Timing>> {
         let mut held = Vec::with_capacity(buffers.len());
         for (number, bytes) in buffers.iter().enumerate() {
             let buffer = Buffer::new(device, &format!("{} {number}", self.name), bytes.len() as u64)?;
@@ -41,8 +64,7 @@ impl Alone<'_> {
         let bindings: Vec<_> = (0..).zip(&held).map(binding).collect();
         let mut recorder = Recorder::new(device, times)?;
         for _ in 0..times {
-            recorder
-                .part(self.name, |recorder| recorder.dispatch(&kernel, &bindings, &[], Work::Invocations(count)))?;
+            recorder.part(self.name, |recorder| recorder.dispatch(kernel, &bindings, &[], Work::Invocations(count)))?;
         }
         let timings = recorder.submit()?;
         for (buffer, bytes) in held.iter().zip(buffers) {

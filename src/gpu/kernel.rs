@@ -60,16 +60,11 @@ impl Kernels {
         }
         let kit = &self.device.1;
         let words = kit.replaced.get(name).map_or_else(|| words_of(name), |words| Ok(words.clone()))?;
-        let counted = if kit.counts { count::counted(&words) } else { None };
-        let mut kernel = match &counted {
-            Some(counted) => Kernel::new(&self.device, name, counted.words.clone(), constants)?,
-            None => Kernel::new(&self.device, name, words, constants)?,
+        let kernel = if kit.counts {
+            Kernel::metered(&self.device, name, words, constants)?
+        } else {
+            Kernel::new(&self.device, name, words, constants)?
         };
-        if let Some(counted) = counted {
-            let counters = Buffer::new(&self.device, "counters", 8 * counted.blocks.len() as u64)?;
-            kernel.meter = Some(Meter { blocks: counted.blocks, counters });
-            kernel.zero()?;
-        }
         let kernel = Rc::new(kernel);
         self.made.borrow_mut().insert(key, kernel.clone());
         Ok(kernel)
@@ -85,20 +80,30 @@ impl Kernels {
         let made = self.made.borrow();
         let mut tallies = Vec::new();
         for ((name, _), kernel) in made.iter() {
-            let Some(meter) = &kernel.meter else { continue };
-            let mut counts = vec![0u64; meter.blocks.len()];
-            meter.counters.download(bytemuck::cast_slice_mut(&mut counts))?;
-            kernel.zero()?;
-            tallies.push((name.clone(), Tally::new(&meter.blocks, &counts)));
+            tallies.extend(kernel.tally()?.map(|tally| (name.clone(), tally)));
         }
         Ok(tallies)
     }
 }
 
 impl Kernel {
-    /// Counts from 0 again.
-    fn zero(&self) -> Result<()> {
-        self.meter.as_ref().map_or(Ok(()), |meter| meter.counters.upload(&vec![0; 8 * meter.blocks.len()]))
+    /// The kernel with counters, if its SPIR-V is of the kind that the build makes.
+    pub(super) fn metered(device: &Device, name: &str, words: Vec<u32>, constants: &[u32]) -> Result<Self> {
+        let Some(counted) = count::counted(&words) else { return Self::new(device, name, words, constants) };
+        let mut kernel = Self::new(device, name, counted.words, constants)?;
+        let counters = Buffer::new(device, "counters", 8 * counted.blocks.len() as u64)?;
+        counters.upload(&vec![0; 8 * counted.blocks.len()])?;
+        kernel.meter = Some(Meter { blocks: counted.blocks, counters });
+        Ok(kernel)
+    }
+
+    /// What it has done since the last call, if it counts.
+    pub(super) fn tally(&self) -> Result<Option<Tally>> {
+        let Some(meter) = &self.meter else { return Ok(None) };
+        let mut counts = vec![0u64; meter.blocks.len()];
+        meter.counters.download(bytemuck::cast_slice_mut(&mut counts))?;
+        meter.counters.upload(&vec![0; 8 * counts.len()])?;
+        Ok(Some(Tally::new(&meter.blocks, &counts)))
     }
 
     /// The kernel of this SPIR-V with these specialization constants (0, 1, ...), or what the device lacks for it.

@@ -4,6 +4,8 @@
 
 mod alone;
 mod bind;
+#[cfg(feature = "shaderc")]
+mod compile;
 pub mod count;
 mod device;
 mod instance;
@@ -11,6 +13,7 @@ mod kernel;
 mod memory;
 mod record;
 mod reflect;
+mod replace;
 
 pub use alone::Alone;
 pub(crate) use bind::Binding;
@@ -20,7 +23,8 @@ pub use kernel::{Kernel, Kernels};
 pub use memory::Buffer;
 pub use record::Timing;
 pub(crate) use record::{Recorder, Work};
-pub use reflect::{Access, accesses, kernel_names, reflect_records, spirv};
+pub use reflect::{Access, accesses, constants, kernel_names, reflect_records, spirv};
+pub use replace::{replacement, source, sources};
 
 use ash::vk;
 

@@ -1,5 +1,8 @@
 //! What a kernel binds and takes, read from its SPIR-V: no binding, size or group is written twice.
 
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
 use spirq::prelude::*;
 use spirq::spirv::ExecutionMode;
 use spirq::ty::{AccessType, DescriptorType, Type};
@@ -29,9 +32,23 @@ pub fn spirv(name: &str) -> Option<&'static [u8]> {
     SPIRV.iter().find(|(known, _)| *known == name).map(|(_, bytes)| *bytes)
 }
 
+/// The names of the specialization constants of a kernel of the program, in their order.
+pub fn constants(name: &str) -> Result<Vec<String>> {
+    Ok(reflect(name, &words_of(name)?)?.names.into_values().collect())
+}
+
 /// What a kernel of the program does with which buffers.
 pub fn accesses(name: &str) -> Result<Vec<Access>> {
-    Ok(reflect(name, &words_of(name)?)?.accesses)
+    /// A frame asks for the same kernel hundreds of times.
+    static KNOWN: Mutex<BTreeMap<String, Vec<Access>>> = Mutex::new(BTreeMap::new());
+    if let Some(found) = KNOWN.lock().ok().and_then(|known| known.get(name).cloned()) {
+        return Ok(found);
+    }
+    let found = reflect(name, &words_of(name)?)?.accesses;
+    if let Ok(mut known) = KNOWN.lock() {
+        known.insert(name.to_string(), found.clone());
+    }
+    Ok(found)
 }
 
 pub(super) fn words_of(name: &str) -> Result<Vec<u32>> {
@@ -44,9 +61,21 @@ pub(super) fn words_of(name: &str) -> Result<Vec<u32>> {
 pub(super) struct Reflected {
     pub(super) accesses: Vec<Access>,
     types: Vec<Type>,
+    /// Bytes from one element to the next, by binding.
+    pub(super) strides: BTreeMap<u32, usize>,
     pub(super) push_bytes: u32,
     pub(super) group: u32,
     pub(super) constants: usize,
+    names: BTreeMap<u32, String>,
+}
+
+/// Bytes from one element of a buffer to the next.
+fn stride(ty: &Type) -> Option<usize> {
+    let Type::Struct(whole) = ty else { return None };
+    match &whole.members.last()?.ty {
+        Type::Array(array) => array.stride,
+        _ => None,
+    }
 }
 
 pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
@@ -57,7 +86,15 @@ pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
         .reflect()
         .map_err(|error| Error::device(doing(), format!("{error:?}")))?;
     let entry = entries.first().ok_or_else(|| Error::device(doing(), "it has no entry point"))?;
-    let mut found = Reflected { accesses: Vec::new(), types: Vec::new(), push_bytes: 0, group: 0, constants: 0 };
+    let mut found = Reflected {
+        accesses: Vec::new(),
+        types: Vec::new(),
+        strides: BTreeMap::new(),
+        push_bytes: 0,
+        group: 0,
+        constants: 0,
+        names: BTreeMap::new(),
+    };
     for variable in &entry.vars {
         match variable {
             Variable::Descriptor { desc_bind, desc_ty: DescriptorType::StorageBuffer(access), ty, .. } => {
@@ -66,6 +103,7 @@ pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
                     reads: *access != AccessType::WriteOnly,
                     writes: *access != AccessType::ReadOnly,
                 });
+                found.strides.extend(stride(ty).map(|stride| (desc_bind.bind(), stride)));
                 found.types.push(ty.clone());
             }
             Variable::Descriptor { name: which, .. } => {
@@ -75,7 +113,10 @@ pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
                 found.push_bytes = u32::try_from(ty.nbyte().unwrap_or(0)).unwrap_or(u32::MAX);
                 found.types.push(ty.clone());
             }
-            Variable::SpecConstant { .. } => found.constants += 1,
+            Variable::SpecConstant { name, spec_id, .. } => {
+                found.constants += 1;
+                found.names.insert(*spec_id, name.clone().unwrap_or_default());
+            }
             _ => {}
         }
     }

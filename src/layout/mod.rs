@@ -247,6 +247,7 @@ macro_rules! buffers {
 mod arriving;
 mod beneath;
 mod buffers;
+mod glsl;
 mod lists;
 mod local;
 mod records;
@@ -255,6 +256,7 @@ mod viewing;
 pub use arriving::*;
 pub use beneath::*;
 pub use buffers::*;
+pub use glsl::declarations;
 pub use lists::*;
 pub use local::*;
 pub use records::*;

@@ -3,6 +3,9 @@
 use crate::layout::{Number, Slot};
 use crate::state::{State, Tolerance};
 
+/// The largest distance, in units in the last place, of each bin of a [`Comparison::histogram`] but the last.
+pub const BINS: [u64; 7] = [0, 1, 3, 7, 15, 255, 65_535];
+
 /// How one buffer of the device compares with the reference's.
 #[derive(Clone, Debug, Default)]
 pub struct Comparison {
@@ -12,6 +15,8 @@ pub struct Comparison {
     pub failures: usize,
     /// Largest distance in units in the last place, over all floats.
     pub ulp: u64,
+    /// Floats by their distance: a bin for each of [`BINS`], and one for all beyond.
+    pub histogram: [u64; 8],
     /// Largest |difference| / max(|reference|, floor x the field's largest value), over all floats.
     pub relative: f64,
     /// The first failure in words: index, field, both values, both in hex.
@@ -71,6 +76,10 @@ pub fn compare(slot: Slot, reference: &State, device: &State, tolerance: Toleran
     for (i, (&x, &y)) in a.iter().zip(b).enumerate() {
         let k = i % layout.len();
         let word = &layout[k];
+        if word.number == Number::Float {
+            let distance = if x == y { 0 } else { ulp(f32::from_bits(x), f32::from_bits(y)) };
+            result.histogram[BINS.iter().take_while(|most| distance > **most).count()] += 1;
+        }
         let passes = match (allowance(i, k), word.number) {
             (Some((relative, lowest)), Number::Float) if x != y => {
                 let (p, q) = (f32::from_bits(x), f32::from_bits(y));
@@ -121,6 +130,7 @@ mod tests {
         let tight = Tolerance::Float { relative: 1e-5, floor: 0.0 };
         let found = compare(Slot::radiosity, &reference, &device, tight);
         assert_eq!((found.words, found.failures), (6, 1));
+        assert_eq!(found.histogram, [5, 0, 0, 0, 0, 0, 1, 0]);
         assert!(
             found.first.as_ref().is_some_and(|text| text.starts_with("radiosity[1].1: reference 5e0 (0x40a00000)"))
         );

@@ -8,6 +8,7 @@
 use crate::error::Result;
 use crate::gpu::Device;
 use crate::layout::{SLOTS, Slot};
+pub use crate::measure::compare::BINS;
 use crate::measure::compare::{Comparison, compare};
 use crate::measure::fixtures::Fixture;
 use crate::state::{DeviceState, Role, State, Step, Tolerance};
@@ -28,6 +29,8 @@ pub struct Row {
     pub words: usize,
     /// Largest distance in units in the last place.
     pub ulp: u64,
+    /// Floats written, by their distance: a bin for each of [`BINS`], and one for all beyond.
+    pub histogram: [u64; 8],
     /// Largest relative difference.
     pub relative: f64,
     /// Everything that is wrong; empty when the stage conforms.
@@ -45,12 +48,26 @@ pub struct Plant {
 
 /// Runs every step of a fixture; one row a stage. With a planted error, only its stage runs on the device.
 pub fn conform(device: &Device, fixture: &Fixture, plant: Option<Plant>) -> Result<Vec<Row>> {
+    compared(device, fixture, plant, &|stage| plant.is_none_or(|plant| plant.stage == stage))
+}
+
+/// The same for some stages only; the reference alone runs the others.
+pub fn conform_stages(device: &Device, fixture: &Fixture, stages: &[String]) -> Result<Vec<Row>> {
+    compared(device, fixture, None, &|stage| stages.iter().any(|name| name == stage))
+}
+
+fn compared(
+    device: &Device,
+    fixture: &Fixture,
+    plant: Option<Plant>,
+    takes_part: &dyn Fn(&str) -> bool,
+) -> Result<Vec<Row>> {
     let mut rows: Vec<Row> = Vec::new();
     let mut twin = DeviceState::new(device, true)?;
     let mut state = fixture.state.clone();
     let _ = device.take_messages();
     for step in &fixture.steps {
-        if plant.is_some_and(|plant| plant.stage != step.stage.name) {
+        if !takes_part(step.stage.name) {
             step.reference(&mut state);
             continue;
         }
@@ -61,6 +78,7 @@ pub fn conform(device: &Device, fixture: &Fixture, plant: Option<Plant>) -> Resu
                 known.steps += 1;
                 known.words += row.words;
                 known.ulp = known.ulp.max(row.ulp);
+                known.histogram.iter_mut().zip(row.histogram).for_each(|(sum, count)| *sum += count);
                 known.relative = known.relative.max(row.relative);
                 known.faults.extend(row.faults);
             }
@@ -115,6 +133,7 @@ fn one(twin: &mut DeviceState, before: &State, step: Step, name: &str, plant: Op
         steps: 1,
         words: 0,
         ulp: 0,
+        histogram: [0; 8],
         relative: 0.0,
         faults: Vec::new(),
     };
@@ -125,6 +144,7 @@ fn one(twin: &mut DeviceState, before: &State, step: Step, name: &str, plant: Op
         if written.is_some() {
             row.words += found.words;
             row.ulp = row.ulp.max(found.ulp);
+            row.histogram.iter_mut().zip(found.histogram).for_each(|(sum, count)| *sum += count);
             row.relative = row.relative.max(found.relative);
         }
         if found.failures > 0 {

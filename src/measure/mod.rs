@@ -1,5 +1,5 @@
-//! The measuring: conformance, error norms, the worth of an error estimate, references, error against time, extreme cases,
-//! the papers' tables, layers, local shading, modes, numerical error beside the model's; and the report of it all.
+//! The measuring: conformance, profiles, error norms, the worth of an error estimate, references, error against time, extreme
+//! cases, the papers' tables, layers, local shading, modes, numerical error beside the model's; and the report of it all.
 
 pub mod accuracy;
 pub mod balls;
@@ -15,11 +15,13 @@ pub mod norms;
 pub mod pareto;
 pub mod profile;
 pub mod reference;
+pub mod replace;
 pub mod report;
 pub mod sample;
 pub mod stress;
 pub mod tables;
 pub mod validity;
+pub mod verdict;
 pub mod walk;
 
 /// The value in the middle, the upper one of two; no number where there is none.

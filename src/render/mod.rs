@@ -10,6 +10,7 @@ pub mod clusters;
 mod layers;
 pub mod lights;
 pub mod local;
+pub mod needs;
 pub mod octree;
 pub mod options;
 pub mod plan;

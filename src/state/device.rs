@@ -19,14 +19,14 @@ pub struct DeviceState {
     kernels: Kernels,
     buffers: BTreeMap<Slot, Buffer>,
     /// Bound where a kernel names a buffer that this scene has no elements of.
-    nothing: Buffer,
+    nothing: Box<Buffer>,
     guarded: bool,
 }
 
 impl DeviceState {
     /// No buffers yet. With `guarded`, every buffer is followed by bytes that [`Self::trespasses`] checks.
     pub fn new(device: &Device, guarded: bool) -> Result<Self> {
-        let nothing = Buffer::new(device, "nothing", 4)?;
+        let nothing = Box::new(Buffer::new(device, "nothing", 4)?);
         Ok(Self { device: device.clone(), kernels: Kernels::new(device), buffers: BTreeMap::new(), nothing, guarded })
     }
 

@@ -7,7 +7,7 @@ mod schedule;
 
 pub use device::DeviceState;
 pub use objects::{Extent, LitAt, Object};
-pub use pass::{Dispatch, Pass, dispatches};
+pub use pass::{Bound, Dispatch, Pass, dispatches};
 pub use schedule::{Chunk, Schedule};
 
 use crate::error::Result;

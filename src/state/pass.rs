@@ -3,7 +3,7 @@
 use super::device::{Call, DeviceState};
 use super::{Object, Place, State, Step};
 use crate::error::Result;
-use crate::gpu::{Recorder, accesses};
+use crate::gpu::{Access, Recorder, accesses};
 use crate::layout::{Range, SLOTS, Slot};
 
 /// What a stage records its dispatches with.
@@ -37,16 +37,35 @@ pub struct Dispatch {
     pub invocations: Option<usize>,
 }
 
+/// A part of a buffer that a dispatch binds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound {
+    /// The buffer.
+    pub slot: Slot,
+    /// Its bytes, begin and end.
+    pub range: [u64; 2],
+    /// Whether it is read.
+    pub reads: bool,
+    /// Whether it is written.
+    pub writes: bool,
+}
+
 impl Dispatch {
-    /// The bytes of each buffer that it binds, begin and end, and whether it reads and writes them.
-    pub fn bound(&self, state: &State) -> Result<Vec<(Slot, [u64; 2], [bool; 2])>> {
+    /// The part of each buffer that it binds.
+    pub fn bound(&self, state: &State) -> Result<Vec<Bound>> {
         let range = |slot: Slot| {
             let (first, count) = state.part(slot, self.at);
             [first, first + count].map(|element| (element * slot.spec().stride) as u64)
         };
         let of = accesses(&self.kernel)?;
         let known = of.iter().filter_map(|access| Some((*SLOTS.get(access.binding as usize)?, access)));
-        Ok(known.map(|(slot, access)| (slot, range(slot), [access.reads, access.writes])).collect())
+        let bound = |(slot, access): (Slot, &Access)| Bound {
+            slot,
+            range: range(slot),
+            reads: access.reads,
+            writes: access.writes,
+        };
+        Ok(known.map(bound).collect())
     }
 }
 

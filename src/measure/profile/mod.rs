@@ -107,14 +107,17 @@ impl Row {
 
 /// Measures a scene on a device, or on the CPU.
 pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> Result<Profile> {
+    // Before the frames and after them, for what else slows the device now and then.
+    let earlier = device.map(rates).transpose()?.flatten();
     if let Some(device) = device {
         device.forget_peak();
     }
     let mut session = ready(scene, device, settings)?;
     let found = timed(&mut [&mut session], settings)?;
-    let mut notes = Vec::new();
     let peak = device.map_or(session.bytes(), |device| device.memory().1);
-    let rates = device.map(rates).transpose()?.flatten();
+    let later = device.map(rates).transpose()?.flatten();
+    let rates = earlier.zip(later).map(|(one, other)| one.best(other));
+    let mut notes = Vec::new();
     match device {
         None => notes.push("on the CPU: the reference in f64, by the host's clock; no device is measured".into()),
         Some(_) if rates.is_none() => {
@@ -135,8 +138,10 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
             Err(error) => return Err(error),
         }
     }
-    let device_of = |times: &Vec<Timing>| times.iter().map(|time| time.milliseconds).sum::<f64>();
-    let sums: Vec<f64> = found[0].iter().map(|(_, _, times)| device_of(times)).collect();
+    let stages = |times: &Vec<Timing>| {
+        times.iter().filter(|time| time.name != octree::NAME).map(|time| time.milliseconds).sum::<f64>()
+    };
+    let sums: Vec<f64> = found[0].iter().map(|(_, _, times)| stages(times)).collect();
     Ok(Profile {
         scene: scene.name.clone(),
         device: device.map_or("cpu", Device::name).to_string(),
@@ -150,6 +155,40 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
         notes,
         trace: found.into_iter().next().unwrap_or_default(),
     })
+}
+
+/// A stage on two devices, or all of the frame.
+#[derive(Clone, Debug)]
+pub struct Against {
+    /// The stage, `stages` for the sum of all, or `frame` from call to result.
+    pub what: String,
+    /// Milliseconds before and after.
+    pub times: [Spread; 2],
+    /// The ratio of the medians, after to before.
+    pub ratio: f64,
+}
+
+/// Times frames on two devices in turn, such as one and the same with and without a replaced kernel.
+pub fn against(scene: &Scene, devices: [&Device; 2], settings: &Settings) -> Result<Vec<Against>> {
+    let [mut before, mut after] =
+        [ready(scene, Some(devices[0]), settings)?, ready(scene, Some(devices[1]), settings)?];
+    let found = timed(&mut [&mut before, &mut after], settings)?;
+    let row = |what: &str, values: [Vec<f64>; 2]| {
+        let times = values.map(Spread::of);
+        Against { what: what.to_string(), times, ratio: times[1].median / times[0].median }
+    };
+    let both = |of: &dyn Fn(&Frames) -> Vec<f64>| [of(&found[0]), of(&found[1])];
+    let mut rows: Vec<Against> = Vec::new();
+    for time in found[0].first().map_or(&Vec::new(), |frame| &frame.2) {
+        if !rows.iter().any(|row| row.what == time.name) {
+            rows.push(row(&time.name, both(&|frames| of_stage(frames, &time.name))));
+        }
+    }
+    let all = |frames: &Frames| frames.iter().map(|frame| frame.2.iter().map(|time| time.milliseconds).sum()).collect();
+    rows.push(row("stages", both(&all)));
+    rows.retain(|row| row.ratio.is_finite());
+    rows.push(row("frame", both(&|frames| frames.iter().map(|frame| frame.1).collect())));
+    Ok(rows)
 }
 
 /// A session whose next frames are all alike: lists have their room, pipelines are made.
@@ -213,9 +252,11 @@ fn rows(session: &mut Session, frames: &Frames, settings: &Settings) -> Result<V
     Ok(rows)
 }
 
-/// What a frame leaves behind: the bits of radiosity and picture.
-pub(super) fn result(session: &mut Session) -> Result<[Vec<u8>; 2]> {
-    let slots = [Slot::radiosity, Slot::radiance];
-    session.fetch(&slots)?;
-    Ok(slots.map(|slot| session.state().data.bytes(slot).to_vec()))
+/// What a frame leaves behind, bit for bit: the picture, or radiosity where none is made. Of receivers at pixels the radiosity
+/// of places that no pixel shows is never written.
+pub(super) fn result(session: &mut Session) -> Result<Vec<u8>> {
+    let pictured = !session.state().data.radiance.is_empty();
+    let slot = if pictured { Slot::radiance } else { Slot::radiosity };
+    session.fetch(&[slot])?;
+    Ok(session.state().data.bytes(slot).to_vec())
 }

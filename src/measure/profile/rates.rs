@@ -29,6 +29,14 @@ const LONG: f64 = 5.0;
 const FACTORS: [f32; 2] = [0.999, 0.01];
 const STEP: f32 = 0.002;
 
+impl Rates {
+    /// The better of two measurements: what slows a device makes no rate of it.
+    #[must_use]
+    pub fn best(self, other: Self) -> Self {
+        Self { copy: self.copy.max(other.copy), fma: self.fma.max(other.fma), exp: self.exp.max(other.exp) }
+    }
+}
+
 /// Measures a device; none without timestamps.
 pub fn rates(device: &Device) -> Result<Option<Rates>> {
     if device.limits().timestamp_period <= 0.0 {
@@ -82,11 +90,11 @@ fn sums(device: &Device, name: &str, input: [f32; 2], expected: fn(u32) -> f64) 
         let mut buffers = [bytemuck::cast_slice(&input).to_vec(), vec![0; 4 * count as usize]];
         let seconds = fastest(device, &alone, &mut buffers, count)?;
         let sums: &[f32] = bytemuck::cast_slice(&buffers[1]);
-        for self_ in (0..count as usize).step_by(count as usize / 64 + 1) {
-            let (found, right) = (f64::from(sums[self_]), expected(self_ as u32));
+        for place in (0..count as usize).step_by(count as usize / 64 + 1) {
+            let (found, right) = (f64::from(sums[place]), expected(place as u32));
             // Sums of a thousand roundings, and exponentials good to some ulp.
             if (found - right).abs().is_nan() || (found - right).abs() > 1e-3 * right.abs() {
-                let what = format!("invocation {self_} gave {found}, {right} is right");
+                let what = format!("invocation {place} gave {found}, {right} is right");
                 return Err(Error::device(format!("measuring the device with kernel {name}"), what));
             }
         }

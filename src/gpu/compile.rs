@@ -1,0 +1,26 @@
+//! From GLSL to SPIR-V: the same for the build, which includes this file, and for kernels given at run time.
+
+/// Compiles one shader; a warning is an error, and messages carry file and line. `include` finds a file by the name that
+/// a shader gives it, and returns the name that messages call it by, and its text.
+pub fn compile(
+    compiler: &shaderc::Compiler,
+    source: &str,
+    name: &str,
+    include: impl Fn(&str) -> Result<(String, String), String>,
+) -> Result<shaderc::CompilationArtifact, String> {
+    let mut options = shaderc::CompileOptions::new().map_err(|e| e.to_string())?;
+    options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_2 as u32);
+    options.set_target_spirv(shaderc::SpirvVersion::V1_5);
+    options.set_optimization_level(shaderc::OptimizationLevel::Performance);
+    options.set_generate_debug_info();
+    options.set_warnings_as_errors();
+    options.set_include_callback(|name, _, _, _| {
+        include(name).map(|(resolved_name, content)| shaderc::ResolvedInclude { resolved_name, content })
+    });
+    compiler.compile_into_spirv(source, shaderc::ShaderKind::Compute, name, "main", Some(&options)).map_err(|error| {
+        match error {
+            shaderc::Error::CompilationError(_, text) => text.trim_end().to_string(),
+            other => other.to_string(),
+        }
+    })
+}

@@ -1,0 +1,110 @@
+//! The sources of the program's kernels, and kernels given at run time that take the place of one of them.
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use super::reflect::{Reflected, SOURCES, kernel_names, reflect, words_of};
+use crate::error::{Error, Input, Result};
+use crate::layout::{SLOTS, declarations};
+
+/// The GLSL of a kernel, `transport/push`, or of a file that kernels include, `dipole/jet.glsl`; `layout.glsl` is the records
+/// and buffers. None where there is no such source.
+pub fn source(name: &str) -> Option<Cow<'static, str>> {
+    if name == "layout.glsl" {
+        return Some(declarations().into());
+    }
+    let file = |known: &str| known == name || known.strip_suffix(".comp") == Some(name);
+    SOURCES.iter().find(|(known, _)| file(known)).map(|(_, text)| (*text).into())
+}
+
+/// The names that [`source`] knows.
+pub fn sources() -> impl Iterator<Item = &'static str> {
+    SOURCES.iter().map(|(name, _)| name.strip_suffix(".comp").unwrap_or(name)).chain(["layout.glsl"])
+}
+
+/// The SPIR-V of a file that is to take the place of a kernel, its interface checked against the kernel's.
+///
+/// Includes are looked for beside the file, then among the program's own. Errors are the user's: they name the file, and
+/// the line where the compiler does.
+pub fn replacement(kernel: &str, file: &Path) -> Result<Vec<u32>> {
+    if !kernel_names().any(|known| known == kernel) {
+        let names: Vec<_> = kernel_names().filter(|known| !known.starts_with("measure/")).collect();
+        let near =
+            names.iter().max_by(|a, b| strsim::jaro_winkler(a, kernel).total_cmp(&strsim::jaro_winkler(b, kernel)));
+        let fault = Input::new("there is no such kernel").key("--replace").found(kernel);
+        let like = near.map_or(String::new(), |name| format!("{name}, or another one that "));
+        return Err(fault.expected(format!("{like}`milkglass shader` lists")).into());
+    }
+    let text = std::fs::read_to_string(file)
+        .map_err(|error| Input::new(format!("the shader could not be read: {error}")).file(file))?;
+    let words = compile(file, &text)?;
+    let fault = |what: String| Error::from(Input::new(what).file(file));
+    let own =
+        reflect(kernel, &words).map_err(|error| fault(format!("it can't take the place of {kernel}: {error}")))?;
+    match differs(&own, &reflect(kernel, &words_of(kernel)?)?) {
+        Some(what) => Err(fault(format!("it can't take the place of {kernel}: it {what}"))),
+        None => Ok(words),
+    }
+}
+
+/// In what the interface of a kernel is more than, or other than, the built-in one's.
+fn differs(own: &Reflected, right: &Reflected) -> Option<String> {
+    for access in &own.accesses {
+        let binding = access.binding;
+        let name =
+            SLOTS.get(binding as usize).map_or_else(|| format!("binding {binding}"), |slot| slot.spec().name.into());
+        let Some(known) = right.accesses.iter().find(|known| known.binding == binding) else {
+            let names: Vec<_> =
+                right.accesses.iter().filter_map(|a| Some(SLOTS.get(a.binding as usize)?.spec().name)).collect();
+            return Some(format!("binds {name}; the built-in one binds {}", names.join(", ")));
+        };
+        for (does, may, word, other) in
+            [(access.reads, known.reads, "reads", "writes"), (access.writes, known.writes, "writes", "reads")]
+        {
+            if does && !may {
+                return Some(format!("{word} {name}, which the built-in one only {other}"));
+            }
+        }
+        if let (Some(own), Some(right)) = (own.strides.get(&binding), right.strides.get(&binding))
+            && own != right
+        {
+            return Some(format!("takes elements of {name} to have {own} bytes; they have {right}"));
+        }
+    }
+    if own.push_bytes != right.push_bytes {
+        let (own, right) = (own.push_bytes, right.push_bytes);
+        return Some(format!("takes {own} bytes of push constants, the built-in one {right}"));
+    }
+    if own.constants != right.constants {
+        let (own, right) = (own.constants, right.constants);
+        return Some(format!(
+            "has {own} specialization constants, the built-in one {right} (the compiler drops those that nothing uses)"
+        ));
+    }
+    None
+}
+
+#[cfg(feature = "shaderc")]
+fn compile(file: &Path, text: &str) -> Result<Vec<u32>> {
+    let compiler = shaderc::Compiler::new().map_err(|error| Error::device("starting the shader compiler", error))?;
+    let beside = file.parent().unwrap_or(Path::new(""));
+    let include = |name: &str| {
+        let path = beside.join(name);
+        if path.is_file() {
+            let content = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+            return Ok((path.display().to_string(), content));
+        }
+        source(name).map(|content| (name.to_string(), content.into_owned())).ok_or_else(|| {
+            format!("{name} is neither beside {} nor built in; `milkglass shader` lists what is", file.display())
+        })
+    };
+    super::compile::compile(&compiler, text, &file.display().to_string(), include)
+        .map(|artifact| artifact.as_binary().to_vec())
+        .map_err(|text| Input::new(format!("the shader does not compile\n{text}")).file(file).into())
+}
+
+#[cfg(not(feature = "shaderc"))]
+fn compile(file: &Path, _: &str) -> Result<Vec<u32>> {
+    let what = "this build can't compile shaders: build milkglass with `--features shaderc` for --replace";
+    Err(Input::new(what).file(file).into())
+}

@@ -1,0 +1,31 @@
+//! Records and buffers as GLSL: what shaders include as `layout.glsl`.
+
+use std::fmt::Write as _;
+
+/// The text of `layout.glsl`.
+pub fn declarations() -> String {
+    let mut text = String::from(
+        "#extension GL_EXT_scalar_block_layout : require\n\
+         #define READS(name) READS_##name\n#define WRITES(name) WRITES_##name\n#define UPDATES(name) UPDATES_##name\n",
+    );
+    for record in super::records() {
+        let _ = write!(text, "struct {} {{", record.name);
+        for (field, kind, _) in &record.fields {
+            let _ = write!(text, " {kind} {field};");
+        }
+        text.push_str(" };\n");
+    }
+    for &slot in super::SLOTS {
+        let (spec, binding) = (slot.spec(), slot as usize);
+        for (word, qualifier) in [("READS", "readonly"), ("WRITES", "writeonly"), ("UPDATES", "")] {
+            let _ = writeln!(
+                text,
+                "#define {word}_{name} layout(set = 0, binding = {binding}, scalar) restrict {qualifier} \
+                 buffer {name}_block {{ {kind} {name}[]; }};",
+                name = spec.name,
+                kind = spec.glsl,
+            );
+        }
+    }
+    text
+}

@@ -1,0 +1,30 @@
+//! What a failed comparison says, in lines that can be pasted into a report to the driver's makers.
+
+use super::conform::Row;
+use crate::gpu::Device;
+use crate::render::stages::stage;
+
+/// Where, on what, and what; `repeat` is the command that shows it again.
+pub fn verdict(device: &Device, row: &Row, repeat: &str) -> String {
+    let replaced: Vec<_> = device.replaced().filter(|name| name.split('/').nth(1) == Some(row.stage)).collect();
+    let own = if replaced.is_empty() { String::new() } else { format!(", with a replaced {}", replaced.join(", ")) };
+    let limits = device.limits();
+    let about = stage(row.stage).map_or("", |stage| stage.about);
+    let mut lines = vec![
+        format!("milkglass {}: a stage on the device differs from its reference on the CPU", env!("CARGO_PKG_VERSION")),
+        format!("device:  {}, subgroups of {}", device.name(), limits.subgroup_size),
+        format!("driver:  {}", device.driver()),
+        format!("stage:   {} ({about}){own}", row.stage),
+        format!("on:      {}", row.fixture),
+    ];
+    // Anyone can read the first; a long list helps nobody.
+    let shown = row.faults.iter().take(3);
+    lines.extend(
+        shown.enumerate().map(|(k, fault)| format!("{}{fault}", if k == 0 { "differs: " } else { "         " })),
+    );
+    if row.faults.len() > 3 {
+        lines.push(format!("         and {} more", row.faults.len() - 3));
+    }
+    lines.push(format!("repeat:  {repeat}"));
+    lines.join("\n") + "\n"
+}

@@ -1,0 +1,110 @@
+//! What a planned frame needs, told without running it: dispatches, kernels with their constants, buffers bound.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::plan::Change;
+use super::run::Session;
+use crate::error::Result;
+use crate::gpu::constants;
+use crate::layout::{SLOTS, Slot};
+use crate::state::Bound;
+
+/// What a stage of a frame needs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StageNeeds {
+    /// The stage.
+    pub stage: &'static str,
+    /// Times it runs: once an object, chunk, group or batch.
+    pub steps: usize,
+    /// Dispatches of all.
+    pub dispatches: usize,
+    /// Bytes bound for reading and for writing, each one counted once; lists may be shorter than their room.
+    pub bytes: [u64; 2],
+    /// Its pipelines.
+    pub kernels: Vec<KernelNeeds>,
+}
+
+/// A pipeline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KernelNeeds {
+    /// The kernel.
+    pub name: String,
+    /// Its specialization constants.
+    pub constants: Vec<u32>,
+    /// How often it is dispatched.
+    pub dispatches: usize,
+}
+
+impl KernelNeeds {
+    /// The constants with their names, `CHANNELS = 7, ORDER = 2`.
+    pub fn specialized(&self) -> Result<String> {
+        let named = constants(&self.name)?.into_iter().zip(&self.constants);
+        Ok(named.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", "))
+    }
+}
+
+impl Session {
+    /// What each stage of a frame after this change needs, in the order of the frame.
+    pub fn needs(&self, change: Change) -> Result<Vec<StageNeeds>> {
+        let mut needs: Vec<StageNeeds> = Vec::new();
+        for step in self.plan.steps(self.state(), change) {
+            match needs.iter_mut().find(|known| known.stage == step.stage.name) {
+                Some(known) => known.steps += 1,
+                None => needs.push(StageNeeds { stage: step.stage.name, steps: 1, ..StageNeeds::default() }),
+            }
+        }
+        let mut ranges: BTreeMap<(&str, Slot, bool), BTreeSet<[u64; 2]>> = BTreeMap::new();
+        for dispatch in self.dispatches(change)? {
+            let Some(stage) = needs.iter_mut().find(|known| known.stage == dispatch.stage) else { continue };
+            stage.dispatches += 1;
+            let same =
+                |known: &&mut KernelNeeds| known.name == dispatch.kernel && known.constants == dispatch.constants;
+            match stage.kernels.iter_mut().find(same) {
+                Some(known) => known.dispatches += 1,
+                None => stage.kernels.push(KernelNeeds {
+                    name: dispatch.kernel.clone(),
+                    constants: dispatch.constants.clone(),
+                    dispatches: 1,
+                }),
+            }
+            for Bound { slot, range, reads, writes } in dispatch.bound(self.state())? {
+                for (written, does) in [(false, reads), (true, writes)] {
+                    if does {
+                        ranges.entry((dispatch.stage, slot, written)).or_default().insert(range);
+                    }
+                }
+            }
+        }
+        for ((stage, _, written), ranges) in ranges {
+            if let Some(stage) = needs.iter_mut().find(|known| known.stage == stage) {
+                stage.bytes[usize::from(written)] += union(ranges);
+            }
+        }
+        Ok(needs)
+    }
+
+    /// The buffers that there are, with their bytes.
+    pub fn buffers(&self) -> Vec<(Slot, u64)> {
+        let sized = SLOTS.iter().map(|&slot| (slot, self.state().data.bytes(slot).len() as u64));
+        sized.filter(|(_, bytes)| *bytes > 0).collect()
+    }
+}
+
+/// Bytes in any of these ranges, given by begin and end.
+pub fn union(ranges: BTreeSet<[u64; 2]>) -> u64 {
+    let (mut sum, mut end) = (0, 0);
+    for [first, last] in ranges {
+        sum += last.saturating_sub(first.max(end));
+        end = end.max(last);
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_byte_bound_twice_counts_once() {
+        assert_eq!(super::union([[10, 20], [0, 4], [15, 25], [16, 18]].into()), 19);
+        assert_eq!(super::union([].into()), 0);
+    }
+}

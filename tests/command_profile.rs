@@ -1,0 +1,163 @@
+//! `profile`, `shader`, `--replace`, and what `conform` and `plan` say, as a user has them.
+
+mod shell;
+
+use shell::{bad, folder, good, program, read, said};
+
+const SMALL: &str = "sphere --set object.0.detail=1 --set camera.size=[16,12]";
+
+/// A ball small enough to be compared in no time.
+const BALL: &str = "[camera]\nsize = [16, 12]\n[[object]]\nshape = 'sphere'\ndetail = 1\nsize = 10\nmaterial = { preset = 'marble' }\n\
+                    [[light]]\ntype = 'directional'\ndirection = [1, 1, 1]\nirradiance = 3\n[transport]\nreceivers = 'faces'\n";
+
+#[test]
+fn a_profile_is_printed_and_written() {
+    let here = folder(&[]);
+    let (out, _) = good(&here, &format!("profile {SMALL} --frames 3 --csv a.csv --json a.json --trace t.json"));
+    for words in ["G FMA/s", "device memory at most", "gather", "counted by the kernels"] {
+        assert!(out.contains(words), "{words}: {out}");
+    }
+    let json: serde_json::Value = serde_json::from_str(&read(&here, "a.json")).unwrap();
+    let stages = json["stages"].as_array().unwrap();
+    assert!(json["rates"]["copy_bytes_per_s"].as_f64().unwrap() > 0.0 && json["frames"] == 3);
+    assert!(stages.iter().all(|row| row["work"]["invocations"].as_u64().unwrap() > 0), "{stages:?}");
+    let mut csv = csv::Reader::from_path(here.path().join("a.csv")).unwrap();
+    let column = csv.headers().unwrap().iter().position(|name| name == "share_fma").unwrap();
+    let rows: Vec<_> = csv.records().map(Result::unwrap).collect();
+    assert_eq!(rows.len(), stages.len());
+    assert!(rows.iter().all(|row| row[column].parse::<f64>().unwrap() >= 0.0));
+
+    // Every step of every frame lies within its frame.
+    let trace: serde_json::Value = serde_json::from_str(&read(&here, "t.json")).unwrap();
+    let events: Vec<_> = trace["traceEvents"].as_array().unwrap().iter().filter(|event| event["ph"] == "X").collect();
+    let frames: Vec<_> = events.iter().filter(|event| event["name"] == "frame").collect();
+    let span = |event: &serde_json::Value| (event["ts"].as_f64().unwrap(), event["dur"].as_f64().unwrap());
+    assert_eq!(frames.len(), 3);
+    assert!(events.len() > 3 * stages.len());
+    for event in &events {
+        let (frame, own) = (span(frames[event["args"]["frame"].as_u64().unwrap() as usize]), span(event));
+        assert!(own.0 >= frame.0 - 1.0 && own.0 + own.1 <= frame.0 + frame.1 + 1.0, "{event} in {frame:?}");
+    }
+}
+
+#[test]
+fn a_profile_on_the_cpu_has_times_only() {
+    let here = folder(&[]);
+    let (out, _) = good(&here, &format!("profile {SMALL} --frames 1 --device cpu --csv a.csv"));
+    assert!(out.contains("the reference in f64") && !out.contains("FMA/s"), "{out}");
+    assert!(read(&here, "a.csv").contains(",gather,"));
+    bad(&here, "profile sphere --frames 0", 2, &["--frames"]);
+    bad(&here, "profile nowhere.toml", 2, &["nowhere.toml"]);
+}
+
+#[test]
+fn a_shader_is_printed_and_taken_back() {
+    let here = folder(&[("a.toml", BALL)]);
+    let (names, _) = good(&here, "shader");
+    assert!(names.lines().any(|name| name == "transport/gather/direct") && names.contains("layout.glsl"));
+    bad(&here, "shader transport/pus", 2, &["there is no such shader", "transport/push"]);
+    let (layout, _) = good(&here, "shader layout.glsl");
+    assert!(layout.contains("struct Frame {"));
+    for kernel in ["transport/push", "transport/gather/direct"] {
+        let (text, _) = good(&here, &format!("shader {kernel}"));
+        std::fs::write(here.path().join("my.comp"), text).unwrap();
+        let (out, err) = good(&here, &format!("profile a.toml --frames 2 --replace {kernel}=my.comp"));
+        assert!(out.contains("ratio") && err.contains("conform to the reference"), "{out}{err}");
+    }
+    good(&here, "conform a.toml --no-validation --replace transport/gather/direct=my.comp");
+    let (out, _) =
+        good(&here, "pareto a.toml --quick --methods blocks --samples 20 --replace transport/gather/direct=my.comp");
+    assert!(out.contains("replaced ms"), "{out}");
+}
+
+#[test]
+fn a_bug_in_a_shader_is_caught_and_located() {
+    let here = folder(&[("a.toml", BALL)]);
+    let (text, _) = good(&here, "shader transport/push");
+    // From receiver 40 on a hundredth too much.
+    let wrong = text.replace("max(sum, vec3(0))", "max(sum, vec3(0)) * (self.face < 40 ? 1.0 : 1.01)");
+    assert_ne!(text, wrong);
+    std::fs::write(here.path().join("my.comp"), wrong).unwrap();
+    for line in ["conform a.toml --no-validation", "profile a.toml", "pareto a.toml --quick"] {
+        let words = [
+            "stage:   push",
+            "radiosity[40].0: reference",
+            "(0x",
+            "repeat:  milkglass",
+            "--replace transport/push=my.comp",
+        ];
+        bad(&here, &format!("{line} --replace transport/push=my.comp"), 1, &words);
+    }
+    // The command to repeat, but for the device's name.
+    let output = program(&here, "conform a.toml --no-validation --stage push --replace transport/push=my.comp")
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output).1);
+    bad(&here, "conform a.toml --stage pushh", 2, &["--stage", "there is no such stage", "push"]);
+}
+
+#[cfg(feature = "shaderc")]
+#[test]
+fn a_shader_that_does_not_fit_is_named() {
+    let here = folder(&[("a.toml", BALL)]);
+    let (text, _) = good(&here, "shader transport/push");
+    let line = text.lines().position(|line| line.contains("max(sum, vec3(0))")).unwrap() + 1;
+    let put = |name: &str, from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        std::fs::write(here.path().join(name), text.replace(from, to)).unwrap();
+    };
+    put("syntax.comp", "max(sum, vec3(0))", "maximum(sum, vec3(0))");
+    put("reads.comp", "WRITES(radiosity)", "UPDATES(radiosity)\nUPDATES(irradiance)");
+    let reads = std::fs::read_to_string(here.path().join("reads.comp")).unwrap();
+    std::fs::write(here.path().join("reads.comp"), reads.replace("max(sum, vec3(0))", "max(sum, irradiance[0])"))
+        .unwrap();
+    put("include.comp", "#include \"layout.glsl\"", "#include \"layout.glsl\"\n#include \"mine.glsl\"");
+    let cases = [
+        ("transport/push=syntax.comp", vec![format!("syntax.comp:{line}: error: 'maximum'")]),
+        ("transport/push=reads.comp", vec!["can't take the place of transport/push".into(), "binds irradiance".into()]),
+        ("transport/push=include.comp", vec!["mine.glsl".into(), "neither beside".into()]),
+        ("transport/push=none.comp", vec!["none.comp: the shader could not be read".into()]),
+        ("transport/pish=syntax.comp", vec!["no such kernel".into(), "transport/push".into()]),
+        ("transport/push", vec!["not a kernel and a file".into()]),
+        ("view/exit=exit.comp", vec!["a.toml does not run this kernel".into(), "transport/push".into()]),
+    ];
+    std::fs::write(here.path().join("exit.comp"), good(&here, "shader view/exit").0).unwrap();
+    for (pair, words) in cases {
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        bad(&here, &format!("conform a.toml --no-validation --replace {pair}"), 2, &words);
+    }
+    bad(&here, "profile a.toml --device cpu --replace view/exit=exit.comp", 2, &["Vulkan device only"]);
+}
+
+#[test]
+fn conform_counts_distances() {
+    let here = folder(&[("a.toml", BALL)]);
+    let (out, _) = good(&here, "conform a.toml --no-validation --stage gather,push --json a.json");
+    assert!(out.contains("units in the last place") && out.contains("all conform"), "{out}");
+    let rows: serde_json::Value = serde_json::from_str(&read(&here, "a.json")).unwrap();
+    for row in rows.as_array().unwrap() {
+        assert!(["gather", "push"].contains(&row["stage"].as_str().unwrap()), "{row}");
+        let floats: u64 = row["histogram"].as_array().unwrap().iter().map(|count| count.as_u64().unwrap()).sum();
+        assert!(floats > 0 && floats <= row["words"].as_u64().unwrap(), "{row}");
+    }
+}
+
+#[test]
+fn a_plan_tells_what_another_scene_needs_otherwise() {
+    let here = folder(&[("a.toml", BALL)]);
+    let (out, _) = good(&here, "plan a.toml --device cpu --set light.0.shadows=false --diff a.toml");
+    for words in ["light/shadow", "cut_short", "no light casts shadows"] {
+        assert!(out.contains(words), "{words}: {out}");
+    }
+    assert!(!out.contains("transport/push"), "{out}");
+    let (out, _) = good(&here, "plan a.toml --device cpu --diff a.toml");
+    assert!(out.contains("need the same"), "{out}");
+    let (out, _) = good(&here, "plan a.toml --device cpu --json a.json");
+    assert!(out.contains("specialization constants") && out.contains("CHANNELS = 7, ORDER = 2"), "{out}");
+    let plan: serde_json::Value = serde_json::from_str(&read(&here, "a.json")).unwrap();
+    let gather = plan["stages"].as_array().unwrap().iter().find(|row| row["stage"] == "gather").unwrap().clone();
+    assert_eq!(gather["dispatches"], 4);
+    assert_eq!(gather["kernels"][0]["constants"]["CHANNELS"], 7);
+    bad(&here, "plan a.toml --device cpu --diff nowhere.toml", 2, &["nowhere.toml"]);
+    bad(&here, "plan a.toml --device cpu --diff a.toml --json b.json", 2, &["--json"]);
+}

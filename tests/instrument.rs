@@ -1,0 +1,244 @@
+//! The instrument: what is counted is right, a profile hangs together, and a frame makes what its plan lists and no more.
+
+mod devices;
+
+use std::collections::BTreeSet;
+
+use devices::on_devices;
+use milkglass::gpu::{Alone, Device};
+use milkglass::layout::Slot;
+use milkglass::measure::profile::{Settings, against, profile};
+use milkglass::render::plan::{Change, Goal, Mode, Options, Transport};
+use milkglass::render::run::{Backend, Room, Session};
+use milkglass::render::stages::{STAGES, stage};
+use milkglass::scene::{Light, Receivers, Reflection, Scene};
+
+static COUNT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-count.spv"));
+
+#[test]
+fn kernels_count_what_they_do() {
+    on_devices(|device| {
+        for (elements, rounds) in [(1000u64, 10u64), (64, 1), (1, 0)] {
+            let size: Vec<u8> = [elements, rounds].iter().flat_map(|&n| (n as u32).to_ne_bytes()).collect();
+            let mut buffers = [size, 1f32.to_ne_bytes().repeat(elements as usize)];
+            let alone = Alone { name: "count", spirv: COUNT, constants: &[] };
+            let tally = alone.tally(device, &mut buffers, elements).unwrap().unwrap();
+            let all = elements.next_multiple_of(64);
+            assert_eq!(tally.invocations, all, "{}", device.name());
+            assert_eq!((tally.exps, tally.roots), (elements * rounds.div_ceil(4), elements), "{elements} x {rounds}");
+            // A multiplication and an addition a round; five in the dot product, and the sum after it.
+            assert_eq!(tally.flops, elements * (2 * rounds + 6), "{elements} x {rounds}");
+            assert_eq!(tally.moved[&0], [8 * all, 0]);
+            assert_eq!(tally.moved[&1], [8 * elements, 4 * elements]);
+        }
+    });
+}
+
+fn small(name: &str, sets: &[&str]) -> Scene {
+    let all = [sets, &["camera.size=[24, 20]"]].concat();
+    Scene::load(name, &all.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap()
+}
+
+fn ball(sets: &[&str]) -> Scene {
+    small("sphere", &[&["object.0.detail=2", "transport.receivers=faces"], sets].concat())
+}
+
+#[test]
+fn a_profile_hangs_together() {
+    on_devices(|device| {
+        let scene = ball(&[]);
+        let found = profile(&scene, Some(device), &Settings { frames: 3, ..Settings::default() }).unwrap();
+        let rates = found.rates.expect("every driver of these tests has timestamps");
+        assert!(rates.copy > 1e6 && rates.fma > 1e6 && rates.exp > 1e6, "{rates:?}");
+        assert!(found.notes.is_empty() && found.peak > 100_000, "{:?}", found.notes);
+        let row = |name: &str| found.rows.iter().find(|row| row.stage == name).unwrap();
+        // One value of 12 bytes a face, and invocations in groups of 64.
+        for name in ["irradiance", "push"] {
+            let work = row(name).work.unwrap();
+            assert_eq!((work.invocations, work.stored, work.written), (320, 320 * 12, 320 * 12), "{name}");
+        }
+        for row in &found.rows {
+            let (work, time) = (row.work.unwrap(), row.device.unwrap());
+            assert!(row.dispatches >= row.steps && work.invocations > 0 && work.written > 0, "{row:?}");
+            assert!(work.read <= work.loaded && work.written <= work.stored, "{row:?}");
+            assert!(time.low <= time.median && time.median <= time.high && time.low > 0.0 && row.wall.median > 0.0);
+            assert!(row.share_of_copy(&rates).unwrap() > 0.0);
+        }
+        assert!(row("gather").work.unwrap().exps > 0 && row("link").work.unwrap().exps == 0);
+        assert_eq!(found.trace.len(), 3);
+    });
+}
+
+#[test]
+fn on_the_cpu_a_profile_has_times_only() {
+    let found = profile(&ball(&[]), None, &Settings { frames: 2, ..Settings::default() }).unwrap();
+    assert!(found.rates.is_none() && found.on_device.is_none() && found.wall.median > 0.0);
+    assert!(found.rows.iter().all(|row| row.work.is_none() && row.device.is_none() && row.wall.median >= 0.0));
+    assert!(found.rows.iter().any(|row| row.stage == "gather") && found.notes.len() == 1);
+}
+
+#[test]
+fn a_device_against_itself_takes_every_stage() {
+    on_devices(|device| {
+        let rows = against(&ball(&[]), [device, device], &Settings { frames: 3, ..Settings::default() }).unwrap();
+        let names: Vec<_> = rows.iter().map(|row| row.what.as_str()).collect();
+        assert!(names.contains(&"gather") && names.ends_with(&["stages", "frame"]), "{names:?}");
+        assert!(rows.iter().all(|row| row.ratio > 0.0));
+    });
+}
+
+/// Kernels, buffers, and how often each stage dispatches.
+type Made = (BTreeSet<String>, BTreeSet<Slot>, Vec<(&'static str, usize)>);
+
+/// What a frame made on a device: kernels and buffers; and what it dispatched. It has to be what the plan lists.
+fn made(device: &Device, scene: &Scene, options: Options) -> Made {
+    let mut session = Session::new(scene, Some(device), options, Room::default()).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    let needs = session.needs(Change::EVERYTHING).unwrap();
+    let Backend::Gpu(twin) = &session.backend else { panic!("no device") };
+    let pipelines: BTreeSet<_> = twin.kernels().made().into_iter().collect();
+    let listed: BTreeSet<_> = needs
+        .iter()
+        .flat_map(|need| &need.kernels)
+        .map(|kernel| (kernel.name.clone(), kernel.constants.clone()))
+        .collect();
+    assert_eq!(pipelines, listed, "{}", scene.name);
+    let buffers: Vec<_> = twin.buffers().collect();
+    assert_eq!(buffers, session.buffers(), "{}", scene.name);
+    let planned: Vec<_> = session.plan.stages.iter().map(|stage| stage.name).collect();
+    assert!(needs.iter().all(|need| planned.contains(&need.stage)), "{planned:?}");
+    assert!(session.plan.left_out.iter().all(|(what, why)| !planned.contains(what) && !why.is_empty()));
+    let dispatched = needs.iter().map(|need| (need.stage, need.dispatches)).collect();
+    (
+        pipelines.into_iter().map(|(name, _)| name).collect(),
+        buffers.into_iter().map(|(slot, _)| slot).collect(),
+        dispatched,
+    )
+}
+
+type Case = (Scene, Options);
+
+fn with(scene: Scene) -> Case {
+    (scene, Options::default())
+}
+
+fn changed(mut scene: Scene, change: impl Fn(&mut Scene)) -> Case {
+    change(&mut scene);
+    with(scene)
+}
+
+fn carried(transport: Transport) -> Case {
+    (ball(&[]), Options { transport, ..Options::default() })
+}
+
+/// Stages, buffers, with, without.
+type Feature = (&'static [&'static str], &'static [Slot], Case, Case);
+
+/// Each feature: the stages and buffers that are its own, a frame with it, and the same without.
+fn features() -> Vec<Feature> {
+    let sky = |background: bool| {
+        let environment = format!("camera.background={}", if background { "environment" } else { "[0,0,0]" });
+        ball(&["light.0={type='environment',radiance=1}", &environment])
+    };
+    let tiles =
+        |on: &str| ball(&["object.0.material.texture=builtin:tiles", &format!("object.0.material.texture_on={on}")]);
+    let layered = || small("slab-layers", &["object.0.detail=4"]);
+    let twisted = ball(&["object.0.deform=[{type='twist',angle=30}]"]);
+    let reflects =
+        |reflection| changed(ball(&[]), move |scene| scene.objects[0].material.surface.reflection = reflection);
+    let on_a_table =
+        |receivers: &str| small("candle", &["object.0.detail=16", &format!("transport.receivers={receivers}")]);
+    let alone = |scene| changed(scene, |scene| scene.objects.retain(|object| object.material.opaque.is_none()));
+    let options = |options: Options| (ball(&[]), options);
+    let links = || with(ball(&["transport.scheme=links"]));
+    let local = |cdrf: &str| {
+        let scene = ball(&[&format!("transport.cdrf={cdrf}"), "transport.cdrf_table=16"]);
+        (scene, Options { transport: Transport::Cdrf, ..Options::default() })
+    };
+    vec![
+        (&["shadow"], &[Slot::lit, Slot::cut_short], with(ball(&[])), with(ball(&["light.0.shadows=false"]))),
+        (&["environment"], &[Slot::sky, Slot::harmonics], with(sky(false)), with(ball(&[]))),
+        (&["backdrop"], &[], with(sky(true)), with(sky(false))),
+        (&["entry"], &[Slot::texels, Slot::corner_uvs], with(tiles("entry")), with(ball(&[]))),
+        (&["exit"], &[Slot::texels, Slot::corner_uvs], with(tiles("exit")), with(ball(&[]))),
+        (
+            &["plane_fit", "relief"],
+            &[Slot::layerings, Slot::beneath, Slot::planes, Slot::crowds, Slot::beams],
+            with(layered()),
+            changed(layered(), |scene| scene.objects[0].material.layers = None),
+        ),
+        (&["deform"], &[Slot::rest, Slot::deforms], with(twisted), with(ball(&[]))),
+        (&["reflect"], &[], reflects(Reflection::Phong { shininess: 9 }), reflects(Reflection::None)),
+        (&["opaque"], &[], with(on_a_table("faces")), alone(on_a_table("faces"))),
+        (&["plain", "reached"], &[Slot::reached], with(on_a_table("pixels")), alone(on_a_table("pixels"))),
+        (&[], &[Slot::estimate], options(Options { estimate: true, ..Options::default() }), with(ball(&[]))),
+        (
+            &["points"],
+            &[Slot::seen],
+            changed(ball(&[]), |scene| scene.transport.receivers = Receivers::Pixels),
+            with(ball(&[])),
+        ),
+        (&["average"], &[], with(ball(&[])), changed(ball(&[]), |scene| scene.transport.receivers = Receivers::Pixels)),
+        (
+            &["visibility", "shade"],
+            &[Slot::hits, Slot::radiance],
+            with(ball(&[])),
+            options(Options { goal: Goal::Radiosity, ..Options::default() }),
+        ),
+        (&["contrast"], &[], options(Options { mode: Mode::Render, ..Options::default() }), with(ball(&[]))),
+        (
+            &["pull", "level", "radii", "link", "gather", "push"],
+            &[Slot::moments, Slot::emitters, Slot::entries, Slot::expansions, Slot::runs],
+            with(ball(&[])),
+            links(),
+        ),
+        (
+            &["reach", "mean", "refine", "form_factor", "collect", "spread"],
+            &[Slot::links, Slot::factors, Slot::spans, Slot::gathered, Slot::cluster_irradiance],
+            links(),
+            with(ball(&[])),
+        ),
+        (&["brute"], &[], carried(Transport::Brute), with(ball(&[]))),
+        (&["pull", "gather", "push"], &[Slot::moments], with(ball(&[])), carried(Transport::Octree)),
+        (&["irradiance"], &[Slot::lit], with(ball(&[])), changed(ball(&[]), |scene| scene.lights.clear())),
+        (&["curvature", "cdrf"], &[Slot::curvature], carried(Transport::Cdrf), carried(Transport::Lambert)),
+        (&["cdrf_table"], &[Slot::cdrf_cells], local("table"), local("closed")),
+        (&["lambert"], &[], carried(Transport::Lambert), with(ball(&[]))),
+        (
+            &["irradiance"],
+            &[Slot::irradiance],
+            changed(ball(&[]), |scene| scene.lights.push(Light::point(glam::DVec3::new(0.0, 40.0, 0.0), [9.0; 3]))),
+            carried(Transport::Lambert),
+        ),
+    ]
+}
+
+#[test]
+fn what_is_turned_off_is_not_there() {
+    let list = features();
+    // Every stage of a frame is some feature's, but the one that nothing does without.
+    for stage in STAGES.iter().filter(|stage| !["refit", "evaluate", "cdrf_values"].contains(&stage.name)) {
+        assert!(list.iter().any(|(stages, ..)| stages.contains(&stage.name)), "no feature has stage {}", stage.name);
+    }
+    on_devices(|device| {
+        for (stages, slots, on, off) in &list {
+            let (with, without) = (made(device, &on.0, on.1), made(device, &off.0, off.1));
+            for name in *stages {
+                let folder = format!("{}/{name}", stage(name).unwrap().room);
+                let own = |kernels: &BTreeSet<String>| {
+                    kernels
+                        .iter()
+                        .filter(|kernel| **kernel == folder || kernel.starts_with(&format!("{folder}/")))
+                        .count()
+                };
+                let dispatches = |list: &[(&str, usize)]| list.iter().find(|row| row.0 == *name).map_or(0, |row| row.1);
+                assert!(own(&with.0) > 0 && dispatches(&with.2) > 0, "{name} is not there");
+                assert_eq!((own(&without.0), dispatches(&without.2)), (0, 0), "{name} is still there");
+            }
+            for slot in *slots {
+                assert!(with.1.contains(slot), "{stages:?}: buffer {slot:?} is not there");
+                assert!(!without.1.contains(slot), "{stages:?}: buffer {slot:?} is still there");
+            }
+        }
+    });
+}
