@@ -82,7 +82,7 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
 
     // And where light is carried, none of these.
     let session = run(&ball, Options::default());
-    for stage in ["curvature", "cdrf_table", "cdrf", "lambert"] {
+    for stage in ["curvature", "cdrf_table", "cdrf", "lambert", "unwrap", "blur", "texture_blur"] {
         assert!(
             session.plan.left_out.iter().any(|(name, why)| *name == stage && why.contains("light is carried")),
             "{stage}"
@@ -161,13 +161,28 @@ fn the_command_line_says_what_local_shading_does_not_tell() {
     let here = folder(&[]);
     good(&here, "render sphere --transport cdrf -o a.png --size 24x20 --device cpu --set object.0.detail=1");
     good(&here, "render sphere --transport lambert -o b.png --size 24x20 --device cpu --set object.0.detail=1");
-    bad(&here, "solve sphere --transport cdrf -o a.csv", 2, &["--transport", "cdrf or lambert", "hierarchy"]);
+    bad(
+        &here,
+        "solve sphere --transport cdrf -o a.csv",
+        2,
+        &["--transport", "cdrf, lambert or texture-blur", "hierarchy"],
+    );
     let dark = "render sphere --view curvature -o k.png --size 9x9 --device cpu --set light.0.irradiance=0";
     bad(&here, dark, 2, &["--view curvature", "no light shines"]);
     bad(&here, "render sphere --transport lambert --aov -o a.exr", 2, &["--aov", "hierarchy"]);
     let cases = [
         ("object.0.material.sigma_0=-1", "object.0.material.sigma_0"),
         ("object.0.material.sigma_0=[1,nan,1]", "object.0.material.sigma_0"),
+        (
+            "object.0.material.sigma_0_texture=builtin:tile",
+            "object.0.material.sigma_0_texture: no texture of this name",
+        ),
+        ("object.0.material.sigma_0_texture=none.png", "none.png"),
+        (
+            "object.0.material={opaque=true,sigma_0_texture='builtin:tiles'}",
+            "sigma_0_texture: an opaque material has no",
+        ),
+        ("transport.blur_texture=8", "transport.blur_texture: out of range; found 8; expected 16 to 2048"),
         ("transport.cdrf=tabel", "cdrf"),
         ("transport.cdrf_table=1", "transport.cdrf_table: out of range; found 1; expected 2 to 1024"),
         ("transport.curvature=max", "curvature"),

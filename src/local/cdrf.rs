@@ -35,8 +35,9 @@ fn cpu(state: &mut State, _at: Place) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let mapped = u32::from(pass.state.data.frame.iter().any(|frame| frame.spread_size != [0; 2]));
     match pass.state.method.local {
-        Some(Local::Table(side)) => record(pass, Some("table"), &[side]),
-        _ => record(pass, Some("closed"), &[]),
+        Some(Local::Table(side)) => record(pass, Some("table"), &[mapped, side]),
+        _ => record(pass, Some("closed"), &[mapped]),
     }
 }

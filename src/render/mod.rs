@@ -4,6 +4,7 @@ pub mod aov;
 pub mod bake;
 pub mod bends;
 mod blocks;
+mod blur;
 mod changes;
 pub mod clusters;
 mod layers;

@@ -145,10 +145,13 @@ fn one(
     let faces = topology(&mut state, mesh, tree, units);
     frame(&mut state, &object.material, transport, units);
     let mut material = object.material.clone();
-    if let (Some(texture), Some(_), None) = (&mut material.texture, local, material.opaque) {
+    if let (Some(texture), Some(local), None) = (&mut material.texture, local, material.opaque)
+        && local != Local::Blur
+    {
         texture.side = Side::Exit;
     }
-    texture(&mut state, &material, mesh, &faces);
+    // Only the CDRF asks how far light spreads.
+    material.spread = material.spread.filter(|_| matches!(local, Some(Local::Closed | Local::Table(_))));
     state.method = Switches {
         scheme: transport.scheme,
         order: transport.order,
@@ -157,6 +160,7 @@ fn one(
         local,
         ..Switches::default()
     };
+    texture(&mut state, &material, mesh, &faces);
     let opaque = object.material.opaque.is_some();
     if transport.scheme == Scheme::Blocks && !opaque && local.is_none() {
         state.data.blocks = if by_pixel { of_picture(scene.camera.size) } else { blocks(&state) };

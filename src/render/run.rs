@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::blur::{blur, unwrap};
 use super::layers::drop_unlooked;
 use super::local::local;
 use super::octree::OctreeTransport;
@@ -19,7 +20,7 @@ use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
 use crate::layout::{Cursor, Slot};
 use crate::scene::Scene;
-use crate::state::{DeviceState, Scheme, Stage, State, Step};
+use crate::state::{DeviceState, Local, Scheme, Stage, State, Step};
 use crate::view::picture::Picture;
 
 /// Where the stages run.
@@ -78,7 +79,9 @@ impl Session {
             None => (scene.clone(), Vec::new()),
         };
         let (by_pixel, why) = by_pixel(&scene, options);
+        let unwrapped = if local == Some(Local::Blur) { unwrap(&scene)? } else { Vec::new() };
         let mut prepared = prepare(&scene, by_pixel, local);
+        blur(&mut prepared, &scene, unwrapped);
         drop_unseen(&mut prepared.state, options);
         drop_unlooked(&mut prepared.state, options);
         prepared.state.keep = options.mode != Mode::OnTheFly;
@@ -238,7 +241,7 @@ impl Session {
     pub(super) fn resize(&mut self) -> Result<()> {
         size(&mut self.prepared.state, &self.plan);
         self.size_picture();
-        self.check_shadows()?;
+        self.check_bindings()?;
         let inputs: Vec<Slot> = Plan::inputs().collect();
         self.send(&inputs)?;
         // What no stage of the plan writes must be zero where a stage or the host reads it.
@@ -256,20 +259,24 @@ impl Session {
         self.send(&[Slot::cut_short, Slot::cursor])
     }
 
-    /// The bits of all shadows have to fit one binding.
-    fn check_shadows(&self) -> Result<()> {
+    /// What grows with what the scene asks for has to fit one binding.
+    fn check_bindings(&self) -> Result<()> {
         let Backend::Gpu(twin) = &self.backend else { return Ok(()) };
         let (data, most) = (&self.prepared.state.data, twin.device().limits().binding_bytes);
-        let bytes = data.bytes(Slot::lit).len() as u64;
-        if bytes <= most {
-            return Ok(());
-        }
         let (faces, samples) = (self.state().sum(|object| object.count.faces), 32 * data.frame[0].shadow_words);
-        let what = format!(
-            "a bit for each of {faces} faces and {samples} samples of lights takes {bytes} bytes, a binding of the \
-             device takes {most}; use fewer samples, or shadows = false"
-        );
-        Err(Error::device("making room for buffer lit", what))
+        let bits = format!("a bit for each of {faces} faces and {samples} samples of lights");
+        let sheets = format!("the light of {} texels of texture coordinates", data.charts.len());
+        for (slot, what, advice) in [
+            (Slot::lit, bits, "use fewer samples, or shadows = false"),
+            (Slot::sheets, sheets, "use a smaller transport.blur_texture"),
+        ] {
+            let bytes = data.bytes(slot).len() as u64;
+            if bytes > most {
+                let what = format!("{what} takes {bytes} bytes, a binding of the device takes {most}; {advice}");
+                return Err(Error::device(format!("making room for buffer {}", slot.spec().name), what));
+            }
+        }
+        Ok(())
     }
 
     pub(super) fn size_picture(&mut self) {
