@@ -14,7 +14,6 @@ READS(normals)
 READS(hits)
 READS(corner_uvs)
 READS(unwrappings)
-READS(charts)
 READS(gaussians)
 READS(sheets)
 UPDATES(radiance)
@@ -46,7 +45,7 @@ void main() {
     vec3 sum = vec3(0);
     uint first = own.first;
     for (uint k = 0; k < GAUSSIANS; ++k) {
-        first += charts.length();
+        first += sheets.length() / (GAUSSIANS + 1);
         vec4 light = mix(mix(sheets[first + above + left], sheets[first + above + right], part.x),
                          mix(sheets[first + below + left], sheets[first + below + right], part.x), part.y);
         sum += gaussians[GAUSSIANS * (sheet - 1) + k].rgb * light.rgb / max(light.a, 1e-30);

@@ -2,7 +2,7 @@
 //!
 //! Each Gaussian blurs what the one before left, by the difference of their variances. At a texel that spans the length s a
 //! deviation of w is w / s texels: the correction of d'Eon et al. 2007 for how the texture is stretched. Every p-th texel
-//! counts, p a power of two of at least w / (12 s), but at most about a 32nd of a row, as far as 4 w; texels that show nothing do not count, and what does is
+//! counts, p a power of two of at least w / (8 s), but at most about a 32nd of a row, as far as 6 w or more; texels that show nothing do not count, and what does is
 //! divided by the weights' sum, so that even light stays as it is, at borders too.
 
 use rayon::prelude::*;
@@ -34,11 +34,11 @@ const REACH: (i64, i64) = (48, 6);
 /// Every how-manieth texel counts, and how many on each side: by additions, multiplications and comparisons in `f32`.
 fn taps(deviation: f32, length: f32, side: u32) -> (i64, i64) {
     let mut pace = 1;
-    while 32 * pace < i64::from(side) && deviation > 12.0 * (pace as f32 * length) {
+    while 32 * pace < i64::from(side) && deviation > 8.0 * (pace as f32 * length) {
         pace *= 2;
     }
     let mut reach = REACH.1;
-    while reach < REACH.0 && 4.0 * deviation > reach as f32 * (pace as f32 * length) {
+    while reach < REACH.0 && deviation > (reach / REACH.1) as f32 * (pace as f32 * length) {
         reach *= 2;
     }
     (pace, reach)

@@ -13,16 +13,15 @@ vec4 mean(Unwrapping own, uint k) {
     bool round = own.round[AXIS] != 0;
     precise float length_here = stretch[own.first + k][AXIS], deviation = gaussians[GAUSSIANS * number + level].w;
 
-    // Every how-manieth texel counts, and how many on each side: decided.
-    int pace = 1, reach = 6;
-    for (int n = 0; n < 8; ++n) {
-        precise float span = 12.0 * (float(pace) * length_here);
-        if (32 * pace < side && deviation > span) pace *= 2;
-    }
-    for (int n = 0; n < 3; ++n) {
-        precise float span = float(reach) * (float(pace) * length_here);
-        if (4.0 * deviation > span) reach *= 2;
-    }
+    // Every how-manieth texel counts, and how many on each side: decided, by powers of two times the length.
+    const vec4 POWERS = vec4(1, 2, 4, 8);
+    vec4 near = POWERS * length_here;
+    vec4 few = step(32.0 * POWERS, vec4(side - 1)), many = step(512.0 * POWERS, vec4(side - 1));
+    vec4 doubled = few * vec4(greaterThan(vec4(deviation), 8.0 * near));
+    doubled += many * vec4(greaterThan(vec4(deviation), 128.0 * near));
+    int pace = 1 << int(doubled.x + doubled.y + doubled.z + doubled.w);
+    vec4 farther = vec4(greaterThan(vec4(deviation), float(pace) * near));
+    int reach = 6 << int(farther.x + farther.y + farther.z);
 
     float rate = length_here / deviation;
     vec4 sum = vec4(0);
