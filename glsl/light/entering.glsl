@@ -1,6 +1,11 @@
-// E of equation 5 at a place of a face of an object: every light's cosine times Fresnel transmittance, where it is not
-// shadowed, and the environment by its harmonics.
-vec3 entering(uint object, uint face, vec3 point, vec3 normal) {
+// E of equation 5 at a place of an object, by its normal: every light's cosine times Fresnel transmittance, where it is not
+// shadowed, and the environment by its harmonics. SHADOWS is not 0 where lights cast any, SKY where there is an environment.
+#include "light/fresnel.glsl"
+#include "light/harmonics.glsl"
+#include "light/arrival.glsl"
+
+// `index` is that of the face, or of what else the bits of shadows are of.
+vec3 entering(uint object, uint index, vec3 point, vec3 normal) {
     bool both = frame[object].two_sided != 0;
     vec3 sum = vec3(0);
 
@@ -12,7 +17,7 @@ vec3 entering(uint object, uint face, vec3 point, vec3 normal) {
         float falloff = arrival(light, point, toward);
         float cosine = dot(normal, toward);
         float counts = both ? abs(cosine) : max(cosine, 0.0);
-        float lets = reaches(light, face);
+        float lets = reaches(light, index);
         vec3 enters = counts * transmittance(frame[object].eta, counts);
         if (light.kind != 5) sum += light.color * (falloff * lets) * enters;
         if (SKY != 0) {

@@ -2,7 +2,6 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 #include "invocation.glsl"
-#include "light/fresnel.glsl"
 
 // E of equation 5 at a face's centroid.
 layout(constant_id = 0) const uint SHADOWS = 0;
@@ -14,8 +13,6 @@ READS(clusters)
 READS(lit)
 READS(harmonics)
 WRITES(irradiance)
-#include "light/harmonics.glsl"
-#include "light/arrival.glsl"
 #include "light/entering.glsl"
 
 void main() {

@@ -2,7 +2,6 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 #include "invocation.glsl"
-#include "light/fresnel.glsl"
 
 // Light that enters at each texel, and the lengths that a texel spans there.
 layout(constant_id = 0) const uint SHADOWS = 0;
@@ -22,8 +21,6 @@ READS(unwrappings)
 READS(charts)
 UPDATES(sheets)
 WRITES(stretch)
-#include "light/harmonics.glsl"
-#include "light/arrival.glsl"
 #include "light/entering.glsl"
 #include "light/texture.glsl"
 

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{Chart, Slot, Unwrapping};
-use crate::light::irradiance::entering;
+use crate::light::irradiance::{entering, reaches};
 use crate::light::texture::{factor, place};
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
 
@@ -39,7 +39,8 @@ fn texel(state: &State, own: &Unwrapping, chart: &Chart) -> ([f32; 4], [f32; 2])
     let mix = |values: &[[f32; 3]]| -> DVec3 {
         corners.iter().zip(weight).map(|(&v, weight)| weight * wide(values[v as usize])).sum()
     };
-    let mut light = entering(data, frame, face, mix(&data.positions), mix(&data.normals).normalize_or_zero());
+    let place_of = [mix(&data.positions), mix(&data.normals).normalize_or_zero()];
+    let mut light = entering(data, frame, place_of, &|light| reaches(data, light, face));
     if frame.texture_side & 1 != 0 {
         light *= factor(frame, &data.texels, place(data, face, chart.u.into(), chart.v.into()));
     }

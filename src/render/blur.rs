@@ -6,6 +6,7 @@ use crate::error::{Input, Result};
 use crate::layout::{Chart, Unwrapping};
 use crate::local::gaussians::fit;
 use crate::scene::{Object, Scene};
+use crate::state::Local;
 
 /// What the texels of an object show: its mesh's triangles.
 pub(super) struct Unwrapped {
@@ -22,7 +23,11 @@ const SHARED: f64 = 0.01;
 const NOTHING: Chart = Chart { face: u32::MAX, u: 0.0, v: 0.0 };
 
 /// The texture coordinates of every object that light enters; an error where one has none, or where they are not one to one.
-pub(super) fn unwrap(scene: &Scene) -> Result<Vec<Option<Unwrapped>>> {
+/// None where light is not blurred over them.
+pub(super) fn unwrap(scene: &Scene, local: Option<Local>) -> Result<Vec<Option<Unwrapped>>> {
+    if local != Some(Local::Blur) {
+        return Ok(Vec::new());
+    }
     let side = scene.transport.blur_texture;
     let one = |(number, object): (usize, &Object)| match object.material.opaque {
         Some(_) => Ok(None),

@@ -3,6 +3,7 @@
 pub mod aov;
 pub mod bake;
 pub mod bends;
+mod bindings;
 mod blocks;
 mod blur;
 mod changes;

@@ -8,7 +8,7 @@ use super::local::local;
 use super::octree::OctreeTransport;
 use super::plan::{Change, Mode, Options, Plan, Transport, before_transport};
 use super::prepare::{Prepared, prepare};
-use super::receivers::by_pixel;
+use super::receivers::{by_pixel, lit_at};
 pub use super::room::Room;
 use super::room::{Lists, size};
 use super::shape::reach;
@@ -20,7 +20,7 @@ use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
 use crate::layout::{Cursor, Slot};
 use crate::scene::Scene;
-use crate::state::{DeviceState, Local, Scheme, Stage, State, Step};
+use crate::state::{DeviceState, Scheme, Stage, State, Step};
 use crate::view::picture::Picture;
 
 /// Where the stages run.
@@ -79,9 +79,8 @@ impl Session {
             None => (scene.clone(), Vec::new()),
         };
         let (by_pixel, why) = by_pixel(&scene, options);
-        let unwrapped = if local == Some(Local::Blur) { unwrap(&scene)? } else { Vec::new() };
-        let mut prepared = prepare(&scene, by_pixel, local);
-        blur(&mut prepared, &scene, unwrapped);
+        let mut prepared = prepare(&scene, (by_pixel, lit_at(&scene, options)), local);
+        blur(&mut prepared, &scene, unwrap(&scene, local)?);
         drop_unseen(&mut prepared.state, options);
         drop_unlooked(&mut prepared.state, options);
         prepared.state.keep = options.mode != Mode::OnTheFly;
@@ -122,7 +121,7 @@ impl Session {
         loop {
             let steps = self.plan.steps(&self.prepared.state, change);
             let times = if self.plan.octree(change) { self.run_octree(&steps, change)? } else { self.run(&steps)? };
-            if steps.iter().any(|step| ["shadow", "plane_fit"].contains(&step.stage.name)) {
+            if steps.iter().any(|step| ["shadow", "reached", "plane_fit"].contains(&step.stage.name)) {
                 self.fetch(&[Slot::cut_short])?;
                 if self.prepared.state.data.cut_short != [0] {
                     let doing = "following a shadow ray, or fitting a plane to a vertex";
@@ -259,26 +258,6 @@ impl Session {
         self.send(&[Slot::cut_short, Slot::cursor])
     }
 
-    /// What grows with what the scene asks for has to fit one binding.
-    fn check_bindings(&self) -> Result<()> {
-        let Backend::Gpu(twin) = &self.backend else { return Ok(()) };
-        let (data, most) = (&self.prepared.state.data, twin.device().limits().binding_bytes);
-        let (faces, samples) = (self.state().sum(|object| object.count.faces), 32 * data.frame[0].shadow_words);
-        let bits = format!("a bit for each of {faces} faces and {samples} samples of lights");
-        let sheets = format!("the light of {} texels of texture coordinates", data.charts.len());
-        for (slot, what, advice) in [
-            (Slot::lit, bits, "use fewer samples, or shadows = false"),
-            (Slot::sheets, sheets, "use a smaller transport.blur_texture"),
-        ] {
-            let bytes = data.bytes(slot).len() as u64;
-            if bytes > most {
-                let what = format!("{what} takes {bytes} bytes, a binding of the device takes {most}; {advice}");
-                return Err(Error::device(format!("making room for buffer {}", slot.spec().name), what));
-            }
-        }
-        Ok(())
-    }
-
     pub(super) fn size_picture(&mut self) {
         let data = &mut self.prepared.state.data;
         let camera = &data.camera[0];
@@ -286,6 +265,8 @@ impl Session {
         let pixels = if shown { camera.width as usize * camera.height as usize } else { 0 };
         data.hits = bytemuck::zeroed_vec(pixels);
         data.radiance = bytemuck::zeroed_vec(pixels);
+        let reached = self.plan.stages.iter().any(|stage| stage.name == "reached");
+        data.reached = bytemuck::zeroed_vec(if reached { data.frame[0].shadow_words as usize * pixels } else { 0 });
         // Where nothing is lit there is no stage `points`; `shade` reads on, and finds no radiosity.
         let by_pixel = self.prepared.state.objects.iter().any(|object| object.by_pixel);
         data.seen = bytemuck::zeroed_vec(if by_pixel { pixels } else { 0 });
