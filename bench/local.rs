@@ -24,7 +24,7 @@ fn run() -> Result<()> {
         "scene, 1024 x 1024", "technique", "ms", "/ Lambert", "frame ms", "L2"
     );
     for name in &names {
-        let scene = Scene::load(name, &["camera.size=[1024, 1024]".into()])?;
+        let scene = Scene::load(name, &["camera.size=[1024, 1024]".into(), "transport.unwrap=true".into()])?;
         for row in table_1(&scene, Some(&device), FRAMES.0)? {
             let (technique, shading, ratio) = (row.technique, row.shading, row.ratio);
             let (frame, error) = (row.frame, row.error);

@@ -18,7 +18,7 @@
 //!    what the surface itself reflects, and `backdrop`: the environment behind the object.
 //!
 //! With `--transport cdrf` or `lambert` steps 3 to 8 have no place: `curvature` follows `refit`, and `cdrf`, perhaps by
-//! `cdrf_table`, or `lambert` takes the place of `shade`.
+//! `cdrf_table`, or `lambert` takes the place of `shade`. With `texture-blur` those are `unwrap`, `blur` and `texture_blur`.
 //!
 //! Equations and sections are those of Mertens et al. 2003, "Interactive Rendering of Translucent Deformable Objects".
 //!
@@ -29,7 +29,8 @@
 //!   time, the extreme cases, the tables of the papers beside ours, numerical error beside the model's, and a report of it all.
 //! - [`render`]: from a scene to the stages it needs, the table of stages, and their run on the CPU or a device.
 //! - [`transport`]: Mertens et al., made to meet an error. [`baseline`]: the same as published, brute force, an octree.
-//!   [`layers`]: Francois et al., subsurface texture mapping. [`local`]: shading by the place alone, Kubo et al.
+//!   [`layers`]: Francois et al., subsurface texture mapping. [`local`]: shading by the place alone, Kubo et al., or by what is
+//!   near it in the texture, d'Eon et al.
 //!   [`view`]: from radiosity to a picture.
 //! - [`dipole`]: the profile, its derivatives, form factors: the mathematics of both.
 //! - [`light`]: light arriving, and Fresnel's formulas.
@@ -60,6 +61,8 @@
 //! - *kappa*: the curvature that counts for scattering; *sigma_0*: how far light spreads along a surface; *CDRF*: the
 //!   function of the cosine at the surface and sigma = sigma_0 kappa.
 //! - *tally*: what a kernel has done, counted by itself; *rate*: what a device can do at best.
+//! - *sheet*: light over all texels of a mesh's texture coordinates, as it enters or blurred by a Gaussian; *chart*: what a
+//!   texel shows; *stretch*: the lengths that it spans.
 //! - *internal units*: the object has unit extent, the brightest light about unit irradiance; both by powers of two.
 
 #![deny(missing_docs)]

@@ -82,7 +82,7 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
 
     // And where light is carried, none of these.
     let session = run(&ball, Options::default());
-    for stage in ["curvature", "cdrf_table", "cdrf", "lambert"] {
+    for stage in ["curvature", "cdrf_table", "cdrf", "lambert", "unwrap", "blur", "texture_blur"] {
         assert!(
             session.plan.left_out.iter().any(|(name, why)| *name == stage && why.contains("light is carried")),
             "{stage}"
@@ -162,13 +162,28 @@ fn the_command_line_says_what_local_shading_does_not_tell() {
     let here = folder(&[]);
     good(&here, "render sphere --transport cdrf -o a.png --size 24x20 --device cpu --set object.0.detail=1");
     good(&here, "render sphere --transport lambert -o b.png --size 24x20 --device cpu --set object.0.detail=1");
-    bad(&here, "solve sphere --transport cdrf -o a.csv", 2, &["--transport", "cdrf or lambert", "hierarchy"]);
+    bad(
+        &here,
+        "solve sphere --transport cdrf -o a.csv",
+        2,
+        &["--transport", "cdrf, lambert or texture-blur", "hierarchy"],
+    );
     let dark = "render sphere --view curvature -o k.png --size 9x9 --device cpu --set light.0.irradiance=0";
     bad(&here, dark, 2, &["--view curvature", "no light shines"]);
     bad(&here, "render sphere --transport lambert --aov -o a.exr", 2, &["--aov", "hierarchy"]);
     let cases = [
         ("object.0.material.sigma_0=-1", "object.0.material.sigma_0"),
         ("object.0.material.sigma_0=[1,nan,1]", "object.0.material.sigma_0"),
+        (
+            "object.0.material.sigma_0_texture=builtin:tile",
+            "object.0.material.sigma_0_texture: no texture of this name",
+        ),
+        ("object.0.material.sigma_0_texture=none.png", "none.png"),
+        (
+            "object.0.material={opaque=true,sigma_0_texture='builtin:tiles'}",
+            "sigma_0_texture: an opaque material has no",
+        ),
+        ("transport.blur_texture=8", "transport.blur_texture: out of range; found 8; expected 16 to 2048"),
         ("transport.cdrf=tabel", "cdrf"),
         ("transport.cdrf_table=1", "transport.cdrf_table: out of range; found 1; expected 2 to 1024"),
         ("transport.curvature=max", "curvature"),
@@ -195,4 +210,39 @@ fn an_environment_counts_by_its_own_factors() {
             assert!((f64::from(pixel[c]) / expected - 1.0).abs() < 5e-3, "{c}: {pixel:?} {expected}");
         }
     }
+}
+
+#[test]
+fn between_its_points_the_table_is_near_and_the_closed_form_everywhere() {
+    use milkglass::layout::Query;
+    use milkglass::local::cdrf_table::{WIDEST, lookup};
+    use milkglass::local::reflectance::cdrf;
+    use milkglass::render::stages::stage;
+    use milkglass::state::{DeviceState, Place, State, Step};
+    let table = scene("sphere", &["object.0.detail=1", "transport.cdrf=table"], 0.0);
+    let cells = run(&table, CDRF).state().data.cdrf_cells.clone();
+    // Additive recurrences: no place is on the grid. Then the terminator as sigma tends to 0, where the table is worst.
+    let share = |k: u32, rate: f64| (f64::from(k) * rate).fract();
+    let all = (1..60_000).map(|k| (2.0 * share(k, 0.754_877_666) - 1.0, WIDEST * share(k, 0.569_840_291)));
+    let terminator = (1..20_000).map(|k| (0.03 * share(k, 0.754_877_666) - 0.015, 0.03 * share(k, 0.569_840_291)));
+    let places: Vec<(f64, f64)> = all.chain(terminator).collect();
+    let worst = places.iter().map(|&(c, s)| (lookup(&cells, 256, c, s) - cdrf(c, s)).abs()).fold(0.0, f64::max);
+    assert!(worst < 2e-3 && worst > 1e-4, "{worst}");
+
+    on_devices(|device| {
+        let mut state = State::default();
+        let query = |&(c, s): &(f64, f64)| Query { a: [c as f32, s as f32, 0.0], ..Query::default() };
+        state.data.queries = places.iter().map(query).collect();
+        state.data.answers = vec![[0.0; 3]; places.len()];
+        let mut twin = DeviceState::new(device, false);
+        twin.upload(&state, SLOTS).unwrap();
+        twin.run(&state, &[Step { stage: stage("cdrf_values").unwrap(), at: Place::SCENE }]).unwrap();
+        twin.download(&mut state, &[Slot::answers]).unwrap();
+        let apart = |(query, answer): (&Query, &[f32; 3])| {
+            (f64::from(answer[0]) - cdrf(query.a[0].into(), query.a[1].into())).abs()
+        };
+        let worst = state.data.queries.iter().zip(&state.data.answers).map(apart).fold(0.0, f64::max);
+        assert!(worst < 2e-5, "{worst}");
+        println!("closed form {worst:e}");
+    });
 }

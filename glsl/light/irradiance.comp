@@ -3,8 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// E of equation 5 at a face's centroid: every light's cosine times Fresnel transmittance, where it is not shadowed, and
-// the environment by its harmonics.
+// E of equation 5 at a face's centroid.
 layout(constant_id = 0) const uint SHADOWS = 0;
 layout(constant_id = 1) const uint SKY = 0;
 READS(frame)

@@ -2,23 +2,18 @@
 
 #include "light/wrap.glsl"
 
-// Of an object's texture, which of `count` texels in a row stands at place i.
-uint texel(uint object, int i, uint count) {
-    return wrapped(frame[object].texture_wrap, i, count);
-}
-
-// Factors at a place: (0, 0) is the upper left corner of the texture, (1, 1) the lower right one.
-vec3 texture_factor(uint object, vec2 place) {
-    uvec2 size = frame[object].texture_size;
+// Of one with its first texel there, of this size, going on like this beyond its edges: (0, 0) is its upper left corner,
+// (1, 1) its lower right one.
+vec3 texture_at(uint first, uvec2 size, uint wrap, vec2 place) {
     vec2 at = vec2(size) * place - 0.5, low = floor(at), part = at - low;
     int column = int(low.x), row = int(low.y);
-    uint first = frame[object].texture_first, left = texel(object, column, size.x), right = texel(object, column + 1, size.x);
-    uint above = first + texel(object, row, size.y) * size.x, below = first + texel(object, row + 1, size.y) * size.x;
+    uint left = wrapped(wrap, column, size.x), right = wrapped(wrap, column + 1, size.x);
+    uint above = first + wrapped(wrap, row, size.y) * size.x, below = first + wrapped(wrap, row + 1, size.y) * size.x;
     return mix(mix(texels[above + left], texels[above + right], part.x),
                mix(texels[below + left], texels[below + right], part.x), part.y);
 }
 
-// Where a triangle has this place, by the weights of its second and third corner.
-vec2 texture_place(CornerUvs uvs, vec2 weight) {
-    return (1.0 - weight.x - weight.y) * uvs.a + weight.x * uvs.b + weight.y * uvs.c;
+// Factors of an object's texture.
+vec3 texture_factor(uint object, vec2 place) {
+    return texture_at(frame[object].texture_first, frame[object].texture_size, frame[object].texture_wrap, place);
 }

@@ -6,3 +6,8 @@ uint wrapped(uint wrap, int i, uint count) {
     uint k = uint(max(i + int(period), 0)) % period;
     return k < count ? k : period - 1 - k;
 }
+
+// Where a triangle has this place, by the weights of its second and third corner.
+vec2 texture_place(CornerUvs uvs, vec2 weight) {
+    return (1.0 - weight.x - weight.y) * uvs.a + weight.x * uvs.b + weight.y * uvs.c;
+}

@@ -1,9 +1,21 @@
-// sigma = sigma_0 kappa at a place, and the CDRF's factors on the environment.
+// sigma = sigma_0 kappa at a place, and the CDRF's factors on the environment. MAPPED is not 0 where an object has a map
+// of d, by the square of which sigma_0 is multiplied (equation 6).
+layout(constant_id = 3) const uint MAPPED = 0;
 READS(curvature)
+READS(corner_uvs)
+READS(texels)
+#include "light/texture.glsl"
 
-vec3 spread(uint object, uvec3 corner, vec3 weight) {
+vec3 spread(uint object, uint face, uvec3 corner, vec3 weight) {
     vec3 kappa = vec3(curvature[corner.x].kappa, curvature[corner.y].kappa, curvature[corner.z].kappa);
-    return frame[object].sigma_0 * dot(weight, kappa);
+    vec3 sigma = frame[object].sigma_0 * dot(weight, kappa);
+    if (MAPPED != 0) {
+        uvec2 size = max(frame[object].spread_size, uvec2(1));
+        vec2 place = texture_place(corner_uvs[face], weight.yz);
+        vec3 d = texture_at(frame[object].spread_first, size, frame[object].texture_wrap, place);
+        sigma *= frame[object].spread_size.x > 0 ? d * d : vec3(1);
+    }
+    return sigma;
 }
 
 // 2 pi times the integrals of f(mu) P_l(mu) over mu from -1 to 1, for l of 0, 1 and 2, by the cosine series. The last

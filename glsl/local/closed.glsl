@@ -27,7 +27,7 @@ vec3 cdrf(float c, vec3 sigma) {
     q *= q;
     float twice = 4.0 * c * c - 2.0, before = 1.0, even = 0.5 * twice, sign = 1.0;
     vec3 q2 = q * q, power = q, factor = q2 * q, wide = 0.5 + 0.78539816339745 * e * c;
-    for (int n = 1; n <= 6; ++n) {
+    for (int n = 1; n <= 5; ++n) {
         wide += sign / float(4 * n * n - 1) * even * power;
         power *= factor;
         factor *= q2;
@@ -46,5 +46,5 @@ vec3 cdrf(float c, vec3 sigma) {
     vec3 Phi = mix(1.0 - tail, tail, lessThan(X, vec3(0)));
     vec3 C = e * Phi + phi * s2 * X * (0.5 - s2 * (X2 + 3.0) / 24.0);
     vec3 S = phi * s * (-1.0 + s2 * ((X2 + 2.0) / 6.0 - s2 * (X2 * X2 + 4.0 * X2 + 8.0) / 120.0));
-    return max(vec3(0), mix(c * C - cosine * S, wide, greaterThanEqual(s, vec3(0.3))));
+    return max(vec3(0), mix(c * C - cosine * S, wide, greaterThanEqual(s, vec3(0.32))));
 }

@@ -32,7 +32,7 @@ void main() {
     vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
     vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
     normal /= sqrt(max(dot(normal, normal), 1e-30));
-    vec3 sigma = spread(object, corner, weight);
+    vec3 sigma = spread(object, hit.face, corner, weight);
 
     vec3 sum = vec3(0), all = vec3(0), open = vec3(0);
     // The loop is left at its end: where it is left at its head some drivers run the body once more, for nobody.

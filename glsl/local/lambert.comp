@@ -10,7 +10,7 @@ vec3 respond(float c, vec3 sigma) {
     return vec3(max(c, 0.0));
 }
 
-vec3 spread(uint object, uvec3 corner, vec3 weight) {
+vec3 spread(uint object, uint face, uvec3 corner, vec3 weight) {
     return vec3(0);
 }
 

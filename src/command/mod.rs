@@ -80,7 +80,7 @@ enum Command {
 }
 
 /// The scene, and changes to it.
-#[derive(Args)]
+#[derive(Args, Clone)]
 struct SceneArguments {
     /// A scene file (TOML), a built-in scene's name, or a mesh (OBJ).
     scene: String,
@@ -153,9 +153,20 @@ enum TransportArgument {
     Cdrf,
     /// None: Lambert's cosine, at each pixel.
     Lambert,
+    /// Over the texture coordinates: irradiance blurred by Gaussians (d'Eon et al. 2007).
+    TextureBlur,
 }
 
 impl RunArguments {
+    /// A scene as this transport needs it: with texture coordinates where light is blurred over them.
+    fn of(&self, scene: &SceneArguments) -> SceneArguments {
+        let mut scene = scene.clone();
+        if matches!(self.transport, TransportArgument::TextureBlur) {
+            scene.sets.insert(0, "transport.unwrap=true".into());
+        }
+        scene
+    }
+
     fn options(&self) -> Options {
         Options {
             transport: match self.transport {
@@ -165,6 +176,7 @@ impl RunArguments {
                 TransportArgument::None => Transport::None,
                 TransportArgument::Cdrf => Transport::Cdrf,
                 TransportArgument::Lambert => Transport::Lambert,
+                TransportArgument::TextureBlur => Transport::TextureBlur,
             },
             mode: match self.mode {
                 ModeArgument::OnTheFly => Mode::OnTheFly,

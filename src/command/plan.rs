@@ -36,7 +36,7 @@ pub struct Arguments {
 
 /// Prints stages, buffers, and what is left out.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let scene = arguments.scene.load()?;
+    let scene = arguments.run.of(&arguments.scene).load()?;
     let device = arguments.run.device.open(validation())?;
     let session = open_session(&scene, device.as_ref(), arguments.run.options())?;
     if let Some(other) = &arguments.diff {

@@ -94,11 +94,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         options.mode = Mode::Keep;
     }
     if let Some(frames) = frames {
-        let (scenes, output, skip) = (&arguments.scene, &arguments.output, arguments.skip_existing);
+        let (scenes, output, skip) = (&arguments.run.of(&arguments.scene), &arguments.output, arguments.skip_existing);
         let job = sequence::Job { scenes, frames, size, options, output, aov, skip };
         return job.run(device.as_ref());
     }
-    let mut scene = arguments.scene.load()?;
+    let mut scene = arguments.run.of(&arguments.scene).load()?;
     scene.camera.size = size.unwrap_or(scene.camera.size);
     let mut session = open_session(&scene, device.as_ref(), options)?;
     let times = session.frame(Change::EVERYTHING)?;

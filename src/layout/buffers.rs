@@ -62,6 +62,18 @@ buffers! {
     curvature: Curvature, vertex;
     /// The table of the CDRF: the values at the corners of its cells, rows of rising sigma.
     cdrf_cells: [f32; 4], cell;
+    /// The objects whose light is blurred over their texture coordinates.
+    unwrappings: Unwrapping, unwrapping;
+    /// What their texels show, rows from the top.
+    charts: Chart, texel;
+    /// Lengths that a texel spans along the rows and down the columns.
+    stretch: [f32; 2], texel;
+    /// Each object's Gaussians, narrowest first: the weight of each channel; by how much it blurs the one before, a length.
+    gaussians: [f32; 4], gaussian;
+    /// A sheet for the light that enters at each texel, and one for each Gaussian: light, and 1 where there is a surface.
+    sheets: [f32; 4], texel;
+    /// A sheet blurred along its rows.
+    crossed: [f32; 4], texel;
     /// Irradiance that enters each triangle, E of equation 5, times a texture at the entry.
     irradiance: [f32; 3], face;
     /// Area-weighted mean irradiance of each cluster.

@@ -16,4 +16,24 @@ records! { local_records:
         /// 1 where it follows from the triangles round the vertex, 0 where it is the mean of the neighbours'.
         known: f32,
     }
+    /// An object whose light is blurred over its texture coordinates.
+    Unwrapping {
+        /// The object.
+        object: u32,
+        /// Its first texel in `charts`, and in each sheet.
+        first: u32,
+        /// Texels a side.
+        side: u32,
+        /// Not 0 where the surface goes on beyond the right edge at the left one, and beyond the bottom at the top.
+        round: [u32; 2],
+    }
+    /// What a texel shows of an unwrapped surface.
+    Chart {
+        /// The triangle, or all ones.
+        face: u32,
+        /// Weight of its second corner.
+        u: f32,
+        /// Weight of its third corner.
+        v: f32,
+    }
 }

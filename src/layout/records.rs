@@ -110,12 +110,18 @@ records! { frame_records:
         diffuse: [f32; 3],
         /// Local shading: what kappa is, 0 sqrt((k1^2 + k2^2) / 2), 1 |k1 + k2| / 2.
         kappa: u32,
+        /// Local shading: width and height of the map of sigma_0, in texels; 0 where there is none.
+        spread_size: [u32; 2],
+        /// Its first texel.
+        spread_first: u32,
+        /// The number of its texture coordinates' sheets, from 1; 0 where its light is not blurred over them.
+        sheet: u32,
         /// Nothing.
         padding: [u32; 32],
         /// Nothing.
         more_padding: [u32; 6],
         /// Nothing.
-        other_padding: [u32; 6],
+        other_padding: [u32; 2],
         /// Nothing.
         last_padding: [u32; 2],
     }

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::geometry::occlusion::{Ray, blocked};
 use crate::geometry::plane::Plane;
 use crate::layout::{Light, Rays, Slot};
-use crate::state::{Object, Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{Local, Object, Pass, Place, Role, Stage, State, Tolerance, Unit};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -47,7 +47,7 @@ fn cpu(state: &mut State, _at: Place) {
 
 /// Whether only other objects shadow an object.
 fn others_only(state: &State, object: &Object) -> bool {
-    state.method.local.is_some() && !object.opaque
+    state.method.local.is_some_and(Local::spares_itself) && !object.opaque
 }
 
 /// Whether a light reaches a place of a triangle.

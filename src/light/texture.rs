@@ -23,12 +23,17 @@ pub fn texel(i: i64, count: u32, wrap: u32) -> u32 {
 /// Factors of an object's texture at a place: (0, 0) is the upper left corner of the texture, (1, 1) the lower right one.
 #[must_use]
 pub fn factor(frame: &Frame, texels: &[[f32; 3]], place: DVec2) -> DVec3 {
-    let [width, height] = frame.texture_size;
+    look(texels, frame.texture_first, frame.texture_size, frame.texture_wrap, place)
+}
+
+/// The same of a texture of this size whose first texel is there, and which goes on like this beyond its edges.
+#[must_use]
+pub fn look(texels: &[[f32; 3]], first: u32, [width, height]: [u32; 2], wrap: u32, place: DVec2) -> DVec3 {
     let at = place * DVec2::new(width.into(), height.into()) - 0.5;
     let (left, top) = (at.x.floor(), at.y.floor());
     let row = |row: i64| {
-        let first = frame.texture_first + texel(row, height, frame.texture_wrap) * width;
-        let of = |column: i64| wide(texels[(first + texel(column, width, frame.texture_wrap)) as usize]);
+        let first = first + texel(row, height, wrap) * width;
+        let of = |column: i64| wide(texels[(first + texel(column, width, wrap)) as usize]);
         of(left as i64).lerp(of(left as i64 + 1), at.x - left)
     };
     row(top as i64).lerp(row(top as i64 + 1), at.y - top)

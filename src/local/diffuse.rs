@@ -13,8 +13,9 @@ use rayon::prelude::*;
 
 use super::reflectance;
 use crate::error::Result;
-use crate::layout::{Frame, Hit};
+use crate::layout::{Buffers, Frame, Hit};
 use crate::light::irradiance::{arrival, reaches};
+use crate::light::texture::{look, place};
 use crate::light::{fresnel, harmonics};
 use crate::state::{Pass, State, narrow, wide};
 
@@ -23,9 +24,9 @@ pub type Response<'a> = dyn Fn(f64, f64) -> f64 + Sync + 'a;
 
 /// Everything that light gives a place and normal on a triangle, before k_d and what leaves.
 #[must_use]
-pub fn received(state: &State, face: usize, place: [DVec3; 2], sigma: DVec3, response: &Response<'_>) -> DVec3 {
+pub fn received(state: &State, face: usize, at: [DVec3; 2], sigma: DVec3, response: &Response<'_>) -> DVec3 {
     let data = &state.data;
-    let [point, normal] = place;
+    let [point, normal] = at;
     let of = |cosine: f64| DVec3::from_array([0, 1, 2].map(|c| response(cosine, sigma[c])));
     let sky: Vec<DVec3> = data.harmonics.iter().take(9).map(|&c| wide(c)).collect();
     let (mut sum, mut all, mut free) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
@@ -50,6 +51,19 @@ pub fn received(state: &State, face: usize, place: [DVec3; 2], sigma: DVec3, res
     sum + harmonics::irradiance(&sky, factors, normal) * DVec3::new(share(0), share(1), share(2))
 }
 
+/// sigma_0 at a place of an object's triangle, by the weights of its corners: where a map gives d, times its square (equation
+/// 6, which leaves the factor out).
+#[must_use]
+pub fn sigma_0(data: &Buffers, frame: &Frame, face: usize, weight: [f64; 3]) -> DVec3 {
+    let whole = wide(frame.sigma_0);
+    if frame.spread_size == [0; 2] {
+        return whole;
+    }
+    let at = place(data, face, weight[1], weight[2]);
+    let d = look(&data.texels, frame.spread_first, frame.spread_size, frame.texture_wrap, at);
+    whole * d * d
+}
+
 /// Radiance of one pixel.
 fn pixel(state: &State, hit: &Hit, before: [f32; 3], response: &Response<'_>, bends: bool) -> [f32; 3] {
     let (data, camera) = (&state.data, &state.data.camera[0]);
@@ -67,7 +81,8 @@ fn pixel(state: &State, hit: &Hit, before: [f32; 3], response: &Response<'_>, be
     if bends {
         kappa = corners.iter().zip(weight).map(|(&v, w)| w * f64::from(data.curvature[v as usize].kappa)).sum();
     }
-    let sum = received(state, hit.face as usize, [point, normal], wide(frame.sigma_0) * kappa, response);
+    let sigma = if bends { kappa * sigma_0(data, frame, hit.face as usize, weight) } else { DVec3::ZERO };
+    let sum = received(state, hit.face as usize, [point, normal], sigma, response);
     let toward = (wide(camera.origin) - point).normalize_or_zero();
     let leaves = frame.eta.map(|eta| fresnel::transmittance(eta.into(), normal.dot(toward).abs()));
     let scale = f64::from(camera.radiance) / std::f64::consts::PI;

@@ -8,7 +8,7 @@ use crate::error::{Input, Result};
 use crate::geometry::trace::trace;
 use crate::gpu::Device;
 use crate::layout::Slot;
-use crate::local::diffuse::received;
+use crate::local::diffuse::{received, sigma_0};
 use crate::local::reflectance::cdrf;
 use crate::render::plan::{Change, Goal, Options, Transport};
 use crate::render::run::{Room, Session};
@@ -74,9 +74,8 @@ pub fn places(scene: &Scene, device: Option<&Device>) -> Result<Vec<Place>> {
         let brightness = dipole.units().light;
         let triangles: Vec<u32> = (0..object.count.faces).map(|k| session.triangle(object.first.faces + k)).collect();
         let triangles = &triangles;
-        let sigma_0 = wide(state.data.frame[number].sigma_0);
         let own = (object.first.faces..object.first.faces + object.count.faces).into_par_iter().flat_map_iter(|face| {
-            let (shade, sigma, thickness) = at(state, number, face);
+            let [shade, sigma, spread, thickness] = at(state, number, face);
             let carried = wide(radiosity[face - object.first.faces]) * brightness;
             let leaf = object.first.nodes + state.data.leaves[face] as usize;
             let area = f64::from(state.data.clusters[leaf].area) / units.length.powi(2);
@@ -87,7 +86,7 @@ pub fn places(scene: &Scene, device: Option<&Device>) -> Result<Vec<Place>> {
                 channel,
                 area,
                 sigma: sigma[channel],
-                thickness: thickness / sigma_0[channel].max(f64::MIN_POSITIVE),
+                thickness: thickness[channel] / spread[channel].max(f64::MIN_POSITIVE),
                 dipole: carried[channel],
                 cdrf: shade[channel] * units.light,
             })
@@ -97,15 +96,16 @@ pub fn places(scene: &Scene, device: Option<&Device>) -> Result<Vec<Place>> {
     Ok(all)
 }
 
-/// Radiosity of a triangle by the CDRF at its middle, its sigma, and the way straight through the object below it.
-fn at(state: &State, number: usize, face: usize) -> (DVec3, DVec3, f64) {
+/// Radiosity of a triangle by the CDRF at its middle, its sigma and sigma_0, and the way straight through the object below it.
+fn at(state: &State, number: usize, face: usize) -> [DVec3; 4] {
     let (data, frame) = (&state.data, &state.data.frame[number]);
     let corners = data.triangles[face].map(|v| v as usize);
     let mean = |of: &dyn Fn(usize) -> DVec3| corners.iter().map(|&v| of(v)).sum::<DVec3>() / 3.0;
     let point = mean(&|v| wide(data.positions[v]));
     let normal = mean(&|v| wide(data.normals[v])).normalize_or_zero();
     let kappa = corners.iter().map(|&v| f64::from(data.curvature[v].kappa)).sum::<f64>() / 3.0;
-    let sigma = wide(frame.sigma_0) * kappa;
+    let spread = sigma_0(data, frame, face, [1.0 / 3.0; 3]);
+    let sigma = spread * kappa;
     let light = received(state, face, [point, normal], sigma, &cdrf);
     let [a, b, c] = corners.map(|v| wide(data.positions[v]));
     let inward = -(b - a).cross(c - a).normalize_or_zero();
@@ -116,7 +116,7 @@ fn at(state: &State, number: usize, face: usize) -> (DVec3, DVec3, f64) {
     let object = &state.objects[number];
     let own = (object.first.faces..object.first.faces + object.count.faces).contains(&(met.face as usize));
     let thickness = if own { through } else { f64::INFINITY };
-    (wide(frame.diffuse) * light, sigma, thickness)
+    [wide(frame.diffuse) * light, sigma, spread, DVec3::splat(thickness)]
 }
 
 /// The error over the places that `of` chooses.

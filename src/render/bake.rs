@@ -1,12 +1,13 @@
 //! Depth maps from meshes: at each place of a surface's texture coordinates, how far below it another surface lies (Francois
 //! et al. 2006, section 2.1).
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::options::{Options, Transport};
 use super::plan::Change;
 use super::run::{Room, Session};
+use super::textures::texels;
 use crate::error::{Input, Result};
 use crate::geometry::trace::{UNFINISHED, trace};
 use crate::scene::{Mesh, Scene};
@@ -45,29 +46,6 @@ fn normals(mesh: &Mesh) -> Vec<DVec3> {
 
 /// How often the boxes round all triangles together may cover the map.
 const MOST_TIMES: f64 = 32.0;
-
-/// Texels whose centres lie in a triangle's places, whole repetitions taken off, and the weights of its corners there.
-fn texels([width, height]: [u32; 2], uvs: &[[f64; 2]; 3]) -> Vec<(usize, [f64; 3])> {
-    let size = DVec2::new(width.into(), height.into());
-    let [a, b, c] = uvs.map(|[u, v]| DVec2::new(u, 1.0 - v) * size - 0.5);
-    let area = (b - a).perp_dot(c - a);
-    if area == 0.0 {
-        return Vec::new();
-    }
-    let (low, high) = (a.min(b).min(c).ceil(), a.max(b).max(c).floor());
-    let mut found = Vec::new();
-    for y in low.y as i64..=high.y as i64 {
-        for x in low.x as i64..=high.x as i64 {
-            let p = DVec2::new(x as f64, y as f64);
-            let weights = [(b - p).perp_dot(c - p), (c - p).perp_dot(a - p), (a - p).perp_dot(b - p)].map(|w| w / area);
-            if weights.iter().all(|&w| w >= -1e-9) {
-                let [x, y] = [x.rem_euclid(width.into()), y.rem_euclid(height.into())];
-                found.push(((y * i64::from(width) + x) as usize, weights));
-            }
-        }
-    }
-    found
-}
 
 /// Depths below the first object of `outer`, which has texture coordinates, of the first objects of up to four `inner`
 /// scenes in the same unit, each at least as deep as the one before.
@@ -111,7 +89,7 @@ pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2]) -> Result<Baked> {
         let mix = |values: &[DVec3], weights: [f64; 3]| -> DVec3 {
             corners.iter().zip(weights).map(|(&v, weight)| weight * values[v]).sum()
         };
-        let found = texels(size, &uvs[face]);
+        let found = texels(size, &uvs[face].map(|[u, v]| [u, 1.0 - v]));
         let depth = |w: [f64; 3]| down(mix(&mesh.positions, w), mix(&normals, w).normalize_or_zero());
         found.into_iter().map(|(texel, weights)| (texel, depth(weights))).collect()
     };

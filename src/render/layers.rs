@@ -65,14 +65,15 @@ fn record(layer: &crate::scene::Layer, phase: Phase, units: Units) -> Layer {
     Layer { sigma_s: scaled(layer.sigma_s), sigma_t: scaled(layer.sigma_t), g: parameter(phase, layer.g) as f32 }
 }
 
-/// What shines into layers, if there are any: the state's lights, and the environment as lights from afar, each as bright
+/// What shines into layers, if there are any: the state's lights that are not black, and the environment as lights from afar, each as bright
 /// as the part of the sphere that is nearest to its direction.
 pub(super) fn beams(state: &mut State, lights: &[crate::scene::Light], unit: f64) {
     state.data.beams.clear();
     if state.data.layerings.is_empty() {
         return;
     }
-    state.data.beams = state.data.lights.iter().filter(|light| light.kind != 5).copied().collect();
+    let shines = |light: &Light| light.kind != 5 && light.color != [0.0; 3];
+    state.data.beams = state.data.lights.iter().filter(|light| shines(light)).copied().collect();
     for light in lights {
         if let Source::Environment { sky, .. } = &light.source {
             state.data.beams.extend(suns(sky, unit));
@@ -111,7 +112,7 @@ fn suns(sky: &Sky, unit: f64) -> Vec<Light> {
         shadow: u32::MAX,
         ..Light::default()
     };
-    directions.iter().enumerate().map(light).collect()
+    directions.iter().enumerate().map(light).filter(|light| light.color != [0.0; 3]).collect()
 }
 
 /// Drops layers that a frame with these options never looks at.

@@ -8,7 +8,7 @@ use super::layers::beams;
 use super::units::Units;
 use crate::layout::{Light as Record, SkyColumn, SkyRow};
 use crate::scene::{Light, Object, Sky, Source};
-use crate::state::{State, narrow};
+use crate::state::{Local, State, narrow};
 use crate::view::reflect::lobe;
 
 /// Puts the lights in place, scaled to the brightest irradiance they give anywhere on the objects.
@@ -19,7 +19,8 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &
 
     // Each record that casts shadows gets a bit.
     let mut bits = 0;
-    let alone = state.method.local.is_some() && state.objects.len() == 1 && !state.objects[0].opaque;
+    let alone =
+        state.method.local.is_some_and(Local::spares_itself) && state.objects.len() == 1 && !state.objects[0].opaque;
     for record in state.data.lights.iter_mut().filter(|record| record.shadow != u32::MAX) {
         if alone {
             // In local shading an object does not shadow itself.

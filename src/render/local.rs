@@ -11,6 +11,7 @@ use crate::state::Local;
 pub fn local(settings: &scene::Transport, transport: Transport) -> Option<Local> {
     match (transport, settings.cdrf) {
         (Transport::Lambert, _) => Some(Local::Lambert),
+        (Transport::TextureBlur, _) => Some(Local::Blur),
         (Transport::Cdrf, Cdrf::Closed) => Some(Local::Closed),
         (Transport::Cdrf, Cdrf::Table) => Some(Local::Table(settings.cdrf_table)),
         _ => None,

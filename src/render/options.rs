@@ -18,13 +18,16 @@ pub enum Transport {
     Cdrf,
     /// None: Lambert's cosine.
     Lambert,
+    /// Over the texture coordinates: irradiance blurred by Gaussians (d'Eon et al. 2007).
+    TextureBlur,
 }
 
 impl Transport {
-    /// Whether no light is carried: what a surface gives back depends on what arrives at the very place.
+    /// Whether no light is carried through the material: what a surface gives back depends on what arrives at the very
+    /// place, or near it in its texture.
     #[must_use]
     pub fn is_local(self) -> bool {
-        matches!(self, Self::Cdrf | Self::Lambert)
+        matches!(self, Self::Cdrf | Self::Lambert | Self::TextureBlur)
     }
 }
 
@@ -81,6 +84,6 @@ impl Options {
             return Ok(());
         }
         let fault = Input::new(format!("{what} tells of light that is carried, and here none is")).key("--transport");
-        Err(fault.found("cdrf or lambert").expected("hierarchy, octree or brute").into())
+        Err(fault.found("cdrf, lambert or texture-blur").expected("hierarchy, octree or brute").into())
     }
 }

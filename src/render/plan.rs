@@ -106,9 +106,8 @@ impl Plan {
             "deform" | "refit" | "plane_fit" | "curvature" | "cdrf_table" => false,
             "visibility" | "points" => change.view,
             "link" | "gather" | "push" if pixels && change.view => true,
-            "shade" | "cdrf" | "lambert" | "reached" | "plain" | "exit" | "relief" | "reflect" | "backdrop" => {
-                change.view || change.light || resum
-            }
+            "shade" | "cdrf" | "lambert" | "texture_blur" | "reached" | "plain" | "exit" | "relief" | "reflect"
+            | "backdrop" => change.view || change.light || resum,
             name if kept && builds_links(name) => false,
             // Lists that are made anew anyway, for other pixels, are made for the light of now.
             "radii" if any_light && pixels && change.view && change.light => true,

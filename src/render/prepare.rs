@@ -151,10 +151,12 @@ fn one(
     let opaque = material.opaque.is_some();
     let plain = opaque && lit_at != LitAt::Faces;
     state.data.frame[0].opaque += u32::from(plain);
-    if let (Some(texture), true) = (&mut material.texture, plain || (local.is_some() && !opaque)) {
+    let at_pixels = local.is_some_and(|local| local != Local::Blur);
+    if let (Some(texture), true) = (&mut material.texture, plain || (at_pixels && !opaque)) {
         texture.side = Side::Exit;
     }
-    texture(&mut state, &material, mesh, &faces);
+    // Only the CDRF asks how far light spreads.
+    material.spread = material.spread.filter(|_| matches!(local, Some(Local::Closed | Local::Table(_))));
     state.method = Switches {
         scheme: transport.scheme,
         order: transport.order,
@@ -163,6 +165,7 @@ fn one(
         local,
         ..Switches::default()
     };
+    texture(&mut state, &material, mesh, &faces);
     if transport.scheme == Scheme::Blocks && !opaque && local.is_none() {
         state.data.blocks = if by_pixel { of_picture(scene.camera.size) } else { blocks(&state) };
         state.data.frame[0].by_pixel = u32::from(by_pixel);

@@ -10,7 +10,7 @@ const BLOCKS: [&str; 7] = ["pull", "level", "contrast", "radii", "link", "gather
 const LINKS: [&str; 6] = ["reach", "mean", "refine", "form_factor", "collect", "spread"];
 
 /// Stages of local shading.
-const LOCAL: [&str; 4] = ["curvature", "cdrf_table", "cdrf", "lambert"];
+const LOCAL: [&str; 7] = ["curvature", "cdrf_table", "cdrf", "lambert", "unwrap", "blur", "texture_blur"];
 
 /// Why this stage has no place in the frame, if it has none.
 pub(super) fn reason(name: &str, options: Options, method: Method, dark: bool) -> Option<String> {
@@ -41,7 +41,7 @@ pub(super) fn reason(name: &str, options: Options, method: Method, dark: bool) -
         return Some("no light is carried: what comes back depends on the place alone".into());
     }
     if !options.transport.is_local() && LOCAL.contains(&name) {
-        return Some("light is carried; --transport cdrf or lambert shades by the place alone".into());
+        return Some("light is carried; --transport cdrf, lambert or texture-blur does without".into());
     }
     match options.transport {
         Transport::Hierarchy if name == "brute" => Some("the hierarchy transports the light".into()),
@@ -66,8 +66,14 @@ pub(super) fn delocalized(name: &str, state: &State) -> Option<String> {
     match name {
         "irradiance" | "entry" | "average" if !by_face => Some(alone.into()),
         "shade" if !by_face && lit(state) && state.objects.iter().any(|object| !object.opaque) => Some(alone.into()),
-        "shadow" if state.objects.len() == 1 && !opaque => {
+        "shadow" if local.spares_itself() && state.objects.len() == 1 && !opaque => {
             Some("an object does not shadow itself in local shading, and there is no other".into())
+        }
+        "unwrap" | "blur" | "texture_blur" if local != Local::Blur => {
+            Some("light is looked at where the pixels are, not over the texture coordinates".into())
+        }
+        "curvature" | "cdrf" | "cdrf_table" | "lambert" if local == Local::Blur => {
+            Some("light is blurred over the texture coordinates".into())
         }
         "curvature" | "cdrf" if local == Local::Lambert => Some("Lambert's cosine knows no curvature".into()),
         "cdrf_table" if local == Local::Lambert => Some("Lambert's cosine needs no table".into()),
@@ -126,7 +132,9 @@ pub(super) fn unestimated(state: &State, options: Options) -> Option<&'static st
         _ if state.method.estimate => None,
         Transport::Octree => Some("the octree estimates nothing"),
         Transport::None => Some("no light is carried"),
-        Transport::Cdrf | Transport::Lambert => Some("no light is carried whose error could be estimated"),
+        Transport::Cdrf | Transport::Lambert | Transport::TextureBlur => {
+            Some("no light is carried whose error could be estimated")
+        }
         Transport::Brute => Some("brute force takes every pair of faces by itself, and estimates nothing"),
         Transport::Hierarchy if state.method.scheme == Scheme::Links => Some("scheme links has none"),
         Transport::Hierarchy => Some("nobody reads it: `solve` that writes or verifies does, and `render --aov`"),

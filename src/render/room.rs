@@ -7,6 +7,7 @@ use crate::gpu::Limits;
 use crate::layout::{Cursor, Slot};
 use crate::light::environment;
 use crate::local::cdrf_table;
+use crate::local::gaussians::GAUSSIANS;
 use crate::state::{Extent, Local, Scheme, State};
 use crate::transport::radii::{ENTRIES as ENTRIES_OF_A_LAW, LAWS};
 
@@ -244,7 +245,7 @@ pub fn size(state: &mut State, plan: &Plan) {
         _ => 0,
     };
     let data = &mut state.data;
-    let frame = data.frame[0];
+    let (frame, texels) = (data.frame[0], data.charts.len());
     let per = |slot: Slot, count: usize| if used(slot) { count } else { 0 };
     data.bounds = bytemuck::zeroed_vec(nodes);
     data.clusters = bytemuck::zeroed_vec(nodes);
@@ -254,6 +255,9 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.harmonics = bytemuck::zeroed_vec(per(Slot::harmonics, environment::elements(frame.sky)));
     data.curvature = bytemuck::zeroed_vec(per(Slot::curvature, vertices));
     data.cdrf_cells = bytemuck::zeroed_vec(per(Slot::cdrf_cells, table));
+    data.stretch = bytemuck::zeroed_vec(per(Slot::stretch, texels));
+    data.sheets = bytemuck::zeroed_vec(per(Slot::sheets, (1 + GAUSSIANS) * texels));
+    data.crossed = bytemuck::zeroed_vec(per(Slot::crossed, texels));
     data.irradiance = bytemuck::zeroed_vec(if carries { faces } else { 0 });
     data.cluster_irradiance = bytemuck::zeroed_vec(per(Slot::cluster_irradiance, nodes));
     data.spheres = bytemuck::zeroed_vec(blocks);

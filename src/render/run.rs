@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::blur::{blur, unwrap};
 use super::layers::drop_unlooked;
 use super::local::local;
 use super::octree::OctreeTransport;
@@ -79,6 +80,7 @@ impl Session {
         };
         let (by_pixel, why) = by_pixel(&scene, options);
         let mut prepared = prepare(&scene, (by_pixel, lit_at(&scene, options)), local);
+        blur(&mut prepared, &scene, unwrap(&scene, local)?);
         drop_unseen(&mut prepared.state, options);
         drop_unlooked(&mut prepared.state, options);
         prepared.state.keep = options.mode != Mode::OnTheFly;
@@ -240,7 +242,7 @@ impl Session {
     pub(super) fn resize(&mut self) -> Result<()> {
         size(&mut self.prepared.state, &self.plan);
         self.size_picture();
-        self.check_shadows()?;
+        self.check_bindings()?;
         let inputs: Vec<Slot> = Plan::inputs().collect();
         self.send(&inputs)?;
         // What no stage of the plan writes must be zero where a stage or the host reads it.
@@ -258,26 +260,6 @@ impl Session {
         self.send(&[Slot::cut_short, Slot::cursor])
     }
 
-    /// The bits of all shadows have to fit one binding.
-    pub(super) fn check_shadows(&self) -> Result<()> {
-        let Backend::Gpu(twin) = &self.backend else { return Ok(()) };
-        let (data, most) = (&self.prepared.state.data, twin.device().limits().binding_bytes);
-        let faces = self.state().sum(|object| object.count.faces);
-        for (slot, of) in
-            [(Slot::lit, format!("{faces} faces")), (Slot::reached, format!("{} pixels", data.hits.len()))]
-        {
-            let (bytes, samples) = (data.bytes(slot).len() as u64, 32 * data.frame[0].shadow_words);
-            if bytes > most {
-                let what = format!(
-                    "a bit for each of {of} and {samples} samples of lights takes {bytes} bytes, a binding of the device \
-                     takes {most}; use fewer samples, or shadows = false"
-                );
-                return Err(Error::device(format!("making room for buffer {}", slot.spec().name), what));
-            }
-        }
-        Ok(())
-    }
-
     pub(super) fn size_picture(&mut self) {
         let data = &mut self.prepared.state.data;
         let camera = &data.camera[0];
@@ -286,8 +268,7 @@ impl Session {
         data.hits = bytemuck::zeroed_vec(pixels);
         data.radiance = bytemuck::zeroed_vec(pixels);
         let reached = self.plan.stages.iter().any(|stage| stage.name == "reached");
-        let words = data.frame[0].shadow_words as usize;
-        data.reached = bytemuck::zeroed_vec(if reached { words * pixels } else { 0 });
+        data.reached = bytemuck::zeroed_vec(if reached { data.frame[0].shadow_words as usize * pixels } else { 0 });
         // Where nothing is lit there is no stage `points`; `shade` reads on, and finds no radiosity.
         let by_pixel = self.prepared.state.objects.iter().any(|object| object.by_pixel);
         data.seen = bytemuck::zeroed_vec(if by_pixel { pixels } else { 0 });

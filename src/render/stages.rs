@@ -4,7 +4,7 @@ use crate::baseline::{brute, collect, form_factor, mean, reach, refine, spread};
 use crate::geometry::{deform, refit};
 use crate::layers::{plane_fit, relief};
 use crate::light::{entry, environment, irradiance, opaque, shadow};
-use crate::local::{cdrf, cdrf_table, cdrf_values, curvature, lambert};
+use crate::local::{blur, cdrf, cdrf_table, cdrf_values, curvature, lambert, texture_blur, unwrap};
 use crate::state::{Object, Place, Stage, State, Step, Unit};
 use crate::transport::{average, contrast, evaluate, gather, level, link, pull, push, radii};
 use crate::view::{backdrop, exit, plain, points, reached, reflect, shade, visibility};
@@ -41,6 +41,9 @@ pub static STAGES: &[&Stage] = &[
     &cdrf_table::STAGE,
     &cdrf::STAGE,
     &lambert::STAGE,
+    &unwrap::STAGE,
+    &blur::STAGE,
+    &texture_blur::STAGE,
     &reached::STAGE,
     &plain::STAGE,
     &exit::STAGE,

@@ -1,9 +1,11 @@
 //! A material's texture as the stages `entry` and `exit` read it.
 
+use glam::DVec2;
+
 use super::options::{Goal, Options};
 use crate::layout::{CornerUvs, Frame};
 use crate::scene::{Material, Mesh, Side, Wrap};
-use crate::state::State;
+use crate::state::{Local, State};
 
 /// The bit of `frame.texture_side` for light that enters.
 const ENTRY: u32 = 1;
@@ -14,7 +16,10 @@ const EXIT: u32 = 2;
 /// texture has none.
 pub(super) fn texture(state: &mut State, material: &Material, mesh: &Mesh, faces: &[u32]) {
     let (texture, layers) = (material.texture.as_ref(), material.layers.as_ref().filter(|layers| layers.map.mapped));
-    let wrap = texture.map(|texture| texture.wrap).or(layers.map(|layers| layers.map.wrap));
+    let spread = material.spread.as_ref();
+    let wrap = texture.or(spread).map(|texture| texture.wrap).or(layers.map(|layers| layers.map.wrap));
+    // Light that is blurred over them asks for the places alone.
+    let wrap = wrap.or((state.method.local == Some(Local::Blur)).then_some(Wrap::Repeat));
     let (Some(wrap), Some(uvs)) = (wrap, &mesh.uvs) else { return };
     let data = &mut state.data;
     // A period, where there is one.
@@ -25,13 +30,18 @@ pub(super) fn texture(state: &mut State, material: &Material, mesh: &Mesh, faces
     };
     let places = faces.iter().map(|&face| uvs.get(face as usize).map_or(CornerUvs::default(), |uvs| near(uvs, period)));
     data.corner_uvs = places.collect();
-    let (Some(texture), frame) = (texture, &mut data.frame[0]) else { return };
+    let frame = &mut data.frame[0];
+    frame.texture_wrap = wrap;
+    if let Some(spread) = spread {
+        (frame.spread_size, frame.spread_first) = (spread.size, data.texels.len() as u32);
+        data.texels.extend(spread.texels.iter());
+    }
+    let Some(texture) = texture else { return };
     frame.texture_side = match texture.side {
         Side::Entry => ENTRY,
         Side::Exit => EXIT,
         Side::Both => ENTRY | EXIT,
     };
-    frame.texture_wrap = wrap;
     frame.texture_size = texture.size;
     frame.texture_first = data.texels.len() as u32;
     let root = |x: f32| if texture.side == Side::Both { x.sqrt() } else { x };
@@ -45,6 +55,30 @@ fn near(uvs: &[[f64; 2]; 3], period: Option<f64>) -> CornerUvs {
     let off = [0, 1].map(|axis| period.map_or(0.0, |period| (least(axis) / period).floor() * period));
     let [a, b, c] = down.map(|place| [0, 1].map(|axis| (place[axis] - off[axis]) as f32));
     CornerUvs { a, b, c }
+}
+
+/// Texels whose centres lie in a triangle's places, counted from the upper left, whole repetitions taken off, and the weights
+/// of its corners there.
+pub(super) fn texels([width, height]: [u32; 2], uvs: &[[f64; 2]; 3]) -> Vec<(usize, [f64; 3])> {
+    let size = DVec2::new(width.into(), height.into());
+    let [a, b, c] = uvs.map(|place| DVec2::from_array(place) * size - 0.5);
+    let area = (b - a).perp_dot(c - a);
+    if area == 0.0 {
+        return Vec::new();
+    }
+    let (low, high) = (a.min(b).min(c).ceil(), a.max(b).max(c).floor());
+    let mut found = Vec::new();
+    for y in low.y as i64..=high.y as i64 {
+        for x in low.x as i64..=high.x as i64 {
+            let p = DVec2::new(x as f64, y as f64);
+            let weights = [(b - p).perp_dot(c - p), (c - p).perp_dot(a - p), (a - p).perp_dot(b - p)].map(|w| w / area);
+            if weights.iter().all(|&w| w >= -1e-9) {
+                let [x, y] = [x.rem_euclid(width.into()), y.rem_euclid(height.into())];
+                found.push(((y * i64::from(width) + x) as usize, weights));
+            }
+        }
+    }
+    found
 }
 
 /// Drops a texture that a frame with these options never looks at.

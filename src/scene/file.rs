@@ -90,6 +90,7 @@ pub(super) struct MaterialFile {
     pub roughness: Option<f64>,
     pub shininess: Option<i64>,
     pub sigma_0: Option<Rgb>,
+    pub sigma_0_texture: Option<String>,
     pub texture: Option<String>,
     pub texture_on: Option<Side>,
     pub texture_wrap: Option<Wrap>,
@@ -113,6 +114,7 @@ impl Default for MaterialFile {
             roughness: None,
             shininess: None,
             sigma_0: None,
+            sigma_0_texture: None,
             texture: None,
             texture_on: None,
             texture_wrap: None,
@@ -143,6 +145,8 @@ pub(super) struct TransportFile {
     pub cdrf: Cdrf,
     pub cdrf_table: u32,
     pub curvature: Kappa,
+    pub unwrap: bool,
+    pub blur_texture: u32,
 }
 
 impl Default for TransportFile {
@@ -166,6 +170,8 @@ impl Default for TransportFile {
             cdrf: Cdrf::default(),
             cdrf_table: local::CDRF_TABLE,
             curvature: Kappa::default(),
+            unwrap: false,
+            blur_texture: local::BLUR_TEXTURE,
         }
     }
 }

@@ -5,6 +5,9 @@ use serde::Deserialize;
 /// Rows and columns of the table of the CDRF.
 pub const CDRF_TABLE: u32 = 256;
 
+/// Texels a side of what light is blurred over.
+pub const BLUR_TEXTURE: u32 = 512;
+
 /// How the curvature-dependent reflectance function is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]

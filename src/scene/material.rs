@@ -49,6 +49,8 @@ pub struct Material {
     pub surface: Surface,
     /// sigma_0 of the CDRF in scene units, r g b, at least 0; none where it follows from the coefficients.
     pub sigma_0: Option<[f64; 3]>,
+    /// d of each place, if it is not 1 everywhere: sigma_0 is multiplied by its square.
+    pub spread: Option<Texture>,
     /// What light is multiplied by where it enters or leaves, if not by 1 everywhere.
     pub texture: Option<Texture>,
     /// What lies beneath the surface, if anything does; light scatters once in it.
@@ -136,6 +138,7 @@ impl Material {
             two_sided,
             surface,
             sigma_0,
+            spread: Texture::spread(file, key)?,
             texture,
             layers,
         };
@@ -151,6 +154,7 @@ impl Material {
             ("two_sided", file.two_sided),
             ("normalize_exit", file.normalize_exit),
             ("sigma_0", file.sigma_0.is_some()),
+            ("sigma_0_texture", file.sigma_0_texture.is_some()),
         ];
         if let Some((name, _)) = others.into_iter().find(|(_, given)| *given) {
             let (what, found) = match file.opaque {
@@ -181,6 +185,7 @@ impl Material {
             two_sided: false,
             surface,
             sigma_0: None,
+            spread: None,
             texture,
             layers: None,
         })
@@ -188,7 +193,7 @@ impl Material {
 
     /// A depth map and a texture share the places of the mesh's corners, whole periods taken off.
     fn check_wraps(&self, key: impl Fn(&str) -> String) -> Checked<()> {
-        match (&self.layers, &self.texture) {
+        match (&self.layers, self.texture.as_ref().or(self.spread.as_ref())) {
             (Some(layers), Some(texture)) if layers.map.mapped && layers.map.wrap != texture.wrap => {
                 let fault = Input::new("texture and maps go on beyond their edges in different ways");
                 Err(fault.key(key("layers.wrap")).expected("the same as texture_wrap"))

@@ -148,6 +148,13 @@ impl Draft {
         let textured = self.material.texture.as_ref().map(|_| key.as_str());
         let mapped = self.material.layers.as_ref().is_some_and(|layers| layers.map.mapped);
         let textured = textured.or(mapped.then_some(maps.as_str()));
+        let spread = format!("object.{index}.material.sigma_0_texture");
+        let textured = textured.or(self.material.spread.as_ref().map(|_| spread.as_str()));
+        if let Some(map) = &mut self.material.spread {
+            map.load(folder, &self.source, &spread)?;
+        }
+        let unwrapped = transport.unwrap && self.material.opaque.is_none();
+        let textured = textured.or(unwrapped.then_some("transport.unwrap"));
         if let Some(texture) = &mut self.material.texture {
             texture.load(folder, &self.source, &key)?;
         }

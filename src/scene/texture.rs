@@ -71,7 +71,8 @@ impl Texture {
     /// Checks a material's keys, each called by `key`; a file is read later.
     pub(super) fn check(file: &MaterialFile, key: impl Fn(&str) -> String) -> Checked<Option<Self>> {
         let Some(image) = &file.texture else {
-            let given = [("texture_on", file.texture_on.is_some()), ("texture_wrap", file.texture_wrap.is_some())];
+            let wraps = file.texture_wrap.is_some() && file.sigma_0_texture.is_none();
+            let given = [("texture_on", file.texture_on.is_some()), ("texture_wrap", wraps)];
             let idle = given.into_iter().find(|(_, given)| *given);
             return idle.map_or(Ok(None), |(name, _)| {
                 let fault = Input::new("the material has no texture").key(key(name));
@@ -79,16 +80,27 @@ impl Texture {
             });
         };
         let (side, wrap) = (file.texture_on.unwrap_or_default(), file.texture_wrap.unwrap_or_default());
-        let built_in = BUILTIN.iter().find(|(name, _)| name == image);
+        Self::named(image, side, wrap, key("texture")).map(Some)
+    }
+
+    /// The same of the map of sigma_0.
+    pub(super) fn spread(file: &MaterialFile, key: impl Fn(&str) -> String) -> Checked<Option<Self>> {
+        let wrap = file.texture_wrap.unwrap_or_default();
+        let of = |image: &String| Self::named(image, Side::default(), wrap, key("sigma_0_texture"));
+        file.sigma_0_texture.as_ref().map(of).transpose()
+    }
+
+    fn named(image: &str, side: Side, wrap: Wrap, key: String) -> Checked<Self> {
+        let built_in = BUILTIN.iter().find(|(name, _)| *name == image);
         if image.starts_with("builtin:") && built_in.is_none() {
             let names = BUILTIN.map(|(name, _)| name);
             let what = locate::with_suggestion("no texture of this name is built in", image, &names);
-            return Err(Input::new(what).key(key("texture")).found(image).expected(names.join(", ")));
+            return Err(Input::new(what).key(key).found(image).expected(names.join(", ")));
         }
-        Ok(Some(match built_in {
+        Ok(match built_in {
             Some((_, colors)) => Self::new([64, 64], squares(*colors), side, wrap),
-            None => Self { image: Some(image.clone()), ..Self::new([0, 0], Vec::new(), side, wrap) },
-        }))
+            None => Self { image: Some(image.to_owned()), ..Self::new([0, 0], Vec::new(), side, wrap) },
+        })
     }
 
     /// Reads the file's texels, if there is one, relative to `folder`, or the one that the mesh's library names.

@@ -130,6 +130,10 @@ pub struct Transport {
     pub cdrf_table: u32,
     /// What its curvature is.
     pub curvature: Kappa,
+    /// Whether translucent objects keep their texture coordinates though no texture is asked for.
+    pub unwrap: bool,
+    /// Transport texture-blur: texels a side, 16 to 2048.
+    pub blur_texture: u32,
 }
 
 impl Transport {
@@ -184,6 +188,13 @@ impl Transport {
                 "2 to 1024",
             )? as u32,
             curvature: file.curvature,
+            unwrap: file.unwrap,
+            blur_texture: range::number(
+                "transport.blur_texture",
+                f64::from(file.blur_texture),
+                |x| (16.0..=2048.0).contains(&x),
+                "16 to 2048",
+            )? as u32,
         })
     }
 }

@@ -97,6 +97,16 @@ pub enum Local {
     Closed,
     /// The same from a table of this many rows and columns, linear between its entries.
     Table(u32),
+    /// Irradiance blurred over the texture coordinates.
+    Blur,
+}
+
+impl Local {
+    /// Whether an object does not shadow itself: its shadow would cut off the very glow beyond 90 degrees.
+    #[must_use]
+    pub fn spares_itself(self) -> bool {
+        self != Self::Blur
+    }
 }
 
 impl Default for Method {

@@ -190,7 +190,8 @@ impl State {
             joined.data.texels.extend(&state.data.texels);
             joined.data.frame.extend(state.data.frame.iter().map(|frame| {
                 let texture_first = frame.texture_first + if frame.texture_side > 0 { texel } else { 0 };
-                Frame { texture_first, ..*frame }
+                let spread_first = frame.spread_first + if frame.spread_size[0] > 0 { texel } else { 0 };
+                Frame { texture_first, spread_first, ..*frame }
             }));
             for &slot in SLOTS {
                 let (cut, have) = (slot.spec().cut, state.data.bytes(slot));

@@ -36,6 +36,24 @@ fn a_slab_is_its_closed_form_on_every_back_end() {
 }
 
 #[test]
+fn directions_may_be_of_any_length() {
+    let value = |light: &str, eye: &str| {
+        let row = format!("directional,1,2,1,1.5,0.3,,,,,{light},3,{eye}\n");
+        let here = folder(&[("in.csv", &format!("{HEADER}\n{row}"))]);
+        good(&here, "eval layered in.csv -o out.csv --device cpu");
+        let text = read(&here, "out.csv");
+        text.trim().rsplit(',').next().unwrap().parse::<f64>().unwrap()
+    };
+    let expected = value("1,2,3", "0,1,2");
+    assert!(expected > 0.0);
+    for (light, eye) in [("1e200,2e200,3e200", "0,1e-200,2e-200"), ("1e-300,2e-300,3e-300", "0,1e300,2e300")] {
+        assert!(close(value(light, eye), expected, 1e-12), "{light} {eye}");
+    }
+    let here = folder(&[("in.csv", &format!("{HEADER}\npoint,1,2,1,1.5,0.3,,,,,0,0,1e200,3,0,0,1\n"))]);
+    bad(&here, "eval layered in.csv -o out.csv --device cpu", 2, &["light", "too far away", "1e100"]);
+}
+
+#[test]
 fn a_bad_row_is_named() {
     let good = "directional,1,2,1,1.5,0.3,,,,,0,0,2,3,0,0,1";
     let cases = [

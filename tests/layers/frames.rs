@@ -167,6 +167,34 @@ fn an_environment_shines_as_so_many_suns() {
 }
 
 #[test]
+fn an_environment_shines_from_where_it_is_bright() {
+    // The image's middle is at -z, +x to the right of it: one bright column of eight at a time.
+    for (column, toward) in [(1, [-1.0, 0.4]), (6, [1.0, 0.4]), (3, [-0.4, -1.0]), (0, [-0.4, 1.0])] {
+        let here = super::shell::folder(&[]);
+        let path = here.path().join("sky.exr");
+        let pixel = |x, _| if x == column { (1.0f32, 1.0f32, 1.0f32) } else { (0.0, 0.0, 0.0) };
+        exr::prelude::write_rgb_file(&path, 8, 4, pixel).unwrap();
+        let sky = format!("light.0={{ type = 'environment', image = '{}' }}", path.display());
+        let lit = session(&scene("sphere", &[&SMALL[..], &[LAYERS, &sky]].concat()), Options::default());
+        let beams = &lit.state().data.beams;
+        assert!(!beams.is_empty() && beams.len() < 32, "{}: black suns do not march", beams.len());
+        let along = |k: usize| beams.iter().map(|beam| f64::from(beam.place[k] * beam.color[0])).sum::<f64>();
+        let (x, z) = (along(0), along(2));
+        let length = x.hypot(z) * f64::hypot(toward[0], toward[1]);
+        assert!((x * toward[0] + z * toward[1]) / length > 0.95, "{column}: {x} {z}");
+    }
+}
+
+#[test]
+fn a_black_light_does_not_march() {
+    let black = "light.1={ type = 'point', position = [0, 30, 0], intensity = 0 }";
+    let of = |more: &[&str]| session(&scene("sphere", &[&SMALL[..], &[LAYERS], more].concat()), Options::default());
+    let (mut one, mut two) = (of(&[]), of(&[black]));
+    assert_eq!((one.state().data.beams.len(), two.state().data.beams.len()), (1, 1));
+    assert!(picture(&mut one) == picture(&mut two));
+}
+
+#[test]
 fn fish_and_gecko_are_closed_and_as_fine_as_the_papers() {
     for (name, vertices, triangles) in [("fish", Some(1396), 2788), ("gecko", None, 10_944)] {
         let mesh = &scene(name, &[]).objects[0].mesh;

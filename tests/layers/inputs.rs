@@ -88,6 +88,17 @@ fn depths_that_rise_are_brought_down_and_counted() {
 }
 
 #[test]
+fn channels_that_no_layer_uses_may_hold_anything() {
+    let of =
+        |layers: usize| format!("{SCENE}maps = ['a.exr']\nscale = 1\nlayer = [{}]\n", vec![BARE; layers].join(", "));
+    let here = folder(&[("a.toml", &of(2)), ("b.toml", &of(3))]);
+    let texel = |_, _| (0.25f32, 0.5f32, f32::NAN);
+    exr::prelude::write_rgb_file(here.path().join("a.exr"), 3, 2, texel).unwrap();
+    good(&here, "render a.toml -o b.png --device cpu");
+    bad(&here, "render b.toml -o c.png --device cpu", 2, &["layers.maps", "is no share of a depth", "NaN"]);
+}
+
+#[test]
 fn other_keys_beside_layers() {
     let here = folder(&[("a.toml", &format!("{SCENE}layer = [{LAYER}]\n"))]);
     let run = "render a.toml -o a.png --device cpu --set object.0.material";

@@ -7,7 +7,7 @@ READS(frame)
 #include "local/bend.glsl"
 
 // The curvature-dependent reflectance function from its table.
-layout(constant_id = 3) const uint SIDE = 2;
+layout(constant_id = 4) const uint SIDE = 2;
 READS(cdrf_cells)
 #include "local/lookup.glsl"
 

@@ -21,6 +21,14 @@ const STEPS: u32 = 1000;
 /// Light dimmed to this share is followed no farther on a device.
 const FAINTEST: f64 = 1e-9;
 
+/// The largest coordinate of a point light: squares of distances are numbers.
+const FARTHEST: f64 = 1e100;
+
+/// Of length 1, however long it is.
+fn unit(v: DVec3) -> DVec3 {
+    (v / v.abs().max_element()).normalize()
+}
+
 /// One slab.
 pub(super) struct Row {
     layers: Vec<SlabLayer>,
@@ -47,7 +55,11 @@ pub(super) fn row(cells: &Cells<'_>) -> Check<Row, Input> {
     }
     let intensity = cells.at_least("intensity", 0.0)?;
     let lamp = match cells.text("light") {
-        "directional" => Lamp::Directional(light.normalize(), intensity),
+        "directional" => Lamp::Directional(unit(light), intensity),
+        "point" if light.abs().max_element() > FARTHEST => {
+            let fault = cells.fault("light", "the light is too far away").found(light);
+            return Err(fault.expected(format!("coordinates of at most {FARTHEST:e}")));
+        }
         "point" => Lamp::Point(light, intensity),
         other => {
             let fault = cells.fault("light", "not a kind of light").found(format!("{other:?}"));
@@ -58,7 +70,7 @@ pub(super) fn row(cells: &Cells<'_>) -> Check<Row, Input> {
     if eye.z <= 0.0 {
         return Err(cells.fault("woz", "the eye is not above the slab").found(eye.z).expected("above 0"));
     }
-    Ok(Row { layers, lamp, eye: eye.normalize() })
+    Ok(Row { layers, lamp, eye: unit(eye) })
 }
 
 fn layer(cells: &Cells<'_>, number: usize) -> Check<SlabLayer, Input> {

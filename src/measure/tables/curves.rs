@@ -68,6 +68,7 @@ fn material(name: &str) -> [Dipole; 3] {
             two_sided: false,
             surface: Surface::default(),
             sigma_0: None,
+            spread: None,
             texture: None,
             layers: None,
         },

@@ -139,11 +139,12 @@ fn read(path: &Path, key: &str, layers: usize) -> Checked<([u32; 2], Vec<[f32; 4
             .found(found)
             .expected(format!("1 to {} texels, at most {MOST_SIDE} a side", MOST_TEXELS / 2)));
     }
-    let bad = |texel: &[f32; 4]| texel.iter().any(|x| !(0.0..=1.0).contains(x));
+    // What no layer uses may hold anything.
+    let bad = |texel: &[f32; 4]| texel[..layers].iter().any(|x| !(0.0..=1.0).contains(x));
     if let Some(place) = texels.iter().position(bad) {
-        let (x, y, [r, g, b, a]) = (place % size[0] as usize, place / size[0] as usize, texels[place]);
+        let (x, y, found) = (place % size[0] as usize, place / size[0] as usize, &texels[place][..layers]);
         let fault = at(format!("{}: texel ({x}, {y}), from the top left, is no share of a depth", path.display()));
-        return Err(fault.found(format!("[{r}, {g}, {b}, {a}]")).expected("numbers from 0 to 1"));
+        return Err(fault.found(format!("{found:?}")).expected("numbers from 0 to 1"));
     }
     Ok((size, texels))
 }

@@ -1,0 +1,63 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+#include "light/fresnel.glsl"
+
+// Radiance of a pixel from the light that was blurred over the texture, linear between the texels that show a surface.
+layout(constant_id = 0) const uint OBJECTS = 1;
+READS(frame)
+READS(camera)
+READS(triangles)
+READS(positions)
+READS(normals)
+READS(hits)
+READS(corner_uvs)
+READS(unwrappings)
+READS(gaussians)
+READS(sheets)
+UPDATES(radiance)
+#include "light/wrap.glsl"
+#include "view/object.glsl"
+
+const uint GAUSSIANS = 6;
+
+void main() {
+    uint pixel = invocation();
+    if (pixel >= camera[0].width * camera[0].height) return;
+    Hit hit = hits[pixel];
+    if (hit.face >= MISSED) {
+        radiance[pixel] = camera[0].background;
+        return;
+    }
+    uint object = object_of(hit.face), sheet = frame[object].sheet;
+    if (sheet == 0) return;
+    Unwrapping own = unwrappings[sheet - 1];
+
+    // Whole repetitions are taken off: where an edge does not go on at the other one the triangle lies in one.
+    CornerUvs uvs = corner_uvs[hit.face];
+    vec2 place = texture_place(uvs, vec2(hit.u, hit.v)), middle = floor(texture_place(uvs, vec2(1.0 / 3.0)));
+    vec2 at = float(own.side) * (place - middle) - 0.5, low = floor(at), part = at - low;
+    uvec2 wraps = uvec2(equal(own.round, uvec2(0)));
+    int x = int(low.x), y = int(low.y);
+    uint left = wrapped(wraps.x, x, own.side), right = wrapped(wraps.x, x + 1, own.side);
+    uint above = wrapped(wraps.y, y, own.side) * own.side, below = wrapped(wraps.y, y + 1, own.side) * own.side;
+    vec3 sum = vec3(0);
+    uint first = own.first;
+    for (uint k = 0; k < GAUSSIANS; ++k) {
+        first += sheets.length() / (GAUSSIANS + 1);
+        vec4 light = mix(mix(sheets[first + above + left], sheets[first + above + right], part.x),
+                         mix(sheets[first + below + left], sheets[first + below + right], part.x), part.y);
+        sum += gaussians[GAUSSIANS * (sheet - 1) + k].rgb * light.rgb / max(light.a, 1e-30);
+    }
+
+    uvec3 corner = triangles[hit.face];
+    vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
+    vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
+    vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
+    normal /= sqrt(max(dot(normal, normal), 1e-30));
+    vec3 eye = camera[0].origin - point;
+    float cosine = abs(dot(normal, eye)) / sqrt(max(dot(eye, eye), 1e-30));
+    vec3 leaves = transmittance(frame[object].eta, cosine) * frame[object].exit;
+    radiance[pixel] = leaves * sum * (camera[0].radiance / 3.14159265358979);
+}

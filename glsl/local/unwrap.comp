@@ -1,0 +1,59 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// Light that enters at each texel, and the lengths that a texel spans there.
+layout(constant_id = 0) const uint SHADOWS = 0;
+layout(constant_id = 1) const uint SKY = 0;
+layout(constant_id = 2) const uint TEXTURED = 0;
+layout(push_constant, scalar) uniform push_block { uint number; };
+READS(frame)
+READS(lights)
+READS(lit)
+READS(harmonics)
+READS(triangles)
+READS(positions)
+READS(normals)
+READS(corner_uvs)
+READS(texels)
+READS(unwrappings)
+READS(charts)
+UPDATES(sheets)
+WRITES(stretch)
+#include "light/entering.glsl"
+#include "light/texture.glsl"
+
+const float LONGEST = 1e15;
+
+void main() {
+    uint k = invocation();
+    Unwrapping own = unwrappings[number];
+    if (k >= own.side * own.side) return;
+    Chart chart = charts[own.first + k];
+    vec4 light = vec4(0);
+    vec2 lengths = vec2(0);
+    if (chart.face != NONE) {
+        uvec3 corner = triangles[chart.face];
+        vec3 weight = vec3(1.0 - chart.u - chart.v, chart.u, chart.v);
+        vec3 a = positions[corner.x], b = positions[corner.y], c = positions[corner.z];
+        vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
+        normal /= sqrt(max(dot(normal, normal), 1e-30));
+        vec3 E = entering(own.object, chart.face, weight.x * a + weight.y * b + weight.z * c, normal);
+        CornerUvs uvs = corner_uvs[chart.face];
+        if (TEXTURED != 0) {
+            bool enters = (frame[own.object].texture_side & 1) != 0;
+            if (enters) E *= texture_factor(own.object, texture_place(uvs, vec2(chart.u, chart.v)));
+        }
+        light = vec4(E, 1.0);
+
+        // The place is linear in the texture coordinates.
+        vec2 p = uvs.b - uvs.a, q = uvs.c - uvs.a;
+        precise float turned = p.x * q.y - p.y * q.x;
+        vec3 along = (b - a) * q.y - (c - a) * p.y, down = (c - a) * p.x - (b - a) * q.x;
+        float over = 1.0 / (abs(turned) * float(own.side));
+        lengths = turned == 0.0 ? vec2(LONGEST) : min(vec2(length(along), length(down)) * over, vec2(LONGEST));
+    }
+    sheets[own.first + k] = light;
+    stretch[own.first + k] = lengths;
+}
