@@ -126,6 +126,8 @@ enum ModeArgument {
     OnTheFly,
     /// Links are kept, and serve any light.
     Render,
+    /// Links are kept while the shape changes, too: see `transport.budget`.
+    Incremental,
 }
 
 #[derive(Clone, Copy, Default, ValueEnum)]
@@ -159,6 +161,7 @@ impl RunArguments {
             mode: match self.mode {
                 ModeArgument::OnTheFly => Mode::OnTheFly,
                 ModeArgument::Render => Mode::Render,
+                ModeArgument::Incremental => Mode::Incremental,
             },
             ..Options::default()
         }

@@ -8,6 +8,7 @@ use serde_json::json;
 use super::{RunArguments, SceneArguments, open_session, print, size, table, validation};
 use crate::error::Result;
 use crate::layout::SLOTS;
+use crate::render::about_mode;
 use crate::render::octree;
 use crate::render::plan::{Change, before_transport};
 use crate::state::Extent;
@@ -46,6 +47,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         frame.lights,
         device.as_ref().map_or("cpu", |device| device.name()),
     );
+    let mode = about_mode(state, plan.options());
+    text = text.replacen("\n\nstages", &format!("\nmode {mode}\n\nstages"), 1);
     let mut stages: Vec<_> = plan
         .stages
         .iter()
@@ -94,6 +97,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "vertices": count(|count| count.vertices),
             "nodes": count(|count| count.nodes),
             "objects": state.objects.len(),
+            "mode": mode,
             "chunks": state.sum(|object| object.schedule.chunks.len()),
             "stages": stages.iter().map(|row| json!({"stage": row[0], "does": row[1]})).collect::<Vec<_>>(),
             "buffers": SLOTS.iter().map(|slot| (slot.spec(), state.data.bytes(*slot).len()))

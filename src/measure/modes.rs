@@ -29,7 +29,8 @@ pub const CHANGES: [What; 4] = [What::Shape, What::Bump, What::Light, What::Noth
 /// The share of the triangles that the bump alters.
 pub const LOCAL: f64 = 0.01;
 /// The modes, with the name that `--mode` has for each.
-pub const MODES: [(&str, Mode); 2] = [("on-the-fly", Mode::OnTheFly), ("render", Mode::Render)];
+pub const MODES: [(&str, Mode); 3] =
+    [("on-the-fly", Mode::OnTheFly), ("render", Mode::Render), ("incremental", Mode::Incremental)];
 
 /// One row of the table.
 #[derive(Clone, Debug)]
@@ -151,7 +152,14 @@ fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frame
     }
     times.sort_by(f64::total_cmp);
     let links = links(&session, &moved(scene, what, frames), device)?;
-    let factors = if made || summed { links } else { 0 };
+    let revised = session.state().method.incremental && !made;
+    let factors = if revised {
+        session.renewed()
+    } else if made || summed {
+        links
+    } else {
+        0
+    };
     let error = worst(&verify(&mut session, 500, 1)?).l2;
     let triangles = session.state().sum(|object| object.count.faces);
     Ok(Row {

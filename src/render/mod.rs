@@ -6,6 +6,7 @@ pub mod bends;
 mod blocks;
 mod changes;
 pub mod clusters;
+mod incremental;
 mod layers;
 pub mod lights;
 pub mod local;
@@ -19,7 +20,10 @@ pub mod room;
 pub mod run;
 pub mod samples;
 pub mod shape;
+pub mod sizes;
 pub mod stages;
 pub mod subdivide;
 mod textures;
 pub mod units;
+
+pub use reasons::about_mode;

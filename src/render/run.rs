@@ -2,15 +2,17 @@
 
 use std::time::Instant;
 
+use super::incremental::share_budget;
 use super::layers::drop_unlooked;
 use super::local::local;
 use super::octree::OctreeTransport;
 use super::plan::{Change, Mode, Options, Plan, Transport, before_transport};
 use super::prepare::{Prepared, prepare};
 use super::receivers::by_pixel;
+use super::room::Lists;
 pub use super::room::Room;
-use super::room::{Lists, size};
 use super::shape::reach;
+use super::sizes::size;
 use super::subdivide::{Parts, subdivide};
 use super::textures::drop_unseen;
 use super::units::Units;
@@ -42,6 +44,10 @@ pub struct Session {
     pub retries: usize,
     /// How often a frame had to run again because its light had another contrast than kept lists serve.
     pub relinks: usize,
+    /// Whether links are there that a change of shape can revise.
+    pub(super) linked: bool,
+    /// Form factors computed by runs of this frame whose lists overflowed.
+    pub(super) spent: u64,
     /// What became of each object's triangles, where `transport.subdivide` asks for that.
     pub parts: Vec<Parts>,
     pub(super) scene: Scene,
@@ -83,7 +89,10 @@ impl Session {
         drop_unlooked(&mut prepared.state, options);
         prepared.state.keep = options.mode != Mode::OnTheFly;
         prepared.state.method.estimate = options.estimate && blocks;
-        prepared.state.method.any_light = options.mode == Mode::Render && blocks;
+        prepared.state.method.any_light = matches!(options.mode, Mode::Render | Mode::Incremental) && blocks;
+        prepared.state.method.incremental =
+            options.mode == Mode::Incremental && options.transport == Transport::Hierarchy && !blocks;
+        share_budget(&mut prepared.state, scene.transport.budget)?;
         let receivers = (if by_pixel { "receivers at triangles" } else { "receivers at pixels" }, why);
         let plan = Plan::new(&prepared.state, options).without(receivers.clone());
         let lists = Lists::new(room, device.map(Device::limits));
@@ -91,8 +100,21 @@ impl Session {
         let backend = device.map_or(Backend::Cpu, |device| Backend::Gpu(DeviceState::new(device, false)));
         let (retries, relinks, pending) = (0, 0, Change::EVERYTHING);
         let fixed = Fixed { asked, room, receivers };
-        let mut session =
-            Self { prepared, plan, backend, retries, relinks, parts, scene, lists, pending, octree, fixed };
+        let mut session = Self {
+            prepared,
+            plan,
+            backend,
+            retries,
+            relinks,
+            linked: false,
+            spent: 0,
+            parts,
+            scene,
+            lists,
+            pending,
+            octree,
+            fixed,
+        };
         session.resize()?;
         Ok(session)
     }
@@ -115,8 +137,10 @@ impl Session {
     /// Runs one frame: what has changed since the last one, and what `change` adds to it. Returns each step's time,
     /// on the device, or on the host's clock for the CPU and the octree.
     pub fn frame(&mut self, change: Change) -> Result<Vec<Timing>> {
-        let mut change = self.pending.and(change);
+        let mut change = self.pending.and(change).and(self.waiting_change());
+        self.open_budget()?;
         loop {
+            change = self.links_anew(change);
             let steps = self.plan.steps(&self.prepared.state, change);
             let times = if self.plan.octree(change) { self.run_octree(&steps, change)? } else { self.run(&steps)? };
             if steps.iter().any(|step| ["shadow", "plane_fit"].contains(&step.stage.name)) {
@@ -136,7 +160,7 @@ impl Session {
                     continue;
                 }
             }
-            if !ran(&["link", "refine"]) {
+            if !ran(&["link", "refine", "renew"]) {
                 self.pending = Change::default();
                 return Ok(times);
             }
@@ -149,9 +173,15 @@ impl Session {
             }
             if cursors.iter().all(|cursor| cursor.overflow == 0) {
                 self.pending = Change::default();
+                self.linked = self.linked || ran(&["refine"]);
                 return Ok(times);
             }
             self.retries += 1;
+            if ran(&["revise"]) {
+                self.make_room()?;
+                change = Change::EVERYTHING;
+                continue;
+            }
             self.lists.grow(&mut self.prepared)?;
             self.resize()?;
             change = Change::EVERYTHING;
@@ -237,6 +267,7 @@ impl Session {
     /// Gives every buffer its size and sends the inputs.
     pub(super) fn resize(&mut self) -> Result<()> {
         size(&mut self.prepared.state, &self.plan);
+        self.linked = false;
         self.size_picture();
         self.check_shadows()?;
         let inputs: Vec<Slot> = Plan::inputs().collect();
@@ -253,7 +284,7 @@ impl Session {
             .collect();
         self.send(&blank)?;
         // And what the host asks of every object, though not every object has lists.
-        self.send(&[Slot::cut_short, Slot::cursor])
+        self.send(&[Slot::cut_short, Slot::cursor, Slot::stale, Slot::waiting])
     }
 
     /// The bits of all shadows have to fit one binding.

@@ -124,6 +124,8 @@ pub struct Transport {
     pub form_factor_tolerance: f64,
     /// The irradiance octree: the solid angle from which on a cell is opened, steradian, above 0.
     pub octree_angle: f64,
+    /// Mode incremental: most form factors that a frame computes over links that are kept, at least 1; unlimited if left out.
+    pub budget: Option<u32>,
     /// How the CDRF is evaluated.
     pub cdrf: Cdrf,
     /// Rows and columns of its table, 2 to 1024.
@@ -176,6 +178,7 @@ impl Transport {
                 "1e-4 to 1e-1",
             )?,
             octree_angle: angle("transport.octree_angle", file.octree_angle)?,
+            budget: budget(file.budget)?,
             cdrf: file.cdrf,
             cdrf_table: range::number(
                 "transport.cdrf_table",
@@ -186,6 +189,16 @@ impl Transport {
             curvature: file.curvature,
         })
     }
+}
+
+/// Most form factors of a frame, if there is a bound.
+fn budget(given: Option<i64>) -> Checked<Option<u32>> {
+    let Some(found) = given else { return Ok(None) };
+    let budget = u32::try_from(found).ok().filter(|&budget| budget > 0);
+    budget.map(Some).ok_or_else(|| {
+        let fault = Input::new("out of range").key("transport.budget").found(found);
+        fault.expected(format!("form factors a frame may compute, 1 to {}, or no such key for any number", u32::MAX))
+    })
 }
 
 /// How often a base is cut in four, where the hierarchy has one.
@@ -276,6 +289,8 @@ mod tests {
                 "hierarchy = 'octree'",
                 "unknown variant `octree`, expected one of `face-clusters`, `median`, `butterfly`, `shrink-wrap`",
             ),
+            ("budget = 0", "transport.budget: out of range; found 0; expected form factors a frame may compute, 1 to"),
+            ("budget = -7", "transport.budget: out of range; found -7"),
             ("levels = 3", "transport.levels: only a hierarchy of 4-to-1 splits has levels; expected"),
             ("hierarchy = 'butterfly'\nlevels = 9", "transport.levels: out of range; found 9; expected 1 to 8"),
         ];

@@ -131,11 +131,17 @@ impl<'s> Pass<'s> {
         self.submit(&name, constants, push, Work::Invocations(count as u64))
     }
 
-    /// The same for as many groups as the first element of this buffer's part says: three numbers, written earlier.
-    pub fn dispatch_counted(&mut self, part: &str, constants: &[u32], push: &[u8], groups: Slot) -> Result<()> {
+    /// The same for as many groups as this element of this buffer's part says: three numbers, written earlier.
+    pub fn dispatch_counted(
+        &mut self,
+        part: &str,
+        constants: &[u32],
+        push: &[u8],
+        (groups, element): (Slot, usize),
+    ) -> Result<()> {
         let name = format!("{}/{}/{part}", self.room, self.stage);
         let Some(buffer) = self.twin.buffers.get(&groups) else { return Ok(()) };
-        let offset = self.state.part(groups, self.at).0 * groups.spec().stride;
+        let offset = (self.state.part(groups, self.at).0 + element) * groups.spec().stride;
         self.submit(&name, constants, push, Work::Groups(buffer, offset as u64))
     }
 
