@@ -126,7 +126,8 @@ impl Session {
         let live = parts.iter().map(Vec::len).max().unwrap_or(0);
         let (had, want) = (state.data.frame[0].link_room as usize, live + need.saturating_sub(end) as usize);
         let room = if want > had { (want + want / 8).next_multiple_of(64) } else { had };
-        if room > self.lists.most(12) || (12 * room * chunks(state).max(1)) as u64 > self.lists.allocation {
+        let much = self.scene.transport.budget.is_none() && want - live > live / 4;
+        if much || room > self.lists.most(12) || (12 * room * chunks(state).max(1)) as u64 > self.lists.allocation {
             self.linked = false;
             return self.send(&[Slot::frame]);
         }
