@@ -89,12 +89,12 @@ fn hundred(name: &str, sets: &[&str], device: Option<&Device>, room: Room, strid
 }
 
 const TWIST: &[&str] = &[
-    "object.0.detail=12",
+    "object.0.detail=8",
     "transport.budget=4000000000",
     "object.0.deform=[{ type = 'twist', angle = { keyframes = [[9, 0], [40, 12]] } }]",
 ];
-const NOISE: &[&str] = &["object.0.detail=8", "transport.budget=4000000000"];
-const BUMP: &[&str] = &["object.0.detail=20", "transport.budget=4000000000"];
+const NOISE: &[&str] = &["object.0.detail=4", "transport.budget=4000000000"];
+const BUMP: &[&str] = &["object.0.detail=10", "transport.budget=4000000000"];
 
 #[test]
 fn links_after_a_hundred_frames_are_those_of_a_frame_from_scratch() {
@@ -103,9 +103,9 @@ fn links_after_a_hundred_frames_are_those_of_a_frame_from_scratch() {
     }
     devices::on_devices(|device| {
         // Many chunks, and rooms that have to grow.
-        let tight = Room { chunk_faces: 300, links: 40, ..Room::default() };
-        hundred("bump", &["object.0.detail=12"], Some(device), tight, 33);
-        hundred("noise", &["object.0.detail=5", "transport.budget=4000000000"], Some(device), Room::default(), 33);
+        let tight = Room { chunk_faces: 150, links: 40, ..Room::default() };
+        hundred("bump", &["object.0.detail=8"], Some(device), tight, 33);
+        hundred("noise", &["object.0.detail=3", "transport.budget=4000000000"], Some(device), Room::default(), 33);
     });
 }
 
@@ -193,6 +193,25 @@ fn what_other_scenes_have_is_not_used() {
     for name in ["alter", "revise", "renew", "keep"] {
         assert!(why(name).unwrap().contains("--mode incremental"), "{name}");
     }
+}
+
+#[test]
+fn the_fixtures_revise_and_the_tight_ones_overflow() {
+    let fixtures = milkglass::measure::fixtures::fixtures("kept links").unwrap();
+    let mut tight = 0;
+    for fixture in fixtures.into_iter().filter(|fixture| fixture.steps.iter().any(|step| step.stage.name == "revise")) {
+        let mut state = fixture.state.clone();
+        fixture.steps.iter().for_each(|step| step.reference(&mut state));
+        let (cursor, name) = (state.data.cursor[0], &fixture.name);
+        if name.contains("too") {
+            assert!(cursor.overflow == 1 && cursor.computed == 0, "{name}: {cursor:?}");
+            tight += 1;
+        } else {
+            assert!(cursor.overflow == 0 && cursor.computed > 0, "{name}: {cursor:?}");
+            assert_eq!(cursor.waiting > 0, name.contains("budget"), "{name}: {cursor:?}");
+        }
+    }
+    assert_eq!(tight, 2);
 }
 
 #[test]

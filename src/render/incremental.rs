@@ -56,6 +56,14 @@ impl Session {
         Change { relink: change.everything && !self.linked, ..change }
     }
 
+    /// Has links made from scratch where more than half of the vertices have moved: to revise them costs more. With a budget
+    /// they are revised all the same.
+    pub(super) fn unlink_where_much_moves(&mut self, before: &[[f32; 3]]) {
+        let now = &self.state().data.positions;
+        let moved = before.iter().zip(now).filter(|(before, now)| before != now).count();
+        self.linked &= 2 * moved <= now.len() || self.scene.transport.budget.is_some();
+    }
+
     /// A frame's budget: the whole of it, whatever the frame before has spent.
     pub(super) fn open_budget(&mut self) -> Result<()> {
         self.prepared.state.data.cursor.iter_mut().for_each(|cursor| cursor.computed = 0);
