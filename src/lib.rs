@@ -11,8 +11,9 @@
 //! 5. `radii`: how far from a cluster what may be done with it, so that the tolerance is met;
 //! 6. `points`: the places that pixels show, where those receive; `link`: which emitters each block of receivers expands, links, or takes triangle by triangle;
 //! 7. `gather`: what they give the block;
-//! 8. `push`: from blocks to receivers; `opaque`: what opaque objects give back; `average`: to vertices;
-//! 9. `shade`: with which radiance each pixel shines (equation 3); `exit`: times a texture; `plane_fit` and `relief`: plus
+//! 8. `push`: from blocks to receivers; `opaque`: what opaque objects give back, by triangle; `average`: to vertices;
+//! 9. `shade`: with which radiance each pixel shines (equation 3); `reached` and `plain`: opaque objects, lit where the pixels
+//!    show them; `exit`: times a texture; `plane_fit` and `relief`: plus
 //!    what scatters once in layers beneath the surface (Francois et al. 2006); `reflect`:
 //!    what the surface itself reflects, and `backdrop`: the environment behind the object.
 //!

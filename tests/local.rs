@@ -152,7 +152,8 @@ fn opaque_objects_are_shaded_as_ever() {
     assert!(carried == local && carried == lambert);
     let session = run(&bust, CDRF);
     assert!(
-        names(&session).contains(&"shadow") && !names(&session).iter().any(|name| ["cdrf", "curvature"].contains(name))
+        names(&session).contains(&"reached")
+            && !names(&session).iter().any(|name| ["cdrf", "curvature"].contains(name))
     );
 }
 

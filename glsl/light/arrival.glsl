@@ -1,4 +1,7 @@
-// What arrives from a light. SHADOWS is not 0 where `lit` holds anything.
+// What arrives from a light. SHADOWS is not 0 where `lit` holds anything; or another buffer of such bits, by LIT.
+#ifndef LIT
+#define LIT(word) lit[word]
+#endif
 
 // The share of a light's intensity in the unit direction `away` from it. 1 - cos is taken from the sine, which is exact
 // for narrow cones, too.
@@ -21,12 +24,12 @@ float arrival(Light light, vec3 point, out vec3 toward) {
     return emission(light, -toward) / d2;
 }
 
-// 1 where a light reaches a face, 0 where it is in shadow.
-float reaches(Light light, uint face) {
+// 1 where a light reaches a face, or whatever LIT has bits of, 0 where it is in shadow.
+float reaches(Light light, uint index) {
     float lets = 1.0;
     if (SHADOWS != 0) {
         if (light.shadow != NONE) {
-            uint word = lit[face * frame[0].shadow_words + light.shadow / 32];
+            uint word = LIT(index * frame[0].shadow_words + light.shadow / 32);
             lets = float(word >> (light.shadow % 32) & 1u);
         }
     }

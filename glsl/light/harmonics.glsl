@@ -19,7 +19,7 @@ vec3 sky_radiance(vec3 n) {
     return max(vec3(0), degree_0() + degree_1(n) + degree_2(n));
 }
 
-vec3 sky_irradiance(vec3 n) {
-    vec3 low = frame[0].zonal_0 * degree_0() + frame[0].zonal_1 * degree_1(n);
-    return max(vec3(0), low + frame[0].zonal_2 * degree_2(n));
+vec3 sky_irradiance(uint object, vec3 n) {
+    vec3 low = frame[object].zonal_0 * degree_0() + frame[object].zonal_1 * degree_1(n);
+    return max(vec3(0), low + frame[object].zonal_2 * degree_2(n));
 }

@@ -2,7 +2,6 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 #include "invocation.glsl"
-#include "light/fresnel.glsl"
 
 // E of equation 5 at a face's centroid: every light's cosine times Fresnel transmittance, where it is not shadowed, and
 // the environment by its harmonics.
@@ -15,44 +14,12 @@ READS(clusters)
 READS(lit)
 READS(harmonics)
 WRITES(irradiance)
-#include "light/harmonics.glsl"
-#include "light/arrival.glsl"
+#include "light/entering.glsl"
 
 void main() {
     uint face = invocation();
     if (face >= frame[0].faces) return;
     Cluster leaf = clusters[leaves[face]];
     vec3 normal = leaf.area > 0.0 ? leaf.normal / leaf.area : vec3(0);
-    bool both = frame[0].two_sided != 0;
-    vec3 sum = vec3(0);
-
-    // What arrives from the environment in front and behind, and how much of it along the rays that are free.
-    vec3 all_front = vec3(0), free_front = vec3(0), all_back = vec3(0), free_back = vec3(0);
-    for (uint i = 0; i < frame[0].lights; ++i) {
-        Light light = lights[i];
-        vec3 toward;
-        float falloff = arrival(light, leaf.center, toward);
-        float cosine = dot(normal, toward);
-        float counts = both ? abs(cosine) : max(cosine, 0.0);
-        float lets = reaches(light, face);
-        vec3 enters = counts * transmittance(frame[0].eta, counts);
-        if (light.kind != 5) sum += light.color * (falloff * lets) * enters;
-        if (SKY != 0) {
-            if (light.kind == 5) {
-                vec3 weight = sky_radiance(toward) * enters;
-                all_front += cosine > 0.0 ? weight : vec3(0);
-                free_front += cosine > 0.0 ? lets * weight : vec3(0);
-                all_back += cosine > 0.0 ? vec3(0) : weight;
-                free_back += cosine > 0.0 ? vec3(0) : lets * weight;
-            }
-        }
-    }
-    if (SKY != 0) {
-        // Where no ray is blocked the share is 1 to the last bit.
-        bvec3 open_front = equal(free_front, all_front), open_back = equal(free_back, all_back);
-        vec3 least = vec3(1e-30);
-        sum += sky_irradiance(normal) * mix(free_front / max(all_front, least), vec3(1), open_front);
-        if (both) sum += sky_irradiance(-normal) * mix(free_back / max(all_back, least), vec3(1), open_back);
-    }
-    irradiance[face] = sum;
+    irradiance[face] = entering(0, face, leaf.center, normal);
 }

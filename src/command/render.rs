@@ -9,7 +9,7 @@ use super::{RunArguments, SceneArguments, check_messages, open_session, print, s
 use crate::error::{Input, Result};
 use crate::render::bends::{Bends, bends};
 use crate::render::clusters::{Emitters, clusters, color};
-use crate::render::plan::{Change, Mode, Options, Transport};
+use crate::render::plan::{Change, Goal, Mode, Options, Transport};
 use crate::scene::{Camera, Tone};
 use crate::view::picture::{check, encode};
 
@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut options = arguments.run.options();
     if aov {
         // Lists are kept, because a layer tells how long they are.
-        options = Options { estimate: true, mode: options.mode.kept(), ..options };
+        options = Options { goal: Goal::Layers, estimate: true, mode: options.mode.kept(), ..options };
     }
     let clustered = matches!(arguments.view, Some(View::Clusters));
     if clustered != pick.is_some() {

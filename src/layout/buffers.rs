@@ -9,6 +9,8 @@ buffers! {
     lights: Light, light;
     /// Whether each light reaches each triangle: a bit each, `frame.shadow_words` words a triangle.
     lit: u32, shadow;
+    /// Whether each light reaches what each pixel shows of an opaque object: a bit each, `frame.shadow_words` words a pixel.
+    reached: u32, pixel;
     /// Not 0 when a driver ended a shadow ray's loop early; one element.
     cut_short: u32, scene;
     /// The environment's image, rows from the top.

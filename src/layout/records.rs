@@ -26,7 +26,7 @@ records! { frame_records:
         first_receiver: u32,
         /// Not 0 where its receivers are the places that pixels show, 0 where they are its triangles.
         by_pixel: u32,
-        /// Not 0 where no light enters it.
+        /// 0 where light enters it, 1 where none does, 2 where none does and it is lit pixel by pixel.
         opaque: u32,
         /// Share of the arriving light that an opaque object gives back, per channel.
         albedo: [f32; 3],

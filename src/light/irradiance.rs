@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::{fresnel, harmonics};
 use crate::error::Result;
-use crate::layout::{Buffers, Light, Slot};
+use crate::layout::{Buffers, Frame, Light, Slot};
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
 
 /// The table's entry.
@@ -58,26 +58,27 @@ pub fn arrival(light: &Light, point: DVec3) -> (DVec3, f64) {
 /// Whether a light reaches a face, as far as shadows are known.
 #[must_use]
 pub fn reaches(data: &Buffers, light: &Light, face: usize) -> bool {
-    let words = data.frame[0].shadow_words as usize;
-    let bit = |bit: u32| data.lit[face * words + bit as usize / 32] >> (bit % 32) & 1;
+    bit(&data.lit, data.frame[0].shadow_words, light, face)
+}
+
+/// The same of what such bits are of, `words` each.
+#[must_use]
+pub fn bit(bits: &[u32], words: u32, light: &Light, index: usize) -> bool {
+    let bit = |bit: u32| bits[index * words as usize + bit as usize / 32] >> (bit % 32) & 1;
     light.shadow == u32::MAX || bit(light.shadow) == 1
 }
 
-fn cpu(state: &mut State, _at: Place) {
-    let data = &mut state.data;
-    let frame = &data.frame[0];
+/// E of equation 5 at a place of an object, by its unit normal: from the lights that reach it, and the environment.
+pub fn entering(data: &Buffers, frame: &Frame, place: [DVec3; 2], reaches: &dyn Fn(&Light) -> bool) -> DVec3 {
+    let [point, normal] = place;
     let eta = frame.eta.map(f64::from);
     let sky: Vec<DVec3> = data.harmonics.iter().take(9).map(|&c| wide(c)).collect();
     let zonal = [wide(frame.zonal_0), wide(frame.zonal_1), wide(frame.zonal_2)];
-    let sides: &[f64] = if frame.two_sided == 0 { &[1.0] } else { &[1.0, -1.0] };
-    let one_side = |face: usize, side: f64| {
-        let leaf = &data.clusters[data.leaves[face] as usize];
-        let area = f64::from(leaf.area);
-        let normal = if area > 0.0 { wide(leaf.normal) * side / area } else { DVec3::ZERO };
+    let one_side = |normal: DVec3| {
         let (mut sum, mut all, mut free) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
         for light in &data.lights {
-            let (toward, falloff) = arrival(light, wide(leaf.center));
-            let arrives = reaches(data, light, face);
+            let (toward, falloff) = arrival(light, point);
+            let arrives = reaches(light);
             let cosine = normal.dot(toward).max(0.0);
             let enters = DVec3::from_array(eta.map(|eta| fresnel::transmittance(eta, cosine))) * cosine;
             if light.kind == 5 {
@@ -94,10 +95,19 @@ fn cpu(state: &mut State, _at: Place) {
         let share = |k: usize| if free[k] == all[k] { 1.0 } else { free[k] / all[k] };
         sum + harmonics::irradiance(&sky, zonal, normal) * DVec3::new(share(0), share(1), share(2))
     };
-    data.irradiance = (0..data.triangles.len())
-        .into_par_iter()
-        .map(|face| narrow(sides.iter().map(|&side| one_side(face, side)).sum()))
-        .collect();
+    one_side(normal) + if frame.two_sided == 0 { DVec3::ZERO } else { one_side(-normal) }
+}
+
+fn cpu(state: &mut State, _at: Place) {
+    let data = &state.data;
+    let of_face = |face: usize| {
+        let leaf = &data.clusters[data.leaves[face] as usize];
+        let area = f64::from(leaf.area);
+        let normal = if area > 0.0 { wide(leaf.normal) / area } else { DVec3::ZERO };
+        let reaches = |light: &Light| reaches(data, light, face);
+        narrow(entering(data, &data.frame[0], [wide(leaf.center), normal], &reaches))
+    };
+    state.data.irradiance = (0..data.triangles.len()).into_par_iter().map(of_face).collect();
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {

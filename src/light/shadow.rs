@@ -22,24 +22,25 @@ pub static STAGE: Stage = Stage {
 };
 
 /// Rays of one dispatch at most: about a second on the slowest device.
-const RAYS: usize = 1 << 18;
+pub const RAYS: usize = 1 << 18;
 
 fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;
     let words = data.frame[0].shadow_words as usize;
     let casting: Vec<&Light> = data.lights.iter().filter(|light| light.shadow != u32::MAX).collect();
-    let of_face = |face: usize, both: bool, bits: &mut [u32]| {
+    let of_face = |face: usize, bits: &mut [u32]| {
         bits.fill(0);
+        let node = state.objects[state.object_of(face)].first.nodes + data.leaves[face] as usize;
         for light in &casting {
-            let free = ray(state, face as u32, light, both).is_some_and(|ray| !blocked(data, &ray));
+            let free = free(state, face as u32, data.clusters[node].center, light);
             bits[light.shadow as usize / 32] |= u32::from(free) << (light.shadow % 32);
         }
     };
     let mut lit = data.lit.clone();
-    for (object, frame) in state.objects.iter().zip(&data.frame) {
-        let (first, both) = (object.first.faces, frame.two_sided != 0);
+    for object in state.objects.iter().filter(|object| object.lit_by_face()) {
+        let first = object.first.faces;
         let own = &mut lit[words * first..words * (first + object.count.faces)];
-        own.par_chunks_mut(words.max(1)).enumerate().for_each(|(face, bits)| of_face(first + face, both, bits));
+        own.par_chunks_mut(words.max(1)).enumerate().for_each(|(face, bits)| of_face(first + face, bits));
     }
     state.data.lit = lit;
 }
@@ -49,15 +50,22 @@ fn others_only(state: &State, object: &Object) -> bool {
     state.method.local.is_some() && !object.opaque
 }
 
-/// The ray from a face to a light; none where the face is turned away, behind an area, or outside a spot's cone.
-fn ray(state: &State, face: u32, light: &Light, both: bool) -> Option<Ray> {
-    let (data, first) = (&state.data, state.objects[state.object_of(face as usize)].first.nodes);
+/// Whether a light reaches a place of a triangle.
+#[must_use]
+pub fn free(state: &State, face: u32, place: [f32; 3], light: &Light) -> bool {
+    ray(state, face, place, light).is_some_and(|ray| !blocked(&state.data, &ray))
+}
+
+/// The ray from a place of a triangle to a light; none where the triangle is turned away, behind an area, or outside a
+/// spot's cone.
+fn ray(state: &State, face: u32, origin: [f32; 3], light: &Light) -> Option<Ray> {
+    let data = &state.data;
     let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let origin = data.clusters[first + data.leaves[face as usize] as usize].center;
     let far = light.kind == 0 || light.kind == 5;
     let direction = if far { light.place } else { std::array::from_fn(|k| light.place[k] - origin[k]) };
     // In local shading an object's own triangles neither block light nor turn away from it.
-    let object = &state.objects[state.object_of(face as usize)];
+    let number = state.object_of(face as usize);
+    let (object, both) = (&state.objects[number], data.frame[number].two_sided != 0);
     let spared = others_only(state, object).then(|| {
         let first = object.first.faces as u32;
         first..first + object.count.faces as u32
@@ -78,7 +86,8 @@ fn ray(state: &State, face: u32, light: &Light, both: bool) -> Option<Ray> {
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let lights = &pass.state.data.lights;
-    for (number, object) in pass.state.objects.iter().enumerate() {
+    let objects = pass.state.objects.iter().enumerate();
+    for (number, object) in objects.filter(|(_, object)| object.lit_by_face()) {
         let others = u32::from(others_only(pass.state, object));
         let end = object.first.faces + object.count.faces;
         for light in (0..lights.len()).filter(|&light| lights[light].shadow != u32::MAX) {

@@ -119,6 +119,7 @@ impl Session {
             self.plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());
         }
         self.size_picture();
+        self.check_shadows()?;
         self.send(&[Slot::camera])
     }
 

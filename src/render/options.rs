@@ -58,6 +58,8 @@ pub enum Goal {
     /// A picture.
     #[default]
     Picture,
+    /// A picture, and beside it what is known of the faces.
+    Layers,
     /// The radiosity of the faces.
     Radiosity,
 }

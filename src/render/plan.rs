@@ -114,7 +114,7 @@ impl Plan {
             "deform" | "refit" | "plane_fit" | "curvature" | "cdrf_table" => false,
             "visibility" | "points" => change.view,
             "link" | "gather" | "push" if pixels && change.view => true,
-            "shade" | "cdrf" | "lambert" | "exit" | "relief" | "reflect" | "backdrop" => {
+            "shade" | "cdrf" | "lambert" | "reached" | "plain" | "exit" | "relief" | "reflect" | "backdrop" => {
                 change.view || change.light || resum
             }
             name if kept && builds_links(name) => false,

@@ -16,7 +16,7 @@ use crate::hierarchy::{Tree, median, split};
 use crate::layout::{Camera as CameraRecord, Frame, Topology};
 use crate::light::{fresnel, harmonics};
 use crate::scene::{self, Camera, Fresnel, Hierarchy, Kappa, Material, Mesh, Reflection, Scene, Side, Transport};
-use crate::state::{Extent, Local, Method as Switches, Object, Schedule, Scheme, State, narrow};
+use crate::state::{Extent, LitAt, Local, Method as Switches, Object, Schedule, Scheme, State, narrow};
 use crate::transport::PLACES;
 use crate::view::points::LAYERS;
 
@@ -85,16 +85,17 @@ pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
     })
 }
 
-/// Builds trees and state of a scene, `by_pixel` with receivers where the pixels show its objects.
+/// Builds trees and state of a scene, `by_pixel` with receivers where the pixels show its objects, and where light is looked at
+/// that arrives at opaque ones.
 ///
 /// With `local`, what comes back depends on the place alone: there are no receivers, and a texture is looked at once.
-pub fn prepare(scene: &Scene, by_pixel: bool, local: Option<Local>) -> Prepared {
+pub fn prepare(scene: &Scene, (by_pixel, lit_at): (bool, LitAt), local: Option<Local>) -> Prepared {
     let mut units = Units::of(scene.objects.iter().map(|object| &object.mesh));
     let (mut parts, mut trees, mut method) = (Vec::new(), Vec::new(), Method::Merged);
     let (mut faces, mut spoilt, mut largest) = (Vec::new(), Vec::new(), 0.0);
     for object in &scene.objects {
         let (tree, made, growth) = tree_of(object, scene.transport.hierarchy, units);
-        let (part, own) = one(scene, object, &tree, units, (by_pixel, local));
+        let (part, own) = one(scene, object, &tree, units, (by_pixel, lit_at, local));
         spoilt.push(growth);
         if object.material.opaque.is_none() {
             largest = f64::max(largest, triangle_size(&part));
@@ -138,14 +139,19 @@ fn one(
     object: &scene::Object,
     tree: &Tree,
     units: Units,
-    (by_pixel, local): (bool, Option<Local>),
+    (by_pixel, lit_at, local): (bool, LitAt, Option<Local>),
 ) -> (State, Vec<u32>) {
     let (mesh, transport) = (&object.mesh, &scene.transport);
     let mut state = State { distance: transport.distance, ..State::default() };
     let faces = topology(&mut state, mesh, tree, units);
     frame(&mut state, &object.material, transport, units);
     let mut material = object.material.clone();
-    if let (Some(texture), Some(_), None) = (&mut material.texture, local, material.opaque) {
+    // What lies in layers under a surface is shown as its triangles are lit.
+    let lit_at = if material.layers.is_some() { LitAt::Faces } else { lit_at };
+    let opaque = material.opaque.is_some();
+    let plain = opaque && lit_at != LitAt::Faces;
+    state.data.frame[0].opaque += u32::from(plain);
+    if let (Some(texture), true) = (&mut material.texture, plain || (local.is_some() && !opaque)) {
         texture.side = Side::Exit;
     }
     texture(&mut state, &material, mesh, &faces);
@@ -157,7 +163,6 @@ fn one(
         local,
         ..Switches::default()
     };
-    let opaque = object.material.opaque.is_some();
     if transport.scheme == Scheme::Blocks && !opaque && local.is_none() {
         state.data.blocks = if by_pixel { of_picture(scene.camera.size) } else { blocks(&state) };
         state.data.frame[0].by_pixel = u32::from(by_pixel);
@@ -170,7 +175,7 @@ fn one(
     let by_pixel = by_pixel && !opaque;
     let receivers = if by_pixel { PLACES * blocks / LAYERS as usize } else { faces.len() };
     let count = Extent { vertices, faces: faces.len(), nodes, blocks, receivers };
-    state.objects = vec![Object { count, opaque, by_pixel, ..Object::default() }];
+    state.objects = vec![Object { count, opaque, lit_at, by_pixel, ..Object::default() }];
     (state, faces)
 }
 

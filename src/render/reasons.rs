@@ -2,7 +2,7 @@
 
 use super::lights::lit;
 use super::options::{Goal, Mode, Options, Transport};
-use crate::state::{Local, Method, Scheme, State};
+use crate::state::{Local, Method, Object, Scheme, State};
 
 /// Stages of the hierarchy with blocks.
 const BLOCKS: [&str; 7] = ["pull", "level", "contrast", "radii", "link", "gather", "push"];
@@ -25,11 +25,12 @@ pub(super) fn reason(name: &str, options: Options, method: Method, dark: bool) -
             name,
             "shadow" | "environment" | "irradiance" | "entry" | "points" | "opaque" | "average" | "brute"
         )
+        || matches!(name, "reached" | "plain")
         || LOCAL.contains(&name)
         || matches!(name, "exit" | "plane_fit" | "relief" | "reflect");
     let pictorial = LOCAL.contains(&name)
         || matches!(name, "average" | "visibility" | "points" | "shade" | "exit" | "reflect" | "backdrop")
-        || matches!(name, "plane_fit" | "relief");
+        || matches!(name, "plane_fit" | "relief" | "reached" | "plain");
     if name == "evaluate" || name == "cdrf_values" {
         return Some("answers `milkglass eval` only".into());
     }
@@ -66,10 +67,11 @@ pub(super) fn reason(name: &str, options: Options, method: Method, dark: bool) -
 pub(super) fn delocalized(name: &str, state: &State) -> Option<String> {
     let local = state.method.local?;
     let opaque = state.objects.iter().any(|object| object.opaque);
-    let alone = "light is looked at where the pixels are, and no object is opaque";
+    let by_face = state.objects.iter().any(|object| object.opaque && object.lit_by_face());
+    let alone = "light is looked at where the pixels are";
     match name {
-        "irradiance" | "entry" | "average" if !opaque => Some(alone.into()),
-        "shade" if !opaque && lit(state) => Some(alone.into()),
+        "irradiance" | "entry" | "average" if !by_face => Some(alone.into()),
+        "shade" if !by_face && lit(state) && state.objects.iter().any(|object| !object.opaque) => Some(alone.into()),
         "shadow" if state.objects.len() == 1 && !opaque => {
             Some("an object does not shadow itself in local shading, and there is no other".into())
         }
@@ -84,7 +86,7 @@ pub(super) fn delocalized(name: &str, state: &State) -> Option<String> {
 /// Why this stage is not needed for these lights, this surface and this camera, if it is not.
 pub(super) fn unlit(name: &str, state: &State) -> Option<String> {
     match name {
-        "shadow" if state.data.frame.iter().all(|frame| frame.shadow_words == 0) => {
+        "shadow" | "reached" if state.data.frame.iter().all(|frame| frame.shadow_words == 0) => {
             Some("no light casts shadows, and no environment asks what is hidden of it".into())
         }
         "environment" if state.data.sky.is_empty() => Some("no light is an environment".into()),
@@ -105,9 +107,18 @@ pub(super) fn unpeopled(name: &str, state: &State) -> Option<String> {
     let carries = BLOCKS.contains(&name) || LINKS.contains(&name) || LOCAL.contains(&name) || name == "brute";
     match name {
         "deform" if state.data.deforms.is_empty() => Some("nothing deforms an object".into()),
-        "opaque" if !any(true) => Some("no object is opaque".into()),
+        "opaque" | "reached" | "plain" if !any(true) => Some("no object is opaque".into()),
+        "reached" | "plain" if !state.objects.iter().any(Object::plain) => {
+            Some("opaque objects are lit by triangle".into())
+        }
+        "opaque" if !state.objects.iter().any(|object| object.opaque && object.lit_by_face()) => {
+            Some("opaque objects are lit where the pixels show them".into())
+        }
+        "shadow" | "irradiance" | "entry" | "average" if !state.objects.iter().any(Object::lit_by_face) => {
+            Some("every object is opaque, and lit where the pixels show it".into())
+        }
         "points" => state.objects.iter().all(|object| !object.by_pixel).then(|| "the receivers are triangles".into()),
-        "average" if state.objects.iter().all(|object| object.by_pixel) => {
+        "average" if state.objects.iter().all(|object| object.by_pixel || !object.lit_by_face()) => {
             Some("the receivers are what the pixels show".into())
         }
         _ if carries && !any(false) => Some("every object is opaque".into()),

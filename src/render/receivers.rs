@@ -3,6 +3,7 @@
 
 use super::options::{Goal, Options, Transport};
 use crate::scene::{Receivers, Scene, Scheme};
+use crate::state::LitAt;
 
 /// Whether the receivers are the pixels, and why.
 #[must_use]
@@ -24,4 +25,15 @@ pub fn by_pixel(scene: &Scene, options: Options) -> (bool, String) {
         Receivers::Auto => format!("a picture takes {pixels} samples of pixels, the objects have {faces} triangles"),
     };
     (pixels < faces, why)
+}
+
+/// Where light that arrives at opaque objects is looked at.
+#[must_use]
+pub fn lit_at(scene: &Scene, options: Options) -> LitAt {
+    match options.goal {
+        Goal::Radiosity => LitAt::Faces,
+        _ if scene.transport.receivers == Receivers::Faces => LitAt::Faces,
+        Goal::Picture => LitAt::Pixels,
+        Goal::Layers => LitAt::Both,
+    }
 }

@@ -8,11 +8,10 @@ use super::local::local;
 use super::octree::OctreeTransport;
 use super::plan::{Change, Mode, Options, Plan, Transport, before_transport};
 use super::prepare::{Prepared, prepare};
-use super::receivers::by_pixel;
+use super::receivers::{by_pixel, lit_at};
 use super::room::Lists;
 pub use super::room::Room;
 use super::shape::reach;
-use super::sizes::size;
 use super::subdivide::{Parts, subdivide};
 use super::textures::drop_unseen;
 use super::units::Units;
@@ -21,7 +20,7 @@ use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
 use crate::layout::{Cursor, Slot};
 use crate::scene::Scene;
-use crate::state::{DeviceState, Scheme, Stage, State, Step};
+use crate::state::{DeviceState, Scheme, State, Step};
 use crate::view::picture::Picture;
 
 /// Where the stages run.
@@ -84,7 +83,7 @@ impl Session {
             None => (scene.clone(), Vec::new()),
         };
         let (by_pixel, why) = by_pixel(&scene, options);
-        let mut prepared = prepare(&scene, by_pixel, local);
+        let mut prepared = prepare(&scene, (by_pixel, lit_at(&scene, options)), local);
         drop_unseen(&mut prepared.state, options);
         drop_unlooked(&mut prepared.state, options);
         prepared.state.keep = options.mode != Mode::OnTheFly;
@@ -143,7 +142,7 @@ impl Session {
             change = self.links_anew(change);
             let steps = self.plan.steps(&self.prepared.state, change);
             let times = if self.plan.octree(change) { self.run_octree(&steps, change)? } else { self.run(&steps)? };
-            if steps.iter().any(|step| ["shadow", "plane_fit"].contains(&step.stage.name)) {
+            if steps.iter().any(|step| ["shadow", "reached", "plane_fit"].contains(&step.stage.name)) {
                 self.fetch(&[Slot::cut_short])?;
                 if self.prepared.state.data.cut_short != [0] {
                     let doing = "following a shadow ray, or fitting a plane to a vertex";
@@ -262,57 +261,6 @@ impl Session {
             Backend::Gpu(twin) => twin.upload(&self.prepared.state, slots),
             Backend::Cpu => Ok(()),
         }
-    }
-
-    /// Gives every buffer its size and sends the inputs.
-    pub(super) fn resize(&mut self) -> Result<()> {
-        size(&mut self.prepared.state, &self.plan);
-        self.linked = false;
-        self.size_picture();
-        self.check_shadows()?;
-        let inputs: Vec<Slot> = Plan::inputs().collect();
-        self.send(&inputs)?;
-        // What no stage of the plan writes must be zero where a stage or the host reads it.
-        let carried = self.plan.options().transport != Transport::None;
-        let unwritten = |slot: &Slot| {
-            let writes = |stage: &Stage| stage.writes.iter().any(|(written, _, _)| written == slot);
-            !self.plan.stages.iter().any(|stage| writes(stage)) || (*slot == Slot::radiosity && !carried)
-        };
-        let blank: Vec<Slot> = [Slot::irradiance, Slot::radiosity, Slot::vertex_radiosity, Slot::estimate]
-            .into_iter()
-            .filter(unwritten)
-            .collect();
-        self.send(&blank)?;
-        // And what the host asks of every object, though not every object has lists.
-        self.send(&[Slot::cut_short, Slot::cursor, Slot::stale, Slot::waiting])
-    }
-
-    /// The bits of all shadows have to fit one binding.
-    fn check_shadows(&self) -> Result<()> {
-        let Backend::Gpu(twin) = &self.backend else { return Ok(()) };
-        let (data, most) = (&self.prepared.state.data, twin.device().limits().binding_bytes);
-        let bytes = data.bytes(Slot::lit).len() as u64;
-        if bytes <= most {
-            return Ok(());
-        }
-        let (faces, samples) = (self.state().sum(|object| object.count.faces), 32 * data.frame[0].shadow_words);
-        let what = format!(
-            "a bit for each of {faces} faces and {samples} samples of lights takes {bytes} bytes, a binding of the \
-             device takes {most}; use fewer samples, or shadows = false"
-        );
-        Err(Error::device("making room for buffer lit", what))
-    }
-
-    pub(super) fn size_picture(&mut self) {
-        let data = &mut self.prepared.state.data;
-        let camera = &data.camera[0];
-        let shown = self.plan.stages.iter().any(|stage| stage.name == "visibility");
-        let pixels = if shown { camera.width as usize * camera.height as usize } else { 0 };
-        data.hits = bytemuck::zeroed_vec(pixels);
-        data.radiance = bytemuck::zeroed_vec(pixels);
-        // Where nothing is lit there is no stage `points`; `shade` reads on, and finds no radiosity.
-        let by_pixel = self.prepared.state.objects.iter().any(|object| object.by_pixel);
-        data.seen = bytemuck::zeroed_vec(if by_pixel { pixels } else { 0 });
     }
 }
 

@@ -1,11 +1,13 @@
 //! How large the buffers are that a plan's stages write.
 
-use super::plan::Plan;
+use super::plan::{Plan, Transport};
 use super::room::{batches, chunks as parts_of_links, largest_batch};
+use super::run::{Backend, Session};
+use crate::error::{Error, Result};
 use crate::layout::{Cursor, Slot};
 use crate::light::environment;
 use crate::local::cdrf_table;
-use crate::state::{Extent, Local, State};
+use crate::state::{Extent, Local, Stage, State};
 use crate::transport::radii::{ENTRIES as ENTRIES_OF_A_LAW, LAWS};
 
 /// Gives every buffer that a plan's stages write its size, zeroed; the others stay empty, as does the error estimate
@@ -80,4 +82,64 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.vertex_radiosity = bytemuck::zeroed_vec(if carries { vertices } else { 0 });
     data.crowds = bytemuck::zeroed_vec(per(Slot::crowds, nodes));
     data.planes = bytemuck::zeroed_vec(per(Slot::planes, vertices));
+}
+
+impl Session {
+    /// Gives every buffer its size and sends the inputs.
+    pub(super) fn resize(&mut self) -> Result<()> {
+        size(&mut self.prepared.state, &self.plan);
+        self.linked = false;
+        self.size_picture();
+        self.check_shadows()?;
+        let inputs: Vec<Slot> = Plan::inputs().collect();
+        self.send(&inputs)?;
+        // What no stage of the plan writes must be zero where a stage or the host reads it.
+        let carried = self.plan.options().transport != Transport::None;
+        let unwritten = |slot: &Slot| {
+            let writes = |stage: &Stage| stage.writes.iter().any(|(written, _, _)| written == slot);
+            !self.plan.stages.iter().any(|stage| writes(stage)) || (*slot == Slot::radiosity && !carried)
+        };
+        let blank: Vec<Slot> = [Slot::irradiance, Slot::radiosity, Slot::vertex_radiosity, Slot::estimate]
+            .into_iter()
+            .filter(unwritten)
+            .collect();
+        self.send(&blank)?;
+        // And what the host asks of every object, though not every object has lists.
+        self.send(&[Slot::cut_short, Slot::cursor, Slot::stale, Slot::waiting])
+    }
+
+    /// The bits of all shadows have to fit one binding.
+    pub(super) fn check_shadows(&self) -> Result<()> {
+        let Backend::Gpu(twin) = &self.backend else { return Ok(()) };
+        let (data, most) = (&self.prepared.state.data, twin.device().limits().binding_bytes);
+        let faces = self.state().sum(|object| object.count.faces);
+        for (slot, of) in
+            [(Slot::lit, format!("{faces} faces")), (Slot::reached, format!("{} pixels", data.hits.len()))]
+        {
+            let (bytes, samples) = (data.bytes(slot).len() as u64, 32 * data.frame[0].shadow_words);
+            if bytes > most {
+                let what = format!(
+                    "a bit for each of {of} and {samples} samples of lights takes {bytes} bytes, a binding of the device \
+                     takes {most}; use fewer samples, or shadows = false"
+                );
+                return Err(Error::device(format!("making room for buffer {}", slot.spec().name), what));
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn size_picture(&mut self) {
+        let data = &mut self.prepared.state.data;
+        let camera = &data.camera[0];
+        let shown = self.plan.stages.iter().any(|stage| stage.name == "visibility");
+        let pixels = if shown { camera.width as usize * camera.height as usize } else { 0 };
+        data.hits = bytemuck::zeroed_vec(pixels);
+        data.radiance = bytemuck::zeroed_vec(pixels);
+        let reached = self.plan.stages.iter().any(|stage| stage.name == "reached");
+        let words = data.frame[0].shadow_words as usize;
+        data.reached = bytemuck::zeroed_vec(if reached { words * pixels } else { 0 });
+        // Where nothing is lit there is no stage `points`; `shade` reads on, and finds no radiosity.
+        let by_pixel = self.prepared.state.objects.iter().any(|object| object.by_pixel);
+        data.seen = bytemuck::zeroed_vec(if by_pixel { pixels } else { 0 });
+    }
 }

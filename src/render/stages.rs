@@ -7,7 +7,7 @@ use crate::light::{entry, environment, irradiance, opaque, shadow};
 use crate::local::{cdrf, cdrf_table, cdrf_values, curvature, lambert};
 use crate::state::{Object, Place, Stage, State, Step, Unit};
 use crate::transport::{average, contrast, evaluate, gather, level, link, pull, push, radii};
-use crate::view::{backdrop, exit, points, reflect, shade, visibility};
+use crate::view::{backdrop, exit, plain, points, reached, reflect, shade, visibility};
 
 /// Every stage, in the order of a frame; the last three are no part of one: `brute` takes the place of
 /// `pull` to `push`, `evaluate` and `cdrf_values` answer `milkglass eval`.
@@ -45,6 +45,8 @@ pub static STAGES: &[&Stage] = &[
     &cdrf_table::STAGE,
     &cdrf::STAGE,
     &lambert::STAGE,
+    &reached::STAGE,
+    &plain::STAGE,
     &exit::STAGE,
     &relief::STAGE,
     &reflect::STAGE,
@@ -65,12 +67,12 @@ fn serves(stage: &Stage, object: &Object, local: bool) -> bool {
         "deform" => object.deforms > 0,
         "refit" => true,
         // Of others, light is looked at where the pixels are.
-        "irradiance" | "entry" | "average" if local => object.opaque,
-        "irradiance" | "entry" => true,
+        "irradiance" | "entry" => object.lit_by_face() && (object.opaque || !local),
+        "opaque" => object.opaque && object.lit_by_face(),
         "points" => object.by_pixel,
         "plane_fit" => object.layered,
-        "average" => !object.by_pixel,
-        name => object.opaque == (name == "opaque"),
+        "average" => object.lit_by_face() && !object.by_pixel && (object.opaque || !local),
+        _ => !object.opaque,
     }
 }
 

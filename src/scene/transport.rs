@@ -193,12 +193,9 @@ impl Transport {
 
 /// Most form factors of a frame, if there is a bound.
 fn budget(given: Option<i64>) -> Checked<Option<u32>> {
-    let Some(found) = given else { return Ok(None) };
-    let budget = u32::try_from(found).ok().filter(|&budget| budget > 0);
-    budget.map(Some).ok_or_else(|| {
-        let fault = Input::new("out of range").key("transport.budget").found(found);
-        fault.expected(format!("form factors a frame may compute, 1 to {}, or no such key for any number", u32::MAX))
-    })
+    let fits = |n: f64| (1.0..=f64::from(u32::MAX)).contains(&n);
+    let number = |n: i64| range::number("transport.budget", n as f64, fits, "form factors of a frame, 1 to 4294967295");
+    Ok(given.map(number).transpose()?.map(|n| n as u32))
 }
 
 /// How often a base is cut in four, where the hierarchy has one.
@@ -289,8 +286,7 @@ mod tests {
                 "hierarchy = 'octree'",
                 "unknown variant `octree`, expected one of `face-clusters`, `median`, `butterfly`, `shrink-wrap`",
             ),
-            ("budget = 0", "transport.budget: out of range; found 0; expected form factors a frame may compute, 1 to"),
-            ("budget = -7", "transport.budget: out of range; found -7"),
+            ("budget = 0", "transport.budget: out of range; found 0; expected form factors of a frame, 1 to"),
             ("levels = 3", "transport.levels: only a hierarchy of 4-to-1 splits has levels; expected"),
             ("hierarchy = 'butterfly'\nlevels = 9", "transport.levels: out of range; found 9; expected 1 to 8"),
         ];

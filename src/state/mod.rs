@@ -5,7 +5,7 @@ mod objects;
 mod schedule;
 
 pub use device::{DeviceState, Pass};
-pub use objects::{Extent, Object};
+pub use objects::{Extent, LitAt, Object};
 pub use schedule::{Chunk, Schedule};
 
 use crate::error::Result;

@@ -32,6 +32,8 @@ pub struct Object {
     pub count: Extent,
     /// Whether no light enters it.
     pub opaque: bool,
+    /// Where light that arrives at it is looked at, if it is opaque.
+    pub lit_at: LitAt,
     /// Whether its receivers are the places that pixels show, 16 a tile of 4 x 4.
     pub by_pixel: bool,
     /// Whether it has layers beneath its surface.
@@ -40,12 +42,34 @@ pub struct Object {
     pub deforms: usize,
 }
 
+/// Where light that arrives at an opaque object is looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LitAt {
+    /// At its triangles.
+    #[default]
+    Faces,
+    /// At the places that pixels show.
+    Pixels,
+    /// At both: a picture, and what is known of the triangles beside it.
+    Both,
+}
+
 /// The next multiple of 64.
 fn room(count: usize) -> usize {
     count.next_multiple_of(64)
 }
 
 impl Object {
+    /// Whether it is opaque, and shown as its pixels are lit.
+    pub fn plain(&self) -> bool {
+        self.opaque && self.lit_at != LitAt::Faces
+    }
+
+    /// Whether anything asks for the light at its triangles.
+    pub fn lit_by_face(&self) -> bool {
+        !self.opaque || self.lit_at != LitAt::Pixels
+    }
+
     /// Elements of a buffer that it has, and where the first of them lies.
     fn run(&self, cut: Cut, words: usize) -> (usize, usize) {
         let (first, count) = (self.first, self.count);

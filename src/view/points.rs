@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::geometry::refit::{SPHERE, disc, sphere};
-use crate::layout::{Block, Camera, Slot, Sphere};
+use crate::layout::{Block, Camera, Hit, Slot, Sphere};
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
 
 /// The table's entry.
@@ -56,6 +56,12 @@ fn pixel(camera: &Camera, tile: u32, k: u32) -> Option<usize> {
     (column < camera.width && row < camera.height).then(|| (row * camera.width + column) as usize)
 }
 
+/// The place that a pixel shows, between the corners of its triangle: in `f32`, since rays start there.
+pub(super) fn place(hit: &Hit, [a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
+    let first = 1.0 - hit.u - hit.v;
+    std::array::from_fn(|axis| first * a[axis] + hit.u * b[axis] + hit.v * c[axis])
+}
+
 /// A tile's places and pixels, layer by layer, and whether one belongs to none of them.
 #[derive(Default)]
 struct Tile {
@@ -90,9 +96,7 @@ fn cpu(state: &mut State, _at: Place) {
             let hit = data.hits[pixel];
             let face = hit.face.wrapping_sub(frame.first_face);
             let Some(corners) = data.triangles.get(face as usize) else { continue };
-            let [a, b, c] = corners.map(|v| data.positions[v as usize]);
-            let first = 1.0 - hit.u - hit.v;
-            let place = std::array::from_fn(|axis| first * a[axis] + hit.u * b[axis] + hit.v * c[axis]);
+            let place = place(&hit, corners.map(|v| data.positions[v as usize]));
             tile.put(camera, pixel, place, hit.depth);
         }
         tile

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{Frame, Hit, Slot};
-use crate::light::irradiance::{arrival, reaches};
+use crate::light::irradiance::{arrival, bit, reaches};
 use crate::light::{fresnel, sky};
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
 
@@ -63,7 +63,7 @@ fn facets(alpha: f64, cosine: f64) -> f64 {
 }
 
 /// Radiance that one pixel gets by reflection, internal units.
-fn reflected(state: &State, hit: &Hit) -> DVec3 {
+fn reflected(state: &State, pixel: usize, hit: &Hit) -> DVec3 {
     let (data, camera) = (&state.data, &state.data.camera[0]);
     let Some(corners) = data.triangles.get(hit.face as usize) else { return DVec3::ZERO };
     let object = state.object_of(hit.face as usize);
@@ -88,7 +88,11 @@ fn reflected(state: &State, hit: &Hit) -> DVec3 {
     for light in data.lights.iter().filter(|light| light.kind != 5) {
         let (toward, falloff) = arrival(light, point);
         let cosine = normal.dot(toward);
-        if cosine <= 0.0 || !reaches(data, light, hit.face as usize) {
+        let arrives = match state.objects[object].plain() {
+            true => bit(&data.reached, frame.shadow_words, light, pixel),
+            false => reaches(data, light, hit.face as usize),
+        };
+        if cosine <= 0.0 || !arrives {
             continue;
         }
         let (lobe, met) = if ggx {
@@ -125,8 +129,9 @@ fn reflected(state: &State, hit: &Hit) -> DVec3 {
 fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;
     let scale = f64::from(data.camera[0].radiance);
-    let pixels = data.hits.par_iter().zip(&data.radiance);
-    state.data.radiance = pixels.map(|(hit, &before)| narrow(wide(before) + scale * reflected(state, hit))).collect();
+    let pixels = data.hits.par_iter().zip(&data.radiance).enumerate();
+    let with = |(pixel, (hit, &before))| narrow(wide(before) + scale * reflected(state, pixel, hit));
+    state.data.radiance = pixels.map(with).collect();
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
@@ -135,7 +140,8 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     for (object, frame) in (0u32..).zip(&data.frame).filter(|(_, frame)| frame.reflection != 0) {
         let (ggx, push) = (u32::from(frame.reflection == 2), object.to_le_bytes());
         if data.lights.iter().any(|light| light.kind != 5) {
-            pass.dispatch(Some("lights"), &[u32::from(frame.shadow_words > 0), ggx], &push, pixels)?;
+            let shadows = if frame.shadow_words > 0 { frame.opaque.max(1) } else { 0 };
+            pass.dispatch(Some("lights"), &[shadows, ggx], &push, pixels)?;
         }
         if !data.lobe.is_empty() {
             pass.dispatch(Some("environment"), &[ggx, DIRECTIONS], &push, pixels)?;

@@ -5,18 +5,26 @@
 #include "light/fresnel.glsl"
 
 // What the surface reflects of lights that have a place or a direction, where they reach the triangle.
-layout(constant_id = 0) const uint SHADOWS = 0;
+layout(constant_id = 0) const uint SHADOWS = 0; // 1 where triangles have bits of them, 2 where pixels do
 layout(constant_id = 1) const uint GGX = 0;
 layout(push_constant, scalar) uniform push_block { uint object; }; // of whose pixels this dispatch is about
 READS(frame)
 READS(camera)
 READS(lights)
 READS(lit)
+READS(reached)
 READS(triangles)
 READS(positions)
 READS(normals)
 READS(hits)
 UPDATES(radiance)
+uint shadow_bits(uint word) {
+    uint bits = 0;
+    if (SHADOWS == 2) bits = reached[word];
+    else bits = lit[word];
+    return bits;
+}
+#define LIT(word) shadow_bits(word)
 #include "light/arrival.glsl"
 #include "view/surface.glsl"
 
@@ -38,10 +46,11 @@ void main() {
     Surface s = surface(hit);
     float signed_seen = dot(s.normal, s.toward), seen = abs(signed_seen), alpha = frame[object].roughness;
     vec3 sum = vec3(0);
+    uint index = SHADOWS == 2 ? pixel : hit.face;
     for (uint i = 0; i < frame[0].lights; ++i) {
         Light light = lights[i];
         vec3 toward;
-        float falloff = arrival(light, s.point, toward) * reaches(light, hit.face);
+        float falloff = arrival(light, s.point, toward) * reaches(light, index);
         float cosine = max(dot(s.normal, toward), 0.0), lobe, met;
         if (GGX != 0) {
             vec3 facet = unit(s.toward + toward);

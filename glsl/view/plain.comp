@@ -1,0 +1,41 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// Radiance of opaque objects: albedo times the irradiance of the very place that a pixel shows, over pi.
+layout(constant_id = 0) const uint OBJECTS = 1;
+layout(constant_id = 1) const uint SHADOWS = 0;
+layout(constant_id = 2) const uint SKY = 0;
+READS(frame)
+READS(camera)
+READS(lights)
+READS(reached)
+READS(harmonics)
+READS(triangles)
+READS(positions)
+READS(normals)
+READS(hits)
+UPDATES(radiance)
+#define LIT(word) reached[word]
+#include "light/entering.glsl"
+#include "view/object.glsl"
+
+void main() {
+    uint pixel = invocation();
+    if (pixel >= camera[0].width * camera[0].height) return;
+    Hit hit = hits[pixel];
+    if (hit.face >= MISSED) return;
+    uint object = object_of(hit.face);
+    if (frame[object].opaque != 2) return;
+    uvec3 corner = triangles[hit.face];
+    vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
+    vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
+    vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
+    normal /= sqrt(max(dot(normal, normal), 1e-30));
+    vec3 arrives = entering(object, pixel, point, normal);
+    vec3 eye = camera[0].origin - point;
+    float cosine = abs(dot(normal, eye)) / sqrt(max(dot(eye, eye), 1e-30));
+    vec3 leaves = transmittance(frame[object].eta, cosine) * frame[object].exit;
+    radiance[pixel] = leaves * frame[object].albedo * arrives * (camera[0].radiance / 3.14159265358979);
+}

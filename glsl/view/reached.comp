@@ -1,0 +1,40 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// Whether one light reaches what some pixels show of opaque objects: a bit of `reached`. Decisions only.
+layout(constant_id = 0) const uint OBJECTS = 1;
+layout(push_constant, scalar) uniform push_block { Rays rays; };
+READS(frame)
+READS(lights)
+READS(positions)
+READS(triangles)
+READS(bounds)
+READS(hits)
+UPDATES(reached)
+UPDATES(cut_short)
+#include "light/way.glsl"
+#include "view/object.glsl"
+
+void main() {
+    uint k = invocation();
+    if (k >= rays.count) return;
+    uint pixel = rays.first + k;
+    Hit hit = hits[pixel];
+    bool shown = hit.face < MISSED;
+    uint face = shown ? hit.face : 0;
+    uint object = object_of(face);
+    bool asked = shown && frame[object].opaque == 2;
+    Light light = lights[rays.light];
+    uvec3 corner = triangles[face];
+    precise float weight = 1.0 - hit.u - hit.v;
+    precise vec3 place = weight * positions[corner.x] + hit.u * positions[corner.y] + hit.v * positions[corner.z];
+    uint met = way(light, object, face, place, asked, false);
+    if (met == UNFINISHED) cut_short[0] = 1;
+
+    // The first light of a word clears it.
+    uint word = pixel * frame[0].shadow_words + light.shadow / 32, bit = light.shadow % 32;
+    uint others = bit == 0 ? 0 : reached[word];
+    reached[word] = others | (met == FREE ? 1u << bit : 0u);
+}

@@ -1,0 +1,54 @@
+//! Stage `reached`: whether each light that casts shadows reaches what each pixel shows of an opaque object, a ray from the
+//! very place each: shadows on it have borders as sharp as the picture, whatever its triangles are.
+
+use rayon::prelude::*;
+
+use super::points::place;
+use crate::error::Result;
+use crate::layout::{Light, Rays, Slot};
+use crate::light::shadow::{RAYS, free};
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "reached",
+    room: "view",
+    about: "whether each light reaches what each pixel shows of an opaque object: rays through the tree, a bit each",
+    equation: "the visibility in equation 5; any triangle between blocks",
+    writes: &[(Slot::reached, Role::Output, Tolerance::Exact), (Slot::cut_short, Role::Update, Tolerance::Exact)],
+    reason: "decisions, bit for bit",
+    unit: Unit::Scene,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _at: Place) {
+    let data = &state.data;
+    let words = data.frame[0].shadow_words as usize;
+    let casting: Vec<&Light> = data.lights.iter().filter(|light| light.shadow != u32::MAX).collect();
+    let mut reached = vec![0; words * data.hits.len()];
+    reached.par_chunks_mut(words.max(1)).zip(&data.hits).for_each(|(bits, hit)| {
+        let Some(&corners) = data.triangles.get(hit.face as usize) else { return };
+        if !state.objects[state.object_of(hit.face as usize)].plain() {
+            return;
+        }
+        let place = place(hit, corners.map(|v| data.positions[v as usize]));
+        for light in &casting {
+            bits[light.shadow as usize / 32] |= u32::from(free(state, hit.face, place, light)) << (light.shadow % 32);
+        }
+    });
+    state.data.reached = reached;
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let data = &pass.state.data;
+    let objects = pass.state.objects.len() as u32;
+    for light in (0..data.lights.len()).filter(|&light| data.lights[light].shadow != u32::MAX) {
+        for first in (0..data.hits.len()).step_by(RAYS) {
+            let count = RAYS.min(data.hits.len() - first);
+            let rays = Rays { object: 0, first: first as u32, count: count as u32, light: light as u32 };
+            pass.dispatch(None, &[objects], bytemuck::bytes_of(&rays), count)?;
+        }
+    }
+    Ok(())
+}
