@@ -150,7 +150,7 @@ fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frame
         // The same light again costs what another costs.
         let change = if what == What::Light { Change::LIGHT } else { Change::default() };
         let parts = session.frame(change)?;
-        times.push(parts.iter().map(|part| part.milliseconds).sum::<f64>());
+        times.push(parts.iter().fold(0.0, |sum, part| sum + part.milliseconds));
         names = parts.into_iter().map(|part| part.name).collect();
     }
     times.sort_by(f64::total_cmp);

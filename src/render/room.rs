@@ -136,8 +136,10 @@ impl Lists {
                 return Ok(());
             }
             if need > had as usize {
-                // Links that are revised move within their room.
-                let spare = if name == "links" && prepared.state.method.incremental { need / 4 } else { need / 32 };
+                // Links that are revised move within their room, as far as what is kept fits one allocation.
+                let kept = self.allocation as usize / 12 / chunks(&prepared.state).max(1) / 64 * 64;
+                let revised = name == "links" && prepared.state.method.incremental;
+                let spare = if revised { (need / 4).min(kept.saturating_sub(need)) / 64 * 64 } else { need / 32 };
                 *room = (need + spare).next_multiple_of(64).min(most) as u32;
             }
         }
