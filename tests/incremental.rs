@@ -68,7 +68,7 @@ fn touched(session: &mut Session) -> (u64, u64) {
     (all.iter().enumerate().map(touches).sum(), all.iter().map(|own| own.len() as u64).sum())
 }
 
-/// Runs a hundred frames; every eleventh is compared with one from scratch, to the last bit.
+/// Runs a hundred frames; one in `stride` is compared with one from scratch, to the last bit.
 fn hundred(name: &str, sets: &[&str], device: Option<&Device>, room: Room, stride: usize) {
     let frame = |k: usize| at(name, sets, 10.0 + 0.3 * k as f64);
     let mut session = open(&frame(0), device, Mode::Incremental, room);
@@ -89,29 +89,29 @@ fn hundred(name: &str, sets: &[&str], device: Option<&Device>, room: Room, strid
 }
 
 const TWIST: &[&str] = &[
-    "object.0.detail=8",
+    "object.0.detail=6",
     "transport.budget=4000000000",
     "object.0.deform=[{ type = 'twist', angle = { keyframes = [[9, 0], [40, 12]] } }]",
 ];
-const NOISE: &[&str] = &["object.0.detail=4", "transport.budget=4000000000"];
-const BUMP: &[&str] = &["object.0.detail=10", "transport.budget=4000000000"];
+const NOISE: &[&str] = &["object.0.detail=3", "transport.budget=4000000000"];
+const BUMP: &[&str] = &["object.0.detail=8", "transport.budget=4000000000"];
 
 #[test]
 fn links_after_a_hundred_frames_are_those_of_a_frame_from_scratch() {
     for (name, sets) in [("twist", TWIST), ("noise", NOISE), ("bump", BUMP)] {
-        hundred(name, sets, None, Room::default(), 11);
+        hundred(name, sets, None, Room::default(), 33);
     }
     devices::on_devices(|device| {
         // Many chunks, and rooms that have to grow.
-        let tight = Room { chunk_faces: 150, links: 40, ..Room::default() };
-        hundred("bump", &["object.0.detail=8"], Some(device), tight, 33);
-        hundred("noise", &["object.0.detail=3", "transport.budget=4000000000"], Some(device), Room::default(), 33);
+        let tight = Room { chunk_faces: 100, links: 40, ..Room::default() };
+        hundred("bump", &["object.0.detail=6"], Some(device), tight, 33);
+        hundred("noise", &["object.0.detail=2", "transport.budget=4000000000"], Some(device), Room::default(), 33);
     });
 }
 
 #[test]
 fn a_local_bump_computes_form_factors_of_what_it_touches() {
-    let scene = at("sphere", &["object.0.detail=4"], 0.0);
+    let scene = at("sphere", &["object.0.detail=3"], 0.0);
     let check = |device: Option<&Device>| {
         let mut session = open(&moved(&scene, What::Bump, 0), device, Mode::Incremental, Room::default());
         let ran = step(&mut session, &moved(&scene, What::Bump, 1));
