@@ -16,9 +16,18 @@ const OPTIONS: Options = Options {
     estimate: true,
 };
 
-/// The built-in scenes as they are, but for the lotus, which is coarser for the sake of time.
-const SCENES: &[(&str, &str)] =
-    &[("sphere", "object.0.detail=5"), ("slab", "object.0.detail=32"), ("lotus", "object.0.detail=64")];
+/// The built-in scenes whose light is carried, some of them coarser for the sake of time; the first three on the CPU, too.
+const SCENES: &[(&str, &str)] = &[
+    ("sphere", "object.0.detail=5"),
+    ("slab", "object.0.detail=32"),
+    ("lotus", "object.0.detail=64"),
+    ("bump", "object.0.detail=80"),
+    ("bust", "object.0.detail=64"),
+    ("candle", "object.0.detail=64"),
+    ("twist", "object.0.detail=64"),
+    ("noise", "object.0.detail=40"),
+    ("torus", "object.0.detail=128"),
+];
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
     Scene::load(name, &sets.iter().map(|set| set.to_string()).collect::<Vec<_>>()).unwrap()
@@ -48,25 +57,27 @@ fn device() -> Option<Device> {
     }
 }
 
-/// `rank`: on the slab the error is next to the same everywhere, within 1.5 times from the darkest fifth of the faces to
-/// the brightest, so that little is left to rank: a known weakness.
-fn holds(name: &str, quality: Quality, rank: f64) {
+/// Where the tolerance is met everywhere alike, little is left to rank: an estimate ranks like the error, 0.5 or more, or as
+/// well as one can that varies as little, normal errors given.
+fn holds(name: &str, quality: Quality) {
     println!("{name}: {quality:?}");
     assert!(quality.covered >= 0.999, "{name}: {quality:?}");
     assert!(quality.ratio <= 20.0, "{name}: {quality:?}");
-    assert!(quality.rank > rank, "{name}: {quality:?}");
+    assert!(quality.rank > 0.5 || quality.rank > 0.85 * quality.best, "{name}: {quality:?}");
 }
 
 #[test]
 fn the_error_is_below_the_estimate() {
     let found = device();
-    for (name, detail) in SCENES {
+    for (number, (name, detail)) in SCENES.iter().enumerate() {
         let scene = scene(name, &[detail]);
         for device in [None, found.as_ref()].into_iter().take(1 + usize::from(found.is_some())) {
+            if device.is_none() && found.is_some() && number >= 3 {
+                continue;
+            }
             let mut session = solved(&scene, device, OPTIONS);
-            let quality = check(&mut session, 1000, 11).unwrap().estimate.unwrap();
-            let rank = if *name == "slab" { 0.3 } else { 0.5 };
-            holds(&format!("{name} on {}", device.map_or("cpu", |device| device.name())), quality, rank);
+            let quality = check(&mut session, if number < 3 { 1000 } else { 400 }, 11).unwrap().estimate.unwrap();
+            holds(&format!("{name} on {}", device.map_or("cpu", |device| device.name())), quality);
         }
     }
 }

@@ -94,11 +94,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         };
         let rows = [row("r", &norms[0]), row("g", &norms[1]), row("b", &norms[2]), row("worst", &all)];
         print(&table(&["channel", "L2", "p99", "max"], &[1, 2, 3], &rows))?;
-        if let Some(Quality { covered, ratio, rank }) = checked.estimate {
+        if let Some(Quality { covered, ratio, rank, best }) = checked.estimate {
             let share = 100.0 * covered;
             print(&format!(
                 "the estimate is above the error at {share:.2} % of the faces; its p99 is {ratio:.1} times the error's; \
-                 rank correlation {rank:.2}\n"
+                 rank correlation {rank:.2} ({best:.2} if errors were normal and it their size)\n"
             ))?;
         }
     }
