@@ -51,7 +51,8 @@ fn cpu(state: &mut State, at: Place) {
     place(&mut state.data, nodes.clone());
     if !state.data.cursor[0].void() {
         let ((base, _), (stale, _)) = (state.part(Slot::links, at), state.part(Slot::stale, at));
-        for receiver in state.data.order[nodes].to_vec() {
+        for place in nodes {
+            let receiver = state.data.order[place];
             merge(&mut state.data, receiver, base, stale);
         }
     }
