@@ -10,7 +10,6 @@ use milkglass::render::plan::{Change, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::{Integration, Scene};
 
-
 fn scene(name: &str, sets: &[&str]) -> Result<Scene> {
     Scene::load(name, &sets.iter().map(|set| (*set).to_string()).collect::<Vec<_>>())
 }

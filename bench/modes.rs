@@ -1,15 +1,13 @@
 //! `cargo bench --bench modes`: what each mode costs after each change, against a frame from scratch of the same scheme, with
 //! the links and form factors that it made and the error beside the time, in one run on the default device.
 //!
-//! `cargo bench --bench modes -- bunny.obj lotus` takes other scenes, `--set KEY=VALUE` changes them.
+//! `cargo bench --bench modes -- bunny.obj lotus` takes other scenes, `--set KEY=VALUE` changes them; `--only 'links bump'` takes
+//! rows of that scheme, mode or change, `--frames N` the median of so many.
 
 use milkglass::error::Result;
 use milkglass::gpu::Device;
 use milkglass::measure::modes::{Row, rows};
 use milkglass::scene::Scene;
-
-/// Frames that a time is the median of.
-const FRAMES: usize = 5;
 
 fn run() -> Result<()> {
     let Some(device) = Device::first()? else {
@@ -17,11 +15,13 @@ fn run() -> Result<()> {
         return Ok(());
     };
     println!("{}, {}", device.name(), device.driver());
-    let (mut names, mut sets) = (Vec::new(), Vec::new());
+    let (mut names, mut sets, mut only, mut frames) = (Vec::new(), Vec::new(), String::new(), 5);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--set" => sets.extend(arguments.next()),
+            "--only" => only = arguments.next().unwrap_or_default(),
+            "--frames" => frames = arguments.next().and_then(|n| n.parse().ok()).unwrap_or(frames).max(1),
             _ if argument.starts_with("--") => {}
             _ => names.push(argument),
         }
@@ -32,7 +32,7 @@ fn run() -> Result<()> {
     println!("| {} |", Row::HEADS.join(" | "));
     println!("|---|---|---|---|---:|---:|---:|---:|---:|");
     for name in &names {
-        for row in rows(Some(&device), &Scene::load(name, &sets)?, FRAMES)? {
+        for row in rows(Some(&device), &Scene::load(name, &sets)?, frames, &only)? {
             println!("| {} |", row.cells().join(" | "));
         }
     }

@@ -136,6 +136,8 @@ enum ModeArgument {
     OnTheFly,
     /// Links are kept, and serve any light.
     Render,
+    /// Links are kept while the shape changes, too: see `transport.budget`.
+    Incremental,
 }
 
 #[derive(Clone, Copy, Default, ValueEnum)]
@@ -181,6 +183,7 @@ impl RunArguments {
             mode: match self.mode {
                 ModeArgument::OnTheFly => Mode::OnTheFly,
                 ModeArgument::Render => Mode::Render,
+                ModeArgument::Incremental => Mode::Incremental,
             },
             ..Options::default()
         }

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use super::{RunArguments, SceneArguments, open_session, print, size, table, validation};
 use crate::error::{Input, Result};
 use crate::gpu::constants;
+use crate::render::about_mode;
 use crate::render::needs::{KernelNeeds, StageNeeds};
 use crate::render::octree;
 use crate::render::plan::{Change, Options, before_transport};
@@ -64,6 +65,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         frame.lights,
         device.as_ref().map_or("cpu", |device| device.name()),
     );
+    let mode = about_mode(state, plan.options());
+    text = text.replacen("\n\nstages", &format!("\nmode {mode}\n\nstages"), 1);
     let mut stages: Vec<Vec<String>> = plan
         .stages
         .iter()
@@ -116,6 +119,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "vertices": count(|count| count.vertices),
             "nodes": count(|count| count.nodes),
             "objects": state.objects.len(),
+            "mode": mode,
             "chunks": state.sum(|object| object.schedule.chunks.len()),
             "stages": stages.iter().map(|row| stage_json(row, &needs)).collect::<Vec<_>>(),
             "buffers": session.buffers().iter()

@@ -128,6 +128,29 @@ buffers! {
     area_links: u32, chunk;
     /// Indices of the links that take the edge form.
     edge_links: u32, chunk;
+    /// Places of all objects' vertices that kept links were made for.
+    kept_positions: [f32; 3], point;
+    /// Clusters that they were made for.
+    kept_clusters: Cluster, node;
+    /// Not 0 where a triangle of the cluster has moved since.
+    altered: u32, node;
+    /// Of each receiver: its part of `made` (link), of `undone` (area), of `due` or, before, the place that its links move to
+    /// (edge), and of `handed`.
+    edits: Span, node;
+    /// Emitters of links that are made, or touch what is altered.
+    made: u32, edit;
+    /// Emitters of links that are undone.
+    undone: u32, edit;
+    /// Not 0 where a link's form factor waits to be computed.
+    stale: u32, chunk;
+    /// How many of its own links wait.
+    waiting: u32, node;
+    /// Links whose form factor is computed in this frame, by receiver.
+    due: u32, due;
+    /// The same by what is evaluated: one sample, area points, the edge form.
+    ranked: u32, due;
+    /// Groups to dispatch for each of the three.
+    due_groups: [u32; 3], rank;
     /// Radiosity gathered at each node's own links.
     gathered: [f32; 3], node;
     /// Radiosity of each receiver, B of equation 4.

@@ -63,14 +63,22 @@ records! { list_records:
         contrast: [f32; 3],
         /// The contrast that the lists were made for.
         served: [f32; 3],
+        /// Kept links of this chunk whose form factors this frame computes.
+        due: u32,
+        /// Those of them that take area points.
+        due_areas: u32,
+        /// Those of them that take the edge form.
+        due_edges: u32,
+        /// Form factors that a frame computes over links that are kept, so far.
+        computed: u32,
+        /// Kept links whose form factors wait for a later frame, so far.
+        waiting: u32,
         /// Nothing.
         padding: [u32; 32],
         /// Nothing.
         more_padding: [u32; 6],
         /// Nothing.
-        last_padding: [u32; 6],
-        /// Nothing.
-        end_padding: u32,
+        last_padding: [u32; 2],
     }
     /// A run of elements for one dispatch.
     Range {
@@ -103,6 +111,12 @@ impl Cursor {
     #[must_use]
     pub fn opened(&self) -> Self {
         Self { contrast: self.contrast, served: self.contrast, ..Self::default() }
+    }
+
+    /// Whether the frame's results are void.
+    #[must_use]
+    pub fn void(&self) -> bool {
+        self.overflow != 0 || self.unfinished != 0
     }
 
     /// Whether the lists serve the light of now.

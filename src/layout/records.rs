@@ -122,8 +122,10 @@ records! { frame_records:
         more_padding: [u32; 6],
         /// Nothing.
         other_padding: [u32; 2],
-        /// Nothing.
-        last_padding: [u32; 2],
+        /// Most form factors that a frame may compute over links that are kept.
+        budget: u32,
+        /// Room for links that a frame makes or undoes in one chunk.
+        edit_room: u32,
     }
     /// A deformation of an object's vertices.
     Deform {

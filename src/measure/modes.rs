@@ -29,7 +29,8 @@ pub const CHANGES: [What; 4] = [What::Shape, What::Bump, What::Light, What::Noth
 /// The share of the triangles that the bump alters.
 pub const LOCAL: f64 = 0.01;
 /// The modes, with the name that `--mode` has for each.
-pub const MODES: [(&str, Mode); 2] = [("on-the-fly", Mode::OnTheFly), ("render", Mode::Render)];
+pub const MODES: [(&str, Mode); 3] =
+    [("on-the-fly", Mode::OnTheFly), ("render", Mode::Render), ("incremental", Mode::Incremental)];
 
 /// One row of the table.
 #[derive(Clone, Debug)]
@@ -113,8 +114,9 @@ pub fn moved(scene: &Scene, what: What, step: usize) -> Scene {
     moved
 }
 
-/// The rows of one scene on a device or the CPU: both schemes, every mode, every change, each over so many frames.
-pub fn rows(device: Option<&Device>, scene: &Scene, frames: usize) -> Result<Vec<Row>> {
+/// The rows of one scene on a device or the CPU, each over so many frames: both schemes, every mode, every change, as far as
+/// `only` has no word but scheme, mode and change of the row. The first row of a scheme is what the others are compared with.
+pub fn rows(device: Option<&Device>, scene: &Scene, frames: usize, only: &str) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for (scheme, called) in [(Scheme::Blocks, "blocks"), (Scheme::Links, "links")] {
         let mut scene = scene.clone();
@@ -122,6 +124,9 @@ pub fn rows(device: Option<&Device>, scene: &Scene, frames: usize) -> Result<Vec
         let mut scratch = f64::NAN;
         for (mode, kind) in MODES {
             for what in CHANGES {
+                if !only.split_whitespace().all(|word| [called, mode, what.name()].contains(&word)) {
+                    continue;
+                }
                 let mut row = one(device, &scene, (kind, what), frames)?;
                 if scratch.is_nan() {
                     scratch = row.milliseconds;
@@ -139,19 +144,19 @@ fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frame
     let options = Options { mode, goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(&moved(scene, what, 0), device, options, Room::default())?;
     session.frame(Change::EVERYTHING)?;
-    let (mut times, mut made, mut summed) = (Vec::new(), false, false);
+    let (mut times, mut names) = (Vec::new(), Vec::new());
     for step in 1..=frames {
         session.show(&moved(scene, what, step))?;
         // The same light again costs what another costs.
         let change = if what == What::Light { Change::LIGHT } else { Change::default() };
         let parts = session.frame(change)?;
-        let ran = |names: [&str; 2]| parts.iter().any(|part| names.contains(&part.name.as_str()));
-        (made, summed) = (ran(["refine", "link"]), ran(["gather", "refine"]));
-        times.push(parts.iter().map(|part| part.milliseconds).sum::<f64>());
+        times.push(parts.iter().fold(0.0, |sum, part| sum + part.milliseconds));
+        names = parts.into_iter().map(|part| part.name).collect();
     }
     times.sort_by(f64::total_cmp);
-    let links = links(&session, &moved(scene, what, frames), device)?;
-    let factors = if made || summed { links } else { 0 };
+    let links = links(&mut session, &moved(scene, what, frames), device)?;
+    let all = ["gather", "form_factor"].iter().any(|stage| names.iter().any(|name| name == stage));
+    let factors = if all { links } else { session.renewed() };
     let error = worst(&verify(&mut session, 500, 1)?).l2;
     let triangles = session.state().sum(|object| object.count.faces);
     Ok(Row {
@@ -167,14 +172,17 @@ fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frame
     })
 }
 
-/// Entries of all lists that a session of these options has for a scene. On-the-fly lists are scratch, overwritten part by
-/// part; those of mode `keep` are the same.
-fn links(session: &Session, scene: &Scene, device: Option<&Device>) -> Result<u64> {
+/// Entries of all lists of a session that has had its frame. On-the-fly lists are scratch, overwritten part by part; those of
+/// mode `keep` are the same.
+fn links(session: &mut Session, scene: &Scene, device: Option<&Device>) -> Result<u64> {
     let options = session.plan.options();
-    let mut counted = Session::new(scene, device, Options { mode: options.mode.kept(), ..options }, Room::default())?;
-    counted.frame(Change::EVERYTHING)?;
-    counted.fetch(&[Slot::runs, Slot::spans])?;
-    let (state, data) = (counted.state(), &counted.state().data);
+    if options.mode == Mode::OnTheFly {
+        let mut kept = Session::new(scene, device, Options { mode: Mode::Keep, ..options }, Room::default())?;
+        kept.frame(Change::EVERYTHING)?;
+        return links(&mut kept, scene, device);
+    }
+    session.fetch(&[Slot::runs, Slot::spans])?;
+    let (state, data) = (session.state(), &session.state().data);
     let entries = state.runs().map(|run| u64::from(run.expanded + run.direct + run.area + run.edge));
     Ok(entries.sum::<u64>() + data.spans.iter().map(|span| u64::from(span.links)).sum::<u64>())
 }

@@ -86,8 +86,12 @@ impl Session {
         let sizes = |state: &State| (state.data.deforms.len(), state.data.morphs.len());
         let before = sizes(&self.prepared.state);
         reach(&self.scene.objects, self.prepared.units)?;
+        let places = self.state().method.incremental.then(|| self.state().data.positions.clone());
         shape(&mut self.prepared.state, &self.scene.objects, self.prepared.units);
         self.pending = Change::EVERYTHING;
+        if let Some(before) = places {
+            self.unlink_where_much_moves(&before);
+        }
         if sizes(&self.prepared.state) != before {
             // Another stage, or room for more.
             self.plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());

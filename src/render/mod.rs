@@ -9,6 +9,7 @@ mod blocks;
 mod blur;
 mod changes;
 pub mod clusters;
+mod incremental;
 mod layers;
 pub mod lights;
 pub mod local;
@@ -23,7 +24,10 @@ pub mod room;
 pub mod run;
 pub mod samples;
 pub mod shape;
+pub mod sizes;
 pub mod stages;
 pub mod subdivide;
 mod textures;
 pub mod units;
+
+pub use reasons::about_mode;

@@ -42,6 +42,9 @@ pub enum Mode {
     /// Links serve any light, and are kept: a change of light runs shadow, irradiance, pull, level, contrast, gather, push and
     /// average only, as long as the contrast stays the same.
     Render,
+    /// Links are kept while the shape changes, too: only those that touch an altered cluster are looked at again. Of scheme
+    /// links; blocks have it as `Render`.
+    Incremental,
 }
 
 impl Mode {

@@ -4,7 +4,7 @@ pub use super::options::{Goal, Mode, Options, Transport};
 
 use super::layers::unlayered;
 use super::lights::lit;
-use super::reasons::{delocalized, reason, unestimated, unlit, unpeopled};
+use super::reasons::{delocalized, reason, unestimated, unkept, unlit, unpeopled};
 use super::stages::{STAGES, steps};
 use super::textures::untextured;
 use crate::layout::{SLOTS, Slot};
@@ -22,7 +22,7 @@ pub struct Change {
     /// Nothing, yet radiosity is summed again from what is known of the light: over kept links gather, push and
     /// average; where links are scratch they are made anew.
     pub resum: bool,
-    /// The lists do not serve the light that they were kept for.
+    /// The lists do not serve the light that they were kept for; with everything: no links are kept that could be revised.
     pub relink: bool,
 }
 
@@ -80,6 +80,9 @@ impl Plan {
         if let Some(why) = unestimated(state, options) {
             plan.left_out.push(("error estimate", why.into()));
         }
+        if let Some(why) = unkept(state, options) {
+            plan.left_out.push(("incremental links", why.into()));
+        }
         plan
     }
 
@@ -100,9 +103,14 @@ impl Plan {
         let kept = self.options.mode != Mode::OnTheFly && self.options.transport == Transport::Hierarchy;
         let any_light = kept && state.method.any_light;
         let resum = change.resum || change.relink;
+        let (incremental, revises) = (state.method.incremental, change.everything && !change.relink);
         let pixels = state.objects.iter().any(|object| object.by_pixel);
         let runs = |stage: &&'static Stage| match stage.name {
+            "refine" | "form_factor" if incremental => change.everything && change.relink,
+            "alter" | "revise" => revises,
+            "renew" => revises || (resum && !change.everything),
             _ if change.everything => true,
+            "keep" => false,
             "deform" | "refit" | "plane_fit" | "curvature" | "cdrf_table" => false,
             "visibility" | "points" => change.view,
             "link" | "gather" | "push" if pixels && change.view => true,

@@ -1,13 +1,16 @@
 //! Why a stage has no place in the frame of a scene.
 
 use super::lights::lit;
-use super::options::{Goal, Options, Transport};
+use super::options::{Goal, Mode, Options, Transport};
 use crate::state::{Local, Method, Object, Scheme, State};
 
 /// Stages of the hierarchy with blocks.
 const BLOCKS: [&str; 7] = ["pull", "level", "contrast", "radii", "link", "gather", "push"];
 /// Stages of the hierarchy as published.
-const LINKS: [&str; 6] = ["reach", "mean", "refine", "form_factor", "collect", "spread"];
+const LINKS: [&str; 10] =
+    ["reach", "mean", "alter", "refine", "form_factor", "revise", "renew", "collect", "spread", "keep"];
+/// Those of mode `incremental`.
+const REVISION: [&str; 4] = ["alter", "revise", "renew", "keep"];
 
 /// Stages of local shading.
 const LOCAL: [&str; 7] = ["curvature", "cdrf_table", "cdrf", "lambert", "unwrap", "blur", "texture_blur"];
@@ -52,6 +55,9 @@ pub(super) fn reason(name: &str, options: Options, method: Method, dark: bool) -
         }
         Transport::None if blocks || links || name == "brute" => Some("no light is to be carried".into()),
         _ if name == "contrast" && !method.any_light => Some("lists are made for the light of their frame".into()),
+        Transport::Hierarchy if REVISION.contains(&name) && !method.incremental => {
+            Some("links are made anew when the shape changes; --mode incremental revises them".into())
+        }
         Transport::Brute if blocks || links && name != "reach" => Some("brute force needs no clusters".into()),
         _ => None,
     }
@@ -138,5 +144,40 @@ pub(super) fn unestimated(state: &State, options: Options) -> Option<&'static st
         Transport::Brute => Some("brute force takes every pair of faces by itself, and estimates nothing"),
         Transport::Hierarchy if state.method.scheme == Scheme::Links => Some("scheme links has none"),
         Transport::Hierarchy => Some("nobody reads it: `solve` that writes or verifies does, and `render --aov`"),
+    }
+}
+
+/// Why links are not revised where mode `incremental` was asked for, if they are not.
+pub(super) fn unkept(state: &State, options: Options) -> Option<&'static str> {
+    match options.transport {
+        _ if options.mode != Mode::Incremental => None,
+        Transport::Hierarchy if state.method.scheme == Scheme::Links => None,
+        Transport::Hierarchy => Some(
+            "lists of blocks depend on how bright the whole object is, so that any change of shape may alter all of them: they are \
+             kept as mode render keeps them; scheme links has incremental ones",
+        ),
+        _ => Some("there are no links"),
+    }
+}
+
+/// What the mode keeps from frame to frame.
+pub fn about_mode(state: &State, options: Options) -> String {
+    let links = state.method.scheme == Scheme::Links;
+    let budget = state.data.frame.iter().map(|frame| u64::from(frame.budget)).sum::<u64>();
+    match options.mode {
+        _ if options.transport != Transport::Hierarchy => "no links to keep".into(),
+        Mode::OnTheFly => "on-the-fly: links are made for each frame".into(),
+        Mode::Keep => "keep: links are kept until something changes".into(),
+        Mode::Render if links => "render: links and form factors are kept until the shape changes".into(),
+        Mode::Incremental if links && budget >= u64::from(u32::MAX) => {
+            "incremental: links are kept, and revised where the shape changes; no budget".into()
+        }
+        Mode::Incremental if links => format!(
+            "incremental: links are kept, and revised where the shape changes; at most {budget} form factors a frame once all \
+             links are made"
+        ),
+        Mode::Render | Mode::Incremental => {
+            "render: lists serve any light, and are kept until the shape changes".into()
+        }
     }
 }

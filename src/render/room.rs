@@ -1,15 +1,10 @@
 //! How much room the lists of links get: chunks that fit the device's bindings, and more after an overflow.
 
-use super::plan::Plan;
 use super::prepare::{Prepared, schedule};
 use crate::error::{Error, Result};
 use crate::gpu::Limits;
-use crate::layout::{Cursor, Slot};
-use crate::light::environment;
-use crate::local::cdrf_table;
-use crate::local::gaussians::GAUSSIANS;
-use crate::state::{Extent, Local, Scheme, State};
-use crate::transport::radii::{ENTRIES as ENTRIES_OF_A_LAW, LAWS};
+use crate::layout::Cursor;
+use crate::state::{Scheme, State};
 
 /// Faces of a chunk to begin with; fewer once a chunk's lists turn out not to fit a binding.
 const CHUNK_FACES: usize = 1 << 14;
@@ -58,7 +53,7 @@ pub struct Lists {
     /// Blocks of a batch at most.
     batch_blocks: usize,
     /// Largest list of all chunks together, where they are kept, bytes.
-    allocation: u64,
+    pub(super) allocation: u64,
 }
 
 impl Lists {
@@ -104,7 +99,7 @@ impl Lists {
     }
 
     /// Elements of this many bytes that one list can have, a multiple of 64.
-    fn most(&self, stride: u64) -> usize {
+    pub(super) fn most(&self, stride: u64) -> usize {
         (self.binding.min(u64::from(u32::MAX)) / stride / 64 * 64) as usize
     }
 
@@ -141,7 +136,11 @@ impl Lists {
                 return Ok(());
             }
             if need > had as usize {
-                *room = (need + need / 32).next_multiple_of(64).min(most) as u32;
+                // Links that are revised move within their room, as far as what is kept fits one allocation.
+                let kept = self.allocation as usize / 12 / chunks(&prepared.state).max(1) / 64 * 64;
+                let revised = name == "links" && prepared.state.method.incremental;
+                let spare = if revised { (need / 4).min(kept.saturating_sub(need)) / 64 * 64 } else { need / 32 };
+                *room = (need + spare).next_multiple_of(64).min(most) as u32;
             }
         }
         set(prepared, rooms);
@@ -191,23 +190,23 @@ fn largest_chunk(prepared: &Prepared) -> usize {
 }
 
 /// Blocks of the largest batch.
-fn largest_batch(state: &State) -> usize {
+pub(super) fn largest_batch(state: &State) -> usize {
     let batches = state.objects.iter().flat_map(|object| &object.schedule.batches);
     batches.map(|batch| batch.len()).max().unwrap_or(0)
 }
 
 /// Chunks of all objects that light enters.
-fn chunks(state: &State) -> usize {
+pub(super) fn chunks(state: &State) -> usize {
     state.sum(|object| if object.opaque { 0 } else { object.schedule.chunks.len() })
 }
 
 /// Batches of all objects and groups.
-fn batches(state: &State) -> usize {
+pub(super) fn batches(state: &State) -> usize {
     state.sum(|object| object.groups.len() * object.schedule.batches.len())
 }
 
 /// The most that any object's lists had to hold.
-fn need(state: &State) -> Cursor {
+pub(super) fn need(state: &State) -> Cursor {
     let most = |of: fn(&Cursor) -> u32| state.data.cursor.iter().map(of).max().unwrap_or(0);
     Cursor {
         need_links: most(|c| c.need_links),
@@ -223,70 +222,6 @@ fn need(state: &State) -> Cursor {
 fn set(prepared: &mut Prepared, rooms: [u32; 4]) {
     for frame in &mut prepared.state.data.frame {
         [frame.link_room, frame.area_room, frame.edge_room, frame.hand_room] = rooms;
+        frame.edit_room = frame.edit_room.max(rooms[0] / 16).max(64);
     }
-}
-
-/// Gives every buffer that a plan's stages write its size, zeroed; the others stay empty, as does the error estimate
-/// where nobody asked for it.
-pub fn size(state: &mut State, plan: &Plan) {
-    let chunks = if state.keep { chunks(state) } else { 1 };
-    let used = |slot: Slot| plan.stages.iter().any(|s| s.writes.iter().any(|(w, _, _)| *w == slot));
-    let estimate = state.method.estimate;
-    let Extent { vertices, faces, nodes, blocks, receivers } = state.extent();
-    let batches = if state.keep { batches(state) } else { 1 };
-    let part = |count: usize| count.next_multiple_of(64);
-    let each = part(largest_batch(state));
-    let moments = state.sum(|object| object.groups.len() * part(object.count.nodes));
-    let objects = state.objects.len();
-    // In local shading only stage `shade` and what it needs read radiosity.
-    let carries = state.method.local.is_none() || plan.stages.iter().any(|stage| stage.name == "shade");
-    let table = match state.method.local {
-        Some(Local::Table(side)) => cdrf_table::cells(side),
-        _ => 0,
-    };
-    let data = &mut state.data;
-    let (frame, texels) = (data.frame[0], data.charts.len());
-    let per = |slot: Slot, count: usize| if used(slot) { count } else { 0 };
-    data.bounds = bytemuck::zeroed_vec(nodes);
-    data.clusters = bytemuck::zeroed_vec(nodes);
-    data.normals = bytemuck::zeroed_vec(vertices);
-    data.lit = bytemuck::zeroed_vec(per(Slot::lit, faces * frame.shadow_words as usize));
-    data.cut_short = bytemuck::zeroed_vec(per(Slot::cut_short, 1));
-    data.harmonics = bytemuck::zeroed_vec(per(Slot::harmonics, environment::elements(frame.sky)));
-    data.curvature = bytemuck::zeroed_vec(per(Slot::curvature, vertices));
-    data.cdrf_cells = bytemuck::zeroed_vec(per(Slot::cdrf_cells, table));
-    data.stretch = bytemuck::zeroed_vec(per(Slot::stretch, texels));
-    data.sheets = bytemuck::zeroed_vec(per(Slot::sheets, (1 + GAUSSIANS) * texels));
-    data.crossed = bytemuck::zeroed_vec(per(Slot::crossed, texels));
-    data.irradiance = bytemuck::zeroed_vec(if carries { faces } else { 0 });
-    data.cluster_irradiance = bytemuck::zeroed_vec(per(Slot::cluster_irradiance, nodes));
-    data.spheres = bytemuck::zeroed_vec(blocks);
-    data.moments = bytemuck::zeroed_vec(per(Slot::moments, moments));
-    data.spreads = bytemuck::zeroed_vec(per(Slot::spreads, moments));
-    data.emitters = bytemuck::zeroed_vec(per(Slot::emitters, moments));
-    data.expands = bytemuck::zeroed_vec(per(Slot::expands, moments));
-    data.samples = bytemuck::zeroed_vec(per(Slot::samples, 256));
-    data.level = bytemuck::zeroed_vec(per(Slot::level, 1));
-    data.ranges = bytemuck::zeroed_vec(per(Slot::ranges, LAWS * (ENTRIES_OF_A_LAW + 2)));
-    data.runs = bytemuck::zeroed_vec(per(Slot::runs, batches * each));
-    data.near = bytemuck::zeroed_vec(per(Slot::near, batches * each));
-    data.near_groups = bytemuck::zeroed_vec(per(Slot::near_groups, batches * 64));
-    data.entries = bytemuck::zeroed_vec(per(Slot::entries, batches * frame.entry_room as usize));
-    data.expansions = bytemuck::zeroed_vec(per(Slot::expansions, blocks));
-    data.places = bytemuck::zeroed_vec(if blocks > 0 { receivers } else { 0 });
-    data.received = bytemuck::zeroed_vec(per(Slot::received, receivers));
-    data.estimate = bytemuck::zeroed_vec(if estimate { receivers } else { 0 });
-    data.reach = bytemuck::zeroed_vec(per(Slot::reach, faces));
-    data.spans = bytemuck::zeroed_vec(per(Slot::spans, nodes));
-    data.handed = bytemuck::zeroed_vec(per(Slot::handed, frame.hand_room as usize));
-    data.cursor = vec![Cursor::default(); objects];
-    data.links = bytemuck::zeroed_vec(per(Slot::links, chunks * frame.link_room as usize));
-    data.factors = bytemuck::zeroed_vec(per(Slot::factors, chunks * frame.link_room as usize));
-    data.area_links = bytemuck::zeroed_vec(per(Slot::area_links, chunks * frame.area_room as usize));
-    data.edge_links = bytemuck::zeroed_vec(per(Slot::edge_links, chunks * frame.edge_room as usize));
-    data.gathered = bytemuck::zeroed_vec(per(Slot::gathered, nodes));
-    data.radiosity = bytemuck::zeroed_vec(if carries { receivers } else { 0 });
-    data.vertex_radiosity = bytemuck::zeroed_vec(if carries { vertices } else { 0 });
-    data.crowds = bytemuck::zeroed_vec(per(Slot::crowds, nodes));
-    data.planes = bytemuck::zeroed_vec(per(Slot::planes, vertices));
 }

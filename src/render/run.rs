@@ -3,14 +3,15 @@
 use std::time::Instant;
 
 use super::blur::{blur, unwrap};
+use super::incremental::share_budget;
 use super::layers::drop_unlooked;
 use super::local::local;
 use super::octree::OctreeTransport;
 use super::plan::{Change, Mode, Options, Plan, Transport, before_transport};
 use super::prepare::{Prepared, prepare};
 use super::receivers::{by_pixel, lit_at};
+use super::room::Lists;
 pub use super::room::Room;
-use super::room::{Lists, size};
 use super::shape::reach;
 use super::subdivide::{Parts, subdivide};
 use super::textures::drop_unseen;
@@ -20,7 +21,7 @@ use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
 use crate::layout::{Cursor, Slot};
 use crate::scene::Scene;
-use crate::state::{DeviceState, Scheme, Stage, State, Step};
+use crate::state::{DeviceState, Scheme, State, Step};
 use crate::view::picture::Picture;
 
 /// Where the stages run.
@@ -43,6 +44,10 @@ pub struct Session {
     pub retries: usize,
     /// How often a frame had to run again because its light had another contrast than kept lists serve.
     pub relinks: usize,
+    /// Whether links are there that a change of shape can revise.
+    pub(super) linked: bool,
+    /// Form factors computed by runs of this frame whose lists overflowed.
+    pub(super) spent: u64,
     /// What became of each object's triangles, where `transport.subdivide` asks for that.
     pub parts: Vec<Parts>,
     pub(super) scene: Scene,
@@ -85,7 +90,10 @@ impl Session {
         drop_unlooked(&mut prepared.state, options);
         prepared.state.keep = options.mode != Mode::OnTheFly;
         prepared.state.method.estimate = options.estimate && blocks;
-        prepared.state.method.any_light = options.mode == Mode::Render && blocks;
+        prepared.state.method.any_light = matches!(options.mode, Mode::Render | Mode::Incremental) && blocks;
+        prepared.state.method.incremental =
+            options.mode == Mode::Incremental && options.transport == Transport::Hierarchy && !blocks;
+        share_budget(&mut prepared.state, scene.transport.budget)?;
         let receivers = (if by_pixel { "receivers at triangles" } else { "receivers at pixels" }, why);
         let plan = Plan::new(&prepared.state, options).without(receivers.clone());
         let lists = Lists::new(room, device.map(Device::limits));
@@ -94,8 +102,21 @@ impl Session {
         let backend = twin.map_or(Backend::Cpu, Backend::Gpu);
         let (retries, relinks, pending) = (0, 0, Change::EVERYTHING);
         let fixed = Fixed { asked, room, receivers };
-        let mut session =
-            Self { prepared, plan, backend, retries, relinks, parts, scene, lists, pending, octree, fixed };
+        let mut session = Self {
+            prepared,
+            plan,
+            backend,
+            retries,
+            relinks,
+            linked: false,
+            spent: 0,
+            parts,
+            scene,
+            lists,
+            pending,
+            octree,
+            fixed,
+        };
         session.resize()?;
         Ok(session)
     }
@@ -118,8 +139,10 @@ impl Session {
     /// Runs one frame: what has changed since the last one, and what `change` adds to it. Returns each step's time,
     /// on the device, or on the host's clock for the CPU and the octree.
     pub fn frame(&mut self, change: Change) -> Result<Vec<Timing>> {
-        let mut change = self.pending.and(change);
+        let mut change = self.pending.and(change).and(self.waiting_change());
+        self.open_budget()?;
         loop {
+            change = self.links_anew(change);
             let steps = self.plan.steps(&self.prepared.state, change);
             let times = if self.plan.octree(change) { self.run_octree(&steps, change)? } else { self.run(&steps)? };
             if steps.iter().any(|step| ["shadow", "reached", "plane_fit"].contains(&step.stage.name)) {
@@ -139,7 +162,7 @@ impl Session {
                     continue;
                 }
             }
-            if !ran(&["link", "refine"]) {
+            if !ran(&["link", "refine", "renew"]) {
                 self.pending = Change::default();
                 return Ok(times);
             }
@@ -152,9 +175,15 @@ impl Session {
             }
             if cursors.iter().all(|cursor| cursor.overflow == 0) {
                 self.pending = Change::default();
+                self.linked = self.linked || ran(&["refine"]);
                 return Ok(times);
             }
             self.retries += 1;
+            if ran(&["revise"]) {
+                self.make_room()?;
+                change = Change::EVERYTHING;
+                continue;
+            }
             self.lists.grow(&mut self.prepared)?;
             self.resize()?;
             change = Change::EVERYTHING;
@@ -236,42 +265,6 @@ impl Session {
             Backend::Gpu(twin) => twin.upload(&self.prepared.state, slots),
             Backend::Cpu => Ok(()),
         }
-    }
-
-    /// Gives every buffer its size and sends the inputs.
-    pub(super) fn resize(&mut self) -> Result<()> {
-        size(&mut self.prepared.state, &self.plan);
-        self.size_picture();
-        self.check_bindings()?;
-        let inputs: Vec<Slot> = Plan::inputs().collect();
-        self.send(&inputs)?;
-        // What no stage of the plan writes must be zero where a stage or the host reads it.
-        let carried = self.plan.options().transport != Transport::None;
-        let unwritten = |slot: &Slot| {
-            let writes = |stage: &Stage| stage.writes.iter().any(|(written, _, _)| written == slot);
-            !self.plan.stages.iter().any(|stage| writes(stage)) || (*slot == Slot::radiosity && !carried)
-        };
-        let blank: Vec<Slot> = [Slot::irradiance, Slot::radiosity, Slot::vertex_radiosity, Slot::estimate]
-            .into_iter()
-            .filter(unwritten)
-            .collect();
-        self.send(&blank)?;
-        // And what the host asks of every object, though not every object has lists.
-        self.send(&[Slot::cut_short, Slot::cursor])
-    }
-
-    pub(super) fn size_picture(&mut self) {
-        let data = &mut self.prepared.state.data;
-        let camera = &data.camera[0];
-        let shown = self.plan.stages.iter().any(|stage| stage.name == "visibility");
-        let pixels = if shown { camera.width as usize * camera.height as usize } else { 0 };
-        data.hits = bytemuck::zeroed_vec(pixels);
-        data.radiance = bytemuck::zeroed_vec(pixels);
-        let reached = self.plan.stages.iter().any(|stage| stage.name == "reached");
-        data.reached = bytemuck::zeroed_vec(if reached { data.frame[0].shadow_words as usize * pixels } else { 0 });
-        // Where nothing is lit there is no stage `points`; `shade` reads on, and finds no radiosity.
-        let by_pixel = self.prepared.state.objects.iter().any(|object| object.by_pixel);
-        data.seen = bytemuck::zeroed_vec(if by_pixel { pixels } else { 0 });
     }
 }
 

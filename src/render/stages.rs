@@ -1,6 +1,6 @@
 //! The table of stages. Conformance, profile, plan and the README go by it; adding a stage adds a line here.
 
-use crate::baseline::{brute, collect, form_factor, mean, reach, refine, spread};
+use crate::baseline::{alter, brute, collect, form_factor, keep, mean, reach, refine, renew, revise, spread};
 use crate::geometry::{deform, refit};
 use crate::layers::{plane_fit, relief};
 use crate::light::{entry, environment, irradiance, opaque, shadow};
@@ -22,10 +22,14 @@ pub static STAGES: &[&Stage] = &[
     &entry::STAGE,
     &reach::STAGE,
     &mean::STAGE,
+    &alter::STAGE,
     &refine::STAGE,
     &form_factor::STAGE,
+    &revise::STAGE,
+    &renew::STAGE,
     &collect::STAGE,
     &spread::STAGE,
+    &keep::STAGE,
     &pull::STAGE,
     &level::STAGE,
     &contrast::STAGE,

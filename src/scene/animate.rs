@@ -85,6 +85,9 @@ fn keyed(table: &Table, key: &str, frame: f64) -> Checked<Value> {
         if keys.last().is_some_and(|(before, _)| *before >= at) {
             return fault("keyframes are not in order", at.to_string(), shape);
         }
+        if !finite(value) {
+            return fault("a keyframe's value is not finite", pair.to_string(), shape);
+        }
         keys.push((at, value));
     }
     let after = keys.partition_point(|(at, _)| *at <= frame);
@@ -96,6 +99,15 @@ fn keyed(table: &Table, key: &str, frame: f64) -> Checked<Value> {
     };
     let mixed = keys.iter().all(|(_, value)| mix(a, value, 0.0).is_some()).then(|| mix(a, b, t)).flatten();
     mixed.map_or_else(|| fault("keyframes of different kinds", table["keyframes"].to_string(), shape), Ok)
+}
+
+/// Whether no number of it is infinite or none.
+fn finite(value: &Value) -> bool {
+    match value {
+        Value::Array(list) => list.iter().all(finite),
+        Value::Float(number) => number.is_finite(),
+        _ => true,
+    }
 }
 
 /// A finite number.
@@ -164,7 +176,8 @@ mod tests {
             ("{ keyframes = [[0, 1], ['a', 2]] }", "not a keyframe"),
             ("{ keyframes = [[0, 1], [nan, 2]] }", "not a keyframe"),
             ("{ keyframes = [[2, 1], [1, 2]] }", "not in order"),
-            ("{ keyframes = [[0, 1], [1, nan]] }", "different kinds"),
+            ("{ keyframes = [[0, 1], [1, nan]] }", "not finite"),
+            ("{ keyframes = [[0, [1, 2]], [1, [1, inf]]] }", "not finite"),
             ("{ keyframes = [[0, 1], [1, [1, 2]]] }", "different kinds"),
             ("{ keyframes = [[0, 'a'], [1, 'b']] }", "different kinds"),
             ("{ keyframes = [[0, 1]], curve = 'round' }", "unknown curve"),

@@ -124,6 +124,8 @@ pub struct Transport {
     pub form_factor_tolerance: f64,
     /// The irradiance octree: the solid angle from which on a cell is opened, steradian, above 0.
     pub octree_angle: f64,
+    /// Mode incremental: most form factors that a frame computes over links that are kept, at least 1; unlimited if left out.
+    pub budget: Option<u32>,
     /// How the CDRF is evaluated.
     pub cdrf: Cdrf,
     /// Rows and columns of its table, 2 to 1024.
@@ -180,6 +182,7 @@ impl Transport {
                 "1e-4 to 1e-1",
             )?,
             octree_angle: angle("transport.octree_angle", file.octree_angle)?,
+            budget: budget(file.budget)?,
             cdrf: file.cdrf,
             cdrf_table: range::number(
                 "transport.cdrf_table",
@@ -197,6 +200,13 @@ impl Transport {
             )? as u32,
         })
     }
+}
+
+/// Most form factors of a frame, if there is a bound.
+fn budget(given: Option<i64>) -> Checked<Option<u32>> {
+    let fits = |n: f64| (1.0..=f64::from(u32::MAX)).contains(&n);
+    let number = |n: i64| range::number("transport.budget", n as f64, fits, "form factors of a frame, 1 to 4294967295");
+    Ok(given.map(number).transpose()?.map(|n| n as u32))
 }
 
 /// How often a base is cut in four, where the hierarchy has one.
@@ -287,6 +297,7 @@ mod tests {
                 "hierarchy = 'octree'",
                 "unknown variant `octree`, expected one of `face-clusters`, `median`, `butterfly`, `shrink-wrap`",
             ),
+            ("budget = 0", "transport.budget: out of range; found 0; expected form factors of a frame, 1 to"),
             ("levels = 3", "transport.levels: only a hierarchy of 4-to-1 splits has levels; expected"),
             ("hierarchy = 'butterfly'\nlevels = 9", "transport.levels: out of range; found 9; expected 1 to 8"),
         ];

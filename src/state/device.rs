@@ -136,9 +136,9 @@ impl DeviceState {
         }
         let work = match call.groups {
             Err(count) => Work::Invocations(count as u64),
-            Ok(groups) => {
+            Ok((groups, element)) => {
                 let Some(buffer) = self.buffers.get(&groups) else { return Ok(()) };
-                Work::Groups(buffer, (state.part(groups, call.at).0 * groups.spec().stride) as u64)
+                Work::Groups(buffer, ((state.part(groups, call.at).0 + element) * groups.spec().stride) as u64)
             }
         };
         recorder.dispatch(&kernel, &bindings, call.push, work)
@@ -151,6 +151,6 @@ pub(super) struct Call<'a> {
     pub(super) constants: &'a [u32],
     pub(super) push: &'a [u8],
     pub(super) at: Place,
-    /// The buffer whose part begins with the number of groups, or the number of invocations.
-    pub(super) groups: std::result::Result<Slot, usize>,
+    /// The buffer and the element of its part that says the number of groups, or the number of invocations.
+    pub(super) groups: std::result::Result<(Slot, usize), usize>,
 }

@@ -82,6 +82,8 @@ pub struct Method {
     pub estimate: bool,
     /// Whether lists are made to serve any light, as mode `render` has them.
     pub any_light: bool,
+    /// Whether links are kept while the shape changes, as mode `incremental` has them in the scheme as published.
+    pub incremental: bool,
     /// How the scheme as published evaluates triangles too near for a few samples.
     pub near: Near,
     /// The function of light and normal that takes the place of transport, if one does.
@@ -117,6 +119,7 @@ impl Default for Method {
             nodes: 6,
             estimate: false,
             any_light: false,
+            incremental: false,
             near: Near::Exact,
             local: None,
         }

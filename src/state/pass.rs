@@ -103,8 +103,14 @@ impl<'s> Pass<'s> {
         self.submit(part, constants, push, Err(count))
     }
 
-    /// The same for as many groups as the first element of this buffer's part says: three numbers, written earlier.
-    pub fn dispatch_counted(&mut self, part: &str, constants: &[u32], push: &[u8], groups: Slot) -> Result<()> {
+    /// The same for as many groups as this element of this buffer's part says: three numbers, written earlier.
+    pub fn dispatch_counted(
+        &mut self,
+        part: &str,
+        constants: &[u32],
+        push: &[u8],
+        groups: (Slot, usize),
+    ) -> Result<()> {
         self.submit(Some(part), constants, push, Ok(groups))
     }
 
@@ -113,7 +119,7 @@ impl<'s> Pass<'s> {
         part: Option<&str>,
         constants: &[u32],
         push: &[u8],
-        groups: std::result::Result<Slot, usize>,
+        groups: std::result::Result<(Slot, usize), usize>,
     ) -> Result<()> {
         let (room, stage) = (self.step.stage.room, self.step.stage.name);
         let kernel = match part {

@@ -225,6 +225,6 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     }
     let places = count * PLACES;
     pass.dispatch(Some("direct"), &[group.channels, method.order, estimate, any_light], push, places)?;
-    pass.dispatch_counted("area", &[group.channels, estimate, any_light], push, Slot::near_groups)?;
-    pass.dispatch_counted("edge", &[group.channels, method.nodes, estimate, any_light], push, Slot::near_groups)
+    pass.dispatch_counted("area", &[group.channels, estimate, any_light], push, (Slot::near_groups, 0))?;
+    pass.dispatch_counted("edge", &[group.channels, method.nodes, estimate, any_light], push, (Slot::near_groups, 0))
 }

@@ -2,41 +2,14 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 #include "invocation.glsl"
-#include "dipole/profile.glsl"
-#include "dipole/distance.glsl"
-#include "dipole/form_factor/uniform.glsl"
+#include "baseline/form_factor/uniform.glsl"
 
-// Uniform point samples in place of the edge form: what the paper compares its form factor with.
-READS(frame)
 READS(cursor)
-READS(topology)
-READS(clusters)
-READS(triangles)
-READS(positions)
-READS(links)
 READS(edge_links)
 UPDATES(factors)
-layout(push_constant, scalar) uniform push_block { float density; };
 
 void main() {
     uint i = invocation();
     if (i >= cursor[0].edges || cursor[0].overflow != 0) return;
-    Link link = links[edge_links[i]];
-    Cluster emitter = clusters[link.emitter];
-    uint face = topology[link.emitter].face;
-    uvec3 corner = triangles[face];
-    vec3 receiver = clusters[link.receiver].center;
-    vec3 a = positions[corner.x] - receiver, b = positions[corner.y] - receiver, c = positions[corner.z] - receiver;
-    vec3 normal = emitter.area > 0.0 ? emitter.normal / emitter.area : vec3(0);
-
-    uint count = sample_count(emitter.area, density);
-    vec3 sum = vec3(0);
-    for (uint k = 0; k < count; ++k) {
-        vec3 place = sample_place(face, k, count);
-        vec3 d = -(place.x * a + place.y * b + place.z * c);
-        vec3 real = dipole_kernel(frame[0].sigma, source2(d, normal, frame[0].z_real, 1.0));
-        vec3 virt = dipole_kernel(frame[0].sigma, source2(d, normal, frame[0].z_virtual, -1.0));
-        sum += frame[0].z_real * real + frame[0].z_virtual * virt;
-    }
-    factors[edge_links[i]] = emitter.area * frame[0].strength * (sum / float(count));
+    factors[edge_links[i]] = uniform_factor(edge_links[i]);
 }

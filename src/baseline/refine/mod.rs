@@ -6,7 +6,7 @@
 
 mod walk;
 
-pub use walk::{Walk, rung};
+pub use walk::{Choice, Walk, children, choose, rung};
 
 use rayon::prelude::*;
 
@@ -35,7 +35,7 @@ pub static STAGE: Stage = Stage {
 };
 
 /// The longest list of one receiver: lavapipe ends an invocation's loops after 65,535 iterations.
-const MOST: usize = 65_000;
+pub const MOST: usize = 65_000;
 
 /// One receiver's decisions, in order.
 #[derive(Default)]
@@ -124,7 +124,7 @@ fn cpu(state: &mut State, at: Place) {
 }
 
 /// Starts a chunk's lists.
-fn open(cursor: &mut Cursor, chunk: usize) {
+pub fn open(cursor: &mut Cursor, chunk: usize) {
     if chunk == 0 {
         *cursor = cursor.opened();
     }

@@ -38,56 +38,86 @@ pub fn rung(d2: f32, radii: [f32; 4]) -> u32 {
     }
 }
 
+/// What becomes of a pair of clusters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// It is linked.
+    Linked,
+    /// The receiver's children settle it.
+    Handed,
+    /// The emitter's children settle it.
+    Split,
+}
+
+/// Whether |A/d_child^2 - A/d^2| exceeds epsilon_1.
+fn deviates(frame: &Frame, area: f32, d2: f32, child2: f32) -> bool {
+    let change = (area * FAR_FROM_DENORMAL) * (d2 - child2).abs();
+    let allowed = (frame.receiver_angle * FAR_FROM_DENORMAL) * (d2 * child2);
+    change > allowed
+}
+
+/// Whether A'/A falls short.
+fn bent(frame: &Frame, emitter: &Cluster) -> bool {
+    let n = emitter.normal.map(|x| x * FAR_FROM_DENORMAL);
+    let area = emitter.area * FAR_FROM_DENORMAL;
+    n[0] * n[0] + n[1] * n[1] + n[2] * n[2] < frame.planarity * (area * area)
+}
+
+/// The oracle on one pair: the receiver by its centre and those of its children, if it has any.
+pub fn choose(
+    frame: &Frame,
+    emitter: &Cluster,
+    leaf: bool,
+    center: [f32; 3],
+    children: Option<[[f32; 3]; 2]>,
+) -> Choice {
+    let d2 = distance2(center, emitter.center);
+    let far = |child: [f32; 3]| deviates(frame, emitter.area, d2, distance2(child, emitter.center));
+    if children.is_some_and(|children| children.into_iter().any(far)) {
+        Choice::Handed
+    } else if !leaf && (emitter.area > frame.emitter_angle * d2 || bent(frame, emitter)) {
+        Choice::Split
+    } else {
+        Choice::Linked
+    }
+}
+
+/// Centres of a node's children; none of a leaf.
+pub fn children(topology: &[Topology], clusters: &[Cluster], node: usize) -> Option<[[f32; 3]; 2]> {
+    (topology[node].face == u32::MAX)
+        .then(|| [node + 1, topology[node + 1].skip as usize].map(|child| clusters[child].center))
+}
+
 impl<'a> Walk<'a> {
     /// Over the tree and radii of `data`.
     pub fn new(data: &'a Buffers) -> Self {
         Self { frame: data.frame[0], topology: &data.topology, clusters: &data.clusters, reach: &data.reach }
     }
 
-    /// Whether |A/d_child^2 - A/d^2| exceeds epsilon_1.
-    fn deviates(&self, area: f32, d2: f32, child2: f32) -> bool {
-        let change = (area * FAR_FROM_DENORMAL) * (d2 - child2).abs();
-        let allowed = (self.frame.receiver_angle * FAR_FROM_DENORMAL) * (d2 * child2);
-        change > allowed
-    }
-
-    /// Whether A'/A falls short.
-    fn bent(&self, emitter: &Cluster) -> bool {
-        let n = emitter.normal.map(|x| x * FAR_FROM_DENORMAL);
-        let area = emitter.area * FAR_FROM_DENORMAL;
-        n[0] * n[0] + n[1] * n[1] + n[2] * n[2] < self.frame.planarity * (area * area)
-    }
-
     /// Goes through the emitters handed to this receiver and tells each decision, with the emitter, in order.
     pub fn walk(&self, receiver: u32, handed: &[u32], mut tell: impl FnMut(Decision, u32)) {
         let receiver = receiver as usize;
         let center = self.clusters[receiver].center;
-        let inner = self.topology[receiver].face == u32::MAX;
-        let children = if inner {
-            let right = self.topology[receiver + 1].skip as usize;
-            [self.clusters[receiver + 1].center, self.clusters[right].center]
-        } else {
-            [center; 2]
-        };
+        let children = children(self.topology, self.clusters, receiver);
         for &start in handed {
             let mut node = start;
             let end = self.topology[start as usize].skip;
             while node < end {
                 let emitter = &self.clusters[node as usize];
                 let place = self.topology[node as usize];
-                let d2 = distance2(center, emitter.center);
-                let far = |child: &[f32; 3]| self.deviates(emitter.area, d2, distance2(*child, emitter.center));
-                if inner && children.iter().any(far) {
-                    tell(Decision::HandDown, node);
-                    node = place.skip;
-                } else if place.face == u32::MAX && (emitter.area > self.frame.emitter_angle * d2 || self.bent(emitter))
-                {
-                    node += 1;
-                } else {
-                    let rung = self.reach.get(place.face as usize).map_or(0, |&radii| rung(d2, radii));
-                    tell(Decision::Link { rung }, node);
-                    node = place.skip;
-                }
+                node = match choose(&self.frame, emitter, place.face != u32::MAX, center, children) {
+                    Choice::Handed => {
+                        tell(Decision::HandDown, node);
+                        place.skip
+                    }
+                    Choice::Split => node + 1,
+                    Choice::Linked => {
+                        let d2 = distance2(center, emitter.center);
+                        let rung = self.reach.get(place.face as usize).map_or(0, |&radii| rung(d2, radii));
+                        tell(Decision::Link { rung }, node);
+                        place.skip
+                    }
+                };
             }
         }
     }

@@ -159,7 +159,7 @@ pub fn modes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let mut rows = Vec::new();
     for name in bench.either(&["sphere"][..], &["sphere", "lotus"]) {
         let sets: &[String] = if bench.quick { &["object.0.detail=3".into()] } else { &[] };
-        let found = kept::rows(bench.device, &Scene::load(name, sets)?, bench.either(3, 7))?;
+        let found = kept::rows(bench.device, &Scene::load(name, sets)?, bench.either(3, 7), "")?;
         for row in found.iter().filter(|row| row.mode == "render" && row.change == "light") {
             let tone = if row.ratio <= 1.0 { Tone::Win } else { Tone::Loss };
             let (scheme, ratio) = (row.scheme, row.ratio);

@@ -1,0 +1,20 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// What the links are made for now; nothing where the frame has to run again.
+READS(frame)
+READS(cursor)
+READS(positions)
+READS(clusters)
+WRITES(kept_positions)
+WRITES(kept_clusters)
+
+void main() {
+    uint i = invocation();
+    if (cursor[0].overflow != 0 || cursor[0].unfinished != 0) return;
+    if (i < frame[0].nodes) kept_clusters[i] = clusters[i];
+    uint vertex = frame[0].first_vertex + i;
+    if (i < frame[0].vertices) kept_positions[vertex] = positions[vertex];
+}

@@ -1,0 +1,40 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// How much each receiver makes, undoes and hands down; one level a dispatch. Where the parent handed nothing down that is
+// altered, or that one of the two refinements has alone, nothing is looked at.
+UPDATES(edits)
+UPDATES(cursor)
+READS(handed)
+#include "baseline/revise/walk.glsl"
+
+// The longest list of one receiver: lavapipe ends an invocation's loops after 65,535 iterations.
+const uint MOST = 65000;
+
+uint made_ = 0, undone_ = 0, fresh_ = 0, hands_ = 0;
+void on_made(uint emitter, bool fresh) {
+    made_++;
+    fresh_ += uint(fresh);
+}
+void on_undone(uint emitter) { undone_++; }
+void on_hand(uint emitter, uint who) { hands_++; }
+
+void main() {
+    uint i = invocation();
+    if (i >= range.count) return;
+    uint receiver = order[range.first + i];
+    uint parent = topology[receiver].parent;
+    uint hand = 0, count = 0;
+    if (parent != NONE) {
+        hand = edits[parent].hand;
+        count = edits[parent].hands;
+    }
+    if (!walk(receiver, hand, count)) cursor[0].unfinished = 1;
+    if (made_ > MOST || undone_ > MOST || hands_ > MOST) {
+        cursor[0].unfinished = 1;
+        made_ = undone_ = fresh_ = hands_ = 0;
+    }
+    edits[receiver] = Span(0, made_, 0, undone_, 0, fresh_, 0, hands_);
+}

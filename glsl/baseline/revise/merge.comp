@@ -1,0 +1,67 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// A receiver's links with what it makes and without what it undoes, in the order of the emitters; those whose form factor is
+// not known any more are marked. Until it is computed, what is new gives as much for its area as the link before it.
+layout(push_constant, scalar) uniform push_block { Range range; };
+READS(order)
+READS(clusters)
+READS(altered)
+READS(edits)
+READS(made)
+READS(undone)
+READS(cursor)
+UPDATES(spans)
+UPDATES(links)
+UPDATES(factors)
+UPDATES(stale)
+WRITES(waiting)
+
+void main() {
+    uint place = invocation();
+    if (place >= range.count || cursor[0].overflow != 0 || cursor[0].unfinished != 0) return;
+    uint receiver = order[range.first + place];
+    Span edit = edits[receiver];
+    if (edit.links + edit.areas == 0) return;
+    Span span = spans[receiver];
+    uint i = span.link, last = i + span.links;
+    uint j = edit.link, made_end = j + edit.links;
+    uint k = edit.area, undone_end = k + edit.areas;
+    uint first = edit.edges > 0 ? edit.edge : span.link;
+    uint to = first, waits = 0;
+    vec3 share = vec3(0);
+    while (i < last || j < made_end) {
+        uint have = i < last ? links[i].emitter : NONE;
+        uint make = j < made_end ? made[j] : NONE;
+        uint undo = k < undone_end ? undone[k] : NONE;
+        // Where a frame runs again, some of it is done.
+        bool absent = undo < have;
+        bool old = !absent && have <= make && i < last, fresh = !absent && make <= have && j < made_end;
+        bool gone = old && undo == have;
+        vec3 factor = vec3(0);
+        if (old) {
+            factor = factors[i];
+            float area = clusters[have].area;
+            if (area > 0.0) share = factor / area;
+        }
+        if (fresh || (old && !gone)) {
+            if (!old) factor = share * clusters[make].area;
+            uint emitter = min(have, make);
+            uint touched = fresh ? altered[receiver] | altered[emitter] : 0;
+            uint waiting_ = old ? stale[i] | touched : 1;
+            links[to] = Link(receiver, emitter);
+            factors[to] = factor;
+            stale[to] = waiting_;
+            waits += waiting_;
+            to++;
+        }
+        if (absent || gone) k++;
+        if (old) i++;
+        if (fresh) j++;
+    }
+    spans[receiver].link = first;
+    spans[receiver].links = to - first;
+    waiting[receiver] = waits;
+}

@@ -1,0 +1,60 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+
+// Lists that change go behind all others of the chunk: the farthest end of a list, and a prefix sum over those that move, by one
+// group; each invocation owns a run of receivers.
+layout(local_size_x = 256) in;
+layout(push_constant, scalar) uniform push_block { Range range; };
+READS(frame)
+READS(order)
+READS(spans)
+UPDATES(edits)
+UPDATES(cursor)
+
+// As in `count`: steps of `merge` for one receiver.
+const uint MOST = 65000;
+
+shared uint ends[256];
+shared uint sums[256];
+
+// What a list that changes may become.
+uint room_of(uint receiver) {
+    Span edit = edits[receiver];
+    return edit.areas + edit.edges > 0 ? spans[receiver].links + edit.links : 0;
+}
+
+void main() {
+    uint self = gl_LocalInvocationIndex;
+    uint run = (range.count + 255) / 256;
+    uint first = min(range.count, self * run), last = min(range.count, first + run);
+    uint end = 0, sum = 0;
+    for (uint i = first; i < last; ++i) {
+        uint receiver = order[range.first + i];
+        end = max(end, spans[receiver].link + spans[receiver].links);
+        sum += room_of(receiver);
+        if (spans[receiver].links + edits[receiver].links + edits[receiver].areas > MOST) cursor[0].unfinished = 1;
+    }
+    ends[self] = end;
+    sums[self] = sum;
+    barrier();
+    for (uint step = 1; step < 256; step *= 2) {
+        uint far = self >= step ? ends[self - step] : 0, other = self >= step ? sums[self - step] : 0;
+        barrier();
+        ends[self] = max(ends[self], far);
+        sums[self] += other;
+        barrier();
+    }
+    uint at = ends[255] + sums[self] - sum, total = ends[255] + sums[255];
+    for (uint i = first; i < last; ++i) {
+        uint receiver = order[range.first + i];
+        uint room = room_of(receiver);
+        edits[receiver].edge = at;
+        edits[receiver].edges = room;
+        at += room;
+    }
+    if (self == 0) {
+        cursor[0].need_links = max(cursor[0].need_links, total);
+        if (total > frame[0].link_room) cursor[0].overflow = 1;
+    }
+}

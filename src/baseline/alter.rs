@@ -1,0 +1,38 @@
+//! Stage `alter`: which clusters have a triangle that has moved since the kept links were made.
+
+use crate::error::Result;
+use crate::layout::Slot;
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "alter",
+    room: "baseline",
+    about: "clusters with a triangle that has moved since kept links were made",
+    equation: "Mertens et al. 2003, section 5.5",
+    writes: &[(Slot::altered, Role::Output, Tolerance::Exact)],
+    reason: "comparisons of f32 for equality",
+    unit: Unit::Object,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _at: Place) {
+    let data = &mut state.data;
+    let moved = |&v: &u32| data.positions[v as usize] != data.kept_positions[v as usize];
+    // Whoever has such a triangle somewhere below: nodes are stored depth first.
+    let before: Vec<usize> = std::iter::once(0)
+        .chain(data.topology.iter().scan(0, |sum, place| {
+            let triangle = data.triangles.get(place.face as usize);
+            *sum += usize::from(triangle.is_some_and(|corners| corners.iter().any(moved)));
+            Some(*sum)
+        }))
+        .collect();
+    let altered = |(node, place): (usize, &crate::layout::Topology)| before[place.skip as usize] > before[node];
+    data.altered = data.topology.iter().enumerate().map(altered).map(u32::from).collect();
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    pass.dispatch(Some("leaf"), &[], &[], pass.object().count.faces)?;
+    pass.climb("cluster", &[])
+}

@@ -1,0 +1,36 @@
+//! Stage `keep`: places and clusters that the links are made for, so that the next frame knows what it alters.
+
+use crate::error::Result;
+use crate::layout::Slot;
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "keep",
+    room: "baseline",
+    about: "vertices and clusters that the links are made for, for the next frame to compare with",
+    equation: "Mertens et al. 2003, section 5.5",
+    writes: &[
+        (Slot::kept_positions, Role::Update, Tolerance::Exact),
+        (Slot::kept_clusters, Role::Update, Tolerance::Exact),
+    ],
+    reason: "a copy",
+    unit: Unit::Object,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _at: Place) {
+    let data = &mut state.data;
+    if data.cursor[0].void() {
+        return;
+    }
+    let own = data.frame[0].first_vertex as usize..(data.frame[0].first_vertex + data.frame[0].vertices) as usize;
+    data.kept_positions[own.clone()].copy_from_slice(&data.positions[own]);
+    data.kept_clusters.copy_from_slice(&data.clusters);
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let count = pass.object().count;
+    pass.dispatch(None, &[], &[], count.nodes.max(count.vertices))
+}

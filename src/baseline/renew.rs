@@ -1,0 +1,107 @@
+//! Stage `renew`: form factors of kept links that wait for them, in the order of the work, no more than the budget has.
+
+use rayon::prelude::*;
+
+use super::form_factor::{Emitters, Rung};
+use crate::dipole::form_factor::uniform;
+use crate::error::Result;
+use crate::layout::{Range, Slot};
+use crate::state::{Distance, Near, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "renew",
+    room: "baseline",
+    about: "form factors of kept links that wait for them, up to the budget",
+    equation: "Mertens et al. 2003, section 5.5, equations 7 to 13",
+    writes: &[
+        (Slot::edits, Role::Update, Tolerance::Exact),
+        (Slot::cursor, Role::Update, Tolerance::Exact),
+        (Slot::due, Role::Output, Tolerance::Exact),
+        (Slot::ranked, Role::Output, Tolerance::Exact),
+        (Slot::due_groups, Role::Output, Tolerance::Exact),
+        (Slot::stale, Role::Update, Tolerance::Exact),
+        (Slot::waiting, Role::Update, Tolerance::Exact),
+        (Slot::factors, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-7 }),
+    ],
+    reason: "which are computed is counting; the values are those of form_factor",
+    unit: Unit::Chunk,
+    cpu,
+    gpu,
+};
+
+/// Elements of a row of groups, and of a group, as the recorder lays them out.
+const ROW: u32 = 32_768;
+const GROUP: u32 = 64;
+
+fn cpu(state: &mut State, at: Place) {
+    let nodes = state.object(at).schedule.chunks[at.chunk].nodes.clone();
+    let ((base, _), (flags, _)) = (state.part(Slot::links, at), state.part(Slot::stale, at));
+    let data = &mut state.data;
+    let spent = if at.chunk == 0 { 0 } else { data.cursor[0].computed };
+    let left = if data.cursor[0].void() { 0 } else { data.frame[0].budget - spent };
+
+    // The first links that wait.
+    let (mut due, mut rest) = (Vec::new(), 0);
+    for &receiver in &data.order[nodes.start as usize..nodes.end as usize] {
+        let (span, edit) = (data.spans[receiver as usize], &mut data.edits[receiver as usize]);
+        let waiting = &mut data.waiting[receiver as usize];
+        let count = (*waiting).min(left - due.len() as u32);
+        (edit.edge, edit.edges) = (due.len() as u32, count);
+        let mut taken = 0;
+        for k in span.link..span.link + span.links {
+            let flag = data.stale.get_mut(flags + k as usize).filter(|flag| **flag != 0 && taken < count);
+            if let Some(flag) = flag {
+                *flag = 0;
+                due.push(k);
+                taken += 1;
+            }
+        }
+        *waiting -= count;
+        rest += *waiting;
+    }
+    let cursor = &mut data.cursor[0];
+    (cursor.due, cursor.computed) = (due.len() as u32, spent + due.len() as u32);
+    cursor.waiting = rest + if at.chunk == 0 { 0 } else { cursor.waiting };
+
+    // By what is evaluated.
+    let emitters = Emitters::new(&state.data, state.distance, state.method.near);
+    let center = |k: u32| state.data.clusters[state.data.links[base + k as usize].receiver as usize].center;
+    let emitter = |k: u32| state.data.links[base + k as usize].emitter;
+    let rung = |k: u32| emitters.rung(emitter(k), center(k));
+    let kind = |&k: &u32| match rung(k) {
+        Rung::Center => 0,
+        Rung::Points(_) => 1,
+        Rung::Edges | Rung::Uniform(_) => 2,
+    };
+    let mut ranked = due.clone();
+    ranked.sort_by_key(kind);
+    let counts = [0, 1, 2].map(|own| ranked.iter().filter(|k| kind(k) == own).count() as u32);
+    let factors: Vec<[f32; 3]> =
+        due.par_iter().map(|&k| narrow(emitters.factor(emitter(k), wide(center(k)), rung(k)))).collect();
+    let data = &mut state.data;
+    for (&k, factor) in due.iter().zip(factors) {
+        data.factors[base + k as usize] = factor;
+    }
+    data.due[..due.len()].copy_from_slice(&due);
+    data.ranked[..due.len()].copy_from_slice(&ranked);
+    (data.cursor[0].due_areas, data.cursor[0].due_edges) = (counts[1], counts[2]);
+    data.due_groups = counts.map(|n| [n.div_ceil(GROUP).min(ROW), n.div_ceil(GROUP).div_ceil(ROW), 1]).to_vec();
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let nodes = pass.object().schedule.chunks[pass.at.chunk].nodes.clone();
+    let range = Range { first: nodes.start, count: nodes.end - nodes.start };
+    let chunk = pass.at.chunk as u32;
+    pass.dispatch(Some("select"), &[], bytemuck::bytes_of(&[range.first, range.count, chunk]), 1)?;
+    pass.dispatch(Some("pick"), &[], bytemuck::bytes_of(&range), range.count as usize)?;
+    pass.dispatch(Some("sort"), &[], &[], 1)?;
+    let displaced = u32::from(pass.state.distance == Distance::Table1);
+    pass.dispatch_counted("far", &[displaced], &[], (Slot::due_groups, 0))?;
+    pass.dispatch_counted("area", &[displaced], &[], (Slot::due_groups, 1))?;
+    let density = uniform::density(&pass.state.data.frame[0]).to_le_bytes();
+    match pass.state.method.near {
+        Near::Exact => pass.dispatch_counted("edge", &[displaced], &[], (Slot::due_groups, 2)),
+        Near::PointSampling => pass.dispatch_counted("uniform", &[displaced], &density, (Slot::due_groups, 2)),
+    }
+}

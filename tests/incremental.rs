@@ -1,0 +1,235 @@
+//! Links that are kept while the shape changes: those of a frame from scratch, and never more work than was asked for.
+
+mod devices;
+mod shell;
+
+use milkglass::gpu::Device;
+use milkglass::layout::Slot;
+use milkglass::measure::modes::{What, moved};
+use milkglass::render::plan::{Change, Goal, Mode, Options, Transport};
+use milkglass::render::run::{Room, Session};
+use milkglass::scene::Scene;
+use milkglass::state::Place;
+use shell::{bad, folder, good};
+
+const INCREMENTAL: Options =
+    Options { transport: Transport::Hierarchy, mode: Mode::Incremental, goal: Goal::Radiosity, estimate: false };
+
+fn at(name: &str, sets: &[&str], frame: f64) -> Scene {
+    let mut all = vec!["transport.scheme=links".to_string()];
+    all.extend(sets.iter().map(|set| set.to_string()));
+    Scene::load_at(name, &all, frame).unwrap()
+}
+
+fn open(scene: &Scene, device: Option<&Device>, mode: Mode, room: Room) -> Session {
+    let mut session = Session::new(scene, device, Options { mode, ..INCREMENTAL }, room).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    session
+}
+
+fn step(session: &mut Session, scene: &Scene) -> Vec<String> {
+    session.show(scene).unwrap();
+    session.frame(Change::default()).unwrap().into_iter().map(|part| part.name).collect()
+}
+
+fn radiosity(session: &mut Session) -> Vec<[f32; 3]> {
+    session.fetch(&[Slot::radiosity]).unwrap();
+    session.state().data.radiosity.clone()
+}
+
+/// Every link of every receiver, with the bits of its form factor.
+fn links(session: &mut Session) -> Vec<Vec<(u32, [u32; 3])>> {
+    session.fetch(&[Slot::spans, Slot::links, Slot::factors]).unwrap();
+    let (state, data) = (session.state(), &session.state().data);
+    let mut all = vec![Vec::new(); data.spans.len()];
+    for (object, part) in state.objects.iter().enumerate() {
+        for (chunk, nodes) in part.schedule.chunks.iter().map(|chunk| chunk.nodes.clone()).enumerate() {
+            let base = state.part(Slot::links, Place { object, chunk, group: 0 }).0;
+            for &node in &data.order[part.first.nodes..][nodes.start as usize..nodes.end as usize] {
+                let span = data.spans[part.first.nodes + node as usize];
+                let own = base + span.link as usize..base + (span.link + span.links) as usize;
+                assert!(data.links[own.clone()].iter().all(|link| link.receiver == node));
+                let link = |k: usize| (data.links[k].emitter, data.factors[k].map(f32::to_bits));
+                all[part.first.nodes + node as usize] = own.map(link).collect();
+            }
+        }
+    }
+    all
+}
+
+/// Links that touch what the last frame altered, and all links.
+fn touched(session: &mut Session) -> (u64, u64) {
+    let all = links(session);
+    session.fetch(&[Slot::altered]).unwrap();
+    let altered = &session.state().data.altered;
+    let touches = |(receiver, own): (usize, &Vec<(u32, [u32; 3])>)| {
+        own.iter().filter(|(emitter, _)| altered[receiver] != 0 || altered[*emitter as usize] != 0).count() as u64
+    };
+    (all.iter().enumerate().map(touches).sum(), all.iter().map(|own| own.len() as u64).sum())
+}
+
+/// Runs a hundred frames; one in `stride` is compared with one from scratch, to the last bit.
+fn hundred(name: &str, sets: &[&str], device: Option<&Device>, room: Room, stride: usize) {
+    let frame = |k: usize| at(name, sets, 10.0 + 0.3 * k as f64);
+    let mut session = open(&frame(0), device, Mode::Incremental, room);
+    let (mut revised, mut compared) = (0, 0);
+    for k in 1..=100 {
+        let ran = step(&mut session, &frame(k));
+        revised += usize::from(ran.iter().any(|name| name == "revise"));
+        assert_eq!(session.waiting(), 0);
+        if k % stride == 1 {
+            let mut fresh = open(&frame(k), device, Mode::Keep, room);
+            assert!(links(&mut session) == links(&mut fresh), "{name} {k}: other links or form factors");
+            assert!(radiosity(&mut session) == radiosity(&mut fresh), "{name} {k}: another radiosity");
+            compared += 1;
+        }
+    }
+    println!("{name}: {revised} of 100 frames revised, {} runs more, {compared} compared", session.retries);
+    assert!(revised > 80, "{name}: only {revised} of 100 frames revised links");
+}
+
+const TWIST: &[&str] = &[
+    "object.0.detail=6",
+    "transport.budget=4000000000",
+    "object.0.deform=[{ type = 'twist', angle = { keyframes = [[9, 0], [40, 12]] } }]",
+];
+const NOISE: &[&str] = &["object.0.detail=3", "transport.budget=4000000000"];
+const BUMP: &[&str] = &["object.0.detail=8", "transport.budget=4000000000"];
+
+#[test]
+fn links_after_a_hundred_frames_are_those_of_a_frame_from_scratch() {
+    for (name, sets) in [("twist", TWIST), ("noise", NOISE), ("bump", BUMP)] {
+        hundred(name, sets, None, Room::default(), 33);
+    }
+    devices::on_devices(|device| {
+        // Many chunks, and rooms that have to grow.
+        let tight = Room { chunk_faces: 100, links: 40, ..Room::default() };
+        hundred("bump", &["object.0.detail=6"], Some(device), tight, 33);
+        hundred("noise", &["object.0.detail=2", "transport.budget=4000000000"], Some(device), Room::default(), 33);
+    });
+}
+
+#[test]
+fn a_local_bump_computes_form_factors_of_what_it_touches() {
+    let scene = at("sphere", &["object.0.detail=3"], 0.0);
+    let check = |device: Option<&Device>| {
+        let mut session = open(&moved(&scene, What::Bump, 0), device, Mode::Incremental, Room::default());
+        let ran = step(&mut session, &moved(&scene, What::Bump, 1));
+        assert!(ran.iter().any(|name| name == "renew") && !ran.iter().any(|name| name == "form_factor"), "{ran:?}");
+        let (touched, all) = touched(&mut session);
+        let altered = session.state().data.altered.clone();
+        let faces = session.state().data.leaves.iter().filter(|leaf| altered[**leaf as usize] != 0).count();
+        let share = faces as f64 / session.state().data.leaves.len() as f64;
+        println!("{:.2} % of the triangles altered: {} of {all} form factors", 100.0 * share, session.renewed());
+        assert!((0.003..0.02).contains(&share), "{share}");
+        // What is new touches an altered cluster, or takes the place of a link that did.
+        assert!(session.renewed() > 0 && session.renewed() <= touched + touched / 4, "{} {touched}", session.renewed());
+        assert!(touched < all / 4, "{touched} of {all}");
+    };
+    check(None);
+    devices::on_devices(|device| check(Some(device)));
+}
+
+#[test]
+fn a_budget_is_kept_and_what_waits_is_made_up_for() {
+    let check = |device: Option<&Device>| {
+        let budget = 2000;
+        let sets = ["object.0.detail=16", "transport.budget=2000"];
+        let frame = |k: usize| at("bump", &sets, 20.0 + k as f64);
+        let mut session = open(&frame(0), device, Mode::Incremental, Room::default());
+        for k in 1..=5 {
+            step(&mut session, &frame(k));
+            assert!(session.renewed() <= budget, "{} form factors", session.renewed());
+        }
+        let mut fresh = open(&frame(5), device, Mode::Keep, Room::default());
+        let wanted = radiosity(&mut fresh);
+        let error = |session: &mut Session| {
+            let has = radiosity(session);
+            let far: f64 =
+                has.iter().flatten().zip(wanted.iter().flatten()).map(|(a, b)| f64::from(a - b).powi(2)).sum();
+            (far / wanted.iter().flatten().map(|b| f64::from(*b).powi(2)).sum::<f64>()).sqrt()
+        };
+        let (waiting, first) = (session.waiting(), error(&mut session));
+        assert!(waiting > 3 * budget && first > 1e-3, "{waiting} wait, error {first}");
+        let mut frames = 0;
+        while session.waiting() > 0 {
+            session.frame(Change::default()).unwrap();
+            assert!(session.renewed() > 0 && session.renewed() <= budget);
+            frames += 1;
+        }
+        assert_eq!(frames, waiting.div_ceil(budget), "{waiting} waited");
+        assert!(radiosity(&mut session) == wanted, "error {} of {first}", error(&mut session));
+        // And then nothing is left to do.
+        let none = session.frame(Change::default()).unwrap();
+        assert!(none.is_empty() && session.renewed() == 0, "{}", none.len());
+        println!("{waiting} waited with an error of {first:.1e}, and were made in {frames} frames");
+    };
+    check(None);
+    devices::on_devices(|device| check(Some(device)));
+}
+
+#[test]
+fn a_static_frame_dispatches_nothing_and_a_new_light_no_link() {
+    devices::on_devices(|device| {
+        let scene = at("bump", &["object.0.detail=12"], 20.0);
+        let mut session = open(&scene, Some(device), Mode::Incremental, Room::default());
+        assert!(session.frame(Change::default()).unwrap().is_empty());
+        let ran: Vec<_> = session.frame(Change::LIGHT).unwrap().into_iter().map(|part| part.name).collect();
+        for idle in ["deform", "refit", "reach", "alter", "refine", "revise", "renew", "form_factor", "keep"] {
+            assert!(!ran.iter().any(|name| name == idle), "{idle} ran: {ran:?}");
+        }
+        assert!(ran.iter().any(|name| name == "collect"));
+    });
+}
+
+#[test]
+fn what_other_scenes_have_is_not_used() {
+    let scene = at("bump", &["object.0.detail=12"], 20.0);
+    let session = open(&scene, None, Mode::Render, Room::default());
+    for slot in [Slot::kept_clusters, Slot::kept_positions, Slot::stale, Slot::made, Slot::edits, Slot::altered] {
+        assert!(session.state().data.bytes(slot).is_empty(), "{slot:?}");
+    }
+    let why = |name: &str| session.plan.left_out.iter().find(|(left, _)| *left == name).map(|(_, why)| why.clone());
+    for name in ["alter", "revise", "renew", "keep"] {
+        assert!(why(name).unwrap().contains("--mode incremental"), "{name}");
+    }
+}
+
+#[test]
+fn the_fixtures_revise_and_the_tight_ones_overflow() {
+    let fixtures = milkglass::measure::fixtures::fixtures("kept links").unwrap();
+    let mut tight = 0;
+    for fixture in fixtures.into_iter().filter(|fixture| fixture.steps.iter().any(|step| step.stage.name == "revise")) {
+        let mut state = fixture.state.clone();
+        fixture.steps.iter().for_each(|step| step.reference(&mut state));
+        let (cursor, name) = (state.data.cursor[0], &fixture.name);
+        if name.contains("too") {
+            assert!(cursor.overflow == 1 && cursor.computed == 0, "{name}: {cursor:?}");
+            tight += 1;
+        } else {
+            assert!(cursor.overflow == 0 && cursor.computed > 0, "{name}: {cursor:?}");
+            assert_eq!(cursor.waiting > 0, name.contains("budget"), "{name}: {cursor:?}");
+        }
+    }
+    assert_eq!(tight, 2);
+}
+
+#[test]
+fn plan_tells_the_mode_and_what_blocks_do() {
+    let here = folder(&[]);
+    let plan = |more: &str| good(&here, &format!("plan sphere --set object.0.detail=1 --device cpu {more}")).0;
+    let text = plan("--mode incremental --set transport.scheme=links --set transport.budget=500");
+    assert!(text.contains("mode incremental") && text.contains("at most 500 form factors a frame"), "{text}");
+    let text = plan("--mode incremental");
+    assert!(
+        text.contains("mode render") && text.contains("incremental links") && text.contains("lists of blocks"),
+        "{text}"
+    );
+    let lines = ["solve sphere --verify 10 --set transport.budget=0", "plan sphere --set transport.budget=-1"];
+    for line in lines {
+        bad(&here, line, 2, &["transport.budget", "expected", "1 to"]);
+    }
+    let two = "plan sphere --mode incremental --set transport.scheme=links --set transport.budget=1 \
+               --set object.1.shape=cube --set object.1.material.preset=marble --set object.1.position=[40,0,0]";
+    bad(&here, two, 2, &["transport.budget", "found 1", "each object"]);
+}
