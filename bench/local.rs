@@ -9,7 +9,7 @@ use milkglass::measure::local::{PAPER, bending, table_1};
 use milkglass::scene::Scene;
 
 /// Frames of each technique, and of each solve.
-const FRAMES: (usize, usize) = (41, 5);
+const FRAMES: (usize, usize) = (9, 5);
 
 fn run() -> Result<()> {
     let Some(device) = Device::first()? else {
