@@ -234,7 +234,7 @@ fn between_its_points_the_table_is_near_and_the_closed_form_everywhere() {
         let query = |&(c, s): &(f64, f64)| Query { a: [c as f32, s as f32, 0.0], ..Query::default() };
         state.data.queries = places.iter().map(query).collect();
         state.data.answers = vec![[0.0; 3]; places.len()];
-        let mut twin = DeviceState::new(device, false);
+        let mut twin = DeviceState::new(device, false).unwrap();
         twin.upload(&state, SLOTS).unwrap();
         twin.run(&state, &[Step { stage: stage("cdrf_values").unwrap(), at: Place::SCENE }]).unwrap();
         twin.download(&mut state, &[Slot::answers]).unwrap();

@@ -5,6 +5,7 @@
 
 mod animate;
 mod camera;
+mod choices;
 mod deform;
 mod file;
 mod image;
