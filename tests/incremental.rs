@@ -93,8 +93,8 @@ const TWIST: &[&str] = &[
     "transport.budget=4000000000",
     "object.0.deform=[{ type = 'twist', angle = { keyframes = [[9, 0], [40, 12]] } }]",
 ];
-const NOISE: &[&str] = &["object.0.detail=3", "transport.budget=4000000000"];
-const BUMP: &[&str] = &["object.0.detail=8", "transport.budget=4000000000"];
+const NOISE: &[&str] = &["object.0.detail=2", "transport.budget=4000000000"];
+const BUMP: &[&str] = &["object.0.detail=6", "transport.budget=4000000000"];
 
 #[test]
 fn links_after_a_hundred_frames_are_those_of_a_frame_from_scratch() {
@@ -104,7 +104,7 @@ fn links_after_a_hundred_frames_are_those_of_a_frame_from_scratch() {
     devices::on_devices(|device| {
         // Many chunks, and rooms that have to grow.
         let tight = Room { chunk_faces: 100, links: 40, ..Room::default() };
-        hundred("bump", &["object.0.detail=6"], Some(device), tight, 33);
+        hundred("bump", &["object.0.detail=4"], Some(device), tight, 33);
         hundred("noise", &["object.0.detail=2", "transport.budget=4000000000"], Some(device), Room::default(), 33);
     });
 }

@@ -93,8 +93,13 @@ type Made = (BTreeSet<String>, BTreeSet<Slot>, Vec<(&'static str, usize)>);
 /// What a frame made on a device: kernels and buffers; and what it dispatched. It has to be what the plan lists.
 fn made(device: &Device, scene: &Scene, options: Options) -> Made {
     let mut session = Session::new(scene, Some(device), options, Room::default()).unwrap();
-    session.frame(Change::EVERYTHING).unwrap();
-    let needs = session.needs(Change::EVERYTHING).unwrap();
+    let mut needs = Vec::new();
+    // Links that are kept are made in the first frame, and revised in the second.
+    for revises in 0..1 + u32::from(options.mode == Mode::Incremental) {
+        session.frame(Change::EVERYTHING).unwrap();
+        let scratch = if revises == 0 { Change::RELINK } else { Change::default() };
+        needs.extend(session.needs(Change::EVERYTHING.and(scratch)).unwrap());
+    }
     let Backend::Gpu(twin) = &session.backend else { panic!("no device") };
     let pipelines: BTreeSet<_> = twin.kernels().made().into_iter().collect();
     let listed: BTreeSet<_> = needs
@@ -151,6 +156,11 @@ fn features() -> Vec<Feature> {
     let alone = |scene| changed(scene, |scene| scene.objects.retain(|object| object.material.opaque.is_none()));
     let options = |options: Options| (ball(&[]), options);
     let links = || with(ball(&["transport.scheme=links"]));
+    let incremental = || ball(&["transport.scheme=links", "object.0.deform=[{type='twist',angle=30}]"]);
+    let blurred = |transport| {
+        let scene = ball(&["transport.unwrap=true", "transport.blur_texture=32"]);
+        (scene, Options { transport, ..Options::default() })
+    };
     let local = |cdrf: &str| {
         let scene = ball(&[&format!("transport.cdrf={cdrf}"), "transport.cdrf_table=16"]);
         (scene, Options { transport: Transport::Cdrf, ..Options::default() })
@@ -197,6 +207,18 @@ fn features() -> Vec<Feature> {
             &[Slot::links, Slot::factors, Slot::spans, Slot::gathered, Slot::cluster_irradiance],
             links(),
             with(ball(&[])),
+        ),
+        (
+            &["alter", "revise", "renew", "keep"],
+            &[Slot::kept_clusters, Slot::altered, Slot::edits, Slot::stale, Slot::waiting],
+            (incremental(), Options { mode: Mode::Incremental, ..Options::default() }),
+            (incremental(), Options { mode: Mode::Render, ..Options::default() }),
+        ),
+        (
+            &["unwrap", "blur", "texture_blur"],
+            &[Slot::charts, Slot::gaussians, Slot::sheets, Slot::stretch, Slot::crossed],
+            blurred(Transport::TextureBlur),
+            blurred(Transport::Lambert),
         ),
         (&["brute"], &[], carried(Transport::Brute), with(ball(&[]))),
         (&["pull", "gather", "push"], &[Slot::moments], with(ball(&[])), carried(Transport::Octree)),

@@ -214,7 +214,7 @@ fn faults_are_named() {
     let run = "render moving.toml --device cpu -o a%d.png";
     for (arguments, words) in [
         ("--frames 3..1", "--frames: not a range of frames; found 3..1"),
-        ("--frames 0..1 --set 'camera.fov={keyframes=[[0,40],[1,nan]]}'", "keyframes of different kinds"),
+        ("--frames 0..1 --set 'camera.fov={keyframes=[[0,40],[1,nan]]}'", "not finite"),
         ("--frames 0..1 --set 'camera.fov={keyframes=[[0,40],[1,400]]}'", "camera.fov: out of range; found 400"),
         ("--frame nan", "--frame: not a frame"),
         ("--set 'object.0.deform=[{type=\"twist\"}]'", "missing field"),

@@ -49,7 +49,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let against = open_session(&scene, device.as_ref(), Options::default())?;
         return print(&diff::text(&session, &against)?);
     }
-    let needs = session.needs(Change::EVERYTHING)?;
+    let needs = session.needs(Change::EVERYTHING.and(Change::RELINK))?;
     let (state, plan) = (session.state(), &session.plan);
 
     let frame = &state.data.frame[0];
