@@ -70,6 +70,19 @@ fn a_spoilt_tree_is_built_anew() {
 }
 
 #[test]
+fn a_tree_that_is_built_anew_is_told() {
+    let here = folder(&[]);
+    for (frame, told) in [(0, false), (40, true)] {
+        for command in ["plan", "profile --frames 1"] {
+            let run = format!(
+                "{command} twist --frame {frame} --device cpu --set object.0.detail=16 --set camera.size=[9,9]"
+            );
+            assert_eq!(good(&here, &run).0.contains("tree built anew"), told, "{run}");
+        }
+    }
+}
+
+#[test]
 fn a_deformed_shape_meets_the_tolerance_and_has_its_own_triangles() {
     let scene = at(3.0);
     let mut session = open(&scene);

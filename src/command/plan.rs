@@ -66,7 +66,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         device.as_ref().map_or("cpu", |device| device.name()),
     );
     let mode = about_mode(state, plan.options());
-    text = text.replacen("\n\nstages", &format!("\nmode {mode}\n\nstages"), 1);
+    let rebuilt = session.rebuilt();
+    let trees: String = rebuilt.iter().map(|line| format!("\n{line}")).collect();
+    text = text.replacen("\n\nstages", &format!("\nmode {mode}{trees}\n\nstages"), 1);
     let mut stages: Vec<Vec<String>> = plan
         .stages
         .iter()
@@ -120,6 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "nodes": count(|count| count.nodes),
             "objects": state.objects.len(),
             "mode": mode,
+            "trees": rebuilt,
             "chunks": state.sum(|object| object.schedule.chunks.len()),
             "stages": stages.iter().map(|row| stage_json(row, &needs)).collect::<Vec<_>>(),
             "buffers": session.buffers().iter()

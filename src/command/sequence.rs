@@ -82,13 +82,7 @@ impl Job<'_> {
 
 /// Says which trees deformations have spoilt, and where they turn triangles inside out: there the picture is wrong.
 pub fn warn_of_shape(session: &Session, frame: &str) {
-    for (object, growth) in session.prepared.spoilt.iter().enumerate() {
-        if let Some(growth) = growth {
-            eprintln!(
-                "{frame}object {object}: deformed, its clusters would be {growth:.2} times as wide; tree built anew"
-            );
-        }
-    }
+    session.rebuilt().iter().for_each(|line| eprintln!("{frame}{line}"));
     for (object, count) in turned(session.state()).into_iter().enumerate().filter(|(_, count)| *count > 0) {
         let all = session.state().objects[object].count.faces;
         eprintln!(

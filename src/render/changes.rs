@@ -69,6 +69,16 @@ impl Session {
         self.set_camera(&new.camera)
     }
 
+    /// Which objects' trees are built anew for their deformed shape, and why.
+    #[must_use]
+    pub fn rebuilt(&self) -> Vec<String> {
+        let grown = self.prepared.spoilt.iter().enumerate().filter_map(|(object, growth)| Some((object, (*growth)?)));
+        let says = |(object, growth)| {
+            format!("object {object}: deformed, its clusters would be {growth:.2} times as wide; tree built anew")
+        };
+        grown.map(says).collect()
+    }
+
     /// Whether the trees serve these deformations, too: as a new session would have them.
     fn keeps_trees(&self, new: &Scene) -> bool {
         let (prepared, units) = (&self.prepared, self.prepared.units);

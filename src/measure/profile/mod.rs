@@ -125,6 +125,7 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
         }
         _ => {}
     }
+    notes.extend(session.rebuilt());
     if settings.options.transport == Transport::Octree {
         notes.push("the octree runs on the host".into());
     }
