@@ -5,7 +5,7 @@
 
 use milkglass::error::{Error, Input, Result};
 use milkglass::gpu::Device;
-use milkglass::measure::layers::{Line, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules};
+use milkglass::measure::layers::{Line, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules, uneven};
 use milkglass::render::plan::{Change, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::{Integration, Scene};
@@ -39,9 +39,11 @@ fn run() -> Result<()> {
 
     println!("scene        lights  relief ms  ms a light");
     for (of, sets) in [("fish", &["camera.size=[400, 300]"][..]), ("gecko", &["camera.size=[400, 300]"])] {
-        for (lights, ms) in by_lights(&scene(of, sets)?, device.as_ref(), &[1, 2, 4, 8, 16], repeat)? {
+        let costs = by_lights(&scene(of, sets)?, device.as_ref(), &[1, 2, 4, 8, 16], repeat)?;
+        for &(lights, ms) in &costs {
             println!("{of:<12} {lights:>6}  {ms:>9.1}  {:>10.2}", ms / f64::from(lights));
         }
+        println!("{of:<12} off a straight line by {:.0} % at most", 100.0 * uneven(&costs));
     }
     println!();
 

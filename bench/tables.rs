@@ -8,7 +8,7 @@ use std::path::Path;
 
 use milkglass::error::{Error, Input, Result};
 use milkglass::gpu::Device;
-use milkglass::measure::tables::{Bench, TABLES, figure_3, figure_4, given};
+use milkglass::measure::tables::{Bench, TABLES, Told, figure_3, figure_4, given};
 
 /// What the command line asks for.
 struct Asked {
@@ -48,14 +48,14 @@ fn asked() -> Result<Asked> {
 fn run() -> Result<()> {
     let asked = asked()?;
     let wanted = |name: &str| name.contains(&asked.only);
-    let mut tell = |line: &str| println!("{line}");
+    let mut tell = |told: Told<'_>| println!("{told}");
     if wanted("figure 3") {
         figure_3(&mut tell);
-        tell("");
+        tell(Told::Words(""));
     }
     if wanted("figure 4") {
         figure_4(&mut tell);
-        tell("");
+        tell(Told::Words(""));
     }
     for path in &asked.curves {
         given(Path::new(path), &mut tell)?;
@@ -66,14 +66,16 @@ fn run() -> Result<()> {
 
     let device = if asked.cpu { None } else { Device::first()? };
     match &device {
-        Some(device) => tell(&format!("On {}, {}; the device's own clock.", device.name(), device.driver())),
-        None => tell("On the CPU reference, in f64: its ratios are not a device's."),
+        Some(device) => {
+            tell(Told::Words(&format!("On {}, {}; the device's own clock.", device.name(), device.driver())));
+        }
+        None => tell(Told::Words("On the CPU reference, in f64: its ratios are not a device's.")),
     }
     let (device, meshes) = (device.as_ref(), asked.meshes.as_slice());
     let bench = Bench { device, meshes, samples: asked.samples, most_faces: asked.most_faces };
     for (_, table) in TABLES.iter().filter(|(name, _)| wanted(name)) {
         table(&bench, &mut tell)?;
-        tell("");
+        tell(Told::Words(""));
     }
     Ok(())
 }

@@ -55,7 +55,10 @@
 //!   *group*: channels whose irradiances are proportional, carried together.
 //! - *moments*: sum W, centroid and second moments Q of a cluster's light; *expansion*: a quadratic about a block's centre.
 //! - *interface*: the lower end of a layer, given by its depth; *leg*: light's way from where it enters to where it scatters.
-//! - *altered*: with a triangle that has moved since kept links were made; a link is *stale* while its form factor waits.
+//! - *island*: triangles whose texture coordinates go on from one to the next; *seam*: an edge where they do not; *margin*: texels
+//!   round an island that have what lies across its seams.
+//! - *altered*: with a triangle that has moved since kept links were made; *relit*: with one that another light enters than was
+//!   summed last; a link is *stale* while its form factor waits; a receiver is *busy* if its links are merged or summed again.
 //! - *chunk*: the receivers linked in one go; *room*: how much fits a list; *hand down*: leave an emitter to the
 //!   receiver's children.
 //! - *base*: a coarse mesh whose triangles are cut in four, *split*, again and again: butterfly subdivision and shrink-wrapping.

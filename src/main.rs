@@ -1,13 +1,17 @@
 //! The command line: arguments to one command, an error to one message and an exit code.
 
+use std::io::Write;
 use std::process::ExitCode;
 
+use milkglass::command::{leave, remove_when_stopped, run};
+
 fn main() -> ExitCode {
-    match milkglass::command::run(std::env::args_os()) {
+    remove_when_stopped();
+    match run(std::env::args_os()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("milkglass: {error}");
-            ExitCode::from(error.exit_code())
+            let _ = writeln!(std::io::stderr(), "milkglass: {error}");
+            leave(error.exit_code())
         }
     }
 }

@@ -134,7 +134,7 @@ fn overflow_and_chunks_change_no_bit() {
 
 fn overflow_changes_no_bit(scene: &Scene) {
     on_devices(|device| {
-        let tight = Room { chunk_faces: 700, links: 1, batch_blocks: 60, binding: 1 << 18 };
+        let tight = Room { chunk_faces: 700, links: 1, batch_blocks: 60, binding: 1 << 18, ..Room::default() };
         for (mode, like) in
             [(Mode::OnTheFly, Mode::OnTheFly), (Mode::Keep, Mode::OnTheFly), (Mode::Render, Mode::Render)]
         {

@@ -6,6 +6,12 @@ mod devices;
 
 use devices::on_devices;
 use milkglass::gpu::{Alone, Device};
+use milkglass::layout::Slot;
+use milkglass::measure::norms::worst;
+use milkglass::measure::reference::verify;
+use milkglass::render::plan::{Change, Goal, Options};
+use milkglass::render::run::{Room, Session};
+use milkglass::scene::Scene;
 
 static SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-loops.spv"));
 const LANES: usize = 64;
@@ -89,4 +95,40 @@ fn a_wrong_sum_is_seen() {
     let mut other = numbers.clone();
     (0..LANES).for_each(|lane| other[lane] ^= 7);
     assert!((0..LANES).filter(|&lane| expected(&numbers, lane) != expected(&other, lane)).count() > LANES / 2);
+}
+
+/// A crumpled heap of 1,600 triangles, all near each other and lit: to take these by the edge form is more than 65,535 steps of
+/// loops an invocation, where llvmpipe ends them in silence.
+#[test]
+fn long_lists_of_near_triangles_are_taken_to_the_end() {
+    let library = tempfile::tempdir().unwrap();
+    let mut next = numbers(320).into_iter().map(|n| f64::from(n) / f64::from(1 << 24) - 0.5);
+    let mut mesh = String::new();
+    for triangle in 0..1600 {
+        let middle: Vec<f64> = next.by_ref().take(3).collect();
+        for _ in 0..3 {
+            let [x, y, z] = [0, 1, 2].map(|k| 0.2 * middle[k] + 0.7 * next.next().unwrap());
+            mesh += &format!("v {x} {y} {z}\n");
+        }
+        let first = 3 * triangle + 1;
+        mesh += &format!("f {first} {} {}\n", first + 1, first + 2);
+    }
+    std::fs::write(library.path().join("heap.obj"), mesh).unwrap();
+    let lights = ["[1, 2, 3]", "[-1, -2, -3]"].map(|direction| {
+        format!("[[light]]\ntype = \"directional\"\ndirection = {direction}\nirradiance = [1, 1, 1]\nshadows = false\n")
+    });
+    let rest = "[transport]\ntolerance = 1e-4\n[[object]]\nmesh = \"heap.obj\"\nsize = 20\n[object.material]\npreset = \"marble\"\n";
+    let file = library.path().join("heap.toml");
+    std::fs::write(&file, lights.concat() + rest).unwrap();
+    let scene = Scene::load(file.to_str().unwrap(), &[]).unwrap();
+    on_devices(|device| {
+        let options = Options { goal: Goal::Radiosity, ..Options::default() };
+        let mut session = Session::new(&scene, Some(device), options, Room::default()).unwrap();
+        session.frame(Change::EVERYTHING).unwrap();
+        session.fetch(&[Slot::runs]).unwrap();
+        let longest = session.state().runs().map(|run| run.edge).max().unwrap();
+        assert!(longest > 1400, "{longest} near triangles a block: a poor test");
+        let error = worst(&verify(&mut session, 100, 1).unwrap());
+        assert!(error.max < 1e-3, "{}: {error:?}", device.name());
+    });
 }

@@ -57,27 +57,28 @@ fn device() -> Option<Device> {
     }
 }
 
-/// Where the tolerance is met everywhere alike, little is left to rank: an estimate ranks like the error, 0.5 or more, or as
-/// well as one can that varies as little, normal errors given.
+/// Above the error at 999 of 1000 faces, not far above, and it knows where the errors are.
 fn holds(name: &str, quality: Quality) {
     println!("{name}: {quality:?}");
     assert!(quality.covered >= 0.999, "{name}: {quality:?}");
-    assert!(quality.ratio <= 20.0, "{name}: {quality:?}");
-    assert!(quality.rank > 0.5 || quality.rank > 0.85 * quality.best, "{name}: {quality:?}");
+    assert!(quality.ratio <= 5.0, "{name}: {quality:?}");
+    assert!(quality.rank > 0.6, "{name}: {quality:?}");
 }
 
 #[test]
 fn the_error_is_below_the_estimate() {
     let found = device();
     for (number, (name, detail)) in SCENES.iter().enumerate() {
-        let scene = scene(name, &[detail]);
-        for device in [None, found.as_ref()].into_iter().take(1 + usize::from(found.is_some())) {
-            if device.is_none() && found.is_some() && number >= 3 {
-                continue;
+        for tolerance in ["1e-3", "1e-2"] {
+            let scene = scene(name, &[detail, &format!("transport.tolerance={tolerance}")]);
+            for device in [None, found.as_ref()].into_iter().take(1 + usize::from(found.is_some())) {
+                if device.is_none() && found.is_some() && (number >= 2 || tolerance == "1e-2") {
+                    continue;
+                }
+                let mut session = solved(&scene, device, OPTIONS);
+                let quality = check(&mut session, if number < 3 { 1000 } else { 400 }, 11).unwrap().estimate.unwrap();
+                holds(&format!("{name} at {tolerance} on {}", device.map_or("cpu", |device| device.name())), quality);
             }
-            let mut session = solved(&scene, device, OPTIONS);
-            let quality = check(&mut session, if number < 3 { 1000 } else { 400 }, 11).unwrap().estimate.unwrap();
-            holds(&format!("{name} on {}", device.map_or("cpu", |device| device.name())), quality);
         }
     }
 }

@@ -209,7 +209,7 @@ fn features() -> Vec<Feature> {
             with(ball(&[])),
         ),
         (
-            &["alter", "revise", "renew", "keep"],
+            &["alter", "relit", "revise", "renew", "recollect", "keep"],
             &[Slot::kept_clusters, Slot::altered, Slot::edits, Slot::stale, Slot::waiting],
             (incremental(), Options { mode: Mode::Incremental, ..Options::default() }),
             (incremental(), Options { mode: Mode::Render, ..Options::default() }),

@@ -1,7 +1,7 @@
 // The march beneath one visible point: where its ray runs, what lies there, and the light that comes there.
 layout(constant_id = 0) const uint SHADOWS = 0;
 layout(constant_id = 1) const uint MAPS = 1;    // of four layers each
-layout(constant_id = 2) const uint MAPPED = 0;  // not 0 where depths vary
+layout(constant_id = 2) const uint MAPPED = 0;  // 1 where depths vary, 2 where they are laid out by islands
 layout(constant_id = 3) const uint HENYEY = 0;
 layout(constant_id = 4) const uint FRESNEL = 0;
 layout(push_constant, scalar) uniform push_block { uint number, first_beam, last_beam, first_pixel; }; // the layers and lights at hand
@@ -17,6 +17,7 @@ READS(hits)
 READS(layerings)
 READS(beneath)
 READS(depths)
+READS(islands)
 READS(beams)
 UPDATES(radiance)
 #include "light/arrival.glsl"
@@ -30,11 +31,12 @@ struct March {
     vec3 eye;                                      // towards it
     vec2 place;                                    // in the maps, at P
     vec3 du, dv;                                   // gradients of that
+    vec2 low, high;                                // what bounds its island there
     float slope;                                   // depth won per length
     float reach;                                   // length of the ray
 };
 
-vec3 unit(vec3 v) { return v / sqrt(max(dot(v, v), 1e-30)); }
+vec3 unit(vec3 v) { return v * (1.0 / sqrt(max(dot(v, v), 1e-30))); }
 
 March march(Layering own, Hit hit) {
     uvec3 corner = triangles[hit.face];
@@ -52,8 +54,18 @@ March march(Layering own, Hit hit) {
     m.place = vec2(0);
     m.du = vec3(0);
     m.dv = vec3(0);
+    m.low = vec2(0);
+    m.high = vec2(0);
     if (MAPPED != 0) {
-        CornerUvs uvs = corner_uvs[hit.face];
+        CornerUvs uvs;
+        if (MAPPED == 2) {
+            Island island = islands[hit.face - frame[own.object].first_face + own.first_island];
+            uvs = CornerUvs(island.a, island.b, island.c);
+            m.low = island.low;
+            m.high = island.high;
+        } else {
+            uvs = corner_uvs[hit.face];
+        }
         m.place = weight.x * uvs.a + weight.y * uvs.b + weight.z * uvs.c;
         vec2 p = uvs.b - uvs.a, q = uvs.c - uvs.a;
         vec3 x = cross(c - a, area), y = cross(area, b - a);
@@ -76,6 +88,14 @@ struct Texels {
 
 Texels texels_at(Layering own, March m, vec3 offset) {
     vec2 place = m.place + vec2(dot(m.du, offset), dot(m.dv, offset));
+    if (MAPPED == 2) {
+        // A margin's last texel has none beyond it.
+        place = clamp(place, m.low, m.high);
+        vec2 low = floor(place);
+        uvec2 first = uvec2(low), last = min(first + 1u, uvec2(m.high));
+        uint above = own.first_texel + first.y * own.size.x, below = own.first_texel + last.y * own.size.x;
+        return Texels(uvec4(above + first.x, above + last.x, below + first.x, below + last.x), place - low);
+    }
     // Within reach of whole numbers.
     if (own.wrap == 0) place -= floor(place);
     if (own.wrap == 1) place = clamp(place, vec2(-1), vec2(2));
@@ -100,12 +120,14 @@ uint above(vec4 interfaces, float depth) {
     return counts.x + counts.y + counts.z + counts.w;
 }
 
-float phase(float g, float cosine) {
+// Of two cosines.
+vec2 phase(float g, vec2 cosine) {
     // In sums of positive terms: 1 + g^2 + 2 g c, or 1 + g c.
-    float size = abs(g), past = size * max(1.0 + (g < 0.0 ? -cosine : cosine), 0.0);
-    float base = HENYEY != 0 ? (1.0 - size) * (1.0 - size) + 2.0 * past : 1.0 - size + past;
-    float power = HENYEY != 0 ? base * sqrt(base) : base * base;
-    return (1.0 - size) * (1.0 + size) / (4.0 * 3.14159265358979 * power);
+    float size = abs(g);
+    vec2 past = size * max(1.0 + (g < 0.0 ? -cosine : cosine), 0.0);
+    vec2 base = HENYEY != 0 ? (1.0 - size) * (1.0 - size) + 2.0 * past : 1.0 - size + past;
+    vec2 power = HENYEY != 0 ? base * sqrt(base) : base * base;
+    return (1.0 - size) * (1.0 + size) / (4.0 * 3.14159265358979 * power.x * power.y) * power.yx;
 }
 
 // What a light does at a place: its share that arrives but for the dimming, the depth of its way there, and the cosine
@@ -144,7 +166,7 @@ Lit lit_at(Layering own, March m, uint object, Light light, uint face, float t, 
     }
     vec3 arrives = vec3(falloff);
     if (FRESNEL != 0) arrives *= transmittance(frame[object].eta, cosine);
-    return Lit(arrives, sum / cosine, dot(toward, m.eye));
+    return Lit(arrives, sum * (1.0 / cosine), dot(toward, m.eye));
 }
 
 // Adds light to a pixel.

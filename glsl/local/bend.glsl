@@ -1,4 +1,4 @@
-// sigma = sigma_0 kappa at a place, and the CDRF's factors on the environment. MAPPED is not 0 where an object has a map
+// The normal and kappa of a vertex, sigma = sigma_0 kappa at a place, and the CDRF's factors on the environment. MAPPED is not 0 where an object has a map
 // of d, by the square of which sigma_0 is multiplied (equation 6).
 layout(constant_id = 3) const uint MAPPED = 0;
 READS(curvature)
@@ -6,9 +6,12 @@ READS(corner_uvs)
 READS(texels)
 #include "light/texture.glsl"
 
-vec3 spread(uint object, uint face, uvec3 corner, vec3 weight) {
-    vec3 kappa = vec3(curvature[corner.x].kappa, curvature[corner.y].kappa, curvature[corner.z].kappa);
-    vec3 sigma = frame[object].sigma_0 * dot(weight, kappa);
+vec4 bend(uint vertex) {
+    return curvature[vertex].bend;
+}
+
+vec3 spread(uint object, uint face, vec3 weight, float kappa) {
+    vec3 sigma = frame[object].sigma_0 * kappa;
     if (MAPPED != 0) {
         uvec2 size = max(frame[object].spread_size, uvec2(1));
         vec2 place = texture_place(corner_uvs[face], weight.yz);

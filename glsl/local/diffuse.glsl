@@ -1,5 +1,6 @@
 // Radiance of a pixel by the light, the normal and the curvature of the place that it shows: f(cos, sigma), which has to be
-// defined as `respond` before, times what arrives. Its factors on the environment's harmonics are `respond_sky`.
+// defined as `respond` before, times what arrives. `bend` is the normal of a vertex and its kappa, `spread` the sigma that
+// follows; f's factors on the environment's harmonics are `respond_sky`.
 layout(constant_id = 0) const uint OBJECTS = 1;
 layout(constant_id = 1) const uint SHADOWS = 0;
 layout(constant_id = 2) const uint SKY = 0;
@@ -9,7 +10,6 @@ READS(lit)
 READS(harmonics)
 READS(triangles)
 READS(positions)
-READS(normals)
 READS(hits)
 UPDATES(radiance)
 #include "light/fresnel.glsl"
@@ -30,9 +30,9 @@ void main() {
     uvec3 corner = triangles[hit.face];
     vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
     vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
-    vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
-    normal /= sqrt(max(dot(normal, normal), 1e-30));
-    vec3 sigma = spread(object, hit.face, corner, weight);
+    vec4 bent = weight.x * bend(corner.x) + weight.y * bend(corner.y) + weight.z * bend(corner.z);
+    vec3 normal = bent.xyz / sqrt(max(dot(bent.xyz, bent.xyz), 1e-30));
+    vec3 sigma = spread(object, hit.face, weight, bent.w);
 
     vec3 sum = vec3(0), all = vec3(0), open = vec3(0);
     // The loop is left at its end: where it is left at its head some drivers run the body once more, for nobody.

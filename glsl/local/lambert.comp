@@ -4,13 +4,18 @@
 #include "invocation.glsl"
 
 READS(frame)
+READS(normals)
 
 // Lambert's cosine.
 vec3 respond(float c, vec3 sigma) {
     return vec3(max(c, 0.0));
 }
 
-vec3 spread(uint object, uint face, uvec3 corner, vec3 weight) {
+vec4 bend(uint vertex) {
+    return vec4(normals[vertex], 0.0);
+}
+
+vec3 spread(uint object, uint face, vec3 weight, float kappa) {
     return vec3(0);
 }
 

@@ -21,9 +21,14 @@ pub static STAGE: Stage = Stage {
 
 fn cpu(state: &mut State, at: Place) {
     let nodes = state.object(at).schedule.chunks[at.chunk].nodes.clone();
+    let receivers = state.data.order[nodes.start as usize..nodes.end as usize].to_vec();
+    sum(state, at, &receivers);
+}
+
+/// The sums of these receivers of a chunk.
+pub(super) fn sum(state: &mut State, at: Place, receivers: &[u32]) {
     let (base, _) = state.part(Slot::links, at);
     let data = &mut state.data;
-    let receivers = &data.order[nodes.start as usize..nodes.end as usize];
     let sums: Vec<[f32; 3]> = receivers
         .par_iter()
         .map(|&receiver| {

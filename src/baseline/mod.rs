@@ -1,8 +1,8 @@
 //! What the hierarchy of [`crate::transport`] is measured against.
 //!
 //! The method as Mertens et al. 2003 published it (links chosen by solid angles, one sample a link): `mean`, `reach`,
-//! `refine`, `form_factor`, `collect`, `spread`, and `alter`, `revise`, `renew`, `keep` where links are kept while the shape
-//! changes; every face to every face: `brute`; and an irradiance octree in native
+//! `refine`, `form_factor`, `collect`, `spread`, and `alter`, `relit`, `revise`, `renew`, `recollect`, `keep` where links are
+//! kept while the shape changes; every face to every face: `brute`; and an irradiance octree in native
 //! code: [`octree`].
 
 pub mod alter;
@@ -13,7 +13,9 @@ pub mod keep;
 pub mod mean;
 pub mod octree;
 pub mod reach;
+pub mod recollect;
 pub mod refine;
+pub mod relit;
 pub mod renew;
 pub mod revise;
 pub mod spread;

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::form_factor::{Emitters, Rung};
+use super::revise::has_edits;
 use crate::dipole::form_factor::uniform;
 use crate::error::Result;
 use crate::layout::{Range, Slot};
@@ -19,7 +20,8 @@ pub static STAGE: Stage = Stage {
         (Slot::cursor, Role::Update, Tolerance::Exact),
         (Slot::due, Role::Output, Tolerance::Exact),
         (Slot::ranked, Role::Output, Tolerance::Exact),
-        (Slot::due_groups, Role::Output, Tolerance::Exact),
+        (Slot::due_groups, Role::Update, Tolerance::Exact),
+        (Slot::busy, Role::Update, Tolerance::Exact),
         (Slot::stale, Role::Update, Tolerance::Exact),
         (Slot::waiting, Role::Update, Tolerance::Exact),
         (Slot::factors, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-7 }),
@@ -33,6 +35,18 @@ pub static STAGE: Stage = Stage {
 /// Elements of a row of groups, and of a group, as the recorder lays them out.
 const ROW: u32 = 32_768;
 const GROUP: u32 = 64;
+/// In `due_groups`: receivers whose links are merged.
+pub const EDITED: usize = 3;
+/// Receivers whose links are summed again.
+pub const SUMMED: usize = 4;
+/// Elements of `due_groups`.
+pub const GROUPS: usize = 5;
+
+/// Groups to dispatch for so many elements.
+pub(super) fn groups(count: u32) -> [u32; 3] {
+    let needed = count.div_ceil(GROUP);
+    [needed.min(ROW), needed.div_ceil(ROW), 1]
+}
 
 fn cpu(state: &mut State, at: Place) {
     let nodes = state.object(at).schedule.chunks[at.chunk].nodes.clone();
@@ -41,9 +55,11 @@ fn cpu(state: &mut State, at: Place) {
     let spent = if at.chunk == 0 { 0 } else { data.cursor[0].computed };
     let left = if data.cursor[0].void() { 0 } else { data.frame[0].budget - spent };
 
-    // The first links that wait.
+    // The first links that wait; receivers that have any, or were merged, are summed again.
+    let mut busy = Vec::new();
     let (mut due, mut rest) = (Vec::new(), 0);
     for &receiver in &data.order[nodes.start as usize..nodes.end as usize] {
+        let edited = has_edits(data, receiver);
         let (span, edit) = (data.spans[receiver as usize], &mut data.edits[receiver as usize]);
         let waiting = &mut data.waiting[receiver as usize];
         let count = (*waiting).min(left - due.len() as u32);
@@ -59,8 +75,15 @@ fn cpu(state: &mut State, at: Place) {
         }
         *waiting -= count;
         rest += *waiting;
+        if !data.cursor[0].void() && (edited || count > 0) {
+            busy.push(receiver);
+            (edit.links, edit.areas) = (0, 0);
+        }
     }
+    data.busy[nodes.start as usize..][..busy.len()].copy_from_slice(&busy);
     let cursor = &mut data.cursor[0];
+    cursor.busy = busy.len() as u32;
+    cursor.summed = cursor.busy + if at.chunk == 0 { 0 } else { cursor.summed };
     (cursor.due, cursor.computed) = (due.len() as u32, spent + due.len() as u32);
     cursor.waiting = rest + if at.chunk == 0 { 0 } else { cursor.waiting };
 
@@ -86,7 +109,8 @@ fn cpu(state: &mut State, at: Place) {
     data.due[..due.len()].copy_from_slice(&due);
     data.ranked[..due.len()].copy_from_slice(&ranked);
     (data.cursor[0].due_areas, data.cursor[0].due_edges) = (counts[1], counts[2]);
-    data.due_groups = counts.map(|n| [n.div_ceil(GROUP).min(ROW), n.div_ceil(GROUP).div_ceil(ROW), 1]).to_vec();
+    data.due_groups[..3].copy_from_slice(&counts.map(groups));
+    data.due_groups[SUMMED] = groups(data.cursor[0].busy);
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
@@ -94,7 +118,7 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let range = Range { first: nodes.start, count: nodes.end - nodes.start };
     let chunk = pass.at.chunk as u32;
     pass.dispatch(Some("select"), &[], bytemuck::bytes_of(&[range.first, range.count, chunk]), 1)?;
-    pass.dispatch(Some("pick"), &[], bytemuck::bytes_of(&range), range.count as usize)?;
+    pass.dispatch_counted("pick", &[], bytemuck::bytes_of(&range), (Slot::due_groups, SUMMED))?;
     pass.dispatch(Some("sort"), &[], &[], 1)?;
     let displaced = u32::from(pass.state.distance == Distance::Table1);
     pass.dispatch_counted("far", &[displaced], &[], (Slot::due_groups, 0))?;

@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use exr::prelude::{Image, SpecificChannels, Vec2, WritableImage};
 
-use super::print;
+use super::{MemoryArgument, print};
 use crate::error::{Input, Result};
 use crate::render::bake::bake;
 use crate::scene::Scene;
-use crate::view::picture::write_whole;
+use crate::view::whole::encode_whole;
 
 /// Arguments of `bake-layers`.
 #[derive(Args)]
@@ -27,6 +28,8 @@ pub struct Arguments {
     /// Width and height, in texels.
     #[arg(long, value_name = "WxH", default_value = "512x512")]
     size: String,
+    #[command(flatten)]
+    memory: MemoryArgument,
     /// What the greatest depth is.
     #[arg(long, value_enum, default_value_t)]
     depth: Depth,
@@ -52,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let scene = |path: &PathBuf, texture: &str| {
         let path = path.to_string_lossy().replace('\\', "\\\\").replace('"', "\\\"");
         let text = format!("[[object]]\nmesh = \"{path}\"\nmaterial = {{ preset = 'marble'{texture} }}\n");
-        Scene::parse("bake-layers", &text, &[])
+        Scene::parse_from("bake-layers", &text, &[], &arguments.memory.files())
     };
     let outer = scene(&arguments.outer, ", texture = 'builtin:checker'")?;
     let inner = arguments.inner.iter().map(|path| scene(path, "")).collect::<Result<Vec<_>>>()?;
@@ -63,20 +66,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Depth::Dark => 1.0 - depth / baked.deepest,
     };
     let texel = |depths: &[f64; 4]| depths.map(share);
-    write_whole(&arguments.output, |beside| match end.as_str() {
+    encode_whole(&arguments.output, |file| match end.as_str() {
         "png" => {
             let round = |x: f64| (x * 65535.0 + 0.5) as u16;
             let values: Vec<u16> = baked.depths.iter().flat_map(|depths| texel(depths).map(round)).collect();
             let buffer = image::ImageBuffer::<image::Rgba<u16>, _>::from_raw(size[0], size[1], values);
             let buffer = buffer.ok_or("the map has another size")?;
-            buffer.save_with_format(beside, image::ImageFormat::Png).map_err(|error| error.to_string())
+            buffer.write_to(file, image::ImageFormat::Png).map_err(|error| error.to_string())
         }
         _ => {
             let (width, height) = (size[0] as usize, size[1] as usize);
-            let pixel = |x: usize, y: usize| -> (f32, f32, f32, f32) {
-                texel(&baked.depths[y * width + x]).map(|x| x as f32).into()
+            let pixel = |at: Vec2<usize>| -> (f32, f32, f32, f32) {
+                texel(&baked.depths[at.y() * width + at.x()]).map(|x| x as f32).into()
             };
-            exr::prelude::write_rgba_file(beside, width, height, pixel).map_err(|error| error.to_string())
+            let image = Image::from_channels((width, height), SpecificChannels::rgba(pixel));
+            image.write().to_buffered(file).map_err(|error| error.to_string())
         }
     })?;
 

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::device::pick;
+use super::device::{opened, pick};
 use super::replace::{ReplaceArgument, replaced};
-use super::{print, table};
+use super::{MemoryArgument, print, table};
 use crate::error::{Error, Input, Result};
 use crate::gpu::{Adapter, Device, Instance};
 use crate::measure::conform::{BINS, Row, conform, conform_stages};
@@ -36,6 +36,8 @@ pub struct Arguments {
     /// Only fixtures whose name contains this.
     #[arg(long, value_name = "TEXT", default_value = "")]
     only: String,
+    #[command(flatten)]
+    memory: MemoryArgument,
     /// Only these stages, by commas; the reference runs the others.
     #[arg(long, value_name = "STAGES", value_delimiter = ',')]
     stage: Vec<String>,
@@ -71,14 +73,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         list.extend(fixtures(&arguments.only)?);
     }
     for name in &arguments.scenes {
-        list.push(Fixture::of_scene(name, &Scene::load(name, &[])?)?);
+        list.push(Fixture::of_scene(name, &Scene::load_from(name, &[], 0.0, &arguments.memory.files())?)?);
     }
 
     let mut rows: Vec<(Device, Row)> = Vec::new();
     for adapter in chosen {
-        let device = replaced(&Device::open(&instance, adapter)?, &kernels);
+        let device = replaced(&opened(&instance, adapter)?, &kernels);
         if !adapter.limits.round_to_nearest {
-            eprintln!("{}: rounding to nearest can't be requested; decisions rely on its default", adapter.name);
+            tell!("{}: rounding to nearest can't be requested; decisions rely on its default", adapter.name);
         }
         for row in on_device(arguments, &device, &list)? {
             rows.push((device.clone(), row));
@@ -99,7 +101,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let wrong: Vec<_> = rows.iter().filter(|(_, row)| !row.faults.is_empty()).collect();
     for (device, row) in &wrong {
-        eprint!("\n{}\n", verdict(device, row, &again(arguments, device, row)));
+        tell!("\n{}", verdict(device, row, &again(arguments, device, row)));
     }
     if rows.is_empty() {
         return Err(Error::Check("nothing was compared".into()));

@@ -15,7 +15,7 @@ pub fn run() -> Result<()> {
                 rows.push(row(&index.to_string(), &name, &adapter.driver, &adapter.version, &state, Some(adapter)));
             }
         }
-        Err(error) => eprintln!("{error}"),
+        Err(error) => tell!("{error}"),
     }
     print(&table(
         &[

@@ -8,11 +8,12 @@ use clap::{Args, ValueEnum};
 use csv::StringRecord;
 use glam::DVec3;
 
-use super::{DeviceArgument, check_messages, validation};
+use super::{DeviceArgument, MemoryArgument, check_messages, validation};
 use crate::dipole::form_factor::Distance;
 use crate::dipole::form_factor::exact::edge_form_exact;
 use crate::dipole::profile::Dipole;
 use crate::error::{Error, Input, Result};
+use crate::gpu::Device;
 use crate::layout::{Query, Slot};
 use crate::light::fresnel;
 use crate::local::reflectance::cdrf;
@@ -41,10 +42,16 @@ pub struct Arguments {
     fresnel: Formula,
     #[command(flatten)]
     device: DeviceArgument,
+    #[command(flatten)]
+    memory: MemoryArgument,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Kind {
+/// Bytes of memory that a table takes, for each of its own.
+const COPIES: u64 = 128;
+
+/// What is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Kind {
     /// Form factor of a triangle and a point.
     FormFactor,
     /// The diffuse reflectance profile.
@@ -68,8 +75,9 @@ impl Kind {
     }
 }
 
-#[derive(Clone, Copy, Default, ValueEnum)]
-enum Formula {
+/// The diffuse Fresnel reflectance in the boundary condition.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Formula {
     /// The published polynomial.
     #[default]
     Paper,
@@ -92,34 +100,47 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if file == &arguments.output {
         return Err(Input::new("the output would replace the input").key("-o").found(file.display()).into());
     }
-    let text = std::fs::read_to_string(file).map_err(|e| Input::new(e.to_string()).file(file))?;
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+    let text = arguments.memory.files().stream(file, COPIES).map_err(|e| Input::new(e.to_string()).file(file))?;
+    let open = || arguments.device.open(validation());
+    let bytes = answers(arguments.kind, arguments.fresnel, file, &text, open)?;
+    write_whole(&arguments.output, |beside| std::fs::write(beside, bytes).map_err(|e| e.to_string()))
+}
+
+/// The rows of a table, called `file` in messages, with the values beside them, as CSV; `open` gives the device to evaluate
+/// them on, none is the CPU. A fault names the line and the column.
+pub fn answers(
+    kind: Kind,
+    formula: Formula,
+    file: &Path,
+    text: &[u8],
+    open: impl FnOnce() -> Result<Option<Device>>,
+) -> Result<Vec<u8>> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text);
     let header = reader.headers().map_err(|e| bad_row(file, &e))?.clone();
-    if let Some(key) = arguments.kind.columns().into_iter().find(|key| !header.iter().any(|name| name == *key)) {
+    if let Some(key) = kind.columns().into_iter().find(|key| !header.iter().any(|name| name == *key)) {
         let fault = Input::new("this column is missing").file(file).line(1).key(key);
         return Err(fault.expected("a column of this name").into());
     }
     let records = reader.into_records().collect::<std::result::Result<Vec<_>, _>>().map_err(|e| bad_row(file, &e))?;
     let cells = records.iter().map(|record| Cells { file, header: &header, record });
-    let values = if arguments.kind == Kind::Layered {
+    let values = if kind == Kind::Layered {
         let rows = cells.map(|cells| layered::row(&cells)).collect::<std::result::Result<Vec<_>, Input>>()?;
-        layered::evaluate(&rows, arguments.device.open(validation())?.as_ref())?
+        layered::evaluate(&rows, open()?.as_ref())?
     } else {
-        let rows = cells.map(|cells| row(arguments, &cells)).collect::<std::result::Result<Vec<_>, Input>>()?;
-        evaluate(arguments, &rows)?
+        let rows = cells.map(|cells| row(kind, formula, &cells)).collect::<std::result::Result<Vec<_>, Input>>()?;
+        evaluate(kind, open()?, &rows)?
     };
 
     // The input's columns, then the values.
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let names: &[&str] = if arguments.kind == Kind::FormFactor { &["value", "value_radial"] } else { &["value"] };
-    let write = |e: csv::Error| Error::from(Input::new(e.to_string()).file(&arguments.output));
+    let names: &[&str] = if kind == Kind::FormFactor { &["value", "value_radial"] } else { &["value"] };
+    let write = |e: csv::Error| Error::from(Input::new(e.to_string()).file(file));
     writer.write_record(header.iter().chain(names.iter().copied())).map_err(write)?;
     for (record, value) in records.iter().zip(values) {
         let cells: Vec<String> = value.iter().take(names.len()).map(|x| format!("{x:e}")).collect();
         writer.write_record(record.iter().chain(cells.iter().map(String::as_str))).map_err(write)?;
     }
-    let bytes = writer.into_inner().map_err(|e| Input::new(e.to_string()).file(&arguments.output))?;
-    write_whole(&arguments.output, |beside| std::fs::write(beside, bytes).map_err(|e| e.to_string()))
+    writer.into_inner().map_err(|e| Input::new(e.to_string()).file(file).into())
 }
 
 fn bad_row(file: &Path, error: &csv::Error) -> Input {
@@ -164,11 +185,11 @@ impl Cells<'_> {
 }
 
 /// Reads one record.
-fn row(arguments: &Arguments, cells: &Cells<'_>) -> std::result::Result<Row, Input> {
+fn row(kind: Kind, formula: Formula, cells: &Cells<'_>) -> std::result::Result<Row, Input> {
     let fault = |key: &str, what: &str| cells.fault(key, what);
     let at_least = |key: &str, least: f64| cells.at_least(key, least);
 
-    if arguments.kind == Kind::Cdrf {
+    if kind == Kind::Cdrf {
         let cosine = cells.number("cos_theta")?;
         if cosine.abs() > 1.0 {
             return Err(fault("cos_theta", "out of range").found(cosine).expected("-1 to 1"));
@@ -182,10 +203,13 @@ fn row(arguments: &Arguments, cells: &Cells<'_>) -> std::result::Result<Row, Inp
     let (scattering, absorption) = (at_least("sigma_s_prime", 0.0)?, at_least("sigma_a", 0.0)?);
     let eta = at_least("eta", 0.5)?;
     let unit = 1.0 / (scattering + absorption);
-    if !unit.is_finite() {
-        return Err(fault("sigma_s_prime", "the medium neither scatters nor absorbs").found("0 and 0"));
+    if !(unit.is_finite() && unit > 0.0) {
+        let what =
+            if unit > 0.0 { "the medium neither scatters nor absorbs" } else { "coefficients beyond all numbers" };
+        let found = format!("{scattering:e} and {absorption:e}");
+        return Err(fault("sigma_s_prime", what).found(found).expected("a mean free path above 0 that is a number"));
     }
-    let inner = match arguments.fresnel {
+    let inner = match formula {
         Formula::Paper => fresnel::diffuse_internal_polynomial(eta),
         Formula::Exact => fresnel::diffuse_internal_exact(eta),
     };
@@ -195,7 +219,7 @@ fn row(arguments: &Arguments, cells: &Cells<'_>) -> std::result::Result<Row, Inp
     }
     let dipole = Dipole::new(scattering * unit, absorption * unit, fresnel::boundary(inner));
     let mut triangle = [DVec3::ZERO; 3];
-    if arguments.kind == Kind::Profile {
+    if kind == Kind::Profile {
         triangle[0].x = at_least("r", 0.0)? / unit;
     } else {
         let mut v = [0.0; 12];
@@ -204,17 +228,21 @@ fn row(arguments: &Arguments, cells: &Cells<'_>) -> std::result::Result<Row, Inp
         }
         let point = |k: usize| DVec3::new(v[k], v[k + 1], v[k + 2]);
         triangle = [0, 3, 6].map(|k| (point(k) - point(9)) / unit);
-        if (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).length_squared() == 0.0 {
+        let area = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).length_squared();
+        if area == 0.0 {
             return Err(fault("v0x", "the triangle has no area"));
+        }
+        if !area.is_finite() {
+            let expected = "at most 1e70 mean free paths";
+            return Err(fault("v0x", "the triangle is too large or too far away").expected(expected));
         }
     }
     Ok(Row { triangle, dipole, unit })
 }
 
 /// The values: on a device by its kernels in `f32`, on the CPU in `f64`.
-fn evaluate(arguments: &Arguments, rows: &[Row]) -> Result<Vec<[f64; 2]>> {
-    let device = arguments.device.open(validation())?;
-    let (profile, local) = (arguments.kind == Kind::Profile, arguments.kind == Kind::Cdrf);
+fn evaluate(kind: Kind, device: Option<Device>, rows: &[Row]) -> Result<Vec<[f64; 2]>> {
+    let (profile, local) = (kind == Kind::Profile, kind == Kind::Cdrf);
     let Some(device) = device else {
         let value = |row: &Row| {
             if local {

@@ -1,13 +1,17 @@
 //! One thin file per subcommand, and the arguments they share.
 
+#[macro_use]
+mod text;
+
 mod bake;
 mod conform;
 mod device;
 mod devices;
-mod eval;
+pub mod eval;
 mod faces;
 mod fit_cdrf;
 mod lists;
+mod memory;
 mod pareto;
 mod plan;
 mod profile;
@@ -17,8 +21,8 @@ mod report;
 mod sequence;
 mod shader;
 mod solve;
+mod stop;
 mod stress;
-mod text;
 mod validity;
 
 use std::ffi::OsString;
@@ -26,12 +30,14 @@ use std::ffi::OsString;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::error::{Error, Input, Result};
-use crate::gpu::Device;
+use crate::gpu::{Device, Timing};
 use crate::hierarchy::face_cluster::Method;
-use crate::render::plan::{Mode, Options, Transport};
+use crate::render::plan::{Change, Mode, Options, Transport};
 use crate::render::run::{Room, Session};
 use crate::scene::Scene;
 use device::DeviceArgument;
+use memory::MemoryArgument;
+pub use stop::{leave, remove_when_stopped};
 use text::{print, size, table};
 
 #[derive(Parser)]
@@ -90,6 +96,8 @@ struct SceneArguments {
     /// The frame, where values have keyframes.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     frame: f64,
+    #[command(flatten)]
+    memory: MemoryArgument,
 }
 
 impl SceneArguments {
@@ -97,7 +105,7 @@ impl SceneArguments {
     fn load(&self) -> Result<Scene> {
         let scene = self.at(self.frame)?;
         for line in &scene.report {
-            eprintln!("{line}");
+            tell!("{line}");
         }
         Ok(scene)
     }
@@ -107,12 +115,17 @@ impl SceneArguments {
         Scene::check_at(&self.scene, &self.sets, frame)
     }
 
+    /// Another scene within the same memory.
+    fn other(&self, name: &str) -> Result<Scene> {
+        Scene::load_from(name, &[], 0.0, &self.memory.files())
+    }
+
     /// The scene at a frame; nothing is reported.
     fn at(&self, frame: f64) -> Result<Scene> {
         if !frame.is_finite() {
             return Err(Input::new("not a frame").key("--frame").found(frame).expected("a finite number").into());
         }
-        Scene::load_at(&self.scene, &self.sets, frame)
+        Scene::load_from(&self.scene, &self.sets, frame, &self.memory.files())
     }
 }
 
@@ -195,11 +208,24 @@ fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Res
     let session = Session::new(scene, device, options, Room::default())?;
     match session.prepared.method {
         Method::Merged => {}
-        Method::TooDeep => eprintln!("tree: merging neighbours made it too deep; split at medians instead"),
-        Method::TooEntangled => eprintln!("tree: clusters have too many neighbours to merge; split at medians instead"),
+        Method::TooDeep => tell!("tree: merging neighbours made it too deep; split at medians instead"),
+        Method::TooEntangled => tell!("tree: clusters have too many neighbours to merge; split at medians instead"),
     }
     sequence::warn_of_shape(&session, "");
+    if let Some(why) = session.not_kept() {
+        tell!("{why}");
+    }
     Ok(session)
+}
+
+/// A frame; that links turned out to be too many to keep is said once.
+fn run_frame(session: &mut Session, change: Change) -> Result<Vec<Timing>> {
+    let before = session.not_kept().is_some();
+    let times = session.frame(change)?;
+    if let Some(why) = session.not_kept().filter(|_| !before) {
+        tell!("{why}");
+    }
+    Ok(times)
 }
 
 /// Whether the environment asks for the validation layer.
@@ -211,7 +237,7 @@ fn validation() -> bool {
 fn check_messages(device: Option<&Device>) -> Result<()> {
     let messages = device.map(Device::take_messages).unwrap_or_default();
     for message in &messages {
-        eprintln!("{message}");
+        tell!("{message}");
     }
     if messages.is_empty() {
         return Ok(());

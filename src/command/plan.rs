@@ -14,7 +14,6 @@ use crate::render::about_mode;
 use crate::render::needs::{KernelNeeds, StageNeeds};
 use crate::render::octree;
 use crate::render::plan::{Change, Options, before_transport};
-use crate::scene::Scene;
 use crate::state::Extent;
 use crate::view::picture::write_whole;
 
@@ -45,7 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             let fault = Input::new("a difference has no JSON").key("--json").found("--diff");
             return Err(fault.expected("one of the two").into());
         }
-        let scene = Scene::load(other, &[])?;
+        let scene = arguments.scene.other(other)?;
         let against = open_session(&scene, device.as_ref(), Options::default())?;
         return print(&diff::text(&session, &against)?);
     }
@@ -67,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     );
     let mode = about_mode(state, plan.options());
     let rebuilt = session.rebuilt();
-    let trees: String = rebuilt.iter().map(|line| format!("\n{line}")).collect();
+    let trees: String = rebuilt.iter().chain(session.maps()).map(|line| format!("\n{line}")).collect();
     text = text.replacen("\n\nstages", &format!("\nmode {mode}{trees}\n\nstages"), 1);
     let mut stages: Vec<Vec<String>> = plan
         .stages
@@ -97,12 +96,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     text += &table(&["kernel", "dispatches", "specialization constants"], &[1], &kernels);
 
     // Lists start with a guess and grow to what a frame turns out to need.
+    let misfits = session.misfits(Change::EVERYTHING.and(Change::RELINK))?;
     let lists = ["handed", "links", "factors", "area_links", "edge_links"];
     let (mut total, mut buffers) = (0, Vec::new());
     for (slot, bytes) in session.buffers() {
         let spec = slot.spec();
         total += bytes;
-        let note = if lists.contains(&spec.name) { "grows as needed" } else { "" };
+        let note = match (misfits.contains(&slot), lists.contains(&spec.name)) {
+            (true, _) => "more than the device binds: use fewer triangles or pixels, or --device cpu",
+            (false, true) => "grows as needed",
+            (false, false) => "",
+        };
         let count = (bytes / spec.stride as u64).to_string();
         buffers.push(vec![spec.name.to_string(), spec.per.to_string(), count, size(bytes), note.to_string()]);
     }
@@ -123,6 +127,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "objects": state.objects.len(),
             "mode": mode,
             "trees": rebuilt,
+            "maps": session.maps(),
+            "too_large": misfits.iter().map(|slot| slot.spec().name).collect::<Vec<_>>(),
             "chunks": state.sum(|object| object.schedule.chunks.len()),
             "stages": stages.iter().map(|row| stage_json(row, &needs)).collect::<Vec<_>>(),
             "buffers": session.buffers().iter()

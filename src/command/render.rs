@@ -5,7 +5,9 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 
-use super::{RunArguments, SceneArguments, check_messages, open_session, print, sequence, table, validation};
+use super::{
+    RunArguments, SceneArguments, check_messages, open_session, print, run_frame, sequence, table, validation,
+};
 use crate::error::{Input, Result};
 use crate::render::bends::{Bends, bends};
 use crate::render::clusters::{Emitters, clusters, color};
@@ -101,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut scene = arguments.run.of(&arguments.scene).load()?;
     scene.camera.size = size.unwrap_or(scene.camera.size);
     let mut session = open_session(&scene, device.as_ref(), options)?;
-    let times = session.frame(Change::EVERYTHING)?;
+    let times = run_frame(&mut session, Change::EVERYTHING)?;
     if arguments.times {
         super::solve::print_times(&mut session, &times)?;
     }
@@ -122,7 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let place = device.as_ref().map_or("the CPU", |device| device.name());
     let seconds = start.elapsed().as_secs_f64();
     let (file, width, height) = (arguments.output.display(), picture.width, picture.height);
-    eprintln!("{file}: {width} x {height}, on {place}, {seconds:.1} s");
+    tell!("{file}: {width} x {height}, on {place}, {seconds:.1} s");
     Ok(())
 }
 

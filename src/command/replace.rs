@@ -63,10 +63,10 @@ impl ReplaceArgument {
         let rows = check(&device, &Fixture::new(&scene.name, scene, options, Room::default())?)?;
         let (good, bad): (Vec<_>, Vec<_>) = rows.iter().partition(|row| row.faults.is_empty());
         for row in good {
-            eprintln!("{}: {} words conform to the reference", row.stage, row.words);
+            tell!("{}: {} words conform to the reference", row.stage, row.words);
         }
         for row in &bad {
-            eprint!("\n{}\n", verdict(&device, row, &format!("{again}{}", self.again())));
+            tell!("\n{}", verdict(&device, row, &format!("{again}{}", self.again())));
         }
         match bad.as_slice() {
             [] => Ok(Some(device)),

@@ -45,7 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut tell = |name: &str| {
         number += 1;
         if std::io::stderr().is_terminal() {
-            eprintln!("{number}/{} {name}", sections.len());
+            tell!("{number}/{} {name}", sections.len());
         }
     };
     let made = report(&bench, &sections, &mut tell);

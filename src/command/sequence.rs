@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{SceneArguments, check_messages, open_session};
+use super::{SceneArguments, check_messages, open_session, run_frame};
 use crate::error::{Input, Result};
 use crate::gpu::Device;
 use crate::render::aov::layers;
@@ -51,12 +51,12 @@ impl Job<'_> {
             bar.set_style(style);
         }
         let mut session = None;
-        for &frame in &wanted {
+        let mut one = |frame: i32| -> Result<()> {
             let mut scene = self.scenes.at(f64::from(frame))?;
             scene.camera.size = self.size.unwrap_or(scene.camera.size);
             let session = match &mut session {
                 None => {
-                    scene.report.iter().for_each(|line| eprintln!("{line}"));
+                    scene.report.iter().for_each(|line| tell!("{line}"));
                     session.insert(open_session(&scene, device, self.options)?)
                 }
                 Some(session) => {
@@ -65,27 +65,35 @@ impl Job<'_> {
                     session
                 }
             };
-            session.frame(Change::default())?;
+            run_frame(session, Change::default())?;
+            check_messages(device)?;
             shoot(session, self.aov, &output(frame))?;
             check_messages(device)?;
             bar.inc(1);
+            Ok(())
+        };
+        for (done, &frame) in wanted.iter().enumerate() {
+            one(frame).inspect_err(|_| {
+                bar.finish_and_clear();
+                tell!("frame {frame} failed; {done} before it are whole, and --skip-existing goes on from here");
+            })?;
         }
         bar.finish_and_clear();
         let place = device.map_or("the CPU", |device| device.name());
         let (count, there) = (wanted.len(), left_out.len());
         let there = if there > 0 { format!(", {there} were there") } else { String::new() };
         let seconds = start.elapsed().as_secs_f64();
-        eprintln!("{count} frames{there}, on {place}, {seconds:.1} s");
+        tell!("{count} frames{there}, on {place}, {seconds:.1} s");
         Ok(())
     }
 }
 
 /// Says which trees deformations have spoilt, and where they turn triangles inside out: there the picture is wrong.
 pub fn warn_of_shape(session: &Session, frame: &str) {
-    session.rebuilt().iter().for_each(|line| eprintln!("{frame}{line}"));
+    session.rebuilt().iter().for_each(|line| tell!("{frame}{line}"));
     for (object, count) in turned(session.state()).into_iter().enumerate().filter(|(_, count)| *count > 0) {
         let all = session.state().objects[object].count.faces;
-        eprintln!(
+        tell!(
             "{frame}object {object}: its deformations turn {count} of {all} triangles inside out or leave them without an area"
         );
     }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::faces::{csv, ply};
-use super::{RunArguments, SceneArguments, check_messages, open_session, print, table, validation};
+use super::{RunArguments, SceneArguments, check_messages, open_session, print, run_frame, table, validation};
 use crate::error::{Input, Result};
 use crate::gpu::Timing;
 use crate::layout::Slot;
@@ -72,7 +72,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let estimate = output.is_some() || arguments.verify.is_some();
     let options = Options { goal: Goal::Radiosity, estimate, ..arguments.run.options() };
     let mut session = open_session(&scene, device.as_ref(), options)?;
-    let times = session.frame(Change::EVERYTHING)?;
+    let times = run_frame(&mut session, Change::EVERYTHING)?;
+    session.sharpen()?;
     session.fetch(&[Slot::clusters, Slot::irradiance, Slot::radiosity, Slot::estimate])?;
     check_messages(device.as_ref())?;
     if let Some((path, format)) = output {
@@ -94,11 +95,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         };
         let rows = [row("r", &norms[0]), row("g", &norms[1]), row("b", &norms[2]), row("worst", &all)];
         print(&table(&["channel", "L2", "p99", "max"], &[1, 2, 3], &rows))?;
-        if let Some(Quality { covered, ratio, rank, best }) = checked.estimate {
+        if let Some(Quality { covered, ratio, rank }) = checked.estimate {
             let share = 100.0 * covered;
             print(&format!(
                 "the estimate is above the error at {share:.2} % of the faces; its p99 is {ratio:.1} times the error's; \
-                 rank correlation {rank:.2} ({best:.2} if errors were normal and it their size)\n"
+                 rank correlation {rank:.2}\n"
             ))?;
         }
     }

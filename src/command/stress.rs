@@ -51,7 +51,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     for outcome in &outcomes {
         for fault in &outcome.faults {
-            eprintln!("{}: {fault}", outcome.case.name);
+            tell!("{}: {fault}", outcome.case.name);
         }
     }
     let failed = outcomes.iter().filter(|outcome| !outcome.faults.is_empty()).count();

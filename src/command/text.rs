@@ -1,12 +1,21 @@
-//! What commands print: plain text, tables, sizes.
+//! What commands print: plain text, tables, sizes; and what they tell on the side.
 
 use std::io::Write;
 
 use crate::error::{Input, Result};
 
+/// Writes a line to standard error; that it can't be written is no reason to stop.
+macro_rules! tell {
+    ($($argument:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stderr(), $($argument)*);
+    }};
+}
+
 /// Writes a result to standard output; a reader that has gone away is no error.
 pub(super) fn print(text: &str) -> Result<()> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(Input::new(format!("standard output could not be written: {error}")).into())
         }

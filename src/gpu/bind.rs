@@ -6,7 +6,7 @@ use ash::vk;
 use ash::vk::Handle as _;
 
 use super::device::Device;
-use super::fault;
+use super::faults::tried;
 use super::kernel::Kernel;
 use super::memory::Buffer;
 use crate::error::{Error, Result};
@@ -73,13 +73,13 @@ impl Sets {
                     descriptor_count: SETS * self.device.limits().storage_buffers.min(32),
                 }];
                 let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS).pool_sizes(&sizes);
-                self.pools.push(raw.create_descriptor_pool(&info, None).map_err(|code| fault(&doing, code))?);
+                self.pools.push(tried("vkCreateDescriptorPool", &doing, || raw.create_descriptor_pool(&info, None))?);
                 self.left = SETS;
             }
             let layouts = [kernel.set_layout];
             let pool = self.pools.last().copied().unwrap_or_default();
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
-            let set = raw.allocate_descriptor_sets(&info).map_err(|code| fault(&doing, code))?[0];
+            let set = tried("vkAllocateDescriptorSets", &doing, || raw.allocate_descriptor_sets(&info))?[0];
             let writes: Vec<_> = kernel
                 .accesses
                 .iter()
@@ -103,6 +103,9 @@ impl Sets {
 
 impl Drop for Sets {
     fn drop(&mut self) {
+        if !self.device.finished() {
+            return;
+        }
         for pool in &self.pools {
             // SAFETY: the recording has been waited for, or was never submitted.
             unsafe { self.device.0.raw.destroy_descriptor_pool(*pool, None) };

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 
 use ash::{ext, vk};
 
-use super::fault;
+use super::faults::{altered, tried};
 use crate::error::{Error, Result};
 
 /// A loaded Vulkan library. Clones share it.
@@ -35,6 +35,10 @@ pub struct Limits {
     pub push_bytes: u32,
     /// Invocations in a group.
     pub group_invocations: u32,
+    /// Groups in the first two dimensions of a dispatch.
+    pub groups: [u32; 2],
+    /// Largest heap of the device's own memory, bytes; no limit where that is the host's.
+    pub heap_bytes: u64,
     /// Invocations that run in lockstep.
     pub subgroup_size: u32,
     /// Nanoseconds a timestamp tick; 0 where the queue has no timestamps.
@@ -44,7 +48,7 @@ pub struct Limits {
 }
 
 /// A Vulkan device that could be opened.
-#[derive(Clone)]
+#[derive(Clone, Debug, Default)]
 pub struct Adapter {
     /// The device's name.
     pub name: String,
@@ -100,14 +104,23 @@ impl Instance {
         let doing = "loading Vulkan";
         // SAFETY: the loader is the system's; nothing else is loaded in its name.
         let entry = unsafe { ash::Entry::load() }.map_err(|e| {
-            Error::device(doing, format!("no Vulkan loader (Debian: libvulkan1, mesa-vulkan-drivers): {e}"))
+            Error::device(
+                doing,
+                format!(
+                    "no Vulkan loader; install one (Debian: libvulkan1, mesa-vulkan-drivers), or use --device cpu: {e}"
+                ),
+            )
         })?;
         let application =
             vk::ApplicationInfo::default().application_name(c"milkglass").api_version(vk::API_VERSION_1_2);
         let mut extensions = Vec::new();
         let mut layers = Vec::new();
-        // SAFETY: plain queries on a loaded entry.
-        let offered = unsafe { entry.enumerate_instance_extension_properties(None) }.unwrap_or_default();
+        // Loaders fail here where no driver can be loaded; what comes next says so in better words.
+        let offered = tried("vkEnumerateInstanceExtensionProperties", doing, || {
+            // SAFETY: a plain query on a loaded entry.
+            unsafe { entry.enumerate_instance_extension_properties(None) }
+        })
+        .unwrap_or_default();
         let labels =
             offered.iter().any(|e| e.extension_name_as_c_str().is_ok_and(|name| name == ext::debug_utils::NAME));
         if labels || validation {
@@ -122,8 +135,10 @@ impl Instance {
             info = info.push_next(&mut features);
         }
         let info = info.enabled_extension_names(&extensions).enabled_layer_names(&layers);
-        // SAFETY: `info` and all it points to live through the call.
-        let raw = unsafe { entry.create_instance(&info, None) }.map_err(|code| fault("starting Vulkan", code))?;
+        let raw = tried("vkCreateInstance", "starting Vulkan", || {
+            // SAFETY: `info` and all it points to live through the call.
+            unsafe { entry.create_instance(&info, None) }
+        })?;
         let debug = (labels || validation).then(|| ext::debug_utils::Instance::new(&entry, &raw));
         let mut inner = Inner {
             raw,
@@ -139,9 +154,10 @@ impl Instance {
                 .message_type(Kind::VALIDATION | Kind::GENERAL)
                 .pfn_user_callback(Some(on_message))
                 .user_data(std::ptr::from_ref(&*inner.messages).cast_mut().cast());
-            // SAFETY: the callback's data lives in the box of `inner`, freed after the messenger.
-            inner.messenger = unsafe { debug.create_debug_utils_messenger(&info, None) }
-                .map_err(|code| fault("listening to the validation layer", code))?;
+            inner.messenger = tried("vkCreateDebugUtilsMessengerEXT", "listening to the validation layer", || {
+                // SAFETY: the callback's data lives in the box of `inner`, freed after the messenger.
+                unsafe { debug.create_debug_utils_messenger(&info, None) }
+            })?;
         }
         Ok(Self(Arc::new(inner)))
     }
@@ -153,10 +169,11 @@ impl Instance {
 
     /// Every adapter, in the loader's order.
     pub fn adapters(&self) -> Result<Vec<Adapter>> {
-        // SAFETY: the instance is alive.
-        let list =
-            unsafe { self.0.raw.enumerate_physical_devices() }.map_err(|code| fault("listing Vulkan devices", code))?;
-        Ok(list.into_iter().map(|physical| self.adapter(physical)).collect())
+        let list = tried("vkEnumeratePhysicalDevices", "listing Vulkan devices", || {
+            // SAFETY: the instance is alive.
+            unsafe { self.0.raw.enumerate_physical_devices() }
+        })?;
+        Ok(list.into_iter().map(|physical| altered(self.adapter(physical))).collect())
     }
 
     fn adapter(&self, physical: vk::PhysicalDevice) -> Adapter {
@@ -173,12 +190,21 @@ impl Instance {
         let mut features12 = vk::PhysicalDeviceVulkan12Features::default();
         let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut features12);
         // SAFETY: the chains live through the calls; a device of version 1.2 or newer fills them.
-        let queues = unsafe {
+        let (queues, memory) = unsafe {
             raw.get_physical_device_properties2(physical, &mut properties);
             raw.get_physical_device_features2(physical, &mut features);
-            raw.get_physical_device_queue_family_properties(physical)
+            (
+                raw.get_physical_device_queue_family_properties(physical),
+                raw.get_physical_device_memory_properties(physical),
+            )
         };
+        let own = |heap: &&vk::MemoryHeap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL);
         let base = properties.properties;
+        // What a driver on the CPU says of its heap is a number it made up: its memory is the host's.
+        let heap_bytes = match base.device_type {
+            vk::PhysicalDeviceType::CPU => u64::MAX,
+            _ => memory.memory_heaps_as_slice().iter().filter(own).map(|heap| heap.size).max().unwrap_or(0),
+        };
         let text = |bytes: &[std::ffi::c_char]| {
             // SAFETY: the driver terminates these fixed arrays with a zero.
             unsafe { CStr::from_ptr(bytes.as_ptr()) }.to_string_lossy().into_owned()
@@ -224,6 +250,8 @@ impl Instance {
                     .min(base.limits.max_descriptor_set_storage_buffers),
                 push_bytes: base.limits.max_push_constants_size,
                 group_invocations: base.limits.max_compute_work_group_invocations,
+                groups: [0, 1].map(|k| base.limits.max_compute_work_group_count[k]),
+                heap_bytes,
                 subgroup_size: subgroup.subgroup_size,
                 timestamp_period: if timed { base.limits.timestamp_period } else { 0.0 },
                 round_to_nearest: more.shader_rounding_mode_rte_float32 == vk::TRUE,

@@ -8,7 +8,7 @@ use ash::vk;
 
 use super::count::{self, Tally};
 use super::device::Device;
-use super::fault;
+use super::faults::tried;
 use super::memory::Buffer;
 use super::reflect::{Access, reflect, round_to_nearest, words_of};
 use crate::error::{Error, Result};
@@ -161,7 +161,8 @@ impl Kernel {
         // SAFETY: every handle is this device's and lands in `kernel` at once, which frees it if a later step fails.
         unsafe {
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-            kernel.set_layout = raw.create_descriptor_set_layout(&info, None).map_err(|code| fault(&doing, code))?;
+            kernel.set_layout =
+                tried("vkCreateDescriptorSetLayout", &doing, || raw.create_descriptor_set_layout(&info, None))?;
             let sets = [kernel.set_layout];
             let push = [vk::PushConstantRange {
                 stage_flags: vk::ShaderStageFlags::COMPUTE,
@@ -172,19 +173,20 @@ impl Kernel {
             if kernel.push_bytes > 0 {
                 info = info.push_constant_ranges(&push);
             }
-            kernel.layout = raw.create_pipeline_layout(&info, None).map_err(|code| fault(&doing, code))?;
-            let module = raw
-                .create_shader_module(&vk::ShaderModuleCreateInfo::default().code(&words), None)
-                .map_err(|code| fault(&doing, code))?;
+            kernel.layout = tried("vkCreatePipelineLayout", &doing, || raw.create_pipeline_layout(&info, None))?;
+            let info = vk::ShaderModuleCreateInfo::default().code(&words);
+            let module = tried("vkCreateShaderModule", &doing, || raw.create_shader_module(&info, None))?;
             let stage = vk::PipelineShaderStageCreateInfo::default()
                 .stage(vk::ShaderStageFlags::COMPUTE)
                 .module(module)
                 .name(c"main")
                 .specialization_info(&special);
             let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(kernel.layout)];
-            let made = raw.create_compute_pipelines(device.0.cache, &info, None);
+            let made = tried("vkCreateComputePipelines", &doing, || {
+                raw.create_compute_pipelines(device.0.cache, &info, None).map_err(|(_, code)| code)
+            });
             raw.destroy_shader_module(module, None);
-            kernel.pipeline = made.map_err(|(_, code)| fault(&doing, code))?[0];
+            kernel.pipeline = made?[0];
         }
         device.label(kernel.pipeline, name);
         Ok(kernel)
@@ -193,6 +195,9 @@ impl Kernel {
 
 impl Drop for Kernel {
     fn drop(&mut self) {
+        if !self.device.finished() {
+            return;
+        }
         let raw = &self.device.0.raw;
         // SAFETY: every submission is waited for, so the device no longer uses them; null handles are allowed.
         unsafe {

@@ -1,11 +1,11 @@
 //! Named buffers, and the copies between host and device.
 
 use ash::vk;
-use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
+use gpu_allocator::{AllocationError, MemoryLocation};
 
 use super::device::Device;
-use super::fault;
+use super::faults::tried;
 use crate::error::{Error, Result};
 
 /// Largest piece of one copy between host and device, bytes.
@@ -38,8 +38,10 @@ impl Buffer {
             | vk::BufferUsageFlags::TRANSFER_SRC
             | vk::BufferUsageFlags::TRANSFER_DST;
         let info = vk::BufferCreateInfo::default().size(size).usage(usage);
-        // SAFETY: the device is alive.
-        let raw = unsafe { device.0.raw.create_buffer(&info, None) }.map_err(|code| fault(&doing, code))?;
+        let raw = tried("vkCreateBuffer", &doing, || {
+            // SAFETY: the device is alive.
+            unsafe { device.0.raw.create_buffer(&info, None) }
+        })?;
         let mut buffer = Self { raw, name: name.to_string(), size, allocation: None, device: device.clone() };
         device.label(raw, name);
         // SAFETY: the buffer was just created.
@@ -51,22 +53,22 @@ impl Buffer {
             linear: true,
             allocation_scheme: AllocationScheme::GpuAllocatorManaged,
         };
-        let mut allocator =
-            device.0.allocator.lock().map_err(|_| Error::device(doing.as_str(), "the allocator broke"))?;
-        let allocation = allocator
-            .as_mut()
-            .ok_or_else(|| Error::device(doing.as_str(), "the device is closing"))?
-            .allocate(&description)
-            .map_err(|error| Error::device(doing.as_str(), error))?;
-        // SAFETY: memory and offset come from the allocator for just these requirements.
-        let bound = unsafe { device.0.raw.bind_buffer_memory(raw, allocation.memory(), allocation.offset()) };
+        let allocation = {
+            let mut held =
+                device.0.allocator.lock().map_err(|_| Error::device(doing.as_str(), "the allocator broke"))?;
+            let allocator = held.as_mut().ok_or_else(|| Error::device(doing.as_str(), "the device is closing"))?;
+            let allocate = || allocator.allocate(&description).map_err(|error| code_of(&error));
+            tried("vkAllocateMemory", &doing, allocate)?
+        };
+        let bound = tried("vkBindBufferMemory", &doing, || {
+            // SAFETY: memory and offset come from the allocator for just these requirements.
+            unsafe { device.0.raw.bind_buffer_memory(raw, allocation.memory(), allocation.offset()) }
+        });
         let (now, most) = device.memory();
         let now = now + allocation.size();
         device.0.allocated.set((now, most.max(now)));
         buffer.allocation = Some(allocation);
-        drop(allocator);
-        bound.map_err(|code| fault(&doing, code))?;
-        Ok(buffer)
+        bound.map(|()| buffer)
     }
 
     /// Its size in bytes.
@@ -127,6 +129,15 @@ impl Buffer {
     }
 }
 
+/// The allocator's error as the result code behind it.
+fn code_of(error: &AllocationError) -> vk::Result {
+    match error {
+        AllocationError::OutOfMemory => vk::Result::ERROR_OUT_OF_DEVICE_MEMORY,
+        AllocationError::FailedToMap(_) => vk::Result::ERROR_MEMORY_MAP_FAILED,
+        _ => vk::Result::ERROR_UNKNOWN,
+    }
+}
+
 /// One copy on the queue, waited for.
 fn copy(device: &Device, from: (&Buffer, u64), to: (&Buffer, u64), size: u64, doing: &str) -> Result<()> {
     let commands = device.begin(doing)?;
@@ -147,17 +158,18 @@ fn copy(device: &Device, from: (&Buffer, u64), to: (&Buffer, u64), size: u64, do
             &[],
             &[],
         );
-        let done = raw
-            .end_command_buffer(commands)
-            .map_err(|code| fault(doing, code))
+        let done = tried("vkEndCommandBuffer", doing, || raw.end_command_buffer(commands))
             .and_then(|()| device.submit(commands, doing));
-        raw.free_command_buffers(device.0.pool, &[commands]);
+        device.discard(commands);
         done
     }
 }
 
 impl Drop for Buffer {
     fn drop(&mut self) {
+        if !self.device.finished() {
+            return;
+        }
         // SAFETY: every submission is waited for, so the device no longer uses the buffer.
         unsafe { self.device.0.raw.destroy_buffer(self.raw, None) };
         if let (Some(allocation), Ok(mut allocator)) = (self.allocation.take(), self.device.0.allocator.lock())

@@ -10,7 +10,7 @@ use ash::vk::Handle as _;
 use super::bind::{Binding, Sets};
 use super::count;
 use super::device::Device;
-use super::fault;
+use super::faults::tried;
 use super::kernel::Kernel;
 use super::memory::Buffer;
 use crate::error::{Error, Result};
@@ -73,7 +73,7 @@ impl Recorder {
             let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(count);
             // SAFETY: the device is alive; the pool is freed with the recorder.
             unsafe {
-                recorder.queries = device.0.raw.create_query_pool(&info, None).map_err(|code| fault(doing, code))?;
+                recorder.queries = tried("vkCreateQueryPool", doing, || device.0.raw.create_query_pool(&info, None))?;
                 device.0.raw.cmd_reset_query_pool(commands, recorder.queries, 0, count);
             }
             recorder.room = parts;
@@ -135,7 +135,10 @@ impl Recorder {
                 let (name, size) = (binding.buffer.name(), binding.size);
                 return Err(Error::device(
                     doing(),
-                    format!("buffer {name} has {size} bytes, the device binds at most {limit}"),
+                    format!(
+                        "buffer {name} has {size} bytes, the device binds at most {limit}; use fewer triangles or pixels, or \
+                         --device cpu"
+                    ),
                 ));
             }
         }
@@ -154,8 +157,13 @@ impl Recorder {
             Work::Invocations(count) => count.div_ceil(u64::from(kernel.group)),
             Work::Groups(..) => 0,
         };
-        let (across, down) = (groups.min(ROW), groups.div_ceil(ROW));
-        let down = u32::try_from(down).map_err(|_| Error::device(doing(), "too many groups"))?;
+        let most = self.device.limits().groups.map(u64::from);
+        let row = ROW.min(most[0]).max(1);
+        let (across, down) = (groups.min(row), groups.div_ceil(row));
+        if down > most[1] {
+            let what = format!("it takes {groups} groups, the device dispatches at most {} x {}", most[0], most[1]);
+            return Err(Error::device(doing(), what));
+        }
         let raw = &self.device.0.raw;
         // SAFETY: kernel, set and buffers live until the submission has been waited for.
         unsafe {
@@ -165,7 +173,7 @@ impl Recorder {
                 raw.cmd_push_constants(self.commands, kernel.layout, vk::ShaderStageFlags::COMPUTE, 0, push);
             }
             match work {
-                Work::Invocations(_) => raw.cmd_dispatch(self.commands, across as u32, down, 1),
+                Work::Invocations(_) => raw.cmd_dispatch(self.commands, across as u32, down as u32, 1),
                 Work::Groups(buffer, offset) => raw.cmd_dispatch_indirect(self.commands, buffer.raw, offset),
             }
         }
@@ -230,15 +238,18 @@ impl Recorder {
         stages.dedup();
         let doing = format!("running a frame ({}; {} dispatches)", stages.join(", "), self.dispatches);
         let raw = &self.device.0.raw;
-        // SAFETY: the command buffer is complete; every resource it uses is owned by `self` or borrowed by the caller.
-        unsafe { raw.end_command_buffer(self.commands) }.map_err(|code| fault(&doing, code))?;
+        tried("vkEndCommandBuffer", &doing, || {
+            // SAFETY: the command buffer is complete; every resource it uses is owned by `self` or borrowed by the caller.
+            unsafe { raw.end_command_buffer(self.commands) }
+        })?;
         self.device.submit(self.commands, &doing)?;
         let mut ticks = vec![0u64; 2 * self.names.len().min(self.room)];
         if !ticks.is_empty() {
             let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
-            // SAFETY: every query of the range was written by the submission.
-            unsafe { raw.get_query_pool_results(self.queries, 0, &mut ticks, flags) }
-                .map_err(|code| fault(&doing, code))?;
+            tried("vkGetQueryPoolResults", &doing, || {
+                // SAFETY: every query of the range was written by the submission.
+                unsafe { raw.get_query_pool_results(self.queries, 0, &mut ticks, flags) }
+            })?;
         }
         let period = f64::from(self.device.limits().timestamp_period);
         let between = |from: Option<&u64>, to: Option<&u64>| match (from, to) {
@@ -256,11 +267,11 @@ impl Recorder {
 
 impl Drop for Recorder {
     fn drop(&mut self) {
-        let raw = &self.device.0.raw;
-        // SAFETY: a submitted frame has been waited for; one that was not submitted is not in use.
-        unsafe {
-            raw.destroy_query_pool(self.queries, None);
-            raw.free_command_buffers(self.device.0.pool, &[self.commands]);
+        if !self.device.finished() {
+            return;
         }
+        self.device.discard(self.commands);
+        // SAFETY: a submitted frame has been waited for; one that was not submitted is not in use.
+        unsafe { self.device.0.raw.destroy_query_pool(self.queries, None) };
     }
 }

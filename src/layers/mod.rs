@@ -3,6 +3,7 @@
 //! Where the paper errs, this follows what it means: signs, clamps, normalised normals and dual texture axes.
 
 pub mod beneath;
+pub mod islands;
 pub mod plane_fit;
 pub mod relief;
 pub mod slab;

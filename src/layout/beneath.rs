@@ -13,6 +13,8 @@ records! { layer_records:
         first_layer: u32,
         /// Number of its layers, 1 to 16.
         layers: u32,
+        /// Its first entry in `islands`, or all ones where its triangles have their places in `corner_uvs`.
+        first_island: u32,
         /// Its first texel in `depths`.
         first_texel: u32,
         /// Width and height of its depth maps, in texels.
@@ -40,6 +42,19 @@ records! { layer_records:
         sigma_t: [f32; 3],
         /// The phase function's parameter.
         g: f32,
+    }
+    /// Where a triangle's corners are in depth maps that are laid out by islands, in texels: (0, 0) is the centre of the first.
+    Island {
+        /// First corner.
+        a: [f32; 2],
+        /// Second corner.
+        b: [f32; 2],
+        /// Third corner.
+        c: [f32; 2],
+        /// Centre of the first texel of its island's margin; whole numbers.
+        low: [f32; 2],
+        /// Centre of the last one.
+        high: [f32; 2],
     }
     /// The vertices of a cluster; each vertex belongs to the first triangle of those round it.
     Crowd {

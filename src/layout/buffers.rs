@@ -132,11 +132,14 @@ buffers! {
     kept_positions: [f32; 3], point;
     /// Clusters that they were made for.
     kept_clusters: Cluster, node;
-    /// Not 0 where a triangle of the cluster has moved since.
+    /// 1 where a triangle of the cluster has moved since, 2 where another light enters one than was summed, 3 where both.
     altered: u32, node;
     /// Of each receiver: its part of `made` (link), of `undone` (area), of `due` or, before, the place that its links move to
     /// (edge), and of `handed`.
     edits: Span, node;
+    /// Receivers of a chunk that have something to do, from the place on that the chunk has in `order`: those whose links are
+    /// merged, and after that those whose links are summed again.
+    busy: u32, node;
     /// Emitters of links that are made, or touch what is altered.
     made: u32, edit;
     /// Emitters of links that are undone.
@@ -149,7 +152,7 @@ buffers! {
     due: u32, due;
     /// The same by what is evaluated: one sample, area points, the edge form.
     ranked: u32, due;
-    /// Groups to dispatch for each of the three.
+    /// Groups to dispatch for each of the three, for receivers whose links are merged, and for those that are summed again.
     due_groups: [u32; 3], rank;
     /// Radiosity gathered at each node's own links.
     gathered: [f32; 3], node;
@@ -167,6 +170,8 @@ buffers! {
     layerings: Layering, layering;
     /// Their layers.
     beneath: Layer, layer;
+    /// Where their triangles are in depth maps laid out by islands: of those whose texture coordinates have seams.
+    islands: Island, face;
     /// Depths of the layers' lower interfaces, four a texel, rows from the top.
     depths: [f32; 4], texel;
     /// What shines into layers: the lights that have a place or a direction, and the environment as lights from afar.

@@ -55,6 +55,8 @@ records! { list_records:
         entries: u32,
         /// Largest count of entries met in a batch.
         need_entries: u32,
+        /// Most triangles that one block takes by area points or the edge form.
+        need_near: u32,
         /// Not 0 when a list did not fit: the results are void, and the frame must run again with more room.
         overflow: u32,
         /// Not 0 when a driver ended a loop early, or would: lavapipe does so after 65,535 iterations.
@@ -73,12 +75,18 @@ records! { list_records:
         computed: u32,
         /// Kept links whose form factors wait for a later frame, so far.
         waiting: u32,
+        /// Receivers of this chunk that are listed in `busy`.
+        busy: u32,
+        /// Receivers that a frame merges kept links of, so far.
+        edited: u32,
+        /// Receivers that a frame sums kept links of again, so far.
+        summed: u32,
         /// Nothing.
         padding: [u32; 32],
         /// Nothing.
-        more_padding: [u32; 6],
+        more_padding: [u32; 3],
         /// Nothing.
-        last_padding: [u32; 2],
+        last_padding: u32,
     }
     /// A run of elements for one dispatch.
     Range {

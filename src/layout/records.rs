@@ -96,6 +96,8 @@ records! { frame_records:
         usual_blocks: u32,
         /// Room for list entries in one batch.
         entry_room: u32,
+        /// Triangles of one block that `gather` takes one by one, a multiple of its part.
+        near_room: u32,
         /// Largest error of one link, in units of the reference level.
         link_error: f32,
         /// Irradiance of each channel as a multiple of its group's lead channel.
@@ -121,7 +123,7 @@ records! { frame_records:
         /// Nothing.
         more_padding: [u32; 6],
         /// Nothing.
-        other_padding: [u32; 2],
+        other_padding: u32,
         /// Most form factors that a frame may compute over links that are kept.
         budget: u32,
         /// Room for links that a frame makes or undoes in one chunk.

@@ -79,7 +79,7 @@ fn pixel(state: &State, hit: &Hit, before: [f32; 3], response: &Response<'_>, be
     let (point, normal) = (mix(&data.positions), mix(&data.normals).normalize_or_zero());
     let mut kappa = 0.0;
     if bends {
-        kappa = corners.iter().zip(weight).map(|(&v, w)| w * f64::from(data.curvature[v as usize].kappa)).sum();
+        kappa = corners.iter().zip(weight).map(|(&v, w)| w * f64::from(data.curvature[v as usize].bend[3])).sum();
     }
     let sigma = if bends { kappa * sigma_0(data, frame, hit.face as usize, weight) } else { DVec3::ZERO };
     let sum = received(state, hit.face as usize, [point, normal], sigma, response);

@@ -11,9 +11,6 @@ pub struct Quality {
     pub ratio: f64,
     /// Spearman's rank correlation of estimate and error over the faces; 0 where either has no ranks.
     pub rank: f64,
-    /// The same if errors were normal and the estimate in proportion to their standard deviations: what may be asked of one
-    /// that varies no more than this one does and cannot know where errors happen to cancel.
-    pub best: f64,
 }
 
 /// The 99th percentile over the faces that the receivers stand for.
@@ -49,13 +46,6 @@ fn correlation(a: &[f64], b: &[f64], counts: &[f64]) -> f64 {
     if both > 0.0 { sum(&|x, y| x * y) / both } else { 0.0 }
 }
 
-/// Number `k` of a fixed list of normal deviates (Box and Muller 1958, by the R2 sequence).
-fn deviate(k: usize) -> f64 {
-    let at = |step: f64| ((k as f64 + 0.5) * step).fract();
-    let (u, turn) = (at(0.754_877_666_246_692_8), at(0.569_840_290_998_053_2));
-    (-2.0 * u.max(1e-12).ln()).sqrt() * (std::f64::consts::TAU * turn).cos().abs()
-}
-
 impl Quality {
     /// Of these estimates for these errors, one of each a receiver, three channels each; a receiver stands for a count of
     /// faces. A receiver is covered if it is in every channel; sizes and ranks are those of the three together, the root of
@@ -69,13 +59,10 @@ impl Quality {
             list.iter().map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt()).collect()
         };
         let (estimate, error) = (whole(estimates), whole(errors));
-        let drawn: Vec<f64> = estimate.iter().enumerate().map(|(k, size)| size * deviate(k)).collect();
-        let ranked = ranks(&estimate, counts);
         Self {
             covered: covered / counts.iter().sum::<f64>(),
             ratio: p99(&estimate, counts) / p99(&error, counts),
-            rank: correlation(&ranked, &ranks(&error, counts), counts),
-            best: correlation(&ranked, &ranks(&drawn, counts), counts),
+            rank: correlation(&ranks(&estimate, counts), &ranks(&error, counts), counts),
         }
     }
 }
@@ -83,29 +70,6 @@ impl Quality {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn what_varies_little_cannot_rank_well() {
-        // Errors that are normal, with standard deviations over a range of this width: no estimate knows more than those.
-        let of = |width: f64| {
-            let size = |k: u32| (width * f64::from(k * 7919 % 1000) / 1000.0).exp();
-            let sizes: Vec<[f64; 3]> = (0..1000).map(|k| [size(k), 0.0, 0.0]).collect();
-            let normal = |k: u32| {
-                let sum: f64 =
-                    (1..=12).map(|j| (f64::from(k * 13 + j) * 0.618_033_988_75 * f64::from(j)).fract()).sum();
-                sum - 6.0
-            };
-            let errors: Vec<[f64; 3]> = (0..1000).map(|k| [size(k) * normal(k), 0.0, 0.0]).collect();
-            Quality::of(&[1.0; 1000], &sizes, &errors)
-        };
-        let [narrow, wide] = [of(1.3), of(6.0)];
-        assert!((narrow.rank - narrow.best).abs() < 0.08 && narrow.best < 0.4, "{narrow:?}");
-        assert!((wide.rank - wide.best).abs() < 0.08 && wide.best > 0.75, "{wide:?}");
-        // Deviates are normal.
-        let mean = (0..10_000).map(|k| deviate(k).powi(2)).sum::<f64>() / 1e4;
-        let within = (0..10_000).filter(|&k| deviate(k) < 1.0).count();
-        assert!((mean - 1.0).abs() < 0.02 && (6777..6877).contains(&within), "{mean}, {within}");
-    }
 
     #[test]
     fn a_constant_knows_nothing_and_twice_the_error_all() {

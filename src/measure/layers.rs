@@ -92,7 +92,8 @@ fn reference(state: &State, pixels: &[usize], kept: Kept) -> Vec<[f64; 3]> {
     pixels.par_iter().filter_map(|&pixel| full(state, pixel, kept, STEPS, LEGS)).collect()
 }
 
-/// Both rules with each of these numbers of samples: errors at up to `pixels` pixels, times over `repeat` frames.
+/// Both rules with each of these numbers of samples, the paper's first: errors at up to `pixels` pixels, times over `repeat`
+/// frames.
 pub fn rules(
     scene: &Scene,
     device: Option<&Device>,
@@ -105,24 +106,30 @@ pub fn rules(
     let pixels = shown(host.state(), pixels);
     let truth = reference(host.state(), &pixels, Kept::default());
     let converged = at(&mut session(&with(&scene, Integration::Exact, CONVERGED), device)?, &pixels)?;
-    let mut lines = Vec::new();
-    for rule in [Integration::Paper, Integration::Exact] {
-        for &samples in samples {
-            let mut session = session(&with(&scene, rule, samples), device)?;
-            let (mut relief, mut view) = (f64::INFINITY, f64::INFINITY);
-            for _ in 0..repeat.max(1) {
+    // Both rules by turns, so that what else runs slows both.
+    let mut lines = [Vec::new(), Vec::new()];
+    for &samples in samples {
+        let rules = [Integration::Paper, Integration::Exact];
+        let [paper, exact] = rules.map(|rule| session(&with(&scene, rule, samples), device));
+        let mut sessions = [paper?, exact?];
+        let mut least = [[f64::INFINITY; 2]; 2];
+        for _ in 0..repeat.max(1) {
+            for (session, [relief, view]) in sessions.iter_mut().zip(&mut least) {
                 let times = session.frame(Change::VIEW)?;
                 let sum = |name: &str| -> f64 {
                     times.iter().filter(|step| step.name.contains(name)).map(|step| step.milliseconds).sum()
                 };
-                (relief, view) = (relief.min(sum("relief")), view.min(sum("")));
+                (*relief, *view) = (relief.min(sum("relief")), view.min(sum("")));
             }
-            let found = at(&mut session, &pixels)?;
+        }
+        for (k, rule) in rules.into_iter().enumerate() {
+            let found = at(&mut sessions[k], &pixels)?;
             let (integration, total) = (l2(&found, &converged), l2(&found, &truth));
-            lines.push(Line { rule, samples, integration, total, relief, view });
+            let [relief, view] = least[k];
+            lines[k].push(Line { rule, samples, integration, total, relief, view });
         }
     }
-    Ok(lines)
+    Ok(lines.concat())
 }
 
 /// What more lights cost: milliseconds of stage `relief` for each of these numbers of point lights round the scene's first
@@ -150,6 +157,21 @@ pub fn by_lights(scene: &Scene, device: Option<&Device>, counts: &[u32], repeat:
     Ok(counts.iter().copied().zip(least).collect())
 }
 
+/// How far times are from growing evenly with a number, 0 where they do: the largest share that a time is off the straight line
+/// through all, by least squares of those shares.
+#[must_use]
+pub fn uneven(times: &[(u32, f64)]) -> f64 {
+    // time = a + b n, each equation over its time.
+    let sums = times.iter().fold([0.0; 5], |s, &(n, time)| {
+        let (p, q) = (1.0 / time, f64::from(n) / time);
+        [s[0] + p * p, s[1] + p * q, s[2] + q * q, s[3] + p, s[4] + q]
+    });
+    let [pp, pq, qq, p, q] = sums;
+    let area = pp * qq - pq * pq;
+    let (a, b) = ((p * qq - q * pq) / area, (q * pp - p * pq) / area);
+    times.iter().map(|&(n, time)| ((a + b * f64::from(n)) / time - 1.0).abs()).fold(0.0, f64::max)
+}
+
 /// Each approximation of the march by itself, all together, and the march itself, which has all of them: its name, and its relative L2 error against the layered
 /// volume at up to `pixels` pixels.
 pub fn approximations(scene: &Scene, pixels: usize) -> Result<Vec<(&'static str, f64)>> {
@@ -167,4 +189,16 @@ pub fn approximations(scene: &Scene, pixels: usize) -> Result<Vec<(&'static str,
     let march = at(&mut session(&with(&bare(scene), Integration::Exact, CONVERGED), None)?, &pixels)?;
     errors.push(("the march itself, converged", l2(&march, &truth)));
     Ok(errors)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::uneven;
+
+    #[test]
+    fn what_grows_evenly_is_told_from_what_does_not() {
+        assert!(uneven(&[(1, 3.0), (2, 5.0), (8, 17.0)]) < 1e-12);
+        let square = uneven(&[(1, 1.0), (2, 4.0), (4, 16.0), (8, 64.0)]);
+        assert!(square > 0.3, "{square}");
+    }
 }

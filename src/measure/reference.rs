@@ -148,6 +148,7 @@ pub struct Checked {
 
 /// The error of a session's last frame at `count` seeded receivers, and what its estimate of that error is worth.
 pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> {
+    session.sharpen()?;
     session.fetch(&[Slot::irradiance, Slot::radiosity, Slot::clusters, Slot::estimate])?;
     let state = session.state();
     if state.objects.iter().all(|object| object.opaque) {

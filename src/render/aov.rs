@@ -22,6 +22,7 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
         Slot::estimate,
         Slot::normals,
     ];
+    session.sharpen()?;
     session.fetch(&known)?;
     session.fetch(&[Slot::runs, Slot::spans])?;
     let (state, units) = (session.state(), *session.units());

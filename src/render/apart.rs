@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::plan::Change;
+use super::plan::{Change, before_transport};
 use super::run::{Backend, Session};
 use crate::error::Result;
 use crate::gpu::Timing;
@@ -13,6 +13,13 @@ use crate::state::{Dispatch, dispatches};
 const SUBGROUP: usize = 32;
 
 impl Session {
+    /// Runs the reference's stages up to irradiance on the host, whatever runs the others.
+    pub fn prepare_light(&mut self) {
+        let steps = self.plan.steps(&self.prepared.state, Change::EVERYTHING);
+        let early = steps.iter().filter(|step| before_transport(step.stage.name));
+        early.for_each(|step| step.reference(&mut self.prepared.state));
+    }
+
     /// Runs the steps of a frame after this change, each submitted and waited for by itself, so that the host's clock can
     /// tell them apart; after a whole frame only, when the lists have their room. The octree takes no part.
     pub fn apart(&mut self, change: Change) -> Result<Vec<Timing>> {

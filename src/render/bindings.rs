@@ -1,14 +1,17 @@
-//! What has to fit one binding of the device.
+//! What has to fit one binding of the device, and its memory.
 
+use super::plan::Mode;
+use super::room::KEEPING;
 use super::run::{Backend, Session};
 use crate::error::{Error, Result};
-use crate::layout::Slot;
+use crate::layout::{SLOTS, Slot};
 
 impl Session {
-    /// What grows with what the scene asks for has to fit one binding.
+    /// What grows with what the scene asks for has to fit one binding, and all together the device's memory where links are kept.
     pub(super) fn check_bindings(&self) -> Result<()> {
         let Backend::Gpu(twin) = &self.backend else { return Ok(()) };
-        let (data, most) = (&self.prepared.state.data, twin.device().limits().binding_bytes);
+        let (data, limits) = (&self.prepared.state.data, twin.device().limits());
+        let most = limits.binding_bytes;
         let (faces, samples) = (self.state().sum(|object| object.count.faces), 32 * data.frame[0].shadow_words);
         let bits = |of: String| format!("a bit for each of {of} and {samples} samples of lights");
         let fewer = "use fewer samples, or shadows = false";
@@ -26,6 +29,12 @@ impl Session {
                 let what = format!("{what} takes {bytes} bytes, a binding of the device takes {most}; {advice}");
                 return Err(Error::device(format!("making room for buffer {}", slot.spec().name), what));
             }
+        }
+        // What is not kept has to be there; whether it fits, the driver says.
+        let all: u64 = SLOTS.iter().map(|slot| data.bytes(*slot).len() as u64).sum();
+        if self.plan.options().mode != Mode::OnTheFly && all > limits.heap_bytes {
+            let what = format!("all buffers take {all} bytes, the device's memory holds {}", limits.heap_bytes);
+            return Err(Error::device(KEEPING, what));
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! Changes of a session's scene between frames: its lights, its camera.
 
 use super::lights::lights;
+use super::memory;
 use super::plan::{Change, Plan};
 use super::prepare::camera;
 use super::receivers::by_pixel;
@@ -51,6 +52,7 @@ impl Session {
     /// Shows another scene from now on: what it has in common with the one before stays as it is. The next frame is the one
     /// that a new session would make.
     pub fn show(&mut self, new: &Scene) -> Result<()> {
+        memory::check(new, self.plan.options())?;
         let old = self.fixed.asked.as_ref().unwrap_or(&self.scene);
         let same = |(a, b): (&Object, &Object)| a.mesh == b.mesh && a.material == b.material;
         let objects = old.objects.len() == new.objects.len() && old.objects.iter().zip(&new.objects).all(same);
@@ -77,6 +79,12 @@ impl Session {
             format!("object {object}: deformed, its clusters would be {growth:.2} times as wide; tree built anew")
         };
         grown.map(says).collect()
+    }
+
+    /// What became of the depth maps of objects with layers: laid out by islands, or taken as they are, and why.
+    #[must_use]
+    pub fn maps(&self) -> &[String] {
+        &self.prepared.maps
     }
 
     /// Whether the trees serve these deformations, too: as a new session would have them.
@@ -139,7 +147,7 @@ impl Session {
             Backend::Gpu(twin) => Some(twin.device().clone()),
             Backend::Cpu => None,
         };
-        let mut scene = self.fixed.asked.take().unwrap_or_else(|| self.scene.clone());
+        let mut scene = self.fixed.asked.clone().unwrap_or_else(|| self.scene.clone());
         change(&mut scene);
         *self = Self::new(&scene, device.as_ref(), self.plan.options(), self.fixed.room)?;
         Ok(())

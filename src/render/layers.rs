@@ -7,8 +7,10 @@ use super::lights::spread;
 use super::options::{Goal, Options};
 use super::units::Units;
 use crate::layers::beneath::parameter;
+use crate::layers::islands::{Atlas, Whole, atlas};
+use crate::layers::relief::GRAZING;
 use crate::layout::{Layer, Layering, Light};
-use crate::scene::{Integration, Object, Phase, Sky, Source, Wrap};
+use crate::scene::{Integration, Layers, Object, Phase, Sky, Source, Wrap};
 use crate::state::{State, narrow};
 
 /// The densest layer, per unit of the frame: light goes no farther in it than `f32` tells places apart.
@@ -18,9 +20,11 @@ const FAINTEST: f64 = 1e-4;
 /// As how many lights from afar an environment shines into layers.
 pub const DIRECTIONS: u32 = 32;
 
-/// Puts the objects' layers in place; nothing is there where no object has any.
-pub(super) fn layers(state: &mut State, objects: &[Object], units: Units) {
+/// Puts the objects' layers in place; nothing is there where no object has any. `faces` is each object's triangle of each of
+/// the state. Says what became of their maps.
+pub(super) fn layers(state: &mut State, objects: &[Object], faces: &[Vec<u32>], units: Units) -> Vec<String> {
     let data = &mut state.data;
+    let mut said = Vec::new();
     for (number, object) in objects.iter().enumerate() {
         let Some(layers) = &object.material.layers else { continue };
         let first = data.beneath.len();
@@ -35,26 +39,67 @@ pub(super) fn layers(state: &mut State, objects: &[Object], units: Units) {
         let radius = -layers.epsilon.ln() / f64::from(least(&own[..1]));
         data.frame[number].fit_radius = radius.min(extent).max(1e-9) as f32;
         state.objects[number].layered = true;
+        let least = f64::from(least(own));
+        let reach = (-FAINTEST.ln() / least).min(1e6);
+        let islands = match layers.map.mapped {
+            true => {
+                Some(atlas(&object.mesh, &layers.map, f64::min(reach / units.length, layers.map.deepest / GRAZING)))
+            }
+            false => None,
+        };
+        said.extend(islands.as_ref().map(|islands| format!("object {number}: {}", about(islands))));
+        let islands = islands.and_then(Result::ok);
         data.layerings.push(Layering {
             object: number as u32,
             first_layer: first as u32,
             layers: own.len() as u32,
+            first_island: islands.as_ref().map_or(u32::MAX, |_| data.islands.len() as u32),
             first_texel: data.depths.len() as u32,
-            size: layers.map.size,
+            size: islands.as_ref().map_or(layers.map.size, |islands| islands.size),
             wrap: match layers.map.wrap {
                 Wrap::Repeat => 0,
                 Wrap::Clamp => 1,
                 Wrap::Mirror => 2,
             },
-            samples: layers.samples,
+            samples: steps(layers),
             deepest: (layers.map.deepest * units.length) as f32,
-            reach: (-FAINTEST.ln() / f64::from(least(own))).min(1e6) as f32,
+            reach: reach as f32,
             paper: u32::from(layers.integration == Integration::Paper),
             henyey: u32::from(layers.phase == Phase::HenyeyGreenstein),
             fresnel: u32::from(layers.fresnel),
         });
         let inside = |x: f32| if x < 1e30 { (f64::from(x) * units.length) as f32 } else { x };
-        data.depths.extend(layers.map.texels.iter().map(|texel| texel.map(inside)));
+        let texels = islands.as_ref().map_or(&layers.map.texels[..], |islands| &islands.texels);
+        data.depths.extend(texels.iter().map(|texel| texel.map(inside)));
+        let places = islands.iter().flat_map(|islands| faces[number].iter().map(|&face| islands.places[face as usize]));
+        data.islands.extend(places);
+    }
+    said
+}
+
+/// Steps along a ray: interfaces that it crosses take a sample, too, of which there are no more than by the left rule; but
+/// half of the samples are steps.
+fn steps(layers: &Layers) -> u32 {
+    match layers.integration {
+        Integration::Paper => layers.samples,
+        Integration::Exact => {
+            layers.samples.saturating_sub(layers.layers.len() as u32 - 1).max(layers.samples.div_ceil(2))
+        }
+    }
+}
+
+/// What became of an object's maps.
+fn about(islands: &Result<Atlas, Whole>) -> String {
+    match islands {
+        Ok(Atlas { islands, seams, margin, share, .. }) => format!(
+            "{islands} islands in its maps meet at {seams} edges; each has a margin of what lies across, up to {margin} texels \
+             ({:.0} % of how far rays go)",
+            100.0 * share
+        ),
+        Err(Whole::Seamless) => "its maps have no seams, and are taken as they are".into(),
+        Err(Whole::TooLarge(texels)) => {
+            format!("its maps have seams that show: islands with margins would take {texels} texels")
+        }
     }
 }
 
@@ -119,7 +164,7 @@ fn suns(sky: &Sky, unit: f64) -> Vec<Light> {
 pub(super) fn drop_unlooked(state: &mut State, options: Options) {
     if options.goal == Goal::Radiosity {
         let data = &mut state.data;
-        (data.layerings, data.beneath, data.depths, data.beams) = Default::default();
+        (data.layerings, data.beneath, data.depths, data.beams, data.islands) = Default::default();
         data.frame.iter_mut().for_each(|frame| frame.fit_radius = 0.0);
     }
 }

@@ -104,10 +104,15 @@ impl Plan {
         let any_light = kept && state.method.any_light;
         let resum = change.resum || change.relink;
         let (incremental, revises) = (state.method.incremental, change.everything && !change.relink);
+        // Sums over all kept links, or over those that something has become of.
+        let sums_all = !incremental || change.light || (change.everything && change.relink);
         let pixels = state.objects.iter().any(|object| object.by_pixel);
         let runs = |stage: &&'static Stage| match stage.name {
             "refine" | "form_factor" if incremental => change.everything && change.relink,
             "alter" | "revise" => revises,
+            "relit" => revises && !sums_all,
+            "collect" if !sums_all => false,
+            "recollect" => !sums_all && (change.everything || resum),
             "renew" => revises || (resum && !change.everything),
             _ if change.everything => true,
             "keep" => false,

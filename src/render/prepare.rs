@@ -36,6 +36,8 @@ pub struct Prepared {
     pub spoilt: Vec<Option<f64>>,
     /// Of each object, the mesh's triangle of each triangle of the state.
     pub faces: Vec<Vec<u32>>,
+    /// What became of the depth maps of objects that have any.
+    pub maps: Vec<String>,
 }
 
 impl Prepared {
@@ -108,10 +110,10 @@ pub fn prepare(scene: &Scene, (by_pixel, lit_at): (bool, LitAt), local: Option<L
     let mut state = State::join(parts);
     state.method.nodes = edge_nodes(scene.transport.tolerance, largest);
     shape(&mut state, &scene.objects, units);
-    layers(&mut state, &scene.objects, units);
+    let maps = layers(&mut state, &scene.objects, &faces, units);
     lights(&mut state, &scene.lights, &mut units, &scene.objects);
     camera(&mut state, &scene.camera, units);
-    Prepared { state, units, trees, method, spoilt, faces }
+    Prepared { state, units, trees, method, spoilt, faces, maps }
 }
 
 /// The tree of an object, how it came about, and how far deformations would have spoilt that of its shape at rest.

@@ -7,10 +7,22 @@ use crate::state::{Local, Method, Object, Scheme, State};
 /// Stages of the hierarchy with blocks.
 const BLOCKS: [&str; 7] = ["pull", "level", "contrast", "radii", "link", "gather", "push"];
 /// Stages of the hierarchy as published.
-const LINKS: [&str; 10] =
-    ["reach", "mean", "alter", "refine", "form_factor", "revise", "renew", "collect", "spread", "keep"];
+const LINKS: [&str; 12] = [
+    "reach",
+    "alter",
+    "relit",
+    "mean",
+    "refine",
+    "form_factor",
+    "revise",
+    "renew",
+    "collect",
+    "recollect",
+    "spread",
+    "keep",
+];
 /// Those of mode `incremental`.
-const REVISION: [&str; 4] = ["alter", "revise", "renew", "keep"];
+const REVISION: [&str; 6] = ["alter", "relit", "revise", "renew", "recollect", "keep"];
 
 /// Stages of local shading.
 const LOCAL: [&str; 7] = ["curvature", "cdrf_table", "cdrf", "lambert", "unwrap", "blur", "texture_blur"];

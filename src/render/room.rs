@@ -4,7 +4,8 @@ use super::prepare::{Prepared, schedule};
 use crate::error::{Error, Result};
 use crate::gpu::Limits;
 use crate::layout::Cursor;
-use crate::state::{Scheme, State};
+use crate::state::{Object, Scheme, State};
+use crate::transport::gather::NEAR_PART;
 
 /// Faces of a chunk to begin with; fewer once a chunk's lists turn out not to fit a binding.
 const CHUNK_FACES: usize = 1 << 14;
@@ -20,6 +21,8 @@ const MOST_BLOCKS: usize = 1 << 16;
 const ENTRIES: usize = 256;
 /// What is being done where lists, or links and their form factors, turn out to be too many to keep, as the error says it.
 pub const KEEPING: &str = "keeping lists between frames";
+/// Links per face, or entries per block, that are so few that nearly every scene has more.
+const FEW: usize = 64;
 /// Links per face to begin with.
 const LINKS: usize = 640;
 
@@ -34,11 +37,19 @@ pub struct Room {
     pub batch_blocks: usize,
     /// Largest list, bytes; further limited by the device.
     pub binding: u64,
+    /// Most that is kept between frames, bytes; further limited by the device.
+    pub kept: u64,
 }
 
 impl Default for Room {
     fn default() -> Self {
-        Self { chunk_faces: CHUNK_FACES, links: LINKS, batch_blocks: MOST_BLOCKS, binding: MOST_BINDING }
+        Self {
+            chunk_faces: CHUNK_FACES,
+            links: LINKS,
+            batch_blocks: MOST_BLOCKS,
+            binding: MOST_BINDING,
+            kept: u64::MAX,
+        }
     }
 }
 
@@ -59,14 +70,16 @@ pub struct Lists {
 impl Lists {
     /// For a device, or for the CPU where there is none.
     pub fn new(room: Room, device: Option<&Limits>) -> Self {
+        // What is kept leaves half of the device's memory to all else.
+        let kept = |limits: &Limits| limits.allocation_bytes.min(limits.heap_bytes / 2);
         let (binding, allocation) =
-            device.map_or((CPU_BINDING, CPU_ALLOCATION), |limits| (limits.binding_bytes, limits.allocation_bytes));
+            device.map_or((CPU_BINDING, CPU_ALLOCATION), |limits| (limits.binding_bytes, kept(limits)));
         Self {
             links: room.links,
             chunk_faces: room.chunk_faces,
             batch_blocks: room.batch_blocks.clamp(1, MOST_BLOCKS),
-            binding: room.binding.min(binding),
-            allocation,
+            binding: room.binding.min(binding).min(allocation),
+            allocation: allocation.min(room.kept),
         }
     }
 
@@ -85,8 +98,20 @@ impl Lists {
         set(prepared, [room(self.links, 12), room(16, 4), room(4, 4), room(96, 4)]);
     }
 
+    /// Fails where lists are to be kept that, short as lists are seldom, are too much for that.
+    pub fn too_much(&self, state: &State) -> Result<()> {
+        let of = |object: &Object| match state.method.scheme {
+            _ if object.opaque => 0,
+            Scheme::Blocks => FEW * object.count.blocks * object.groups.len() * 4,
+            Scheme::Links => FEW * object.count.faces * 12,
+        };
+        let bytes = state.sum(of) as u64;
+        if state.keep && bytes > self.allocation { Err(too_many(bytes, self.allocation)) } else { Ok(()) }
+    }
+
     /// Cuts the blocks into batches and gives their lists room for so many entries a block.
     fn batches(&self, state: &mut State, per_block: usize) {
+        state.data.frame.iter_mut().for_each(|frame| frame.near_room = frame.near_room.max(NEAR_PART));
         for object in &mut state.objects {
             let blocks = object.count.blocks;
             let batches = blocks.div_ceil(self.batch_blocks.min(self.most(4) / per_block.max(1)).max(1)).max(1);
@@ -149,8 +174,7 @@ impl Lists {
         let bytes = 12 * u64::from(rooms[0]) * chunks(&prepared.state) as u64;
         if prepared.state.keep && bytes > self.allocation {
             let most = self.allocation;
-            let what = format!("they take {bytes} bytes, one allocation holds {most}; use --mode on-the-fly");
-            return Err(Error::device(KEEPING, what));
+            return Err(too_many(bytes, most));
         }
         Ok(())
     }
@@ -159,7 +183,9 @@ impl Lists {
 impl Lists {
     /// The same for the lists of blocks.
     fn grow_batches(&mut self, state: &mut State) -> Result<()> {
-        let (need, each) = (need(state).need_entries as usize, largest_batch(state).max(1));
+        let (need, near) = (need(state), need(state).need_near.next_multiple_of(NEAR_PART));
+        state.data.frame.iter_mut().for_each(|frame| frame.near_room = frame.near_room.max(near));
+        let (need, each) = (need.need_entries as usize, largest_batch(state).max(1));
         let most = self.most(4);
         if need > most && each == 1 {
             let what = format!("one block of receivers needs {need} entries, a binding of the device takes {most}");
@@ -168,7 +194,7 @@ impl Lists {
         if need > most {
             self.batch_blocks = (each as f64 * most as f64 / need as f64 * 0.75).max(1.0) as usize;
             self.batches(state, most / self.batch_blocks);
-        } else {
+        } else if need > state.data.frame[0].entry_room as usize {
             let room = (need + need / 32).next_multiple_of(64).min(most) as u32;
             state.data.frame.iter_mut().for_each(|frame| frame.entry_room = room);
         }
@@ -176,11 +202,15 @@ impl Lists {
         let bytes = 4 * u64::from(state.data.frame[0].entry_room) * parts;
         if state.keep && bytes > self.allocation {
             let most = self.allocation;
-            let what = format!("they take {bytes} bytes, one allocation holds {most}; use --mode on-the-fly");
-            return Err(Error::device(KEEPING, what));
+            return Err(too_many(bytes, most));
         }
         Ok(())
     }
+}
+
+/// The error of lists that are too long to keep.
+fn too_many(bytes: u64, most: u64) -> Error {
+    Error::device(KEEPING, format!("they take {bytes} bytes or more, the device keeps {most}"))
 }
 
 /// Faces of the largest chunk.
@@ -214,6 +244,7 @@ pub(super) fn need(state: &State) -> Cursor {
         need_edges: most(|c| c.need_edges),
         need_hands: most(|c| c.need_hands),
         need_entries: most(|c| c.need_entries),
+        need_near: most(|c| c.need_near),
         ..Cursor::default()
     }
 }

@@ -6,6 +6,7 @@ use super::blur::{blur, unwrap};
 use super::incremental::share_budget;
 use super::layers::drop_unlooked;
 use super::local::local;
+use super::memory;
 use super::octree::OctreeTransport;
 use super::plan::{Change, Mode, Options, Plan, Transport, before_transport};
 use super::prepare::{Prepared, prepare};
@@ -48,8 +49,13 @@ pub struct Session {
     pub(super) linked: bool,
     /// Form factors computed by runs of this frame whose lists overflowed.
     pub(super) spent: u64,
+    /// Whether the estimate of the last frame has been made sharper, on the host.
+    pub(super) sharp: bool,
     /// What became of each object's triangles, where `transport.subdivide` asks for that.
     pub parts: Vec<Parts>,
+    pub(super) not_kept: Option<String>,
+    /// Whether the last frame, or what was to change before it, did not come to its end.
+    pub(super) failed: bool,
     pub(super) scene: Scene,
     pub(super) lists: Lists,
     pub(super) pending: Change,
@@ -70,6 +76,7 @@ pub(super) struct Fixed {
 impl Session {
     /// Prepares a scene for a device, or for the CPU where there is none.
     pub fn new(scene: &Scene, device: Option<&Device>, options: Options, room: Room) -> Result<Self> {
+        memory::check(scene, options)?;
         let octree = match options.transport {
             Transport::Octree => Some(OctreeTransport::new(&scene.transport)?),
             _ => None,
@@ -110,14 +117,22 @@ impl Session {
             relinks,
             linked: false,
             spent: 0,
+            sharp: false,
             parts,
+            not_kept: None,
+            failed: false,
             scene,
             lists,
             pending,
             octree,
             fixed,
         };
-        session.resize()?;
+        let fits = match options.transport {
+            Transport::Hierarchy => session.lists.too_much(&session.prepared.state),
+            _ => Ok(()),
+        };
+        let sized = fits.and_then(|()| session.resize());
+        session.unless_too_much(sized)?;
         Ok(session)
     }
 
@@ -139,7 +154,16 @@ impl Session {
     /// Runs one frame: what has changed since the last one, and what `change` adds to it. Returns each step's time,
     /// on the device, or on the host's clock for the CPU and the octree.
     pub fn frame(&mut self, change: Change) -> Result<Vec<Timing>> {
+        self.recover()?;
+        self.failed = true;
+        let times = self.run_frame(change)?;
+        self.failed = false;
+        Ok(times)
+    }
+
+    fn run_frame(&mut self, change: Change) -> Result<Vec<Timing>> {
         let mut change = self.pending.and(change).and(self.waiting_change());
+        self.sharp = false;
         self.open_budget()?;
         loop {
             change = self.links_anew(change);
@@ -169,6 +193,7 @@ impl Session {
             self.fetch(&[Slot::cursor])?;
             let cursors = &self.prepared.state.data.cursor;
             if cursors.iter().any(|cursor| cursor.unfinished != 0) {
+                self.linked = false;
                 let advice =
                     "use transport.receivers = \"faces\", or raise receiver_angle and emitter_angle of scheme links";
                 return Err(unfinished("linking", advice));
@@ -181,20 +206,13 @@ impl Session {
             self.retries += 1;
             if ran(&["revise"]) {
                 self.make_room()?;
-                change = Change::EVERYTHING;
+                // All is summed again: what the light was before is no longer known.
+                change = Change::EVERYTHING.and(Change::LIGHT);
                 continue;
             }
-            self.lists.grow(&mut self.prepared)?;
-            self.resize()?;
+            self.grow()?;
             change = Change::EVERYTHING;
         }
-    }
-
-    /// Runs the reference's stages up to irradiance on the host, whatever runs the others.
-    pub fn prepare_light(&mut self) {
-        let steps = self.plan.steps(&self.prepared.state, Change::EVERYTHING);
-        let early = steps.iter().filter(|step| before_transport(step.stage.name));
-        early.for_each(|step| step.reference(&mut self.prepared.state));
     }
 
     /// Runs these steps where the stages run.
@@ -241,7 +259,9 @@ impl Session {
     /// Brings these buffers to the host. The octree's radiosity is there already, but for that of opaque objects.
     pub fn fetch(&mut self, slots: &[Slot]) -> Result<()> {
         let opaque = self.state().objects.iter().any(|object| object.opaque);
-        let there = |slot: &Slot| self.octree.is_some() && *slot == Slot::radiosity && !opaque;
+        let there = |slot: &Slot| {
+            self.octree.is_some() && *slot == Slot::radiosity && !opaque || self.sharp && *slot == Slot::estimate
+        };
         let slots: Vec<Slot> = slots.iter().copied().filter(|slot| !there(slot)).collect();
         match &self.backend {
             Backend::Gpu(twin) => twin.download(&mut self.prepared.state, &slots),
@@ -262,7 +282,7 @@ impl Session {
 
     pub(super) fn send(&mut self, slots: &[Slot]) -> Result<()> {
         match &mut self.backend {
-            Backend::Gpu(twin) => twin.upload(&self.prepared.state, slots),
+            Backend::Gpu(twin) => twin.upload(&self.prepared.state, slots).inspect_err(|_| self.failed = true),
             Backend::Cpu => Ok(()),
         }
     }

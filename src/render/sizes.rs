@@ -3,6 +3,7 @@
 use super::plan::{Plan, Transport};
 use super::room::{batches, chunks as parts_of_links, largest_batch};
 use super::run::Session;
+use crate::baseline::renew::GROUPS;
 use crate::error::Result;
 use crate::layout::{Cursor, Slot};
 use crate::light::environment;
@@ -74,13 +75,14 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.kept_clusters = bytemuck::zeroed_vec(per(Slot::kept_clusters, nodes));
     data.altered = bytemuck::zeroed_vec(per(Slot::altered, nodes));
     data.edits = bytemuck::zeroed_vec(per(Slot::edits, nodes));
+    data.busy = bytemuck::zeroed_vec(per(Slot::busy, nodes));
     data.made = bytemuck::zeroed_vec(per(Slot::made, frame.edit_room as usize));
     data.undone = bytemuck::zeroed_vec(per(Slot::undone, frame.edit_room as usize));
     data.stale = bytemuck::zeroed_vec(per(Slot::stale, chunks * frame.link_room as usize));
     data.waiting = bytemuck::zeroed_vec(per(Slot::waiting, nodes));
     data.due = bytemuck::zeroed_vec(per(Slot::due, frame.link_room as usize));
     data.ranked = bytemuck::zeroed_vec(per(Slot::ranked, frame.link_room as usize));
-    data.due_groups = bytemuck::zeroed_vec(per(Slot::due_groups, 3));
+    data.due_groups = bytemuck::zeroed_vec(per(Slot::due_groups, GROUPS));
     data.gathered = bytemuck::zeroed_vec(per(Slot::gathered, nodes));
     data.radiosity = bytemuck::zeroed_vec(if carries { receivers } else { 0 });
     data.vertex_radiosity = bytemuck::zeroed_vec(if carries { vertices } else { 0 });

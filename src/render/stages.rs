@@ -1,6 +1,8 @@
 //! The table of stages. Conformance, profile, plan and the README go by it; adding a stage adds a line here.
 
-use crate::baseline::{alter, brute, collect, form_factor, keep, mean, reach, refine, renew, revise, spread};
+use crate::baseline::{
+    alter, brute, collect, form_factor, keep, mean, reach, recollect, refine, relit, renew, revise, spread,
+};
 use crate::geometry::{deform, refit};
 use crate::layers::{plane_fit, relief};
 use crate::light::{entry, environment, irradiance, opaque, shadow};
@@ -21,13 +23,15 @@ pub static STAGES: &[&Stage] = &[
     &irradiance::STAGE,
     &entry::STAGE,
     &reach::STAGE,
-    &mean::STAGE,
     &alter::STAGE,
+    &relit::STAGE,
+    &mean::STAGE,
     &refine::STAGE,
     &form_factor::STAGE,
     &revise::STAGE,
     &renew::STAGE,
     &collect::STAGE,
+    &recollect::STAGE,
     &spread::STAGE,
     &keep::STAGE,
     &pull::STAGE,

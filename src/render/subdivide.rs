@@ -7,7 +7,7 @@ use super::plan::{Change, Goal, Options, before_transport};
 use super::run::{Room, Session};
 use super::shape::moved;
 use super::units::Units;
-use crate::error::Result;
+use crate::error::{Input, Result};
 use crate::scene::{Mesh, Object, Scene};
 
 /// Tolerance of an estimate of errors.
@@ -51,6 +51,11 @@ pub fn subdivide(scene: &Scene, estimate: bool) -> Result<(Scene, Vec<Parts>)> {
         let mut finer = fine.clone();
         let looks = 1 + u32::from(left != 1);
         for _ in 0..looks {
+            let four = |object: &Object| 4 * Mesh::BYTES * object.mesh.triangles.len() as u64;
+            let bytes = finer.objects.iter().map(four).sum();
+            scene.memory.need(bytes).map_err(|error| {
+                Input::new("the triangles cut in four do not fit the memory").key("transport.subdivide").found(error)
+            })?;
             finer.objects.iter_mut().for_each(|object| object.mesh = object.mesh.split(|_| true).0);
         }
         let (coarse_light, fine_light) = (irradiance(&fine)?, irradiance(&finer)?);

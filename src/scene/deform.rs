@@ -1,5 +1,6 @@
 //! What deforms an object, after it has been given its size and place: in the scene's coordinates.
 
+use super::files::Files;
 use super::mesh::{Mesh, Origin};
 use super::range::{self, Checked};
 use super::vector::Vector;
@@ -171,6 +172,7 @@ impl Draft {
     /// `origin` is how the object's vertices come from that file's, `place` how ways are scaled and turned.
     pub(super) fn load(
         &mut self,
+        files: &Files,
         folder: &Path,
         own: Option<&Path>,
         origin: &Origin,
@@ -182,7 +184,7 @@ impl Draft {
             let fault = Input::new("a shape made here has no file whose vertices another mesh could match");
             return Err(fault.key(key).expected("an object with `mesh`"));
         };
-        let ends = Mesh::read_ends(&folder.join(own), &folder.join(other), key)?;
+        let ends = Mesh::read_ends(files, &folder.join(own), &folder.join(other), key)?;
         let [rest, other] = ends.map(|places| origin.apply(places));
         *ways = rest.iter().zip(&other).map(|(&from, &to)| place(to - from)).collect();
         Ok(())

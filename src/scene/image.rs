@@ -1,40 +1,70 @@
 //! Images as linear numbers: OpenEXR, Radiance HDR, and PNG with its sRGB undone; or as they are, where they hold depths.
+//!
+//! What a file says of its size is checked before memory is taken: by the most pixels that it may have, by its own length,
+//! and by the memory of the scene.
 
+use super::files::Files;
+use exr::image::read::read;
+use exr::prelude::{Image as Decoded, *};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+use std::io::Cursor;
 use std::path::Path;
+use std::result::Result;
 
 /// Size and pixels of an image file, rows from the top, or what is wrong with it.
 pub(super) type Image = Result<([u32; 2], Vec<[f32; 3]>), String>;
 
-/// Most pixels of a file: more are refused before any memory is taken for them.
-const MOST_PIXELS: usize = 1 << 26;
+/// Most bytes that one byte of a file may stand for: more than any of the compressions can do.
+const MOST_PACKED: u64 = 2048;
 
-fn few_enough(width: usize, height: usize) -> Result<(), String> {
-    match width.checked_mul(height) {
-        Some(pixels) if pixels <= MOST_PIXELS => Ok(()),
-        _ => Err(format!("{width} x {height} pixels, more than {MOST_PIXELS}")),
+/// Whether an image of this size may be read, and the memory for it is there: of `stored` bytes a pixel, `kept` after it is
+/// read, `held` meanwhile.
+fn fits(
+    files: &Files,
+    size: [u64; 2],
+    most: usize,
+    [stored, kept, held]: [u64; 3],
+    length: usize,
+) -> Result<(), String> {
+    let [width, height] = size;
+    let pixels = width.saturating_mul(height);
+    if pixels > most as u64 {
+        return Err(format!("{width} x {height} pixels, more than {most}"));
     }
+    if pixels.saturating_mul(stored) / MOST_PACKED > length as u64 {
+        return Err(format!("{width} x {height} pixels in a file of {length} bytes"));
+    }
+    files.need(pixels.saturating_mul(held.saturating_add(kept))).map_err(|error| error.to_string())?;
+    files.take(pixels * kept).map_err(|error| error.to_string())
 }
 
-/// Whether all layers of an OpenEXR file, by its header, have few enough pixels.
-fn check_exr(path: &Path) -> Result<(), String> {
-    let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|error| error.to_string())?;
-    meta.headers.iter().try_for_each(|header| few_enough(header.layer_size.width(), header.layer_size.height()))
+/// The bytes of an OpenEXR file all of whose layers fit, by their headers.
+fn open_exr(files: &Files, path: &Path, most: usize, kept: u64) -> Result<Vec<u8>, String> {
+    let bytes = files.read(path, 1).map_err(|error| error.to_string())?;
+    let meta = MetaData::read_from_buffered(Cursor::new(&bytes), false).map_err(|error| error.to_string())?;
+    for header in &meta.headers {
+        let size = [header.layer_size.width() as u64, header.layer_size.height() as u64];
+        let stored = header.channels.bytes_per_pixel as u64;
+        fits(files, size, most, [stored, kept, 2 * stored], bytes.len())?;
+    }
+    Ok(bytes)
 }
 
-pub(super) fn read_exr(path: &Path) -> Image {
-    check_exr(path)?;
-    let image = exr::prelude::read_first_rgba_layer_from_file(
-        path,
+pub(super) fn read_exr(files: &Files, path: &Path, most: usize) -> Image {
+    let bytes = open_exr(files, path, most, 12)?;
+    let reader = read().no_deep_data().largest_resolution_level().rgba_channels(
         |size, _| (size.width(), vec![[0f32; 3]; size.area()]),
         |(width, pixels), at, (r, g, b, _): (f32, f32, f32, f32)| pixels[at.y() * *width + at.x()] = [r, g, b],
     );
-    let (width, pixels) = image.map_err(|error| error.to_string())?.layer_data.channel_data.pixels;
+    let reader = reader.first_valid_layer().all_attributes().non_parallel();
+    let image = reader.from_buffered(Cursor::new(bytes)).map_err(|error| error.to_string())?;
+    let (width, pixels) = image.layer_data.channel_data.pixels;
     let height = pixels.len() / width.max(1);
     Ok(([width as u32, height as u32], pixels))
 }
 
-pub(super) fn read_hdr(path: &Path) -> Image {
-    let image = decode(path)?.into_rgb32f();
+pub(super) fn read_hdr(files: &Files, path: &Path, most: usize) -> Image {
+    let image = decode(files, path, most, ImageFormat::Hdr)?.into_rgb32f();
     let size = [image.width(), image.height()];
     Ok((size, image.pixels().map(|pixel| pixel.0).collect()))
 }
@@ -44,10 +74,10 @@ pub(super) type Depths = Result<([u32; 2], Vec<[f32; 4]>, usize), String>;
 
 /// Numbers of a .png (8 or 16 bits, 0 to 1) or .exr (channels R, G, B, A, or one alone) as they are, rows from the top;
 /// none where the name ends otherwise.
-pub(super) fn read_depths(path: &Path) -> Option<Depths> {
+pub(super) fn read_depths(files: &Files, path: &Path, most: usize) -> Option<Depths> {
     let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
     match end.as_str() {
-        "png" => Some(decode(path).map(|image| {
+        "png" => Some(decode(files, path, most, ImageFormat::Png).map(|image| {
             let (channels, image) = (usize::from(image.color().channel_count()), image.into_rgba16());
             let size = [image.width(), image.height()];
             // Grey with opacity: two channels.
@@ -55,14 +85,18 @@ pub(super) fn read_depths(path: &Path) -> Option<Depths> {
             let share = |pixel: [u16; 4]| order.map(|c| (f64::from(pixel[c]) / 65535.0) as f32);
             (size, image.pixels().map(|pixel| share(pixel.0)).collect(), channels)
         })),
-        "exr" => Some(exr_depths(path)),
+        "exr" => Some(exr_depths(files, path, most)),
         _ => None,
     }
 }
 
-fn exr_depths(path: &Path) -> Depths {
-    check_exr(path)?;
-    let layer = exr::prelude::read_first_flat_layer_from_file(path).map_err(|error| error.to_string())?.layer_data;
+fn exr_depths(files: &Files, path: &Path, most: usize) -> Depths {
+    let bytes = open_exr(files, path, most, 16)?;
+    let reader = read().no_deep_data().largest_resolution_level().all_channels();
+    let reader = reader.first_valid_layer().all_attributes().non_parallel();
+    let image: Decoded<Layer<AnyChannels<FlatSamples>>> =
+        reader.from_buffered(Cursor::new(bytes)).map_err(|error| error.to_string())?;
+    let layer = image.layer_data;
     let list = &layer.channel_data.list;
     let named = |name: &&str| list.iter().find(|channel| channel.name.eq_case_insensitive(name));
     let mut channels: Vec<_> = ["R", "G", "B", "A"].iter().map_while(named).collect();
@@ -78,8 +112,8 @@ fn exr_depths(path: &Path) -> Depths {
 }
 
 /// 8 or 16 bits a channel, or one channel of grey; opacity is passed over.
-pub(super) fn read_png(path: &Path) -> Image {
-    let image = decode(path)?.into_rgb16();
+pub(super) fn read_png(files: &Files, path: &Path, most: usize) -> Image {
+    let image = decode(files, path, most, ImageFormat::Png)?.into_rgb16();
     let size = [image.width(), image.height()];
     let linear = |x: u16| {
         let x = f64::from(x) / 65535.0;
@@ -89,9 +123,13 @@ pub(super) fn read_png(path: &Path) -> Image {
     Ok((size, image.pixels().map(|pixel| pixel.0.map(linear)).collect()))
 }
 
-fn decode(path: &Path) -> Result<image::DynamicImage, String> {
-    let open = || image::ImageReader::open(path).map_err(|error| error.to_string());
-    let (width, height) = open()?.into_dimensions().map_err(|error| error.to_string())?;
-    few_enough(width as usize, height as usize)?;
-    open()?.decode().map_err(|error| error.to_string())
+fn decode(files: &Files, path: &Path, most: usize, format: ImageFormat) -> Result<DynamicImage, String> {
+    let bytes = files.read(path, 1).map_err(|error| error.to_string())?;
+    let decoder = ImageReader::with_format(Cursor::new(&bytes), format).into_decoder();
+    let decoder = decoder.map_err(|error| error.to_string())?;
+    let (width, height) = decoder.dimensions();
+    // Radiance files may repeat a pixel as often as they like.
+    let stored = if format == ImageFormat::Hdr { 0 } else { u64::from(decoder.color_type().bits_per_pixel() / 8) };
+    fits(files, [width.into(), height.into()], most, [stored, 16, 32], bytes.len())?;
+    DynamicImage::from_decoder(decoder).map_err(|error| error.to_string())
 }

@@ -39,6 +39,9 @@ pub(super) fn in_words(message: &str) -> Input {
             }
         }
     }
+    if first.contains("recursion limit") || first.contains("recurse further") {
+        return Input::new("lists or tables too deep in one another").expected("at most 80 of them");
+    }
     let (fault, expected) = match first.split_once(", expected ") {
         Some((fault, expected)) => (fault, Some(expected)),
         None => (first, None),

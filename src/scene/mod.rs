@@ -8,6 +8,7 @@ mod camera;
 mod choices;
 mod deform;
 mod file;
+mod files;
 mod image;
 mod layers;
 mod light;
@@ -28,6 +29,7 @@ mod vector;
 pub use animate::numbered;
 pub use camera::{Camera, Tone};
 pub use deform::Deform;
+pub use files::{Files, Memory};
 pub use layers::{DepthMap, Integration, Layer, Layers, Phase};
 pub use light::{Light, Sky, Source};
 pub use local::{Cdrf, Kappa};
@@ -87,6 +89,8 @@ pub struct Scene {
     pub transport: Transport,
     /// Repairs and warnings, one a line, to be shown to the user.
     pub report: Vec<String>,
+    /// How much memory it may take, and has taken.
+    pub memory: Memory,
 }
 
 impl Scene {
@@ -98,31 +102,47 @@ impl Scene {
 
     /// The same as it is at a frame, where values have keyframes.
     pub fn load_at(name_or_path: &str, sets: &[String], frame: f64) -> Result<Self> {
-        Self::of(Text::find(name_or_path)?, sets, frame)
+        Self::load_from(name_or_path, sets, frame, &Files::default())
+    }
+
+    /// The same from these files, within their memory.
+    pub fn load_from(name_or_path: &str, sets: &[String], frame: f64, files: &Files) -> Result<Self> {
+        Self::of(Text::find(name_or_path, files)?, sets, frame, files)
     }
 
     /// Checks what the text says of a frame, without reading any other file.
     pub fn check_at(name_or_path: &str, sets: &[String], frame: f64) -> Result<()> {
-        let text = Text::find(name_or_path)?;
+        let text = Text::find(name_or_path, &Files::default())?;
         read::read(&text.toml, &text.file, sets, frame).map(|_| ()).map_err(Into::into)
     }
 
     /// Reads the text of a scene file, called `name` in messages, and applies the `key=value` settings in order.
     pub fn parse(name: &str, toml: &str, sets: &[String]) -> Result<Self> {
-        let (name, file) = (name.to_owned(), PathBuf::from(name));
-        Self::of(Text { name, toml: toml.to_owned(), file, folder: PathBuf::new() }, sets, 0.0)
+        Self::parse_from(name, toml, sets, &Files::default())
     }
 
-    fn of(text: Text, sets: &[String], frame: f64) -> Result<Self> {
+    /// The same, with the files that the text names.
+    pub fn parse_from(name: &str, toml: &str, sets: &[String], files: &Files) -> Result<Self> {
+        let (name, file) = (name.to_owned(), PathBuf::from(name));
+        Self::of(Text { name, toml: toml.to_owned(), file, folder: PathBuf::new() }, sets, 0.0, files)
+    }
+
+    fn of(text: Text, sets: &[String], frame: f64, files: &Files) -> Result<Self> {
         let draft = read::read(&text.toml, &text.file, sets, frame)?;
         let mut report = Vec::new();
 
         // The meshes, at their sizes and places, and their textures.
         let several = draft.objects.len() > 1;
+        let most = draft.objects.iter().map(object::Draft::most_triangles).sum::<u64>();
+        files.need(most.saturating_mul(Mesh::BYTES)).map_err(|error| {
+            let fault = Input::new("the shapes do not fit the memory").key("object");
+            let fault = fault.found(format!("up to {most} triangles: {error}")).expected("a smaller `detail`");
+            read::place(fault, &text.toml, &text.file, sets)
+        })?;
         let mut objects = Vec::with_capacity(draft.objects.len());
         for (index, mut object) in draft.objects.into_iter().enumerate() {
             let mut notes = Vec::new();
-            let mesh = object.mesh(&text.folder, index, &draft.transport, &mut notes);
+            let mesh = object.mesh(files, &text.folder, index, &draft.transport, &mut notes);
             let mesh = mesh.map_err(|fault| match fault.file.as_os_str().is_empty() {
                 true => read::place(fault, &text.toml, &text.file, sets),
                 false => fault,
@@ -140,7 +160,7 @@ impl Scene {
         // The lights, now that there is something to stand in, and files to read.
         let mut lights = draft.lights;
         for (index, light) in lights.iter_mut().enumerate() {
-            let loaded = light.load(&text.folder, index).and_then(|()| light.check_outside(&objects, index));
+            let loaded = light.load(files, &text.folder, index).and_then(|()| light.check_outside(&objects, index));
             loaded.map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
         }
         if lights.is_empty() {
@@ -154,6 +174,7 @@ impl Scene {
             objects,
             transport: draft.transport,
             report,
+            memory: files.memory(),
         })
     }
 }
@@ -170,6 +191,11 @@ fn bounds(objects: &[Object]) -> (DVec3, DVec3) {
     objects.iter().map(|object| object.mesh.bounds()).reduce(both).unwrap_or_default()
 }
 
+/// Longest scene file, bytes.
+const MOST_TEXT: usize = 1 << 22;
+/// Bytes that reading a scene file takes, for each of its own.
+const COPIES: u64 = 400;
+
 /// The TOML text of a scene and where it comes from.
 #[derive(Debug)]
 struct Text {
@@ -182,7 +208,7 @@ struct Text {
 }
 
 impl Text {
-    fn find(name_or_path: &str) -> Checked<Self> {
+    fn find(name_or_path: &str, files: &Files) -> Checked<Self> {
         // A built-in scene.
         let built_in = BUILTIN.iter().find(|(name, ..)| name.eq_ignore_ascii_case(name_or_path));
         if let Some(&(name, toml, _)) = built_in {
@@ -206,11 +232,15 @@ impl Text {
             let folder = PathBuf::new();
             return Ok(Self { name, toml: around_mesh(name_or_path), file, folder });
         }
-        let toml = std::fs::read_to_string(path).map_err(|error| {
-            let expected = "a scene in TOML, or a mesh that ends in .obj";
-            let fault = Input::new("the scene file cannot be read").file(path);
-            fault.found(error).expected(expected)
-        })?;
+        let fault = |found: String, expected: &str| {
+            Input::new("the scene file cannot be read").file(path).found(found).expected(expected)
+        };
+        let kinds = "a scene in TOML, or a mesh that ends in .obj";
+        let toml = files.stream(path, COPIES).map_err(|error| fault(error.to_string(), kinds))?;
+        if toml.len() > MOST_TEXT {
+            return Err(fault(format!("{} bytes", toml.len()), &format!("at most {MOST_TEXT} bytes, {kinds}")));
+        }
+        let toml = String::from_utf8(toml).map_err(|error| fault(error.utf8_error().to_string(), kinds))?;
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
         Ok(Self { name, toml, file, folder })
     }

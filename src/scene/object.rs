@@ -2,6 +2,7 @@
 
 use super::deform::{self, Deform, DeformFile};
 use super::file::MaterialFile;
+use super::files::Files;
 use super::material::Material;
 use super::mesh::{Mesh, Origin, Shape};
 use super::range::{self, Checked};
@@ -116,6 +117,9 @@ impl ObjectFile {
                 let fault = Input::new("a mesh from a file has no such key");
                 Err(fault.key(key(".detail")).expected("mesh, size, position, rotation, deform, material"))
             }
+            (Some(path), None) if path.as_os_str().is_empty() => {
+                Err(Input::new("no file is named").key(key(".mesh")).found("\"\"").expected("a Wavefront OBJ file"))
+            }
             (Some(path), None) => Ok(Source::File(path.clone())),
             (None, Some(shape)) => {
                 let detail = self.detail.unwrap_or_else(|| i64::from(shape.usual_detail()));
@@ -133,10 +137,19 @@ impl ObjectFile {
 }
 
 impl Draft {
+    /// No fewer triangles than its shape has; 0 of a file.
+    pub(super) fn most_triangles(&self) -> u64 {
+        match self.source {
+            Source::Shape(shape, detail) => shape.most_triangles(detail),
+            Source::File(_) => 0,
+        }
+    }
+
     /// Loads texture and depth maps, reads or makes the mesh, as fine as the hierarchy wants it, at its size and place, and
     /// reads the meshes that it is morphed to; paths are relative to `folder`.
     pub(super) fn mesh(
         &mut self,
+        files: &Files,
         folder: &Path,
         index: usize,
         transport: &Transport,
@@ -151,24 +164,30 @@ impl Draft {
         let spread = format!("object.{index}.material.sigma_0_texture");
         let textured = textured.or(self.material.spread.as_ref().map(|_| spread.as_str()));
         if let Some(map) = &mut self.material.spread {
-            map.load(folder, &self.source, &spread)?;
+            map.load(files, folder, &self.source, &spread)?;
         }
         let unwrapped = transport.unwrap && self.material.opaque.is_none();
         let textured = textured.or(unwrapped.then_some("transport.unwrap"));
         if let Some(texture) = &mut self.material.texture {
-            texture.load(folder, &self.source, &key)?;
+            texture.load(files, folder, &self.source, &key)?;
         }
         if let Some(layers) = &mut self.material.layers {
-            layers.load(folder, &layered, report)?;
+            layers.load(files, folder, &layered, report)?;
         }
         let mesh = match &self.source {
-            Source::File(path) => Mesh::read(&folder.join(path), textured, report)?,
-            Source::Shape(shape, detail) if textured.is_some() => shape.build_textured(*detail),
-            Source::Shape(shape, detail) => shape.build(*detail),
+            Source::File(path) => Mesh::read(files, &folder.join(path), textured, report)?,
+            Source::Shape(shape, detail) => {
+                let most = shape.most_triangles(*detail);
+                files.take(most * Mesh::BYTES).map_err(|error| {
+                    let fault = Input::new("the shape does not fit the memory").key(format!("object.{index}.detail"));
+                    fault.found(format!("{detail}, up to {most} triangles: {error}")).expected("fewer triangles")
+                })?;
+                if textured.is_some() { shape.build_textured(*detail) } else { shape.build(*detail) }
+            }
         };
         // What no light enters needs no hierarchy.
         let (mut mesh, origin) = match self.material.opaque {
-            None => mesh.refined(transport, report)?,
+            None => mesh.refined(files, transport, report)?,
             Some(_) => (mesh, Origin::File),
         };
         let mut unsaid = Vec::new();
@@ -192,7 +211,7 @@ impl Draft {
         };
         for (number, deform) in self.deforms.iter_mut().enumerate() {
             let key = format!("object.{index}.deform.{number}.mesh");
-            deform.load(folder, own, &origin, |way| self.rotation * (factor * way), &key)?;
+            deform.load(files, folder, own, &origin, |way| self.rotation * (factor * way), &key)?;
         }
         Ok(mesh)
     }

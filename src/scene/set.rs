@@ -4,6 +4,9 @@ use super::range::Checked;
 use crate::error::Input;
 use toml::{Table, Value};
 
+/// Most names of a key: no scene is as deep, and tables in tables are walked over by recursion.
+const MOST_PARTS: usize = 16;
+
 /// Applies one `key=value` to the table. The key is dotted, numbers index lists; missing tables are
 /// made, and the number one past the end of a list appends. The value is TOML, or else plain text.
 pub(super) fn apply(table: &mut Table, set: &str) -> Checked<()> {
@@ -15,6 +18,10 @@ pub(super) fn apply(table: &mut Table, set: &str) -> Checked<()> {
     if parts.iter().any(|part| part.is_empty()) {
         let fault = fault("an empty name in the key".to_owned()).found(format!("`{}`", key.trim()));
         return Err(fault.expected("names and numbers joined by single dots"));
+    }
+    if parts.len() > MOST_PARTS {
+        let fault = fault("a key of too many names".to_owned()).found(parts.len());
+        return Err(fault.expected(format!("at most {MOST_PARTS}")));
     }
 
     // Down to the value, making what is missing.

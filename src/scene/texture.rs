@@ -1,6 +1,7 @@
 //! A texture: what light is multiplied by where it enters the material, or where it leaves.
 
 use super::file::MaterialFile;
+use super::files::Files;
 use super::image::{read_exr, read_hdr, read_png};
 use super::locate;
 use super::mesh::map_kd;
@@ -104,17 +105,17 @@ impl Texture {
     }
 
     /// Reads the file's texels, if there is one, relative to `folder`, or the one that the mesh's library names.
-    pub(super) fn load(&mut self, folder: &Path, mesh: &Source, key: &str) -> Checked<()> {
+    pub(super) fn load(&mut self, files: &Files, folder: &Path, mesh: &Source, key: &str) -> Checked<()> {
         let Some(image) = self.image.take() else { return Ok(()) };
         let path = match mesh {
             _ if image != LIBRARY => folder.join(&image),
-            Source::File(mesh) => map_kd(&folder.join(mesh)).map_err(|fault| at_key(fault, key))?,
+            Source::File(mesh) => map_kd(files, &folder.join(mesh)).map_err(|fault| at_key(fault, key))?,
             Source::Shape(..) => {
                 let fault = Input::new("a shape has no material library").key(key).found("`mtl`");
                 return Err(fault.expected("an image file, or the name of one that is built in"));
             }
         };
-        let (size, texels) = read(&path, key)?;
+        let (size, texels) = read(files, &path, key)?;
         (self.size, self.texels) = (size, Arc::new(texels));
         Ok(())
     }
@@ -133,13 +134,13 @@ fn squares(colors: [[f32; 3]; 2]) -> Vec<[f32; 3]> {
 }
 
 /// Size and texels of a file; `key` is of the texture.
-fn read(path: &Path, key: &str) -> Checked<([u32; 2], Vec<[f32; 3]>)> {
+fn read(files: &Files, path: &Path, key: &str) -> Checked<([u32; 2], Vec<[f32; 3]>)> {
     let at = |what: String| Input::new(what).key(key);
     let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
     let image = match end.as_str() {
-        "png" => read_png(path),
-        "exr" => read_exr(path),
-        "hdr" => read_hdr(path),
+        "png" => read_png(files, path, MOST_TEXELS),
+        "exr" => read_exr(files, path, MOST_TEXELS),
+        "hdr" => read_hdr(files, path, MOST_TEXELS),
         _ => {
             let fault = at("not the name of a texture".into()).found(path.display());
             let names = BUILTIN.map(|(name, _)| name).join(", ");
@@ -175,7 +176,7 @@ mod tests {
         let pixel = |x: u32, y: u32| image::Luma([(13_107 * (x + 2 * y)) as u16]);
         image::ImageBuffer::from_fn(2, 2, pixel).save(path("b.png")).expect("written");
         exr::prelude::write_rgb_file(path("c.exr"), 2, 2, |x, y| (x as f32, 0.5 * y as f32, 0.25)).expect("written");
-        let of = |name: &str| read(&path(name), "texture").expect(name);
+        let of = |name: &str| read(&Files::default(), &path(name), "texture").expect(name);
         // sRGB of 0.2, 0.4, 0.6 and 128 / 255 by the standard's formula.
         let light = [0.0, 0.033_104_8, 0.132_868_3, 0.318_546_8];
         for (name, others) in [("a.png", Some([0.215_860_5, 1.0])), ("b.png", None)] {

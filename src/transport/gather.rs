@@ -34,6 +34,10 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
+/// Near triangles that a block takes in one dispatch: lavapipe ends an invocation's loops, silently, after 65,535
+/// iterations all together, and the edge form takes up to 85.
+pub const NEAR_PART: u32 = 512;
+
 /// The distant emitters of a block, about its centre.
 fn expand(
     jets: &Jets,
@@ -225,6 +229,12 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     }
     let places = count * PLACES;
     pass.dispatch(Some("direct"), &[group.channels, method.order, estimate, any_light], push, places)?;
-    pass.dispatch_counted("area", &[group.channels, estimate, any_light], push, (Slot::near_groups, 0))?;
-    pass.dispatch_counted("edge", &[group.channels, method.nodes, estimate, any_light], push, (Slot::near_groups, 0))
+    for first in (0..pass.state.data.frame[0].near_room).step_by(NEAR_PART as usize) {
+        let push = [range, Range { first, count: NEAR_PART }];
+        let push = bytemuck::bytes_of(&push);
+        pass.dispatch_counted("area", &[group.channels, estimate, any_light], push, (Slot::near_groups, 0))?;
+        let edge = [group.channels, method.nodes, estimate, any_light];
+        pass.dispatch_counted("edge", &edge, push, (Slot::near_groups, 0))?;
+    }
+    Ok(())
 }

@@ -60,10 +60,8 @@ fn beyond(d2: f32, reach: f32, radius: f32) -> bool {
     d2 >= sum * sum
 }
 
-/// The spread of a block whose receivers lie in several places far apart.
-const TORN: f32 = 1e30;
-/// Near triangles that such a block may have: more may be more steps than a driver's loops take.
-const MOST_NEAR: usize = 700;
+/// Direct emitters that a block may have: more would be more steps of `gather` than lavapipe's loops take, 65,535.
+const MOST_DIRECT: usize = 58_000;
 
 /// Walks the tree of emitters for a block and tells each decision, in order.
 pub fn walk(sphere: &Sphere, emitters: &[Emitter], expands: &[[f32; 4]], mut tell: impl FnMut(Kind, u32)) {
@@ -99,7 +97,6 @@ pub fn batch(state: &State, at: Place) -> (std::ops::Range<usize>, usize, usize)
 
 fn cpu(state: &mut State, at: Place) {
     let (blocks, run_base, entry_base) = batch(state, at);
-    let first = blocks.start;
     let (base, _) = state.part(Slot::emitters, at);
     let data = &mut state.data;
     if (at.chunk, at.group) == (0, 0) {
@@ -117,10 +114,10 @@ fn cpu(state: &mut State, at: Place) {
         .collect();
 
     let near = |lists: &[Vec<u32>; 6]| lists[Kind::Area as usize].len() + lists[Kind::Edge as usize].len();
-    let torn = |(lists, sphere): (&[Vec<u32>; 6], &Sphere)| sphere.spread >= TORN && near(lists) > MOST_NEAR;
-    if lists.iter().zip(&data.spheres[first..]).any(torn) {
+    if lists.iter().any(|lists| lists[Kind::Direct as usize].len() > MOST_DIRECT) {
         data.cursor[0].unfinished = 1;
     }
+    let most_near = lists.iter().map(near).max().unwrap_or(0) as u32;
 
     let kept = Kind::Expanded as usize..=Kind::Edge as usize;
     let total: usize = lists.iter().map(|lists| lists[kept.clone()].iter().map(Vec::len).sum::<usize>()).sum();
@@ -128,7 +125,8 @@ fn cpu(state: &mut State, at: Place) {
     let cursor = &mut data.cursor[0];
     cursor.entries = total as u32;
     cursor.need_entries = cursor.need_entries.max(total as u32);
-    cursor.overflow |= u32::from(!fits);
+    cursor.need_near = cursor.need_near.max(most_near);
+    cursor.overflow |= u32::from(!fits || most_near > data.frame[0].near_room);
 
     let (near_base, groups_base) = (state.part(Slot::near, at).0, state.part(Slot::near_groups, at).0);
     let data = &mut state.data;

@@ -10,3 +10,4 @@ pub mod reached;
 pub mod reflect;
 pub mod shade;
 pub mod visibility;
+pub mod whole;

@@ -1,7 +1,11 @@
 //! Pictures on disk: linear OpenEXR, or PNG after exposure, tone curve and the sRGB curve.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use exr::prelude::{Image, SpecificChannels, Vec2, WritableImage};
+
+use super::whole::encode_whole;
+pub use super::whole::write_whole;
 use crate::error::{Input, Result};
 use crate::scene::{Camera, Tone};
 
@@ -40,28 +44,20 @@ impl Picture {
     /// Writes a `.png` as the camera has it or a linear `.exr`, by the name's ending.
     pub fn save(&self, path: &Path, camera: &Camera) -> Result<()> {
         match kind(path)? {
-            Kind::Png => write_whole(path, |beside| {
-                let size = (self.width as u32, self.height as u32);
-                image::save_buffer_with_format(
-                    beside,
-                    &self.bytes(camera),
-                    size.0,
-                    size.1,
-                    image::ExtendedColorType::Rgb8,
-                    image::ImageFormat::Png,
-                )
-                .map_err(|e| e.to_string())
+            Kind::Png => encode_whole(path, |file| {
+                let (bytes, width, height) = (self.bytes(camera), self.width as u32, self.height as u32);
+                let (color, format) = (image::ExtendedColorType::Rgb8, image::ImageFormat::Png);
+                image::write_buffer_with_format(file, &bytes, width, height, color, format).map_err(|e| e.to_string())
             }),
-            Kind::Exr => write_whole(path, |beside| self.exr(beside)),
+            Kind::Exr => encode_whole(path, |file| {
+                let pixel = |at: Vec2<usize>| {
+                    let [r, g, b] = self.pixels[at.y() * self.width + at.x()];
+                    (r, g, b)
+                };
+                let image = Image::from_channels((self.width, self.height), SpecificChannels::rgb(pixel));
+                image.write().to_buffered(file).map_err(|e| e.to_string())
+            }),
         }
-    }
-
-    fn exr(&self, path: &Path) -> std::result::Result<(), String> {
-        let pixel = |x: usize, y: usize| {
-            let [r, g, b] = self.pixels[y * self.width + x];
-            (r, g, b)
-        };
-        exr::prelude::write_rgb_file(path, self.width, self.height, pixel).map_err(|e| e.to_string())
     }
 }
 
@@ -87,19 +83,6 @@ pub fn check(path: &Path) -> Result<()> {
     kind(path).map(|_| ())
 }
 
-/// Lets `write` fill a file beside `path`, then moves it there: a reader never sees half of it.
-pub fn write_whole(path: &Path, write: impl FnOnce(&Path) -> std::result::Result<(), String>) -> Result<()> {
-    let mut name = std::ffi::OsString::from(".");
-    name.push(path.file_name().unwrap_or_default());
-    name.push(format!(".{}.part", std::process::id()));
-    let beside: PathBuf = path.with_file_name(name);
-    let done = write(&beside).and_then(|()| std::fs::rename(&beside, path).map_err(|e| e.to_string()));
-    done.map_err(|what| {
-        let _ = std::fs::remove_file(&beside);
-        Input::new(format!("could not be written: {what}")).file(path).into()
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,17 +105,5 @@ mod tests {
         let values: Vec<f64> = (0..=100).map(|i| filmic(0.056 * f64::from(i))).collect();
         assert!(values.windows(2).all(|pair| pair[0] < pair[1]));
         assert!((values[50] - hable(5.6) / hable(11.2)).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_failed_write_leaves_nothing() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.png");
-        let failed = write_whole(&path, |beside| {
-            std::fs::write(beside, "half").unwrap();
-            Err("disk full".into())
-        });
-        assert!(failed.unwrap_err().to_string().contains("disk full"));
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }

@@ -1,15 +1,21 @@
 //! Bad layers, and those with a fallback.
 
+use milkglass::render::plan::Options;
+
 use super::shell::{bad, folder, good};
+use super::{scene, session};
 
 const SCENE: &str = "[camera]\nsize = [16, 16]\n[[light]]\ntype = 'directional'\ndirection = [0, 0, 1]\nirradiance = 1\n\
                      [[object]]\nshape = 'slab'\ndetail = 2\nsize = 10\n[object.material.layers]\n";
 const LAYER: &str = "{ sigma_s = 1, sigma_t = 2, g = 0.5, thickness = 1 }";
 const BARE: &str = "{ sigma_s = 1, sigma_t = 2 }";
 
+fn one(layer: &str) -> String {
+    format!("layer = [{layer}]\n")
+}
+
 #[test]
 fn what_cannot_be_is_an_error_of_file_line_and_key() {
-    let one = |layer: &str| format!("layer = [{layer}]\n");
     let maps =
         |maps: &str, layers: usize| format!("maps = {maps}\nscale = 1\nlayer = [{}]\n", vec![BARE; layers].join(", "));
     let cases = [
@@ -30,6 +36,7 @@ fn what_cannot_be_is_an_error_of_file_line_and_key() {
         ),
         (maps("['builtin:veins']", 5), "more layers than channels; found 5 layers; expected 1 to 4, four a map"),
         (maps("['builtin:veins', 'builtin:veins']", 3), "layers.maps: more maps than the layers need; found 2 maps"),
+        (maps("[]", 3), "layers.maps: there are no maps; found an empty list"),
         (maps("['builtin:vein']", 3), "layers.maps: no map of this name is built in, did you mean `builtin:veins`?"),
         (maps("['gone.png']", 3), "gone.png: the map cannot be read"),
         (maps("['grey.png']", 2), "grey.png: more layers than channels; found 1 channels; expected 2, one a layer"),
@@ -53,6 +60,55 @@ fn what_cannot_be_is_an_error_of_file_line_and_key() {
         image::RgbaImage::from_pixel(2, 2, image::Rgba([0; 4])).save(here.path().join("flat.png")).unwrap();
         image::RgbaImage::from_pixel(1, 2, image::Rgba([9; 4])).save(here.path().join("tall.png")).unwrap();
         bad(&here, "render a.toml -o a.png --device cpu", 2, &["a.toml:", message]);
+    }
+}
+
+#[test]
+fn a_lamp_in_layers_alone_is_an_error() {
+    let here = folder(&[("a.toml", &format!("{SCENE}layer = [{LAYER}]\n"))]);
+    let lamp = |place: &str| format!("--set light.0={{type='point',position={place},intensity=1}}");
+    let run = "render a.toml -o a.png --device cpu";
+    let words =
+        ["light.0.position: the light stands in the medium; found a light at [1, 0, 0]", "expected a place outside"];
+    bad(&here, &format!("{run} {}", lamp("[1,0,0]")), 2, &words);
+    // Beneath an open surface nothing is inside, and light from there does not come in.
+    good(&here, &format!("{run} {} --set object.0.shape=plane", lamp("[0,-1,0]")));
+}
+
+/// What a slab of these layers shows under the sun, and its largest value.
+fn shown(layers: &str, sets: &[&str]) -> (Vec<f32>, f32) {
+    let layers = format!("object.0.material.layers={{ samples = 9, layer = [{layers}] }}");
+    let sun = "light=[{ type = 'directional', direction = [0.3, 1, 0.8], irradiance = 1 }]";
+    let all = [&["object.0.detail=2", "camera.size=[16, 16]", "camera.background=0", sun, &layers], sets].concat();
+    let picture = session(&scene("slab-layers", &all), Options::default()).picture().unwrap().pixels;
+    let values: Vec<f32> = picture.into_iter().flatten().collect();
+    let largest = values.iter().copied().fold(0.0, f32::max);
+    (values, largest)
+}
+
+#[test]
+fn a_layer_of_no_thickness_counts_for_nothing() {
+    let thin = "{ sigma_s = 9, sigma_t = 9, thickness = 0 }";
+    let (alone, largest) = shown(LAYER, &[]);
+    assert!(largest > 0.0);
+    for layers in [format!("{thin}, {LAYER}"), format!("{LAYER}, {thin}"), format!("{thin}, {LAYER}, {thin}, {thin}")] {
+        let apart = alone.iter().zip(shown(&layers, &[]).0).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(apart < 1e-5 * largest, "{layers}: {apart} of {largest}");
+    }
+}
+
+#[test]
+fn what_is_seen_at_a_grazing_angle_is_a_number() {
+    // A plane from a hair above it, within 2 degrees, and from in it; a ball, whose silhouette has every angle.
+    let above =
+        |y: &str| format!("camera={{ position = [0, {y}, 9.9], target = [0, {y}, 0], fov = 4, size = [16, 16] }}");
+    let round = "camera={ position = [0, 0, 40], target = [0, 0, 0], size = [16, 16] }".to_string();
+    for (shape, camera, shows) in
+        [("plane", above("0.02"), true), ("plane", above("0"), false), ("sphere", round, true)]
+    {
+        let (values, largest) = shown(LAYER, &[&format!("object.0.shape={shape}"), &camera]);
+        assert!(values.iter().all(|x| x.is_finite() && *x >= 0.0) && largest < 1.0, "{shape}: {largest}");
+        assert!(largest > 0.0 || !shows, "{shape}");
     }
 }
 

@@ -10,6 +10,7 @@ mod eval;
 mod frames;
 mod inputs;
 mod measured;
+mod seams;
 mod slab;
 
 use milkglass::render::plan::{Change, Options};

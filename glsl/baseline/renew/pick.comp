@@ -5,17 +5,22 @@
 
 // The links of each receiver that are due: the first ones that wait.
 layout(push_constant, scalar) uniform push_block { Range range; };
-READS(order)
+READS(cursor)
+READS(busy)
 READS(spans)
-READS(edits)
+UPDATES(edits)
 WRITES(due)
 UPDATES(stale)
 UPDATES(waiting)
 
 void main() {
     uint place = invocation();
-    if (place >= range.count) return;
-    uint receiver = order[range.first + place];
+    if (place >= cursor[0].busy) return;
+    uint receiver = busy[range.first + place];
+
+    // What was to be merged is.
+    edits[receiver].links = 0;
+    edits[receiver].areas = 0;
     uint to = edits[receiver].edge, count = edits[receiver].edges;
     if (count == 0) return;
     uint link = spans[receiver].link, last = link + spans[receiver].links, end = to + count;

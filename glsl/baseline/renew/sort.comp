@@ -12,12 +12,11 @@ READS(links)
 READS(due)
 UPDATES(cursor)
 WRITES(ranked)
-WRITES(due_groups)
+UPDATES(due_groups)
+#include "baseline/groups.glsl"
 #include "baseline/refine/decide.glsl"
 
 const uint NONE = 0xffffffffu;
-// Groups that a dispatch has in a row, and their invocations: the same as in `invocation`.
-const uint ROW = 32768, GROUP = 64;
 
 shared uvec3 sums[256];
 
@@ -26,11 +25,6 @@ uint kind_of(uint at) {
     uint face = topology[link.emitter].face;
     float d2 = distance2(clusters[link.receiver].center, clusters[link.emitter].center);
     return face == NONE ? 0 : rung_of(d2, reach[min(face, frame[0].faces - 1)]);
-}
-
-uvec3 groups(uint count) {
-    uint needed = (count + GROUP - 1) / GROUP;
-    return uvec3(min(needed, ROW), (needed + ROW - 1) / ROW, 1);
 }
 
 void main() {

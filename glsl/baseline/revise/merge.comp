@@ -6,7 +6,7 @@
 // A receiver's links with what it makes and without what it undoes, in the order of the emitters; those whose form factor is
 // not known any more are marked. Until it is computed, what is new gives as much for its area as the link before it.
 layout(push_constant, scalar) uniform push_block { Range range; };
-READS(order)
+READS(busy)
 READS(clusters)
 READS(altered)
 READS(edits)
@@ -17,20 +17,42 @@ UPDATES(spans)
 UPDATES(links)
 UPDATES(factors)
 UPDATES(stale)
-WRITES(waiting)
+UPDATES(waiting)
+
+// Where all that a receiver makes was linked before and nothing is undone its links stay where they are.
+void mark(uint receiver, Span edit, Span span) {
+    uint at = span.link, last = at + span.links, end = last;
+    uint first = edit.links > 0 ? made[edit.link] : 0, waits = 0;
+    while (at < end) {
+        uint middle = (at + end) / 2;
+        if (links[middle].emitter < first) at = middle + 1;
+        else end = middle;
+    }
+    for (uint j = edit.link; j < edit.link + edit.links; ++j) {
+        uint make = made[j];
+        while (at < last && links[at].emitter < make) at++;
+        if (at < last && ((altered[receiver] | altered[make]) & 1) != 0 && stale[at] == 0) {
+            stale[at] = 1;
+            waits++;
+        }
+    }
+    waiting[receiver] += waits;
+}
 
 void main() {
     uint place = invocation();
-    if (place >= range.count || cursor[0].overflow != 0 || cursor[0].unfinished != 0) return;
-    uint receiver = order[range.first + place];
+    if (place >= cursor[0].busy || cursor[0].overflow != 0 || cursor[0].unfinished != 0) return;
+    uint receiver = busy[range.first + place];
     Span edit = edits[receiver];
-    if (edit.links + edit.areas == 0) return;
     Span span = spans[receiver];
+    if (edit.edges == 0) {
+        mark(receiver, edit, span);
+        return;
+    }
     uint i = span.link, last = i + span.links;
     uint j = edit.link, made_end = j + edit.links;
     uint k = edit.area, undone_end = k + edit.areas;
-    uint first = edit.edges > 0 ? edit.edge : span.link;
-    uint to = first, waits = 0;
+    uint first = edit.edge, to = first, waits = 0;
     vec3 share = vec3(0);
     while (i < last || j < made_end) {
         uint have = i < last ? links[i].emitter : NONE;
@@ -49,7 +71,7 @@ void main() {
         if (fresh || (old && !gone)) {
             if (!old) factor = share * clusters[make].area;
             uint emitter = min(have, make);
-            uint touched = fresh ? altered[receiver] | altered[emitter] : 0;
+            uint touched = fresh ? (altered[receiver] | altered[emitter]) & 1 : 0;
             uint waiting_ = old ? stale[i] | touched : 1;
             links[to] = Link(receiver, emitter);
             factors[to] = factor;

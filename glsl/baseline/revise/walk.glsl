@@ -1,5 +1,6 @@
 // The refinement before and after a change, side by side. A receiver goes through the emitters that its parent handed down
-// before, hands down now, or both; only pairs of which a cluster is altered, or that one of the two has alone, are looked at.
+// before, hands down now, or both; only pairs of which a cluster is altered, or whose emitter has another light, or that one of
+// the two has alone, are looked at.
 READS(frame)
 READS(topology)
 READS(clusters)
@@ -22,7 +23,7 @@ bool walk(uint receiver, uint hand, uint hands) {
     uint l = inner ? receiver + 1 : receiver, r = inner ? topology[receiver + 1].skip : receiver;
     vec3 center = clusters[receiver].center, left = clusters[l].center, right = clusters[r].center;
     vec3 old_center = kept_clusters[receiver].center, old_left = kept_clusters[l].center, old_right = kept_clusters[r].center;
-    bool moved = altered[receiver] != 0;
+    bool moved = (altered[receiver] & 1) != 0;
     bool root = topology[receiver].parent == NONE;
     uint next = 0, lists = root ? 1 : hands;
     uint node = 0, end = 0, given = BOTH, who = BOTH, until = 0;

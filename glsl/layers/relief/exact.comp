@@ -7,15 +7,14 @@
 // Light scattered once beneath each visible point: from sample to sample, and to each interface between them, in closed
 // form. One loop for all lights, a part of the ray at a time.
 
-// The integral over s from 0 to 1 of (a + (b - a) s) exp(-(from + (to - from) s)), where `start` = exp(-from), `end` = exp(-to).
+// The integral over s from 0 to 1 of (a + (b - a) s) exp(-(from + (to - from) s)), where `start` = exp(-from), `end` = exp(-to)
+// and d = to - from: a E0 + (b - a) E1 with E1 = ((start - end) / d - end) / d, or its series, and E0 = end + d E1.
 vec3 segment(vec3 a, vec3 b, vec3 start, vec3 end, vec3 d) {
-    vec3 e0 = 1.0 - d / 2.0 * (1.0 - d / 3.0 * (1.0 - d / 4.0 * (1.0 - d / 5.0 * (1.0 - d / 6.0))));
-    vec3 e1 = 0.5 - d * (1.0 / 3.0 - d / 2.0 * (0.25 - d / 3.0 * (0.2 - d / 4.0 * (1.0 / 6.0 - d / 35.0))));
+    vec3 series = start * (1.0 / 2.0 + d * (-1.0 / 3.0 + d * (1.0 / 8.0 + d * (-1.0 / 30.0 + d * (1.0 / 144.0 - d * (1.0 / 840.0))))));
     bvec3 small = lessThan(abs(d), vec3(0.3));
-    vec3 safe = mix(d, vec3(1), small);
-    vec3 first = mix((start - end) / safe, start * e0, small);
-    vec3 second = mix((start - end - safe * end) / safe / safe, start * e1, small);
-    return a * first + (b - a) * second;
+    vec3 over = 1.0 / mix(d, vec3(1), small);
+    vec3 e1 = mix(((start - end) * over - end) * over, series, small);
+    return a * (end + d * e1) + (b - a) * e1;
 }
 
 void main() {
@@ -31,7 +30,7 @@ void main() {
 
     vec3 sum = vec3(0), dimmed = vec3(0), start = vec3(0), tau = vec3(0), arrived_before = vec3(0);
     float cosine_before = 0.0, done = 0.0; // how much of the step has been walked
-    vec4 before[4], after[4];              // depths of the interfaces at the step's ends
+    vec4 before[4], after[4], here[4];     // depths of the interfaces at the step's ends, and between
     uint beam = first_beam, now = 0;       // the layer
     int step = -1;                         // -1: nothing has been looked at for this light
     bool next = true;
@@ -45,8 +44,11 @@ void main() {
         uint last = 0;
         for (uint map = 0; map < MAPS; ++map) {
             vec4 depths_there = depths_of(own, there, map);
-            before[map] = fresh ? depths_there : next ? after[map] : before[map];
-            after[map] = depths_there;
+            if (MAPPED != 0) {
+                before[map] = fresh ? depths_there : next ? after[map] : before[map];
+                after[map] = depths_there;
+            }
+            here[map] = depths_there;
             last += above(depths_there, m.slope * to);
         }
         if (fresh) {
@@ -57,19 +59,22 @@ void main() {
 
         // As far as the next interface on the way, or the step's end.
         uint target = now < last ? now : now - 1;
-        float a = 0.0, b = 1.0;
+        float a = 0.0, b = 0.0; // its depths at the step's ends
         for (uint map = 0; map < MAPS; ++map) {
             for (uint k = 0; k < 4; ++k) {
                 bool its = 4 * map + k == target;
-                a = its ? m.slope * from - before[map][k] : a;
-                b = its ? m.slope * to - after[map][k] : b;
+                if (MAPPED != 0) a = its ? before[map][k] : a;
+                b = its ? here[map][k] : b;
             }
         }
+        a = m.slope * from - (MAPPED != 0 ? a : b);
+        b = m.slope * to - b;
         next = now == last;
         float share = next ? 1.0 : max(clamp(a / (a - b), 0.0, 1.0), done);
         float t = mix(from, to, share), walked = (share - done) * (to - from);
-        vec4 here[4];
-        for (uint map = 0; map < MAPS; ++map) here[map] = mix(before[map], after[map], share);
+        if (MAPPED != 0) {
+            for (uint map = 0; map < MAPS; ++map) here[map] = mix(before[map], after[map], share);
+        }
 
         // The light there, and between the last place and this.
         Layer layer = beneath[own.first_layer + min(now, own.layers - 1)];
@@ -77,8 +82,8 @@ void main() {
         Lit lights = lit_at(own, m, object, light, hit.face, t, here);
         dimmed += layer.sigma_t * walked;
         vec3 tau_here = dimmed + lights.dimmed, end = exp(-tau_here);
-        vec3 scattered = segment(arrived_before * phase(layer.g, cosine_before),
-                                 lights.arrives * phase(layer.g, lights.cosine), start, end, tau_here - tau);
+        vec2 phases = phase(layer.g, vec2(cosine_before, lights.cosine));
+        vec3 scattered = segment(arrived_before * phases.x, lights.arrives * phases.y, start, end, tau_here - tau);
         if (!fresh && now < own.layers) sum += light.color * layer.sigma_s * walked * scattered;
 
         // On.
@@ -88,9 +93,11 @@ void main() {
         tau = tau_here;
         now = next ? now : now < last ? now + 1 : now - 1;
         done = share;
-        bool over = next && step == int(own.samples);
+        // An interface at the ray's end is its end, too.
+        bool over = step == int(own.samples) && (next || done > 0.999999);
         beam += uint(over);
         step = over ? -1 : step;
+        next = next || over;
     }
     shine(pixel, object, m, sum);
 }

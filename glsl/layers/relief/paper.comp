@@ -19,7 +19,7 @@ void main() {
     if (m.reach <= 0.0) return;
     float pace = m.reach / float(own.samples);
 
-    vec3 sum = vec3(0), dimmed = vec3(1);
+    vec3 sum = vec3(0), dimmed = vec3(0);
     uint beam = first_beam, step = 0;
     while (beam < last_beam) {
         float t = pace * float(step);
@@ -34,13 +34,13 @@ void main() {
         Layer layer = beneath[own.first_layer + min(now, own.layers - 1)];
         Light light = beams[beam];
         Lit lights = lit_at(own, m, object, light, hit.face, t, here);
-        vec3 scattered = layer.sigma_s * lights.arrives * exp(-lights.dimmed) * dimmed * phase(layer.g, lights.cosine);
+        vec3 scattered = layer.sigma_s * lights.arrives * exp(-dimmed - lights.dimmed) * phase(layer.g, vec2(lights.cosine)).x;
         if (now < own.layers) sum += light.color * pace * scattered;
-        dimmed *= exp(-layer.sigma_t * pace);
+        dimmed += layer.sigma_t * pace;
 
         bool over = step == own.samples;
         step = over ? 0 : step + 1;
-        dimmed = over ? vec3(1) : dimmed;
+        dimmed = over ? vec3(0) : dimmed;
         beam += uint(over);
     }
     shine(pixel, object, m, sum);

@@ -23,19 +23,21 @@ vec4 mean(Unwrapping own, uint k) {
     vec4 farther = vec4(greaterThan(vec4(deviation), float(pace) * near));
     int reach = 6 << int(farther.x + farther.y + farther.z);
 
-    float rate = length_here / deviation;
+    // Of the exponent's root, from tap to tap.
+    float rate = 0.84932180 * float(pace) * length_here / deviation;
     vec4 sum = vec4(0);
-    int tap = -reach;
+    int tap = -reach, place = at + tap * pace, turn = round ? side : 0;
+    if (round) place -= side * int(floor(float(place) / float(side)));
+    // Rounding may leave one at an end.
+    if (round) place = place < 0 ? place + side : place >= side ? place - side : place;
     do {
-        int place = at + tap * pace;
-        if (round) place -= side * int(floor(float(place) / float(side)));
-        // Rounding may leave one at an end.
-        if (round) place = place < 0 ? place + side : place >= side ? place - side : place;
-        float distance = float(tap * pace) * rate, weight = exp(-0.5 * distance * distance);
+        float distance = float(tap) * rate, weight = exp2(-distance * distance);
         bool there = place >= 0 && place < side;
         uint other = uint(clamp(place, 0, side - 1));
         vec4 light = FETCH(AXIS == 0 ? rest + other : rest + other * own.side);
         sum += there ? weight * light : vec4(0);
+        place += pace;
+        place -= place >= side ? turn : 0;
     } while (++tap <= reach);
     return vec4(sum.rgb / sum.a, 1.0);
 }

@@ -7,7 +7,7 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint ESTIMATE = 0;
 layout(constant_id = 2) const uint ANY_LIGHT = 0;
-layout(push_constant, scalar) uniform push_block { Range range; };
+layout(push_constant, scalar) uniform push_block { Range range; Range part; };
 READS(frame)
 READS(blocks)
 READS(places)
@@ -37,7 +37,8 @@ void main() {
     Runs run = runs[self.run];
     uint first = run.first + run.expanded + run.direct;
     vec3 sum = vec3(0), error = vec3(0);
-    for (uint k = 0; k < run.area; ++k) {
+    uint last = min(part.first + part.count, run.area);
+    for (uint k = part.first; k < last; ++k) {
         uint node = entries[first + k];
         // Lists for any light have dark emitters, too.
         if (ANY_LIGHT != 0 && moments[node].weight == 0.0) continue;
@@ -60,7 +61,7 @@ void main() {
             })
         }
     }
-    if (!self.present || run.area == 0) return;
+    if (!self.present || run.area <= part.first) return;
     received[self.face] += only_group(sum, vec3(0));
     if (ESTIMATE != 0) estimate[self.face] += only_group(error, vec3(0));
 }

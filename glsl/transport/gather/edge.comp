@@ -8,7 +8,7 @@ layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint NODES = 6;
 layout(constant_id = 2) const uint ESTIMATE = 0;
 layout(constant_id = 3) const uint ANY_LIGHT = 0;
-layout(push_constant, scalar) uniform push_block { Range range; };
+layout(push_constant, scalar) uniform push_block { Range range; Range part; };
 READS(frame)
 READS(blocks)
 READS(places)
@@ -36,7 +36,8 @@ void main() {
     uint first = run.first + run.expanded + run.direct + run.area;
     vec3 z_real = frame[0].z_real, z_virtual = frame[0].z_virtual, sigma = frame[0].sigma;
     vec3 sum = vec3(0), error = vec3(0);
-    for (uint k = 0; k < run.edge; ++k) {
+    uint last = min(part.first + part.count, run.edge);
+    for (uint k = part.first; k < last; ++k) {
         uint node = entries[first + k], face = topology[node].face;
         // Lists for any light have dark emitters, too.
         if (ANY_LIGHT != 0 && irradiance[face] == vec3(0)) continue;
@@ -52,7 +53,7 @@ void main() {
         sum += value;
         if (ESTIMATE != 0) error += missed_edge(NODES, sigma, emitter.spread, frame[0].strength * value);
     }
-    if (!self.present || run.edge == 0) return;
+    if (!self.present || run.edge <= part.first) return;
     received[self.face] += only_group(frame[0].strength * sum, vec3(0));
     if (ESTIMATE != 0) estimate[self.face] += only_group(error, vec3(0));
 }

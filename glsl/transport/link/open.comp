@@ -9,7 +9,7 @@ UPDATES(cursor)
 void main() {
     if (invocation() == 0) {
         Cursor old = cursor[0];
-        cursor[0] = Cursor(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, old.contrast, old.contrast, 0, 0, 0, 0, 0, old.padding,
-        old.more_padding, old.last_padding);
+        cursor[0] = Cursor(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, old.contrast, old.contrast, 0, 0, 0, 0, 0, 0, 0, 0,
+            old.padding, old.more_padding, old.last_padding);
     }
 }

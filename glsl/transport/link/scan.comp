@@ -13,21 +13,26 @@ UPDATES(near)
 UPDATES(near_groups)
 
 shared uvec2 sums[256];
+shared uint most_near;
 
 void main() {
     uint self = gl_LocalInvocationIndex;
     uint each = (range.count + 255) / 256;
     uint first = min(range.count, self * each), last = min(range.count, first + each);
-    // Entries, and blocks that have near triangles.
+    // Entries, and blocks that have near triangles; the most of these that a block has.
     uvec2 sum = uvec2(0);
+    uint most = 0;
+    if (self == 0) most_near = 0;
     for (uint i = first; i < last; ++i) {
         Runs one = runs[i];
         sum += uvec2(one.expanded + one.direct + one.area + one.edge, min(one.area + one.edge, 1));
+        most = max(most, one.area + one.edge);
     }
 
     // Inclusive scan of the invocations' sums.
     sums[self] = sum;
     barrier();
+    atomicMax(most_near, most);
     for (uint step = 1; step < 256; step *= 2) {
         uvec2 other = self >= step ? sums[self - step] : uvec2(0);
         barrier();
@@ -50,6 +55,7 @@ void main() {
         near_groups[1] = uvec3(blocks_near, 0, 0);
         cursor[0].entries = total;
         cursor[0].need_entries = max(cursor[0].need_entries, total);
-        cursor[0].overflow = max(cursor[0].overflow, uint(!fits));
+        cursor[0].need_near = max(cursor[0].need_near, most_near);
+        cursor[0].overflow = max(cursor[0].overflow, uint(!fits || most_near > frame[0].near_room));
     }
 }

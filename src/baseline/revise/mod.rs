@@ -2,7 +2,8 @@
 //! oracle does not allow any more are demoted to pairs of children, those whose parents it allows now are promoted.
 //!
 //! The links are then those of `refine` on the same frame. Receivers are walked level by level as there, but each is told only
-//! of pairs that are altered, or that the refinement before has and that of now has not, or the other way round.
+//! of pairs that are altered, or that the refinement before has and that of now has not, or the other way round. Pairs whose
+//! emitter has another light are told, too: the receiver has to be summed again.
 
 mod walk;
 
@@ -11,6 +12,7 @@ pub use walk::{BOTH, Edits, walk};
 use rayon::prelude::*;
 
 use super::refine::{MOST, open};
+use super::renew::{EDITED, groups};
 use crate::error::Result;
 use crate::layout::{Buffers, Link, Range, Slot, Span};
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
@@ -32,6 +34,8 @@ pub static STAGE: Stage = Stage {
         (Slot::factors, Role::Update, Tolerance::Float { relative: 1e-6, floor: 0.0 }),
         (Slot::stale, Role::Update, Tolerance::Exact),
         (Slot::waiting, Role::Update, Tolerance::Exact),
+        (Slot::busy, Role::Update, Tolerance::Exact),
+        (Slot::due_groups, Role::Update, Tolerance::Exact),
     ],
     reason: "decisions as those of refine; what stands for a form factor until it is computed is a quotient and a product",
     unit: Unit::Chunk,
@@ -101,9 +105,15 @@ fn level_of(data: &mut Buffers, level: std::ops::Range<u32>, top: bool) {
     }
 }
 
+/// Whether anything about a receiver's links is to be merged, or its links to be summed again.
+pub(super) fn has_edits(data: &Buffers, receiver: u32) -> bool {
+    let edit = data.edits[receiver as usize];
+    edit.links + edit.areas > 0
+}
+
 /// Lists that change get new places behind all others of the chunk.
 fn place(data: &mut Buffers, nodes: std::ops::Range<usize>) {
-    let receivers = data.order[nodes].iter().map(|&receiver| receiver as usize);
+    let receivers = data.order[nodes.clone()].iter().map(|&receiver| receiver as usize);
     let mut next = receivers.clone().map(|r| data.spans[r].link + data.spans[r].links).max().unwrap_or(0);
     for receiver in receivers {
         let (edit, links) = (&mut data.edits[receiver], data.spans[receiver].links);
@@ -114,17 +124,22 @@ fn place(data: &mut Buffers, nodes: std::ops::Range<usize>) {
         (edit.edge, edit.edges) = (next, room);
         next += room;
     }
+    let edited: Vec<u32> = data.order[nodes.clone()].iter().copied().filter(|&r| has_edits(data, r)).collect();
+    data.busy[nodes.start..][..edited.len()].copy_from_slice(&edited);
+    data.due_groups[EDITED] = groups(edited.len() as u32);
     let cursor = &mut data.cursor[0];
+    cursor.busy = edited.len() as u32;
+    cursor.edited += cursor.busy;
     cursor.need_links = cursor.need_links.max(next);
     cursor.overflow |= u32::from(next > data.frame[0].link_room);
 }
 
 /// A receiver's links as they are now: those before without what is undone, with what is made, in the order of the emitters.
 fn merge(data: &mut Buffers, receiver: u32, base: usize, stale_base: usize) {
-    let edit = data.edits[receiver as usize];
-    if edit.links + edit.areas == 0 {
+    if !has_edits(data, receiver) {
         return;
     }
+    let edit = data.edits[receiver as usize];
     let span = data.spans[receiver as usize];
     let made = &data.made[edit.link as usize..][..edit.links as usize];
     let undone = &data.undone[edit.area as usize..][..edit.areas as usize];
@@ -150,7 +165,7 @@ fn merge(data: &mut Buffers, receiver: u32, base: usize, stale_base: usize) {
         if !makes && undone.binary_search(&emitter).is_ok() {
             continue;
         }
-        let touched = if makes { altered(receiver) | altered(emitter) } else { 0 };
+        let touched = if makes { (altered(receiver) | altered(emitter)) & 1 } else { 0 };
         let waits = before.map_or(1, |k| data.stale[flags.start + k] | touched);
         lists.push((emitter, factor.unwrap_or_else(|| narrow(wide(share) * area(emitter))), waits));
     }
@@ -180,5 +195,5 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let nodes = schedule.chunks[chunk].nodes.clone();
     let range = Range { first: nodes.start, count: nodes.end - nodes.start };
     pass.dispatch(Some("place"), &[], bytemuck::bytes_of(&range), 1)?;
-    pass.dispatch(Some("merge"), &[], bytemuck::bytes_of(&range), range.count as usize)
+    pass.dispatch_counted("merge", &[], bytemuck::bytes_of(&range), (Slot::due_groups, EDITED))
 }

@@ -28,7 +28,7 @@ pub fn walk(data: &Buffers, receiver: u32, handed: &[u32]) -> Edits {
     let node = receiver as usize;
     let of = |clusters: &[crate::layout::Cluster]| (clusters[node].center, children(&data.topology, clusters, node));
     let (now_at, before_at) = (of(&data.clusters), of(&data.kept_clusters));
-    let moved = data.altered[node] != 0;
+    let moved = data.altered[node] & 1 != 0;
     let mut edits = Edits::default();
     for &item in handed {
         let (start, given) = (item >> 2, item & 3);

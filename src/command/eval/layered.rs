@@ -139,6 +139,7 @@ fn state(row: &Row) -> State {
     }];
     let least = row.layers.iter().map(|layer| layer.sigma_t).fold(f64::INFINITY, f64::min) * unit;
     data.layerings = vec![Layering {
+        first_island: u32::MAX,
         layers: row.layers.len() as u32,
         size: [1, 1],
         samples: STEPS,

@@ -5,12 +5,11 @@
 
 use glam::{DVec2, DVec3};
 
-use super::ray::{Depths, FADING, GRAZING, LEAST_COSINE, Ray};
+use super::ray::{Depths, FADING, GRAZING, LEAST_COSINE, MapPlaces, Ray};
 use crate::geometry::trace::{UNFINISHED, trace};
 use crate::layers::beneath::{optical_depth, phase};
 use crate::layout::Light;
 use crate::light::irradiance::{arrival, reaches};
-use crate::light::texture::place;
 use crate::state::{narrow, wide};
 
 /// What of the march is kept instead of the truth.
@@ -123,8 +122,9 @@ impl Ray<'_> {
             node = bounds.next as usize;
         }
         let (face, DVec2 { x, y }) = found;
-        let mapped = !data.corner_uvs.is_empty() && self.layering.size != [1, 1];
-        (best.sqrt(), self.depths_of(if mapped { place(data, face, x, y) } else { DVec2::ZERO }))
+        let map = MapPlaces::of(self.state, self.layering, face);
+        let place = map.map_or(DVec2::ZERO, |MapPlaces { corners: [a, b, c], .. }| (1.0 - x - y) * a + x * b + y * c);
+        (best.sqrt(), self.depths_of(place, map.and_then(|map| map.limits)))
     }
 }
 

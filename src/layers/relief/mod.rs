@@ -10,7 +10,8 @@
 //!
 //! Steps are split where the ray crosses an interface, found as if depths varied evenly within a step. Between two such
 //! places falloff times phase varies evenly and the depth of both legs does, too: [`segment`](super::beneath::segment) is exact for that, and so is
-//! the whole for even layers on a plane under a light from afar, with one step. `integration = "paper"` takes the left
+//! the whole for even layers on a plane under a light from afar, with one step. Beyond a seam of the texture coordinates lies
+//! what [`islands`](super::islands) has put there. `integration = "paper"` takes the left
 //! rule with its N + 1 samples instead.
 
 mod full;
@@ -23,6 +24,7 @@ use crate::geometry::trace::UNFINISHED;
 use crate::layout::{Hit, Slot};
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
 pub use full::Kept;
+pub use ray::GRAZING;
 use ray::Ray;
 
 /// The table's entry.
@@ -76,7 +78,7 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let pixels = data.radiance.len();
     for (number, layering) in (0u32..).zip(&data.layerings) {
         let frame = &data.frame[layering.object as usize];
-        let mapped = u32::from(layering.size != [1, 1]);
+        let mapped = if layering.first_island != u32::MAX { 2 } else { u32::from(layering.size != [1, 1]) };
         let shadows = u32::from(frame.shadow_words > 0);
         let constants = [shadows, layering.layers.div_ceil(4), mapped, layering.henyey, layering.fresnel];
         let kernel = if layering.paper != 0 { "paper" } else { "exact" };

@@ -6,11 +6,11 @@ use crate::layers::beneath::{optical_depth, phase, segment};
 use crate::layout::{Hit, Layer, Layering, Light};
 use crate::light::fresnel::transmittance;
 use crate::light::irradiance::{arrival, reaches};
-use crate::light::texture::{place, texel};
+use crate::light::texture::texel;
 use crate::state::{State, wide};
 
 /// The least cosine between NS_P and the view ray that counts.
-pub(super) const GRAZING: f64 = 0.05;
+pub const GRAZING: f64 = 0.05;
 /// A sample of the left rule at an interface counts as above it, whatever the rounding: its depth counts times this.
 const AT_LEAST: f64 = 0.99999;
 /// Cosine of light below which less and less comes in through a plane, down to nothing from behind it.
@@ -20,6 +20,28 @@ pub(super) const LEAST_COSINE: f64 = 1e-6;
 
 /// Depths of up to 16 lower interfaces.
 pub type Depths = [f64; 16];
+
+/// Where a triangle's corners are in depth maps, and what bounds its island there; places in islands are texels.
+#[derive(Clone, Copy)]
+pub(super) struct MapPlaces {
+    pub corners: [DVec2; 3],
+    pub limits: Option<[DVec2; 2]>,
+}
+
+impl MapPlaces {
+    /// Nothing where depths do not vary.
+    pub fn of(state: &State, layering: &Layering, face: usize) -> Option<Self> {
+        let place = |[x, y]: [f32; 2]| DVec2::new(x.into(), y.into());
+        if layering.first_island != u32::MAX {
+            let first = state.data.frame[layering.object as usize].first_face;
+            let own = &state.data.islands[face - first as usize + layering.first_island as usize];
+            let limits = Some([own.low, own.high].map(place));
+            return Some(Self { corners: [own.a, own.b, own.c].map(place), limits });
+        }
+        let uvs = (layering.size != [1, 1]).then(|| state.data.corner_uvs.get(face))??;
+        Some(Self { corners: [uvs.a, uvs.b, uvs.c].map(place), limits: None })
+    }
+}
 
 /// The ray beneath one visible point.
 pub struct Ray<'a> {
@@ -35,6 +57,8 @@ pub struct Ray<'a> {
     /// To the eye.
     pub(super) eye: DVec3,
     place: DVec2,
+    /// The first and last place of its island's margin, where maps are laid out by islands.
+    limits: Option<[DVec2; 2]>,
     /// Gradients of the place: of its first and its second coordinate.
     across: [DVec3; 2],
     /// Depth won per length.
@@ -61,17 +85,13 @@ impl<'a> Ray<'a> {
 
         // Gradients of the texture coordinates: (b - a) . g = difference along that edge, and g in the plane.
         let (mut across, mut at) = ([DVec3::ZERO; 2], DVec2::ZERO);
-        let mapped = !data.corner_uvs.is_empty() && layering.size != [1, 1];
-        if mapped {
-            at = place(data, face, hit.u.into(), hit.v.into());
-            let uvs = &data.corner_uvs[face];
+        let map = MapPlaces::of(state, layering, face);
+        if let Some(MapPlaces { corners: [p, q, r], .. }) = map {
+            at = weight[0] * p + weight[1] * q + weight[2] * r;
             let square = area.length_squared();
             if square > 0.0 {
                 let along = [area.cross(c - a) / square, area.cross(b - a) / square];
-                let gradient = |k: usize| {
-                    let [p, q, r] = [uvs.a[k], uvs.b[k], uvs.c[k]].map(f64::from);
-                    along[1] * (r - p) - along[0] * (q - p)
-                };
+                let gradient = |k: usize| along[1] * (r - p)[k] - along[0] * (q - p)[k];
                 across = [gradient(0), gradient(1)];
             }
         }
@@ -91,6 +111,7 @@ impl<'a> Ray<'a> {
             plane_point: point + height * fitted,
             eye,
             place: at,
+            limits: map.and_then(|map| map.limits),
             across,
             slope,
             length,
@@ -103,13 +124,17 @@ impl<'a> Ray<'a> {
 
     /// Depths of the lower interfaces below a place that lies off P by `offset`; without end beyond the last one.
     pub(super) fn depths(&self, offset: DVec3) -> Depths {
-        self.depths_of(self.place + DVec2::new(self.across[0].dot(offset), self.across[1].dot(offset)))
+        let place = self.place + DVec2::new(self.across[0].dot(offset), self.across[1].dot(offset));
+        self.depths_of(place, self.limits)
     }
 
-    /// The same at a place in the maps.
-    pub(super) fn depths_of(&self, place: DVec2) -> Depths {
+    /// The same at a place in the maps, within the limits of its island.
+    pub(super) fn depths_of(&self, place: DVec2, limits: Option<[DVec2; 2]>) -> Depths {
         let [width, height] = self.layering.size;
-        let at = place * DVec2::new(width.into(), height.into()) - 0.5;
+        let at = match limits {
+            Some([low, high]) => place.clamp(low, high),
+            None => place * DVec2::new(width.into(), height.into()) - 0.5,
+        };
         let (left, top) = (at.x.floor(), at.y.floor());
         let column = |i: f64| texel(i as i64, width, self.layering.wrap);
         let row = |i: f64| texel(i as i64, height, self.layering.wrap) * width;

@@ -21,11 +21,14 @@ impl Frames {
     pub(super) fn open(scene: &Scene, device: Option<&Device>, options: Options, change: Change) -> Result<Opened> {
         let mut session = Session::new(scene, device, options, Room::default())?;
         match session.frame(Change::EVERYTHING) {
-            Ok(_) => Ok(Opened::Ready(Box::new(Self { session, change }))),
             Err(Error::Device { doing, what }) if doing == KEEPING => {
                 Ok(Opened::NotOffered(format!("too much to keep: {what}")))
             }
             Err(error) => Err(error),
+            Ok(_) => Ok(match session.not_kept() {
+                Some(why) => Opened::NotOffered(format!("too much to keep: {why}")),
+                None => Opened::Ready(Box::new(Self { session, change })),
+            }),
         }
     }
 }

@@ -17,6 +17,7 @@ mod yardstick;
 
 pub use front::{Against, front, mark};
 pub use method::{Bench, METHODS, Method, Opened, Solver};
+pub(in crate::measure) use plot::COLORS;
 pub use plot::svg;
 pub use ratios::{Norm, Ratio, Reach, ratios, time_at};
 pub use sheet::{Origin, csv};

@@ -18,7 +18,7 @@ const LEGEND: i32 = 60;
 /// The band along the front.
 const BAND: RGBColor = RGBColor(222, 222, 222);
 /// Colours that people who see few of them can tell apart (Okabe and Ito).
-const COLORS: [RGBColor; 7] = [
+pub(in crate::measure) const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),

@@ -5,6 +5,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::error::{Error, Result};
+use crate::measure::pareto::COLORS;
 
 /// An axis.
 #[derive(Clone, Copy)]
@@ -55,17 +56,6 @@ impl Line {
 const SIZE: (u32, u32) = (480, 360);
 /// Height of a line of the legend, which has two columns.
 const ROW: u32 = 20;
-/// Colours that people who see few of them can tell apart (Okabe and Ito).
-const COLORS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(0, 0, 0),
-];
-
 /// The picture.
 pub fn chart(title: &str, x: Axis<'_>, y: Axis<'_>, lines: &[Line]) -> Result<String> {
     let placed = |&(a, b): &(f64, f64)| a.is_finite() && b.is_finite() && !(x.log && a <= 0.0) && !(y.log && b <= 0.0);

@@ -7,13 +7,21 @@ use crate::measure::fixtures::fixtures;
 use crate::measure::stress::{Outcome, stress as extremes};
 
 /// What a quick report compares on: fixtures whose name contains one of these, which together have every stage.
-const FEW: [&str; 9] = [
+const FEW: [&str; 17] = [
     "one triangle",
     "sliver",
     "lights of two colours",
-    "three objects",
+    "opaque and lit by triangle",
+    "three objects, receivers at pixels",
+    "three objects, two of them deformed",
+    "three objects, links kept",
+    "three objects, brute force",
+    "bump over kept links, budget",
     "layers of two objects",
     "cdrf from a table",
+    "cdrf, single values",
+    "lambert of three objects",
+    "texture blur of pieces that lie apart",
     "reflection, GGX, environment",
     "texture at both, mirrored",
     "single form factors",
@@ -126,4 +134,19 @@ pub fn stress(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         page.find(Tone::Win, &format!("{} extreme cases: all finite and within their bounds", outcomes.len()));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::stages::STAGES;
+
+    #[test]
+    fn a_quick_report_compares_every_stage() {
+        let found: Vec<_> = FEW.iter().flat_map(|few| fixtures(few).unwrap()).collect();
+        let compared =
+            |name: &str| found.iter().any(|fixture| fixture.steps.iter().any(|step| step.stage.name == name));
+        let missing: Vec<&str> = STAGES.iter().map(|stage| stage.name).filter(|name| !compared(name)).collect();
+        assert!(missing.is_empty(), "{missing:?}");
+    }
 }

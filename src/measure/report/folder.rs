@@ -6,6 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Input, Result};
+use crate::view::whole::Part;
 
 /// The page's name.
 pub const PAGE: &str = "index.html";
@@ -16,7 +17,7 @@ const MARK: &str = "content=\"milkglass report\"";
 #[derive(Debug)]
 pub struct Folder {
     target: PathBuf,
-    beside: PathBuf,
+    beside: Part,
     /// Whether the target was there before.
     old: bool,
 }
@@ -41,26 +42,23 @@ impl Folder {
             let name = target.file_name().ok_or_else(|| fault("not a folder's name").expected(expected))?;
             target.with_file_name(format!(".{}{part}", name.to_string_lossy()))
         };
-        fs::create_dir(&beside).map_err(|e| fault(&format!("the folder can't be written: {e}")).expected(expected))?;
+        let beside = Part::new(beside);
+        fs::create_dir(beside.path())
+            .map_err(|e| fault(&format!("the folder can't be written: {e}")).expected(expected))?;
         Ok(Self { target: target.to_path_buf(), beside, old })
     }
 
     /// Writes every file, then moves them all, the page last.
     pub fn fill(self, page: &str, files: &[(String, Vec<u8>)]) -> Result<()> {
-        let write = |name: &str, bytes: &[u8]| -> std::io::Result<()> { fs::write(self.beside.join(name), bytes) };
+        let write =
+            |name: &str, bytes: &[u8]| -> std::io::Result<()> { fs::write(self.beside.path().join(name), bytes) };
         let all = || files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
         let all = || all().chain([(PAGE, page.as_bytes())]);
         let done = all().try_for_each(|(name, bytes)| write(name, bytes)).and_then(|()| match self.old {
-            false => fs::rename(&self.beside, &self.target),
-            true => all().try_for_each(|(name, _)| fs::rename(self.beside.join(name), self.target.join(name))),
+            false => fs::rename(self.beside.path(), &self.target),
+            true => all().try_for_each(|(name, _)| fs::rename(self.beside.path().join(name), self.target.join(name))),
         });
         done.map_err(|e| Error::from(Input::new(format!("could not be written: {e}")).file(&self.target)))
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.beside);
     }
 }
 

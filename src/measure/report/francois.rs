@@ -4,7 +4,7 @@ use super::chart::{Axis, Line, chart};
 use super::pictures::{Shot, scene};
 use super::{Bench, Page, Tone};
 use crate::error::Result;
-use crate::measure::layers::{Line as Measured, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules};
+use crate::measure::layers::{Line as Measured, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules, uneven};
 use crate::measure::median;
 use crate::render::plan::Transport;
 use crate::scene::Integration;
@@ -103,6 +103,9 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let row = |&(count, ms): &(u32, f64)| {
         vec![count.to_string(), format!("{ms:.2}"), format!("{:.2}", ms / f64::from(count))]
     };
+    let off = uneven(&costs);
+    let tone = if off <= 0.1 { Tone::Win } else { Tone::Loss };
+    page.find(tone, &format!("time by lights is off a straight line by {:.0} % at most", 100.0 * off));
     page.table(
         "layers-lights",
         &["point lights", "relief, ms", "ms a light"],

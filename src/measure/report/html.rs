@@ -82,11 +82,6 @@ impl Page {
         self.findings.push((tone, words.into()));
     }
 
-    /// Lines as they are.
-    pub fn text(&mut self, lines: &str) {
-        self.body += &format!("<div class=\"box\"><pre>{}</pre></div>\n", escape(lines));
-    }
-
     /// What is only seen when it is opened.
     pub fn fold(&mut self, head: &str, write: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         self.body += &format!("<details><summary>{}</summary>\n", escape(head));

@@ -4,7 +4,10 @@ use super::chart::{Axis, CHANNELS, Line, chart};
 use super::{Bench, Page, Tone};
 use crate::error::Result;
 use crate::measure::tables::curves::{Point, TOLERANCES, figure_3, figure_4};
-use crate::measure::tables::{Bench as Models, TABLES};
+use crate::measure::tables::{Bench as Models, TABLES, Told};
+
+/// A table: its name, its columns' names, its rows.
+type Measured = (String, Vec<String>, Vec<Vec<String>>);
 
 const NAMES: [&str; 3] = ["red", "green", "blue"];
 
@@ -76,9 +79,27 @@ pub fn mertens(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     );
     let models = Models { device: bench.device, meshes: &[], samples: 100, most_faces: bench.either(2_100, 17_000) };
     for (_, table) in TABLES.iter().take(bench.either(1, TABLES.len())) {
-        let mut text = String::new();
-        table(&models, &mut |line| text += &format!("{line}\n"))?;
-        page.text(&text);
+        let (mut open, mut all): (Option<Measured>, Vec<std::result::Result<Measured, String>>) = (None, Vec::new());
+        table(&models, &mut |told| match told {
+            Told::Words(words) => {
+                all.extend(open.take().map(Ok));
+                all.push(Err(words.trim().into()));
+            }
+            Told::Columns(name, header) => {
+                all.extend(open.take().map(Ok));
+                open = Some((name.into(), header.iter().map(ToString::to_string).collect(), Vec::new()));
+            }
+            Told::Row(cells) => open.iter_mut().for_each(|(_, _, rows)| rows.push(cells.to_vec())),
+        })?;
+        all.extend(open.map(Ok));
+        for part in all {
+            match part {
+                Ok((name, header, rows)) => {
+                    page.table(&name, &header.iter().map(String::as_str).collect::<Vec<_>>(), &rows)?;
+                }
+                Err(words) => page.say(&words),
+            }
+        }
     }
     if bench.quick {
         page.say("Tables 4 and 5 and the larger models of table 3 are in the full report, and in `cargo bench --bench tables`.");

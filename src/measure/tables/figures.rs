@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
-use super::Tell;
 use super::curves::{self, Point, TOLERANCES};
+use super::{Tell, Told};
 use crate::error::Result;
 
 const COLORS: [&str; 3] = ["R", "G", "B"];
@@ -16,6 +16,7 @@ fn largest(points: &[Point], channel: usize, of: impl Fn(&Point) -> f64) -> f64 
 
 /// Figure 3, a line every two millimetres, and the worst of each channel.
 pub fn figure_3(tell: Tell<'_>) {
+    let mut tell = |words: &str| tell(Told::Words(words));
     let points = curves::figure_3();
     tell(
         "Figure 3: F of a triangle of skim milk, base 10 mm, height 5 mm, tip 0 to 10 mm from the receiver, in its plane.",
@@ -45,6 +46,7 @@ pub fn figure_3(tell: Tell<'_>) {
 
 /// Figure 4, a line every half decade for green, and the worst of each channel.
 pub fn figure_4(tell: Tell<'_>) {
+    let mut tell = |words: &str| tell(Told::Words(words));
     let points = curves::figure_4();
     tell("Figure 4: F of a triangle of marble, tip at the receiver, base 0.1 to 100 mm away, twice as wide as far.");
     tell(
@@ -89,6 +91,7 @@ fn worst(points: &[Point], c: usize, color: &str, more: &str) -> String {
 
 /// A file of either figure beside ours.
 pub fn given(path: &Path, tell: Tell<'_>) -> Result<()> {
+    let mut tell = |words: &str| tell(Told::Words(words));
     let found = super::given::compare(path)?;
     tell(&format!(
         "{}: figure {}, {} rows: F differs by {:.1e} of itself at most; {} rows have the same number of segments (where \

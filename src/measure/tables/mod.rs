@@ -3,8 +3,8 @@
 //! Absolute times of 2003 mean nothing today: what is compared is how times grow within one run, and their ratios. The
 //! paper's columns map to ours so: *on-the-fly* is a frame with everything anew (`refit` to `spread`), *render* is a new
 //! light over kept links and form factors (`irradiance`, `mean`, `collect`, `spread`), *form factor* is
-//! `transport.near = "exact"`, *point sampling* is `transport.near = "point-sampling"`. Incremental mode, which promotes
-//! and demotes links, does not exist here. Its models are lost but the horse: shapes made here stand in, with as many
+//! `transport.near = "exact"`, *point sampling* is `transport.near = "point-sampling"`. Its incremental
+//! mode is compared with ours in `measure::modes`: what changed in its frames is not told. Its models are lost but the horse: shapes made here stand in, with as many
 //! triangles as their detail allows; all trees are face clusters. Its solid angles are not told: one value for both is
 //! found from the links a triangle of a table's first row, and kept for its other rows.
 
@@ -19,6 +19,8 @@ mod solve;
 
 pub use figures::{figure_3, figure_4, given};
 pub use print::{table_3, table_4, table_5};
+
+use std::fmt::{Display, Formatter};
 
 use crate::error::Result;
 use crate::gpu::Device;
@@ -36,10 +38,30 @@ pub struct Bench<'a> {
     pub most_faces: usize,
 }
 
-/// A table as it is printed, line by line as it is measured.
-pub type Tell<'a> = &'a mut dyn FnMut(&str);
+/// A piece of a table, as it is measured.
+pub enum Told<'a> {
+    /// A line of words.
+    Words(&'a str),
+    /// The name of a table that begins, one word, and its columns'.
+    Columns(&'a str, &'a [&'a str]),
+    /// One of its rows.
+    Row(&'a [String]),
+}
 
-/// One table: says its rows to `Tell` as they come.
+impl Display for Told<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Words(words) => f.write_str(words),
+            Self::Columns(_, header) => header.iter().try_for_each(|cell| write!(f, "{cell:>12}")),
+            Self::Row(cells) => cells.iter().try_for_each(|cell| write!(f, "{cell:>12}")),
+        }
+    }
+}
+
+/// Told a table, piece by piece.
+pub type Tell<'a> = &'a mut dyn FnMut(Told<'_>);
+
+/// One table: tells its rows as they come.
 pub type Table = fn(&Bench<'_>, Tell<'_>) -> Result<()>;
 
 /// The tables that are measured, by the names that `--only` takes.

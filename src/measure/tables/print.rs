@@ -1,5 +1,6 @@
 //! Tables 3, 4, 5 and figure 5 as text, row by row as they are measured.
 
+use super::Told::{Columns, Row, Words};
 use super::models::{angle, at_angle, mesh, shape};
 use super::paper::{EXTENT_3, EXTENT_4, FIGURE_5, TABLE_3, TABLE_4, TABLE_5};
 use super::solve::{Kept, Solved};
@@ -11,8 +12,12 @@ use crate::scene::{Near, Scene};
 /// Triangles of the shape for table 5, where no mesh is given.
 const FACES_5: usize = 4474;
 
-fn error(norms: Norms) -> String {
-    format!("{:>8.1e} {:>8.1e}", norms.l2, norms.p99)
+fn error(norms: Norms) -> [String; 2] {
+    [norms.l2, norms.p99].map(|x| format!("{x:.1e}"))
+}
+
+fn cells<const N: usize>(values: [f64; N]) -> [String; N] {
+    values.map(|x| format!("{x:.2}"))
 }
 
 /// Links a triangle that the paper's first row of a table has.
@@ -27,17 +32,16 @@ fn power(faces: [f64; 2], values: [f64; 2]) -> f64 {
 
 /// Table 3: links and times against triangles.
 pub fn table_3(bench: &Bench<'_>, tell: Tell<'_>) -> Result<()> {
-    tell(
+    tell(Words(
         "Table 3: triangles T against links L and time; marble, 2.5 cm. Times as multiples of the first row's on-the-fly.",
-    );
+    ));
     for name in ["sphere", "lotus"] {
         let first = shape(name, TABLE_3[0].faces, EXTENT_3)?;
         let both = angle(&first, bench.device, density(TABLE_3[0].faces, TABLE_3[0].kilolinks))?;
-        tell(&format!("{name}; both solid angles {both:.3}, for the paper's L/T in the first row"));
-        tell(&format!(
-            "{:>8} {:>6} {:>7} {:>7} {:>7} | {:>8} {:>6} {:>7} {:>7} {:>7} {:>8} {:>8}",
-            "paper T", "L/T", "fly", "render", "fly/r", "T", "L/T", "fly", "render", "fly/r", "L2", "p99"
-        ));
+        tell(Words(&format!("{name}; both solid angles {both:.3}, for the paper's L/T in the first row")));
+        let paper = ["paper T", "paper L/T", "paper fly", "paper render", "paper ratio"];
+        let own = ["T", "L/T", "fly", "render", "ratio", "L2", "p99"];
+        tell(Columns(&format!("table-3-{name}"), &[&paper[..], &own].concat()));
         let mut ours: Vec<[f64; 4]> = Vec::new();
         for row in TABLE_3.iter().filter(|row| row.faces <= bench.most_faces) {
             let scene = at_angle(&shape(name, row.faces, EXTENT_3)?, both);
@@ -49,29 +53,23 @@ pub fn table_3(bench: &Bench<'_>, tell: Tell<'_>) -> Result<()> {
             };
             ours.push([fly.faces() as f64, fly.links() as f64, time, render]);
             let (unit, base) = (ours[0][2], TABLE_3[0].ms[0]);
-            tell(&format!(
-                "{:>8} {:>6.1} {:>7.2} {:>7.2} {:>7.2} | {:>8} {:>6.1} {:>7.2} {:>7.2} {:>7.2} {}",
-                row.faces,
-                density(row.faces, row.kilolinks),
-                row.ms[0] / base,
-                row.ms[2] / base,
-                row.ms[0] / row.ms[2],
-                fly.faces(),
-                fly.links_per_face(),
-                time / unit,
-                render / unit,
-                time / render,
-                error(fly.error(&fly.truth(bench.samples)))
-            ));
+            let paper = [density(row.faces, row.kilolinks), row.ms[0] / base, row.ms[2] / base, row.ms[0] / row.ms[2]];
+            let own = [fly.links_per_face(), time / unit, render / unit, time / render];
+            let mut line = vec![row.faces.to_string()];
+            line.extend(cells(paper));
+            line.push(fly.faces().to_string());
+            line.extend(cells(own));
+            line.extend(error(fly.error(&fly.truth(bench.samples))));
+            tell(Row(&line));
         }
         if let ([a, .., b], Some(last)) = (&ours[..], TABLE_3.get(ours.len() - 1)) {
             let (first, grow) = (&TABLE_3[0], |k: usize| power([a[0], b[0]], [a[k], b[k]]));
             let paper = |f: &dyn Fn(&super::paper::Complexity) -> f64| {
                 power([first.faces as f64, last.faces as f64], [f(first), f(last)])
             };
-            tell(&format!(
+            tell(Words(&format!(
                 "   powers of T, paper / ours: links {:.2} / {:.2}, on-the-fly {:.2} / {:.2}, render {:.2} / {:.2}; \
-                 incremental {:.2} / not implemented",
+                 incremental {:.2} / see the table of modes",
                 paper(&|r| r.kilolinks),
                 grow(1),
                 paper(&|r| r.ms[0]),
@@ -79,7 +77,7 @@ pub fn table_3(bench: &Bench<'_>, tell: Tell<'_>) -> Result<()> {
                 paper(&|r| r.ms[2]),
                 grow(3),
                 paper(&|r| r.ms[1])
-            ));
+            )));
         }
     }
     Ok(())
@@ -90,32 +88,35 @@ pub fn table_4(bench: &Bench<'_>, tell: Tell<'_>) -> Result<()> {
     let first = &TABLE_4[0];
     let start = shape(first.stand_in, first.faces, EXTENT_4)?;
     let both = angle(&start, bench.device, density(first.faces, first.kilolinks))?;
-    tell("Table 4: models at one conservative setting; marble, 10 cm. Time a link as a multiple of the first row's.");
-    tell(&format!(
+    tell(Words(
+        "Table 4: models at one conservative setting; marble, 10 cm. Time a link as a multiple of the first row's.",
+    ));
+    tell(Words(&format!(
         "both solid angles {both:.3}, for the paper's L/T in the first row; our trees are all face clusters"
-    ));
-    tell(&format!(
-        "{:>8} {:>4} {:>7} {:>6} {:>6} | {:<10} {:>7} {:>6} {:>6} {:>8} {:>8}",
-        "paper", "type", "T", "L/T", "ms/L", "ours", "T", "L/T", "ms/L", "L2", "p99"
-    ));
+    )));
+    let paper = ["paper", "paper tree", "paper T", "paper L/T", "paper ms/L"];
+    tell(Columns("table-4", &[&paper[..], &["ours", "T", "L/T", "ms/L", "L2", "p99"]].concat()));
     let mut unit = None;
-    let mut ours = |scene: &Scene| -> Result<String> {
+    let mut ours = |scene: &Scene| -> Result<Vec<String>> {
         let mut solved = Solved::new(&at_angle(scene, both), bench.device, Kept::Nothing)?;
         let time = solved.time()?;
         let each = time / solved.links() as f64;
         let (relative, links) = (each / *unit.get_or_insert(each), solved.links_per_face());
-        let (faces, error) = (solved.faces(), error(solved.error(&solved.truth(bench.samples))));
-        Ok(format!("{:<10} {faces:>7} {links:>6.1} {relative:>6.2} {error}", scene.name))
+        let mut line = vec![scene.name.clone(), solved.faces().to_string()];
+        line.extend(cells([links, relative]));
+        line.extend(error(solved.error(&solved.truth(bench.samples))));
+        Ok(line)
     };
     for row in TABLE_4.iter().filter(|row| row.faces <= bench.most_faces) {
-        let line = ours(&shape(row.stand_in, row.faces, EXTENT_4)?)?;
+        let mut line = vec![row.name.to_string(), row.hierarchy.to_string(), row.faces.to_string()];
         let relative = row.ms / row.kilolinks / (first.ms / first.kilolinks);
-        let links = density(row.faces, row.kilolinks);
-        tell(&format!("{:>8} {:>4} {:>7} {links:>6.1} {relative:>6.2} | {line}", row.name, row.hierarchy, row.faces));
+        line.extend(cells([density(row.faces, row.kilolinks), relative]));
+        line.extend(ours(&shape(row.stand_in, row.faces, EXTENT_4)?)?);
+        tell(Row(&line));
     }
     for path in bench.meshes {
-        let line = ours(&mesh(path, EXTENT_4)?)?;
-        tell(&format!("{:>8} {:>4} {:>7} {:>6} {:>6} | {line}", "", "", "", "", ""));
+        let line = [vec!["-".into(); 5], ours(&mesh(path, EXTENT_4)?)?].concat();
+        tell(Row(&line));
     }
     Ok(())
 }
@@ -125,10 +126,12 @@ pub fn table_5(bench: &Bench<'_>, tell: Tell<'_>) -> Result<()> {
     let first = &TABLE_4[0];
     let start = shape("slab", FACES_5.min(bench.most_faces), EXTENT_4)?;
     let both = angle(&start, bench.device, density(first.faces, first.kilolinks))?;
-    tell("Table 5: near triangles by the edge form (\"exact\") against uniform point samples; marble, on the fly.");
-    tell(&format!(
-        "both solid angles {both:.3}, for the L/T of table 4's first row; times as multiples of the first exact one"
+    tell(Words(
+        "Table 5: near triangles by the edge form (\"exact\") against uniform point samples; marble, on the fly.",
     ));
+    tell(Words(&format!(
+        "both solid angles {both:.3}, for the L/T of table 4's first row; times as multiples of the first exact one"
+    )));
     table_5_of(bench, tell, "slab", both, &|extent| shape("slab", FACES_5.min(bench.most_faces), extent))?;
     for path in bench.meshes {
         table_5_of(bench, tell, path, both, &|extent| mesh(path, extent))?;
@@ -143,23 +146,20 @@ fn table_5_of(
     both: f64,
     make: &dyn Fn(f64) -> Result<Scene>,
 ) -> Result<()> {
-    tell(&format!(
-        "{:>5} {:>6} {:>7} {:>6} | {:>6} {:>8} {:>6} {:>8} {:>6} {:>6} {:>8} {:>8} {:>8} {:>8}",
-        "m",
-        "paper",
-        "sampled",
-        "ratio",
+    let paper = ["meters", "paper exact", "paper sampled", "paper ratio"];
+    let own = [
         "near/T",
         "samples",
         "exact",
         "sampled",
         "ratio",
         "alone",
-        "L2",
-        "p99",
-        "L2",
-        "p99"
-    ));
+        "exact L2",
+        "exact p99",
+        "sampled L2",
+        "sampled p99",
+    ];
+    tell(Columns("table-5", &[&paper[..], &own].concat()));
     let mut unit = None;
     let mut picture = None;
     for row in &TABLE_5 {
@@ -172,31 +172,21 @@ fn table_5_of(
         let (near, base) = (exact.near_links() as f64 / exact.faces() as f64, TABLE_5[0].ms[0]);
         let truth = exact.truth(bench.samples);
         let (precise, rough) = (exact.error(&truth), sampled.error(&truth));
-        tell(&format!(
-            "{:>5} {:>6.2} {:>7.2} {:>6.2} | {near:>6.1} {:>8.1} {:>6.2} {:>8.2} {:>6.2} {:>6.2} {} {}",
-            row.meters,
-            row.ms[0] / base,
-            row.ms[1] / base,
-            row.ms[1] / row.ms[0],
-            sampled.samples(),
-            a / unit,
-            b / unit,
-            b / a,
-            points / form,
-            error(precise),
-            error(rough)
-        ));
+        let paper = [row.meters, row.ms[0] / base, row.ms[1] / base, row.ms[1] / row.ms[0]];
+        let own = [near, sampled.samples(), a / unit, b / unit, b / a, points / form];
+        let line = [&cells(paper)[..], &cells(own), &error(precise), &error(rough)].concat();
+        tell(Row(&line));
         if row.meters == FIGURE_5 {
             picture = Some((exact.faces(), precise, rough, sampled.noise(&exact)));
         }
     }
     if let Some((faces, precise, rough, [noise, averaged])) = picture {
-        tell(&format!(
+        tell(Words(&format!(
             "Figure 5: marble, 20 cm, {name}, {faces} triangles. Paper: low frequency noise is clearly visible with point \
              sampling. Ours: largest error of the rms {:.1e} by the edge form, {:.1e} by point samples; the samples' noise \
              is {noise:.1e} of the rms on faces and {averaged:.1e} averaged at vertices, as a picture shows it",
             precise.max, rough.max
-        ));
+        )));
     }
     Ok(())
 }

@@ -54,9 +54,9 @@ impl Solved {
     /// The same, or nothing where a device can't keep so many links.
     pub fn if_it_fits(scene: &Scene, device: Option<&Device>, kept: Kept) -> Result<Option<Self>> {
         match Self::new(scene, device, kept) {
-            Ok(solved) => Ok(Some(solved)),
+            Ok(solved) if solved.session.not_kept().is_some() => Ok(None),
             Err(Error::Device { doing, .. }) if doing == KEEPING => Ok(None),
-            Err(error) => Err(error),
+            done => done.map(Some),
         }
     }
 

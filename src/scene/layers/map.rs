@@ -2,6 +2,7 @@
 
 use super::{Depth, pattern};
 use crate::error::Input;
+use crate::scene::files::Files;
 use crate::scene::image::read_depths;
 use crate::scene::range::Checked;
 use crate::scene::texture::{MOST_SIDE, MOST_TEXELS, Wrap};
@@ -80,14 +81,14 @@ impl DepthMap {
     }
 
     /// Reads the maps, relative to `folder`; `key` is theirs.
-    pub(super) fn load(&mut self, folder: &Path, key: &str, report: &mut Vec<String>) -> Checked<()> {
+    pub(super) fn load(&mut self, files: &Files, folder: &Path, key: &str, report: &mut Vec<String>) -> Checked<()> {
         if self.source.maps.is_empty() || !self.texels.is_empty() {
             return Ok(());
         }
         let source = &self.source;
         let images = source.maps.iter().enumerate().map(|(k, name)| match pattern::of(name) {
             Some(image) => Ok(image),
-            None => read(&folder.join(name), key, (source.layers - 4 * k).min(4)),
+            None => read(files, &folder.join(name), key, (source.layers - 4 * k).min(4)),
         });
         let images = images.collect::<Checked<Vec<_>>>()?;
         let size = images[0].0;
@@ -122,9 +123,9 @@ impl DepthMap {
 }
 
 /// Size and texels of a file with so many layers; `key` is the maps'.
-fn read(path: &Path, key: &str, layers: usize) -> Checked<([u32; 2], Vec<[f32; 4]>)> {
+fn read(files: &Files, path: &Path, key: &str, layers: usize) -> Checked<([u32; 2], Vec<[f32; 4]>)> {
     let at = |what: String| Input::new(what).key(key);
-    let image = read_depths(path);
+    let image = read_depths(files, path, MOST_TEXELS / 2);
     let image = image.unwrap_or_else(|| Err("its name does not end in .png or .exr".into()));
     let (size, texels, channels) =
         image.map_err(|error| at(format!("{}: the map cannot be read", path.display())).found(error))?;

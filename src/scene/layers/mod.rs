@@ -5,6 +5,7 @@ mod pattern;
 
 pub use map::DepthMap;
 
+use super::files::Files;
 use super::range::{self, Checked};
 use super::texture::Wrap;
 use super::vector::Rgb;
@@ -25,7 +26,7 @@ pub struct Layers {
     pub layers: Vec<Layer>,
     /// Depths of their lower interfaces.
     pub map: DepthMap,
-    /// Steps along a ray, 1 to 1000.
+    /// Places along a ray, 1 to 1000: ends of steps, and by the exact rule where interfaces are crossed.
     pub samples: u32,
     /// How light is summed along it.
     pub integration: Integration,
@@ -119,6 +120,10 @@ impl Layers {
     pub(super) fn check(file: &LayersFile, key: &str, per_unit: f64) -> Checked<Self> {
         let at = |name: &str| format!("{key}.{name}");
         let channels = 4 * file.maps.as_ref().map_or(MOST_LAYERS / 4, Vec::len);
+        if channels == 0 {
+            let fault = Input::new("there are no maps").key(at("maps")).found("an empty list");
+            return Err(fault.expected("a map for every four layers, or a thickness in each layer instead"));
+        }
         if !(1..=channels.min(MOST_LAYERS)).contains(&file.layer.len()) {
             let what = if file.layer.is_empty() { "there are no layers" } else { "more layers than channels" };
             let fault = Input::new(what).key(at("layer")).found(format!("{} layers", file.layer.len()));
@@ -231,7 +236,7 @@ impl LayersFile {
 
 impl Layers {
     /// Reads the maps, relative to `folder`.
-    pub(super) fn load(&mut self, folder: &Path, key: &str, report: &mut Vec<String>) -> Checked<()> {
-        self.map.load(folder, &format!("{key}.maps"), report)
+    pub(super) fn load(&mut self, files: &Files, folder: &Path, key: &str, report: &mut Vec<String>) -> Checked<()> {
+        self.map.load(files, folder, &format!("{key}.maps"), report)
     }
 }

@@ -159,13 +159,20 @@ impl Light {
         Ok(Self { source, shadows: file.shadows.unwrap_or(true) })
     }
 
-    /// No part of it may stand in the medium of an object that is closed and has an inside.
+    /// No part of it may stand in the medium of an object that is closed and has an inside, be it of layers alone.
     pub(in crate::scene) fn check_outside(&self, objects: &[Object], index: usize) -> Checked<()> {
-        let lets_in = |object: &&Object| !object.material.two_sided && object.material.opaque.is_none();
-        let inside = |object: &Object| object.mesh.first_inside(&self.places());
-        let Some(place) = objects.iter().filter(lets_in).find_map(inside) else { return Ok(()) };
+        let lets_in = |object: &&Object| {
+            let material = &object.material;
+            !material.two_sided && (material.opaque.is_none() || material.layers.is_some())
+        };
+        let inside =
+            |object: &Object| Some((object.mesh.first_inside(&self.places())?, object.material.opaque.is_some()));
+        let Some((place, alone)) = objects.iter().filter(lets_in).find_map(inside) else { return Ok(()) };
         let fault = Input::new("the light stands in the medium").key(format!("light.{index}.position"));
-        let expected = "a place outside the object or in a cavity of it, or two_sided = true in its material";
+        let expected = match alone {
+            true => "a place outside the object or in a cavity of it",
+            false => "a place outside the object or in a cavity of it, or two_sided = true in its material",
+        };
         Err(fault.found(format!("a light at [{}, {}, {}]", place.x, place.y, place.z)).expected(expected))
     }
 

@@ -7,6 +7,7 @@ mod sky;
 pub(super) use file::LightFile;
 pub use sky::Sky;
 
+use super::files::Files;
 use super::range::Checked;
 use glam::DVec3;
 use std::path::Path;
@@ -122,9 +123,9 @@ impl Light {
     }
 
     /// Reads what it needs from files in `folder`; it is number `index` of the scene.
-    pub(super) fn load(&mut self, folder: &Path, index: usize) -> Checked<()> {
+    pub(super) fn load(&mut self, files: &Files, folder: &Path, index: usize) -> Checked<()> {
         match &mut self.source {
-            Source::Environment { sky, .. } => sky.load(folder, &format!("light.{index}")),
+            Source::Environment { sky, .. } => sky.load(files, folder, &format!("light.{index}")),
             _ => Ok(()),
         }
     }

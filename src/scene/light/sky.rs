@@ -4,6 +4,7 @@
 //! at polar angle t and azimuth a (-180 to 180 degrees from left to right) is (sin t sin a, cos t, -sin t cos a).
 //! `rotation` turns the environment about +y, anticlockwise as seen from above.
 
+use super::super::files::Files;
 use super::super::image::{read_exr, read_hdr};
 use super::super::range::Checked;
 use crate::error::Input;
@@ -52,15 +53,15 @@ impl Sky {
     }
 
     /// Reads the file's image, if there is one; `key` is of the light.
-    pub(in crate::scene) fn load(&mut self, folder: &Path, key: &str) -> Checked<()> {
+    pub(in crate::scene) fn load(&mut self, files: &Files, folder: &Path, key: &str) -> Checked<()> {
         let Some(image) = self.image.take() else { return Ok(()) };
         let path = folder.join(&image);
         let at = |what: String| Input::new(what).key(format!("{key}.image"));
         let expected = format!("an image that ends in .exr or .hdr, or {BUILTIN}");
         let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
         let read = match end.as_str() {
-            "exr" => read_exr(&path),
-            "hdr" => read_hdr(&path),
+            "exr" => read_exr(files, &path, MOST_PIXELS),
+            "hdr" => read_hdr(files, &path, MOST_PIXELS),
             _ => return Err(at("not the name of an environment".into()).found(image).expected(expected)),
         };
         let (size, pixels) =
@@ -140,7 +141,7 @@ mod tests {
         let pixel = |x: usize, y: usize| (x as f32, 0.5 * y as f32, 3.0);
         exr::prelude::write_rgb_file(folder.path().join("a.exr"), 4, 2, pixel).expect("written");
         let mut sky = Sky::of_image("a.exr", [2.0, 1.0, 1.0], 0.0);
-        sky.load(folder.path(), "light.0").expect("an image");
+        sky.load(&Files::default(), folder.path(), "light.0").expect("an image");
         assert_eq!((sky.size, sky.radiance(3, 1)), ([4, 2], DVec3::new(6.0, 0.5, 3.0)));
         assert_eq!(sky.brightest(), [6.0, 0.5, 3.0]);
         assert!((sky.mean() - DVec3::new(3.0, 0.25, 3.0)).length() < 1e-12, "{}", sky.mean());
@@ -148,7 +149,7 @@ mod tests {
         let pixels: Vec<_> = (0..32).map(|i| image::Rgb([i as f32, 1.0, 0.0])).collect();
         image::codecs::hdr::HdrEncoder::new(file).encode(&pixels, 8, 4).expect("written");
         let mut sky = Sky::of_image("b.hdr", [1.0; 3], 0.0);
-        sky.load(folder.path(), "light.0").expect("an image");
+        sky.load(&Files::default(), folder.path(), "light.0").expect("an image");
         assert_eq!((sky.size, sky.radiance(3, 1).x), ([8, 4], 11.0));
     }
 
@@ -159,7 +160,8 @@ mod tests {
             let pixel = move |x: usize, y: usize| (1.0, if (x, y) == (2, 1) { value } else { 1.0 }, 1.0f32);
             exr::prelude::write_rgb_file(folder.path().join("a.exr"), 4, 2, pixel).expect("written");
             let mut sky = Sky::of_image("a.exr", [1.0; 3], 0.0);
-            let error = sky.load(folder.path(), "light.0").err().map(|e| e.to_string()).unwrap_or_default();
+            let error =
+                sky.load(&Files::default(), folder.path(), "light.0").err().map(|e| e.to_string()).unwrap_or_default();
             let what = "a.exr: pixel (2, 1), from the top left, is no radiance; found [1, ";
             assert!(error.starts_with("light.0.image: ") && error.contains(&format!("{what}{shown}, 1]")), "{error}");
         }

@@ -4,6 +4,7 @@ mod bust;
 mod butterfly;
 mod candle;
 mod clean;
+mod detail;
 mod edges;
 mod fish;
 mod gecko;
@@ -26,6 +27,7 @@ pub(super) use import::map_kd;
 pub(super) use refine::Origin;
 pub use shape::Shape;
 
+use super::files::Files;
 use super::range::Checked;
 use crate::error::Input;
 use glam::DVec3;
@@ -52,12 +54,15 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Bytes that a triangle takes in memory, with its share of the vertices, while a mesh is made.
+    pub const BYTES: u64 = 150;
+
     /// Reads, cleans and orients a Wavefront OBJ file; repairs and warnings are added to `report`. Where a texture is
     /// wanted, its key is given, and every corner must have a place in it.
-    pub(super) fn read(path: &Path, textured: Option<&str>, report: &mut Vec<String>) -> Checked<Self> {
-        let soup = import::read(path, textured)?;
+    pub(super) fn read(files: &Files, path: &Path, textured: Option<&str>, report: &mut Vec<String>) -> Checked<Self> {
+        let soup = import::read(files, path, textured)?;
         let (mut mesh, _) = clean::clean(soup, report).map_err(|fault| fault.file(path))?;
-        orient::orient(&mut mesh, report);
+        orient::orient(&mut mesh, report).map_err(|fault| fault.file(path))?;
         Ok(mesh)
     }
 
@@ -79,6 +84,12 @@ impl Mesh {
         let [a, b, c] = *self.triangles.get(triangle)?;
         let at = |index: u32| self.positions.get(index as usize).copied();
         Some([at(a)?, at(b)?, at(c)?])
+    }
+
+    /// For each half-edge the one of the only other triangle at this edge, or `u32::MAX`; `3 t + k` runs from corner `k` of
+    /// triangle `t` to the next one.
+    pub fn twins(&self) -> Vec<u32> {
+        edges::Edges::of(&self.triangles).twin
     }
 
     /// The enclosed volume in cubic scene units, negative when the mesh is inside out; for an open
@@ -147,7 +158,7 @@ mod tests {
                     f 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
         std::fs::write(&path, cube).expect("written");
         let mut report = Vec::new();
-        let mesh = Mesh::read(&path, None, &mut report).expect("a cube");
+        let mesh = Mesh::read(&Files::default(), &path, None, &mut report).expect("a cube");
         assert_eq!((mesh.triangles.len(), mesh.open_edges), (12, 0));
         assert_eq!(mesh.input_face, [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5]);
         assert!((mesh.volume() - 1.0).abs() < 1e-12);

@@ -2,6 +2,7 @@
 
 use super::{Mesh, clean, import};
 use crate::error::Input;
+use crate::scene::files::Files;
 use crate::scene::range::Checked;
 use glam::DVec3;
 use std::path::Path;
@@ -9,8 +10,8 @@ use std::path::Path;
 impl Mesh {
     /// The places of the vertices of the mesh read from `own`, in that file and in `other`, which `key` names. Both must have
     /// the same triangles of as many vertices, in the same order, and what lies in one place in the first has to in the other.
-    pub(in crate::scene) fn read_ends(own: &Path, other: &Path, key: &str) -> Checked<[Vec<DVec3>; 2]> {
-        let [rest, end] = [own, other].map(|path| import::read(path, None));
+    pub(in crate::scene) fn read_ends(files: &Files, own: &Path, other: &Path, key: &str) -> Checked<[Vec<DVec3>; 2]> {
+        let [rest, end] = [own, other].map(|path| import::read(files, path, None));
         let (rest, end) = (rest?, end?);
         let fault = |what: &str, found: String, expected: String| {
             Err(Input::new(what).key(key).found(found).expected(expected))

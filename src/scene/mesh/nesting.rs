@@ -1,12 +1,20 @@
 //! How deep each closed part of a mesh lies inside the others.
 
 use super::Mesh;
+use crate::error::Input;
+use crate::scene::range::Checked;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Most faces that points are compared with, all together: a minute or two.
+const MOST: u64 = 4_000_000_000;
 
 /// For each closed part, given by its faces, the number of other ones that contain it. A part
-/// contains another when the centres of that one's outermost faces are all inside.
-pub(super) fn depths(mesh: &Mesh, parts: &[&[u32]]) -> Vec<usize> {
+/// contains another when the centres of that one's outermost faces are all inside. An error where parts are so many, and
+/// so deep in one another, that it would take too long to tell.
+pub(super) fn depths(mesh: &Mesh, parts: &[&[u32]]) -> Checked<Vec<usize>> {
+    let compared = AtomicU64::new(0);
     let boxes: Vec<(DVec3, DVec3)> = parts.par_iter().map(|faces| bounds(mesh, faces)).collect();
     let depth = |(inner, faces): (usize, &&[u32])| {
         let (low, high) = boxes[inner];
@@ -16,13 +24,23 @@ pub(super) fn depths(mesh: &Mesh, parts: &[&[u32]]) -> Vec<usize> {
         };
         let mut outside = (0..parts.len()).filter(around).peekable();
         if outside.peek().is_none() {
-            return 0;
+            return Some(0);
+        }
+        let outside: Vec<usize> = outside.collect();
+        let faces_of = outside.iter().map(|&outer| parts[outer].len() as u64).sum::<u64>();
+        let more = 6 * faces_of + parts.len() as u64 / 16;
+        if compared.fetch_add(more, Ordering::Relaxed) > MOST {
+            return None;
         }
         let samples = outermost(mesh, faces);
         let contains = |outer: &usize| samples.iter().all(|&sample| winding(mesh, parts[*outer], sample).abs() > 0.5);
-        outside.filter(contains).count()
+        Some(outside.iter().filter(|&outer| contains(outer)).count())
     };
-    parts.par_iter().enumerate().map(depth).collect()
+    let depths: Option<Vec<usize>> = parts.par_iter().enumerate().map(depth).collect();
+    depths.ok_or_else(|| {
+        let fault = Input::new("too many parts of the mesh lie in one another to tell walls from cavities");
+        fault.found(format!("{} closed parts", parts.len())).expected("parts side by side, or in objects of their own")
+    })
 }
 
 /// The bounding box of some faces.

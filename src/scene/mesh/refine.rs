@@ -5,6 +5,7 @@ use super::butterfly::butterfly;
 use super::walk;
 use super::wrap::{Share, apply, shrink_wrap};
 use crate::error::Input;
+use crate::scene::files::Files;
 use crate::scene::range::Checked;
 use crate::scene::transport::{Hierarchy, Transport};
 use glam::DVec3;
@@ -40,21 +41,51 @@ impl Origin {
     }
 }
 
+/// Most triangles at a vertex of a base: the scheme looks at all of them for each of its edges.
+const MOST_ROUND: u32 = 4096;
+
+/// Whether no vertex has too many triangles round it.
+fn crowds(mesh: &Mesh, key: &str) -> Checked<()> {
+    let mut round = vec![0u32; mesh.positions.len()];
+    mesh.triangles.iter().flatten().for_each(|&v| round[v as usize] += 1);
+    match round.into_iter().max() {
+        Some(most) if most > MOST_ROUND => {
+            let fault = Input::new("too many triangles at one vertex to be subdivided").key(key).found(most);
+            Err(fault.expected(format!("at most {MOST_ROUND}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Whether a base may be cut in four so often.
+pub(super) fn room(files: &Files, base: usize, levels: u32) -> Checked<()> {
+    let all = base << (2 * levels);
+    let fault = |what: &str, found: String| {
+        let fault = Input::new(what).key("transport.levels");
+        fault.found(format!("{base} x 4^{levels} = {all}{found}")).expected(format!("at most {MOST}"))
+    };
+    if all > MOST {
+        return Err(fault("too many triangles after subdivision", String::new()));
+    }
+    let bytes = all as u64 * Mesh::BYTES;
+    files.take(bytes).map_err(|error| fault("the triangles do not fit the memory", format!(": {error}")))
+}
+
 impl Mesh {
     /// The mesh as its hierarchy wants it, and where its vertices come from.
-    pub(in crate::scene) fn refined(self, transport: &Transport, report: &mut Vec<String>) -> Checked<(Self, Origin)> {
+    pub(in crate::scene) fn refined(
+        self,
+        files: &Files,
+        transport: &Transport,
+        report: &mut Vec<String>,
+    ) -> Checked<(Self, Origin)> {
         let (key, levels) = ("transport.hierarchy", transport.levels.unwrap_or(LEVELS));
         match transport.hierarchy {
             Hierarchy::FaceClusters | Hierarchy::Median => Ok((self, Origin::File)),
             Hierarchy::Butterfly => {
                 walk::check(&self, key)?;
-                let (base, all) = (self.triangles.len(), self.triangles.len() << (2 * levels));
-                if all > MOST {
-                    let fault = Input::new("too many triangles after subdivision").key("transport.levels");
-                    return Err(fault
-                        .found(format!("{base} x 4^{levels} = {all}"))
-                        .expected(format!("at most {MOST}")));
-                }
+                crowds(&self, key)?;
+                room(files, self.triangles.len(), levels)?;
                 Ok((butterfly(&self, levels), Origin::Butterfly(Box::new(self), levels)))
             }
             Hierarchy::ShrinkWrap if self.uvs.is_some() => {
@@ -64,7 +95,7 @@ impl Mesh {
             Hierarchy::ShrinkWrap => {
                 let all = self.triangles.len();
                 let usual = (1..=LEVELS).rev().find(|levels| all >> (2 * levels) >= BASE).unwrap_or(1);
-                let (mesh, shares) = shrink_wrap(&self, transport.levels.unwrap_or(usual), key, report)?;
+                let (mesh, shares) = shrink_wrap(&self, transport.levels.unwrap_or(usual), files, report)?;
                 Ok((mesh, Origin::Wrapped(shares)))
             }
         }

@@ -4,7 +4,6 @@ use super::{Mesh, bust, candle, fish, gecko, lotus, number, relief, sweep, uv};
 use glam::DVec3;
 use serde::Deserialize;
 use std::collections::HashMap;
-use std::ops::RangeInclusive;
 
 /// A shape that needs no file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -35,37 +34,6 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// The details that the shape accepts.
-    pub fn details(self) -> RangeInclusive<u32> {
-        match self {
-            Self::Sphere => 0..=8,
-            Self::Slab => 1..=512,
-            Self::Lotus => 16..=2048,
-            Self::Plane | Self::Bump => 1..=512,
-            Self::Cube => 1..=256,
-            Self::Torus => 3..=1024,
-            Self::Candle => 16..=1024,
-            Self::Bust => 64..=192,
-            Self::Fish | Self::Gecko => 1..=8,
-        }
-    }
-
-    /// The detail when none is given.
-    pub fn usual_detail(self) -> u32 {
-        match self {
-            Self::Sphere => 5,
-            Self::Slab => 32,
-            Self::Lotus => 256,
-            Self::Plane => 32,
-            Self::Cube => 48,
-            Self::Torus => 160,
-            Self::Bump => 128,
-            Self::Candle => 192,
-            Self::Bust => 128,
-            Self::Fish | Self::Gecko => 1,
-        }
-    }
-
     /// The shape; a detail outside of [`Shape::details`] is brought inside.
     pub fn build(self, detail: u32) -> Mesh {
         let detail = detail.clamp(*self.details().start(), *self.details().end());
@@ -191,7 +159,7 @@ mod tests {
         };
         let mut report = Vec::new();
         let (mut again, _) = clean::clean(soup, &mut report).expect("faces with an area");
-        orient::orient(&mut again, &mut report);
+        orient::orient(&mut again, &mut report).expect("sides");
         assert_eq!(report, Vec::<String>::new(), "{shape:?} {detail}");
         assert_eq!(again.triangles.len(), mesh.triangles.len());
         assert!(mesh.volume() > 0.0);

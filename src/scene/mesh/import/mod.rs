@@ -4,11 +4,14 @@
 //! fault in them, or a missing `.mtl` file, is not one of ours. Texture coordinates, and the library that names a texture,
 //! are read where a texture is wanted.
 
+use super::Mesh;
 use crate::error::Input;
+use crate::scene::files::Files;
 use crate::scene::range::Checked;
 use glam::DVec3;
 use std::borrow::Cow;
 use std::fmt::Write as _;
+use std::io::ErrorKind;
 use std::path::Path;
 
 mod fault;
@@ -19,6 +22,11 @@ pub(in crate::scene) use mtl::map_kd;
 
 /// The largest coordinate a mesh may have; its cube is still far from overflow.
 const LARGEST: f64 = 1e30;
+
+/// Times that the text of a file is held in memory.
+const COPIES: u64 = 4;
+/// Bytes that a word of it takes in memory before the mesh is clean: the corner of a face with a place in a texture.
+const BYTES: u64 = 150;
 
 /// Triangles as they came, not yet cleaned.
 #[derive(Debug, Default)]
@@ -37,26 +45,33 @@ pub(super) struct Soup {
 
 /// Reads a file; every fault carries the file, and the line if one statement is to blame. `textured` is the key of the
 /// texture, if the mesh is to have one.
-pub(super) fn read(path: &Path, textured: Option<&str>) -> Checked<Soup> {
-    let text = text(path)?;
+pub(super) fn read(files: &Files, path: &Path, textured: Option<&str>) -> Checked<Soup> {
+    let text = text(files, path)?;
+    let elements = text.split_ascii_whitespace().count() as u64;
+    files.need(elements * BYTES).map_err(|error| unread(path, &error))?;
     let mut soup = parse(&text).map_err(|fault| fault.file(path))?;
     if let Some(key) = textured {
         soup.uvs = Some(uv::corners(&text).map_err(|fault| fault.key(key).file(path))?);
     }
+    files.take(soup.triangles.len() as u64 * Mesh::BYTES).map_err(|error| unread(path, &error))?;
     Ok(soup)
 }
 
 /// The text of a file.
-fn text(path: &Path) -> Checked<String> {
-    if path.exists() && !path.is_file() {
-        return Err(Input::new("the mesh is not a plain file").file(path).expected("a Wavefront OBJ file"));
-    }
-    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => Input::new("there is no such mesh file").file(path),
-        _ => Input::new("the mesh file cannot be read").file(path).found(error),
+fn text(files: &Files, path: &Path) -> Checked<String> {
+    let bytes = files.read(path, COPIES).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => Input::new("there is no such mesh file").file(path),
+        ErrorKind::Unsupported => {
+            Input::new("the mesh is not a plain file").file(path).expected("a Wavefront OBJ file")
+        }
+        _ => unread(path, &error),
     })?;
     // Names and comments may be in any encoding; what matters is ASCII.
     Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+fn unread(path: &Path, error: &std::io::Error) -> Input {
+    Input::new("the mesh file cannot be read").file(path).found(error)
 }
 
 /// Reads the text of a file.
@@ -208,17 +223,17 @@ mod tests {
     fn file_faults_name_the_file() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("gone.obj");
-        let error = read(&path, None).err().map(|e| e.to_string()).unwrap_or_default();
+        let error = read(&Files::default(), &path, None).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.ends_with("gone.obj: there is no such mesh file"), "{error}");
-        let error = read(folder.path(), None).err().map(|e| e.to_string()).unwrap_or_default();
+        let error = read(&Files::default(), folder.path(), None).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.contains(": the mesh is not a plain file; expected"), "{error}");
         for bytes in [&b""[..], b"v 0 0 0\n", b"\xff\xfe\0\0\x80"] {
             std::fs::write(&path, bytes).expect("written");
-            let error = read(&path, None).err().map(|e| e.to_string()).unwrap_or_default();
+            let error = read(&Files::default(), &path, None).err().map(|e| e.to_string()).unwrap_or_default();
             assert!(error.contains("gone.obj: the mesh has no faces; found no `f`"), "{error}");
         }
         std::fs::write(&path, format!("{SQUARE}f 1 2 7\n")).expect("written");
-        let error = read(&path, None).err().map(|e| e.to_string()).unwrap_or_default();
+        let error = read(&Files::default(), &path, None).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.contains("gone.obj:5: a face names a vertex that is not there"), "{error}");
     }
 }

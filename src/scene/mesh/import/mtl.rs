@@ -2,13 +2,19 @@
 
 use super::{statements, text};
 use crate::error::Input;
+use crate::scene::files::Files;
 use crate::scene::range::Checked;
 use std::path::{Path, PathBuf};
 
+/// Most libraries of a mesh.
+const MOST: usize = 64;
+/// Bytes that reading a library takes, for each of its own.
+const COPIES: u64 = 100;
+
 /// The file of the only `map_Kd` in the libraries that this mesh file names, relative to the library; the materials'
 /// colours, and which face has which material, are passed over.
-pub(in crate::scene) fn map_kd(mesh: &Path) -> Checked<PathBuf> {
-    let text = text(mesh)?;
+pub(in crate::scene) fn map_kd(files: &Files, mesh: &Path) -> Checked<PathBuf> {
+    let text = text(files, mesh)?;
     let library = |(line, statement): (usize, std::borrow::Cow<'_, str>)| {
         let name = statement.trim_start().strip_prefix("mtllib")?.trim().to_owned();
         (!name.is_empty()).then_some((line, name))
@@ -16,11 +22,21 @@ pub(in crate::scene) fn map_kd(mesh: &Path) -> Checked<PathBuf> {
     let mut textures = Vec::new();
     let mut libraries = Vec::new();
     for (line, name) in statements(&text).filter_map(library) {
+        if libraries.len() == MOST {
+            let fault = Input::new("too many material libraries").file(mesh).line(line);
+            return Err(fault.expected(format!("at most {MOST}")));
+        }
         let path = mesh.parent().unwrap_or(Path::new("")).join(name.replace('\\', "/"));
-        let (materials, _) = tobj::load_mtl(&path).map_err(|error| {
+        let fault = |found: String| {
             let fault = Input::new(format!("{}: the material library cannot be read", path.display()));
-            fault.file(mesh).line(line).found(error)
-        })?;
+            fault.file(mesh).line(line).found(found)
+        };
+        let bytes = files.read(&path, COPIES).map_err(|error| fault(error.to_string()))?;
+        // Colours are passed over, so that a fault in them is not ours.
+        let matters = |line: &&str| matches!(line.split_whitespace().next(), Some("newmtl" | "map_Kd"));
+        let text = String::from_utf8_lossy(&bytes);
+        let kept = text.lines().filter(matters).collect::<Vec<_>>().join("\n");
+        let (materials, _) = tobj::load_mtl_buf(&mut kept.as_bytes()).map_err(|error| fault(error.to_string()))?;
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         for material in materials {
             if let Some(image) = material.diffuse_texture {
@@ -57,7 +73,7 @@ mod tests {
             std::fs::write(at("a.obj"), mesh).expect("written");
             std::fs::create_dir_all(at("sub")).expect("a folder");
             std::fs::write(at("sub/a b.mtl"), library).expect("written");
-            map_kd(&at("a.obj")).map_err(|fault| fault.to_string())
+            map_kd(&Files::default(), &at("a.obj")).map_err(|fault| fault.to_string())
         };
         let mesh = "# x\nmtllib sub\\a b.mtl\nf 1 2 3\n";
         let one = "newmtl plain\nKd 1 0 0\nnewmtl bark\nmap_Kd pictures\\a bark.png\n";

@@ -6,6 +6,7 @@
 
 use super::edges::{Edges, NONE, start};
 use super::{Mesh, nesting};
+use crate::scene::range::Checked;
 use glam::DVec3;
 
 /// A connected part: faces joined by edges that exactly two faces share.
@@ -16,8 +17,8 @@ struct Part {
     closed: bool,
 }
 
-/// Turns faces where needed, counts the open edges, and reports repairs and warnings.
-pub(super) fn orient(mesh: &mut Mesh, report: &mut Vec<String>) {
+/// Turns faces where needed (an error where parts are too deep in one another to tell which), counts the open edges, and reports repairs and warnings.
+pub(super) fn orient(mesh: &mut Mesh, report: &mut Vec<String>) -> Checked<()> {
     let edges = Edges::of(&mesh.triangles);
     mesh.open_edges = edges.open;
     let mut reversed = vec![false; mesh.triangles.len()];
@@ -42,7 +43,7 @@ pub(super) fn orient(mesh: &mut Mesh, report: &mut Vec<String>) {
     // Closed parts: outwards at an even depth, inwards at an odd one.
     let closed: Vec<&Part> = parts.iter().filter(|part| part.closed).collect();
     let faces: Vec<&[u32]> = closed.iter().map(|part| part.faces.as_slice()).collect();
-    let depths = nesting::depths(mesh, &faces);
+    let depths = nesting::depths(mesh, &faces)?;
     let mut inside_out = vec![false; mesh.triangles.len()];
     for (part, depth) in closed.iter().zip(depths) {
         if (volume(mesh, &part.faces) > 0.0) != (depth % 2 == 0) {
@@ -78,6 +79,7 @@ pub(super) fn orient(mesh: &mut Mesh, report: &mut Vec<String>) {
         let end = "edges have faces that cannot agree on a side, as on a Moebius strip";
         report.push(format!("one-sided: {count} {end}"));
     }
+    Ok(())
 }
 
 /// The connected parts, each with its faces in ascending order, and the part of each face.

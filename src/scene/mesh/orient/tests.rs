@@ -27,7 +27,7 @@ fn turned(mut mesh: Mesh) -> Mesh {
 
 fn oriented(mut mesh: Mesh) -> (Mesh, Vec<String>) {
     let mut report = Vec::new();
-    orient(&mut mesh, &mut report);
+    orient(&mut mesh, &mut report).expect("sides");
     (mesh, report)
 }
 

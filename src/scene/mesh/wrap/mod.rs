@@ -11,8 +11,10 @@ mod sphere;
 
 use super::Mesh;
 use super::edges::Edges;
+use super::refine::room;
 use super::walk::{self, Surface};
 use crate::error::Input;
+use crate::scene::files::Files;
 use crate::scene::range::Checked;
 use glam::DVec3;
 use sphere::{lay, side};
@@ -31,9 +33,10 @@ const BASE: usize = 12;
 pub(super) fn shrink_wrap(
     mesh: &Mesh,
     levels: u32,
-    key: &str,
+    files: &Files,
     report: &mut Vec<String>,
 ) -> Checked<(Mesh, Vec<Share>)> {
+    let key = "transport.hierarchy";
     check(mesh, key)?;
     let all = mesh.triangles.len();
     let wanted = (all >> (2 * levels)).max(BASE).min(all);
@@ -41,6 +44,7 @@ pub(super) fn shrink_wrap(
         let fault = Input::new("the mesh cannot be laid over a ball: rounding turns triangles over").key(key);
         fault.expected("a mesh without parts that hang on next to nothing, or another hierarchy")
     })?;
+    room(files, laid.base.len(), levels)?;
     let ball = Ball { places: laid.places, triangles: &mesh.triangles, twin: Edges::of(&mesh.triangles).twin };
 
     // The base, with vertices of its own numbers.
@@ -188,7 +192,7 @@ mod tests {
     fn wrapped(shape: Shape, detail: u32, levels: u32) -> (Mesh, Mesh) {
         let mesh = shape.build(detail);
         let mut report = Vec::new();
-        let (fine, shares) = shrink_wrap(&mesh, levels, "k", &mut report).expect("a closed surface");
+        let (fine, shares) = shrink_wrap(&mesh, levels, &Files::default(), &mut report).expect("a closed surface");
         assert!(report.len() == 1 && report[0].starts_with("shrink-wrapped: "), "{report:?}");
         assert_eq!(fine.positions, apply(&shares, &mesh.positions));
         (mesh, fine)
@@ -237,11 +241,14 @@ mod tests {
 
     #[test]
     fn what_is_no_ball_is_refused() {
-        let refused =
-            |mesh: &Mesh| shrink_wrap(mesh, 2, "k", &mut Vec::new()).err().map(|e| e.to_string()).unwrap_or_default();
+        let refused = |mesh: &Mesh| {
+            shrink_wrap(mesh, 2, &Files::default(), &mut Vec::new()).err().map(|e| e.to_string()).unwrap_or_default()
+        };
         let open = refused(&Shape::Plane.build(3));
         assert!(
-            open.starts_with("k: the mesh cannot be shrink-wrapped; found 12 open edges; expected one closed"),
+            open.starts_with(
+                "transport.hierarchy: the mesh cannot be shrink-wrapped; found 12 open edges; expected one closed"
+            ),
             "{open}"
         );
         let mut two = Shape::Sphere.build(0);

@@ -1,0 +1,41 @@
+//! Stage `relit`: which clusters have a triangle that another light enters than the one whose radiosity was summed last.
+
+use crate::error::Result;
+use crate::layout::Slot;
+use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+
+/// In `altered`: another light enters a triangle of the cluster.
+pub const RELIT: u32 = 2;
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "relit",
+    room: "baseline",
+    about: "clusters with a triangle that another light enters than was summed last",
+    equation: "Mertens et al. 2003, section 5.5",
+    writes: &[(Slot::altered, Role::Update, Tolerance::Exact)],
+    reason: "comparisons of f32 for equality",
+    unit: Unit::Object,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _at: Place) {
+    let data = &mut state.data;
+    for (&leaf, light) in data.leaves.iter().zip(&data.irradiance) {
+        if *light == data.cluster_irradiance[leaf as usize] {
+            continue;
+        }
+        // Every cluster above it.
+        let mut node = leaf;
+        while let Some(altered) = data.altered.get_mut(node as usize) {
+            *altered |= RELIT;
+            node = data.topology[node as usize].parent;
+        }
+    }
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    pass.dispatch(Some("leaf"), &[], &[], pass.object().count.faces)?;
+    pass.climb("cluster", &[])
+}

@@ -1,0 +1,173 @@
+//! Margins: texels round an island hold what lies across its border.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::walk::{Across, Faces, weights};
+use super::{LEAST, NONE};
+
+/// The texels of an island and its margin.
+#[derive(Clone, Debug, Default)]
+pub struct Sheet {
+    faces: Vec<u32>,
+    /// Its half-edges that the island ends at.
+    pub border: Vec<u32>,
+    /// The outermost places.
+    low: DVec2,
+    high: DVec2,
+    /// Areas, in texels and scene units.
+    areas: [f64; 2],
+    /// Width of the margin.
+    pub wide: u32,
+}
+
+impl Sheet {
+    /// Adds a triangle.
+    pub fn hold(&mut self, face: u32, faces: &Faces<'_>) {
+        let [a, b, c] = faces.places[face as usize];
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let first = self.faces.is_empty();
+        (self.low, self.high) = if first { (low, high) } else { (self.low.min(low), self.high.max(high)) };
+        self.areas[0] += 0.5 * (b - a).perp_dot(c - a).abs();
+        let [p, q, r] = faces.mesh.triangles[face as usize].map(|v| faces.mesh.positions[v as usize]);
+        self.areas[1] += 0.5 * (q - p).cross(r - p).length();
+        self.faces.push(face);
+    }
+
+    /// The margin that this share of a length takes here, in texels.
+    pub fn margin(&self, reach: f64, share: f64) -> f64 {
+        let density = (self.areas[0] / self.areas[1].max(f64::MIN_POSITIVE)).sqrt();
+        (reach * share * density).ceil().clamp(LEAST, 1e5)
+    }
+
+    /// Texels with such a margin.
+    pub fn texels(&self, margin: f64) -> f64 {
+        let size = self.high.ceil() - self.low.floor() + 1.0 + 2.0 * margin;
+        size.x * size.y
+    }
+
+    /// Settles on a margin.
+    pub fn place(&mut self, margin: f64) {
+        self.wide = margin as u32;
+        (self.low, self.high) = (self.low.floor() - margin, self.high.ceil() + margin);
+    }
+
+    /// The centre of its first texel, once it is settled.
+    pub fn low(&self) -> DVec2 {
+        self.low
+    }
+
+    /// Width and height, once it is settled.
+    pub fn size(&self) -> (usize, usize) {
+        let size = self.high - self.low;
+        (size.x as usize + 1, size.y as usize + 1)
+    }
+
+    /// Where a texel lies in a list of rows, if it is one of its own.
+    fn index(&self, at: DVec2) -> Option<usize> {
+        let inside = at.cmpge(self.low).all() && at.cmple(self.high).all();
+        let from = at - self.low;
+        inside.then(|| from.y as usize * self.size().0 + from.x as usize)
+    }
+
+    /// Calls for each texel of its own from one place to another.
+    fn each(&self, low: DVec2, high: DVec2, mut visit: impl FnMut(usize, DVec2)) {
+        let (low, high) = (low.max(self.low).ceil(), high.min(self.high).floor());
+        for y in low.y as i64..=high.y as i64 {
+            for x in low.x as i64..=high.x as i64 {
+                let at = DVec2::new(x as f64, y as f64);
+                self.index(at).into_iter().for_each(|index| visit(index, at));
+            }
+        }
+    }
+
+    /// Which texels a triangle covers.
+    fn covered(&self, faces: &Faces<'_>) -> Vec<bool> {
+        let mut covered = vec![false; self.size().0 * self.size().1];
+        for &face in &self.faces {
+            let places = faces.places[face as usize];
+            let [a, b, c] = places;
+            self.each(a.min(b).min(c), a.max(b).max(c), |index, at| {
+                covered[index] |= weights(places, at).is_some_and(|w| w.iter().all(|&w| w >= -1e-9));
+            });
+        }
+        covered
+    }
+
+    /// For each texel in the margin the edge of the border that is nearest; at a corner the one that it is farther out of.
+    fn nearest(&self, faces: &Faces<'_>, covered: &[bool]) -> Vec<u32> {
+        let mut best = vec![(f64::INFINITY, 0.0, NONE); covered.len()];
+        for &half in &self.border {
+            let [p, q] = faces.ends(half);
+            let (edge, wide) = (q - p, f64::from(self.wide) + 1.0);
+            if edge == DVec2::ZERO {
+                continue;
+            }
+            self.each(p.min(q) - wide, p.max(q) + wide, |index, at| {
+                if covered[index] {
+                    return;
+                }
+                let along = ((at - p).dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
+                let (d2, out) = (at.distance_squared(p + along * edge), (at - p).perp_dot(edge).abs() / edge.length());
+                let [far, before] = [best[index].0, best[index].1];
+                if d2 < far - 1e-9 || (d2 < far + 1e-9 && out > before) {
+                    best[index] = (d2, out, half);
+                }
+            });
+        }
+        best.into_iter().map(|(_, _, half)| half).collect()
+    }
+}
+
+/// The texels of each sheet, rows from the top, `runs` maps one after the other; `of` is each triangle's sheet, `own` a
+/// texel of the user's maps, by column, row and map.
+pub fn fill(
+    faces: &Faces<'_>,
+    sheets: &[Sheet],
+    of: &[u32],
+    runs: usize,
+    own: &(impl Fn(i64, i64, usize) -> [f32; 4] + Sync),
+) -> Vec<Vec<[f32; 4]>> {
+    let covered: Vec<Vec<bool>> = sheets.par_iter().map(|sheet| sheet.covered(faces)).collect();
+    let texel = |at: DVec2, run: usize| own(at.x as i64, at.y as i64, run);
+
+    // What a triangle has at a place of its own, from texels that its island covers if there are any.
+    let looked = |face: u32, weight: [f64; 3], run: usize| {
+        let (island, places) = (of[face as usize] as usize, faces.places[face as usize]);
+        let at: DVec2 = (0..3).map(|k| weight[k] * places[k]).sum();
+        let (low, part) = (at.floor(), at - at.floor());
+        let corners = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE].map(|step| {
+            let share = (1.0 - step + (2.0 * step - 1.0) * part).to_array();
+            let at = low + step;
+            let has = sheets[island].index(at).is_some_and(|index| covered[island][index]);
+            (texel(at, run), share[0] * share[1], has)
+        });
+        let sum = |all: bool| {
+            let counted = corners.iter().filter(|corner| all || corner.2);
+            counted.fold(([0.0; 4], 0.0), |(sum, total), (texel, share, _)| {
+                (std::array::from_fn(|c| sum[c] + share * f64::from(texel[c])), total + share)
+            })
+        };
+        let (sum, total) = Some(sum(false)).filter(|(_, total)| *total > 1e-3).unwrap_or_else(|| sum(true));
+        sum.map(|x: f64| (x / total) as f32)
+    };
+    let of_sheet = |(sheet, covered): (&Sheet, &Vec<bool>)| {
+        let width = sheet.size().0;
+        let nearest = sheet.nearest(faces, covered);
+        let place = |index: usize| sheet.low + DVec2::new((index % width) as f64, (index / width) as f64);
+        let across = |(index, &half): (usize, &u32)| match half {
+            NONE => Across::Open,
+            half => faces.across(half, place(index)),
+        };
+        let across: Vec<Across> = nearest.par_iter().enumerate().map(across).collect();
+        let value = |(index, across): (usize, &Across), run: usize| match *across {
+            Across::Face(face, weight) => looked(face, weight, run),
+            Across::Open | Across::Unknown => texel(place(index), run),
+        };
+        (0..runs)
+            .flat_map(|run| across.iter().enumerate().map(move |of| (of, run)))
+            .map(|(of, run)| value(of, run))
+            .collect()
+    };
+    sheets.par_iter().zip(&covered).map(of_sheet).collect()
+}

@@ -1,0 +1,178 @@
+//! Islands: the pieces that a mesh's texture coordinates fall into at their seams. The march goes on in texture space, where
+//! beyond a seam lies what belongs to nothing or to something else.
+//!
+//! Where a mesh has seams its maps are laid out anew, once, when the scene is loaded: each island by itself, moved by whole
+//! texels, so that what its triangles cover stays as it is, in a margin of what lies across its border (`margin`), as wide
+//! as rays go or as memory allows. Places beyond that count as its outermost texels. The user's maps are not changed.
+
+mod margin;
+mod walk;
+
+use std::collections::VecDeque;
+
+use glam::DVec2;
+
+use crate::layout::Island;
+use crate::light::texture::texel;
+use crate::scene::{DepthMap, Mesh, Wrap};
+use margin::Sheet;
+use walk::Faces;
+
+/// No half-edge.
+const NONE: u32 = u32::MAX;
+/// Places nearer than this are one, in texels.
+const SAME: f64 = 1e-2;
+/// Texels of islands and margins, all layers together, or twice the user's own if those are more.
+const MOST: usize = 1 << 21;
+/// Fewest texels in a margin: what lies between two centres needs one.
+const LEAST: f64 = 2.0;
+
+/// A mesh's maps laid out by islands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Atlas {
+    /// Width and height, in texels.
+    pub size: [u32; 2],
+    /// As [`DepthMap::texels`].
+    pub texels: Vec<[f32; 4]>,
+    /// Of each triangle of the mesh its corners' places, and its island's part of the atlas.
+    pub places: Vec<Island>,
+    /// Number of islands.
+    pub islands: usize,
+    /// Edges at which they meet.
+    pub seams: usize,
+    /// Widest margin, in texels.
+    pub margin: u32,
+    /// How far that reaches, as a share of what was asked for, 0 to 1.
+    pub share: f64,
+}
+
+/// Why a mesh's maps are looked at as they are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Whole {
+    /// Its texture coordinates go on over every edge.
+    Seamless,
+    /// Islands with the narrowest margins take this many texels, more than there may be.
+    TooLarge(usize),
+}
+
+/// The mesh's maps by islands, each with a margin that rays of length `reach` (scene units) do not leave.
+///
+/// An edge is a seam where its triangles have different places at both ends, whole repetitions aside; a mesh with seams is
+/// cut, too, where they differ at one end. What lies across an open edge is what the maps have there.
+pub fn atlas(mesh: &Mesh, map: &DepthMap, reach: f64) -> Result<Atlas, Whole> {
+    let Some(uvs) = &mesh.uvs else { return Err(Whole::Seamless) };
+    let size = DVec2::new(map.size[0].into(), map.size[1].into());
+    let place = |[u, v]: [f64; 2]| DVec2::new(u, 1.0 - v) * size - 0.5;
+    let mut faces = Faces { mesh, twins: mesh.twins(), places: uvs.iter().map(|uvs| uvs.map(place)).collect() };
+    let (wrap, period) = match map.wrap {
+        Wrap::Repeat => (0, Some(size)),
+        Wrap::Clamp => (1, None),
+        Wrap::Mirror => (2, Some(2.0 * size)),
+    };
+
+    // Which edges are seams, and which go on after a move by whole periods.
+    let whole = |d: DVec2| period.map_or(DVec2::ZERO, |period| (d / period).round() * period);
+    let mut moves = vec![None; 3 * uvs.len()];
+    let mut seams = 0;
+    for half in 0..moves.len() as u32 {
+        let Some(apart) = faces.apart(half) else { continue };
+        let by = whole(apart[0]);
+        let far = |d: DVec2, by: DVec2| (d - by).abs().max_element() > SAME;
+        seams += usize::from(apart.iter().all(|&d| far(d, whole(d))));
+        if !apart.iter().any(|&d| far(d, by)) {
+            moves[half as usize] = Some(by);
+        }
+    }
+    if seams == 0 {
+        return Err(Whole::Seamless);
+    }
+
+    // From triangle to triangle over all other edges.
+    let mut of = vec![NONE; uvs.len()];
+    let mut islands = 0;
+    for first in 0..uvs.len() {
+        if of[first] != NONE {
+            continue;
+        }
+        of[first] = islands;
+        let mut waiting = VecDeque::from([first]);
+        while let Some(face) = waiting.pop_front() {
+            for half in [3 * face, 3 * face + 1, 3 * face + 2] {
+                let Some(by) = moves[half] else { continue };
+                let next = faces.twins[half] as usize / 3;
+                if of[next] == NONE {
+                    of[next] = islands;
+                    // `moves` are of places as they were; this face has moved by whole periods since.
+                    let here = whole(faces.places[face][0] - place(uvs[face][0]));
+                    faces.places[next] = faces.places[next].map(|p| p + by + here);
+                    waiting.push_back(next);
+                }
+            }
+        }
+        islands += 1;
+    }
+    let closes = |half: usize| moves[half].is_some() && faces.apart(half as u32).is_some_and(|d| d[0].length() < 1.0);
+    let border: Vec<u32> = (0..moves.len()).filter(|&half| !closes(half)).map(|half| half as u32).collect();
+
+    // How large each is, and the widest margins that there is room for.
+    let mut sheets = vec![Sheet::default(); islands as usize];
+    for (face, &island) in of.iter().enumerate() {
+        sheets[island as usize].hold(face as u32, &faces);
+    }
+    border.iter().for_each(|&half| sheets[of[half as usize / 3] as usize].border.push(half));
+    let runs = map.texels.len() / (map.size[0] as usize * map.size[1] as usize).max(1);
+    let most = MOST.max(2 * map.texels.len()) as f64;
+    let texels =
+        |share: f64| sheets.iter().map(|sheet| sheet.texels(sheet.margin(reach, share))).sum::<f64>() * runs as f64;
+    let Some(share) = (0..40).map(|k| 0.8f64.powi(k)).chain([0.0]).find(|&share| texels(share) <= most) else {
+        return Err(Whole::TooLarge(texels(0.0) as usize));
+    };
+    sheets.iter_mut().for_each(|sheet| sheet.place(sheet.margin(reach, share)));
+
+    // Texel by texel, island by island.
+    let own = |x: i64, y: i64, run: usize| {
+        let row = texel(y, map.size[1], wrap) as usize + run * map.size[1] as usize;
+        map.texels[row * map.size[0] as usize + texel(x, map.size[0], wrap) as usize]
+    };
+    let (size, corners) = pack(&sheets);
+    let mut all = vec![[0.0; 4]; size[0] as usize * size[1] as usize * runs];
+    for (number, part) in margin::fill(&faces, &sheets, &of, runs, &own).into_iter().enumerate() {
+        let (width, height) = sheets[number].size();
+        for (row, line) in part.chunks_exact(width).enumerate() {
+            let (run, y) = (row / height, row % height + corners[number][1] as usize);
+            let at = (run * size[1] as usize + y) * size[0] as usize + corners[number][0] as usize;
+            all[at..at + width].copy_from_slice(line);
+        }
+    }
+    let island = |(face, places): (usize, &[DVec2; 3])| {
+        let (sheet, corner) = (&sheets[of[face] as usize], corners[of[face] as usize].map(f64::from));
+        let by = DVec2::from_array(corner) - sheet.low();
+        let [a, b, c] = places.map(|p| (p + by).as_vec2().to_array());
+        let (width, height) = sheet.size();
+        let last = [corner[0] + width as f64 - 1.0, corner[1] + height as f64 - 1.0];
+        Island { a, b, c, low: corner.map(|x| x as f32), high: last.map(|x| x as f32) }
+    };
+    let places = faces.places.iter().enumerate().map(island).collect();
+    let margin = sheets.iter().map(|sheet| sheet.wide).max().unwrap_or(0);
+    Ok(Atlas { size, texels: all, places, islands: islands as usize, seams: seams / 2, margin, share })
+}
+
+/// Where the upper left corners of islands come to lie: highest first, row by row; and the size of it all.
+fn pack(sheets: &[Sheet]) -> ([u32; 2], Vec<[u32; 2]>) {
+    let sizes: Vec<(usize, usize)> = sheets.iter().map(Sheet::size).collect();
+    let area: usize = sizes.iter().map(|(width, height)| width * height).sum();
+    let widest = sizes.iter().map(|size| size.0).max().unwrap_or(1);
+    let across = widest.max((1.1 * (area as f64).sqrt()) as usize);
+    let mut order: Vec<usize> = (0..sizes.len()).collect();
+    order.sort_by_key(|&number| std::cmp::Reverse(sizes[number].1));
+    let (mut corners, mut x, mut y, mut high) = (vec![[0; 2]; sizes.len()], 0, 0, 0);
+    for number in order {
+        let (width, height) = sizes[number];
+        if x + width > across {
+            (x, y, high) = (0, y + high, 0);
+        }
+        corners[number] = [x as u32, y as u32];
+        (x, high) = (x + width, high.max(height));
+    }
+    ([across as u32, (y + high) as u32], corners)
+}

@@ -1,0 +1,254 @@
+//! Every call of Vulkan that can fail, made to fail: a clear error, nothing leaked, and everything as right afterwards as if
+//! nothing had happened.
+
+mod devices;
+
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+use milkglass::command;
+use milkglass::error::{Error, Result};
+use milkglass::gpu::faults::{Call, watch};
+use milkglass::gpu::{Adapter, Buffer, Device, Instance};
+use milkglass::layout::Slot;
+use milkglass::render::plan::{Change, Goal, Options};
+use milkglass::render::run::{Room, Session};
+use milkglass::scene::Scene;
+
+/// Calls whose failure does no harm: of names that tools show, and of a wait before the end.
+const HARMLESS: [&str; 3] =
+    ["vkSetDebugUtilsObjectNameEXT", "vkDeviceWaitIdle", "vkEnumerateInstanceExtensionProperties"];
+/// All that the program makes; `vkAllocateMemory` stands for what the allocator does, mapping included.
+const CALLS: [&str; 22] = [
+    "vkAllocateCommandBuffers",
+    "vkAllocateDescriptorSets",
+    "vkAllocateMemory",
+    "vkBeginCommandBuffer",
+    "vkBindBufferMemory",
+    "vkCreateBuffer",
+    "vkCreateCommandPool",
+    "vkCreateComputePipelines",
+    "vkCreateDebugUtilsMessengerEXT",
+    "vkCreateDescriptorPool",
+    "vkCreateDescriptorSetLayout",
+    "vkCreateDevice",
+    "vkCreateFence",
+    "vkCreateInstance",
+    "vkCreatePipelineCache",
+    "vkCreatePipelineLayout",
+    "vkCreateQueryPool",
+    "vkCreateShaderModule",
+    "vkEndCommandBuffer",
+    "vkEnumeratePhysicalDevices",
+    "vkQueueSubmit",
+    "vkWaitForFences",
+];
+
+/// The same with the calls that only devices with timestamps, and the naming of objects, need.
+fn expected() -> BTreeSet<&'static str> {
+    CALLS.into_iter().chain(HARMLESS).chain(["vkGetQueryPoolResults"]).collect()
+}
+
+fn scene(radiosity: bool, light: &str) -> Scene {
+    let scheme = if radiosity { "transport.scheme='links'" } else { "transport.scheme='blocks'" };
+    let light = format!("light=[{{type='directional',direction=[0,0.6,0.8],irradiance={light}}}]");
+    let sets = ["object.0.detail=0", "camera.size=[8,8]", scheme, &light].map(String::from);
+    Scene::load("sphere", &sets).unwrap()
+}
+
+/// A frame of a session: the picture, or the radiosity.
+fn frame(session: &mut Session) -> Result<Vec<[f32; 3]>> {
+    session.frame(Change::EVERYTHING)?;
+    if session.plan.options().goal == Goal::Picture {
+        return Ok(session.picture()?.pixels);
+    }
+    session.fetch(&[Slot::radiosity])?;
+    Ok(session.state().data.radiosity.clone())
+}
+
+/// A session from nothing to its values; what was opened stays open, to be looked at.
+struct Run {
+    session: Option<Session>,
+    device: Option<Device>,
+    instance: Option<Instance>,
+}
+
+impl Run {
+    fn new() -> Self {
+        Self { session: None, device: None, instance: None }
+    }
+
+    fn go(&mut self, scene: &Scene, goal: Goal, name: &str) -> Result<Vec<[f32; 3]>> {
+        let instance = self.instance.insert(Instance::open(true)?);
+        let adapters = instance.adapters()?;
+        let adapter = adapters.iter().find(|a| a.name == name).expect("the device is still there");
+        let device = self.device.insert(Device::open(instance, adapter)?);
+        let options = Options { goal, ..Options::default() };
+        let session = self.session.insert(Session::new(scene, Some(device), options, Room::default())?);
+        frame(session)
+    }
+
+    /// Ends it; nothing may be left.
+    fn close(&mut self, what: &str) {
+        self.session = None;
+        if let Some(device) = self.device.take() {
+            assert_eq!(device.allocations(), [""; 0], "{what}");
+        }
+        let messages = self.instance.take().map(|instance| instance.take_messages()).unwrap_or_default();
+        assert!(messages.is_empty(), "{what}: {}", messages.join("\n"));
+    }
+}
+
+/// One call for each name and purpose, and the last of them where a purpose has several.
+fn each_once(calls: &[Call]) -> Vec<usize> {
+    let last = |(k, call): &(usize, &Call)| !calls[k + 1..].contains(call);
+    calls.iter().enumerate().filter(last).map(|(k, _)| k).collect()
+}
+
+/// Proves that whatever fails, the error names call and remedy, and that nothing is left of what was begun.
+#[test]
+fn every_call_may_fail() {
+    devices::on_devices(|device| {
+        let (mut known, mut tried) = (BTreeSet::new(), BTreeSet::new());
+        for goal in [Goal::Picture, Goal::Radiosity] {
+            let scene = scene(goal == Goal::Radiosity, "2");
+            let mut run = Run::new();
+            let (whole, calls) = watch(None, || {
+                let values = run.go(&scene, goal, device.name()).unwrap();
+                run.close("whole");
+                values
+            });
+            known.extend(calls.iter().map(|call| call.name));
+            // What both goals do the same is made to fail in the first.
+            let untried = |k: &usize| tried.insert((calls[*k].name, calls[*k].doing.clone()));
+            let chosen: Vec<usize> = each_once(&calls).into_iter().filter(untried).collect();
+            println!("{}, {goal:?}: {} calls, {} of them made to fail", device.name(), calls.len(), chosen.len());
+            for &k in &chosen {
+                let what = format!("{k}: {:?}", calls[k]);
+                let (done, _) = watch(Some(k), || {
+                    let done = run.go(&scene, goal, device.name());
+                    done.inspect(|_| run.close(&what))
+                });
+                match done {
+                    Ok(values) => {
+                        assert!(HARMLESS.contains(&calls[k].name), "{what} did not fail");
+                        assert_eq!(values, whole, "{what}");
+                    }
+                    Err(error) => {
+                        let text = error.to_string();
+                        assert!(matches!(error, Error::Device { .. }) && error.exit_code() == 3, "{what}: {text}");
+                        assert!(text.starts_with(&calls[k].doing) && text.contains(calls[k].name), "{what}: {text}");
+                        assert!(["use ", "install ", "run "].iter().any(|word| text.contains(word)), "{what}: {text}");
+                        run.close(&what);
+                    }
+                }
+            }
+            // And a fresh one is as good as the first.
+            assert_eq!(run.go(&scene, goal, device.name()).unwrap(), whole);
+            run.close("fresh");
+        }
+        let timed = device.limits().timestamp_period > 0.0;
+        assert_eq!(known, expected().into_iter().filter(|name| timed || !name.contains("Quer")).collect());
+    });
+}
+
+/// Proves that a session goes on after a frame, or a change before it, that failed: its next frame is right to the last bit.
+#[test]
+fn a_session_survives() {
+    devices::on_devices(|device| {
+        for radiosity in [false, true] {
+            let (first, second) = (scene(radiosity, "2"), scene(radiosity, "[3,0.5,0.25]"));
+            let options =
+                Options { goal: if radiosity { Goal::Radiosity } else { Goal::Picture }, ..Options::default() };
+            let open = |scene| Session::new(scene, Some(device), options, Room::default()).unwrap();
+            let right = [frame(&mut open(&first)).unwrap(), frame(&mut open(&second)).unwrap()];
+            assert_ne!(right[0], right[1]);
+
+            let mut session = open(&first);
+            let next = |session: &mut Session, turn: usize| {
+                session.show([&first, &second][turn % 2])?;
+                frame(session)
+            };
+            let (_, calls) = watch(None, || next(&mut session, 1).unwrap());
+            let mut failed = 0;
+            for (k, turn) in each_once(&calls).into_iter().zip(2..) {
+                let (done, _) = watch(Some(k), || next(&mut session, turn));
+                failed += usize::from(done.is_err());
+                assert_eq!(frame(&mut session).unwrap(), right[turn % 2], "after {k}: {:?}", calls[k]);
+            }
+            assert!(failed > 30, "{failed}");
+        }
+    });
+}
+
+/// Proves that frames before one that fails are whole, that nothing half-written stays, and that a second call goes on.
+#[test]
+fn a_sequence_is_whole_as_far_as_it_goes() {
+    let here = tempfile::tempdir().unwrap();
+    devices::on_devices(|device| {
+        let render = |name: &str, more: &[&str]| {
+            let output = here.path().join(name);
+            let fixed =
+                ["milkglass", "render", "noise", "--frames", "0..3", "--size", "12x8", "-o", output.to_str().unwrap()];
+            let sets = ["--set", "object.0.detail=2", "--device", device.name()];
+            let words = fixed.iter().chain(&sets).chain(more);
+            command::run(words.map(Into::into))
+        };
+        let read = |name: &str, k: usize| std::fs::read(here.path().join(format!("{name}{k}.png"))).ok();
+        let (done, calls) = watch(None, || render("whole%d.png", &[]));
+        done.unwrap();
+        // Submissions of frames, of which there is one a frame, or more.
+        let frames: Vec<usize> = (0..calls.len()).filter(|&k| calls[k].doing.starts_with("running a frame")).collect();
+        for (turn, share) in [(0, 3), (1, 2), (2, 1)] {
+            let k = frames[frames.len() - 1 - frames.len() * share / 4];
+            let name = format!("part{turn}-");
+            let (done, _) = watch(Some(k), || render(&format!("{name}%d.png"), &[]));
+            assert_eq!(done.unwrap_err().exit_code(), 3);
+            let there: Vec<usize> = (0..4).filter(|&n| read(&name, n).is_some()).collect();
+            assert!(there.len() < 4 && there == (0..there.len()).collect::<Vec<_>>(), "{there:?}");
+            assert!(turn == 0 || !there.is_empty());
+            render(&format!("{name}%d.png"), &["--skip-existing"]).unwrap();
+            (0..4).for_each(|n| assert!(read(&name, n).is_some() && read(&name, n) == read("whole", n), "{name}{n}"));
+        }
+        let names = std::fs::read_dir(here.path()).unwrap().map(|entry| entry.unwrap().file_name());
+        assert!(names.into_iter().all(|name| !name.to_string_lossy().contains("part.")));
+    });
+}
+
+/// Proves that a submission is not waited for without end, and that one that was only late is freed.
+#[test]
+fn a_wait_ends() {
+    devices::on_devices(|device| {
+        device.wait_at_most(Duration::from_nanos(1));
+        let scene = scene(false, "2");
+        let error = Session::new(&scene, Some(device), Options::default(), Room::default())
+            .and_then(|mut session| frame(&mut session));
+        let text = error.unwrap_err().to_string();
+        assert!(text.contains("not finished in time") && text.contains("MILKGLASS_TIMEOUT"), "{text}");
+        device.wait_at_most(Duration::from_secs(600));
+        let mut session = Session::new(&scene, Some(device), Options::default(), Room::default()).unwrap();
+        assert!(frame(&mut session).unwrap().iter().flatten().any(|&x| x > 0.0));
+        drop(session);
+        assert_eq!(device.allocations(), [""; 0]);
+    });
+}
+
+/// Proves that memory that a driver really does not have is an error that names what it was for.
+#[test]
+fn a_driver_without_memory_says_so() {
+    devices::on_devices(|device| {
+        let instance = Instance::open(true).unwrap();
+        let mut adapter: Adapter =
+            instance.adapters().unwrap().into_iter().find(|adapter| adapter.name == device.name()).unwrap();
+        let most = adapter.limits.allocation_bytes;
+        let said = Buffer::new(device, "large", most + 1).err().unwrap().to_string();
+        assert!(said.contains("buffer large") && said.contains(&most.to_string()), "{said}");
+        // Where the limit is not believed, the driver has to answer.
+        adapter.limits.allocation_bytes = u64::MAX;
+        let trusting = Device::open(&instance, &adapter).unwrap();
+        if let Err(error) = Buffer::new(&trusting, "huge", 1 << 44) {
+            assert!(error.to_string().contains("buffer huge"), "{error}");
+        }
+        assert_eq!(trusting.allocations(), [""; 0]);
+    });
+}

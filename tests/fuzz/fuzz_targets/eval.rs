@@ -1,0 +1,15 @@
+//! A table for `milkglass eval`; the first byte says which.
+#![no_main]
+
+use milkglass::command::eval::{Formula, Kind, answers};
+use std::path::Path;
+
+#[global_allocator]
+static MEMORY: cap::Cap<std::alloc::System> = cap::Cap::new(std::alloc::System, 256 << 20);
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    let Some((way, text)) = bytes.split_first() else { return };
+    let kind = [Kind::FormFactor, Kind::Profile, Kind::Layered, Kind::Cdrf][usize::from(way % 4)];
+    let formula = if way & 4 == 0 { Formula::Paper } else { Formula::Exact };
+    let _ = answers(kind, formula, Path::new("a.csv"), text, || Ok(None));
+});

@@ -1,0 +1,188 @@
+//! Images: PNG as texture and map, OpenEXR as environment, texture and map, Radiance HDR as environment.
+
+use super::Case;
+use super::makers::{Exr, chunk, deflate, hdr as made, png as built};
+
+const BALL: &str = "[[object]]\nshape = 'sphere'\ndetail = 0\nmaterial = { preset = 'marble'";
+const LAYER: &str = "layer = [{ sigma_s = 1, sigma_t = 2, g = 0 }]";
+
+/// The file as each of these.
+fn cases(name: &str, ways: &[&str], files: Vec<(Vec<u8>, &'static str)>) -> Vec<Case> {
+    let text = |way: &str| match way {
+        "map" => format!("{BALL}, layers = {{ maps = ['{name}'], scale = 1, {LAYER} }} }}\n"),
+        "texture" => format!("{BALL}, texture = '{name}' }}\n"),
+        _ => format!("{BALL} }}\n[[light]]\ntype = 'environment'\nimage = '{name}'\n"),
+    };
+    let line = "render a.toml -o b.png --size 4x4 --device cpu";
+    let case = |(k, (bytes, words)): (usize, (Vec<u8>, &'static str))| {
+        let text = text(ways[k % ways.len()]);
+        Case::new(&[(name, &bytes), ("a.toml", text.as_bytes())], line, words)
+    };
+    files.into_iter().enumerate().map(case).collect()
+}
+
+/// A good file with some bytes changed.
+fn changed(mut bytes: Vec<u8>, at: usize, new: &[u8]) -> Vec<u8> {
+    bytes[at..at + new.len()].copy_from_slice(new);
+    bytes
+}
+
+pub fn png() -> Vec<Case> {
+    let grey = [8, 0, 0, 0, 0];
+    let good = built([2, 1], grey, &[0, 90, 90]);
+    let cut = |length: usize| good[..length].to_vec();
+    let read = "cannot be read; found ";
+    let parts = |chunks: &[Vec<u8>]| [&b"\x89PNG\r\n\x1a\n"[..], &chunks.concat()].concat();
+    let head = chunk(b"IHDR", &[0, 0, 0, 2, 0, 0, 0, 1, 8, 0, 0, 0, 0]);
+    let files = vec![
+        (Vec::new(), read),
+        (b"no picture".to_vec(), read),
+        (b"\xff\xd8\xff\xe0 a photograph".to_vec(), read),
+        (cut(8), read),
+        (cut(20), read),
+        (cut(33), read),
+        (cut(41), read),
+        (cut(good.len() - 13), read),
+        (changed(good.clone(), 0, &[0x88]), read),
+        (changed(good.clone(), 29, &[1, 2, 3, 4]), read),
+        (changed(good.clone(), 8, &[0xff, 0xff, 0xff, 0xff]), read),
+        (changed(good.clone(), 33, &[0x7f, 0xff, 0xff, 0xff]), read),
+        (changed(good.clone(), 43, &[7]), read),
+        (built([0, 1], grey, &[0]), read),
+        (built([1, 0], grey, &[]), read),
+        (built([u32::MAX, u32::MAX], grey, &[0]), read),
+        (built([1 << 16, 1 << 16], grey, &[0]), "65536 x 65536 pixels, more than "),
+        (built([2048, 2048], grey, &[0]), "2048 x 2048 pixels in a file of "),
+        (built([2048, 2048], [16, 6, 0, 0, 0], &[0]), "2048 x 2048 pixels in a file of "),
+        (built([2, 1], [3, 0, 0, 0, 0], &[0, 90, 90]), read),
+        (built([2, 1], [8, 1, 0, 0, 0], &[0, 90, 90]), read),
+        (built([2, 1], [16, 3, 0, 0, 0], &[0, 90, 90]), read),
+        (built([2, 1], [8, 3, 0, 0, 0], &[0, 90, 90]), read),
+        (built([2, 1], [8, 0, 1, 0, 0], &[0, 90, 90]), read),
+        (built([2, 1], [8, 0, 0, 1, 0], &[0, 90, 90]), read),
+        (built([2, 1], [8, 0, 0, 0, 2], &[0, 90, 90]), read),
+        (built([2, 1], grey, &[9, 90, 90]), read),
+        (built([2, 1], grey, &[0, 90]), read),
+        (parts(&[chunk(b"IDAT", &deflate(&[0, 1, 1])), chunk(b"IEND", &[])]), read),
+        (parts(&[head.clone(), chunk(b"IEND", &[])]), read),
+        (parts(&[head.clone(), chunk(b"IDAT", &[0; 9]), chunk(b"IEND", &[])]), read),
+        (parts(&[head.clone(), chunk(b"ABCD", &[0; 9]), chunk(b"IEND", &[])]), read),
+        (parts(&[head, chunk(b"IDAT", &deflate(&[])), chunk(b"IEND", &[])]), read),
+        (built([2, 1], grey, &[0, 0, 0]), "the maps say that every layer lies at the surface"),
+        (built([16_385, 1], grey, &[0; 16_386]), "too few or too many texels; found 16385 x 1"),
+    ];
+    // The second to last has to be a map, the last may be either.
+    let mut all = cases("a.png", &["texture", "map"], files);
+    assert!(all.len() % 2 == 1);
+    all.swap_remove(all.len() - 1);
+    all.extend(cases("a.png", &["texture"], vec![(built([16_385, 1], grey, &[0; 16_386]), "found 16385 x 1")]));
+    all
+}
+
+pub fn exr() -> Vec<Case> {
+    let good = Exr::default();
+    let bytes = good.bytes();
+    let cut = |length: usize| bytes[..length].to_vec();
+    let read = "cannot be read; found ";
+    let of = |change: fn(&mut Exr)| {
+        let mut exr = good.clone();
+        change(&mut exr);
+        exr.bytes()
+    };
+    // As long as the pixels themselves, it would not count as compressed.
+    fn pack(exr: &mut Exr, compression: u8) {
+        (exr.compression, exr.block, exr.data) = (compression, (0, 20), vec![0xa5; 20]);
+    }
+    let crowd: fn(&mut Exr) = |exr| {
+        exr.window = [0, 0, 2047, 2047];
+        exr.channels = (0..999).map(|k| (format!("c{k}"), 2, [1, 1])).collect();
+    };
+    let files = vec![
+        (Vec::new(), read),
+        (b"no picture".to_vec(), read),
+        (cut(4), read),
+        (cut(8), read),
+        (cut(60), read),
+        (cut(bytes.len() - 40), read),
+        (cut(bytes.len() - 30), read),
+        (cut(bytes.len() - 1), read),
+        (changed(bytes.clone(), 0, &[0]), read),
+        (changed(bytes.clone(), 4, &[9]), read),
+        (changed(bytes.clone(), 4, &[0xff; 4]), read),
+        (of(|exr| exr.window = [0, 0, i32::MAX, i32::MAX]), read),
+        (of(|exr| exr.window = [i32::MIN, i32::MIN, i32::MAX, i32::MAX]), read),
+        (of(|exr| exr.window = [0, 0, -1, -1]), read),
+        (of(|exr| exr.window = [0, 0, 99_999, 99_999]), "100000 x 100000 pixels, more than "),
+        (of(|exr| exr.window = [0, 0, 2047, 2047]), "2048 x 2048 pixels in a file of "),
+        (of(crowd), "2048 x 2048 pixels in a file of "),
+        (of(|exr| pack(exr, 1)), read),
+        (of(|exr| pack(exr, 3)), read),
+        (of(|exr| pack(exr, 4)), read),
+        (of(|exr| pack(exr, 5)), read),
+        (of(|exr| pack(exr, 6)), read),
+        (of(|exr| pack(exr, 8)), read),
+        (of(|exr| exr.compression = 99), read),
+        (of(|exr| exr.channels.clear()), read),
+        (of(|exr| exr.channels[0].1 = 7), read),
+        (of(|exr| exr.channels[0].2 = [0, 0]), read),
+        (of(|exr| exr.channels[0].2 = [-1, i32::MIN]), read),
+        (of(|exr| exr.block = (77, 24)), read),
+        (of(|exr| exr.block = (i32::MIN, 24)), read),
+        (of(|exr| exr.block = (0, i32::MAX)), read),
+        (of(|exr| exr.block = (0, -1)), read),
+        (of(|exr| exr.block = (0, 8)), read),
+        (of(|exr| (exr.flags, exr.tiles) = (0x202, Some([0, 0]))), read),
+        (of(|exr| (exr.flags, exr.tiles) = (0x202, Some([u32::MAX, u32::MAX]))), read),
+        (of(|exr| exr.flags = 0x1002), read),
+    ];
+    let mut all = cases("a.exr", &["sky", "texture", "map"], files);
+    let bad = |value: f32| Exr { data: value.to_le_bytes().repeat(6), ..good.clone() }.bytes();
+    all.extend(cases("a.exr", &["sky"], vec![(bad(-1.0), "is no radiance; found [-1, -1, -1]")]));
+    all.extend(cases("a.exr", &["texture"], vec![(bad(f32::NAN), "is no albedo; found [NaN, NaN, NaN]")]));
+    all.extend(cases("a.exr", &["map"], vec![(bad(f32::INFINITY), "is no share of a depth; found [inf]")]));
+    all
+}
+
+pub fn hdr() -> Vec<Case> {
+    const HEAD: &str = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n";
+    let of = |rest: &str, pixels: &[u8]| made(&format!("{HEAD}{rest}\n"), pixels);
+    let read = "light.0.image: a.hdr: the image cannot be read; found ";
+    let row = |bytes: &[u8]| of("-Y 1 +X 8", &[&[2, 2, 0, 8], bytes].concat());
+    let files = vec![
+        (Vec::new(), read),
+        (b"no picture".to_vec(), read),
+        (b"#?RADIANCE".to_vec(), read),
+        (b"#?RADIANCE\n\n".to_vec(), read),
+        (HEAD.into(), read),
+        (made("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n", &[1; 4]), read),
+        (made("#?RADIANCE\nFORMAT=\n\n-Y 1 +X 1\n", &[1; 4]), read),
+        (made("#?RADIANCE\nEXPOSURE=x\nFORMAT=32-bit_rle_rgbe\n\n-Y 9 +X 1\n", &[1; 4]), read),
+        (of("", &[]), read),
+        (of("-Y 1", &[1; 4]), read),
+        (of("-Y 1 +X", &[1; 4]), read),
+        (of("-Y a +X b", &[1; 4]), read),
+        (of("+Y 1 +X 1", &[1; 4]), read),
+        (of("+X 1 -Y 1", &[1; 4]), read),
+        (of("-Y 1 +X 1 +Z 1", &[1; 4]), read),
+        (of("-Y -1 +X 1", &[1; 4]), read),
+        (of("-Y 0 +X 1", &[]), "a.hdr: the image "),
+        (of("-Y 1 +X 0", &[]), "a.hdr: the image "),
+        (of("-Y 99999999999 +X 1", &[1; 4]), read),
+        (of("-Y 4294967295 +X 4294967295", &[1; 4]), read),
+        (of("-Y 100000 +X 100000", &[1; 4]), "100000 x 100000 pixels, more than 8388608"),
+        (of("-Y 8388608 +X 1", &[1; 4]), read),
+        (of("-Y 1 +X 8388608", &[1; 4]), read),
+        (of("-Y 1 +X 2", &[1; 7]), read),
+        (of("-Y 2 +X 2", &[1; 9]), read),
+        (row(&[]), read),
+        (row(&[0x88, 1]), read),
+        (row(&[0xff, 1, 0xff, 1, 0xff, 1, 0xff, 1]), read),
+        (row(&[0, 0, 0, 0]), read),
+        (row(&[9, 1, 1, 1, 1, 1, 1, 1, 1, 1]), read),
+        (of("-Y 1 +X 9", &[2, 2, 0, 8, 0x88, 1, 0x88, 1, 0x88, 1, 0x88, 1]), read),
+        (of("-Y 1 +X 3", &[1, 1, 1, 255, 1, 1, 1, 255]), read),
+        (made(&"#?RADIANCE\n".repeat(9), &[]), read),
+        (made(&format!("#?RADIANCE\n{}", "x".repeat(100_000)), &[]), read),
+    ];
+    cases("a.hdr", &["sky"], files)
+}

@@ -1,0 +1,172 @@
+//! Seams of texture coordinates: a mesh of two islands shows what the same mesh in one piece does.
+
+use glam::DVec3;
+use milkglass::layers::islands::{Whole, atlas};
+use milkglass::layers::relief;
+use milkglass::layout::Hit;
+use milkglass::render::plan::{Options, Transport};
+use milkglass::render::run::Session;
+use milkglass::scene::{DepthMap, Scene, Wrap};
+use milkglass::state::Place;
+
+use super::{scene, session};
+
+/// Texels along the square's sides.
+const SIDE: f64 = 96.0;
+/// Where the halves lie in the map of both: their corners, in texels.
+const LEFT: [f64; 2] = [9.0, 7.0];
+const RIGHT: [f64; 2] = [64.0, 30.0];
+const SIZE: [u32; 2] = [180, 120];
+
+/// A square of 20 mm that faces +y, seen aslant across its middle, under depths that are `of` its x and z from -0.5 to 0.5.
+fn square(whole: bool, of: impl Fn(f64, f64) -> f64) -> Scene {
+    let layers = "object.0.material={ layers = { samples = 24, layer = [\
+        { sigma_s = 2, sigma_t = 2.2, thickness = 1 }, { sigma_s = 0.3, sigma_t = 3, g = 0.3, thickness = 1 }] } }";
+    let sets = [
+        "camera={ position = [16.0, 9.0, 5.0], target = [0.0, 0.0, 0.0], size = [48, 32], fov = 16 }",
+        "light=[{ type = 'directional', direction = [-2, 1, 0.4], irradiance = 3 }]",
+        "object.0.shape=plane",
+        "object.0.size=20",
+        "object.0.detail=8",
+        "object.0.rotation=[0, 0, 0]",
+        layers,
+    ];
+    let mut scene = scene("slab-layers", &sets);
+    let mesh = &mut scene.objects[0].mesh;
+    let right = |corners: &[u32; 3]| corners.iter().map(|&v| mesh.positions[v as usize].x).sum::<f64>() > 0.0;
+    // Texels from the upper left; the right half lies on its side.
+    let place = |x: f64, z: f64, right: bool| match (whole, right) {
+        (true, _) => [(x + 0.5) * SIDE, (z + 0.5) * SIDE],
+        (_, false) => [LEFT[0] + (x + 0.5) * SIDE, LEFT[1] + (z + 0.5) * SIDE],
+        (_, true) => [RIGHT[0] + (0.5 - z) * SIDE, RIGHT[1] + x * SIDE],
+    };
+    let size = if whole { [SIDE as u32; 2] } else { SIZE };
+    let uv = |[u, v]: [f64; 2]| [u / f64::from(size[0]), 1.0 - v / f64::from(size[1])];
+    let corner = |v: u32| mesh.positions[v as usize] / 20.0;
+    let uvs = mesh.triangles.iter().map(|t| t.map(|v| uv(place(corner(v).x, corner(v).z, right(t))))).collect();
+    mesh.uvs = Some(uvs);
+
+    // What belongs to neither half lies at the surface.
+    let depth = |k: u32| {
+        let (u, v) = (f64::from(k % size[0]) + 0.5, f64::from(k / size[0]) + 0.5);
+        let half = |[u0, v0]: [f64; 2], [w, h]: [f64; 2]| u > u0 && v > v0 && u < u0 + w && v < v0 + h;
+        if whole {
+            of(u / SIDE - 0.5, v / SIDE - 0.5)
+        } else if half(LEFT, [SIDE / 2.0, SIDE]) {
+            of((u - LEFT[0]) / SIDE - 0.5, (v - LEFT[1]) / SIDE - 0.5)
+        } else if half(RIGHT, [SIDE, SIDE / 2.0]) {
+            of((v - RIGHT[1]) / SIDE, 0.5 - (u - RIGHT[0]) / SIDE)
+        } else {
+            0.0
+        }
+    };
+    let depths: Vec<f64> = (0..size[0] * size[1]).flat_map(|k| [depth(k), 1.5]).collect();
+    scene.objects[0].material.layers.as_mut().unwrap().map = DepthMap::new(size, 2, &depths, Wrap::Clamp).unwrap();
+    scene
+}
+
+fn taken(scene: &Scene) -> Session {
+    session(scene, Options { transport: Transport::None, ..Options::default() })
+}
+
+/// Radiance of the pixels that show places within 2.5 mm of the square's middle, so that no ray comes near its edges; with
+/// the user's map looked at as it is where islands are `ignored`.
+fn seen(scene: &Scene, ignored: bool) -> Vec<f64> {
+    let session = taken(scene);
+    let mut state = session.state().clone();
+    if ignored {
+        let map = &scene.objects[0].material.layers.as_ref().unwrap().map;
+        let length = session.units().length;
+        state.data.layerings[0].first_island = u32::MAX;
+        state.data.layerings[0].size = map.size;
+        let inside = |x: f32| if x < 1e30 { (f64::from(x) * length) as f32 } else { x };
+        state.data.depths = map.texels.iter().map(|texel| texel.map(inside)).collect();
+    }
+    state.data.radiance.iter_mut().for_each(|pixel| *pixel = [0.0; 3]);
+    (relief::STAGE.cpu)(&mut state, Place::default());
+    let middle = |hit: &Hit| {
+        let corners = state.data.triangles.get(hit.face as usize)?.map(|v| state.data.positions[v as usize]);
+        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        let along = |k: usize| (0..3).map(|i| f64::from(weights[i] * corners[i][k])).sum::<f64>();
+        let place = session.units().outside(DVec3::new(along(0), along(1), along(2)));
+        Some(place.abs().max_element() < 2.5)
+    };
+    let shown = state.data.hits.iter().zip(&state.data.radiance).filter(|(hit, _)| middle(hit) == Some(true));
+    shown.map(|(_, pixel)| f64::from(pixel[0])).collect()
+}
+
+/// The largest difference of the square in one piece and in two, of the first one's mean.
+fn apart(of: impl Fn(f64, f64) -> f64 + Copy, ignored: bool) -> f64 {
+    let (a, b) = (seen(&square(true, of), false), seen(&square(false, of), ignored));
+    let mean = a.iter().sum::<f64>() / a.len() as f64;
+    assert!(mean > 0.0 && a.len() > 300 && a.len() == b.len(), "{mean} {}", a.len());
+    a.iter().zip(&b).map(|(a, b)| (a - b).abs() / mean).fold(0.0, f64::max)
+}
+
+#[test]
+fn even_depths_on_two_islands_look_as_in_one_piece() {
+    let [parted, ignored] = [false, true].map(|ignored| apart(|_, _| 0.5, ignored));
+    assert!(parted < 1e-5, "{parted}");
+    assert!(ignored > 0.1, "{ignored}");
+}
+
+#[test]
+fn depths_that_go_on_over_a_seam_do_not_show_it() {
+    let wavy = |x: f64, z: f64| 0.6 + 0.4 * (9.0 * x + 4.0 * z).sin() * (7.0 * z - 2.0 * x).cos();
+    let [parted, ignored] = [false, true].map(|ignored| apart(wavy, ignored));
+    // Halves have their texels in the same places here; margins are read between them.
+    assert!(parted < 5e-3, "{parted}");
+    assert!(ignored > 0.1, "{ignored}");
+}
+
+#[test]
+fn texels_that_triangles_cover_stay_as_they_are() {
+    let two = square(false, |x, z| 0.6 + 0.3 * (20.0 * x).sin() * (15.0 * z).cos());
+    let (mesh, map) = (&two.objects[0].mesh, &two.objects[0].material.layers.as_ref().unwrap().map);
+    let made = atlas(mesh, map, 4.0).unwrap();
+    assert_eq!((made.islands, made.seams, made.share), (2, 8, 1.0));
+    assert_eq!(made.margin, (4.0 * SIDE / 20.0).ceil() as u32);
+    let mut found = 0;
+    for (face, island) in made.places.iter().enumerate() {
+        // The texel next to each triangle's centre, which lies between two.
+        let near = |x: f64| (x + 0.25).round() as u32;
+        let middle = |k: usize| near(f64::from((island.a[k] + island.b[k] + island.c[k]) / 3.0));
+        let [x, y] = [middle(0), middle(1)];
+        let [u, v] = [0, 1].map(|k| mesh.uvs.as_ref().unwrap()[face].iter().map(|uv| uv[k]).sum::<f64>() / 3.0);
+        let own = [u * f64::from(SIZE[0]) - 0.5, (1.0 - v) * f64::from(SIZE[1]) - 0.5].map(near);
+        assert_eq!(made.texels[(y * made.size[0] + x) as usize], map.texels[(own[1] * SIZE[0] + own[0]) as usize]);
+        found += 1;
+    }
+    assert_eq!(found, mesh.triangles.len());
+}
+
+#[test]
+fn a_mesh_without_seams_has_none_of_it() {
+    for name in ["fish", "gecko", "veins"] {
+        let scene = scene(name, &["camera.size=[8, 8]"]);
+        let session = taken(&scene);
+        assert!(session.state().data.islands.is_empty());
+        assert_eq!(session.maps(), ["object 0: its maps have no seams, and are taken as they are"], "{name}");
+        // A ball or a bust round which a map does not repeat has one.
+        let mut map = scene.objects[0].material.layers.as_ref().unwrap().map.clone();
+        map.wrap = Wrap::Clamp;
+        let seams = atlas(&scene.objects[0].mesh, &map, 1.0);
+        assert_eq!(seams.is_ok(), name == "veins", "{name}");
+    }
+    let even = taken(&scene("slab-layers", &["camera.size=[8, 8]"]));
+    assert!(even.maps().is_empty() && even.state().data.islands.is_empty());
+    let two = taken(&square(false, |_, _| 0.5));
+    assert!(!two.state().data.islands.is_empty());
+    assert!(two.maps()[0].starts_with("object 0: 2 islands in its maps meet at 8 edges"), "{:?}", two.maps());
+}
+
+#[test]
+fn islands_that_take_too_much_are_left_alone() {
+    // Half of a square, the map a million times over it.
+    let mut two = square(false, |_, _| 0.5);
+    for corners in two.objects[0].mesh.uvs.iter_mut().flatten().flatten() {
+        *corners = corners.map(|x| 1000.0 * x);
+    }
+    let (mesh, map) = (&two.objects[0].mesh, &two.objects[0].material.layers.as_ref().unwrap().map);
+    assert!(matches!(atlas(mesh, map, 1.0), Err(Whole::TooLarge(texels)) if texels > 1 << 30));
+}

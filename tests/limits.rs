@@ -1,0 +1,181 @@
+//! Devices that allow less: work is cut to fit, or done in another way that is said, or refused by name. Limits are lowered
+//! on a real device.
+
+mod devices;
+mod shell;
+
+use devices::on_devices;
+use milkglass::command;
+use milkglass::gpu::faults::on_altered;
+use milkglass::gpu::{Adapter, Device, Instance, Limits};
+use milkglass::layout::Slot;
+use milkglass::render::plan::{Change, Goal, Mode, Options};
+use milkglass::render::run::{Room, Session};
+use milkglass::scene::Scene;
+
+fn scene(scheme: &str) -> Scene {
+    let sets = ["object.0.detail=3".into(), "camera.size=[48,32]".into(), format!("transport.scheme='{scheme}'")];
+    Scene::load("sphere", &sets).unwrap()
+}
+
+/// The same device with other limits.
+fn lowered(device: &Device, instance: &Instance, lower: impl Fn(&mut Limits)) -> Device {
+    let mut adapter = instance.adapters().unwrap().into_iter().find(|adapter| adapter.name == device.name()).unwrap();
+    lower(&mut adapter.limits);
+    Device::open(instance, &adapter).unwrap()
+}
+
+/// A picture and a session after it.
+fn render(scene: &Scene, device: &Device, mode: Mode) -> Result<(Session, Vec<[f32; 3]>), String> {
+    let options = Options { mode, goal: Goal::Picture, ..Options::default() };
+    let shown = Session::new(scene, Some(device), options, Room::default()).and_then(|mut session| {
+        session.frame(Change::EVERYTHING)?;
+        let pixels = session.picture()?.pixels;
+        Ok((session, pixels))
+    });
+    shown.map_err(|error| error.to_string())
+}
+
+/// Runs a check with the device, an instance with validation of its own for lowered ones, and no messages from that.
+fn with(body: impl Fn(&Device, &Instance)) {
+    on_devices(|device| {
+        let instance = Instance::open(true).unwrap();
+        body(device, &instance);
+        let messages = instance.take_messages();
+        assert!(messages.is_empty(), "{}", messages.join("\n"));
+    });
+}
+
+#[test]
+fn a_smaller_binding_cuts_the_lists() {
+    with(|device, instance| {
+        for scheme in ["blocks", "links"] {
+            let mut scene = scene(scheme);
+            // So that lists are longer than what can't be cut.
+            scene.transport.tolerance = 1e-5;
+            let (whole, picture) = render(&scene, device, Mode::OnTheFly).unwrap();
+            // As little as the buffers need that can't be cut.
+            let lists = [Slot::entries, Slot::links, Slot::factors, Slot::area_links, Slot::edge_links, Slot::handed];
+            let other = whole.buffers().into_iter().filter(|(slot, _)| !lists.contains(slot));
+            let most = other.map(|(_, bytes)| bytes).max().unwrap();
+            let small = lowered(device, instance, |limits| limits.binding_bytes = most);
+            let (cut, same) = render(&scene, &small, Mode::OnTheFly).unwrap();
+            let parts = |session: &Session| {
+                session.state().sum(|object| object.schedule.chunks.len() + object.schedule.batches.len())
+            };
+            assert!(parts(&cut) > parts(&whole), "{scheme}: {} parts as before", parts(&whole));
+            assert_eq!(same, picture, "{scheme}");
+            assert!(cut.misfits(Change::EVERYTHING).unwrap().is_empty());
+        }
+    });
+}
+
+#[test]
+fn a_binding_too_small_is_refused_by_the_buffers_name() {
+    with(|device, instance| {
+        let small = lowered(device, instance, |limits| limits.binding_bytes = 1 << 13);
+        let said = render(&scene("blocks"), &small, Mode::OnTheFly).err().unwrap();
+        assert!(said.contains("buffer ") && said.contains("at most 8192") && said.contains("--device cpu"), "{said}");
+    });
+}
+
+#[test]
+fn fewer_groups_make_more_rows() {
+    with(|device, instance| {
+        for scheme in ["blocks", "links"] {
+            let scene = scene(scheme);
+            let (_, picture) = render(&scene, device, Mode::OnTheFly).unwrap();
+            let narrow = lowered(device, instance, |limits| limits.groups = [7, 65535]);
+            assert_eq!(render(&scene, &narrow, Mode::OnTheFly).unwrap().1, picture, "{scheme}");
+            let none = lowered(device, instance, |limits| limits.groups = [2, 2]);
+            let said = render(&scene, &none, Mode::OnTheFly).err().unwrap();
+            assert!(said.contains("recording kernel") && said.contains("at most 2 x 2"), "{said}");
+        }
+    });
+}
+
+#[test]
+fn links_too_many_to_keep_are_made_for_each_frame() {
+    with(|device, instance| {
+        for scheme in ["blocks", "links"] {
+            let scene = scene(scheme);
+            let (_, picture) = render(&scene, device, Mode::OnTheFly).unwrap();
+            let (kept, _) = render(&scene, device, Mode::Render).unwrap();
+            assert_eq!(kept.not_kept(), None);
+            let bytes = |slot: Slot| kept.buffers().into_iter().find(|(known, _)| *known == slot).map_or(0, |b| b.1);
+            let lists = bytes(Slot::entries).max(bytes(Slot::links));
+            // Known beforehand, found out in the frame, and for want of memory.
+            let all: u64 = kept.buffers().iter().map(|(_, bytes)| bytes).sum();
+            // Known beforehand, found out in the frame, and for want of memory: there on-the-fly needs less with blocks only.
+            let mut cases = vec![("few", 64, u64::MAX), ("some", lists / 3, u64::MAX)];
+            cases.extend((scheme == "blocks").then_some(("heap", u64::MAX, all - 64)));
+            for (name, most, heap) in cases {
+                let small = lowered(device, instance, |limits| limits.heap_bytes = heap.min(limits.heap_bytes));
+                for mode in [Mode::Render, Mode::Incremental] {
+                    let options = Options { mode, goal: Goal::Picture, ..Options::default() };
+                    let room = Room { kept: most, ..Room::default() };
+                    let mut session = Session::new(&scene, Some(&small), options, room).unwrap();
+                    assert_eq!(session.not_kept().is_some(), name == "few", "{scheme} {name}");
+                    session.frame(Change::EVERYTHING).unwrap();
+                    assert_eq!(session.picture().unwrap().pixels, picture, "{scheme} {name} {mode:?}");
+                    let why = session.not_kept().expect("too much to keep").to_string();
+                    assert!(why.contains("on-the-fly"), "{why}");
+                    assert!(session.plan.left_out.iter().any(|(what, known)| *what == "kept links" && *known == why));
+                    // The next frame is none the wiser.
+                    session.frame(Change::LIGHT).unwrap();
+                    assert_eq!(session.picture().unwrap().pixels, picture, "{scheme} {name} {mode:?}");
+                }
+            }
+            // A layer that tells of links can't do without them.
+            let room = Room { kept: 64, ..Room::default() };
+            let options = Options { mode: Mode::Keep, ..Options::default() };
+            let said = Session::new(&scene, Some(device), options, room).err().unwrap().to_string();
+            assert!(said.contains("keeping lists") && said.contains("--aov"), "{said}");
+        }
+    });
+}
+
+/// What a command says where every device is altered.
+fn altered(device: &Device, line: &str, alter: fn(&mut Adapter)) -> Result<(), (u8, String)> {
+    let words = line.split_whitespace().chain(["--device", device.name()]).map(Into::into);
+    on_altered(alter, || command::run(words)).map_err(|error| (error.exit_code(), error.to_string()))
+}
+
+#[test]
+fn commands_say_what_a_device_lacks() {
+    on_devices(|device| {
+        let here = shell::folder(&[]);
+        let (json, line) = (
+            here.path().join("p.json"),
+            "milkglass plan sphere --set object.0.detail=4 --set camera.size=[48,32] --mode render",
+        );
+        let plan = format!("{line} --json {}", json.display());
+        let read = || std::fs::read_to_string(&json).unwrap();
+        let told = |text: &str, word: &str| assert!(text.contains(word), "no {word:?} in {text}");
+
+        altered(device, &plan, |_| {}).unwrap();
+        told(&read(), "\"too_large\": []");
+        altered(device, &plan, |adapter| adapter.limits.binding_bytes = 1 << 15).unwrap();
+        told(&read(), "\"clusters\"");
+        altered(device, &plan, |adapter| adapter.limits.heap_bytes = 1 << 14).unwrap();
+        told(&read(), "kept links");
+        let links = plan.replace("--mode", "--set transport.scheme='links' --mode");
+        altered(device, &links, |_| {}).unwrap();
+        assert!(!read().contains("kept links"));
+        altered(device, &links, |adapter| adapter.limits.allocation_bytes = 3 << 20).unwrap();
+        told(&read(), "kept links");
+        for (name, alter, word) in [
+            ("buffers", (|a| a.limits.storage_buffers = 2) as fn(&mut Adapter), "the device allows 2"),
+            ("push", |a| a.limits.push_bytes = 0, "bytes of push constants, the device allows 0"),
+            ("group", |a| a.limits.group_invocations = 16, "invocations in a group, the device allows 16"),
+            ("feature", |a| a.unusable = Some("lacks the feature scalarBlockLayout".into()), "scalarBlockLayout"),
+        ] {
+            let output = here.path().join("a.png");
+            let line = "milkglass render noise --size 8x8 --set object.0.detail=1 -o";
+            let (code, text) = altered(device, &format!("{line} {}", output.display()), alter).unwrap_err();
+            assert_eq!(code, 3, "{name}");
+            told(&text, word);
+            assert!(!output.exists());
+        }
+    });
+}

@@ -1,0 +1,97 @@
+//! A long run of small frames whose light, material and shape change: memory stays what it was, and so do the pictures.
+//!
+//! 200 frames; 10,000 with `cargo test --release --test soak -- --ignored --nocapture`.
+
+use milkglass::gpu::Device;
+use milkglass::render::plan::{Change, Mode, Options};
+use milkglass::render::run::{Room, Session};
+use milkglass::scene::Scene;
+
+/// Frames after which memory is what it will be: every material and shape was there.
+const WARM: usize = 100;
+
+/// The scene of a frame: another light each time, another shape each fourth, another material each twentieth.
+fn scene(frame: usize) -> Scene {
+    let angle = 0.37 * frame as f64;
+    let presets = ["marble", "ketchup", "skin1"];
+    let sets = [
+        "object.0.detail=2".to_string(),
+        "camera.size=[24,16]".into(),
+        format!(
+            "light=[{{type='directional',direction=[{:.6},0.5,{:.6}],irradiance={}}}]",
+            angle.sin(),
+            angle.cos(),
+            1 + frame % 7
+        ),
+        format!("object.0.material.preset='{}'", presets[frame / 20 % presets.len()]),
+        format!("object.0.deform=[{{type='twist',angle={}}}]", 5 * (frame / 4 % 9) + 1),
+        format!("transport.scheme='{}'", ["blocks", "links"][frame / 60 % 2]),
+    ];
+    Scene::load("sphere", &sets).unwrap()
+}
+
+/// Memory of the process, bytes; none where the system does not tell.
+fn resident() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/self/statm").ok()?;
+    text.split_whitespace().nth(1)?.parse::<u64>().ok().map(|pages| pages * 4096)
+}
+
+/// Runs so many frames, and checks memory all along and every picture of the last round against a fresh session's.
+fn soak(frames: usize) {
+    let Some(device) = Device::first().ok().flatten() else {
+        assert!(std::env::var_os("MILKGLASS_NO_DEVICE").is_some(), "no usable Vulkan device");
+        println!("WAIVED by MILKGLASS_NO_DEVICE: no usable device");
+        return;
+    };
+    let options = Options { mode: Mode::Render, ..Options::default() };
+    let open = |scene: &Scene| Session::new(scene, Some(&device), options, Room::default()).unwrap();
+    let mut session = open(&scene(0));
+    let (mut warm, mut most, mut peak) = (None, 0, 0);
+    for frame in 0..frames {
+        session.show(&scene(frame)).unwrap();
+        session.frame(Change::default()).unwrap();
+        let picture = session.picture().unwrap();
+        assert!(picture.pixels.iter().flatten().any(|&x| x > 0.0), "frame {frame} is black");
+        if frame + 1 == WARM {
+            warm = resident();
+            device.forget_peak();
+            peak = device.memory().1;
+        } else if frame >= WARM {
+            most = most.max(resident().unwrap_or(0));
+        }
+        // Seven frames spread over the rounds, and the last.
+        if frame % (frames / 7) == frames / 9 || frame + 1 == frames {
+            let mut fresh = open(&scene(frame));
+            fresh.frame(Change::EVERYTHING).unwrap();
+            assert_eq!(picture.pixels, fresh.picture().unwrap().pixels, "frame {frame} has drifted");
+        }
+    }
+    let held = device.memory();
+    drop(session);
+    assert_eq!(device.allocations(), [""; 0]);
+    let mega = |bytes: u64| bytes as f64 / f64::from(1 << 20);
+    if let Some(warm) = warm {
+        println!(
+            "{frames} frames on {}: {:.1} MiB resident after {WARM}, at most {:.1} after that; device {:.2} MiB now, {:.2} at most",
+            device.name(),
+            mega(warm),
+            mega(most),
+            mega(held.0),
+            mega(held.1)
+        );
+        // What allocators and the driver's caches scatter, and not a hundredth of a MiB a frame.
+        assert!(most < warm + (48 << 20), "{:.1} MiB, then {:.1}", mega(warm), mega(most));
+    }
+    assert!(held.1 < peak.max(1) + (64 << 20), "{held:?} after {peak}");
+}
+
+#[test]
+fn two_hundred_frames() {
+    soak(200);
+}
+
+#[test]
+#[ignore = "takes long: the same with ten thousand frames"]
+fn ten_thousand_frames() {
+    soak(10_000);
+}
