@@ -153,8 +153,13 @@ fn plan_prints_and_writes_json() {
     }
     let plan: serde_json::Value = serde_json::from_str(&read(&here, "a.json")).unwrap();
     assert_eq!((plan["triangles"].as_u64(), plan["nodes"].as_u64()), (Some(80), Some(159)));
+    assert!(plan["error_estimate"].is_null() && out.contains("nobody reads it"), "{out}");
+    let (layers, _) = good(&here, &format!("plan {SMALL} --aov --json b.json"));
+    assert!(layers.contains("light is carried once more, at tolerance 0.000125"), "{layers}");
+    let second: serde_json::Value = serde_json::from_str(&read(&here, "b.json")).unwrap();
+    assert_eq!(second["error_estimate"]["tolerance"].as_f64(), Some(1.25e-4));
     assert!(plan["stages"].as_array().is_some_and(|stages| !stages.is_empty()));
-    assert_eq!(names(here.path()), ["a.json"]);
+    assert_eq!(names(here.path()), ["a.json", "b.json"]);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The error estimate against the true error on every built-in scene, on the CPU and on the default device; and that it
 //! costs nothing, not a bit, where nobody asks for it.
 
-use milkglass::gpu::{Device, Instance};
+use milkglass::gpu::{Device, Instance, faults::watch};
 use milkglass::layout::Slot;
 use milkglass::measure::estimate::Quality;
 use milkglass::measure::reference::check;
@@ -148,4 +148,46 @@ fn the_plan_says_why_there_is_none() {
     dark.lights.clear();
     let session = solved(&dark, None, OPTIONS);
     assert!(session.state().data.estimate.iter().all(|x| *x == [0.0; 3]) && !session.state().data.estimate.is_empty());
+}
+
+#[test]
+fn an_estimate_that_cannot_be_sharpened_is_the_carried_one_and_says_why() {
+    let Some(device) = device() else { return };
+    let scene = scene("sphere", &["object.0.detail=2"]);
+    let carried = |session: &mut Session| {
+        session.fetch(&[Slot::estimate]).unwrap();
+        session.state().data.estimate.clone()
+    };
+    let mut session = solved(&scene, Some(&device), OPTIONS);
+    let loose = carried(&mut session);
+    let ((), calls) = watch(None, || session.sharpen().unwrap());
+    assert_eq!(session.blunt(), None);
+    assert_ne!(carried(&mut session), loose);
+
+    // Room for a buffer of the second solve, of which there is none.
+    let failing = calls.iter().position(|call| call.name == "vkAllocateMemory").unwrap();
+    let mut session = solved(&scene, Some(&device), OPTIONS);
+    let ((), _) = watch(Some(failing), || session.sharpen().unwrap());
+    assert!(session.blunt().is_some_and(|why| why.contains("allocating")), "{:?}", session.blunt());
+    assert_eq!(carried(&mut session), loose);
+    session.frame(Change::EVERYTHING).unwrap();
+    session.sharpen().unwrap();
+    assert_eq!(session.blunt(), None);
+}
+
+#[test]
+fn the_second_solve_makes_no_picture() {
+    let layers = Options::default().with_layers();
+    let stages = |name: &str, sets: &[&str]| -> Option<Vec<&str>> {
+        let session = Session::new(&scene(name, sets), None, layers, Room::default()).unwrap();
+        let other = session.sharper().unwrap()?;
+        Some(other.plan.stages.iter().map(|stage| stage.name).collect())
+    };
+    let small = "object.0.detail=2";
+    let faces = stages("sphere", &[small]).unwrap();
+    assert!(faces.contains(&"gather") && !faces.contains(&"shade") && !faces.contains(&"visibility"), "{faces:?}");
+    let pixels = stages("sphere", &[small, "transport.receivers=\"pixels\""]).unwrap();
+    assert!(pixels.contains(&"visibility"), "{pixels:?}");
+    assert_eq!(stages("sphere", &[small, "transport.tolerance=1e-6"]), None);
+    assert_eq!(stages("sphere", &[small, "transport.scheme=\"links\""]), None);
 }

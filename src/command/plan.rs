@@ -14,6 +14,7 @@ use crate::render::about_mode;
 use crate::render::needs::{KernelNeeds, StageNeeds};
 use crate::render::octree;
 use crate::render::plan::{Change, Options, before_transport};
+use crate::render::run::Session;
 use crate::state::Extent;
 use crate::view::picture::write_whole;
 
@@ -26,6 +27,9 @@ pub struct Arguments {
     scene: SceneArguments,
     #[command(flatten)]
     run: RunArguments,
+    /// Plan for layers, too, as `render --aov` writes them, with their error estimate.
+    #[arg(long)]
+    aov: bool,
     /// Show what another scene needs otherwise; `--set` and the other options are the first one's, but for the device.
     #[arg(long, value_name = "OTHER_SCENE")]
     diff: Option<String>,
@@ -38,7 +42,12 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let scene = arguments.run.of(&arguments.scene).load()?;
     let device = arguments.run.device.open(validation())?;
-    let session = open_session(&scene, device.as_ref(), arguments.run.options())?;
+    let mut options = arguments.run.options();
+    if arguments.aov {
+        options.carries("--aov")?;
+        options = options.with_layers();
+    }
+    let session = open_session(&scene, device.as_ref(), options)?;
     if let Some(other) = &arguments.diff {
         if arguments.json.is_some() {
             let fault = Input::new("a difference has no JSON").key("--json").found("--diff");
@@ -81,13 +90,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         stages.insert(place, [octree::NAME, octree::ABOUT, octree::EQUATION, "radiosity"].map(String::from).to_vec());
     }
     text += &table(&["stage", "does", "from", "writes"], &[], &stages);
-    let row = |need: &StageNeeds| {
-        let [read, written] = need.bytes.map(size);
-        vec![need.stage.to_string(), need.steps.to_string(), need.dispatches.to_string(), read, written]
-    };
-    let rows: Vec<_> = needs.iter().map(row).collect();
     text += "\nwork: of a frame from scratch; bytes bound, each once\n";
-    text += &table(&["stage", "steps", "dispatches", "to read", "to write"], &[1, 2, 3, 4], &rows);
+    text += &work(&needs);
+    let sharper = session.sharper()?;
+    if let Some(other) = &sharper {
+        let (tolerance, bytes) = (other.scene().transport.tolerance, total(other));
+        let needs = other.needs(Change::EVERYTHING)?;
+        text += &format!(
+            "\nerror estimate: light is carried once more, at tolerance {tolerance}, in another {} while that lasts\n{}",
+            size(bytes),
+            work(&needs)
+        );
+    }
     let mut kernels = Vec::new();
     for need in needs.iter().flat_map(|need| &need.kernels) {
         kernels.push(vec![need.name.clone(), need.dispatches.to_string(), need.specialized()?]);
@@ -98,10 +112,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     // Lists start with a guess and grow to what a frame turns out to need.
     let misfits = session.misfits(Change::EVERYTHING.and(Change::RELINK))?;
     let lists = ["handed", "links", "factors", "area_links", "edge_links"];
-    let (mut total, mut buffers) = (0, Vec::new());
+    let mut buffers = Vec::new();
     for (slot, bytes) in session.buffers() {
         let spec = slot.spec();
-        total += bytes;
         let note = match (misfits.contains(&slot), lists.contains(&spec.name)) {
             (true, _) => "more than the device binds: use fewer triangles or pixels, or --device cpu",
             (false, true) => "grows as needed",
@@ -110,7 +123,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let count = (bytes / spec.stride as u64).to_string();
         buffers.push(vec![spec.name.to_string(), spec.per.to_string(), count, size(bytes), note.to_string()]);
     }
-    buffers.push(vec!["total".into(), String::new(), String::new(), size(total), String::new()]);
+    buffers.push(vec!["total".into(), String::new(), String::new(), size(total(&session)), String::new()]);
     text += "\nbuffers\n";
     text += &table(&["buffer", "one per", "elements", "size", ""], &[2, 3], &buffers);
     text += "\nleft out\n";
@@ -134,12 +147,33 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "buffers": session.buffers().iter()
                 .map(|(slot, bytes)| json!({"buffer": slot.spec().name, "per": slot.spec().per, "bytes": bytes}))
                 .collect::<Vec<_>>(),
+            // A solve of its own.
+            "error_estimate": sharper.as_ref().map(|other| -> Result<Value> {
+                let stage = |need: &StageNeeds| json!({"stage": need.stage, "dispatches": need.dispatches});
+                let stages: Vec<_> = other.needs(Change::EVERYTHING)?.iter().map(stage).collect();
+                Ok(json!({"tolerance": other.scene().transport.tolerance, "bytes": total(other), "stages": stages}))
+            }).transpose()?,
             "left_out": plan.left_out.iter().map(|(what, why)| json!({"stage": what, "because": why}))
                 .collect::<Vec<_>>(),
         });
         write_whole(path, |beside| std::fs::write(beside, format!("{value:#}\n")).map_err(|e| e.to_string()))?;
     }
     Ok(())
+}
+
+/// Steps, dispatches and bytes of each stage.
+fn work(needs: &[StageNeeds]) -> String {
+    let row = |need: &StageNeeds| {
+        let [read, written] = need.bytes.map(size);
+        vec![need.stage.to_string(), need.steps.to_string(), need.dispatches.to_string(), read, written]
+    };
+    let rows: Vec<_> = needs.iter().map(row).collect();
+    table(&["stage", "steps", "dispatches", "to read", "to write"], &[1, 2, 3, 4], &rows)
+}
+
+/// Bytes of all buffers.
+fn total(session: &Session) -> u64 {
+    session.buffers().iter().map(|(_, bytes)| bytes).sum()
 }
 
 /// A stage of the table with what it needs.

@@ -11,7 +11,7 @@ use super::{
 use crate::error::{Input, Result};
 use crate::render::bends::{Bends, bends};
 use crate::render::clusters::{Emitters, clusters, color};
-use crate::render::plan::{Change, Goal, Mode, Options, Transport};
+use crate::render::plan::{Change, Mode, Transport};
 use crate::scene::{Camera, Tone};
 use crate::view::picture::{check, encode};
 
@@ -77,8 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let device = arguments.run.device.open(validation())?;
     let mut options = arguments.run.options();
     if aov {
-        // Lists are kept, because a layer tells how long they are.
-        options = Options { goal: Goal::Layers, estimate: true, mode: options.mode.kept(), ..options };
+        options = options.with_layers();
     }
     let clustered = matches!(arguments.view, Some(View::Clusters));
     if clustered != pick.is_some() {

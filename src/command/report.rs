@@ -1,6 +1,5 @@
 //! `milkglass report`: everything that is measured, on one page.
 
-use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -44,9 +43,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut number = 0;
     let mut tell = |name: &str| {
         number += 1;
-        if std::io::stderr().is_terminal() {
-            tell!("{number}/{} {name}", sections.len());
-        }
+        tell!("{number}/{} {name}", sections.len());
     };
     let made = report(&bench, &sections, &mut tell);
     folder.fill(&made.page, &made.files)?;

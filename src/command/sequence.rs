@@ -103,6 +103,7 @@ pub fn warn_of_shape(session: &Session, frame: &str) {
 pub fn shoot(session: &mut Session, aov: bool, output: &Path) -> Result<Picture> {
     // Layers are those of the pixels' centres.
     let layers = if aov { Some(layers(session)?) } else { None };
+    super::solve::tell_blunt(session);
     let picture = picture(session)?;
     match layers {
         Some(layers) => save(&picture, &layers, output)?,

@@ -74,6 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut session = open_session(&scene, device.as_ref(), options)?;
     let times = run_frame(&mut session, Change::EVERYTHING)?;
     session.sharpen()?;
+    tell_blunt(&session);
     session.fetch(&[Slot::clusters, Slot::irradiance, Slot::radiosity, Slot::estimate])?;
     check_messages(device.as_ref())?;
     if let Some((path, format)) = output {
@@ -104,6 +105,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Says so where the estimate is the one carried along with the light, which is larger.
+pub fn tell_blunt(session: &Session) {
+    if let Some(why) = session.blunt() {
+        tell!("the error estimate is a looser one, since the second solve that sharpens it failed: {why}");
+    }
 }
 
 /// Prints the time of each stage, its chunks together, and the number of links.

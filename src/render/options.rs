@@ -81,6 +81,12 @@ pub struct Options {
 }
 
 impl Options {
+    /// For a picture with layers, of which one is the error estimate; another tells how long lists are, so that they are kept.
+    #[must_use]
+    pub fn with_layers(self) -> Self {
+        Self { goal: Goal::Layers, estimate: true, mode: self.mode.kept(), ..self }
+    }
+
     /// Fails where no light is carried, of which `what` could tell something.
     pub fn carries(&self, what: &str) -> Result<()> {
         if !self.transport.is_local() {

@@ -49,8 +49,8 @@ pub struct Session {
     pub(super) linked: bool,
     /// Form factors computed by runs of this frame whose lists overflowed.
     pub(super) spent: u64,
-    /// Whether the estimate of the last frame has been made sharper, on the host.
-    pub(super) sharp: bool,
+    /// Whether the estimate of the last frame has been made sharper, on the host, or why that failed.
+    pub(super) sharp: Option<std::result::Result<(), String>>,
     /// What became of each object's triangles, where `transport.subdivide` asks for that.
     pub parts: Vec<Parts>,
     pub(super) not_kept: Option<String>,
@@ -117,7 +117,7 @@ impl Session {
             relinks,
             linked: false,
             spent: 0,
-            sharp: false,
+            sharp: None,
             parts,
             not_kept: None,
             failed: false,
@@ -163,7 +163,7 @@ impl Session {
 
     fn run_frame(&mut self, change: Change) -> Result<Vec<Timing>> {
         let mut change = self.pending.and(change).and(self.waiting_change());
-        self.sharp = false;
+        self.sharp = None;
         self.open_budget()?;
         loop {
             change = self.links_anew(change);
@@ -260,7 +260,7 @@ impl Session {
     pub fn fetch(&mut self, slots: &[Slot]) -> Result<()> {
         let opaque = self.state().objects.iter().any(|object| object.opaque);
         let there = |slot: &Slot| {
-            self.octree.is_some() && *slot == Slot::radiosity && !opaque || self.sharp && *slot == Slot::estimate
+            self.octree.is_some() && *slot == Slot::radiosity && !opaque || self.sharpened() && *slot == Slot::estimate
         };
         let slots: Vec<Slot> = slots.iter().copied().filter(|slot| !there(slot)).collect();
         match &self.backend {
