@@ -23,7 +23,7 @@ fn one(bench: &Bench<'_>, page: &mut Page, scene: &Scene) -> Result<()> {
         repeat: 5,
         samples: bench.either(100, 500),
         seed: 1,
-        budget: bench.either(3.0, 30.0),
+        budget: bench.either(3.0, 10.0),
     };
     let found = sweep(&pareto::Bench { scene, device: bench.device }, &settings)?;
     let (low, high) = scene.bounds();
