@@ -42,6 +42,10 @@ fn fits(
 fn open_exr(files: &Files, path: &Path, most: usize, kept: u64) -> Result<Vec<u8>, String> {
     let bytes = files.read(path, 1).map_err(|error| error.to_string())?;
     let meta = MetaData::read_from_buffered(Cursor::new(&bytes), false).map_err(|error| error.to_string())?;
+    // The reader looks at the parts alone, and would take the samples of a deep pixel for pixels.
+    if meta.requirements.has_deep_data {
+        return Err("deep data, which is not supported".into());
+    }
     for header in &meta.headers {
         let size = [header.layer_size.width() as u64, header.layer_size.height() as u64];
         let stored = header.channels.bytes_per_pixel as u64;

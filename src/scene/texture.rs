@@ -191,6 +191,22 @@ mod tests {
     }
 
     #[test]
+    fn an_exr_whose_window_is_the_wrong_way_round_is_read_as_if_it_were_not() {
+        // The crate puts corners in order and tells nobody.
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        exr::prelude::write_rgb_file(path("a.exr"), 2, 2, |x, y| (x as f32, 0.5 * y as f32, 0.25)).expect("written");
+        let mut bytes = std::fs::read(path("a.exr")).expect("bytes");
+        let name = b"dataWindow\0box2i\0\x10\0\0\0";
+        let at = name.len() + bytes.windows(name.len()).position(|here| here == name).expect("a window");
+        let window = bytes[at..at + 16].to_vec();
+        bytes[at..at + 16].copy_from_slice(&[&window[8..], &window[..8]].concat());
+        std::fs::write(path("b.exr"), bytes).expect("written");
+        let of = |name: &str| read(&Files::default(), &path(name), "texture").expect(name);
+        assert_eq!(of("a.exr"), of("b.exr"));
+    }
+
+    #[test]
     fn squares_alternate() {
         let texels = squares([[1.0; 3], [0.0; 3]]);
         assert_eq!(

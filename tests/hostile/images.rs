@@ -134,6 +134,9 @@ pub fn exr() -> Vec<Case> {
         (of(|exr| (exr.flags, exr.tiles) = (0x202, Some([0, 0]))), read),
         (of(|exr| (exr.flags, exr.tiles) = (0x202, Some([u32::MAX, u32::MAX]))), read),
         (of(|exr| exr.flags = 0x1002), read),
+        (of(|exr| exr.flags = 0x802), "cannot be read; found deep data"),
+        (of(|exr| exr.flags = 0x802), "cannot be read; found deep data"),
+        (of(|exr| exr.flags = 0x802), "cannot be read; found deep data"),
     ];
     let mut all = cases("a.exr", &["sky", "texture", "map"], files);
     let bad = |value: f32| Exr { data: value.to_le_bytes().repeat(6), ..good.clone() }.bytes();

@@ -5,42 +5,50 @@ use crate::error::Input;
 use crate::scene::range::Checked;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Most faces that points are compared with, all together: a minute or two.
 const MOST: u64 = 4_000_000_000;
+
+/// Boxes that are compared in the time of a face.
+const BOXES: u64 = 16;
 
 /// For each closed part, given by its faces, the number of other ones that contain it. A part
 /// contains another when the centres of that one's outermost faces are all inside. An error where parts are so many, and
 /// so deep in one another, that it would take too long to tell.
 pub(super) fn depths(mesh: &Mesh, parts: &[&[u32]]) -> Checked<Vec<usize>> {
-    let compared = AtomicU64::new(0);
-    let boxes: Vec<(DVec3, DVec3)> = parts.par_iter().map(|faces| bounds(mesh, faces)).collect();
-    let depth = |(inner, faces): (usize, &&[u32])| {
-        let (low, high) = boxes[inner];
-        let around = |outer: &usize| {
-            let (outer_low, outer_high) = boxes[*outer];
-            *outer != inner && outer_low.cmple(low).all() && outer_high.cmpge(high).all()
-        };
-        let mut outside = (0..parts.len()).filter(around).peekable();
-        if outside.peek().is_none() {
-            return Some(0);
-        }
-        let outside: Vec<usize> = outside.collect();
-        let faces_of = outside.iter().map(|&outer| parts[outer].len() as u64).sum::<u64>();
-        let more = 6 * faces_of + parts.len() as u64 / 16;
-        if compared.fetch_add(more, Ordering::Relaxed) > MOST {
-            return None;
-        }
-        let samples = outermost(mesh, faces);
-        let contains = |outer: &usize| samples.iter().all(|&sample| winding(mesh, parts[*outer], sample).abs() > 0.5);
-        Some(outside.iter().filter(|&outer| contains(outer)).count())
-    };
-    let depths: Option<Vec<usize>> = parts.par_iter().enumerate().map(depth).collect();
-    depths.ok_or_else(|| {
+    depths_within(MOST, mesh, parts).ok_or_else(|| {
         let fault = Input::new("too many parts of the mesh lie in one another to tell walls from cavities");
         fault.found(format!("{} closed parts", parts.len())).expected("parts side by side, or in objects of their own")
     })
+}
+
+/// The same; none, before the first comparison, where there would be more than `most`.
+fn depths_within(most: u64, mesh: &Mesh, parts: &[&[u32]]) -> Option<Vec<usize>> {
+    let most = most.checked_sub((parts.len() as u64).pow(2) / BOXES)?;
+    let boxes: Vec<(DVec3, DVec3)> = parts.par_iter().map(|faces| bounds(mesh, faces)).collect();
+    // Those whose boxes hold a part's box.
+    let around = |inner: usize| {
+        let ((low, high), boxes) = (boxes[inner], &boxes);
+        let holds = move |&outer: &usize| {
+            let (outer_low, outer_high) = boxes[outer];
+            outer != inner && outer_low.cmple(low).all() && outer_high.cmpge(high).all()
+        };
+        (0..parts.len()).filter(holds)
+    };
+    let faces_around = |inner| around(inner).map(|outer| parts[outer].len() as u64).sum();
+    let faces_around: Vec<u64> = (0..parts.len()).into_par_iter().map(faces_around).collect();
+    if faces_around.iter().sum::<u64>() > most / SAMPLES as u64 {
+        return None;
+    }
+    let depth = |(inner, &faces_around): (usize, &u64)| {
+        if faces_around == 0 {
+            return 0;
+        }
+        let samples = outermost(mesh, parts[inner]);
+        let contains = |outer: &usize| samples.iter().all(|&sample| winding(mesh, parts[*outer], sample).abs() > 0.5);
+        around(inner).filter(contains).count()
+    };
+    Some(faces_around.par_iter().enumerate().map(depth).collect())
 }
 
 /// The bounding box of some faces.
@@ -50,10 +58,13 @@ fn bounds(mesh: &Mesh, faces: &[u32]) -> (DVec3, DVec3) {
     corners.fold(empty, |(low, high), corner| (low.min(corner), high.max(corner)))
 }
 
+/// Points that a part is looked at in.
+const SAMPLES: usize = 6;
+
 /// The centres of the faces that lie furthest along each axis, both ways. Centres, and not
 /// corners, because a corner may also be one of another part.
-fn outermost(mesh: &Mesh, faces: &[u32]) -> [DVec3; 6] {
-    let mut best = [(f64::NEG_INFINITY, DVec3::ZERO); 6];
+fn outermost(mesh: &Mesh, faces: &[u32]) -> [DVec3; SAMPLES] {
+    let mut best = [(f64::NEG_INFINITY, DVec3::ZERO); SAMPLES];
     for [a, b, c] in faces.iter().filter_map(|&face| mesh.corners(face as usize)) {
         let centre = (a + b + c) / 3.0;
         let along = [centre.x, centre.y, centre.z, -centre.x, -centre.y, -centre.z];
@@ -94,5 +105,29 @@ mod tests {
         let ball = Shape::Sphere.build(2);
         let faces: Vec<u32> = (0..ball.triangles.len() as u32).collect();
         assert!((winding(&ball, &faces, DVec3::splat(0.4)) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn no_more_faces_are_compared_than_are_allowed() {
+        // Balls of 80 faces round one another: each but the outermost is looked at in 6 points, against all round it.
+        let balls = |count: usize| {
+            let ball = Shape::Sphere.build(1);
+            let (vertices, faces) = (ball.positions.len() as u32, ball.triangles.len() as u32);
+            let mut mesh = Mesh::default();
+            for k in 0..count as u32 {
+                mesh.positions.extend(ball.positions.iter().map(|p| f64::from(k + 1) * *p));
+                mesh.triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + k * vertices)));
+            }
+            let parts: Vec<Vec<u32>> = (0..count as u32).map(|k| (k * faces..(k + 1) * faces).collect()).collect();
+            (mesh, parts)
+        };
+        for count in [1, 2, 7, 32] {
+            let (mesh, parts) = balls(count);
+            let parts: Vec<&[u32]> = parts.iter().map(Vec::as_slice).collect();
+            let steps = (6 * 80 * count * (count - 1) / 2 + count * count / 16) as u64;
+            let depths = depths_within(steps, &mesh, &parts).unwrap();
+            assert!((0..count).all(|k| depths[k] == count - 1 - k), "{count}: {depths:?}");
+            assert!(steps == 0 || depths_within(steps - 1, &mesh, &parts).is_none(), "{count}");
+        }
     }
 }
