@@ -164,7 +164,11 @@ fn a_session_survives() {
             let right = [frame(&mut open(&first)).unwrap(), frame(&mut open(&second)).unwrap()];
             assert_ne!(right[0], right[1]);
 
-            let mut session = open(&first);
+            // On a device of its own, whose kernels are yet to be made.
+            let instance = Instance::open(true).unwrap();
+            let adapter = instance.adapters().unwrap().into_iter().find(|a| a.name == device.name()).unwrap();
+            let fresh = Device::open(&instance, &adapter).unwrap();
+            let mut session = Session::new(&first, Some(&fresh), options, Room::default()).unwrap();
             let next = |session: &mut Session, turn: usize| {
                 session.show([&first, &second][turn % 2])?;
                 frame(session)
@@ -177,6 +181,7 @@ fn a_session_survives() {
                 assert_eq!(frame(&mut session).unwrap(), right[turn % 2], "after {k}: {:?}", calls[k]);
             }
             assert!(failed > 30, "{failed}");
+            assert_eq!(instance.take_messages(), [""; 0]);
         }
     });
 }

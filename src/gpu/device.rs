@@ -1,6 +1,6 @@
 //! An opened device: its queue, its allocator and its pipeline cache.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 use std::ffi::CString;
 use std::rc::Rc;
@@ -13,6 +13,7 @@ use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 
 use super::faults::tried;
 use super::instance::{Adapter, Instance, Limits};
+use super::kernel::{Kernel, Key};
 use crate::error::{Error, Result};
 
 /// Longest that a submission is waited for, unless [`Device::wait_at_most`] says otherwise.
@@ -24,13 +25,15 @@ const GRACE: Duration = Duration::from_secs(1);
 #[derive(Clone)]
 pub struct Device(pub(super) Rc<Inner>, pub(super) Rc<Kit>);
 
-/// What is special about the kernels that are made with a device.
-#[derive(Clone, Default)]
+/// The kernels that are made with a device, and what is special about them.
+#[derive(Default)]
 pub(super) struct Kit {
     /// SPIR-V that takes the place of the build's, by kernel.
     pub(super) replaced: BTreeMap<String, Vec<u32>>,
     /// Whether kernels count what they do.
     pub(super) counts: bool,
+    /// Those made so far that do not count.
+    pub(super) made: RefCell<BTreeMap<Key, Rc<Kernel>>>,
 }
 
 pub(super) struct Inner {
@@ -121,15 +124,15 @@ impl Device {
     /// The same device, where this SPIR-V takes the place of a kernel of the build. Nothing is checked: see `measure::replace`.
     #[must_use]
     pub fn replacing(&self, kernel: &str, words: Vec<u32>) -> Self {
-        let mut kit = Kit::clone(&self.1);
-        kit.replaced.insert(kernel.to_string(), words);
-        Self(self.0.clone(), Rc::new(kit))
+        let mut replaced = self.1.replaced.clone();
+        replaced.insert(kernel.to_string(), words);
+        Self(self.0.clone(), Rc::new(Kit { replaced, counts: self.1.counts, ..Kit::default() }))
     }
 
     /// The same device, where kernels count what they do, and take their time about it: see [`super::Kernels::tallies`].
     #[must_use]
     pub fn counting(&self) -> Self {
-        Self(self.0.clone(), Rc::new(Kit { counts: true, ..Kit::clone(&self.1) }))
+        Self(self.0.clone(), Rc::new(Kit { replaced: self.1.replaced.clone(), counts: true, ..Kit::default() }))
     }
 
     /// The kernels that do not come from the build.
@@ -245,7 +248,8 @@ impl Device {
 }
 
 impl Inner {
-    fn finished(&self) -> bool {
+    /// See [`Device::finished`].
+    pub(super) fn finished(&self) -> bool {
         let fence = self.late.get();
         if fence == vk::Fence::null() {
             return true;

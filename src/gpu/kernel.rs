@@ -7,14 +7,14 @@ use std::rc::Rc;
 use ash::vk;
 
 use super::count::{self, Tally};
-use super::device::Device;
+use super::device::{Device, Inner};
 use super::faults::tried;
 use super::memory::Buffer;
 use super::reflect::{Access, reflect, round_to_nearest, words_of};
 use crate::error::{Error, Result};
 
 /// A kernel's name and its specialization constants.
-type Key = (String, Vec<u32>);
+pub(super) type Key = (String, Vec<u32>);
 
 /// A pipeline and what it binds. Freed when dropped.
 pub struct Kernel {
@@ -31,7 +31,8 @@ pub struct Kernel {
     pub group: u32,
     /// Where it counts how often each of its blocks runs, and what they do, if it counts.
     pub(super) meter: Option<Meter>,
-    device: Device,
+    // Not a `Device`, which may hold this kernel.
+    device: Rc<Inner>,
 }
 
 /// The counters of a kernel: two words a block, the lower first.
@@ -40,7 +41,8 @@ pub(super) struct Meter {
     pub(super) counters: Buffer,
 }
 
-/// The kernels of a device, each made when first asked for.
+/// The kernels that one twin of a state has asked for. Twins on one device share pipelines, which drivers take up to a
+/// tenth of a second to compile; only kernels that count are each twin's own.
 pub struct Kernels {
     device: Device,
     made: RefCell<BTreeMap<Key, Rc<Kernel>>>,
@@ -59,13 +61,17 @@ impl Kernels {
             return Ok(kernel.clone());
         }
         let kit = &self.device.1;
-        let words = kit.replaced.get(name).map_or_else(|| words_of(name), |words| Ok(words.clone()))?;
-        let kernel = if kit.counts {
-            Kernel::metered(&self.device, name, words, constants)?
+        let words = || kit.replaced.get(name).map_or_else(|| words_of(name), |words| Ok(words.clone()));
+        let shared = kit.made.borrow().get(&key).cloned();
+        let kernel = if let Some(kernel) = shared {
+            kernel
+        } else if kit.counts {
+            Rc::new(Kernel::metered(&self.device, name, words()?, constants)?)
         } else {
-            Kernel::new(&self.device, name, words, constants)?
+            let kernel = Rc::new(Kernel::new(&self.device, name, words()?, constants)?);
+            kit.made.borrow_mut().insert(key.clone(), kernel.clone());
+            kernel
         };
-        let kernel = Rc::new(kernel);
         self.made.borrow_mut().insert(key, kernel.clone());
         Ok(kernel)
     }
@@ -140,7 +146,7 @@ impl Kernel {
             push_bytes: found.push_bytes,
             group: found.group,
             meter: None,
-            device: device.clone(),
+            device: device.0.clone(),
         };
         let bindings: Vec<_> = kernel
             .accesses
@@ -198,7 +204,7 @@ impl Drop for Kernel {
         if !self.device.finished() {
             return;
         }
-        let raw = &self.device.0.raw;
+        let raw = &self.device.raw;
         // SAFETY: every submission is waited for, so the device no longer uses them; null handles are allowed.
         unsafe {
             raw.destroy_pipeline(self.pipeline, None);

@@ -1,11 +1,9 @@
 //! Textures of files and material libraries: where they lie on a mesh, what is refused, and what a plan says.
 
-mod shell;
-
+use crate::shell::{bad, folder, good, read};
 use milkglass::render::plan::{Change, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::Scene;
-use shell::{bad, folder, good, read};
 
 /// Two triangles with three textures across, from one before the first to one after it.
 const SHEET: &str = "mtllib a.mtl\nv 0 0 0\nv 9 0 0\nv 9 3 0\nv 0 3 0\nvt -1 0\nvt 2 0\nvt 2 1\nvt -1 1\nusemtl paint\n\

@@ -1,8 +1,6 @@
 //! `milkglass pareto` from outside: what it prints and writes, and what it refuses. No test asks how long anything took.
 
-mod shell;
-
-use shell::{bad, folder, good, names, read};
+use crate::shell::{bad, folder, good, names, read};
 
 /// What makes it small and quick.
 const SMALL: &str = "pareto sphere --set object.0.detail=2 --quick --samples 40";

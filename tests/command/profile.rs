@@ -1,8 +1,6 @@
 //! `profile`, `shader`, `--replace`, and what `conform` and `plan` say, as a user has them.
 
-mod shell;
-
-use shell::{bad, folder, good, program, read, said};
+use crate::shell::{bad, folder, good, program, read, said};
 
 const SMALL: &str = "sphere --set object.0.detail=1 --set camera.size=[16,12]";
 

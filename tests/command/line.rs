@@ -1,11 +1,9 @@
 //! The command line from outside: what each command writes, what it says when it can't, and its exit code.
 
-mod shell;
-
 use std::path::Path;
 use std::process::Command;
 
-use shell::{bad, bytes, close, folder, good, names, numbers, program, read, said};
+use crate::shell::{bad, bytes, close, folder, good, names, numbers, program, read, said};
 
 const TRIANGLE: &str = "v 0 0 0\nv 4 0 0\nv 0 2 0\nf 1 2 3\n";
 const BALL: &str = "[[object]]\nshape = 'sphere'\ndetail = 1\nsize = 10\nmaterial = { preset = 'marble' }\n";

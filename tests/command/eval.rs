@@ -1,8 +1,6 @@
 //! `milkglass eval` from outside, against numbers worked out here.
 
-mod shell;
-
-use shell::{bad, close, folder, good, numbers, read};
+use crate::shell::{bad, close, folder, good, numbers, read};
 
 #[test]
 fn eval_profile_is_table_1() {

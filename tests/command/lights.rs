@@ -1,8 +1,6 @@
 //! Lights at the command line: what is refused and in which words, and what a plan leaves out.
 
-mod shell;
-
-use shell::{bad, close, folder, good, numbers, read};
+use crate::shell::{bad, close, folder, good, numbers, read};
 
 const BALL: &str = "[[object]]\nshape = 'sphere'\ndetail = 1\nsize = 10\nmaterial = { preset = 'marble' }\n";
 const SMALL: &str = "sphere --set object.0.detail=1 --device cpu";

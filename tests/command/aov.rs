@@ -1,12 +1,10 @@
 //! The layers of `render --aov`: their names, and that they say of each pixel what `solve` says of its triangle.
 
-mod shell;
-
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use crate::shell::{bad, close, folder, good, numbers, read};
 use exr::prelude::*;
-use shell::{bad, close, folder, good, numbers, read};
 
 const BALL: &str = "sphere --set object.0.detail=2";
 const SIZE: (usize, usize) = (40, 30);

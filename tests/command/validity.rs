@@ -1,8 +1,6 @@
 //! `milkglass validity` from outside.
 
-mod shell;
-
-use shell::{bad, folder, good, numbers, read};
+use crate::shell::{bad, folder, good, numbers, read};
 
 #[test]
 fn a_large_ball_is_within_and_a_thin_slab_is_not() {

@@ -1,8 +1,6 @@
 //! `milkglass stress` from outside, and the table on every device.
 
-mod shell;
-
-use shell::{bad, folder, good, read};
+use crate::shell::{bad, folder, good, read};
 
 /// The whole table passes here; its rows.
 fn table(device: &str) -> Vec<csv::StringRecord> {

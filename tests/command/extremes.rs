@@ -1,10 +1,8 @@
 //! Materials and lights at the ends of what a scene file may say, from outside: `solve` and `render` stay finite.
 
-mod shell;
-
 use std::path::Path;
 
-use shell::{bad, close, folder, good, numbers, read};
+use crate::shell::{bad, close, folder, good, numbers, read};
 
 const DEVICES: [&str; 2] = ["--device cpu", ""];
 const BALL: &str = "sphere --set object.0.detail=2 --set object.0.size=1";

@@ -1,8 +1,6 @@
 //! `milkglass fit-cdrf` from outside.
 
-mod shell;
-
-use shell::{bad, folder, good, read};
+use crate::shell::{bad, folder, good, read};
 
 /// The three numbers after these words.
 fn list(text: &str, words: &str) -> Vec<f64> {
