@@ -4,7 +4,7 @@ layout(constant_id = 1) const uint MAPS = 1;    // of four layers each
 layout(constant_id = 2) const uint MAPPED = 0;  // 1 where depths vary, 2 where they are laid out by islands
 layout(constant_id = 3) const uint HENYEY = 0;
 layout(constant_id = 4) const uint FRESNEL = 0;
-layout(push_constant, scalar) uniform push_block { uint number, first_beam, last_beam, first_pixel; }; // the layers and lights at hand
+layout(push_constant, scalar) uniform push_block { uint number, first_beam, last_beam, first_pixel, last_pixel; }; // the layers, lights and pixels at hand
 READS(frame)
 READS(camera)
 READS(lit)

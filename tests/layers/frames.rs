@@ -2,7 +2,7 @@
 
 use milkglass::layout::Slot;
 use milkglass::render::plan::{Change, Options, Transport};
-use milkglass::render::run::Session;
+use milkglass::render::run::{Room, Session};
 use milkglass::scene::Scene;
 
 use super::{scene, session};
@@ -210,4 +210,24 @@ fn fish_and_gecko_are_closed_and_as_fine_as_the_papers() {
         }
         assert!(edges.values().all(|&sum| sum == 0) && edges.len() * 2 == triangles * 3, "{name}");
     }
+}
+
+/// Proves that a picture which takes more steps than one dispatch may is added up once: both parts meet in row 130, where the
+/// slab is seen.
+#[test]
+fn no_pixel_is_lit_twice_where_dispatches_meet() {
+    let sets = ["camera.size=[130, 138]", "camera.target=[0, 20, 0]", "object.0.material.layers.samples=990"];
+    let scene = scene("slab-layers", &sets);
+    let options = || Options { transport: Transport::None, ..Options::default() };
+    let expected = picture(&mut session(&scene, options()));
+    let (sky, row) = (scene.camera.background.map(|x| x as f32), 130 * 130..131 * 130);
+    assert!(expected[row].iter().filter(|&&seen| seen != sky).count() > 60, "a poor test");
+    crate::devices::on_devices(|device| {
+        let mut session = Session::new(&scene, Some(device), options(), Room::default()).unwrap();
+        session.frame(Change::EVERYTHING).unwrap();
+        for (at, (found, expected)) in picture(&mut session).iter().zip(&expected).enumerate() {
+            let near = (0..3).all(|c| (found[c] - expected[c]).abs() <= 2e-3 * expected[c] + 1e-4);
+            assert!(near, "{}: pixel {at}: {found:?} for {expected:?}", device.name());
+        }
+    });
 }

@@ -19,7 +19,7 @@ vec3 segment(vec3 a, vec3 b, vec3 start, vec3 end, vec3 d) {
 
 void main() {
     uint pixel = first_pixel + invocation();
-    if (pixel >= camera[0].width * camera[0].height) return;
+    if (pixel >= last_pixel) return;
     Hit hit = hits[pixel];
     Layering own = layerings[number];
     uint object = own.object;

@@ -10,7 +10,7 @@ const float AT_LEAST = 0.99999;
 
 void main() {
     uint pixel = first_pixel + invocation();
-    if (pixel >= camera[0].width * camera[0].height) return;
+    if (pixel >= last_pixel) return;
     Hit hit = hits[pixel];
     Layering own = layerings[number];
     uint object = own.object;

@@ -89,8 +89,10 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
             let last = count.min(first + most);
             let each = (DISPATCH / (a_light * (last - first))).max(64);
             for pixel in (0..pixels).step_by(each) {
-                let push = [number, first as u32, last as u32, pixel as u32];
-                pass.dispatch(Some(kernel), &constants, bytemuck::cast_slice(&push), each.min(pixels - pixel))?;
+                // Groups reach beyond the last one, where the next dispatch begins.
+                let end = pixels.min(pixel + each);
+                let push = [number, first as u32, last as u32, pixel as u32, end as u32];
+                pass.dispatch(Some(kernel), &constants, bytemuck::cast_slice(&push), end - pixel)?;
             }
         }
     }
