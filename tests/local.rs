@@ -160,7 +160,10 @@ fn opaque_objects_are_shaded_as_ever() {
 #[test]
 fn the_command_line_says_what_local_shading_does_not_tell() {
     let here = folder(&[]);
-    good(&here, "render sphere --transport cdrf -o a.png --size 24x20 --device cpu --set object.0.detail=1");
+    let cdrf = "render sphere --transport cdrf -o a.png --size 24x20 --device cpu --set object.0.detail=1";
+    assert!(!good(&here, cdrf).1.contains("note:"));
+    let far = good(&here, &format!("{cdrf} --set object.0.material.sigma_0=900")).1;
+    assert!(far.contains("note: sigma_0 kappa is above 1 on 100 % of the vertices"), "{far}");
     good(&here, "render sphere --transport lambert -o b.png --size 24x20 --device cpu --set object.0.detail=1");
     bad(
         &here,

@@ -10,8 +10,7 @@ vec4 bend(uint vertex) {
     return curvature[vertex].bend;
 }
 
-vec3 spread(uint object, uint face, vec3 weight, float kappa) {
-    vec3 sigma = frame[object].sigma_0 * kappa;
+vec3 spread(vec3 sigma, uint object, uint face, vec3 weight) {
     if (MAPPED != 0) {
         uvec2 size = max(frame[object].spread_size, uvec2(1));
         vec2 place = texture_place(corner_uvs[face], weight.yz);

@@ -15,7 +15,7 @@ vec4 bend(uint vertex) {
     return vec4(normals[vertex], 0.0);
 }
 
-vec3 spread(uint object, uint face, vec3 weight, float kappa) {
+vec3 spread(vec3 sigma, uint object, uint face, vec3 weight) {
     return vec3(0);
 }
 

@@ -9,7 +9,7 @@ use super::{
     RunArguments, SceneArguments, check_messages, open_session, print, run_frame, sequence, table, validation,
 };
 use crate::error::{Input, Result};
-use crate::render::bends::{Bends, bends};
+use crate::render::bends::{Bends, bends, flat};
 use crate::render::clusters::{Emitters, clusters, color};
 use crate::render::plan::{Change, Mode, Transport};
 use crate::scene::{Camera, Tone};
@@ -124,6 +124,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let seconds = start.elapsed().as_secs_f64();
     let (file, width, height) = (arguments.output.display(), picture.width, picture.height);
     tell!("{file}: {width} x {height}, on {place}, {seconds:.1} s");
+    let share = if options.transport == Transport::Cdrf { flat(&mut session)? } else { 0.0 };
+    if share > 0.25 {
+        tell!(
+            "note: sigma_0 kappa is above 1 on {:.0} % of the vertices, where the CDRF hardly depends on the light: \
+             smaller material.sigma_0 (`fit-cdrf`), or --transport hierarchy",
+            100.0 * share
+        );
+    }
     Ok(())
 }
 

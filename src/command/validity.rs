@@ -96,6 +96,7 @@ fn draw(picture: &mut String, name: &str, all: &[Place]) -> std::result::Result<
     let mut chart = ChartBuilder::on(&root)
         .caption(format!("{name}: CDRF / dipole - 1, by thickness; blue to red: sigma 0 to 1"), ("sans-serif", 16))
         .margin(10)
+        .margin_right(24)
         .x_label_area_size(40)
         .y_label_area_size(50)
         .build_cartesian_2d((0.1..100.0).log_scale(), -1.0..2.0)?;

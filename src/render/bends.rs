@@ -47,6 +47,21 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted.get(((sorted.len() as f64 - 1.0).max(0.0) * share).round() as usize).copied().unwrap_or(0.0)
 }
 
+/// The share of the vertices that light enters where sigma is above 1 in every channel: f hardly depends on the light there.
+pub fn flat(session: &mut Session) -> Result<f64> {
+    session.fetch(&[Slot::curvature])?;
+    let data = &session.state().data;
+    let objects = session.state().objects.iter().zip(&data.frame).filter(|(object, _)| !object.opaque);
+    let sigmas = objects.flat_map(|(object, frame)| {
+        let least = frame.sigma_0.into_iter().fold(f32::INFINITY, f32::min);
+        let own = data.curvature.iter().skip(frame.first_vertex as usize).take(object.count.vertices);
+        own.map(move |vertex| least * vertex.bend[3])
+    });
+    let (flat, all) =
+        sigmas.fold((0.0, 0.0), |(flat, all), sigma| (flat + f64::from(u8::from(sigma > 1.0)), all + 1.0));
+    Ok(if all > 0.0 { flat / all } else { 0.0 })
+}
+
 /// The picture of a session that shades by curvature, after its frame, and what its colours mean.
 pub fn bends(session: &mut Session) -> Result<(Picture, Bends)> {
     session.fetch(&[Slot::hits, Slot::normals, Slot::curvature, Slot::positions])?;

@@ -38,12 +38,14 @@ fn draw(
     root.fill(&WHITE)?;
     let root = root.titled(title, ("sans-serif", 18))?;
     let most = panels.iter().flat_map(|panel| panel.dipole.iter().chain(panel.walk)).flat_map(|curve| &curve.values);
-    let top = 1.05 * most.fold(1.0, |a: f64, &b| a.max(b));
+    // Few walkers leave far from the light: what they tell there may lie beyond the plot.
+    let top = 1.05 * most.fold(1.0, |a: f64, &b| a.max(b.min(1.2)));
     for (area, panel) in root.split_evenly((1, panels.len())).iter().zip(panels) {
         let caption = format!("{}: sigma_0 = {:.3} mm", panel.name, panel.sigma_0);
         let mut chart = ChartBuilder::on(area)
             .caption(caption, ("sans-serif", 15))
             .margin(8)
+            .margin_right(20)
             .x_label_area_size(36)
             .y_label_area_size(44)
             .build_cartesian_2d(0.0..180.0, 0.0..top)?;
@@ -51,6 +53,7 @@ fn draw(
             .configure_mesh()
             .x_desc("angle from the light, degrees")
             .y_desc("light that leaves, of a plane's")
+            .x_label_formatter(&|degrees: &f64| format!("{degrees:.0}"))
             .light_line_style(WHITE)
             .draw()?;
         for (number, curve) in panel.dipole.iter().enumerate() {
@@ -61,7 +64,7 @@ fn draw(
             });
             chart
                 .draw_series(LineSeries::new(line, color.stroke_width(2)))?
-                .label(format!("{:.3} mm", curve.radius))
+                .label(format!("radius {:.3} mm", curve.radius))
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], color.stroke_width(2)));
             let degree = |k: usize| angle(k).to_degrees();
             chart.draw_series((0..ANGLES).map(|k| Circle::new((degree(k), curve.values[k]), 2, color.filled())))?;
@@ -74,7 +77,7 @@ fn draw(
                 )
             }))?;
         }
-        chart.configure_series_labels().background_style(WHITE).draw()?;
+        chart.configure_series_labels().position(SeriesLabelPosition::UpperRight).background_style(WHITE).draw()?;
     }
     root.present()?;
     Ok(())
