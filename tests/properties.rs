@@ -45,14 +45,20 @@ impl Mesh {
     }
 }
 
-/// Irradiance and radiosity of each face in the file's order, scene units; none where the scene does not load.
-fn solve(mesh: &Mesh, lights: &[String], rest: &str) -> Option<[Vec<[f64; 3]>; 2]> {
+/// A scene after its first frame; none where it does not load.
+fn frame(mesh: &Mesh, lights: &[String], rest: &str) -> Option<Session> {
     let text = format!("{}[[object]]\nmesh = 'm.obj'\n{rest}", lights.concat());
     let files = Files::held([("m.obj".into(), mesh.obj().into_bytes())], Memory::USUAL);
     let scene = Scene::parse_from("property.toml", &text, &[], &files).ok()?;
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(&scene, None, options, Room::default()).ok()?;
     session.frame(Change::EVERYTHING).unwrap();
+    Some(session)
+}
+
+/// Irradiance and radiosity of each face in the file's order, scene units; none where the scene does not load.
+fn solve(mesh: &Mesh, lights: &[String], rest: &str) -> Option<[Vec<[f64; 3]>; 2]> {
+    let session = frame(mesh, lights, rest)?;
     let (data, unit) = (&session.state().data, session.units().light);
     let places = session.prepared.places(0);
     let of = |light: &[[f32; 3]]| places.iter().map(|&face| light[face].map(|x| f64::from(x) * unit)).collect();
@@ -79,10 +85,15 @@ fn apart(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
     pairs.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max) / rms(a).max(1e-300)
 }
 
-/// A ball of 80 faces with dents, 20 across.
+/// Faces and vertices of a dented ball.
+const FACES: usize = 320;
+const VERTICES: usize = 162;
+
+/// A ball with dents, 2 to 60 across: all of it close together, or each face by itself, for marble.
 fn dented() -> impl Strategy<Value = Mesh> {
-    proptest::collection::vec(0.6..1.3f64, 42).prop_map(|radii| {
-        let scene = Scene::load("sphere", &["object.0.detail=1".into(), "object.0.size=20".into()]).unwrap();
+    let size = (2f64.ln()..60f64.ln()).prop_map(f64::exp);
+    (proptest::collection::vec(0.8..1.1f64, VERTICES), size).prop_map(|(radii, size)| {
+        let scene = Scene::load("sphere", &["object.0.detail=2".into(), format!("object.0.size={size}")]).unwrap();
         let mesh = &scene.objects[0].mesh;
         let positions = mesh.positions.iter().zip(radii).map(|(p, radius)| radius * *p).collect();
         Mesh { positions, faces: mesh.triangles.iter().map(|t| t.map(|v| v as usize)).collect() }
@@ -111,8 +122,11 @@ proptest! {
     #![proptest_config(cases(64))]
 
     #[test]
-    fn whatever_loads_gives_finite_light_of_at_least_0(mesh in soup(), way in direction(), size in -6.0..6.0f64) {
-        let rest = format!("{MARBLE}size = {:e}\n", 10f64.powf(size));
+    fn whatever_loads_gives_finite_light_of_at_least_0(
+        mesh in prop_oneof![3 => soup(), 1 => dented()], way in direction(), size in -6.0..6.0f64, tolerance in -4.0..-1.0f64,
+    ) {
+        let (size, tolerance) = (10f64.powf(size), 10f64.powf(tolerance));
+        let rest = format!("{MARBLE}size = {size:e}\n[transport]\ntolerance = {tolerance:e}\n");
         if let Some([e, b]) = solve(&mesh, &[sun(way, 1.0, true)], &rest) {
             prop_assert!(e.iter().chain(&b).flatten().all(|x| x.is_finite() && *x >= 0.0), "{:?} {:?}", e, b);
         }
@@ -155,8 +169,8 @@ proptest! {
 
     #[test]
     fn the_order_of_a_file_does_not_matter(
-        mesh in dented(), way in direction(), order in Just((0..80).collect::<Vec<usize>>()).prop_shuffle(),
-        numbers in Just((0..42).collect::<Vec<usize>>()).prop_shuffle(), turns in proptest::collection::vec(0..3usize, 80),
+        mesh in dented(), way in direction(), order in Just((0..FACES).collect::<Vec<usize>>()).prop_shuffle(),
+        numbers in Just((0..VERTICES).collect::<Vec<usize>>()).prop_shuffle(), turns in proptest::collection::vec(0..3usize, FACES),
     ) {
         let (rest, light) = (format!("{MARBLE}{TIGHT}"), [sun(way, 1.0, true)]);
         let [e, b] = solve(&mesh, &light, &rest).unwrap();
@@ -169,7 +183,7 @@ proptest! {
         let face = |&old: &usize| { let mut face = mesh.faces[old]; face.rotate_left(turns[old]); face };
         let shuffled = Mesh { faces: order.iter().map(face).collect(), ..mesh.clone() };
         let [_, other] = solve(&shuffled, &light, &rest).unwrap();
-        let back: Vec<[f64; 3]> = (0..80).map(|face| other[order.iter().position(|&old| old == face).unwrap()]).collect();
+        let back: Vec<[f64; 3]> = (0..FACES).map(|face| other[order.iter().position(|&old| old == face).unwrap()]).collect();
         prop_assert!(apart(&b, &back) < APART, "{}", apart(&b, &back));
     }
 
@@ -210,4 +224,21 @@ proptest! {
             prop_assert!((0..3).all(|c| b[c] <= full * e[c] * (1.0 + APART)), "{:?} of {:?}, R_full {}", b, e, full);
         }
     }
+}
+
+#[test]
+fn dented_balls_have_emitters_of_every_kind() {
+    // Else what holds of them would say nothing of the kinds that they lack.
+    use proptest::strategy::ValueTree;
+    let mut runner = proptest::test_runner::TestRunner::new(cases(6));
+    let mut kinds = [0; 5];
+    for _ in 0..6 {
+        let mesh = dented().new_tree(&mut runner).unwrap().current();
+        let session = frame(&mesh, &[sun(DVec3::new(1.0, 2.0, 3.0), 1.0, false)], &format!("{MARBLE}{TIGHT}")).unwrap();
+        for run in &session.state().data.runs {
+            let of = [run.dropped, run.expanded, run.direct, run.area, run.edge];
+            (0..5).for_each(|kind| kinds[kind] += of[kind]);
+        }
+    }
+    assert!(kinds.iter().all(|&count| count > 0), "dropped, expanded, direct, area, edge: {kinds:?}");
 }
