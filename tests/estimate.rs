@@ -69,17 +69,18 @@ fn holds(name: &str, quality: Quality) {
 /// Receivers, the light that arrives, and the radiosity that follows from it.
 type Known = (Sample, Vec<[f32; 3]>, Vec<[f64; 3]>);
 
-/// As [`check`] judges it, with the reference of an earlier session that had the same light.
+/// As [`check`] judges it, with the reference of an earlier session where that had the same light.
 fn quality(session: &mut Session, known: &mut Option<Known>, count: usize) -> Quality {
     session.sharpen().unwrap();
     session.fetch(&[Slot::irradiance, Slot::radiosity, Slot::clusters, Slot::estimate]).unwrap();
     let (state, data) = (session.state(), &session.state().data);
-    let (sample, irradiance, exact) = known.get_or_insert_with(|| {
+    // Another tolerance may cut triangles elsewhere, at borders of shadows.
+    let same = known.take().filter(|(_, irradiance, _)| data.irradiance == *irradiance);
+    let (sample, _, exact) = known.insert(same.unwrap_or_else(|| {
         let sample = receivers(state, count, 11);
         let exact = radiosity(state, &sample.faces);
         (sample, data.irradiance.clone(), exact)
-    });
-    assert!(data.irradiance == *irradiance, "another light");
+    }));
     let values =
         |of: &[[f32; 3]]| -> Vec<[f64; 3]> { sample.faces.iter().map(|&face| of[face].map(f64::from)).collect() };
     let error = |(value, b): (&[f64; 3], &[f64; 3])| [0, 1, 2].map(|c| (value[c] - b[c]).abs());

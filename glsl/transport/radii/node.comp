@@ -31,21 +31,21 @@ Source source_of(uint node) {
     return Source(moments[node].center, moments[node].weight, s.diagonal.x + s.diagonal.y + s.diagonal.z, s.radius);
 }
 
-// Distance from which on a link of the strength W tau^n, as a logarithm, keeps within `allowed`.
-float range_of(uint which, float strength, float allowed) {
+// Distance from which on a link of the strength W tau^n, as a logarithm, keeps within `allowed`; `head` is the law's
+// largest value and how far it falls.
+float range_of(uint which, vec2 head, float strength, float allowed) {
     uint base = which * (ENTRIES + 2);
-    float top = ranges[base], depth = ranges[base + 1];
     float wanted = log2(allowed) - strength - log2(factor_of(which));
-    float at = (top - wanted) / max(depth, 1e-6) * float(ENTRIES - 1);
+    float at = (head.x - wanted) / max(head.y, 1e-6) * float(ENTRIES - 1);
     if (!(at > 0.0)) return 0.0;
     if (at >= float(ENTRIES - 1)) return FARTHEST;
     uint entry = uint(at);
     return mix(ranges[base + 2 + entry], ranges[base + 3 + entry], at - float(entry));
 }
 
-// Nearer than this a rule serves no triangle. Sources lie at least z_r off the surface.
-float valid(float trace, float chi) {
-    float s = chi_distance(trace, chi), z = min(frame[0].z_real.x, min(frame[0].z_real.y, frame[0].z_real.z));
+// Nearer than this a rule serves no triangle. Sources lie at least z = z_r off the surface.
+float valid(float trace, float chi, float z) {
+    float s = chi_distance(trace, chi);
     return sqrt(max(0.0, (s - z) * (s + z)));
 }
 
@@ -54,30 +54,34 @@ float reach(float radius, float range) { return range > 0.0 ? radius + range : -
 
 void main() {
     uint node = invocation();
+    // What all share is read before the first of them leaves: some drivers read it once for each after that.
+    float z = min(frame[0].z_real.x, min(frame[0].z_real.y, frame[0].z_real.z)), error = frame[0].link_error;
+    // A flat disc of a block's mean area, and four times more for each further class.
+    float disc = log2(max(clusters[0].area / (6.2831853 * float(frame[0].usual_blocks)), 1e-30));
+    vec2 heads[LAWS];
+    for (uint k = 0; k < LAWS; ++k) heads[k] = vec2(ranges[k * (ENTRIES + 2)], ranges[k * (ENTRIES + 2) + 1]);
     if (node >= frame[0].nodes) return;
     Source source = source_of(node);
     uint skip = topology[node].skip;
     Emitter emitter = Emitter(vec4(source.center, -1e9), 0, 0, skip);
     vec4 expand = vec4(0);
     if (source.strength > 0.0) {
-        float error = frame[0].link_error;
         float weight = log2(source.strength), tau = log2(max(source.trace, 1e-30));
         bool leaf = skip == node + 1;
         uint rule = leaf ? 3 : 1;
+        vec2 head = leaf ? heads[3] : heads[1];
         float trace = source.trace;
-        float accept = range_of(rule, weight + power_of(rule) * tau, error);
-        if (leaf) accept = max(accept, valid(trace, SAMPLE_CHI));
-        // A flat disc of a block's mean area, and four times more for each further class.
-        float disc = log2(max(clusters[0].area / (6.2831853 * float(frame[0].usual_blocks)), 1e-30));
+        float accept = range_of(rule, head, weight + power_of(rule) * tau, error);
+        if (leaf) accept = max(accept, valid(trace, SAMPLE_CHI, z));
         // The laws hold at a cluster's nearest point; a triangle's at its centroid.
         float radius = leaf ? 0.0 : source.radius;
-        emitter.place.w = reach(source.radius, range_of(0, weight, NOTHING * error));
+        emitter.place.w = reach(source.radius, range_of(0, heads[0], weight, NOTHING * error));
         emitter.accept = reach(radius, accept);
         for (uint k = 0; k < 4; ++k) {
-            float bent = range_of(2, weight + power_of(2) * (disc + 2.0 * float(k)), RECEIVER_SHARE * error);
+            float bent = range_of(2, heads[2], weight + power_of(2) * (disc + 2.0 * float(k)), RECEIVER_SHARE * error);
             expand[k] = reach(radius, max(accept, bent));
         }
-        if (leaf) emitter.area = reach(radius, max(valid(trace, AREA_CHI), range_of(4, weight + power_of(4) * tau, error)));
+        if (leaf) emitter.area = reach(radius, max(valid(trace, AREA_CHI, z), range_of(4, heads[4], weight + power_of(4) * tau, error)));
     }
     emitters[node] = emitter;
     expands[node] = expand;
