@@ -10,6 +10,9 @@ mod seeded;
 
 use devices::on_devices;
 use glam::DVec3;
+use milkglass::dipole::form_factor::Distance;
+use milkglass::dipole::form_factor::exact::{edge_form_exact, edge_form_fine};
+use milkglass::dipole::profile::Dipole;
 use milkglass::measure::stress::factor::{Pair, evaluated};
 use milkglass::scene::Scene;
 use population::{heights, longest, medium, population};
@@ -20,6 +23,9 @@ use seeded::{Seeded, percentile};
 /// rounded to `f32` moves over a share of the source's height that counts.
 const HEIGHT: f64 = 1e-4;
 
+/// A form factor of a triangle, indexed so, at a point.
+type Form = fn(&[DVec3; 3], [u32; 3], DVec3, &Dipole, Distance) -> f64;
+
 /// Scaled errors of a device, channel by channel.
 fn scaled(pairs: &[Pair], values: &[[f32; 3]], exact: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let error = |((pair, value), exact): ((&Pair, &[f32; 3]), &[f64; 3])| {
@@ -27,6 +33,22 @@ fn scaled(pairs: &[Pair], values: &[[f32; 3]], exact: &[[f64; 3]]) -> Vec<[f64; 
         [0, 1, 2].map(|c| (f64::from(value[c]) - exact[c]).abs() / dipoles[c].total())
     };
     pairs.iter().zip(values).zip(exact).map(error).collect()
+}
+
+#[test]
+fn with_6_nodes_a_panel_the_edge_form_has_lost_no_digit_that_counts() {
+    let distances = [Distance::Radial, Distance::Table1 { clamp: true }];
+    let mut worst = 0.0f64;
+    for pair in population(1975, 3000) {
+        for (dipole, distance) in pair.dipoles().iter().flat_map(|dipole| distances.map(|distance| (dipole, distance)))
+        {
+            let form = |form: Form| form(&pair.triangle, [0, 1, 2], pair.point, dipole, distance);
+            let (fine, exact) = (form(edge_form_fine), form(edge_form_exact));
+            worst = worst.max((fine - exact).abs() / dipole.total());
+        }
+    }
+    println!("largest scaled error {worst:.1e}");
+    assert!(worst > 0.0 && worst < 1e-8, "{worst:e}");
 }
 
 #[test]

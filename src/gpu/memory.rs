@@ -1,4 +1,4 @@
-//! Named buffers, and the copies between host and device.
+//! Named buffers.
 
 use ash::vk;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
@@ -6,10 +6,8 @@ use gpu_allocator::{AllocationError, MemoryLocation};
 
 use super::device::Device;
 use super::faults::tried;
+use super::transfer::{download, upload};
 use crate::error::{Error, Result};
-
-/// Largest piece of one copy between host and device, bytes.
-const STAGING: u64 = 32 << 20;
 
 /// A storage buffer on the device. Freed when dropped.
 pub struct Buffer {
@@ -26,7 +24,8 @@ impl Buffer {
         Self::at(device, name, size, MemoryLocation::GpuOnly)
     }
 
-    fn at(device: &Device, name: &str, size: u64, location: MemoryLocation) -> Result<Self> {
+    /// The same in memory of another kind.
+    pub(super) fn at(device: &Device, name: &str, size: u64, location: MemoryLocation) -> Result<Self> {
         let doing = format!("allocating {size} bytes for buffer {name}");
         let size = size.max(4);
         let limit = device.limits().allocation_bytes;
@@ -83,45 +82,17 @@ impl Buffer {
 
     /// Copies `bytes` to the start of the buffer.
     pub fn upload(&self, bytes: &[u8]) -> Result<()> {
-        let doing = format!("filling buffer {}", self.name);
-        if bytes.len() as u64 > self.size {
-            return Err(Error::device(doing, format!("{} bytes do not fit {}", bytes.len(), self.size)));
-        }
-        if bytes.is_empty() {
-            return Ok(());
-        }
-        let size = STAGING.min(bytes.len() as u64);
-        let mut staging = Self::at(&self.device, "staging", size, MemoryLocation::CpuToGpu)?;
-        let mut offset = 0;
-        for piece in bytes.chunks(STAGING as usize) {
-            staging.mapped(&doing)?[..piece.len()].copy_from_slice(piece);
-            copy(&self.device, (&staging, 0), (self, offset), piece.len() as u64, &doing)?;
-            offset += piece.len() as u64;
-        }
-        Ok(())
+        upload(&self.device, &[(self, 0, bytes)])
     }
 
     /// Copies the start of the buffer to `bytes`.
     pub fn download(&self, bytes: &mut [u8]) -> Result<()> {
-        let doing = format!("reading buffer {}", self.name);
-        if bytes.len() as u64 > self.size {
-            return Err(Error::device(doing, format!("{} bytes asked of {}", bytes.len(), self.size)));
-        }
-        if bytes.is_empty() {
-            return Ok(());
-        }
-        let size = STAGING.min(bytes.len() as u64);
-        let mut staging = Self::at(&self.device, "staging", size, MemoryLocation::GpuToCpu)?;
-        let mut offset = 0;
-        for piece in bytes.chunks_mut(STAGING as usize) {
-            copy(&self.device, (self, offset), (&staging, 0), piece.len() as u64, &doing)?;
-            piece.copy_from_slice(&staging.mapped(&doing)?[..piece.len()]);
-            offset += piece.len() as u64;
-        }
-        Ok(())
+        let ranges = [(self, 0, bytes.len() as u64)];
+        download(&self.device, &ranges, |_, at, part| bytes[at..at + part.len()].copy_from_slice(part))
     }
 
-    fn mapped(&mut self, doing: &str) -> Result<&mut [u8]> {
+    /// The bytes, where the host can see them.
+    pub(super) fn mapped(&mut self, doing: &str) -> Result<&mut [u8]> {
         self.allocation
             .as_mut()
             .and_then(Allocation::mapped_slice_mut)
@@ -135,33 +106,6 @@ fn code_of(error: &AllocationError) -> vk::Result {
         AllocationError::OutOfMemory => vk::Result::ERROR_OUT_OF_DEVICE_MEMORY,
         AllocationError::FailedToMap(_) => vk::Result::ERROR_MEMORY_MAP_FAILED,
         _ => vk::Result::ERROR_UNKNOWN,
-    }
-}
-
-/// One copy on the queue, waited for.
-fn copy(device: &Device, from: (&Buffer, u64), to: (&Buffer, u64), size: u64, doing: &str) -> Result<()> {
-    let commands = device.begin(doing)?;
-    let region = [vk::BufferCopy { src_offset: from.1, dst_offset: to.1, size }];
-    let visible = [vk::MemoryBarrier::default()
-        .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
-        .dst_access_mask(vk::AccessFlags::HOST_READ)];
-    // SAFETY: both buffers live through the submission; ranges were checked by the callers; the wait ends all use.
-    unsafe {
-        let raw = &device.0.raw;
-        raw.cmd_copy_buffer(commands, from.0.raw, to.0.raw, &region);
-        raw.cmd_pipeline_barrier(
-            commands,
-            vk::PipelineStageFlags::TRANSFER,
-            vk::PipelineStageFlags::HOST,
-            vk::DependencyFlags::empty(),
-            &visible,
-            &[],
-            &[],
-        );
-        let done = tried("vkEndCommandBuffer", doing, || raw.end_command_buffer(commands))
-            .and_then(|()| device.submit(commands, doing));
-        device.discard(commands);
-        done
     }
 }
 

@@ -16,6 +16,7 @@ mod memory;
 mod record;
 mod reflect;
 mod replace;
+mod transfer;
 
 pub use alone::Alone;
 pub(crate) use bind::Binding;
@@ -27,3 +28,4 @@ pub use record::Timing;
 pub(crate) use record::{Recorder, Work};
 pub use reflect::{Access, accesses, constants, kernel_names, reflect_records, spirv};
 pub use replace::{replacement, source, sources};
+pub(crate) use transfer::{download, upload};

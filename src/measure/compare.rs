@@ -1,7 +1,7 @@
 //! Two states word by word: what conformance says of a buffer.
 
-use crate::layout::{Number, Slot};
-use crate::state::{State, Tolerance};
+use crate::layout::{Number, Slot, Word};
+use crate::state::{Field, State, Tolerance};
 
 /// The largest distance, in units in the last place, of each bin of a [`Comparison::histogram`] but the last.
 pub const BINS: [u64; 7] = [0, 1, 3, 7, 15, 255, 65_535];
@@ -47,31 +47,13 @@ pub fn compare(slot: Slot, reference: &State, device: &State, tolerance: Toleran
         return result;
     }
 
-    // The largest magnitude of each field, a vector's components together.
-    let group = |k: usize| layout[k].path.trim_end_matches(|c: char| c == '.' || c.is_ascii_digit());
-    let groups: Vec<usize> = (0..layout.len()).map(|k| (0..k).find(|&j| group(j) == group(k)).unwrap_or(k)).collect();
-    let mut largest = vec![0f64; layout.len()];
-    for (i, &word) in a.iter().enumerate() {
-        let value = f64::from(f32::from_bits(word)).abs();
-        if value.is_finite() {
-            let k = groups[i % layout.len()];
-            largest[k] = largest[k].max(value);
-        }
+    let floats = |k: &usize| layout[*k].number == Number::Float;
+    if a == b {
+        result.histogram[0] = (a.len() / layout.len() * (0..layout.len()).filter(floats).count()) as u64;
+        return result;
     }
-
-    // What a float may differ by: a share of itself, and a floor.
-    let allowance = |i: usize, k: usize| match tolerance {
-        Tolerance::Exact => None,
-        Tolerance::Float { relative, floor } => Some((f64::from(relative), f64::from(floor) * largest[groups[k]])),
-        Tolerance::Fields(fields) => {
-            fields.iter().find(|field| field.name == group(k) || field.name == layout[k].path).map(|field| {
-                let base = i - k;
-                let of =
-                    (0..layout.len()).find(|&j| group(j) == field.of).map(|j| f64::from(f32::from_bits(a[base + j])));
-                (f64::from(field.relative), f64::from(field.floor) * of.unwrap_or(1.0))
-            })
-        }
-    };
+    let group = |k: usize| layout[k].path.trim_end_matches(|c: char| c == '.' || c.is_ascii_digit());
+    let rules = rules(&layout, group, a, tolerance);
 
     for (i, (&x, &y)) in a.iter().zip(b).enumerate() {
         let k = i % layout.len();
@@ -80,11 +62,12 @@ pub fn compare(slot: Slot, reference: &State, device: &State, tolerance: Toleran
             let distance = if x == y { 0 } else { ulp(f32::from_bits(x), f32::from_bits(y)) };
             result.histogram[BINS.iter().take_while(|most| distance > **most).count()] += 1;
         }
-        let passes = match (allowance(i, k), word.number) {
-            (Some((relative, lowest)), Number::Float) if x != y => {
+        let passes = match (&rules[k], word.number) {
+            (Some(rule), Number::Float) if x != y => {
+                let lowest = rule.floor * rule.of.map_or(1.0, |of| f64::from(f32::from_bits(a[i - k + of])));
                 let (p, q) = (f32::from_bits(x), f32::from_bits(y));
                 let difference = (f64::from(p) - f64::from(q)).abs();
-                let allowed = relative * f64::from(p).abs() + lowest;
+                let allowed = rule.relative * f64::from(p).abs() + lowest;
                 result.ulp = result.ulp.max(ulp(p, q));
                 result.relative = result.relative.max(difference / f64::from(p).abs().max(lowest).max(1e-38));
                 p.is_finite() && q.is_finite() && difference <= allowed
@@ -111,6 +94,55 @@ pub fn compare(slot: Slot, reference: &State, device: &State, tolerance: Toleran
         }
     }
     result
+}
+
+/// What a float may differ by: a share of itself, and a floor, perhaps in shares of another word of its element.
+struct Rule {
+    relative: f64,
+    floor: f64,
+    of: Option<usize>,
+}
+
+/// The rule of each word of an element; none where bits count. `group` names the field that a word belongs to.
+fn rules<'a>(
+    layout: &'a [Word],
+    group: impl Fn(usize) -> &'a str,
+    reference: &[u32],
+    tolerance: Tolerance,
+) -> Vec<Option<Rule>> {
+    let words = 0..layout.len();
+    match tolerance {
+        Tolerance::Exact => words.map(|_| None).collect(),
+        Tolerance::Float { relative, floor } => {
+            // The largest magnitude of each field, a vector's components together.
+            let groups: Vec<usize> =
+                words.clone().map(|k| (0..k).find(|&j| group(j) == group(k)).unwrap_or(k)).collect();
+            let mut largest = vec![0f64; layout.len()];
+            for (i, &word) in reference.iter().enumerate() {
+                let value = f64::from(f32::from_bits(word)).abs();
+                if value.is_finite() {
+                    let k = groups[i % layout.len()];
+                    largest[k] = largest[k].max(value);
+                }
+            }
+            let rule = |k: usize| Rule {
+                relative: f64::from(relative),
+                floor: f64::from(floor) * largest[groups[k]],
+                of: None,
+            };
+            words.map(|k| Some(rule(k))).collect()
+        }
+        Tolerance::Fields(fields) => {
+            let of = |name: &str| words.clone().find(|&j| group(j) == name);
+            let field = |k: usize| fields.iter().find(|field| field.name == group(k) || field.name == layout[k].path);
+            let rule = |field: &Field| Rule {
+                relative: f64::from(field.relative),
+                floor: f64::from(field.floor),
+                of: of(field.of),
+            };
+            words.clone().map(|k| field(k).map(rule)).collect()
+        }
+    }
 }
 
 #[cfg(test)]

@@ -63,18 +63,17 @@ fn compared(
     takes_part: &dyn Fn(&str) -> bool,
 ) -> Result<Vec<Row>> {
     let mut rows: Vec<Row> = Vec::new();
-    let mut twin = DeviceState::new(device, true)?;
-    let mut state = fixture.state.clone();
+    let mut pair = Pair::new(device, &fixture.state)?;
     let _ = device.take_messages();
     // What comes after the last that takes part shows nothing more.
     let end = fixture.steps.iter().rposition(|step| takes_part(step.stage.name)).map_or(0, |last| last + 1);
     for step in &fixture.steps[..end] {
         if !takes_part(step.stage.name) {
-            step.reference(&mut state);
+            step.reference(&mut pair.reference);
+            pair.stale = SLOTS.to_vec();
             continue;
         }
-        let (next, row) = one(&mut twin, &state, *step, &fixture.name, plant)?;
-        state = next;
+        let row = pair.one(*step, &fixture.name, plant)?;
         match rows.iter_mut().find(|known| known.stage == row.stage) {
             Some(known) => {
                 known.steps += 1;
@@ -102,67 +101,96 @@ fn poison(state: &mut State, step: Step) {
     }
 }
 
-/// Runs one step on both sides; returns the reference's state after it, and what was found.
-fn one(twin: &mut DeviceState, before: &State, step: Step, name: &str, plant: Option<Plant>) -> Result<(State, Row)> {
-    let mut poisoned = before.clone();
-    poison(&mut poisoned, step);
-    let mut reference = poisoned.clone();
-    step.reference(&mut reference);
+/// Both sides of a comparison. States are large: each is made once, and only what may differ travels to the device.
+struct Pair {
+    twin: DeviceState,
+    /// The reference's state.
+    reference: State,
+    /// What the device gave back last.
+    device: State,
+    /// Where the device may hold something else than the reference.
+    stale: Vec<Slot>,
+}
 
-    // Twice on the device, from the same bits.
-    let mut results = Vec::new();
-    for _ in 0..2 {
-        twin.upload(&poisoned, SLOTS)?;
-        twin.run(&poisoned, &[step])?;
-        let mut result = poisoned.clone();
-        twin.download(&mut result, SLOTS)?;
-        results.push(result);
-    }
-    let trespasses = twin.trespasses(&poisoned)?;
-    if let Some(plant) = plant.filter(|plant| plant.stage == step.stage.name)
-        && let [word, ..] = bytemuck::cast_slice_mut::<u8, u32>(results[0].data.bytes_mut(plant.slot))
-    {
-        *word ^= 0x4000_0000;
-        let copy = *word;
-        if let [word, ..] = bytemuck::cast_slice_mut::<u8, u32>(results[1].data.bytes_mut(plant.slot)) {
-            *word = copy;
-        }
+impl Pair {
+    fn new(device: &Device, state: &State) -> Result<Self> {
+        let twin = DeviceState::new(device, true)?;
+        Ok(Self { twin, reference: state.clone(), device: state.clone(), stale: SLOTS.to_vec() })
     }
 
-    let mut row = Row {
-        fixture: name.to_string(),
-        stage: step.stage.name,
-        steps: 1,
-        words: 0,
-        ulp: 0,
-        histogram: [0; 8],
-        relative: 0.0,
-        faults: Vec::new(),
-    };
-    for &slot in SLOTS {
-        let written = step.stage.writes.iter().find(|(written, _, _)| *written == slot);
-        let tolerance = written.map_or(Tolerance::Exact, |(_, _, tolerance)| *tolerance);
-        let found: Comparison = compare(slot, &reference, &results[0], tolerance);
-        if written.is_some() {
-            row.words += found.words;
-            row.ulp = row.ulp.max(found.ulp);
-            row.histogram.iter_mut().zip(found.histogram).for_each(|(sum, count)| *sum += count);
-            row.relative = row.relative.max(found.relative);
+    /// Runs one step on both sides, and says what was found.
+    fn one(&mut self, step: Step, name: &str, plant: Option<Plant>) -> Result<Row> {
+        let written: Vec<Slot> = step.stage.writes.iter().map(|(slot, _, _)| *slot).collect();
+        poison(&mut self.reference, step);
+        self.stale.retain(|slot| !written.contains(slot));
+        self.stale.extend(&written);
+        self.twin.upload(&self.reference, &self.stale)?;
+
+        // Twice on the device, from the same bits: what the first run changed beside what it writes shows after the second.
+        self.twin.run(&self.reference, &[step])?;
+        self.twin.download(&mut self.device, &written)?;
+        let mut first: Vec<Vec<u8>> = written.iter().map(|slot| self.device.data.bytes(*slot).to_vec()).collect();
+        self.twin.upload(&self.reference, &written)?;
+        self.twin.run(&self.reference, &[step])?;
+        self.twin.download(&mut self.device, SLOTS)?;
+        let trespasses = self.twin.trespasses(&self.reference)?;
+        if !trespasses.is_empty() {
+            self.twin = DeviceState::new(self.twin.device(), true)?;
         }
-        if found.failures > 0 {
-            let what = if written.is_some() { "beyond tolerance" } else { "changed though not written" };
-            let first = found.first.unwrap_or_default();
-            let mut fault = format!("{step:?} {what}, {} of {} words: {first}", found.failures, found.words);
-            if tolerance != Tolerance::Exact {
-                fault += &format!("; the tolerance is {tolerance:?} because {}", step.stage.reason);
+        if let Some(plant) = plant.filter(|plant| plant.stage == step.stage.name)
+            && let [word, ..] = bytemuck::cast_slice_mut::<u8, u32>(self.device.data.bytes_mut(plant.slot))
+        {
+            *word ^= 0x4000_0000;
+            if let Some(at) = written.iter().position(|slot| *slot == plant.slot) {
+                first[at][..4].copy_from_slice(&word.to_ne_bytes());
             }
-            row.faults.push(fault);
         }
-        if results[0].data.bytes(slot) != results[1].data.bytes(slot) {
-            row.faults.push(format!("{step:?} two runs differ in buffer {}", slot.spec().name));
-        }
+        step.reference(&mut self.reference);
+        let row = self.row(step, name, &first, &trespasses);
+        let same = |slot: &Slot| self.reference.data.bytes(*slot) == self.device.data.bytes(*slot);
+        self.stale = SLOTS.iter().copied().filter(|slot| !trespasses.is_empty() || !same(slot)).collect();
+        Ok(row)
     }
-    row.faults.extend(trespasses.iter().map(|name| format!("{step:?} wrote beyond the end of buffer {name}")));
-    row.faults.extend(twin.device().take_messages());
-    Ok((reference, row))
+
+    /// What both sides hold after a step; `first` is what the device wrote in its first run.
+    fn row(&self, step: Step, name: &str, first: &[Vec<u8>], trespasses: &[&str]) -> Row {
+        let mut row = Row {
+            fixture: name.to_string(),
+            stage: step.stage.name,
+            steps: 1,
+            words: 0,
+            ulp: 0,
+            histogram: [0; 8],
+            relative: 0.0,
+            faults: Vec::new(),
+        };
+        for &slot in SLOTS {
+            let written = step.stage.writes.iter().find(|(written, _, _)| *written == slot);
+            let tolerance = written.map_or(Tolerance::Exact, |(_, _, tolerance)| *tolerance);
+            let found: Comparison = compare(slot, &self.reference, &self.device, tolerance);
+            if written.is_some() {
+                row.words += found.words;
+                row.ulp = row.ulp.max(found.ulp);
+                row.histogram.iter_mut().zip(found.histogram).for_each(|(sum, count)| *sum += count);
+                row.relative = row.relative.max(found.relative);
+            }
+            if found.failures > 0 {
+                let what = if written.is_some() { "beyond tolerance" } else { "changed though not written" };
+                let first = found.first.unwrap_or_default();
+                let mut fault = format!("{step:?} {what}, {} of {} words: {first}", found.failures, found.words);
+                if tolerance != Tolerance::Exact {
+                    fault += &format!("; the tolerance is {tolerance:?} because {}", step.stage.reason);
+                }
+                row.faults.push(fault);
+            }
+        }
+        for ((slot, _, _), first) in step.stage.writes.iter().zip(first) {
+            if self.device.data.bytes(*slot) != first {
+                row.faults.push(format!("{step:?} two runs differ in buffer {}", slot.spec().name));
+            }
+        }
+        row.faults.extend(trespasses.iter().map(|name| format!("{step:?} wrote beyond the end of buffer {name}")));
+        row.faults.extend(self.twin.device().take_messages());
+        row
+    }
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
 
-use crate::dipole::form_factor::exact::edge_form_exact;
+use crate::dipole::form_factor::exact::edge_form_fine;
 use crate::dipole::form_factor::ladder::chi;
 use crate::dipole::form_factor::points::{SIX, TWELVE, midpoint_moment, sampled, trace};
 use crate::dipole::profile::Dipole;
@@ -90,7 +90,7 @@ pub fn at(state: &State, places: &[DVec3]) -> Vec<[f64; 3]> {
             None if dipole.sigma * (nearest - emitter.reach) > FAINT => {
                 sampled(&emitter.corners, x, dipole, distance, &TWELVE)
             }
-            None => edge_form_exact(&emitter.corners, data.triangles[face], x, dipole, distance),
+            None => edge_form_fine(&emitter.corners, data.triangles[face], x, dipole, distance),
         }
     };
     places

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::pass::Pass;
 use super::{Place, State, Step};
 use crate::error::Result;
-use crate::gpu::{Binding, Buffer, Device, Kernels, Recorder, Timing, Work};
+use crate::gpu::{Binding, Buffer, Device, Kernels, Recorder, Timing, Work, download, upload};
 use crate::layout::{SLOTS, Slot};
 
 /// Bytes after the end of each buffer that no kernel may touch, when guarded.
@@ -38,6 +38,7 @@ impl DeviceState {
     /// Makes every buffer as large as the state's; contents survive only where the size is unchanged. What is empty has no
     /// buffer, unless guarded.
     pub fn resize(&mut self, state: &State) -> Result<()> {
+        let mut made = Vec::new();
         for &slot in SLOTS {
             let size = state.data.bytes(slot).len() as u64;
             if size == 0 && !self.guarded {
@@ -50,49 +51,48 @@ impl DeviceState {
             }
             self.buffers.remove(&slot);
             self.buffers.insert(slot, Buffer::new(&self.device, slot.spec().name, whole)?);
+            made.push(slot);
         }
-        Ok(())
+        let guards = self.guards(state, &made);
+        let bytes = [GUARD_BYTE; GUARD as usize + 4];
+        let fill: Vec<_> = guards.iter().map(|&(buffer, from, size)| (buffer, from, &bytes[..size as usize])).collect();
+        upload(&self.device, &fill)
+    }
+
+    /// The bytes after the end of these buffers, where they are guarded.
+    fn guards(&self, state: &State, slots: &[Slot]) -> Vec<(&Buffer, u64, u64)> {
+        let guard = |slot: &Slot| {
+            let (buffer, used) = (self.buffers.get(slot)?, state.data.bytes(*slot).len() as u64);
+            Some((buffer, used, buffer.size() - used))
+        };
+        slots.iter().filter(|_| self.guarded).filter_map(guard).collect()
     }
 
     /// Copies these buffers of the state to the device.
     pub fn upload(&mut self, state: &State, slots: &[Slot]) -> Result<()> {
         self.resize(state)?;
-        for slot in slots {
-            let bytes = state.data.bytes(*slot);
-            let Some(buffer) = self.buffers.get(slot) else { continue };
-            if self.guarded {
-                let mut guarded = bytes.to_vec();
-                guarded.resize(buffer.size() as usize, GUARD_BYTE);
-                buffer.upload(&guarded)?;
-            } else {
-                buffer.upload(bytes)?;
-            }
-        }
-        Ok(())
+        let fill = |slot: &Slot| Some((self.buffers.get(slot)?, 0, state.data.bytes(*slot)));
+        upload(&self.device, &slots.iter().filter_map(fill).collect::<Vec<_>>())
     }
 
     /// Copies these buffers of the device to the state.
     pub fn download(&self, state: &mut State, slots: &[Slot]) -> Result<()> {
-        for slot in slots {
-            if let Some(buffer) = self.buffers.get(slot) {
-                buffer.download(state.data.bytes_mut(*slot))?;
-            }
-        }
-        Ok(())
+        let slots: Vec<Slot> = slots.iter().copied().filter(|slot| self.buffers.contains_key(slot)).collect();
+        let range = |slot: &Slot| (&self.buffers[slot], 0, state.data.bytes(*slot).len() as u64);
+        let ranges: Vec<_> = slots.iter().map(range).collect();
+        download(&self.device, &ranges, |k, at, bytes| {
+            state.data.bytes_mut(slots[k])[at..at + bytes.len()].copy_from_slice(bytes);
+        })
     }
 
     /// The names of guarded buffers whose guard was overwritten.
     pub fn trespasses(&self, state: &State) -> Result<Vec<&'static str>> {
-        let mut found = Vec::new();
-        for (slot, buffer) in self.buffers.iter().filter(|_| self.guarded) {
-            let mut bytes = vec![0; buffer.size() as usize];
-            buffer.download(&mut bytes)?;
-            let used = state.data.bytes(*slot).len();
-            if bytes[used..].iter().any(|&b| b != GUARD_BYTE) {
-                found.push(slot.spec().name);
-            }
-        }
-        Ok(found)
+        let slots: Vec<Slot> = self.buffers.keys().copied().collect();
+        let mut found = vec![false; slots.len()];
+        download(&self.device, &self.guards(state, &slots), |k, _, bytes| {
+            found[k] |= bytes.iter().any(|&byte| byte != GUARD_BYTE);
+        })?;
+        Ok(slots.iter().zip(found).filter(|(_, found)| *found).map(|(slot, _)| slot.spec().name).collect())
     }
 
     /// Records and submits these steps as one frame; returns the time of each.

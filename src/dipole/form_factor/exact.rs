@@ -2,7 +2,8 @@
 //!
 //! The same line integral as [`super::edge`], but taken in `t`, with 24 nodes on each of many panels
 //! that shrink towards the foot and towards both ends of the edge. Too slow to render with; it is
-//! what the quadratures are measured against.
+//! what the quadratures are measured against. With 6 nodes a panel it is what sums over all triangles
+//! are measured against.
 
 use super::Distance;
 use super::edge::{Source, around, weighed};
@@ -13,6 +14,7 @@ use glam::DVec3;
 use std::sync::LazyLock;
 
 static RULE: LazyLock<Vec<Node>> = LazyLock::new(|| legendre(24));
+static FEW: LazyLock<Vec<Node>> = LazyLock::new(|| legendre(6));
 
 /// The form factor of a triangle, no unit; scaled error about 1e-14. Arguments as
 /// [`super::edge::edge_form`].
@@ -27,24 +29,39 @@ pub fn edge_form_exact(
     weighed(triangle, indices, x_o, dipole, distance, integral)
 }
 
+/// The same in a quarter of the time; scaled error below 1e-8.
+#[must_use]
+pub fn edge_form_fine(
+    triangle: &[DVec3; 3],
+    indices: [u32; 3],
+    x_o: DVec3,
+    dipole: &Dipole,
+    distance: Distance,
+) -> f64 {
+    let integral = |footprint: &Footprint, sigma, height| {
+        around(footprint, sigma, height, |edge, source| panels(edge, source, &FEW))
+    };
+    weighed(triangle, indices, x_o, dipole, distance, integral)
+}
+
 /// `J` of [`super::edge::integral`] to nearly all digits, 1/length.
 #[must_use]
 pub fn integral(footprint: &Footprint, sigma: f64, height: f64) -> f64 {
-    around(footprint, sigma, height, panels)
+    around(footprint, sigma, height, |edge, source| panels(edge, source, &RULE))
 }
 
 /// The line integral of one edge, signed, no unit.
-fn panels(edge: &Edge, source: &Source) -> f64 {
+fn panels(edge: &Edge, source: &Source, rule: &[Node]) -> f64 {
     if edge.offset == 0.0 {
         return 0.0;
     }
     let mut sum = 0.0;
     for pair in breakpoints(edge, source).windows(2) {
         let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
-        for node in RULE.iter() {
+        for node in rule {
             let t = middle + half * node.x;
             let r2 = edge.offset * edge.offset + t * t;
-            let s = r2.sqrt().hypot(source.height);
+            let s = (r2 + source.height * source.height).sqrt();
             let density = source.density(s, r2);
             sum += node.weight * half * density / ((s + source.reference) * s);
         }
