@@ -31,7 +31,7 @@ pub fn kubo(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
 
 /// How fine the built-in scenes are: the scene's own settings, or coarser ones for a quick report.
 fn coarser(bench: &Bench<'_>) -> &'static [&'static str] {
-    bench.either(&["object.0.detail=64"], &[])
+    bench.either(&["object.0.detail=48"], &[])
 }
 
 /// f over the angle, as in figures 4 and 7.
@@ -71,8 +71,8 @@ const NAMES: [&str; 3] = ["red", "green", "blue"];
 /// The meshes of table 1: name, built-in scene, settings for a report and for a quick one. Texture blur needs texture coordinates
 /// that are one to one, which of the shapes the ball has.
 const MESHES: [(&str, &str, [&[&str]; 2]); 4] = [
-    ("bust", "bust", [&[], &["object.0.detail=64"]]),
-    ("lotus", "lotus", [&[], &["object.0.detail=64"]]),
+    ("bust", "bust", [&[], &["object.0.detail=48"]]),
+    ("lotus", "lotus", [&[], &["object.0.detail=48"]]),
     ("ball", "sphere", [&["transport.unwrap=true", "object.0.detail=7"], &["transport.unwrap=true", QUICK_BLUR]]),
     (
         "lumpy ball",
@@ -95,7 +95,7 @@ fn table(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let mut rows = Vec::new();
     for (name, base, [full, quick]) in MESHES {
         let sets = bench.either(quick, full);
-        for row in table_1(&scene(base, [side; 2], sets)?, bench.device, bench.either(101, 81))? {
+        for row in table_1(&scene(base, [side; 2], sets)?, bench.device, bench.either(101, 31))? {
             let paper = PAPER.iter().find(|(technique, ..)| *technique == row.technique);
             let theirs = |of: fn(&(&str, f64, f64)) -> f64| paper.map_or(String::new(), |p| of(p).to_string());
             let slower = |of: fn(&(&str, f64, f64)) -> f64| {
