@@ -95,7 +95,7 @@ fn method(scene: &Scene, device: Option<&Device>, plant: Option<Plant>) -> Resul
         plant.apply(&mut radiance);
     }
     let mut found = Found::default();
-    found.look("kappa", &curvature.iter().map(|bend| [bend.bend[3]; 3]).collect::<Vec<_>>());
+    found.look("kappa", &curvature.iter().map(|bend| [bend.kappa; 3]).collect::<Vec<_>>());
     found.look("radiance", &radiance);
     let sound = |bend: &crate::layout::Curvature| bend.mean.is_finite() && bend.gaussian.is_finite();
     if !curvature.iter().all(sound) {
