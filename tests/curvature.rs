@@ -67,7 +67,7 @@ fn errors(session: &Session, truth: impl Fn(DVec3) -> [f64; 2]) -> [f64; 4] {
         let misses = [
             out(found.mean) - 0.5 * (k1 + k2),
             out(found.gaussian) * units.length - k1 * k2,
-            out(found.bend[3]) - rms(k1, k2),
+            out(found.kappa) - rms(k1, k2),
             fitted.map_or(0.0, |fitted| fitted - rms(k1, k2)),
         ];
         sums.iter_mut().zip(misses).for_each(|(sum, miss)| *sum += miss * miss);
@@ -171,7 +171,7 @@ fn hardly_surfaces_have_numbers() {
         session(positions, triangles)
     };
     let sound = |found: &Curvature| {
-        [found.bend[3], found.mean, found.gaussian].iter().all(|x| x.is_finite()) && found.bend[3] >= 0.0
+        [found.kappa, found.mean, found.gaussian].iter().all(|x| x.is_finite()) && found.kappa >= 0.0
     };
     for (count, height) in [(3, 1.0), (5, 1e6), (900, 0.0), (900, 1e-7), (1000, 3.0), (3, -1e9), (400, 1e12)] {
         let made = fan(count, height);
@@ -179,7 +179,7 @@ fn hardly_surfaces_have_numbers() {
         assert!(curvature.iter().all(sound), "{count} {height}: {curvature:?}");
         // A corner of no triangle is flat; the rim takes the tip's.
         assert_eq!(curvature[1], Curvature::default());
-        assert_eq!(curvature[2].bend[3], curvature[0].bend[3]);
+        assert_eq!(curvature[2].kappa, curvature[0].kappa);
         assert_eq!((curvature[0].known, curvature[2].known), (1.0, 0.0));
         assert!(made.state().data.radiance.iter().flatten().all(|x| x.is_finite()), "{count} {height}");
     }
@@ -192,6 +192,6 @@ fn hardly_surfaces_have_numbers() {
     let expected = TAU * (1.0 - 1.0 / slant) / area;
     assert!((f64::from(tip.gaussian) * units.length.powi(2) / expected - 1.0).abs() < 0.02, "{tip:?} {expected}");
     // A flat fan bends nowhere, a hollow is negative.
-    assert!(fan(900, 0.0).state().data.curvature[0].bend[3] < 1e-2);
+    assert!(fan(900, 0.0).state().data.curvature[0].kappa < 1e-2);
     assert!(fan(9, -1.0).state().data.curvature[0].mean < 0.0 && fan(9, 1.0).state().data.curvature[0].mean > 0.0);
 }

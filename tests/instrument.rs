@@ -224,7 +224,8 @@ fn features() -> Vec<Feature> {
         (&["pull", "gather", "push"], &[Slot::moments], with(ball(&[])), carried(Transport::Octree)),
         (&["irradiance"], &[Slot::lit], with(ball(&[])), changed(ball(&[]), |scene| scene.lights.clear())),
         (&["curvature", "cdrf"], &[Slot::curvature], carried(Transport::Cdrf), carried(Transport::Lambert)),
-        (&["cdrf_table"], &[Slot::cdrf_cells], local("table"), local("closed")),
+        (&["pack"], &[Slot::bends], carried(Transport::Lambert), with(ball(&[]))),
+        (&["cdrf_table", "cdrf_cells"], &[Slot::cdrf_grid, Slot::cdrf_cells], local("table"), local("closed")),
         (&["lambert"], &[], carried(Transport::Lambert), with(ball(&[]))),
         (
             &["irradiance"],

@@ -38,7 +38,7 @@ fn names(session: &Session) -> Vec<&'static str> {
 fn nothing_of_transport_has_a_stage_or_a_buffer() {
     let ball = scene("sphere", &["object.0.detail=2"], 0.0);
     let session = run(&ball, CDRF);
-    assert_eq!(names(&session), ["refit", "curvature", "visibility", "cdrf"]);
+    assert_eq!(names(&session), ["refit", "curvature", "pack", "visibility", "cdrf"]);
     let used: Vec<&str> = SLOTS
         .iter()
         .filter(|slot| !session.state().data.bytes(**slot).is_empty())
@@ -59,6 +59,7 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
         "clusters",
         "normals",
         "curvature",
+        "bends",
         "cursor",
         "hits",
         "radiance",
@@ -70,10 +71,10 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
         assert!(session.plan.left_out.iter().any(|(name, why)| *name == stage && why.contains(word)), "{stage}");
     }
 
-    assert_eq!(names(&run(&ball, LAMBERT)), ["refit", "visibility", "lambert"]);
+    assert_eq!(names(&run(&ball, LAMBERT)), ["refit", "pack", "visibility", "lambert"]);
     let table = scene("sphere", &["object.0.detail=2", "transport.cdrf=table", "transport.cdrf_table=9"], 0.0);
     let session = run(&table, CDRF);
-    assert_eq!(names(&session), ["refit", "curvature", "visibility", "cdrf_table", "cdrf"]);
+    assert_eq!(names(&session), ["refit", "curvature", "pack", "visibility", "cdrf_table", "cdrf_cells", "cdrf"]);
     assert_eq!(session.state().data.cdrf_cells.len(), 64);
     let dark = scene("sphere", &["object.0.detail=2", "light.0.irradiance=0"], 0.0);
     let mut session = run(&dark, CDRF);
@@ -82,7 +83,8 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
 
     // And where light is carried, none of these.
     let session = run(&ball, Options::default());
-    for stage in ["curvature", "cdrf_table", "cdrf", "lambert", "unwrap", "blur", "texture_blur"] {
+    for stage in ["curvature", "pack", "cdrf_table", "cdrf_cells", "cdrf", "lambert", "unwrap", "blur", "texture_blur"]
+    {
         assert!(
             session.plan.left_out.iter().any(|(name, why)| *name == stage && why.contains("light is carried")),
             "{stage}"
@@ -98,14 +100,16 @@ fn curvature_follows_the_shape_and_nothing_else() {
         for backend in [None, Some(device)] {
             let mut moving = Session::new(&deformed(0.0), backend, CDRF, Room::default()).unwrap();
             moving.frame(Change::EVERYTHING).unwrap();
-            let ran = |times: &[milkglass::gpu::Timing]| times.iter().any(|time| time.name == "curvature");
+            let ran = |times: &[milkglass::gpu::Timing]| {
+                times.iter().any(|time| time.name == "curvature" || time.name == "pack")
+            };
             assert!(!ran(&moving.frame(Change::LIGHT).unwrap()) && !ran(&moving.frame(Change::VIEW).unwrap()));
             for frame in [4.0, 30.0, 2.0] {
                 moving.show(&deformed(frame)).unwrap();
                 assert!(ran(&moving.frame(Change::default()).unwrap()));
                 let mut fresh = Session::new(&deformed(frame), backend, CDRF, Room::default()).unwrap();
                 fresh.frame(Change::EVERYTHING).unwrap();
-                for slot in [Slot::curvature, Slot::radiance] {
+                for slot in [Slot::curvature, Slot::bends, Slot::radiance] {
                     let [a, b] = [&mut moving, &mut fresh].map(|session| {
                         session.fetch(&[slot]).unwrap();
                         session.state().data.bytes(slot).to_vec()
@@ -153,7 +157,7 @@ fn opaque_objects_are_shaded_as_ever() {
     let session = run(&bust, CDRF);
     assert!(
         names(&session).contains(&"reached")
-            && !names(&session).iter().any(|name| ["cdrf", "curvature"].contains(name))
+            && !names(&session).iter().any(|name| ["cdrf", "curvature", "pack"].contains(name))
     );
 }
 
@@ -188,7 +192,7 @@ fn the_command_line_says_what_local_shading_does_not_tell() {
         ),
         ("transport.blur_texture=8", "transport.blur_texture: out of range; found 8; expected 16 to 2048"),
         ("transport.cdrf=tabel", "cdrf"),
-        ("transport.cdrf_table=1", "transport.cdrf_table: out of range; found 1; expected 2 to 1024"),
+        ("transport.cdrf_table=7", "transport.cdrf_table: out of range; found 7; expected 8 to 1024"),
         ("transport.curvature=max", "curvature"),
     ];
     for (set, words) in cases {
@@ -218,8 +222,8 @@ fn an_environment_counts_by_its_own_factors() {
 #[test]
 fn between_its_points_the_table_is_near_and_the_closed_form_everywhere() {
     use milkglass::layout::Query;
-    use milkglass::local::cdrf_table::{WIDEST, lookup};
     use milkglass::local::reflectance::cdrf;
+    use milkglass::local::{cdrf_cells::lookup, cdrf_table::WIDEST};
     use milkglass::render::stages::stage;
     use milkglass::state::{DeviceState, Place, State, Step};
     let table = scene("sphere", &["object.0.detail=1", "transport.cdrf=table"], 0.0);

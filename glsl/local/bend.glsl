@@ -1,14 +1,9 @@
-// The normal and kappa of a vertex, sigma = sigma_0 kappa at a place, and the CDRF's factors on the environment. MAPPED is not 0 where an object has a map
-// of d, by the square of which sigma_0 is multiplied (equation 6).
+// sigma = sigma_0 kappa at a place, and the CDRF's factors on the environment. MAPPED is not 0 where an object has a map of d,
+// by the square of which sigma_0 is multiplied (equation 6).
 layout(constant_id = 3) const uint MAPPED = 0;
-READS(curvature)
 READS(corner_uvs)
 READS(texels)
 #include "light/texture.glsl"
-
-vec4 bend(uint vertex) {
-    return curvature[vertex].bend;
-}
 
 vec3 spread(vec3 sigma, uint object, uint face, vec3 weight) {
     if (MAPPED != 0) {

@@ -4,18 +4,13 @@
 #include "invocation.glsl"
 #include "local/closed.glsl"
 
-// A cell of the CDRF's table: the values at its corners.
+// An entry of the CDRF's table.
 layout(constant_id = 0) const uint SIDE = 2;
-WRITES(cdrf_cells)
-
-float entry(uint column, uint row) {
-    float last = float(SIDE - 1);
-    return cdrf(2.0 * float(column) / last - 1.0, vec3(3.5 * float(row) / last)).x;
-}
+WRITES(cdrf_grid)
 
 void main() {
     uint k = invocation();
-    if (k >= (SIDE - 1) * (SIDE - 1)) return;
-    uint column = k % (SIDE - 1), row = k / (SIDE - 1);
-    cdrf_cells[k] = vec4(entry(column, row), entry(column + 1, row), entry(column, row + 1), entry(column + 1, row + 1));
+    if (k >= SIDE * SIDE) return;
+    float last = float(SIDE - 1);
+    cdrf_grid[k] = cdrf(2.0 * float(k % SIDE) / last - 1.0, vec3(3.5 * float(k / SIDE) / last)).x;
 }

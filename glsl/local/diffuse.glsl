@@ -1,6 +1,6 @@
 // Radiance of a pixel by the light, the normal and the curvature of the place that it shows: f(cos, sigma), which has to be
-// defined as `respond` before, times what arrives. `bend` is the normal of a vertex and its kappa, `spread` the sigma of a
-// place, from sigma_0 kappa; f's factors on the environment's harmonics are `respond_sky`.
+// defined as `respond` before, times what arrives. `spread` is the sigma of a place, from sigma_0 kappa; f's factors on the
+// environment's harmonics are `respond_sky`.
 layout(constant_id = 0) const uint OBJECTS = 1;
 layout(constant_id = 1) const uint SHADOWS = 0;
 layout(constant_id = 2) const uint SKY = 0;
@@ -10,12 +10,21 @@ READS(lit)
 READS(harmonics)
 READS(triangles)
 READS(positions)
+READS(bends)
 READS(hits)
 UPDATES(radiance)
 #include "light/fresnel.glsl"
 #include "light/harmonics.glsl"
 #include "light/arrival.glsl"
 #include "view/object.glsl"
+#include "local/flattest.glsl"
+
+// The normal of a vertex, 32767 long, and kappa + FLATTEST, as stage `pack` has put them together.
+vec4 bend(uint vertex) {
+    uvec2 word = bends[vertex];
+    ivec3 normal = ivec3(word.x << 16, word.x, word.y << 16) >> 16;
+    return vec4(vec3(normal), uintBitsToFloat((word.y >> 16 << 12) + floatBitsToUint(FLATTEST)));
+}
 
 void main() {
     // What is the same at all pixels is read before any of them leaves: some drivers read it lane by lane from there on.
@@ -46,7 +55,7 @@ void main() {
     vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
     vec4 bent = weight.x * bend(corner.x) + weight.y * bend(corner.y) + weight.z * bend(corner.z);
     vec3 normal = bent.xyz / sqrt(max(dot(bent.xyz, bent.xyz), 1e-30));
-    vec3 sigma = spread(sigma_0 * bent.w, object, hit.face, weight);
+    vec3 sigma = spread(sigma_0 * max(bent.w - FLATTEST, 0.0), object, hit.face, weight);
 
     vec3 sum = vec3(0), all = vec3(0), open = vec3(0);
     // The loop is left in its middle, before a light is read that is not there.

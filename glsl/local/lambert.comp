@@ -4,15 +4,10 @@
 #include "invocation.glsl"
 
 READS(frame)
-READS(normals)
 
 // Lambert's cosine.
 vec3 respond(float c, vec3 sigma) {
     return vec3(max(c, 0.0));
-}
-
-vec4 bend(uint vertex) {
-    return vec4(normals[vertex], 0.0);
 }
 
 vec3 spread(vec3 sigma, uint object, uint face, vec3 weight) {

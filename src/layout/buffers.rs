@@ -60,8 +60,12 @@ buffers! {
     normals: [f32; 3], vertex;
     /// How the surface bends at each vertex.
     curvature: Curvature, vertex;
-    /// The table of the CDRF: the values at the corners of its cells, rows of rising sigma.
-    cdrf_cells: [f32; 4], cell;
+    /// What local shading needs of a vertex: its unit normal, 16 bits a component, and 16 bits of kappa.
+    bends: [u32; 2], vertex;
+    /// The CDRF over a grid: rows of rising sigma, in each the cosine from -1 to 1.
+    cdrf_grid: f32, entry;
+    /// Its cells: the value at a corner, and how it changes across, up and both, in 13, 6, 7 and 6 bits.
+    cdrf_cells: u32, cell;
     /// The objects whose light is blurred over their texture coordinates.
     unwrappings: Unwrapping, unwrapping;
     /// What their texels show, rows from the top.

@@ -7,8 +7,8 @@ use super::{Element, Record, Word};
 records! { local_records:
     /// How a surface bends at a vertex, 1/length; positive where it is convex.
     Curvature {
-        /// The unit normal, and kappa as `frame.kappa` says, at least 0: what a pixel needs of a vertex, in one load.
-        bend: [f32; 4],
+        /// kappa as `frame.kappa` says, at least 0.
+        kappa: f32,
         /// Mean curvature H = (k1 + k2) / 2.
         mean: f32,
         /// Gaussian curvature K = k1 k2.

@@ -3,7 +3,7 @@
 //! The closed form on a device: from sigma = 0.32 on a cosine series of five terms, below it Lambert's cosine, dimmed, and round
 //! the terminator a Gaussian times a polynomial of ten terms, fitted to the convolution. Both are within 6e-6 of it.
 
-use super::cdrf_table::lookup;
+use super::cdrf_cells::lookup;
 use super::diffuse::{record, shade};
 use super::reflectance::cdrf;
 use crate::error::Result;

@@ -20,7 +20,7 @@ use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit, wide
 
 /// Curvatures within a share of kappa, whose square is the scale of K.
 const FIELDS: &[Field] = &[
-    Field { name: "bend", relative: 1e-3, floor: 1e-3, of: "" },
+    Field { name: "kappa", relative: 1e-3, floor: 1e-3, of: "" },
     Field { name: "mean", relative: 1e-3, floor: 1e-3, of: "" },
     Field { name: "gaussian", relative: 1e-3, floor: 1e-2, of: "" },
 ];
@@ -119,11 +119,9 @@ fn closed(ring: &Ring) -> bool {
 /// Curvature of a vertex by its own triangles.
 fn own(data: &Buffers, vertex: usize) -> Curvature {
     let ring = ring(data, vertex);
-    let [x, y, z] = data.normals[vertex];
-    let unknown = Curvature { bend: [x, y, z, 0.0], ..Curvature::default() };
     // Where sheets lie back to back there is no normal, and nothing is told.
     if !closed(&ring) || ring.area <= SMALLEST || data.normals[vertex] == [0.0; 3] {
-        return unknown;
+        return Curvature::default();
     }
     let mean = (ring.pull.dot(wide(data.normals[vertex])) / (4.0 * ring.area)).clamp(-SHARPEST, SHARPEST);
     let gaussian = ((TAU - ring.angle) / ring.area).clamp(-SHARPEST * SHARPEST, SHARPEST * SHARPEST);
@@ -131,7 +129,7 @@ fn own(data: &Buffers, vertex: usize) -> Curvature {
         0 => (mean * mean + (mean * mean - gaussian).max(0.0)).sqrt(),
         _ => mean.abs(),
     };
-    Curvature { bend: [x, y, z, kappa as f32], mean: mean as f32, gaussian: gaussian as f32, known: 1.0 }
+    Curvature { kappa: kappa as f32, mean: mean as f32, gaussian: gaussian as f32, known: 1.0 }
 }
 
 /// Mixed areas up to this one count as none.
@@ -150,9 +148,7 @@ fn cpu(state: &mut State, _at: Place) {
         let mean = |of: fn(&Curvature) -> f32| {
             (known.iter().map(|c| f64::from(of(c))).sum::<f64>() / known.len() as f64) as f32
         };
-        let [x, y, z, _] = own[vertex].bend;
-        let bend = [x, y, z, mean(|c| c.bend[3])];
-        Curvature { bend, mean: mean(|c| c.mean), gaussian: mean(|c| c.gaussian), known: 0.0 }
+        Curvature { kappa: mean(|c| c.kappa), mean: mean(|c| c.mean), gaussian: mean(|c| c.gaussian), known: 0.0 }
     };
     let curvature = (0..own.len()).into_par_iter().map(filled).collect();
     state.data.curvature = curvature;

@@ -11,6 +11,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::pack::unpack;
 use super::reflectance;
 use crate::error::Result;
 use crate::layout::{Buffers, Frame, Hit};
@@ -73,14 +74,14 @@ fn pixel(state: &State, hit: &Hit, before: [f32; 3], response: &Response<'_>, be
         return before;
     }
     let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
-    let mix = |values: &[[f32; 3]]| -> DVec3 {
-        corners.iter().zip(weight).map(|(&v, weight)| weight * wide(values[v as usize])).sum()
-    };
-    let (point, normal) = (mix(&data.positions), mix(&data.normals).normalize_or_zero());
-    let mut kappa = 0.0;
-    if bends {
-        kappa = corners.iter().zip(weight).map(|(&v, w)| w * f64::from(data.curvature[v as usize].bend[3])).sum();
+    let (mut point, mut normal, mut kappa) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+    for (&vertex, weight) in corners.iter().zip(weight) {
+        let (own, bend) = unpack(data.bends[vertex as usize]);
+        point += weight * wide(data.positions[vertex as usize]);
+        normal += weight * own;
+        kappa += weight * bend;
     }
+    let normal = normal.normalize_or_zero();
     let sigma = if bends { kappa * sigma_0(data, frame, hit.face as usize, weight) } else { DVec3::ZERO };
     let sum = received(state, hit.face as usize, [point, normal], sigma, response);
     let toward = (wide(camera.origin) - point).normalize_or_zero();

@@ -3,6 +3,7 @@
 
 pub mod blur;
 pub mod cdrf;
+pub mod cdrf_cells;
 pub mod cdrf_table;
 pub mod cdrf_values;
 pub mod curvature;
@@ -10,6 +11,7 @@ pub mod diffuse;
 pub mod fit;
 pub mod gaussians;
 pub mod lambert;
+pub mod pack;
 pub mod reflectance;
 pub mod texture_blur;
 pub mod unwrap;

@@ -39,7 +39,7 @@ pub const PAPER: [(&str, f64, f64); 4] = [
 ];
 
 /// The stages that are the cost of a technique itself.
-const OWN: [&str; 6] = ["lambert", "cdrf", "cdrf_table", "unwrap", "blur", "texture_blur"];
+const OWN: [&str; 5] = ["lambert", "cdrf", "unwrap", "blur", "texture_blur"];
 
 /// How many frames of the others the texture blur has one of: it takes about a hundred times as long.
 const BLURS: usize = 40;
@@ -139,7 +139,7 @@ fn error(session: &mut Session, other: &[[f32; 3]]) -> Result<f64> {
 pub struct Bending {
     /// Vertices of all objects.
     pub vertices: usize,
-    /// Milliseconds of stage `curvature`: the median.
+    /// Milliseconds of stages `curvature` and `pack`: the median.
     pub curvature: f64,
     /// Milliseconds of what the hierarchy does to know the radiosity of every triangle, all from scratch.
     pub solve: f64,
@@ -161,7 +161,7 @@ pub fn bending(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
             let steps = session.frame(Change::EVERYTHING)?;
             Ok(steps.iter().filter(|step| counts(&step.name)).map(|step| step.milliseconds).sum())
         };
-        bends.push(sum(&mut local, &|name| name == "curvature")?);
+        bends.push(sum(&mut local, &|name| ["curvature", "pack"].contains(&name))?);
         let seen = ["visibility", "shade", "exit", "reflect", "backdrop", "plane_fit", "relief"];
         solves.push(sum(&mut carried, &|name| !seen.contains(&name))?);
     }

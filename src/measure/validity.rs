@@ -103,7 +103,7 @@ fn at(state: &State, number: usize, face: usize) -> [DVec3; 4] {
     let mean = |of: &dyn Fn(usize) -> DVec3| corners.iter().map(|&v| of(v)).sum::<DVec3>() / 3.0;
     let point = mean(&|v| wide(data.positions[v]));
     let normal = mean(&|v| wide(data.normals[v])).normalize_or_zero();
-    let kappa = corners.iter().map(|&v| f64::from(data.curvature[v].bend[3])).sum::<f64>() / 3.0;
+    let kappa = corners.iter().map(|&v| f64::from(data.curvature[v].kappa)).sum::<f64>() / 3.0;
     let spread = sigma_0(data, frame, face, [1.0 / 3.0; 3]);
     let sigma = spread * kappa;
     let light = received(state, face, [point, normal], sigma, &cdrf);

@@ -55,7 +55,7 @@ pub fn flat(session: &mut Session) -> Result<f64> {
     let sigmas = objects.flat_map(|(object, frame)| {
         let least = frame.sigma_0.into_iter().fold(f32::INFINITY, f32::min);
         let own = data.curvature.iter().skip(frame.first_vertex as usize).take(object.count.vertices);
-        own.map(move |vertex| least * vertex.bend[3])
+        own.map(move |vertex| least * vertex.kappa)
     });
     let (flat, all) =
         sigmas.fold((0.0, 0.0), |(flat, all), sigma| (flat + f64::from(u8::from(sigma > 1.0)), all + 1.0));
@@ -76,7 +76,7 @@ pub fn bends(session: &mut Session) -> Result<(Picture, Bends)> {
     let (mut all, mut apart) = (Vec::new(), Vec::new());
     for (number, object) in state.objects.iter().enumerate().filter(|(_, object)| !object.opaque) {
         let one = state.alone(number);
-        let kappa = |vertex: usize| f64::from(one.data.curvature[vertex].bend[3]);
+        let kappa = |vertex: usize| f64::from(one.data.curvature[vertex].kappa);
         all.extend((0..object.count.vertices).map(|vertex| kappa(vertex) * length));
         let difference = |vertex: usize| {
             let [k1, k2] = fit::at(&one.data, vertex).filter(|_| one.data.curvature[vertex].known > 0.0)?;
@@ -104,7 +104,7 @@ pub fn bends(session: &mut Session) -> Result<(Picture, Bends)> {
         let facing = 0.35 + 0.65 * mix(&data.normals).normalize_or_zero().dot(toward).abs();
         let opaque = data.frame[state.object_of(hit.face as usize)].opaque != 0;
         let kappa =
-            || corner.iter().zip(weight).map(|(&v, w)| w * f64::from(data.curvature[v as usize].bend[3])).sum::<f64>();
+            || corner.iter().zip(weight).map(|(&v, w)| w * f64::from(data.curvature[v as usize].kappa)).sum::<f64>();
         let color = if opaque { DVec3::splat(0.05) } else { wide(bends.color(kappa() * length)) };
         narrow(facing * color)
     };

@@ -116,7 +116,7 @@ impl Plan {
             "renew" => revises || (resum && !change.everything),
             _ if change.everything => true,
             "keep" => false,
-            "deform" | "refit" | "plane_fit" | "curvature" | "cdrf_table" => false,
+            "deform" | "refit" | "plane_fit" | "curvature" | "pack" | "cdrf_table" | "cdrf_cells" => false,
             "visibility" | "points" => change.view,
             "link" | "gather" | "push" if pixels && change.view => true,
             "shade" | "cdrf" | "lambert" | "texture_blur" | "reached" | "plain" | "exit" | "relief" | "reflect"

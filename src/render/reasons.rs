@@ -25,7 +25,8 @@ const LINKS: [&str; 12] = [
 const REVISION: [&str; 6] = ["alter", "relit", "revise", "renew", "recollect", "keep"];
 
 /// Stages of local shading.
-const LOCAL: [&str; 7] = ["curvature", "cdrf_table", "cdrf", "lambert", "unwrap", "blur", "texture_blur"];
+const LOCAL: [&str; 9] =
+    ["curvature", "pack", "cdrf_table", "cdrf_cells", "cdrf", "lambert", "unwrap", "blur", "texture_blur"];
 
 /// Why this stage has no place in the frame, if it has none.
 pub(super) fn reason(name: &str, options: Options, method: Method, dark: bool) -> Option<String> {
@@ -90,12 +91,14 @@ pub(super) fn delocalized(name: &str, state: &State) -> Option<String> {
         "unwrap" | "blur" | "texture_blur" if local != Local::Blur => {
             Some("light is looked at where the pixels are, not over the texture coordinates".into())
         }
-        "curvature" | "cdrf" | "cdrf_table" | "lambert" if local == Local::Blur => {
+        "curvature" | "pack" | "cdrf" | "cdrf_table" | "cdrf_cells" | "lambert" if local == Local::Blur => {
             Some("light is blurred over the texture coordinates".into())
         }
         "curvature" | "cdrf" if local == Local::Lambert => Some("Lambert's cosine knows no curvature".into()),
-        "cdrf_table" if local == Local::Lambert => Some("Lambert's cosine needs no table".into()),
-        "cdrf_table" if local == Local::Closed => Some("transport.cdrf is closed: nothing is looked up".into()),
+        "cdrf_table" | "cdrf_cells" if local == Local::Lambert => Some("Lambert's cosine needs no table".into()),
+        "cdrf_table" | "cdrf_cells" if local == Local::Closed => {
+            Some("transport.cdrf is closed: nothing is looked up".into())
+        }
         "lambert" if local != Local::Lambert => Some("the CDRF takes its place".into()),
         _ => None,
     }

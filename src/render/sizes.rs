@@ -7,7 +7,6 @@ use crate::baseline::renew::GROUPS;
 use crate::error::Result;
 use crate::layout::{Cursor, Slot};
 use crate::light::environment;
-use crate::local::cdrf_table;
 use crate::local::gaussians::GAUSSIANS;
 use crate::state::{Extent, Local, Stage, State};
 use crate::transport::radii::{ENTRIES as ENTRIES_OF_A_LAW, LAWS};
@@ -27,8 +26,8 @@ pub fn size(state: &mut State, plan: &Plan) {
     // In local shading only stage `shade` and what it needs read radiosity.
     let carries = state.method.local.is_none() || plan.stages.iter().any(|stage| stage.name == "shade");
     let table = match state.method.local {
-        Some(Local::Table(side)) => cdrf_table::cells(side),
-        _ => 0,
+        Some(Local::Table(side)) => side as usize,
+        _ => 1,
     };
     let data = &mut state.data;
     let (frame, texels) = (data.frame[0], data.charts.len());
@@ -40,7 +39,9 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.cut_short = bytemuck::zeroed_vec(per(Slot::cut_short, 1));
     data.harmonics = bytemuck::zeroed_vec(per(Slot::harmonics, environment::elements(frame.sky)));
     data.curvature = bytemuck::zeroed_vec(per(Slot::curvature, vertices));
-    data.cdrf_cells = bytemuck::zeroed_vec(per(Slot::cdrf_cells, table));
+    data.bends = bytemuck::zeroed_vec(per(Slot::bends, vertices));
+    data.cdrf_grid = bytemuck::zeroed_vec(per(Slot::cdrf_grid, table * table));
+    data.cdrf_cells = bytemuck::zeroed_vec(per(Slot::cdrf_cells, (table - 1) * (table - 1)));
     data.stretch = bytemuck::zeroed_vec(per(Slot::stretch, texels));
     data.sheets = bytemuck::zeroed_vec(per(Slot::sheets, (1 + GAUSSIANS) * texels));
     data.crossed = bytemuck::zeroed_vec(per(Slot::crossed, texels));

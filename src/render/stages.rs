@@ -6,7 +6,7 @@ use crate::baseline::{
 use crate::geometry::{deform, refit};
 use crate::layers::{plane_fit, relief};
 use crate::light::{entry, environment, irradiance, opaque, shadow};
-use crate::local::{blur, cdrf, cdrf_table, cdrf_values, curvature, lambert, texture_blur, unwrap};
+use crate::local::{blur, cdrf, cdrf_cells, cdrf_table, cdrf_values, curvature, lambert, pack, texture_blur, unwrap};
 use crate::state::{Object, Place, Stage, State, Step, Unit};
 use crate::transport::{average, contrast, evaluate, gather, level, link, pull, push, radii};
 use crate::view::{backdrop, exit, plain, points, reached, reflect, shade, visibility};
@@ -17,6 +17,7 @@ pub static STAGES: &[&Stage] = &[
     &deform::STAGE,
     &refit::STAGE,
     &curvature::STAGE,
+    &pack::STAGE,
     &visibility::STAGE,
     &shadow::STAGE,
     &environment::STAGE,
@@ -47,6 +48,7 @@ pub static STAGES: &[&Stage] = &[
     &plane_fit::STAGE,
     &shade::STAGE,
     &cdrf_table::STAGE,
+    &cdrf_cells::STAGE,
     &cdrf::STAGE,
     &lambert::STAGE,
     &unwrap::STAGE,

@@ -116,8 +116,8 @@ impl Transport {
             cdrf_table: range::number(
                 "transport.cdrf_table",
                 f64::from(file.cdrf_table),
-                |x| (2.0..=1024.0).contains(&x),
-                "2 to 1024",
+                |x| (8.0..=1024.0).contains(&x),
+                "8 to 1024",
             )? as u32,
             curvature: file.curvature,
             unwrap: file.unwrap,

@@ -23,11 +23,11 @@ void main() {
         uint other = (i % 2 == 0 ? corner.y : corner.z) - first;
         // What is not known may be written just now; it does not count.
         bool counts = curvature[other].known > 0.0;
-        if (counts) sum += vec3(curvature[other].bend.w, curvature[other].mean, curvature[other].gaussian);
+        if (counts) sum += vec3(curvature[other].kappa, curvature[other].mean, curvature[other].gaussian);
         count += counts ? 1.0 : 0.0;
     }
     if (count == 0.0) return;
-    curvature[vertex].bend.w = sum.x / count;
+    curvature[vertex].kappa = sum.x / count;
     curvature[vertex].mean = sum.y / count;
     curvature[vertex].gaussian = sum.z / count;
 }

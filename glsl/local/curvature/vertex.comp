@@ -58,7 +58,7 @@ void main() {
         deficit += whole ? angle_of(across, along) : 0.0;
         angle += whole ? angle_of(twice, da) : 0.0;
     }
-    Curvature found = Curvature(vec4(normal, 0.0), 0.0, 0.0, 0.0);
+    Curvature found = Curvature(0.0, 0.0, 0.0, 0.0);
     // Of unit length or 0: where sheets lie back to back nothing is told.
     bool stands = dot(normal, normal) > 0.5;
     if (stands && after == before && corner_starts[vertex + 1] > corner_starts[vertex] && area > SMALLEST) {
@@ -68,7 +68,7 @@ void main() {
         float mean = clamp(-dot(pull, normal) / (4.0 * area), -SHARPEST, SHARPEST);
         float gaussian = clamp(deficit / area, -SHARPEST * SHARPEST, SHARPEST * SHARPEST);
         float rms = sqrt(mean * mean + max(mean * mean - gaussian, 0.0));
-        found = Curvature(vec4(normal, frame[0].kappa == 0 ? rms : abs(mean)), mean, gaussian, 1.0);
+        found = Curvature(frame[0].kappa == 0 ? rms : abs(mean), mean, gaussian, 1.0);
     }
     curvature[vertex] = found;
 }

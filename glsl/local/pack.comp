@@ -1,0 +1,26 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// What local shading needs of a vertex, in two words. BENT is 0 where nobody asks for kappa.
+layout(constant_id = 0) const uint BENT = 0;
+READS(frame)
+READS(normals)
+READS(curvature)
+WRITES(bends)
+
+#include "local/flattest.glsl"
+
+void main() {
+    uint vertex = invocation();
+    if (vertex >= frame[0].vertices) return;
+    precise vec3 scaled = floor(normals[vertex] * 32767.0 + 0.5);
+    ivec3 normal = ivec3(scaled) & 0xffff;
+    uint code = 0;
+    if (BENT != 0) {
+        precise float above = curvature[vertex].kappa + FLATTEST;
+        code = min(floatBitsToUint(above) - floatBitsToUint(FLATTEST) + 0x800u >> 12, 0xffffu);
+    }
+    bends[vertex] = uvec2(normal.x | normal.y << 16, uint(normal.z) | code << 16);
+}
