@@ -17,7 +17,7 @@
 //!    what scatters once in layers beneath the surface (Francois et al. 2006); `reflect`:
 //!    what the surface itself reflects, and `backdrop`: the environment behind the object.
 //!
-//! With `--transport cdrf` or `lambert` steps 3 to 8 have no place: `curvature` and `pack` follow `refit`, and `cdrf`, perhaps by
+//! With `--transport cdrf` or `lambert` steps 3 to 8 have no place: `pack` follows `refit`, after `curvature` where that counts, and `cdrf`, perhaps by
 //! `cdrf_table` and `cdrf_cells`, or `lambert` takes the place of `shade`. With `texture-blur` those are `unwrap`, `blur` and `texture_blur`.
 //!
 //! Equations and sections are those of Mertens et al. 2003, "Interactive Rendering of Translucent Deformable Objects".

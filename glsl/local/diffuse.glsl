@@ -19,11 +19,12 @@ UPDATES(radiance)
 #include "view/object.glsl"
 #include "local/flattest.glsl"
 
-// The normal of a vertex, 32767 long, and kappa + FLATTEST, as stage `pack` has put them together.
+// The normal of a vertex, 32767 long, and kappa, as stage `pack` has put them together.
 vec4 bend(uint vertex) {
     uvec2 word = bends[vertex];
     ivec3 normal = ivec3(word.x << 16, word.x, word.y << 16) >> 16;
-    return vec4(vec3(normal), uintBitsToFloat((word.y >> 16 << 12) + floatBitsToUint(FLATTEST)));
+    // Taken off here, where it is exact: a surface that is flat stays flat for any sigma_0.
+    return vec4(vec3(normal), uintBitsToFloat((word.y >> 16 << 12) + floatBitsToUint(FLATTEST)) - FLATTEST);
 }
 
 void main() {
@@ -55,7 +56,7 @@ void main() {
     vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
     vec4 bent = weight.x * bend(corner.x) + weight.y * bend(corner.y) + weight.z * bend(corner.z);
     vec3 normal = bent.xyz / sqrt(max(dot(bent.xyz, bent.xyz), 1e-30));
-    vec3 sigma = spread(sigma_0 * max(bent.w - FLATTEST, 0.0), object, hit.face, weight);
+    vec3 sigma = spread(sigma_0 * bent.w, object, hit.face, weight);
 
     vec3 sum = vec3(0), all = vec3(0), open = vec3(0);
     // The loop is left in its middle, before a light is read that is not there.

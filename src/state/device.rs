@@ -45,7 +45,7 @@ impl DeviceState {
                 self.buffers.remove(&slot);
                 continue;
             }
-            let whole = if self.guarded { size.max(4).next_multiple_of(4) + GUARD } else { size };
+            let whole = if self.guarded { size.next_multiple_of(4) + GUARD } else { size };
             if self.buffers.get(&slot).is_some_and(|buffer| buffer.size() == whole) {
                 continue;
             }
@@ -63,7 +63,7 @@ impl DeviceState {
     fn guards(&self, state: &State, slots: &[Slot]) -> Vec<(&Buffer, u64, u64)> {
         let guard = |slot: &Slot| {
             let (buffer, used) = (self.buffers.get(slot)?, state.data.bytes(*slot).len() as u64);
-            Some((buffer, used, buffer.size() - used))
+            Some((buffer, used, buffer.size().saturating_sub(used)))
         };
         slots.iter().filter(|_| self.guarded).filter_map(guard).collect()
     }

@@ -1,4 +1,4 @@
-//! Whether the machine was busy with something else: a fixed small job, timed before and after every point.
+//! Whether the machine was busy with something else: a fixed small job, timed between points.
 //!
 //! A median is blind to what slows every frame of a point alike; a job that never changes sees it.
 

@@ -34,6 +34,7 @@ pub fn sweep(bench: &Bench<'_>, settings: &Settings) -> Result<Sweep> {
     let bar = ProgressBar::new(count as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     let mut points = Vec::new();
     let mut pace = Pace::open(bench.device)?;
+    let mut before = pace.seconds()?;
     for &method in &settings.methods {
         let course = || Course { settings, seconds: Vec::new(), beyond: false };
         let mut courses = Lighting::ALL.map(|lighting| (lighting, course()));
@@ -41,11 +42,12 @@ pub fn sweep(bench: &Bench<'_>, settings: &Settings) -> Result<Sweep> {
             for (lighting, course) in &mut courses {
                 let mut point = Point { method, value, lighting: *lighting, run: Err(String::new()) };
                 bar.set_message(format!("{} {}, {}", method.name, point.setting(), lighting.name()));
-                let before = pace.seconds()?;
                 point.run = course.measure(bench, &yardstick, &point)?;
+                let after = pace.seconds()?;
                 if let Ok(run) = &mut point.run {
-                    run.busy = before.max(pace.seconds()?);
+                    run.busy = before.max(after);
                 }
+                before = after;
                 points.push(point);
                 bar.inc(1);
             }
