@@ -5,6 +5,7 @@
 
 use super::files::Files;
 use exr::image::read::read;
+use exr::meta::BlockDescription;
 use exr::prelude::{Image as Decoded, *};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 use std::io::Cursor;
@@ -50,6 +51,15 @@ fn open_exr(files: &Files, path: &Path, most: usize, kept: u64) -> Result<Vec<u8
         let size = [header.layer_size.width() as u64, header.layer_size.height() as u64];
         let stored = header.channels.bytes_per_pixel as u64;
         fits(files, size, most, [stored, kept, 2 * stored], bytes.len())?;
+        // A tile may be larger than the picture, and the reader makes room for as much of it as the file claims to hold.
+        if let BlockDescription::Tiles(tiles) = header.blocks {
+            let [width, height] = [tiles.tile_size.width() as u64, tiles.tile_size.height() as u64];
+            let pixels = width.saturating_mul(height);
+            if pixels > most as u64 {
+                return Err(format!("tiles of {width} x {height} pixels, more than {most}"));
+            }
+            files.need(pixels.saturating_mul(2 * stored)).map_err(|error| error.to_string())?;
+        }
     }
     Ok(bytes)
 }

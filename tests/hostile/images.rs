@@ -133,6 +133,10 @@ pub fn exr() -> Vec<Case> {
         (of(|exr| exr.block = (0, 8)), read),
         (of(|exr| (exr.flags, exr.tiles) = (0x202, Some([0, 0]))), read),
         (of(|exr| (exr.flags, exr.tiles) = (0x202, Some([u32::MAX, u32::MAX]))), read),
+        (
+            of(|exr| (exr.flags, exr.tiles) = (0x202, Some([1 << 19, 373]))),
+            "found tiles of 524288 x 373 pixels, more than ",
+        ),
         (of(|exr| exr.flags = 0x1002), read),
         (of(|exr| exr.flags = 0x802), "cannot be read; found deep data"),
         (of(|exr| exr.flags = 0x802), "cannot be read; found deep data"),
