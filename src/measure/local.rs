@@ -42,7 +42,7 @@ pub const PAPER: [(&str, f64, f64); 4] = [
 const OWN: [&str; 5] = ["lambert", "cdrf", "unwrap", "blur", "texture_blur"];
 
 /// How many frames of the others the texture blur has one of: it takes about a hundred times as long.
-const BLURS: usize = 40;
+const BLURS: usize = 20;
 
 /// The paper's techniques on a scene, in the order of its table, timed by turns over `frames` frames each, so that what else the
 /// machine does hits all alike; the texture blur over fewer. Without texture coordinates that are one to one

@@ -97,7 +97,7 @@ fn table(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let mut rows = Vec::new();
     for (name, base, [full, quick]) in MESHES {
         let sets = bench.either(quick, full);
-        for row in table_1(&scene(base, [side; 2], sets)?, bench.device, bench.either(41, 101))? {
+        for row in table_1(&scene(base, [side; 2], sets)?, bench.device, bench.either(25, 101))? {
             let paper = PAPER.iter().find(|(technique, ..)| *technique == row.technique);
             let theirs = |of: fn(&(&str, f64, f64)) -> f64| paper.map_or(String::new(), |p| of(p).to_string());
             let slower = |of: fn(&(&str, f64, f64)) -> f64| {

@@ -81,7 +81,7 @@ pub fn scene(name: &str, [width, height]: [u32; 2], sets: &[&str]) -> Result<Sce
 const SAME: f64 = 5e-3;
 
 /// Triangles from which on a quick report leaves a scene out.
-const LARGE: usize = 100_000;
+const LARGE: usize = 50_000;
 
 /// Every built-in scene by the device and by the CPU's reference, and what is between them.
 pub fn scenes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {

@@ -20,7 +20,7 @@ fn one(bench: &Bench<'_>, page: &mut Page, scene: &Scene) -> Result<()> {
     let settings = Settings {
         methods: METHODS.iter().collect(),
         values: bench.either(3, usize::MAX),
-        repeat: 5,
+        repeat: bench.either(3, 5),
         samples: bench.either(100, 500),
         seed: 1,
         budget: bench.either(3.0, 10.0),
