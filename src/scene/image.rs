@@ -137,8 +137,25 @@ pub(super) fn read_png(files: &Files, path: &Path, most: usize) -> Image {
     Ok((size, image.pixels().map(|pixel| pixel.0.map(linear)).collect()))
 }
 
+/// Whether a PNG's palettes are of whole colours, 256 at most, as the decoder takes for granted: chunks of a length in four
+/// bytes, a name in four, so many bytes, and a sum in four.
+fn whole_palettes(bytes: &[u8]) -> Result<(), String> {
+    let mut rest = bytes.get(8..).unwrap_or_default();
+    while let Some((head, body)) = rest.split_first_chunk::<8>() {
+        let length = u32::from_be_bytes([head[0], head[1], head[2], head[3]]) as usize;
+        if head[4..] == *b"PLTE" && (!length.is_multiple_of(3) || !(3..=768).contains(&length)) {
+            return Err(format!("a palette of {length} bytes, not of 1 to 256 colours of three bytes"));
+        }
+        rest = body.get(length.saturating_add(4)..).unwrap_or_default();
+    }
+    Ok(())
+}
+
 fn decode(files: &Files, path: &Path, most: usize, format: ImageFormat) -> Result<DynamicImage, String> {
     let bytes = files.read(path, 1).map_err(|error| error.to_string())?;
+    if format == ImageFormat::Png {
+        whole_palettes(&bytes)?;
+    }
     let decoder = ImageReader::with_format(Cursor::new(&bytes), format).into_decoder();
     let decoder = decoder.map_err(|error| error.to_string())?;
     let (width, height) = decoder.dimensions();

@@ -34,7 +34,17 @@ pub fn png() -> Vec<Case> {
     let read = "cannot be read; found ";
     let parts = |chunks: &[Vec<u8>]| [&b"\x89PNG\r\n\x1a\n"[..], &chunks.concat()].concat();
     let head = chunk(b"IHDR", &[0, 0, 0, 2, 0, 0, 0, 1, 8, 0, 0, 0, 0]);
+    // Two pixels of a palette of so many bytes.
+    let coloured = |length: usize| {
+        let head = chunk(b"IHDR", &[0, 0, 0, 2, 0, 0, 0, 1, 8, 3, 0, 0, 0]);
+        let colours = chunk(b"PLTE", &vec![90; length]);
+        parts(&[head, colours, chunk(b"IDAT", &deflate(&[0, 0, 0])), chunk(b"IEND", &[])])
+    };
     let files = vec![
+        (coloured(0), "a palette of 0 bytes"),
+        (coloured(2), "a palette of 2 bytes, not of 1 to 256 colours of three bytes"),
+        (coloured(4), "a palette of 4 bytes"),
+        (coloured(771), "a palette of 771 bytes"),
         (Vec::new(), read),
         (b"no picture".to_vec(), read),
         (b"\xff\xd8\xff\xe0 a photograph".to_vec(), read),
