@@ -26,13 +26,13 @@ fn surface(s: f64, angle: f64) -> DVec3 {
     let front = (body * (2.0 - body)).sqrt();
     let back = 1.0 - 0.84 * smooth(0.3, 0.86, s);
     let (mut height, width) = (0.17 * front * back, 0.085 * front * back * (1.0 - 0.7 * smooth(0.8, 1.0, s)));
-    // The tail fin spreads, and is cut in at its end; fins on back and belly.
+    // The tail fin spreads, and is notched: the less, the farther from its middle; fins on back and belly.
     let tail = smooth(0.84, 0.97, s);
     height += 0.17 * tail * up.abs().sqrt();
     let dorsal = 0.1 * smooth(0.3, 0.42, s) * (1.0 - smooth(0.5, 0.72, s)) * smooth(0.8, 1.0, up);
     let ventral = 0.06 * smooth(0.52, 0.58, s) * (1.0 - smooth(0.6, 0.7, s)) * smooth(0.85, 1.0, -up);
     let end = 1.0 - smooth(0.985, 1.0, s);
     let y = (height * up) * end + dorsal - ventral;
-    let cut = 0.07 * tail * (1.0 - up.abs()) * smooth(0.9, 1.0, s);
+    let cut = 0.05 * tail * (1.0 - up.abs() * end) * smooth(0.9, 1.0, s);
     DVec3::new(0.5 - s + cut, y, width * side * end)
 }
