@@ -17,7 +17,7 @@ use milkglass::scene::Scene;
 
 /// Each stage of a picture on the device and on the CPU, after both have been compared.
 fn stages(scene: &Scene, device: &Device) -> Result<()> {
-    let rows = conform(device, &Fixture::of_scene(&scene.name, scene)?, None)?;
+    let rows = conform(device, &Fixture::of_scene(&scene.name, scene)?, &[])?;
     if let Some(row) = rows.iter().find(|row| !row.faults.is_empty()) {
         return Err(Error::Check(format!("{}: {}", scene.name, row.faults[0])));
     }

@@ -4,11 +4,12 @@
 
 mod devices;
 
-use std::sync::OnceLock;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, OnceLock};
 
-use devices::on_devices;
+use devices::{on_devices, on_devices_each};
 use milkglass::layout::{SLOTS, Slot};
-use milkglass::measure::conform::{Plant, conform};
+use milkglass::measure::conform::{Plant, Row, conform};
 use milkglass::measure::fixtures::{Fixture, covered, fixtures};
 use milkglass::render::plan::{Change, Goal, Mode, Options};
 use milkglass::render::run::{Room, Session};
@@ -27,21 +28,20 @@ fn every_stage_conforms_on_every_fixture() {
     for stage in STAGES {
         assert!(covered(list, stage.name), "no fixture runs stage {}", stage.name);
     }
-    on_devices(|device| {
-        let mut compared = 0;
-        let mut faults = Vec::new();
-        for fixture in list {
-            let rows = conform(device, fixture, None).unwrap();
-            assert!(!rows.is_empty(), "{} compared nothing", fixture.name);
-            for row in rows {
-                assert!(row.words > 0, "{}: {} compared no word", fixture.name, row.stage);
-                compared += 1;
-                faults.extend(row.faults.into_iter().map(|fault| format!("{}: {fault}", fixture.name)));
-            }
+    // The largest come last.
+    let largest_first: Vec<&Fixture> = list.iter().rev().collect();
+    let faults = Mutex::new(Vec::new());
+    on_devices_each(&largest_first, |device, fixture| {
+        let rows = conform(device, fixture, &[]).unwrap();
+        assert!(!rows.is_empty(), "{} compared nothing", fixture.name);
+        for row in rows {
+            assert!(row.words > 0, "{}: {} compared no word", fixture.name, row.stage);
+            let named = row.faults.into_iter().map(|fault| format!("{}, {}: {fault}", device.name(), fixture.name));
+            faults.lock().unwrap().extend(named);
         }
-        println!("{}: {compared} comparisons", device.name());
-        assert!(faults.is_empty(), "{}:\n{}", device.name(), faults.join("\n"));
     });
+    let faults = faults.into_inner().unwrap();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
 #[test]
@@ -62,30 +62,34 @@ fn the_overflowing_fixtures_overflow() {
 fn a_planted_error_is_reported_by_name() {
     let list = all();
     on_devices(|device| {
+        // Each where the stage's buffer is not empty: the fixtures, with what is planted in them.
+        let mut plants: BTreeMap<usize, Vec<Plant>> = BTreeMap::new();
         for stage in STAGES {
-            // A fixture in which the stage's buffers are not empty.
             for (slot, _, _) in stage.writes {
-                let fixture = list.iter().find(|fixture| {
+                let fixture = list.iter().position(|fixture| {
                     fixture.steps.iter().any(|step| step.stage.name == stage.name)
                         && !fixture.state.data.bytes(*slot).is_empty()
                         && fixture.state.data.triangles.len() < 2000
                 });
                 let fixture = fixture.unwrap_or_else(|| panic!("no small fixture writes {slot:?}"));
-                let plant = Plant { stage: stage.name, slot: *slot };
-                let rows = conform(device, fixture, Some(plant)).unwrap();
-                let name = slot.spec().name;
-                let seen = rows.iter().any(|row| {
-                    row.stage == stage.name && row.faults.iter().any(|fault| fault.contains(&format!("{name}[0]")))
-                });
-                assert!(seen, "an error planted in {name} after {} went unseen in {}", stage.name, fixture.name);
+                plants.entry(fixture).or_default().push(Plant { stage: stage.name, slot: *slot });
+            }
+        }
+        for (fixture, plants) in plants {
+            let fixture = &list[fixture];
+            let rows = conform(device, fixture, &plants).unwrap();
+            for plant in plants {
+                let fault = format!("{}[0]", plant.slot.spec().name);
+                let seen = |row: &Row| row.stage == plant.stage && row.faults.iter().any(|text| text.contains(&fault));
+                assert!(rows.iter().any(seen), "{fault} after {} went unseen in {}", plant.stage, fixture.name);
             }
         }
 
         // And in a buffer that the stage has no business with.
         let fixture = list.iter().find(|fixture| fixture.name == "sphere with holes").unwrap();
         let plant = Plant { stage: "push", slot: Slot::positions };
-        let rows = conform(device, fixture, Some(plant)).unwrap();
-        let seen = |row: &milkglass::measure::conform::Row| {
+        let rows = conform(device, fixture, &[plant]).unwrap();
+        let seen = |row: &Row| {
             row.faults
                 .iter()
                 .any(|fault| fault.contains("changed though not written") && fault.contains("positions[0]"))

@@ -2,12 +2,15 @@
 //!
 //! After a wanted change of look: `milkglass render NAME --size 240x240 -o tests/pictures/NAME.png`; see `MORE`, too.
 
+mod devices;
+
 use std::path::Path;
 
-use milkglass::gpu::{Device, Instance};
+use milkglass::gpu::Device;
 use milkglass::render::plan::{Change, Options, Transport};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::{BUILTIN, Scene};
+use rayon::prelude::*;
 
 /// Colour differences that no one notices: on average, and in the worst hundredth of the picture.
 const MEAN: f64 = 0.5;
@@ -63,14 +66,14 @@ fn reference(name: &str) -> (Vec<u8>, usize, usize) {
     (picture.into_raw(), width as usize, height as usize)
 }
 
-/// What is rendered besides: the picture's name, the scene, a setting, the transport.
-const MORE: [(&str, &str, &str, Transport); 1] =
-    [("bust-cdrf", "bust", "object.0.material.sigma_0=[1.5, 0.8, 0.4]", Transport::Cdrf)];
+/// What is rendered besides: the picture's name, the scene, settings, the transport.
+const MORE: [(&str, &str, &[&str], Transport); 1] =
+    [("bust-cdrf", "bust", &["object.0.material.sigma_0=[1.5, 0.8, 0.4]", "light.0.occlusion=8"], Transport::Cdrf)];
 
 fn render(name: &str, width: usize, height: usize, device: Option<&Device>) -> Vec<u8> {
     let more = MORE.iter().find(|(file, ..)| *file == name);
     let (scene, transport) = more.map_or((name, Transport::Hierarchy), |more| (more.1, more.3));
-    let sets: Vec<String> = more.iter().map(|more| more.2.to_string()).collect();
+    let sets: Vec<String> = more.iter().flat_map(|more| more.2).map(|set| set.to_string()).collect();
     let scene = Scene::load(scene, &[&[format!("camera.size=[{width}, {height}]")], &sets[..]].concat()).unwrap();
     let options = Options { transport, ..Options::default() };
     let mut session = Session::new(&scene, device, options, Room::default()).unwrap();
@@ -80,23 +83,25 @@ fn render(name: &str, width: usize, height: usize, device: Option<&Device>) -> V
 
 #[test]
 fn the_built_in_scenes_look_as_they_did() {
-    let device = Instance::open(false).ok().and_then(|instance| {
-        let adapter = instance.adapters().ok()?.into_iter().find(|adapter| adapter.unusable.is_none())?;
-        Device::open(&instance, &adapter).ok()
+    let names: Vec<&str> = BUILTIN.iter().map(|(name, ..)| *name).chain(MORE.map(|(name, ..)| name)).collect();
+    let on_cpu: Vec<Vec<u8>> = names
+        .par_iter()
+        .map(|name| {
+            let (expected, width, height) = reference(name);
+            let found = render(name, width, height, None);
+            let (mean, worst) = difference(&expected, &found, width, height);
+            assert!(mean < MEAN && worst < WORST, "{name} on the CPU: mean {mean}, 99th percentile {worst}");
+            found
+        })
+        .collect();
+    let all: Vec<(&str, Vec<u8>)> = names.into_iter().zip(on_cpu).collect();
+    devices::on_devices_each(&all, |device, (name, on_cpu)| {
+        // At most one step of 255 in any channel.
+        let (_, width, height) = reference(name);
+        let on_device = render(name, width, height, Some(device));
+        let steps = on_cpu.iter().zip(&on_device).map(|(a, b)| a.abs_diff(*b)).max();
+        assert!(steps <= Some(1), "{name}: {} and CPU differ by {steps:?} of 255", device.name());
     });
-    assert!(device.is_some() || std::env::var_os("MILKGLASS_NO_DEVICE").is_some(), "no usable Vulkan device");
-    for name in BUILTIN.iter().map(|(name, ..)| *name).chain(MORE.map(|(name, ..)| name)) {
-        let (expected, width, height) = reference(name);
-        let on_cpu = render(name, width, height, None);
-        let (mean, worst) = difference(&expected, &on_cpu, width, height);
-        assert!(mean < MEAN && worst < WORST, "{name} on the CPU: mean {mean}, 99th percentile {worst}");
-        if let Some(device) = &device {
-            // Device and CPU: at most one step of 255 in any channel.
-            let on_device = render(name, width, height, Some(device));
-            let steps = on_cpu.iter().zip(&on_device).map(|(a, b)| a.abs_diff(*b)).max();
-            assert!(steps <= Some(1), "{name}: device and CPU differ by {steps:?} of 255");
-        }
-    }
 }
 
 #[test]

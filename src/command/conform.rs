@@ -126,7 +126,7 @@ fn on_device(arguments: &Arguments, device: &Device, list: &[Fixture]) -> Result
                 found => rows.extend(found?),
             }
         } else if stages.is_empty() {
-            rows.extend(conform(device, fixture, None)?);
+            rows.extend(conform(device, fixture, &[])?);
         } else {
             rows.extend(conform_stages(device, fixture, &stages)?);
         }

@@ -46,20 +46,21 @@ pub struct Plant {
     pub slot: Slot,
 }
 
-/// Runs every step of a fixture; one row a stage. With a planted error, only its stage runs on the device.
-pub fn conform(device: &Device, fixture: &Fixture, plant: Option<Plant>) -> Result<Vec<Row>> {
-    compared(device, fixture, plant, &|stage| plant.is_none_or(|plant| plant.stage == stage))
+/// Runs every step of a fixture; one row a stage. With planted errors, each is looked for alone, and only their stages run on
+/// the device.
+pub fn conform(device: &Device, fixture: &Fixture, plants: &[Plant]) -> Result<Vec<Row>> {
+    compared(device, fixture, plants, &|stage| plants.is_empty() || plants.iter().any(|plant| plant.stage == stage))
 }
 
 /// The same for some stages only; the reference alone runs the others.
 pub fn conform_stages(device: &Device, fixture: &Fixture, stages: &[String]) -> Result<Vec<Row>> {
-    compared(device, fixture, None, &|stage| stages.iter().any(|name| name == stage))
+    compared(device, fixture, &[], &|stage| stages.iter().any(|name| name == stage))
 }
 
 fn compared(
     device: &Device,
     fixture: &Fixture,
-    plant: Option<Plant>,
+    plants: &[Plant],
     takes_part: &dyn Fn(&str) -> bool,
 ) -> Result<Vec<Row>> {
     let mut rows: Vec<Row> = Vec::new();
@@ -73,17 +74,18 @@ fn compared(
             pair.stale = SLOTS.to_vec();
             continue;
         }
-        let row = pair.one(*step, &fixture.name, plant)?;
-        match rows.iter_mut().find(|known| known.stage == row.stage) {
-            Some(known) => {
-                known.steps += 1;
-                known.words += row.words;
-                known.ulp = known.ulp.max(row.ulp);
-                known.histogram.iter_mut().zip(row.histogram).for_each(|(sum, count)| *sum += count);
-                known.relative = known.relative.max(row.relative);
-                known.faults.extend(row.faults);
+        for row in pair.one(*step, &fixture.name, plants)? {
+            match rows.iter_mut().find(|known| known.stage == row.stage) {
+                Some(known) => {
+                    known.steps += 1;
+                    known.words += row.words;
+                    known.ulp = known.ulp.max(row.ulp);
+                    known.histogram.iter_mut().zip(row.histogram).for_each(|(sum, count)| *sum += count);
+                    known.relative = known.relative.max(row.relative);
+                    known.faults.extend(row.faults);
+                }
+                None => rows.push(row),
             }
-            None => rows.push(row),
         }
     }
     Ok(rows)
@@ -118,8 +120,8 @@ impl Pair {
         Ok(Self { twin, reference: state.clone(), device: state.clone(), stale: SLOTS.to_vec() })
     }
 
-    /// Runs one step on both sides, and says what was found.
-    fn one(&mut self, step: Step, name: &str, plant: Option<Plant>) -> Result<Row> {
+    /// Runs one step on both sides, and says what was found: with each error planted in it alone, where there are any.
+    fn one(&mut self, step: Step, name: &str, plants: &[Plant]) -> Result<Vec<Row>> {
         let written: Vec<Slot> = step.stage.writes.iter().map(|(slot, _, _)| *slot).collect();
         poison(&mut self.reference, step);
         let size = |state: &State, slot: &Slot| state.data.bytes(*slot).len();
@@ -141,19 +143,29 @@ impl Pair {
         if !trespasses.is_empty() {
             self.twin = DeviceState::new(self.twin.device(), true)?;
         }
-        if let Some(plant) = plant.filter(|plant| plant.stage == step.stage.name)
-            && let [word, ..] = bytemuck::cast_slice_mut::<u8, u32>(self.device.data.bytes_mut(plant.slot))
-        {
+        step.reference(&mut self.reference);
+        let mut rows = Vec::new();
+        for plant in plants.iter().filter(|plant| plant.stage == step.stage.name) {
+            self.toggle(plant.slot, &written, &mut first);
+            rows.push(self.row(step, name, &first, &trespasses));
+            self.toggle(plant.slot, &written, &mut first);
+        }
+        if plants.is_empty() {
+            rows.push(self.row(step, name, &first, &trespasses));
+        }
+        let same = |slot: &Slot| self.reference.data.bytes(*slot) == self.device.data.bytes(*slot);
+        self.stale = SLOTS.iter().copied().filter(|slot| !trespasses.is_empty() || !same(slot)).collect();
+        Ok(rows)
+    }
+
+    /// Changes a bit in what the device gave back of this buffer, in both runs; or changes it back.
+    fn toggle(&mut self, slot: Slot, written: &[Slot], first: &mut [Vec<u8>]) {
+        if let [word, ..] = bytemuck::cast_slice_mut::<u8, u32>(self.device.data.bytes_mut(slot)) {
             *word ^= 0x4000_0000;
-            if let Some(at) = written.iter().position(|slot| *slot == plant.slot) {
+            if let Some(at) = written.iter().position(|known| *known == slot) {
                 first[at][..4].copy_from_slice(&word.to_ne_bytes());
             }
         }
-        step.reference(&mut self.reference);
-        let row = self.row(step, name, &first, &trespasses);
-        let same = |slot: &Slot| self.reference.data.bytes(*slot) == self.device.data.bytes(*slot);
-        self.stale = SLOTS.iter().copied().filter(|slot| !trespasses.is_empty() || !same(slot)).collect();
-        Ok(row)
     }
 
     /// What both sides hold after a step; `first` is what the device wrote in its first run.

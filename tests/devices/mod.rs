@@ -1,33 +1,60 @@
 //! Every usable device in turn, with validation, for the tests that need one.
 
-use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use milkglass::gpu::{Adapter, Device, Instance};
 
-/// One device at a time: messages belong to the instance that opened it.
-static TURN: Mutex<()> = Mutex::new(());
-
-/// Runs `body` on every usable device, with validation; fails where there is none, unless `MILKGLASS_NO_DEVICE` is set.
-pub fn on_devices(body: impl Fn(&Device)) {
-    let _turn = TURN.lock().unwrap_or_else(|broken| broken.into_inner());
+/// The usable device of this number, with validation. Fails where there is none at all, unless `MILKGLASS_NO_DEVICE` is set.
+fn opened(number: usize) -> Option<Device> {
+    let waived = std::env::var_os("MILKGLASS_NO_DEVICE").is_some();
     let instance = match Instance::open(true) {
         Ok(instance) => instance,
-        Err(error) if std::env::var_os("MILKGLASS_NO_DEVICE").is_some() => {
+        Err(error) if waived => {
             println!("WAIVED by MILKGLASS_NO_DEVICE: {error}");
-            return;
+            return None;
         }
         Err(error) => panic!("{error}"),
     };
     let usable: Vec<Adapter> = instance.adapters().unwrap().into_iter().filter(|a| a.unusable.is_none()).collect();
-    if usable.is_empty() && std::env::var_os("MILKGLASS_NO_DEVICE").is_some() {
+    assert!(!usable.is_empty() || waived, "no usable Vulkan device");
+    if usable.is_empty() {
         println!("WAIVED by MILKGLASS_NO_DEVICE: no usable device");
-        return;
     }
-    assert!(!usable.is_empty(), "no usable Vulkan device");
-    for adapter in usable {
-        let device = Device::open(&instance, &adapter).unwrap();
-        body(&device);
-        let messages = device.take_messages();
-        assert!(messages.is_empty(), "{}: {}", adapter.name, messages.join("\n"));
+    usable.get(number).map(|adapter| Device::open(&instance, adapter).unwrap())
+}
+
+/// Runs `body`, and has the validation layer agree.
+fn silent<R>(device: &Device, body: impl FnOnce(&Device) -> R) -> R {
+    let done = body(device);
+    let messages = device.take_messages();
+    assert!(messages.is_empty(), "{}: {}", device.name(), messages.join("\n"));
+    done
+}
+
+/// Runs `body` on every usable device.
+#[allow(dead_code, reason = "each test program uses one of the two")]
+pub fn on_devices(body: impl Fn(&Device)) {
+    for device in (0..).map_while(opened) {
+        silent(&device, &body);
+    }
+}
+
+/// The same for each of these, two at a time, each on a device of its own: half of the work keeps one core busy only.
+#[allow(dead_code, reason = "each test program uses one of the two")]
+pub fn on_devices_each<T: Sync>(items: &[T], body: impl Fn(&Device, &T) + Sync) {
+    let count = (0..).map_while(opened).count();
+    for number in 0..count {
+        let next = AtomicUsize::new(0);
+        let some = || {
+            silent(&opened(number).unwrap(), |device| {
+                while let Some(item) = items.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    body(device, item);
+                }
+            });
+        };
+        std::thread::scope(|scope| {
+            scope.spawn(some);
+            some();
+        });
     }
 }

@@ -52,7 +52,7 @@ pub fn conform(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let mut stages: Vec<Stage> = Vec::new();
     let mut count = 0;
     for few in bench.either(&FEW[..], &[""]) {
-        let found = fixtures(few)?.iter().map(|fixture| compare(device, fixture, None)).collect::<Result<Vec<_>>>()?;
+        let found = fixtures(few)?.iter().map(|fixture| compare(device, fixture, &[])).collect::<Result<Vec<_>>>()?;
         count += found.len();
         for row in found.into_iter().flatten() {
             for fault in &row.faults {
