@@ -52,14 +52,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(fault.expected(".png or .exr").into());
     }
     let size = texels(&arguments.size)?;
+    let files = arguments.memory.files();
     let scene = |path: &PathBuf, texture: &str| {
         let path = path.to_string_lossy().replace('\\', "\\\\").replace('"', "\\\"");
         let text = format!("[[object]]\nmesh = \"{path}\"\nmaterial = {{ preset = 'marble'{texture} }}\n");
-        Scene::parse_from("bake-layers", &text, &[], &arguments.memory.files())
+        Scene::parse_from("bake-layers", &text, &[], &files)
     };
     let outer = scene(&arguments.outer, ", texture = 'builtin:checker'")?;
     let inner = arguments.inner.iter().map(|path| scene(path, "")).collect::<Result<Vec<_>>>()?;
-    let baked = bake(&outer, &inner, size)?;
+    let baked = bake(&outer, &inner, size, files.memory())?;
+    for (path, count) in arguments.inner.iter().zip(&baked.behind).filter(|(_, count)| **count > 0) {
+        let (path, covered) = (path.display(), baked.covered);
+        tell!(
+            "{path}: {count} of {covered} rays meet it from behind: there it lies outside the outer surface, or faces inwards"
+        );
+    }
 
     let share = |depth: f64| match arguments.depth {
         Depth::Bright => depth / baked.deepest,

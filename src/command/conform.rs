@@ -72,8 +72,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.scenes.is_empty() {
         list.extend(fixtures(&arguments.only)?);
     }
+    let files = arguments.memory.files();
     for name in &arguments.scenes {
-        list.push(Fixture::of_scene(name, &Scene::load_from(name, &[], 0.0, &arguments.memory.files())?)?);
+        list.push(Fixture::of_scene(name, &Scene::load_from(name, &[], 0.0, &files)?)?);
     }
 
     let mut rows: Vec<(Device, Row)> = Vec::new();

@@ -10,7 +10,7 @@ use super::run::{Room, Session};
 use super::textures::texels;
 use crate::error::{Input, Result};
 use crate::geometry::trace::{UNFINISHED, trace};
-use crate::scene::{Mesh, Scene};
+use crate::scene::{Memory, Mesh, Scene};
 use crate::state::narrow;
 
 /// Depths of up to four surfaces below another, texel by texel, rows from the top.
@@ -23,6 +23,8 @@ pub struct Baked {
     pub covered: usize,
     /// Rays that met nothing: there the surface is as deep as the deepest.
     pub missed: usize,
+    /// For each surface, the rays that met it from behind: there it lies outside, or faces inwards.
+    pub behind: Vec<usize>,
 }
 
 /// A mesh ready for rays.
@@ -44,12 +46,16 @@ fn normals(mesh: &Mesh) -> Vec<DVec3> {
     sums.into_iter().map(DVec3::normalize_or_zero).collect()
 }
 
+/// Bytes that a texel of the map takes, and one that a triangle was found to cover.
+const MAP_BYTES: u64 = 160;
+const FOUND_BYTES: u64 = size_of::<(usize, [(f64, bool); 4])>() as u64;
+
 /// How often the boxes round all triangles together may cover the map.
 const MOST_TIMES: f64 = 32.0;
 
 /// Depths below the first object of `outer`, which has texture coordinates, of the first objects of up to four `inner`
-/// scenes in the same unit, each at least as deep as the one before.
-pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2]) -> Result<Baked> {
+/// scenes in the same unit, each at least as deep as the one before; within so much memory.
+pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2], memory: Memory) -> Result<Baked> {
     let mesh = &outer.objects[0].mesh;
     let uvs = mesh.uvs.as_deref().unwrap_or_default();
     let sessions = inner.iter().map(ready).collect::<Result<Vec<_>>>()?;
@@ -71,20 +77,26 @@ pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2]) -> Result<Baked> {
         let found = format!("triangles that go over {:.0} times the map", looked_at / places as f64);
         return Err(fault.found(found).expected(format!("at most {MOST_TIMES} times, places from 0 to 1")).into());
     }
+    let largest = uvs.iter().map(across).fold(places as f64, f64::max);
+    let needed = memory.need(places as u64 * MAP_BYTES + largest as u64 * FOUND_BYTES);
+    needed.map_err(|error| Input::new("the map is too large").key("--size").found(error))?;
 
-    // A ray down from each texel's place.
-    let down = |at: DVec3, normal: DVec3| -> [f64; 4] {
+    // A ray down from each texel's place: how far it goes, and whether what it meets is met from behind.
+    let down = |at: DVec3, normal: DVec3| -> [(f64, bool); 4] {
         std::array::from_fn(|k| {
-            let Some((data, units)) = below.get(k) else { return 0.0 };
+            let Some((data, units)) = below.get(k) else { return (0.0, false) };
             let hit = trace(data, narrow(units.inside(at)), narrow(-normal));
             if hit.face >= UNFINISHED {
-                f64::INFINITY
-            } else {
-                f64::from(hit.numerator / hit.denominator) / units.length
+                return (f64::INFINITY, false);
             }
+            let corner =
+                |k: usize| DVec3::from(data.positions[data.triangles[hit.face as usize][k] as usize].map(f64::from));
+            let [a, b, c] = [0, 1, 2].map(corner);
+            let behind = (b - a).cross(c - a).dot(normal) < 0.0;
+            (f64::from(hit.numerator / hit.denominator) / units.length, behind)
         })
     };
-    let of_face = |face: usize| -> Vec<(usize, [f64; 4])> {
+    let of_face = |face: usize| -> Vec<(usize, [(f64, bool); 4])> {
         let corners = mesh.triangles[face].map(|v| v as usize);
         let mix = |values: &[DVec3], weights: [f64; 3]| -> DVec3 {
             corners.iter().zip(weights).map(|(&v, weight)| weight * values[v]).sum()
@@ -93,10 +105,24 @@ pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2]) -> Result<Baked> {
         let depth = |w: [f64; 3]| down(mix(&mesh.positions, w), mix(&normals, w).normalize_or_zero());
         found.into_iter().map(|(texel, weights)| (texel, depth(weights))).collect()
     };
-    let faces: Vec<_> = (0..uvs.len()).into_par_iter().map(of_face).collect();
     let mut depths: Vec<Option<[f64; 4]>> = vec![None; places];
-    for (texel, depth) in faces.into_iter().flatten() {
-        depths[texel].get_or_insert(depth);
+    let (mut behind, mut done) = (vec![0; inner.len()], 0);
+    while done < uvs.len() {
+        // As many triangles as cover the map once, at least one.
+        let mut room = places as f64;
+        let fit = |uvs: &&[[f64; 2]; 3]| {
+            room -= across(uvs);
+            room >= 0.0
+        };
+        let end = done + uvs[done..].iter().take_while(fit).count().max(1);
+        let found: Vec<_> = (done..end).into_par_iter().map(of_face).collect();
+        for (texel, found) in found.into_iter().flatten() {
+            if depths[texel].is_none() {
+                depths[texel] = Some(found.map(|(depth, _)| depth));
+                behind.iter_mut().zip(found).for_each(|(count, (_, is))| *count += usize::from(is));
+            }
+        }
+        done = end;
     }
     let covered = depths.iter().flatten().count();
     let finite = depths.iter().flatten().flatten().copied().filter(|depth| depth.is_finite());
@@ -115,7 +141,7 @@ pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2]) -> Result<Baked> {
             *d = before;
         }
     }
-    Ok(Baked { depths: spread(depths, size), deepest, covered, missed })
+    Ok(Baked { depths: spread(depths, size), deepest, covered, missed, behind })
 }
 
 /// Gives each empty texel what its neighbours have, ring after ring, round the edges.

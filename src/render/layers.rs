@@ -100,6 +100,9 @@ fn about(islands: &Result<Atlas, Whole>) -> String {
         Err(Whole::TooLarge(texels)) => {
             format!("its maps have seams that show: islands with margins would take {texels} texels")
         }
+        Err(Whole::TooFolded) => {
+            "its maps have seams that show: triangles lie over one another in them too often to be laid out".into()
+        }
     }
 }
 

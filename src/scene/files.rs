@@ -24,9 +24,15 @@ impl Memory {
         Self { limit, taken: 0 }
     }
 
+    /// What is left of it.
+    #[must_use]
+    pub fn left(&self) -> u64 {
+        self.limit.saturating_sub(self.taken)
+    }
+
     /// An error of kind `OutOfMemory` with all three numbers where so many bytes more are too many.
     pub fn need(&self, bytes: u64) -> Result<()> {
-        if bytes <= self.limit.saturating_sub(self.taken) {
+        if bytes <= self.left() {
             return Ok(());
         }
         let [asked, taken, limit] = [bytes, self.taken, self.limit].map(in_words);
@@ -106,8 +112,7 @@ impl Files {
         let file = std::fs::File::open(path)?;
         let length = file.metadata()?.len();
         self.need(copies.saturating_mul(length))?;
-        let memory = self.memory.get();
-        let most = memory.limit.saturating_sub(memory.taken) / copies.max(1);
+        let most = self.memory.get().left() / copies.max(1);
         let mut bytes = Vec::with_capacity(length as usize);
         file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
         self.need(copies.saturating_mul(bytes.len() as u64))?;

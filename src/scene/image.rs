@@ -3,11 +3,14 @@
 //! What a file says of its size is checked before memory is taken: by the most pixels that it may have, by its own length,
 //! and by the memory of the scene.
 
+mod chunks;
+
 use super::files::Files;
 use exr::image::read::read;
 use exr::meta::BlockDescription;
 use exr::prelude::{Image as Decoded, *};
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+use image::codecs::hdr::HdrDecoder;
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
 use std::result::Result;
@@ -15,8 +18,12 @@ use std::result::Result;
 /// Size and pixels of an image file, rows from the top, or what is wrong with it.
 pub(super) type Image = Result<([u32; 2], Vec<[f32; 3]>), String>;
 
-/// Most bytes that one byte of a file may stand for: more than any of the compressions can do.
-const MOST_PACKED: u64 = 2048;
+/// Most bytes of pixels that one byte of a file may stand for: more than a deflated map of single bits, or a flat picture of
+/// transformed squares, deflated.
+const MOST_PACKED: u64 = 1 << 17;
+
+/// Most bytes that a PNG's colour profile may take.
+const MOST_BESIDE: u64 = 64 << 20;
 
 /// Whether an image of this size may be read, and the memory for it is there: of `stored` bytes a pixel, `kept` after it is
 /// read, `held` meanwhile.
@@ -42,7 +49,9 @@ fn fits(
 /// The bytes of an OpenEXR file all of whose layers fit, by their headers.
 fn open_exr(files: &Files, path: &Path, most: usize, kept: u64) -> Result<Vec<u8>, String> {
     let bytes = files.read(path, 1).map_err(|error| error.to_string())?;
-    let meta = MetaData::read_from_buffered(Cursor::new(&bytes), false).map_err(|error| error.to_string())?;
+    let mut cursor = Cursor::new(&bytes);
+    let meta = MetaData::read_from_buffered(&mut cursor, false).map_err(|error| error.to_string())?;
+    let headers = cursor.position() as usize;
     // The reader looks at the parts alone, and would take the samples of a deep pixel for pixels.
     if meta.requirements.has_deep_data {
         return Err("deep data, which is not supported".into());
@@ -61,6 +70,7 @@ fn open_exr(files: &Files, path: &Path, most: usize, kept: u64) -> Result<Vec<u8
             files.need(pixels.saturating_mul(2 * stored)).map_err(|error| error.to_string())?;
         }
     }
+    chunks::check(files, &bytes, headers, &meta)?;
     Ok(bytes)
 }
 
@@ -77,10 +87,21 @@ pub(super) fn read_exr(files: &Files, path: &Path, most: usize) -> Image {
     Ok(([width as u32, height as u32], pixels))
 }
 
+/// Radiance: what was multiplied into the pixels, by the file's `EXPOSURE` and `COLORCORR`, is undone.
 pub(super) fn read_hdr(files: &Files, path: &Path, most: usize) -> Image {
-    let image = decode(files, path, most, ImageFormat::Hdr)?.into_rgb32f();
-    let size = [image.width(), image.height()];
-    Ok((size, image.pixels().map(|pixel| pixel.0).collect()))
+    let bytes = files.read(path, 1).map_err(|error| error.to_string())?;
+    let decoder = HdrDecoder::new(Cursor::new(&bytes)).map_err(|error| error.to_string())?;
+    let meta = decoder.metadata();
+    let factor = [0, 1, 2]
+        .map(|c| meta.exposure.unwrap_or(1.0) * meta.color_correction.map_or(1.0, |rgb| [rgb.0, rgb.1, rgb.2][c]));
+    if factor.iter().any(|f| !f.is_normal() || *f < 0.0) {
+        return Err(format!("an exposure and colour correction of {factor:?}"));
+    }
+    // A pixel may be repeated as often as one likes.
+    fits(files, [meta.width.into(), meta.height.into()], most, [0, 16, 32], bytes.len())?;
+    let image = DynamicImage::from_decoder(decoder).map_err(|error| error.to_string())?.into_rgb32f();
+    let light = |pixel: [f32; 3]| [0, 1, 2].map(|c| pixel[c] / factor[c]);
+    Ok(([image.width(), image.height()], image.pixels().map(|pixel| light(pixel.0)).collect()))
 }
 
 /// Size, pixels of up to four channels with nothing undone, and how many there are.
@@ -91,7 +112,7 @@ pub(super) type Depths = Result<([u32; 2], Vec<[f32; 4]>, usize), String>;
 pub(super) fn read_depths(files: &Files, path: &Path, most: usize) -> Option<Depths> {
     let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
     match end.as_str() {
-        "png" => Some(decode(files, path, most, ImageFormat::Png).map(|image| {
+        "png" => Some(decode(files, path, most).map(|image| {
             let (channels, image) = (usize::from(image.color().channel_count()), image.into_rgba16());
             let size = [image.width(), image.height()];
             // Grey with opacity: two channels.
@@ -127,7 +148,7 @@ fn exr_depths(files: &Files, path: &Path, most: usize) -> Depths {
 
 /// 8 or 16 bits a channel, or one channel of grey; opacity is passed over.
 pub(super) fn read_png(files: &Files, path: &Path, most: usize) -> Image {
-    let image = decode(files, path, most, ImageFormat::Png)?.into_rgb16();
+    let image = decode(files, path, most)?.into_rgb16();
     let size = [image.width(), image.height()];
     let linear = |x: u16| {
         let x = f64::from(x) / 65535.0;
@@ -151,16 +172,38 @@ fn whole_palettes(bytes: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-fn decode(files: &Files, path: &Path, most: usize, format: ImageFormat) -> Result<DynamicImage, String> {
+fn decode(files: &Files, path: &Path, most: usize) -> Result<DynamicImage, String> {
     let bytes = files.read(path, 1).map_err(|error| error.to_string())?;
-    if format == ImageFormat::Png {
-        whole_palettes(&bytes)?;
-    }
-    let decoder = ImageReader::with_format(Cursor::new(&bytes), format).into_decoder();
-    let decoder = decoder.map_err(|error| error.to_string())?;
+    whole_palettes(&bytes)?;
+    let mut reader = ImageReader::with_format(Cursor::new(&bytes), ImageFormat::Png);
+    // What is beside the pixels is unpacked before they are looked at.
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(files.memory().left().min(MOST_BESIDE));
+    reader.limits(limits);
+    let decoder = reader.into_decoder().map_err(|error| error.to_string())?;
     let (width, height) = decoder.dimensions();
-    // Radiance files may repeat a pixel as often as they like.
-    let stored = if format == ImageFormat::Hdr { 0 } else { u64::from(decoder.color_type().bits_per_pixel() / 8) };
+    let stored = u64::from(decoder.color_type().bits_per_pixel() / 8);
     fits(files, [width.into(), height.into()], most, [stored, 16, 32], bytes.len())?;
     DynamicImage::from_decoder(decoder).map_err(|error| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_multiplied_into_a_radiance_file_is_undone() {
+        let file = |lines: &str| {
+            let head = format!("#?RADIANCE\n{lines}FORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n");
+            [head.as_bytes(), &[128, 64, 32, 129]].concat()
+        };
+        let names = ["plain", "bright", "tinted", "zero"];
+        let lines = ["", "EXPOSURE=2\nEXPOSURE=2\n", "COLORCORR=1 2 4\nEXPOSURE=0.5\n", "EXPOSURE=0\n"];
+        let files = Files::held(names.iter().zip(lines).map(|(name, lines)| (name.into(), file(lines))), 1 << 20);
+        let pixel = |name: &str| read_hdr(&files, Path::new(name), 1).map(|(_, pixels)| pixels[0]);
+        assert_eq!(pixel("plain"), Ok([1.0, 0.5, 0.25]));
+        assert_eq!(pixel("bright"), Ok([0.25, 0.125, 0.0625]));
+        assert_eq!(pixel("tinted"), Ok([2.0, 0.5, 0.125]));
+        assert!(pixel("zero").is_err_and(|words| words.contains("exposure")));
+    }
 }

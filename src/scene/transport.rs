@@ -57,7 +57,7 @@ pub struct Transport {
     pub budget: Option<u32>,
     /// How the CDRF is evaluated.
     pub cdrf: Cdrf,
-    /// Rows and columns of its table, 2 to 1024.
+    /// Rows and columns of its table, 8 to 1024.
     pub cdrf_table: u32,
     /// What its curvature is.
     pub curvature: Kappa,

@@ -62,7 +62,7 @@ pub fn png() -> Vec<Case> {
         (built([1, 0], grey, &[]), read),
         (built([u32::MAX, u32::MAX], grey, &[0]), read),
         (built([1 << 16, 1 << 16], grey, &[0]), "65536 x 65536 pixels, more than "),
-        (built([2048, 2048], grey, &[0]), "2048 x 2048 pixels in a file of "),
+        (built([2048, 2047], [16, 6, 0, 0, 0], &[0]), "2048 x 2047 pixels in a file of "),
         (built([2048, 2048], [16, 6, 0, 0, 0], &[0]), "2048 x 2048 pixels in a file of "),
         (built([2, 1], [3, 0, 0, 0, 0], &[0, 90, 90]), read),
         (built([2, 1], [8, 1, 0, 0, 0], &[0, 90, 90]), read),
@@ -103,6 +103,24 @@ pub fn exr() -> Vec<Case> {
     fn pack(exr: &mut Exr, compression: u8) {
         (exr.compression, exr.block, exr.data) = (compression, (0, 20), vec![0xa5; 20]);
     }
+    // One line that says its block has two gigabytes.
+    let long: fn(&mut Exr) = |exr| {
+        (exr.window, exr.compression, exr.block) = ([0, 0, 99_999, 0], 9, (0, i32::MAX));
+        exr.data = vec![0; 4096];
+    };
+    // Transformed squares of 2^62 averages.
+    let swollen: fn(&mut Exr) = |exr| {
+        (exr.window, exr.compression, exr.block) = ([0, 0, 7, 7], 8, (0, 96));
+        let counters = [2, 0, 0, 0, 6, 0, 0, 0, 0, 1u64 << 62, 0];
+        exr.data = [&counters.map(u64::to_le_bytes).concat()[..], &[2, 0, 0x78, 0x9c, 0, 0, 0, 0]].concat();
+    };
+    // Two lines, both of which the first is to be.
+    let twice = {
+        let bytes = of(|exr| exr.window = [0, 0, 1, 1]);
+        let (head, block) = bytes.split_at(bytes.len() - 32);
+        let at = (bytes.len() as u64 - 32 + 8).to_le_bytes();
+        [&head[..head.len() - 8], &at, &at, block].concat()
+    };
     let crowd: fn(&mut Exr) = |exr| {
         exr.window = [0, 0, 2047, 2047];
         exr.channels = (0..999).map(|k| (format!("c{k}"), 2, [1, 1])).collect();
@@ -123,8 +141,11 @@ pub fn exr() -> Vec<Case> {
         (of(|exr| exr.window = [i32::MIN, i32::MIN, i32::MAX, i32::MAX]), read),
         (of(|exr| exr.window = [0, 0, -1, -1]), read),
         (of(|exr| exr.window = [0, 0, 99_999, 99_999]), "100000 x 100000 pixels, more than "),
-        (of(|exr| exr.window = [0, 0, 2047, 2047]), "2048 x 2048 pixels in a file of "),
+        (of(|exr| exr.window = [0, 0, 2047, 2047]), read),
         (of(crowd), "2048 x 2048 pixels in a file of "),
+        (of(long), "a block that ends beyond the file"),
+        (of(swollen), "a block of 8 x 8 pixels with a section of 4611686018427387904 bytes or numbers"),
+        (twice, "a block that is there twice"),
         (of(|exr| pack(exr, 1)), read),
         (of(|exr| pack(exr, 3)), read),
         (of(|exr| pack(exr, 4)), read),

@@ -63,8 +63,9 @@ pub fn cases() -> Vec<Case> {
     let flat = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\nf 1 3 2\n";
     let marble = "material = { preset = 'marble' }\n";
     let crowd = format!("v 0 0 0\n{rim}{disk}");
-    let ways: [(&str, String, &'static str); 9] = [
+    let ways: [(&str, String, &'static str); 10] = [
         (&crowd, format!("{marble}[transport]\nhierarchy = 'butterfly'"), "too many triangles at one vertex"),
+        (&crowd, format!("{marble}[transport]\nhierarchy = 'shrink-wrap'"), "too many triangles at one vertex"),
         (
             TETRAHEDRON,
             "material = { preset = 'marble', texture = 'builtin:tiles' }".into(),

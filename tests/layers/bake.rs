@@ -22,10 +22,11 @@ fn a_map_holds_the_depths_of_the_surfaces_below() {
     let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (*name, text.as_str())).collect();
     let here = folder(&files);
     for (name, word) in [("a.png", "bright"), ("a.exr", "dark")] {
-        let (out, _) =
+        let (out, err) =
             good(&here, &format!("bake-layers skin.obj flesh.obj bone.obj -o {name} --size 32x8 --depth {word}"));
         assert!(out.starts_with(&format!("maps = [\"{name}\"]\ndepth = \"{word}\"\nscale = 1.9")), "{out}");
         let scale: f64 = out.lines().nth(2).unwrap().trim_start_matches("scale = ").parse().unwrap();
+        assert!(!err.contains("from behind"), "{err}");
         // Triangles cover the left half; the rest has what is nearest, round the edge too.
         assert!(out.contains("# 128 of 256 texels are covered by triangles, 0 rays met nothing"), "{out}");
         let image = image::open(here.path().join(name)).map(|image| image.into_rgba32f());
@@ -63,6 +64,20 @@ fn exr_texel(path: &std::path::Path, x: usize, y: usize) -> [f32; 4] {
     );
     let (width, pixels) = image.unwrap().layer_data.channel_data.pixels;
     pixels[y * width + x]
+}
+
+#[test]
+fn an_inner_surface_that_lies_outside_is_told() {
+    // Flesh round the skin: what a ray down meets is its far wall, from within.
+    let cube = |half: f64| -> String {
+        let corner = |k: usize| [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { half } else { -half });
+        let corners: String = (0..8).map(corner).map(|[x, y, z]| format!("v {x} {y} {}\n", z - 1.0)).collect();
+        corners + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
+    };
+    let (skin, large, small) = (square(0.0, 0.0, true), cube(5.0), cube(0.5));
+    let here = folder(&[("skin.obj", &skin), ("large.obj", &large), ("small.obj", &small)]);
+    let (_, err) = good(&here, "bake-layers skin.obj small.obj large.obj -o a.png --size 32x8");
+    assert!(err.contains("large.obj: 128 of 128 rays meet it from behind") && !err.contains("small.obj:"), "{err}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use milkglass::layers::relief;
 use milkglass::layout::Hit;
 use milkglass::render::plan::{Options, Transport};
 use milkglass::render::run::Session;
-use milkglass::scene::{DepthMap, Scene, Wrap};
+use milkglass::scene::{DepthMap, Mesh, Scene, Wrap};
 use milkglass::state::Place;
 
 use super::{scene, session};
@@ -169,4 +169,23 @@ fn islands_that_take_too_much_are_left_alone() {
     }
     let (mesh, map) = (&two.objects[0].mesh, &two.objects[0].material.layers.as_ref().unwrap().map);
     assert!(matches!(atlas(mesh, map, 1.0), Err(Whole::TooLarge(texels)) if texels > 1 << 30));
+}
+
+#[test]
+fn triangles_that_lie_over_one_another_are_left_alone() {
+    // A strip that goes to and fro over one place, 3000 times; its last triangle lies elsewhere, which makes a seam.
+    let place = |v: &u32| [[0.05, 0.05], [0.95, 0.05], [0.05, 0.95]][*v as usize % 3];
+    let triangle = |i: u32| if i.is_multiple_of(2) { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] };
+    let triangles: Vec<[u32; 3]> = (0..3000).map(triangle).collect();
+    let mut uvs: Vec<[[f64; 2]; 3]> = triangles.iter().map(|corners| corners.each_ref().map(place)).collect();
+    uvs[2999] = uvs[2999].map(|[u, v]| [0.5 * u + 0.2, 0.5 * v + 0.2]);
+    let mesh = Mesh {
+        positions: (0..3002).map(|v| DVec3::new(0.5 * f64::from(v), f64::from(v % 2), 0.0)).collect(),
+        input_face: (0..3000).collect(),
+        triangles,
+        uvs: Some(uvs),
+        ..Mesh::default()
+    };
+    let map = DepthMap::new([2048, 2048], 1, &vec![0.5; 1 << 22], Wrap::Clamp).unwrap();
+    assert_eq!(atlas(&mesh, &map, 1.0), Err(Whole::TooFolded));
 }

@@ -46,6 +46,20 @@ impl Sheet {
         size.x * size.y
     }
 
+    /// Texels that are looked at, one by one, for what is covered and, in such a margin, nearest.
+    pub fn work(&self, faces: &Faces<'_>, margin: f64) -> f64 {
+        let area = |low: DVec2, high: DVec2| (high - low + 1.0).element_product();
+        let of_face = |&face: &u32| {
+            let [a, b, c] = faces.places[face as usize];
+            area(a.min(b).min(c), a.max(b).max(c))
+        };
+        let of_edge = |&half: &u32| {
+            let [p, q] = faces.ends(half);
+            area(p.min(q) - margin - 1.0, p.max(q) + margin + 1.0)
+        };
+        self.faces.iter().map(of_face).sum::<f64>() + self.border.iter().map(of_edge).sum::<f64>()
+    }
+
     /// Settles on a margin.
     pub fn place(&mut self, margin: f64) {
         self.wide = margin as u32;

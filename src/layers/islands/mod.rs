@@ -24,6 +24,8 @@ const NONE: u32 = u32::MAX;
 const SAME: f64 = 1e-2;
 /// Texels of islands and margins, all layers together, or twice the user's own if those are more.
 const MOST: usize = 1 << 21;
+/// Most texels that are looked at for all triangles and borders together: about a minute.
+const MOST_WORK: f64 = (1u64 << 33) as f64;
 /// Fewest texels in a margin: what lies between two centres needs one.
 const LEAST: f64 = 2.0;
 
@@ -53,6 +55,8 @@ pub enum Whole {
     Seamless,
     /// Islands with the narrowest margins take this many texels, more than there may be.
     TooLarge(usize),
+    /// Triangles lie over one another in the maps so often that it would take too long to lay them out.
+    TooFolded,
 }
 
 /// The mesh's maps by islands, each with a margin that rays of length `reach` (scene units) do not leave.
@@ -124,8 +128,11 @@ pub fn atlas(mesh: &Mesh, map: &DepthMap, reach: f64) -> Result<Atlas, Whole> {
     let most = MOST.max(2 * map.texels.len()) as f64;
     let texels =
         |share: f64| sheets.iter().map(|sheet| sheet.texels(sheet.margin(reach, share))).sum::<f64>() * runs as f64;
-    let Some(share) = (0..40).map(|k| 0.8f64.powi(k)).chain([0.0]).find(|&share| texels(share) <= most) else {
-        return Err(Whole::TooLarge(texels(0.0) as usize));
+    let work = |share: f64| sheets.iter().map(|sheet| sheet.work(&faces, sheet.margin(reach, share))).sum::<f64>();
+    let fits = |share: &f64| texels(*share) <= most && work(*share) <= MOST_WORK;
+    let Some(share) = (0..40).map(|k| 0.8f64.powi(k)).chain([0.0]).find(fits) else {
+        let texels = texels(0.0);
+        return Err(if texels > most { Whole::TooLarge(texels as usize) } else { Whole::TooFolded });
     };
     sheets.iter_mut().for_each(|sheet| sheet.place(sheet.margin(reach, share)));
 

@@ -104,6 +104,8 @@ impl DepthMap {
             Depth::Dark => source.scale * (1.0 - f64::from(value)),
         };
         let (places, layers) = (size[0] as usize * size[1] as usize, source.layers);
+        let needed = files.need((places * (8 * layers + 16 * layers.div_ceil(4))) as u64);
+        needed.map_err(|error| Input::new("the maps are too large").key(key).found(error))?;
         let depths: Vec<f64> =
             (0..places * layers).map(|k| direct(images[k % layers / 4].1[k / layers][k % layers % 4])).collect();
         let rising = depths.chunks_exact(layers).flat_map(|column| column.windows(2)).filter(|p| p[1] < p[0]).count();

@@ -93,6 +93,7 @@ impl Mesh {
                 Err(fault.found("an object with material.texture").expected("another hierarchy, or no texture"))
             }
             Hierarchy::ShrinkWrap => {
+                crowds(&self, key)?;
                 let all = self.triangles.len();
                 let usual = (1..=LEVELS).rev().find(|levels| all >> (2 * levels) >= BASE).unwrap_or(1);
                 let (mesh, shares) = shrink_wrap(&self, transport.levels.unwrap_or(usual), files, report)?;

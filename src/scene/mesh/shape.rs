@@ -1,4 +1,4 @@
-//! Shapes made here: closed, outward, and as fine as their `detail` says.
+//! Shapes made here: closed but for the plane, outward, and as fine as their `detail` says.
 
 use super::{Mesh, bust, candle, fish, gecko, lotus, number, relief, sweep, uv};
 use glam::DVec3;
