@@ -40,7 +40,7 @@
 //! - [`layout`]: the one source of truth for records and buffers, shared with the build script and the shaders.
 //! - [`error`]: one error, by whose fault it is.
 //!
-//! `glsl/measure` measures devices and belongs to no stage; else `glsl/` has the same rooms and the same stems: `glsl/transport/gather.comp` is `src/transport/gather.rs`.
+//! `glsl/measure` measures devices and belongs to no stage; else `glsl/` has the same rooms and the same stems: `glsl/transport/push.comp` is `src/transport/push.rs`.
 //!
 //! # Words
 //!

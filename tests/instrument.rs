@@ -66,6 +66,9 @@ fn a_profile_hangs_together() {
         }
         assert!(row("gather").work.unwrap().exps > 0 && row("link").work.unwrap().exps == 0);
         assert_eq!(found.trace.len(), 3);
+        // Slow frames are fewer.
+        let few = profile(&scene, Some(device), &Settings { frames: 9, enough: 0.0, ..Settings::default() }).unwrap();
+        assert_eq!((few.frames, few.trace.len()), (3, 3));
     });
 }
 

@@ -67,7 +67,7 @@ enum Command {
     Pareto(pareto::Arguments),
     /// Measure everything and write it on one page, with plots and pictures.
     Report(report::Arguments),
-    /// Evaluate form factors or profiles, one a row of a CSV file.
+    /// Evaluate form factors, profiles, layered slabs or the CDRF, one a row of a CSV file.
     Eval(eval::Arguments),
     /// Bake a depth map from surfaces that lie in one another.
     BakeLayers(bake::Arguments),
@@ -134,7 +134,7 @@ impl SceneArguments {
 struct RunArguments {
     #[command(flatten)]
     device: DeviceArgument,
-    /// What is kept from frame to frame; one frame costs the same either way.
+    /// What is kept from frame to frame; a single frame gains nothing by it.
     #[arg(long, value_enum, default_value_t)]
     mode: ModeArgument,
     /// How light is carried through the material.

@@ -52,14 +52,15 @@ enum ChangeArgument {
 
 /// Measures, prints, and writes what is asked for.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let scene = arguments.scene.load()?;
+    let scene = arguments.run.of(&arguments.scene).load()?;
     let device = arguments.run.device.open(validation())?;
     let change = match arguments.change {
         ChangeArgument::Everything => Change::EVERYTHING,
         ChangeArgument::Light => Change::LIGHT,
         ChangeArgument::View => Change::VIEW,
     };
-    let settings = Settings { options: arguments.run.options(), change, frames: arguments.frames as usize };
+    let settings =
+        Settings { options: arguments.run.options(), change, frames: arguments.frames as usize, ..Settings::default() };
     let again = format!("milkglass profile {}", arguments.scene.scene);
     let own = arguments.replace.on(device.as_ref(), &scene, settings.options, &again)?;
     if let (Some(before), Some(after)) = (&device, &own) {

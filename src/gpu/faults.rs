@@ -113,7 +113,7 @@ fn words(name: &str, code: vk::Result) -> String {
         }
         vk::Result::ERROR_LAYER_NOT_PRESENT => (
             "the validation layer is not installed",
-            "install it (Debian: vulkan-validationlayers), or unset MILKGLASS_VALIDATION",
+            "install it (Debian: vulkan-validationlayers), or unset MILKGLASS_VALIDATION; `conform` takes --no-validation",
         ),
         vk::Result::ERROR_EXTENSION_NOT_PRESENT => {
             ("the driver lacks an extension that was asked for", "unset MILKGLASS_VALIDATION, or update the driver")

@@ -44,6 +44,10 @@ fn a_profile_on_the_cpu_has_times_only() {
     let (out, _) = good(&here, &format!("profile {SMALL} --frames 1 --device cpu --csv a.csv"));
     assert!(out.contains("the reference in f64") && !out.contains("FMA/s"), "{out}");
     assert!(read(&here, "a.csv").contains(",gather,"));
+    // The texture coordinates that it needs are made for it.
+    let blur = "--transport texture-blur --set transport.blur_texture=16";
+    let (out, _) = good(&here, &format!("profile {SMALL} {blur} --frames 1 --device cpu"));
+    assert!(out.contains("texture_blur"), "{out}");
     bad(&here, "profile sphere --frames 0", 2, &["--frames"]);
     bad(&here, "profile nowhere.toml", 2, &["nowhere.toml"]);
 }

@@ -31,11 +31,13 @@ pub struct Settings {
     pub change: Change,
     /// Frames that are timed, after those that warm up; at least 1.
     pub frames: usize,
+    /// Where three frames have taken that many seconds, no more are timed.
+    pub enough: f64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { options: Options::default(), change: Change::EVERYTHING, frames: 11 }
+        Self { options: Options::default(), change: Change::EVERYTHING, frames: 11, enough: f64::INFINITY }
     }
 }
 
@@ -147,7 +149,7 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
         scene: scene.name.clone(),
         device: device.map_or("cpu", Device::name).to_string(),
         driver: device.map_or("the f64 reference", Device::driver).to_string(),
-        frames: settings.frames,
+        frames: found[0].len(),
         rates,
         rows,
         wall: Spread::of(found[0].iter().map(|frame| frame.1).collect()),
@@ -208,7 +210,10 @@ pub(super) type Frames = Vec<(f64, f64, Vec<Timing>)>;
 /// Times frames of several sessions in turn, so that what disturbs one disturbs the others.
 pub(super) fn timed(sessions: &mut [&mut Session], settings: &Settings) -> Result<Vec<Frames>> {
     let (begin, mut found) = (Instant::now(), vec![Vec::new(); sessions.len()]);
-    for _ in 0..settings.frames.max(1) {
+    for turn in 0..settings.frames.max(1) {
+        if turn >= 3 && begin.elapsed().as_secs_f64() > settings.enough {
+            break;
+        }
         for (session, frames) in sessions.iter_mut().zip(&mut found) {
             let start = begin.elapsed().as_secs_f64() * 1e3;
             let times = session.frame(settings.change)?;
@@ -230,7 +235,7 @@ fn rows(session: &mut Session, frames: &Frames, settings: &Settings) -> Result<V
     let dispatches = if on_device { session.dispatches(settings.change)? } else { Vec::new() };
     let mut apart: Frames = Vec::new();
     // Half of the frames once more, each stage by itself.
-    for _ in 0..if on_device { settings.frames.div_ceil(2) } else { 0 } {
+    for _ in 0..if on_device { frames.len().div_ceil(2) } else { 0 } {
         apart.push((0.0, 0.0, session.apart(settings.change)?));
     }
     let mut rows: Vec<Row> = Vec::new();

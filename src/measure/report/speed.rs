@@ -100,9 +100,11 @@ pub fn profile(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
          measured in the same run.",
     );
     for name in bench.either(&["sphere"][..], &["sphere", "lotus", "fish", "bust"]) {
-        let settings = stages::Settings { frames: bench.either(5, 11), ..stages::Settings::default() };
+        let settings =
+            stages::Settings { frames: bench.either(5, 11), enough: bench.either(5.0, 20.0), ..Default::default() };
         let found = stages::profile(&Scene::load(name, &[])?, bench.device, &settings)?;
-        page.head(&format!("{name}: a frame from scratch, {:.2} ms by the host's clock", found.wall.median));
+        let (frames, wall) = (found.frames, found.wall.median);
+        page.head(&format!("{name}: a frame from scratch, {wall:.2} ms by the host's clock, the median of {frames}"));
         if let Some(rates) = &found.rates {
             let (copy, fma, exp) = (rates.copy * 1e-9, rates.fma * 1e-9, rates.exp * 1e-9);
             page.say(&format!(
