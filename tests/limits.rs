@@ -95,6 +95,16 @@ fn fewer_groups_make_more_rows() {
 }
 
 #[test]
+fn what_is_kept_fits_the_memory_of_the_scene() {
+    let mut scene = scene("links");
+    let options = Options { mode: Mode::Render, goal: Goal::Radiosity, ..Options::default() };
+    let kept = |scene: &Scene| Session::new(scene, None, options, Room::default()).unwrap().not_kept().is_none();
+    assert!(kept(&scene));
+    scene.memory.limit = scene.memory.taken + 3_000_000;
+    assert!(!kept(&scene));
+}
+
+#[test]
 fn links_too_many_to_keep_are_made_for_each_frame() {
     with(|device, instance| {
         for scheme in ["blocks", "links"] {

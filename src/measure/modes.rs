@@ -1,5 +1,7 @@
 //! What each mode costs after each change, against a frame from scratch of the same scheme: time, links, form factors, error.
 
+use std::time::Instant;
+
 use glam::DVec3;
 
 use crate::error::Result;
@@ -114,7 +116,10 @@ pub fn moved(scene: &Scene, what: What, step: usize) -> Scene {
     moved
 }
 
-/// The rows of one scene on a device or the CPU, each over so many frames: both schemes, every mode, every change, as far as
+/// Three frames that have taken so many seconds are enough.
+const ENOUGH: f64 = 5.0;
+
+/// The rows of one scene on a device or the CPU, each over so many frames, or fewer slow ones: both schemes, every mode, every change, as far as
 /// `only` has no word but scheme, mode and change of the row. The first row of a scheme is what the others are compared with.
 pub fn rows(device: Option<&Device>, scene: &Scene, frames: usize, only: &str) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
@@ -144,8 +149,11 @@ fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frame
     let options = Options { mode, goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(&moved(scene, what, 0), device, options, Room::default())?;
     session.frame(Change::EVERYTHING)?;
-    let (mut times, mut names) = (Vec::new(), Vec::new());
+    let (start, mut times, mut names) = (Instant::now(), Vec::new(), Vec::new());
     for step in 1..=frames {
+        if step > 3 && start.elapsed().as_secs_f64() > ENOUGH {
+            break;
+        }
         session.show(&moved(scene, what, step))?;
         // The same light again costs what another costs.
         let change = if what == What::Light { Change::LIGHT } else { Change::default() };
@@ -153,8 +161,8 @@ fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frame
         times.push(parts.iter().fold(0.0, |sum, part| sum + part.milliseconds));
         names = parts.into_iter().map(|part| part.name).collect();
     }
+    let links = links(&mut session, &moved(scene, what, times.len()), device)?;
     times.sort_by(f64::total_cmp);
-    let links = links(&mut session, &moved(scene, what, frames), device)?;
     let all = ["gather", "form_factor"].iter().any(|stage| names.iter().any(|name| name == stage));
     let factors = if all { links } else { session.renewed() };
     let error = worst(&verify(&mut session, 500, 1)?).l2;

@@ -103,6 +103,8 @@ impl Session {
         share_budget(&mut prepared.state, scene.transport.budget)?;
         let receivers = (if by_pixel { "receivers at triangles" } else { "receivers at pixels" }, why);
         let plan = Plan::new(&prepared.state, options).without(receivers.clone());
+        // Links and form factors are lists of their own, and all else wants room, too.
+        let room = Room { kept: room.kept.min(scene.memory.left() / 4), ..room };
         let lists = Lists::new(room, device.map(Device::limits));
         lists.cut(&mut prepared);
         let twin = device.map(|device| DeviceState::new(device, false)).transpose()?;
