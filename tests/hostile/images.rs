@@ -114,6 +114,11 @@ pub fn exr() -> Vec<Case> {
         let counters = [2, 0, 0, 0, 6, 0, 0, 0, 0, 1u64 << 62, 0];
         exr.data = [&counters.map(u64::to_le_bytes).concat()[..], &[2, 0, 0x78, 0x9c, 0, 0, 0, 0]].concat();
     };
+    // A tile of the 64th level.
+    let high: fn(&mut Exr) = |exr| {
+        (exr.flags, exr.tiles, exr.block) = (0x202, Some([2, 1]), (0, 0));
+        exr.data = [&[64, 0, 24].map(i32::to_le_bytes).concat()[..], &[0; 24]].concat();
+    };
     // Two lines, both of which the first is to be.
     let twice = {
         let bytes = of(|exr| exr.window = [0, 0, 1, 1]);
@@ -145,6 +150,7 @@ pub fn exr() -> Vec<Case> {
         (of(crowd), "2048 x 2048 pixels in a file of "),
         (of(long), "a block that ends beyond the file"),
         (of(swollen), "a block of 8 x 8 pixels with a section of 4611686018427387904 bytes or numbers"),
+        (of(high), "a block of a level beyond the last"),
         (twice, "a block that is there twice"),
         (of(|exr| pack(exr, 1)), read),
         (of(|exr| pack(exr, 3)), read),

@@ -62,6 +62,10 @@ fn place(header: &Header, rest: &mut &[u8]) -> Result<TileCoordinates, String> {
     let index = |at: i32| usize::try_from(at).map_err(|_| "a block before the first".to_string());
     if let BlockDescription::Tiles(_) = header.blocks {
         let [x, y, level_x, level_y] = [number(rest)?, number(rest)?, number(rest)?, number(rest)?];
+        // Sides halve at each level.
+        if level_x.max(level_y) > 31 {
+            return Err("a block of a level beyond the last".into());
+        }
         let [tile_index, level_index] = [Vec2(index(x)?, index(y)?), Vec2(index(level_x)?, index(level_y)?)];
         return Ok(TileCoordinates { tile_index, level_index });
     }
