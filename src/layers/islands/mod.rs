@@ -24,7 +24,7 @@ const NONE: u32 = u32::MAX;
 const SAME: f64 = 1e-2;
 /// Texels of islands and margins, all layers together, or twice the user's own if those are more.
 const MOST: usize = 1 << 21;
-/// Most texels that are looked at for all triangles and borders together: about a minute.
+/// Most texels that are looked at for all triangles and borders together.
 const MOST_WORK: f64 = (1u64 << 33) as f64;
 /// Fewest texels in a margin: what lies between two centres needs one.
 const LEAST: f64 = 2.0;
