@@ -1,12 +1,22 @@
-//! The CPU numerics against closed forms, independent quadrature, and published figures.
+//! The numerics against closed forms, independent quadrature, published figures, and the laws that they obey.
 
+#[path = "../devices/mod.rs"]
+mod devices;
+#[path = "../population/mod.rs"]
+mod population;
+
+mod curvature;
 mod edge_form;
+mod form_factor;
 mod fresnel;
 mod hierarchy;
 mod ladder;
 mod materials;
+mod method;
+mod properties;
 mod quadrature;
 mod reflectance;
 mod seeded;
 mod sphere;
 mod table_one;
+mod tables;

@@ -1,5 +1,4 @@
-//! The program from outside, one file a command or a subject. What fails, hangs or is given too little memory has programs
-//! of its own beside this one.
+//! The program from outside, one file a command or a subject.
 
 #[path = "../shell/mod.rs"]
 mod shell;
@@ -7,11 +6,13 @@ mod shell;
 mod aov;
 mod eval;
 mod extremes;
+mod failures;
 mod fit;
 mod lights;
 mod line;
 mod pareto;
 mod profile;
+mod report;
 mod stress;
 mod textures;
 mod validity;

@@ -1,10 +1,8 @@
 //! Devices that allow less: work is cut to fit, or done in another way that is said, or refused by name. Limits are lowered
 //! on a real device.
 
-mod devices;
-mod shell;
-
-use devices::on_devices;
+use crate::devices::on_devices;
+use crate::shell;
 use milkglass::command;
 use milkglass::gpu::faults::on_altered;
 use milkglass::gpu::{Adapter, Device, Instance, Limits};

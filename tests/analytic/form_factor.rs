@@ -3,21 +3,16 @@
 //!
 //! Without a device this fails, unless `MILKGLASS_NO_DEVICE=1` waives it, and then it says so.
 
-mod devices;
-mod population;
-#[path = "analytic/seeded.rs"]
-mod seeded;
-
-use devices::on_devices;
+use crate::devices::on_devices;
+use crate::population::{heights, longest, medium, population};
+use crate::seeded::{Seeded, percentile};
 use glam::DVec3;
 use milkglass::dipole::form_factor::Distance;
 use milkglass::dipole::form_factor::exact::{edge_form_exact, edge_form_fine};
 use milkglass::dipole::profile::Dipole;
 use milkglass::measure::stress::factor::{Pair, evaluated};
 use milkglass::scene::Scene;
-use population::{heights, longest, medium, population};
 use rayon::prelude::*;
-use seeded::{Seeded, percentile};
 
 /// Height of the nearer source over the plane, in longest edges, from which on the bounds hold: nearer than that, a corner
 /// rounded to `f32` moves over a share of the source's height that counts.

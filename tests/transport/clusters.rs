@@ -1,12 +1,10 @@
 //! `render --view clusters`: the emitters of one receiver settle every triangle that shines, once.
 
-mod shell;
-
+use crate::shell::{bad, folder, good};
 use milkglass::render::clusters::clusters;
 use milkglass::render::plan::{Change, Mode, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::Scene;
-use shell::{bad, folder, good};
 
 #[test]
 fn emitters_settle_every_lit_triangle_once() {

@@ -2,12 +2,10 @@
 //!
 //! Without a device this fails, unless `MILKGLASS_NO_DEVICE=1` waives it, and then it says so.
 
-mod devices;
-
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock};
 
-use devices::{on_devices, on_devices_each};
+use crate::devices::{on_devices, on_devices_each};
 use milkglass::layout::{SLOTS, Slot};
 use milkglass::measure::conform::{Plant, Row, conform};
 use milkglass::measure::fixtures::{Fixture, covered, fixtures};

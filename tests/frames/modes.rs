@@ -1,8 +1,7 @@
 //! What the modes keep between frames, and that nothing of it shows in the results.
 
-mod devices;
-mod shell;
-
+use crate::devices;
+use crate::shell::{bytes, folder, good};
 use milkglass::gpu::Device;
 use milkglass::layout::Slot;
 use milkglass::measure::norms::worst;
@@ -10,7 +9,6 @@ use milkglass::measure::reference::verify;
 use milkglass::render::plan::{Change, Goal, Mode, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::{Light, Scene};
-use shell::{bytes, folder, good};
 
 const RENDER: Options = Options {
     transport: milkglass::render::plan::Transport::Hierarchy,

@@ -1,10 +1,8 @@
 //! Opaque objects in pictures: lit where the pixels show them.
 
-mod devices;
-
 use std::f64::consts::PI;
 
-use devices::on_devices;
+use crate::devices::on_devices;
 use glam::DVec3;
 use milkglass::gpu::Device;
 use milkglass::layout::Slot;

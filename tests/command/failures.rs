@@ -1,13 +1,11 @@
 //! What goes wrong round the program: disks that fill up, readers that leave, Ctrl-C, a Vulkan that is not there.
 
-mod shell;
-
 use std::io::Read;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use shell::{bad, folder, good, names, program, said};
+use crate::shell::{self, bad, folder, good, names, program, said};
 
 const SMALL: &str = "sphere --set object.0.detail=1 --size 64x48";
 

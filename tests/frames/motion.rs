@@ -1,7 +1,6 @@
 //! Shapes that move: deformations, keyframes, sequences.
 
-mod shell;
-
+use crate::shell::{bad, bytes, folder, good, names, numbers, read};
 use milkglass::layout::Slot;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
@@ -9,7 +8,6 @@ use milkglass::render::plan::{Change, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::render::shape::turned;
 use milkglass::scene::{Deform, Scene};
-use shell::{bad, bytes, folder, good, names, numbers, read};
 
 const SCENE: &str = "[camera]\nposition = [0, 9, 30]\nsize = [40, 30]\nfov = 40\n\n\
     [[light]]\ntype = 'point'\nposition = [0, 20, { keyframes = [[0, 9], [3, -9]] }]\n\

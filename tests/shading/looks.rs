@@ -1,15 +1,13 @@
 //! What pictures look like: light that leaves, reflections, backgrounds; and what is refused.
 
-mod shell;
-
 use std::f64::consts::PI;
 
+use crate::shell::{bad, bytes, folder, good, read};
 use milkglass::light::fresnel::transmittance;
 use milkglass::render::plan::{Change, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::render::samples::picture;
 use milkglass::scene::Scene;
-use shell::{bad, bytes, folder, good, read};
 
 /// A small ball with these settings, drawn by the reference.
 fn session(sets: &[&str]) -> Session {

@@ -1,8 +1,7 @@
 //! Links that are kept while the shape changes: those of a frame from scratch, and never more work than was asked for.
 
-mod devices;
-mod shell;
-
+use crate::devices;
+use crate::shell::{bad, folder, good};
 use milkglass::gpu::Device;
 use milkglass::layout::Slot;
 use milkglass::measure::modes::{What, moved};
@@ -10,7 +9,6 @@ use milkglass::render::plan::{Change, Goal, Mode, Options, Transport};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::Scene;
 use milkglass::state::Place;
-use shell::{bad, folder, good};
 
 const INCREMENTAL: Options =
     Options { transport: Transport::Hierarchy, mode: Mode::Incremental, goal: Goal::Radiosity, estimate: false };

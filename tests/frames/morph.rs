@@ -1,8 +1,6 @@
 //! Morphs between meshes of equal topology.
 
-mod shell;
-
-use shell::{bad, bytes, folder, good, numbers, read};
+use crate::shell::{bad, bytes, folder, good, numbers, read};
 use tempfile::TempDir;
 
 /// A pyramid over a square: its square's sides, and how far its top is out.

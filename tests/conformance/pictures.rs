@@ -2,10 +2,9 @@
 //!
 //! After a wanted change of look: `milkglass render NAME --size 240x240 -o tests/pictures/NAME.png`; see `MORE`, too.
 
-mod devices;
-
 use std::path::Path;
 
+use crate::devices;
 use milkglass::gpu::Device;
 use milkglass::render::plan::{Change, Options, Transport};
 use milkglass::render::run::{Room, Session};

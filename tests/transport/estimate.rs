@@ -1,8 +1,7 @@
 //! The error estimate against the true error on every built-in scene, on the CPU and on the default device; and that it
 //! costs nothing, not a bit, where nobody asks for it.
 
-mod devices;
-
+use crate::devices;
 use milkglass::gpu::{Device, Instance, faults::watch};
 use milkglass::layout::Slot;
 use milkglass::measure::estimate::Quality;

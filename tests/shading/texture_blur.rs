@@ -1,14 +1,12 @@
 //! Light blurred over texture coordinates: what runs for it, what it gives back, and what it asks of a mesh.
 
-mod shell;
-
+use crate::shell::{bad, folder, good};
 use milkglass::layout::{SLOTS, Slot};
 use milkglass::light::fresnel::transmittance;
 use milkglass::render::plan::{Change, Options, Transport};
 use milkglass::render::prepare::dipoles;
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::Scene;
-use shell::{bad, folder, good};
 
 const BLUR: Transport = Transport::TextureBlur;
 const STAGES: [&str; 3] = ["unwrap", "blur", "texture_blur"];

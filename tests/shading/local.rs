@@ -1,15 +1,12 @@
 //! Local shading: what runs for it and what does not, and what its pictures show.
 
-mod devices;
-mod shell;
-
-use devices::on_devices;
+use crate::devices::on_devices;
+use crate::shell::{bad, folder, good};
 use milkglass::layout::{SLOTS, Slot};
 use milkglass::local::reflectance::zonal;
 use milkglass::render::plan::{Change, Options, Transport};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::Scene;
-use shell::{bad, folder, good};
 
 const CDRF: Options = options(Transport::Cdrf);
 const LAMBERT: Options = options(Transport::Lambert);

@@ -1,11 +1,10 @@
 //! Every call of Vulkan that can fail, made to fail: a clear error, nothing leaked, and everything as right afterwards as if
 //! nothing had happened.
 
-mod devices;
-
 use std::collections::BTreeSet;
 use std::time::Duration;
 
+use crate::devices;
 use milkglass::command;
 use milkglass::error::{Error, Result};
 use milkglass::gpu::faults::{Call, watch};

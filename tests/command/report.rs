@@ -1,9 +1,7 @@
 //! `milkglass report` from outside: a page that is whole, refers to nothing outside, and what is refused.
 
-mod shell;
-
+use crate::shell::{bad, folder, good, names, read};
 use milkglass::measure::report::SECTIONS;
-use shell::{bad, folder, good, names, read};
 
 /// Tags that have no end.
 const VOID: [&str; 4] = ["meta", "link", "img", "!doctype"];

@@ -1,10 +1,8 @@
 //! The instrument: what is counted is right, a profile hangs together, and a frame makes what its plan lists and no more.
 
-mod devices;
-
 use std::collections::BTreeSet;
 
-use devices::on_devices;
+use crate::devices::on_devices;
 use milkglass::gpu::{Alone, Device};
 use milkglass::layout::Slot;
 use milkglass::measure::profile::{Settings, against, profile};

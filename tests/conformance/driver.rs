@@ -2,9 +2,7 @@
 //! loop early keep, of a variable that the loop assigns unconditionally, the value of those that go on, once the variable
 //! indexes a buffer after the loop. `tests/kernels/loops.comp` has that shape and the ones that kernels use instead.
 
-mod devices;
-
-use devices::on_devices;
+use crate::devices::on_devices;
 use milkglass::gpu::{Alone, Device};
 use milkglass::layout::Slot;
 use milkglass::measure::norms::worst;

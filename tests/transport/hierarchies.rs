@@ -1,14 +1,12 @@
 //! Hierarchies of 4-to-1 splits: butterfly subdivision and shrink-wrapping, and what their trees are good for.
 
-mod shell;
-
+use crate::shell::{bad, bytes, folder, good, numbers, read};
 use milkglass::layout::Slot;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
 use milkglass::render::plan::{Change, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::{Hierarchy, Scene};
-use shell::{bad, bytes, folder, good, numbers, read};
 
 const MOVED: &str = "object.0.deform=[{ type = 'noise', amplitude = 1, scale = 5 }, { type = 'twist', angle = 150 }]";
 const BUTTERFLY: [&str; 4] = [MOVED, "object.0.detail=1", "transport.hierarchy=butterfly", "transport.levels=2"];

@@ -1,8 +1,6 @@
 //! `--transport octree` from outside: as right as its threshold allows, on the CPU and on a device, and where it runs.
 
-mod shell;
-
-use shell::{bad, folder, good, numbers, read};
+use crate::shell::{bad, folder, good, numbers, read};
 
 const DEVICES: [&str; 2] = ["--device cpu", ""];
 

@@ -1,0 +1,13 @@
+//! Every device against the reference, and what a device, its driver and its limits may do.
+
+#[path = "../devices/mod.rs"]
+mod devices;
+#[path = "../shell/mod.rs"]
+mod shell;
+
+mod driver;
+mod faults;
+mod instrument;
+mod limits;
+mod pictures;
+mod stages;

@@ -1,0 +1,11 @@
+//! What moves: deformations and sequences, and what is kept from one frame to the next.
+
+#[path = "../devices/mod.rs"]
+mod devices;
+#[path = "../shell/mod.rs"]
+mod shell;
+
+mod incremental;
+mod modes;
+mod morph;
+mod motion;

@@ -1,0 +1,14 @@
+//! What a camera sees: objects, textures, pixels, and shading by local means.
+
+#[path = "../devices/mod.rs"]
+mod devices;
+#[path = "../shell/mod.rs"]
+mod shell;
+
+mod local;
+mod looks;
+mod objects;
+mod pixels;
+mod plain;
+mod texture_blur;
+mod textures;

@@ -1,0 +1,13 @@
+//! Light carried inside a material: trees of faces and of space, links and blocks, and the estimate of their error.
+
+#[path = "../devices/mod.rs"]
+mod devices;
+#[path = "../shell/mod.rs"]
+mod shell;
+
+mod blocks;
+mod clusters;
+mod estimate;
+mod hierarchies;
+mod octree;
+mod subdivide;
