@@ -35,12 +35,18 @@ fn ulp(a: f32, b: f32) -> u64 {
     order(a).abs_diff(order(b))
 }
 
-/// Compares one buffer of two states.
-pub fn compare(slot: Slot, reference: &State, device: &State, tolerance: Tolerance) -> Comparison {
+/// Compares one buffer of two states; words and distances are told of `part`, a first element and their number.
+pub fn compare(
+    slot: Slot,
+    reference: &State,
+    device: &State,
+    tolerance: Tolerance,
+    part: (usize, usize),
+) -> Comparison {
     let layout = (slot.spec().words)();
     let (a, b): (&[u32], &[u32]) =
         (bytemuck::cast_slice(reference.data.bytes(slot)), bytemuck::cast_slice(device.data.bytes(slot)));
-    let mut result = Comparison { words: a.len(), ..Comparison::default() };
+    let mut result = Comparison { words: part.1 * layout.len(), ..Comparison::default() };
     if a.len() != b.len() {
         result.failures = a.len().abs_diff(b.len());
         result.first = Some(format!("{} words on the device, {} expected", b.len(), a.len()));
@@ -49,7 +55,7 @@ pub fn compare(slot: Slot, reference: &State, device: &State, tolerance: Toleran
 
     let floats = |k: &usize| layout[*k].number == Number::Float;
     if a == b {
-        result.histogram[0] = (a.len() / layout.len() * (0..layout.len()).filter(floats).count()) as u64;
+        result.histogram[0] = (part.1 * (0..layout.len()).filter(floats).count()) as u64;
         return result;
     }
     let group = |k: usize| layout[k].path.trim_end_matches(|c: char| c == '.' || c.is_ascii_digit());
@@ -58,19 +64,24 @@ pub fn compare(slot: Slot, reference: &State, device: &State, tolerance: Toleran
     for (i, (&x, &y)) in a.iter().zip(b).enumerate() {
         let k = i % layout.len();
         let word = &layout[k];
-        if word.number == Number::Float {
+        let told = (part.0..part.0 + part.1).contains(&(i / layout.len()));
+        if word.number == Number::Float && told {
             let distance = if x == y { 0 } else { ulp(f32::from_bits(x), f32::from_bits(y)) };
             result.histogram[BINS.iter().take_while(|most| distance > **most).count()] += 1;
+            result.ulp = result.ulp.max(distance);
         }
         let passes = match (&rules[k], word.number) {
-            (Some(rule), Number::Float) if x != y => {
-                let lowest = rule.floor * rule.of.map_or(1.0, |of| f64::from(f32::from_bits(a[i - k + of])));
+            (rule, Number::Float) if x != y => {
                 let (p, q) = (f32::from_bits(x), f32::from_bits(y));
                 let difference = (f64::from(p) - f64::from(q)).abs();
-                let allowed = rule.relative * f64::from(p).abs() + lowest;
-                result.ulp = result.ulp.max(ulp(p, q));
-                result.relative = result.relative.max(difference / f64::from(p).abs().max(lowest).max(1e-38));
-                p.is_finite() && q.is_finite() && difference <= allowed
+                let of = |rule: &Rule| rule.of.map_or(1.0, |of| f64::from(f32::from_bits(a[i - k + of])));
+                let lowest = rule.as_ref().map_or(0.0, |rule| rule.floor * of(rule));
+                let allowed = rule.as_ref().map_or(0.0, |rule| rule.relative * f64::from(p).abs() + lowest);
+                let relative = difference / f64::from(p).abs().max(lowest).max(1e-38);
+                // What is no number is as far as can be.
+                result.relative = result.relative.max(if relative.is_nan() { f64::INFINITY } else { relative });
+                // Where bits count, two zeros of unlike signs differ.
+                rule.is_some() && p.is_finite() && q.is_finite() && difference <= allowed
             }
             _ => x == y,
         };
@@ -160,21 +171,22 @@ mod tests {
         let reference = state(vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
         let device = state(vec![[1.0, 2.0, 3.0], [4.0, 5.001, 6.0]]);
         let tight = Tolerance::Float { relative: 1e-5, floor: 0.0 };
-        let found = compare(Slot::radiosity, &reference, &device, tight);
+        let found = compare(Slot::radiosity, &reference, &device, tight, (0, 2));
         assert_eq!((found.words, found.failures), (6, 1));
         assert_eq!(found.histogram, [5, 0, 0, 0, 0, 0, 1, 0]);
         assert!(
             found.first.as_ref().is_some_and(|text| text.starts_with("radiosity[1].1: reference 5e0 (0x40a00000)"))
         );
         let loose = Tolerance::Float { relative: 1e-3, floor: 0.0 };
-        assert_eq!(compare(Slot::radiosity, &reference, &device, loose).failures, 0);
-        assert_eq!(compare(Slot::radiosity, &reference, &device, Tolerance::Exact).failures, 1);
+        assert_eq!(compare(Slot::radiosity, &reference, &device, loose, (0, 2)).failures, 0);
+        assert_eq!(compare(Slot::radiosity, &reference, &device, Tolerance::Exact, (0, 2)).failures, 1);
     }
 
     #[test]
     fn no_number_is_never_within_tolerance() {
         let tolerance = Tolerance::Float { relative: 1.0, floor: 1.0 };
-        let found = compare(Slot::radiosity, &state(vec![[1.0; 3]]), &state(vec![[1.0, f32::NAN, 1.0]]), tolerance);
+        let found =
+            compare(Slot::radiosity, &state(vec![[1.0; 3]]), &state(vec![[1.0, f32::NAN, 1.0]]), tolerance, (0, 1));
         assert_eq!(found.failures, 1);
         assert_eq!(found.ulp, u64::MAX);
     }

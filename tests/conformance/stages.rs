@@ -6,13 +6,42 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock};
 
 use crate::devices::{on_devices, on_devices_each};
+use milkglass::gpu::{sources, spirv};
 use milkglass::layout::{SLOTS, Slot};
-use milkglass::measure::conform::{Plant, Row, conform};
+use milkglass::measure::conform::{Plant, Row, conform, conform_stages};
 use milkglass::measure::fixtures::{Fixture, covered, fixtures};
 use milkglass::render::plan::{Change, Goal, Mode, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::render::stages::STAGES;
 use milkglass::scene::Scene;
+use milkglass::state::dispatches;
+
+/// A kernel that does nothing: the built-in one's SPIR-V, with a return before anything else.
+fn idle(kernel: &str) -> Vec<u32> {
+    const ENTRY: u32 = 15;
+    const FUNCTION: u32 = 54;
+    const VARIABLE: u32 = 59;
+    const LABEL: u32 = 248;
+    const RETURN: u32 = 253;
+    let mut words: Vec<u32> = bytemuck::pod_collect_to_vec(spirv(kernel).unwrap());
+    let (mut entry, mut inside, mut labelled, mut at) = (0, false, false, 5);
+    loop {
+        let (length, code) = ((words[at] >> 16) as usize, words[at] & 0xffff);
+        match code {
+            ENTRY => entry = words[at + 2],
+            FUNCTION => inside = words[at + 2] == entry,
+            LABEL if inside => labelled = true,
+            VARIABLE => {}
+            // What follows is a block that nothing leads to.
+            _ if labelled => break,
+            _ => {}
+        }
+        at += length;
+    }
+    words.splice(at..at, [1 << 16 | RETURN, 2 << 16 | LABEL, words[3]]);
+    words[3] += 1;
+    words
+}
 
 /// The fixtures, made once.
 fn all() -> &'static [Fixture] {
@@ -54,6 +83,42 @@ fn the_overflowing_fixtures_overflow() {
     assert!(cursor.overflow == 1 && cursor.need_links > frame.link_room, "{cursor:?}");
     let (cursor, frame) = after("hand-downs that overflow");
     assert!(cursor.overflow == 1 && cursor.need_hands > frame.hand_room, "{cursor:?}");
+}
+
+/// Proves that every kernel does something, in some fixture, that memory shows.
+#[test]
+fn a_kernel_that_does_nothing_is_reported() {
+    let list = all();
+    // Of each kernel the fixtures that run it, small ones first.
+    let mut order: Vec<usize> = (0..list.len()).collect();
+    order.sort_by_key(|&k| list[k].state.data.triangles.len());
+    let mut kernels: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    for k in order {
+        for dispatch in dispatches(&list[k].state, &list[k].steps, 8).unwrap() {
+            let known = kernels.entry(dispatch.kernel).or_default();
+            if known.last() != Some(&k) {
+                known.push(k);
+            }
+        }
+    }
+    for name in sources().filter(|name| !name.ends_with(".glsl") && !name.starts_with("measure/")) {
+        assert!(kernels.contains_key(name), "no fixture runs kernel {name}");
+    }
+    let unseen = Mutex::new(Vec::new());
+    on_devices_each(&kernels.into_iter().collect::<Vec<_>>(), |device, (kernel, fixtures)| {
+        let device = device.replacing(kernel, idle(kernel));
+        let stage = [kernel.split('/').nth(1).unwrap().to_string()];
+        let seen = |&k: &usize| {
+            let rows = conform_stages(&device, &list[k], &stage).unwrap();
+            // What the validation layer says of such a kernel is no matter.
+            rows.iter().any(|row| row.faults.iter().any(|fault| fault.contains("beyond tolerance")))
+        };
+        if !fixtures.iter().any(seen) {
+            unseen.lock().unwrap().push(format!("{}: {kernel}, {} fixtures", device.name(), fixtures.len()));
+        }
+    });
+    let unseen = unseen.into_inner().unwrap();
+    assert!(unseen.is_empty(), "these may do nothing:\n{}", unseen.join("\n"));
 }
 
 #[test]
