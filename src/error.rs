@@ -48,16 +48,25 @@ impl std::fmt::Display for Input {
             write!(out, ": ")?;
         }
         if let Some(key) = &self.key {
-            write!(out, "{key}: ")?;
+            write!(out, "{}: ", short(key))?;
         }
         write!(out, "{}", self.what)?;
         if let Some(found) = &self.found {
-            write!(out, "; found {found}")?;
+            write!(out, "; found {}", short(found))?;
         }
         if let Some(expected) = &self.expected {
             write!(out, "; expected {expected}")?;
         }
         Ok(())
+    }
+}
+
+/// What a file gave, cut where it is longer than anyone reads.
+fn short(text: &str) -> std::borrow::Cow<'_, str> {
+    const MOST: usize = 400;
+    match text.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}... ({} bytes)", &text[..end], text.len()).into(),
+        None => text.into(),
     }
 }
 

@@ -9,7 +9,7 @@ use super::{MemoryArgument, print};
 use crate::error::{Input, Result};
 use crate::render::bake::bake;
 use crate::scene::Scene;
-use crate::view::whole::encode_whole;
+use crate::view::whole::{encode_whole, ready};
 
 /// Arguments of `bake-layers`.
 #[derive(Args)]
@@ -51,6 +51,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let fault = Input::new("a map's name says its format").key("-o").found(arguments.output.display());
         return Err(fault.expected(".png or .exr").into());
     }
+    ready([("-o", Some(&arguments.output))])?;
     let size = texels(&arguments.size)?;
     let files = arguments.memory.files();
     let scene = |path: &PathBuf, texture: &str| {

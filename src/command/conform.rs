@@ -6,6 +6,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::device::{opened, pick};
+use super::how::{HowArguments, quoted, repeated};
 use super::replace::{ReplaceArgument, replaced};
 use super::{MemoryArgument, print, table};
 use crate::error::{Error, Input, Result};
@@ -14,9 +15,10 @@ use crate::measure::conform::{BINS, Row, conform, conform_stages};
 use crate::measure::fixtures::{Fixture, fixtures};
 use crate::measure::replace;
 use crate::measure::verdict::verdict;
+use crate::render::run::Room;
 use crate::render::stages::{STAGES, stage};
 use crate::scene::Scene;
-use crate::view::picture::write_whole;
+use crate::view::whole::{ready, write_whole};
 
 /// Arguments of `conform`.
 #[derive(Args)]
@@ -27,6 +29,14 @@ use crate::view::picture::write_whole;
 pub struct Arguments {
     /// Scenes to compare on; without any, the built-in fixtures.
     scenes: Vec<String>,
+    /// Change a value of the scenes: `object.0.material.preset=ketchup`.
+    #[arg(long = "set", value_name = "KEY=VALUE", requires = "scenes")]
+    sets: Vec<String>,
+    /// The frame, where values of the scenes have keyframes.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, requires = "scenes")]
+    frame: f64,
+    #[command(flatten)]
+    how: HowArguments,
     /// A device's number in `milkglass devices`, or a part of its name [default: every Vulkan device].
     #[arg(long, value_name = "DEVICE")]
     device: Option<String>,
@@ -34,7 +44,7 @@ pub struct Arguments {
     #[arg(long)]
     no_validation: bool,
     /// Only fixtures whose name contains this.
-    #[arg(long, value_name = "TEXT", default_value = "")]
+    #[arg(long, value_name = "TEXT", default_value = "", conflicts_with = "scenes")]
     only: String,
     #[command(flatten)]
     memory: MemoryArgument,
@@ -50,6 +60,7 @@ pub struct Arguments {
 
 /// Runs the fixtures on every device asked for; fails on any difference beyond tolerance.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    ready([("--json", arguments.json.as_ref())])?;
     if let Some(name) = arguments.stage.iter().find(|name| stage(name).is_none()) {
         let names: Vec<_> = STAGES.iter().map(|stage| stage.name).collect();
         return Err(Input::new("there is no such stage").key("--stage").found(name).expected(names.join(", ")).into());
@@ -58,12 +69,19 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let instance = Instance::open(!arguments.no_validation)?;
     let adapters = instance.adapters()?;
     let chosen: Vec<&Adapter> = match arguments.device.as_deref() {
-        Some("cpu") => {
+        Some(wish) if wish.eq_ignore_ascii_case("cpu") => {
             let fault = Input::new("the CPU is the reference itself").key("--device").found("cpu");
             return Err(fault.expected("a Vulkan device").into());
         }
         Some(wish) => vec![pick(&adapters, wish)?],
-        None => adapters.iter().filter(|adapter| adapter.unusable.is_none()).collect(),
+        None => {
+            for adapter in &adapters {
+                if let Some(why) = &adapter.unusable {
+                    tell!("{} is left out: {why}", adapter.name);
+                }
+            }
+            adapters.iter().filter(|adapter| adapter.unusable.is_none()).collect()
+        }
     };
     if chosen.is_empty() {
         return Err(Error::device("comparing devices with the CPU", "there is no usable Vulkan device"));
@@ -74,7 +92,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let files = arguments.memory.files();
     for name in &arguments.scenes {
-        list.push(Fixture::of_scene(name, &Scene::load_from(name, &[], 0.0, &files)?)?);
+        let scene = Scene::load_from(name, &arguments.how.of(&arguments.sets), arguments.frame, &files)?;
+        let options = arguments.how.options();
+        list.push(Fixture::new(name, &scene, options, Room::default()).map_err(|error| scene.placed(error))?);
     }
 
     let mut rows: Vec<(Device, Row)> = Vec::new();
@@ -92,9 +112,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let value: Vec<_> = rows
             .iter()
             .map(|(device, row)| {
+                // Null, as `relative` is then, where one is no number.
+                let ulp = (row.ulp < u64::MAX).then_some(row.ulp);
                 json!({"device": device.name(), "driver": device.driver(), "fixture": row.fixture, "stage": row.stage,
-                       "words": row.words, "ulp": row.ulp, "histogram": row.histogram, "relative": row.relative,
-                       "faults": row.faults})
+                       "words": row.words, "ulp": ulp, "histogram": row.histogram, "most_ulp_of_bins": BINS,
+                       "relative": row.relative, "faults": row.faults})
             })
             .collect();
         let text = format!("{:#}\n", serde_json::Value::from(value));
@@ -103,6 +125,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let wrong: Vec<_> = rows.iter().filter(|(_, row)| !row.faults.is_empty()).collect();
     for (device, row) in &wrong {
         tell!("\n{}", verdict(device, row, &again(arguments, device, row)));
+    }
+    let idle = |name: &&String| rows.iter().all(|(_, row)| row.stage != **name);
+    if let Some(name) = arguments.stage.iter().find(idle) {
+        let what = if arguments.scenes.is_empty() { "fixture that was chosen" } else { "scene" };
+        let fault = Input::new(format!("no {what} runs this stage, so it was not compared")).key("--stage").found(name);
+        return Err(fault.expected("a stage that `milkglass plan` lists for the scene, or other fixtures").into());
     }
     if rows.is_empty() {
         return Err(Error::Check("nothing was compared".into()));
@@ -117,32 +145,32 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 /// All rows of a device: of every stage, of those asked for, or of those whose kernels are replaced.
 fn on_device(arguments: &Arguments, device: &Device, list: &[Fixture]) -> Result<Vec<Row>> {
     let mut stages = arguments.stage.clone();
-    stages.extend(replace::stages(device));
-    let (mut rows, mut absent) = (Vec::new(), None);
-    for fixture in list {
-        if device.replaced().next().is_some() {
-            match replace::check(device, fixture) {
-                // Of many fixtures some run the kernel.
-                Err(Error::Input(fault)) => absent = Some(fault),
-                found => rows.extend(found?),
-            }
-        } else if stages.is_empty() {
-            rows.extend(conform(device, fixture, &[])?);
-        } else {
-            rows.extend(conform_stages(device, fixture, &stages)?);
+    let mut rows = Vec::new();
+    if device.replaced().next().is_some() {
+        rows.extend(replace::check(device, list)?);
+        stages.retain(|stage| !replace::stages(device).contains(stage));
+        if stages.is_empty() {
+            return Ok(rows);
         }
     }
-    match absent {
-        Some(fault) if rows.is_empty() => Err(fault.into()),
-        _ => Ok(rows),
+    for fixture in list {
+        match stages.is_empty() {
+            true => rows.extend(conform(device, fixture, &[])?),
+            false => rows.extend(conform_stages(device, fixture, &stages)?),
+        }
     }
+    Ok(rows)
 }
 
 /// The command that shows this row again.
 fn again(arguments: &Arguments, device: &Device, row: &Row) -> String {
     let (name, stage, own) = (device.name(), row.stage, arguments.replace.again());
-    let what = if arguments.scenes.is_empty() { format!("--only {:?}", row.fixture) } else { row.fixture.clone() };
-    format!("milkglass conform {what} --device {name:?} --stage {stage}{own}")
+    if !arguments.scenes.is_empty() {
+        return repeated(device);
+    }
+    let validation = if arguments.no_validation { " --no-validation" } else { "" };
+    let (fixture, name) = (quoted(&row.fixture), quoted(name));
+    format!("milkglass conform --only {fixture} --device {name} --stage {stage}{own}{validation}")
 }
 
 /// The table of comparisons, and that of distances.
@@ -151,7 +179,11 @@ fn text(rows: &[(Device, Row)]) -> String {
         .iter()
         .map(|(device, row)| {
             // Near zero the distance in units in the last place says nothing.
-            let ulp = if row.ulp > 1_000_000 { "-".to_string() } else { row.ulp.to_string() };
+            let ulp = match row.ulp {
+                u64::MAX => "NaN".to_string(),
+                1_000_001.. => "-".to_string(),
+                ulp => ulp.to_string(),
+            };
             let verdict = if row.faults.is_empty() { "conforms".to_string() } else { "DIFFERS".to_string() };
             let (words, relative) = (row.words.to_string(), format!("{:.1e}", row.relative));
             vec![device.name().to_string(), row.fixture.clone(), row.stage.to_string(), words, ulp, relative, verdict]

@@ -19,7 +19,7 @@ use crate::light::fresnel;
 use crate::local::reflectance::cdrf;
 use crate::render::stages::stage;
 use crate::state::{DeviceState, Place, State, Step};
-use crate::view::picture::write_whole;
+use crate::view::whole::{ready, write_whole};
 
 /// Arguments of `eval`.
 #[derive(Args)]
@@ -100,6 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if file == &arguments.output {
         return Err(Input::new("the output would replace the input").key("-o").found(file.display()).into());
     }
+    ready([("-o", Some(&arguments.output))])?;
     let text = arguments.memory.files().stream(file, COPIES).map_err(|e| Input::new(e.to_string()).file(file))?;
     let open = || arguments.device.open(validation());
     let bytes = answers(arguments.kind, arguments.fresnel, file, &text, open)?;
@@ -137,6 +138,11 @@ pub fn answers(
     let write = |e: csv::Error| Error::from(Input::new(e.to_string()).file(file));
     writer.write_record(header.iter().chain(names.iter().copied())).map_err(write)?;
     for (record, value) in records.iter().zip(values) {
+        if let Some(value) = value[..names.len()].iter().find(|x| !x.is_finite()) {
+            let cells = Cells { file, header: &header, record };
+            let fault = cells.fault("value", "these numbers are beyond what can be evaluated").found(value);
+            return Err(fault.expected("a row whose value is a finite number").into());
+        }
         let cells: Vec<String> = value.iter().take(names.len()).map(|x| format!("{x:e}")).collect();
         writer.write_record(record.iter().chain(cells.iter().map(String::as_str))).map_err(write)?;
     }
@@ -230,7 +236,7 @@ fn row(kind: Kind, formula: Formula, cells: &Cells<'_>) -> std::result::Result<R
         triangle = [0, 3, 6].map(|k| (point(k) - point(9)) / unit);
         let area = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).length_squared();
         if area == 0.0 {
-            return Err(fault("v0x", "the triangle has no area"));
+            return Err(fault("v0x", "the triangle has no area, or one too small to tell"));
         }
         if !area.is_finite() {
             let expected = "at most 1e70 mean free paths";

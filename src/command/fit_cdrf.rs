@@ -15,7 +15,7 @@ use crate::measure::balls::{ANGLES, Curve, angle, dipole::curve as solve};
 use crate::measure::walk::Medium;
 use crate::render::local::spread;
 use crate::scene::Preset;
-use crate::view::picture::write_whole;
+use crate::view::whole::{ready, write_whole};
 
 /// Arguments of `fit-cdrf`.
 #[derive(Args)]
@@ -49,6 +49,7 @@ struct Channel {
 
 /// Fits and prints.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    ready([("--svg", arguments.svg.as_ref())])?;
     let preset = Preset::named(&arguments.material).ok_or_else(|| {
         let fault = Input::new("no material of this name is built in").key("MATERIAL").found(&arguments.material);
         fault.expected("one of `milkglass materials`")

@@ -10,6 +10,7 @@ mod devices;
 pub mod eval;
 mod faces;
 mod fit_cdrf;
+mod how;
 mod lists;
 mod memory;
 mod pareto;
@@ -27,15 +28,16 @@ mod validity;
 
 use std::ffi::OsString;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 
 use crate::error::{Error, Input, Result};
 use crate::gpu::{Device, Timing};
 use crate::hierarchy::face_cluster::Method;
-use crate::render::plan::{Change, Mode, Options, Transport};
+use crate::render::plan::{Change, Options};
 use crate::render::run::{Room, Session};
 use crate::scene::Scene;
 use device::DeviceArgument;
+use how::HowArguments;
 use memory::MemoryArgument;
 pub use stop::{leave, remove_when_stopped};
 use text::{print, size, table};
@@ -134,78 +136,23 @@ impl SceneArguments {
 struct RunArguments {
     #[command(flatten)]
     device: DeviceArgument,
-    /// What is kept from frame to frame; a single frame gains nothing by it.
-    #[arg(long, value_enum, default_value_t)]
-    mode: ModeArgument,
-    /// How light is carried through the material.
-    #[arg(long, value_enum, default_value_t)]
-    transport: TransportArgument,
-}
-
-#[derive(Clone, Copy, Default, ValueEnum)]
-enum ModeArgument {
-    /// Everything from scratch in each frame.
-    #[default]
-    OnTheFly,
-    /// Links are kept, and serve any light.
-    Render,
-    /// Links are kept while the shape changes, too: see `transport.budget`.
-    Incremental,
-}
-
-#[derive(Clone, Copy, Default, ValueEnum)]
-enum TransportArgument {
-    /// The hierarchical method of Mertens et al. 2003.
-    #[default]
-    Hierarchy,
-    /// The irradiance octree of Jensen and Buhler 2002: on the host's cores, whatever the device.
-    Octree,
-    /// Every face to every face.
-    Brute,
-    /// Not at all: what scatters once in layers, what opaque objects give back, and reflections.
-    None,
-    /// None: the curvature-dependent reflectance function of Kubo et al. 2010, at each pixel.
-    Cdrf,
-    /// None: Lambert's cosine, at each pixel.
-    Lambert,
-    /// Over the texture coordinates: irradiance blurred by Gaussians (d'Eon et al. 2007).
-    TextureBlur,
+    #[command(flatten)]
+    how: HowArguments,
 }
 
 impl RunArguments {
-    /// A scene as this transport needs it: with texture coordinates where light is blurred over them.
     fn of(&self, scene: &SceneArguments) -> SceneArguments {
-        let mut scene = scene.clone();
-        if matches!(self.transport, TransportArgument::TextureBlur) {
-            scene.sets.insert(0, "transport.unwrap=true".into());
-        }
-        scene
+        SceneArguments { sets: self.how.of(&scene.sets), ..scene.clone() }
     }
 
     fn options(&self) -> Options {
-        Options {
-            transport: match self.transport {
-                TransportArgument::Hierarchy => Transport::Hierarchy,
-                TransportArgument::Octree => Transport::Octree,
-                TransportArgument::Brute => Transport::Brute,
-                TransportArgument::None => Transport::None,
-                TransportArgument::Cdrf => Transport::Cdrf,
-                TransportArgument::Lambert => Transport::Lambert,
-                TransportArgument::TextureBlur => Transport::TextureBlur,
-            },
-            mode: match self.mode {
-                ModeArgument::OnTheFly => Mode::OnTheFly,
-                ModeArgument::Render => Mode::Render,
-                ModeArgument::Incremental => Mode::Incremental,
-            },
-            ..Options::default()
-        }
+        self.how.options()
     }
 }
 
 /// A session on this device; what there is to say of it goes to standard error.
 fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Result<Session> {
-    let session = Session::new(scene, device, options, Room::default())?;
+    let session = Session::new(scene, device, options, Room::default()).map_err(|error| scene.placed(error))?;
     match session.prepared.method {
         Method::Merged => {}
         Method::TooDeep => tell!("tree: merging neighbours made it too deep; split at medians instead"),

@@ -12,9 +12,10 @@ use crate::measure::norms::Norms;
 use crate::measure::pareto::{
     Against, Bench, Leaves, Lighting, METHODS, Method, Norm, Origin, Settings, Sweep, csv, mark, ratios, svg, sweep,
 };
-use crate::render::plan::Options;
+use crate::render::plan::{Goal, Mode, Options, Transport};
 use crate::scene::{Material, Scene};
-use crate::view::picture::write_whole;
+use crate::state::Scheme;
+use crate::view::whole::{ready, write_whole};
 
 /// Arguments of `pareto`.
 #[derive(Args)]
@@ -64,10 +65,20 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             check(option, path, ending)?;
         }
     }
+    ready([("--csv", arguments.csv.as_ref()), ("--svg", arguments.svg.as_ref())])?;
     let scene = arguments.scene.load()?;
     let device = arguments.device.open(validation())?;
-    let again = format!("milkglass pareto {}", arguments.scene.scene);
-    let own = arguments.replace.on(device.as_ref(), &scene, Options::default(), &again)?;
+    // What methods of the sweep run and a picture does not.
+    let mut links = scene.clone();
+    links.transport.scheme = Scheme::Links;
+    let radiosity = Options { goal: Goal::Radiosity, ..Options::default() };
+    let setups = [
+        (&scene, Options::default()),
+        (&scene, Options { mode: Mode::Render, ..radiosity }),
+        (&links, radiosity),
+        (&scene, Options { transport: Transport::Brute, ..radiosity }),
+    ];
+    let own = arguments.replace.on(device.as_ref(), &setups)?;
     let bench = Bench { scene: &scene, device: device.as_ref() };
     let mut found = sweep(&bench, &settings)?;
     if own.is_some() {

@@ -16,7 +16,7 @@ use crate::render::octree;
 use crate::render::plan::{Change, Options, before_transport};
 use crate::render::run::Session;
 use crate::state::Extent;
-use crate::view::picture::write_whole;
+use crate::view::whole::{ready, write_whole};
 
 /// Arguments of `plan`.
 #[derive(Args)]
@@ -40,6 +40,7 @@ pub struct Arguments {
 
 /// Prints stages, buffers, and what is left out.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    ready([("--json", arguments.json.as_ref())])?;
     let scene = arguments.run.of(&arguments.scene).load()?;
     let device = arguments.run.device.open(validation())?;
     let mut options = arguments.run.options();
@@ -95,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let sharper = session.sharper()?;
     if let Some(other) = &sharper {
         let (tolerance, bytes) = (other.scene().transport.tolerance, total(other));
-        let needs = other.needs(Change::EVERYTHING)?;
+        let needs = other.needs(Change::EVERYTHING.and(Change::RELINK))?;
         text += &format!(
             "\nerror estimate: light is carried once more, at tolerance {tolerance}, in another {} while that lasts\n{}",
             size(bytes),
@@ -150,7 +151,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             // A solve of its own.
             "error_estimate": sharper.as_ref().map(|other| -> Result<Value> {
                 let stage = |need: &StageNeeds| json!({"stage": need.stage, "dispatches": need.dispatches});
-                let stages: Vec<_> = other.needs(Change::EVERYTHING)?.iter().map(stage).collect();
+                let stages: Vec<_> = other.needs(Change::EVERYTHING.and(Change::RELINK))?.iter().map(stage).collect();
                 Ok(json!({"tolerance": other.scene().transport.tolerance, "bytes": total(other), "stages": stages}))
             }).transpose()?,
             "left_out": plan.left_out.iter().map(|(what, why)| json!({"stage": what, "because": why}))

@@ -8,8 +8,9 @@ use super::replace::ReplaceArgument;
 use super::{RunArguments, SceneArguments, check_messages, print, size, table, validation};
 use crate::error::Result;
 use crate::measure::profile::{Against, Profile, Row, Settings, Spread, against, profile};
-use crate::render::plan::Change;
-use crate::view::picture::write_whole;
+use crate::measure::replace::stages;
+use crate::render::plan::{Change, Mode};
+use crate::view::whole::{ready, write_whole};
 
 /// Arguments of `profile`.
 #[derive(Args)]
@@ -52,6 +53,11 @@ enum ChangeArgument {
 
 /// Measures, prints, and writes what is asked for.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    ready([
+        ("--csv", arguments.csv.as_ref()),
+        ("--json", arguments.json.as_ref()),
+        ("--trace", arguments.trace.as_ref()),
+    ])?;
     let scene = arguments.run.of(&arguments.scene).load()?;
     let device = arguments.run.device.open(validation())?;
     let change = match arguments.change {
@@ -61,10 +67,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     let settings =
         Settings { options: arguments.run.options(), change, frames: arguments.frames as usize, ..Settings::default() };
-    let again = format!("milkglass profile {}", arguments.scene.scene);
-    let own = arguments.replace.on(device.as_ref(), &scene, settings.options, &again)?;
+    if settings.options.mode == Mode::Incremental && change == Change::EVERYTHING {
+        tell!("mode incremental: nothing moves here, so every frame looks through its links and makes none anew");
+    }
+    let own = arguments.replace.on(device.as_ref(), &[(&scene, settings.options)])?;
     if let (Some(before), Some(after)) = (&device, &own) {
-        print(&ratios(&against(&scene, [before, after], &settings)?))?;
+        print(&ratios(&against(&scene, [before, after], &settings)?, &stages(after)))?;
     }
     let device = own.or(device);
     let found = profile(&scene, device.as_ref(), &settings)?;
@@ -76,7 +84,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write(path, found.csv()?)?;
     }
     if let Some(path) = &arguments.json {
-        write(path, format!("{:#}\n", found.json()))?;
+        let mut value = found.json();
+        value["replaced"] = serde_json::json!(arguments.replace.pairs());
+        write(path, format!("{value:#}\n"))?;
     }
     if let Some(path) = &arguments.trace {
         write(path, format!("{}\n", found.trace()))?;
@@ -85,15 +95,32 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// Times before and after.
-fn ratios(rows: &[Against]) -> String {
+fn ratios(rows: &[Against], replaced: &[String]) -> String {
     let row = |row: &Against| {
         let [before, after] = row.times.map(|spread| milliseconds(Some(spread)));
         let ratio = format!("{:.3}", row.ratio);
-        vec![row.what.clone(), before[0].clone(), before[1].clone(), after[0].clone(), after[1].clone(), ratio]
+        let mark = if replaced.contains(&row.what) { " (replaced)" } else { "" };
+        vec![
+            format!("{}{mark}", row.what),
+            before[0].clone(),
+            before[1].clone(),
+            after[0].clone(),
+            after[1].clone(),
+            ratio,
+        ]
     };
     let cells: Vec<_> = rows.iter().map(row).collect();
     let header = ["ms", "built-in", "spread", "replaced", "spread", "ratio"];
-    format!("built-in and replaced, frame by frame in turn\n{}\n", table(&header, &[1, 2, 3, 4, 5], &cells))
+    let text = format!("built-in and replaced, frame by frame in turn\n{}\n", table(&header, &[1, 2, 3, 4, 5], &cells));
+    // Stages that are the same on both sides tell what a ratio is worth.
+    let same =
+        rows.iter().filter(|row| !replaced.contains(&row.what) && !["stages", "frame"].contains(&row.what.as_str()));
+    let (low, high) =
+        same.map(|row| row.ratio).fold((f64::INFINITY, 0.0), |(a, b), ratio| (f64::min(a, ratio), f64::max(b, ratio)));
+    match low <= high {
+        true => format!("{text}stages that are the same have ratios from {low:.3} to {high:.3}: so much is noise\n\n"),
+        false => text,
+    }
 }
 
 /// A median with its spread.

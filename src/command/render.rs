@@ -14,6 +14,7 @@ use crate::render::clusters::{Emitters, clusters, color};
 use crate::render::plan::{Change, Mode, Transport};
 use crate::scene::{Camera, Tone};
 use crate::view::picture::{check, encode};
+use crate::view::whole::ready;
 
 /// Arguments of `render`.
 #[derive(Args)]
@@ -71,6 +72,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if aov {
         arguments.run.options().carries("--aov")?;
     }
+    if arguments.frames.is_none() {
+        ready([("-o", Some(&arguments.output))])?;
+    }
     let frames = arguments.frames.as_deref().map(|text| sequence::parse(text, &arguments.output)).transpose()?;
     let size = arguments.size.as_deref().map(parse_size).transpose()?;
     let pick = arguments.pick.as_deref().map(parse_pick).transpose()?;
@@ -100,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return job.run(device.as_ref());
     }
     let mut scene = arguments.run.of(&arguments.scene).load()?;
-    scene.camera.size = size.unwrap_or(scene.camera.size);
+    scene.camera = scene.camera.clone().sized(size.unwrap_or(scene.camera.size))?;
     let mut session = open_session(&scene, device.as_ref(), options)?;
     let times = run_frame(&mut session, Change::EVERYTHING)?;
     if arguments.times {

@@ -4,10 +4,11 @@ use std::path::Path;
 
 use clap::Args;
 
+use super::how::{quoted, repeated};
 use crate::error::{Error, Input, Result};
 use crate::gpu::{Device, replacement};
 use crate::measure::fixtures::Fixture;
-use crate::measure::replace::check;
+use crate::measure::replace::{check, unused};
 use crate::measure::verdict::verdict;
 use crate::render::plan::Options;
 use crate::render::run::Room;
@@ -24,7 +25,12 @@ pub(super) struct ReplaceArgument {
 impl ReplaceArgument {
     /// The arguments again, for a command to repeat.
     pub(super) fn again(&self) -> String {
-        self.replace.iter().map(|pair| format!(" --replace {pair}")).collect()
+        self.replace.iter().map(|pair| format!(" --replace {}", quoted(pair))).collect()
+    }
+
+    /// The kernels and files, as they were given.
+    pub(super) fn pairs(&self) -> &[String] {
+        &self.replace
     }
 
     /// The kernels' names and SPIR-V.
@@ -43,14 +49,9 @@ impl ReplaceArgument {
         Ok(loaded)
     }
 
-    /// The device with these shaders, their values checked on this scene; none where none are given.
-    pub(super) fn on(
-        &self,
-        device: Option<&Device>,
-        scene: &Scene,
-        options: Options,
-        again: &str,
-    ) -> Result<Option<Device>> {
+    /// The device with these shaders, their values checked on the first of these scenes that run them; none where none are
+    /// given.
+    pub(super) fn on(&self, device: Option<&Device>, setups: &[(&Scene, Options)]) -> Result<Option<Device>> {
         let loaded = self.load()?;
         if loaded.is_empty() {
             return Ok(None);
@@ -60,13 +61,20 @@ impl ReplaceArgument {
             return Err(fault.expected("a device that `milkglass devices` lists").into());
         };
         let device = replaced(device, &loaded);
-        let rows = check(&device, &Fixture::new(&scene.name, scene, options, Room::default())?)?;
+        let mut fixtures = Vec::new();
+        for (scene, options) in setups {
+            fixtures.push(Fixture::new(&scene.name, scene, *options, Room::default())?);
+            if unused(&device, &fixtures)?.is_none() {
+                break;
+            }
+        }
+        let rows = check(&device, &fixtures)?;
         let (good, bad): (Vec<_>, Vec<_>) = rows.iter().partition(|row| row.faults.is_empty());
         for row in good {
             tell!("{}: {} words conform to the reference", row.stage, row.words);
         }
         for row in &bad {
-            tell!("\n{}", verdict(&device, row, &format!("{again}{}", self.again())));
+            tell!("\n{}", verdict(&device, row, &repeated(&device)));
         }
         match bad.as_slice() {
             [] => Ok(Some(device)),

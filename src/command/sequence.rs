@@ -7,7 +7,7 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{SceneArguments, check_messages, open_session, run_frame};
-use crate::error::{Input, Result};
+use crate::error::{Error, Input, Result};
 use crate::gpu::Device;
 use crate::render::aov::layers;
 use crate::render::plan::{Change, Options};
@@ -41,11 +41,21 @@ pub struct Job<'a> {
 impl Job<'_> {
     /// Renders what is to be rendered, and says so.
     pub fn run(self, device: Option<&Device>) -> Result<()> {
+        let scene = &self.scenes.scene;
+        if Path::new(scene).metadata().is_ok_and(|known| !known.is_file() && !known.is_dir()) {
+            let fault = Input::new("the scene is read anew for every frame").key("--frames").found(scene);
+            return Err(fault.expected("a plain file").into());
+        }
         let start = Instant::now();
         let output = |frame: i32| numbered(self.output, frame).unwrap_or_default();
-        let skips = |frame: &i32| self.skip && output(*frame).exists();
+        // Only a file that has something in it is a picture.
+        let whole = |path: &Path| path.metadata().is_ok_and(|known| known.is_file() && known.len() > 0);
+        let skips = |frame: &i32| self.skip && whole(&output(*frame));
         let (left_out, wanted): (Vec<i32>, Vec<i32>) = self.frames.clone().partition(skips);
-        wanted.iter().try_for_each(|&frame| self.scenes.check(f64::from(frame)))?;
+        wanted.iter().try_for_each(|&frame| {
+            let told = |_: &Error| tell!("frame {frame} is no scene; nothing was rendered");
+            self.scenes.check(f64::from(frame)).inspect_err(told)
+        })?;
         let bar = ProgressBar::new(wanted.len() as u64);
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len} frames, {eta} left") {
             bar.set_style(style);
@@ -53,14 +63,14 @@ impl Job<'_> {
         let mut session = None;
         let mut one = |frame: i32| -> Result<()> {
             let mut scene = self.scenes.at(f64::from(frame))?;
-            scene.camera.size = self.size.unwrap_or(scene.camera.size);
+            scene.camera = scene.camera.clone().sized(self.size.unwrap_or(scene.camera.size))?;
             let session = match &mut session {
                 None => {
                     scene.report.iter().for_each(|line| tell!("{line}"));
                     session.insert(open_session(&scene, device, self.options)?)
                 }
                 Some(session) => {
-                    session.show(&scene)?;
+                    session.show(&scene).map_err(|error| scene.placed(error))?;
                     bar.suspend(|| warn_of_shape(session, &format!("frame {frame}: ")));
                     session
                 }

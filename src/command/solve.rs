@@ -7,15 +7,16 @@ use clap::Args;
 
 use super::faces::{csv, ply};
 use super::{RunArguments, SceneArguments, check_messages, open_session, print, run_frame, table, validation};
-use crate::error::{Input, Result};
+use crate::error::{Error, Input, Result};
 use crate::gpu::Timing;
 use crate::layout::Slot;
 use crate::measure::estimate::Quality;
 use crate::measure::norms::worst;
 use crate::measure::reference::check;
-use crate::render::plan::{Change, Goal, Options};
+use crate::render::plan::{Change, Goal, Options, Transport};
 use crate::render::run::Session;
-use crate::view::picture::write_whole;
+use crate::state::Scheme;
+use crate::view::whole::{ready, write_whole};
 
 /// Arguments of `solve`.
 #[derive(Args)]
@@ -65,6 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if output.is_none() && arguments.verify.is_none() && !arguments.times {
         return Err(Input::new("nothing to do").expected("-o FILE, --verify FACES or --times").into());
     }
+    ready([("-o", arguments.output.as_ref())])?;
     arguments.run.options().carries("solve")?;
     let scene = arguments.scene.load()?;
     let device = arguments.run.device.open(validation())?;
@@ -102,6 +104,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 "the estimate is above the error at {share:.2} % of the faces; its p99 is {ratio:.1} times the error's; \
                  rank correlation {rank:.2}\n"
             ))?;
+        }
+        // The tolerance is this L2's, of the method that has one.
+        let tolerance = scene.transport.tolerance;
+        let bounded = options.transport == Transport::Hierarchy && scene.transport.scheme == Scheme::Blocks;
+        if all.l2.is_nan() || bounded && all.l2 > tolerance {
+            return Err(Error::Check(format!("L2 is {:.3e}, above transport.tolerance, {tolerance:e}", all.l2)));
         }
     }
     Ok(())

@@ -7,7 +7,7 @@ use clap::Args;
 use super::{DeviceArgument, check_messages, print, table, validation};
 use crate::error::{Error, Input, Result};
 use crate::measure::stress::{Bound, Outcome, Worst, stress};
-use crate::view::picture::write_whole;
+use crate::view::whole::{ready, write_whole};
 
 /// Arguments of `stress`.
 #[derive(Args)]
@@ -27,6 +27,7 @@ pub struct Arguments {
 
 /// Runs the cases, prints the table, and fails if one of them does.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    ready([("--csv", arguments.csv.as_ref())])?;
     let device = arguments.device.open(validation())?;
     let outcomes = stress(device.as_ref(), &arguments.only, None)?;
     check_messages(device.as_ref())?;

@@ -9,7 +9,7 @@ use super::device::DeviceArgument;
 use super::{SceneArguments, check_messages, print, table, validation};
 use crate::error::{Error, Input, Result};
 use crate::measure::validity::{BENT, Place, THICK, places, share, verdict};
-use crate::view::picture::write_whole;
+use crate::view::whole::{ready, write_whole};
 
 /// Arguments of `validity`.
 #[derive(Args)]
@@ -29,6 +29,7 @@ pub struct Arguments {
 
 /// Compares and prints.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    ready([("--csv", arguments.csv.as_ref()), ("--svg", arguments.svg.as_ref())])?;
     let scene = arguments.scene.load()?;
     let device = arguments.device.open(validation())?;
     let all = places(&scene, device.as_ref())?;

@@ -43,6 +43,8 @@ pub struct Limits {
     pub subgroup_size: u32,
     /// Nanoseconds a timestamp tick; 0 where the queue has no timestamps.
     pub timestamp_period: f32,
+    /// The bits of a timestamp that count; above them it wraps round.
+    pub timestamp_mask: u64,
     /// Whether 32-bit float rounding to nearest can be requested.
     pub round_to_nearest: bool,
 }
@@ -228,7 +230,8 @@ impl Instance {
         } else {
             None
         };
-        let timed = family.is_some_and(|f| queues[f].timestamp_valid_bits > 0);
+        let bits = family.map_or(0, |f| queues[f].timestamp_valid_bits);
+        let timed = bits > 0;
         Adapter {
             name: text(&base.device_name),
             driver: format!("{} {}", text(&more.driver_name), text(&more.driver_info)).trim().to_string(),
@@ -253,6 +256,7 @@ impl Instance {
                 groups: [0, 1].map(|k| base.limits.max_compute_work_group_count[k]),
                 heap_bytes,
                 subgroup_size: subgroup.subgroup_size,
+                timestamp_mask: u64::MAX >> (64 - bits.clamp(1, 64)),
                 timestamp_period: if timed { base.limits.timestamp_period } else { 0.0 },
                 round_to_nearest: more.shader_rounding_mode_rte_float32 == vk::TRUE,
             },

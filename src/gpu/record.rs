@@ -252,8 +252,9 @@ impl Recorder {
             })?;
         }
         let period = f64::from(self.device.limits().timestamp_period);
+        let mask = self.device.limits().timestamp_mask;
         let between = |from: Option<&u64>, to: Option<&u64>| match (from, to) {
-            (Some(from), Some(to)) => to.saturating_sub(*from) as f64 * period * 1e-6,
+            (Some(from), Some(to)) => (to.wrapping_sub(*from) & mask) as f64 * period * 1e-6,
             _ => f64::NAN,
         };
         let timing = |(k, name): (usize, &String)| Timing {

@@ -1,6 +1,7 @@
 //! The sources of the program's kernels, and kernels given at run time that take the place of one of them.
 
 use std::borrow::Cow;
+use std::io::Read as _;
 use std::path::Path;
 
 use super::reflect::{Reflected, SOURCES, kernel_names, reflect, words_of};
@@ -35,8 +36,7 @@ pub fn replacement(kernel: &str, file: &Path) -> Result<Vec<u32>> {
         let like = near.map_or(String::new(), |name| format!("{name}, or another one that "));
         return Err(fault.expected(format!("{like}`milkglass shader` lists")).into());
     }
-    let text = std::fs::read_to_string(file)
-        .map_err(|error| Input::new(format!("the shader could not be read: {error}")).file(file))?;
+    let text = read(file).map_err(|error| Input::new(format!("the shader could not be read: {error}")).file(file))?;
     let words = compile(file, &text)?;
     let fault = |what: String| Error::from(Input::new(what).file(file));
     let own =
@@ -84,14 +84,43 @@ fn differs(own: &Reflected, right: &Reflected) -> Option<String> {
     None
 }
 
+/// Most bytes of a shader, and of a file that it includes; the program's own are a hundredth of that.
+const MOST_TEXT: u64 = 1 << 20;
+/// Most files that a shader includes, one in the other or one after the other.
+#[cfg(feature = "shaderc")]
+const MOST_INCLUDES: u32 = 256;
+
+/// The text of a plain file that is no longer than a shader may be.
+fn read(file: &Path) -> std::result::Result<String, String> {
+    let known = file.metadata().map_err(|error| error.to_string())?;
+    if !known.is_file() {
+        return Err("not a plain file".into());
+    }
+    let mut text = String::new();
+    let source = std::fs::File::open(file).map_err(|error| error.to_string())?;
+    source.take(MOST_TEXT + 1).read_to_string(&mut text).map_err(|error| error.to_string())?;
+    if text.len() as u64 > MOST_TEXT {
+        return Err(format!("it has {} bytes, at most {MOST_TEXT} are read", known.len()));
+    }
+    Ok(text)
+}
+
 #[cfg(feature = "shaderc")]
 fn compile(file: &Path, text: &str) -> Result<Vec<u32>> {
     let compiler = shaderc::Compiler::new().map_err(|error| Error::device("starting the shader compiler", error))?;
     let beside = file.parent().unwrap_or(Path::new(""));
+    let included = std::cell::Cell::new(0);
     let include = |name: &str| {
         let path = beside.join(name);
+        included.set(included.get() + 1);
+        if included.get() > MOST_INCLUDES {
+            return Err(format!(
+                "{} includes more than {MOST_INCLUDES} files: does one include itself?",
+                file.display()
+            ));
+        }
         if path.is_file() {
-            let content = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+            let content = read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
             return Ok((path.display().to_string(), content));
         }
         source(name).map(|content| (name.to_string(), content.into_owned())).ok_or_else(|| {

@@ -1,5 +1,7 @@
 //! A kernel of the user's in the place of one of ours: does it run at all here, and are its values right?
 
+use std::collections::BTreeSet;
+
 use super::conform::{Row, conform_stages};
 use super::fixtures::Fixture;
 use crate::error::{Input, Result};
@@ -14,18 +16,30 @@ pub fn stages(device: &Device) -> Vec<String> {
     stages
 }
 
-/// Compares the stages of replaced kernels with the reference on this fixture; an error where it runs one of them nowhere.
-pub fn check(device: &Device, fixture: &Fixture) -> Result<Vec<Row>> {
+/// The fault of a replaced kernel that none of these fixtures runs, if there is one.
+pub fn unused(device: &Device, fixtures: &[Fixture]) -> Result<Option<Input>> {
     let lanes = device.limits().subgroup_size.max(1) as usize;
-    let list = dispatches(&fixture.state, &fixture.steps, lanes)?;
-    for kernel in device.replaced() {
-        if !list.iter().any(|dispatch| dispatch.kernel == kernel) {
-            let mut names: Vec<_> = list.iter().map(|dispatch| dispatch.kernel.as_str()).collect();
-            names.sort_unstable();
-            names.dedup();
-            let fault = Input::new(format!("{} does not run this kernel", fixture.name)).key("--replace").found(kernel);
-            return Err(fault.expected(names.join(", ")).into());
-        }
+    let mut run = BTreeSet::new();
+    for fixture in fixtures {
+        run.extend(dispatches(&fixture.state, &fixture.steps, lanes)?.into_iter().map(|dispatch| dispatch.kernel));
     }
-    conform_stages(device, fixture, &stages(device))
+    let unused = device.replaced().find(|kernel| !run.contains(*kernel));
+    Ok(unused.map(|kernel| {
+        let what = match fixtures {
+            [one] => format!("{} does not run this kernel", one.name),
+            _ => "nothing that was chosen runs this kernel".into(),
+        };
+        let names = run.iter().map(String::as_str).collect::<Vec<_>>().join(", ");
+        Input::new(what).key("--replace").found(kernel).expected(names)
+    }))
+}
+
+/// Compares the stages of replaced kernels with the reference on these fixtures; an error where they run one of them nowhere.
+pub fn check(device: &Device, fixtures: &[Fixture]) -> Result<Vec<Row>> {
+    if let Some(fault) = unused(device, fixtures)? {
+        return Err(fault.into());
+    }
+    let stages = stages(device);
+    let rows = fixtures.iter().map(|fixture| conform_stages(device, fixture, &stages)).collect::<Result<Vec<_>>>()?;
+    Ok(rows.into_iter().flatten().collect())
 }

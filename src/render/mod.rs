@@ -10,6 +10,7 @@ mod blur;
 mod changes;
 pub mod clusters;
 mod fallback;
+mod holds;
 mod incremental;
 mod layers;
 pub mod lights;

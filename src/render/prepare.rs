@@ -15,7 +15,9 @@ use crate::hierarchy::face_cluster::{self, Method};
 use crate::hierarchy::{Tree, median, split};
 use crate::layout::{Camera as CameraRecord, Frame, Topology};
 use crate::light::{fresnel, harmonics};
-use crate::scene::{self, Camera, Fresnel, Hierarchy, Kappa, Material, Mesh, Reflection, Scene, Side, Transport};
+use crate::scene::{
+    self, Camera, DENSEST, Fresnel, Hierarchy, Kappa, Material, Mesh, Reflection, Scene, Side, Transport,
+};
 use crate::state::{Extent, LitAt, Local, Method as Switches, Object, Schedule, Scheme, State, narrow};
 use crate::transport::PLACES;
 use crate::view::points::LAYERS;
@@ -63,15 +65,12 @@ impl Prepared {
     }
 }
 
-/// The largest reduced extinction inside a frame: a mean free path of a millionth of the object. Anything denser is
-/// brought down to it with its albedo kept: light leaves where it enters, and `f32` positions say no more than that.
-const DENSEST: f64 = 1e6;
-
-/// The smallest: anything thinner is brought up to it. So little light comes back that none is seen, but powers of the
+/// The smallest reduced extinction inside a frame: anything thinner is brought up to it. So little light comes back that none is seen, but powers of the
 /// depths stay within `f32`.
 const THINNEST: f64 = 1e-11;
 
-/// The dipole of each channel in internal units.
+/// The dipole of each channel in internal units. What is denser than [`DENSEST`] is brought down to it with its albedo kept:
+/// light leaves where it enters, and `f32` positions say no more than that.
 pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
     std::array::from_fn(|channel| {
         let eta = material.eta[channel];

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::blur::{blur, unwrap};
+use super::holds::holds;
 use super::incremental::share_budget;
 use super::layers::drop_unlooked;
 use super::local::local;
@@ -82,6 +83,7 @@ impl Session {
             _ => None,
         };
         let local = local(&scene.transport, options.transport);
+        device.map_or(Ok(()), |_| holds(scene))?;
         reach(&scene.objects, Units::of(scene.objects.iter().map(|object| &object.mesh)))?;
         // Cut finer where the lights want it, and in what follows nothing else is known.
         let asked = (scene.transport.subdivide > 0 && local.is_none()).then(|| scene.clone());

@@ -75,6 +75,9 @@ pub fn moved(object: &Object, units: Units) -> Option<Vec<DVec3>> {
 /// How far from the middle of the scene at rest vertices may go, in the state's units: it is at most 1 across.
 const FARTHEST: f64 = 1.0;
 
+/// How many cells of noise away from its origin the scene may lie: there `f32` still tells 256 places in each.
+const MOST_CELLS: f64 = 65_536.0;
+
 /// Whether the deformations keep the objects where distances are within the tables of reaches and `f32` is fine enough.
 pub fn reach(objects: &[Object], units: Units) -> Result<()> {
     for (number, object) in objects.iter().enumerate() {
@@ -83,6 +86,17 @@ pub fn reach(objects: &[Object], units: Units) -> Result<()> {
         if object.deforms.iter().any(|deform| other(&deform)) {
             let fault = Input::new("a morph is of another mesh").key(format!("object.{number}.deform"));
             return Err(fault.expected(format!("a way for each of {vertices} vertices")).into());
+        }
+        for deform in &object.deforms {
+            if let Deform::Noise { scale, offset, .. } = deform {
+                let cells = ((*offset - units.center).abs().max_element() + 0.5 / units.length) / scale;
+                if cells > MOST_CELLS {
+                    let fault = Input::new("noise so fine, or offset so far, is no noise any more");
+                    let expected = format!("the scene and `offset` within {MOST_CELLS} times `scale`");
+                    let found = format!("{cells:.4e} times");
+                    return Err(fault.key(format!("object.{number}.deform")).found(found).expected(expected).into());
+                }
+            }
         }
         let beyond = |p: &&DVec3| !p.is_finite() || p.abs().max_element() > FARTHEST;
         if let Some(p) = moved(object, units).and_then(|moved| moved.iter().find(beyond).copied()) {

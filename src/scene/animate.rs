@@ -3,6 +3,7 @@
 
 use super::range::Checked;
 use crate::error::Input;
+use std::fmt::Write as _;
 use toml::{Table, Value};
 
 /// Between two keyframes: evenly, or with a soft start and end.
@@ -17,12 +18,13 @@ pub(super) fn at(table: &Table, frame: f64) -> Checked<(Table, bool)> {
     let mut moves = false;
     let mut still = Table::new();
     for (name, value) in table {
-        still.insert(name.clone(), value_at(value, name, frame, &mut moves)?);
+        still.insert(name.clone(), value_at(value, &mut name.clone(), frame, &mut moves)?);
     }
     Ok((still, moves))
 }
 
-fn value_at(value: &Value, key: &str, frame: f64, moves: &mut bool) -> Checked<Value> {
+/// A value at a frame; its key grows and shrinks in place, for names may be long and lists, too.
+fn value_at(value: &Value, key: &mut String, frame: f64, moves: &mut bool) -> Checked<Value> {
     match value {
         Value::Table(table) if table.contains_key("keyframes") => {
             *moves = true;
@@ -30,34 +32,57 @@ fn value_at(value: &Value, key: &str, frame: f64, moves: &mut bool) -> Checked<V
         }
         Value::Table(table) => {
             let inner = |(name, value): (&String, &Value)| {
-                Ok((name.clone(), value_at(value, &format!("{key}.{name}"), frame, moves)?))
+                Ok((name.clone(), below(key, name, |key| value_at(value, key, frame, moves))?))
             };
             Ok(Value::Table(table.iter().map(inner).collect::<Checked<_>>()?))
         }
         Value::Array(list) => {
-            let inner = |(number, value)| value_at(value, &format!("{key}.{number}"), frame, moves);
+            let inner = |(number, value)| below(key, number, |key| value_at(value, key, frame, moves));
             Ok(Value::Array(list.iter().enumerate().map(inner).collect::<Checked<_>>()?))
         }
         Value::String(path) if key.starts_with("object.") && key.ends_with(".mesh") => {
             // A whole number that no file name would miss.
             let file = numbered(path, frame.round() as i64);
             *moves |= file.is_some();
-            Ok(Value::String(file.unwrap_or_else(|| path.clone())))
+            Ok(Value::String(file.unwrap_or_else(|| path.replace("%%", "%"))))
         }
         plain => Ok(plain.clone()),
     }
 }
 
-/// A file name with its one `%d` or `%04d` replaced by a frame's number; none where it has not exactly one.
+/// What `go` makes of the key of a part of this one.
+pub(super) fn below<R>(key: &mut String, part: impl std::fmt::Display, go: impl FnOnce(&mut String) -> R) -> R {
+    let length = key.len();
+    // Writing to a string does not fail.
+    let _ = if key.is_empty() { write!(key, "{part}") } else { write!(key, ".{part}") };
+    let made = go(key);
+    key.truncate(length);
+    made
+}
+
+/// A file name with its one `%d` or `%04d` replaced by a frame's number, and `%%` by `%`; none where it has not exactly
+/// one number's place.
 #[must_use]
 pub fn numbered(text: &str, frame: i64) -> Option<String> {
-    let (before, after) = text.split_once('%')?;
-    let (digits, after) = after.split_once('d')?;
-    if after.contains('%') || !(digits.is_empty() || digits.starts_with('0')) {
-        return None;
+    let (mut name, mut rest, mut found) = (String::new(), text, false);
+    while let Some((before, after)) = rest.split_once('%') {
+        name.push_str(before);
+        if let Some(after) = after.strip_prefix('%') {
+            name.push('%');
+            rest = after;
+            continue;
+        }
+        let (digits, after) = after.split_once('d')?;
+        if found || !(digits.is_empty() || digits.starts_with('0')) {
+            return None;
+        }
+        let width = if digits.is_empty() { 0 } else { digits.parse::<usize>().ok().filter(|width| *width <= 20)? };
+        // Writing to a string does not fail.
+        let _ = write!(name, "{frame:0width$}");
+        (rest, found) = (after, true);
     }
-    let width = if digits.is_empty() { 0 } else { digits.parse::<usize>().ok().filter(|width| *width <= 20)? };
-    Some(format!("{before}{frame:0width$}{after}"))
+    name.push_str(rest);
+    found.then_some(name)
 }
 
 /// The value of a list of keyframes at a frame: before the first the first, after the last the last.
@@ -162,7 +187,8 @@ mod tests {
         let name = |text: &str, frame| numbered(text, frame);
         assert_eq!(name("a/f%04d.png", 7).as_deref(), Some("a/f0007.png"));
         assert_eq!(name("%d.exr", -12).as_deref(), Some("-12.exr"));
-        for bad in ["a.png", "%04x.png", "%d%d.png", "%4d.png", "%099d.png", "100%.png"] {
+        assert_eq!(name("100%%d/%d.exr", 3).as_deref(), Some("100%d/3.exr"));
+        for bad in ["a.png", "%04x.png", "%d%d.png", "%4d.png", "%099d.png", "100%.png", "100%%d.png"] {
             assert_eq!(name(bad, 1), None, "{bad}");
         }
     }

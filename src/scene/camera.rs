@@ -4,7 +4,7 @@ use super::file::CameraFile;
 use super::light::{Light, Source};
 use super::range::{self, Checked};
 use super::vector::{Background, Vector};
-use crate::error::Input;
+use crate::error::{Input, Result};
 use glam::DVec3;
 use serde::Deserialize;
 
@@ -59,11 +59,32 @@ pub struct Camera {
     pub environment: bool,
 }
 
+/// The least angle of a pixel, radian: four times what `f32` tells apart.
+const NARROWEST: f64 = 4.0 / 16_777_216.0;
+
 impl Camera {
     /// Right, up and forward: of length 1 and perpendicular, right = forward x up.
     /// When `up` is parallel to the view, the axis least along the view stands in for it.
     pub fn basis(&self) -> (DVec3, DVec3, DVec3) {
         frame((self.target - self.position).normalize_or(DVec3::NEG_Z), self.up)
+    }
+
+    /// The same with a picture of another size, where its pixels are wide enough for `f32`.
+    pub fn sized(self, size: [u32; 2]) -> Result<Self> {
+        let camera = Self { size, ..self };
+        camera.wide_enough()?;
+        Ok(camera)
+    }
+
+    /// Rays and places are `f32`: neighbours have to differ by more than what it rounds.
+    fn wide_enough(&self) -> Checked<()> {
+        let lines = f64::from(self.size[1]);
+        if 2.0 * (self.fov.to_radians() / 2.0).tan() / lines >= NARROWEST {
+            return Ok(());
+        }
+        let fault = Input::new("too narrow for a picture of so many lines").key("camera.fov").found(self.fov);
+        let least = (0.5 * NARROWEST * lines).atan().to_degrees() * 2.0;
+        Err(fault.expected(format!("at least {least:.1e} degrees for {lines} lines")))
     }
 }
 
@@ -107,6 +128,7 @@ impl Framing {
             },
             environment: file.background == Background::Environment,
         };
+        rest.wide_enough()?;
         Ok(Self { position, target, rest })
     }
 
@@ -193,12 +215,12 @@ fn size(found: &[i64]) -> Checked<[u32; 2]> {
 mod tests {
     use super::*;
 
-    fn framing(text: &str) -> Result<Framing, String> {
+    fn framing(text: &str) -> std::result::Result<Framing, String> {
         let file: CameraFile = toml::from_str(text).map_err(|e| e.message().to_string())?;
         Framing::check(&file).map_err(|e| e.to_string())
     }
 
-    fn fitted(text: &str) -> Result<Camera, String> {
+    fn fitted(text: &str) -> std::result::Result<Camera, String> {
         framing(text)?.fit(DVec3::splat(-1.0), DVec3::new(1.0, 3.0, 1.0)).map_err(|e| e.to_string())
     }
 

@@ -185,6 +185,10 @@ impl Draft {
             return Err(fault.key(key).expected("an object with `mesh`"));
         };
         let ends = Mesh::read_ends(files, &folder.join(own), &folder.join(other), key)?;
+        let bytes = ends[0].len().max(origin.vertices()) as u64 * size_of::<DVec3>() as u64;
+        files
+            .take(bytes)
+            .map_err(|error| Input::new(format!("the morph does not fit the memory: {error}")).key(key))?;
         let [rest, other] = ends.map(|places| origin.apply(places));
         *ways = rest.iter().zip(&other).map(|(&from, &to)| place(to - from)).collect();
         Ok(())

@@ -1,9 +1,10 @@
 //! The files that a scene is read from, and the memory that it may take: sizes are checked before any is taken.
 
 use std::cell::Cell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// How much memory a scene may take, and what it has taken, bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,6 +64,19 @@ pub struct Files {
     memory: Cell<Memory>,
 }
 
+/// What was read so far: no output may take its place.
+static INPUTS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn inputs() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    INPUTS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Whether the file of this whole path, without links, has been read.
+#[must_use]
+pub fn was_read(path: &Path) -> bool {
+    inputs().contains(path)
+}
+
 impl Files {
     /// Files on disk, and how many bytes a scene may take.
     #[must_use]
@@ -110,6 +124,9 @@ impl Files {
     /// The same of whatever can be read: a pipe, too.
     pub fn stream(&self, path: &Path, copies: u64) -> Result<Vec<u8>> {
         let file = std::fs::File::open(path)?;
+        if let Ok(place) = path.canonicalize() {
+            inputs().insert(place);
+        }
         let length = file.metadata()?.len();
         self.need(copies.saturating_mul(length))?;
         let most = self.memory.get().left() / copies.max(1);

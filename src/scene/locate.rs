@@ -1,6 +1,7 @@
 //! Where in a scene file a fault is: from a key to its line, from a TOML message to one of ours,
 //! and from a misspelt word to the one that was meant.
 
+use super::animate::below;
 use crate::error::Input;
 use std::ops::Range;
 use std::path::Path;
@@ -116,7 +117,7 @@ fn line_of(text: &str, key: &str) -> Option<usize> {
 fn key_at(text: &str, span: &Range<usize>) -> Option<String> {
     let root = DeTable::parse(text).ok()?;
     let mut best: Option<(usize, String)> = None;
-    walk_table(root.get_ref(), "", &mut |place, key| {
+    walk_table(root.get_ref(), &mut String::new(), &mut |place, key| {
         let size = place.len();
         let holds = place.contains(&span.start) || place == *span;
         if holds && best.as_ref().is_none_or(|(smallest, _)| size <= *smallest) {
@@ -127,24 +128,25 @@ fn key_at(text: &str, span: &Range<usize>) -> Option<String> {
 }
 
 /// Visits every key of a table, and of those within it, with the places of its name and value.
-fn walk_table(table: &DeTable<'_>, above: &str, visit: &mut dyn FnMut(Range<usize>, &str)) {
+fn walk_table(table: &DeTable<'_>, above: &mut String, visit: &mut dyn FnMut(Range<usize>, &str)) {
     for (name, value) in table {
-        let dot = if above.is_empty() { "" } else { "." };
-        let key = format!("{above}{dot}{}", name.get_ref());
-        visit(name.span(), &key);
-        visit(value.span(), &key);
-        walk_value(value.get_ref(), &key, visit);
+        below(above, name.get_ref(), |key| {
+            visit(name.span(), key);
+            visit(value.span(), key);
+            walk_value(value.get_ref(), key, visit);
+        });
     }
 }
 
-fn walk_value(value: &DeValue<'_>, key: &str, visit: &mut dyn FnMut(Range<usize>, &str)) {
+fn walk_value(value: &DeValue<'_>, key: &mut String, visit: &mut dyn FnMut(Range<usize>, &str)) {
     match value {
         DeValue::Table(table) => walk_table(table, key, visit),
         DeValue::Array(array) => {
             for (index, element) in array.iter().enumerate() {
-                let key = format!("{key}.{index}");
-                visit(element.span(), &key);
-                walk_value(element.get_ref(), &key, visit);
+                below(key, index, |key| {
+                    visit(element.span(), key);
+                    walk_value(element.get_ref(), key, visit);
+                });
             }
         }
         _ => {}

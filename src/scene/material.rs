@@ -107,6 +107,11 @@ impl Material {
         };
         let sigma_s_prime = per_unit("sigma_s_prime", scattering)?;
         let sigma_a = per_unit("sigma_a", absorption)?;
+        if let Some(channel) = (0..3).find(|&c| !(sigma_s_prime[c] + sigma_a[c]).is_finite()) {
+            let found = format!("{:e} and {:e}", sigma_s_prime[channel], sigma_a[channel]);
+            let expected = "sigma_s_prime + sigma_a a finite number in every channel";
+            return Err(Input::new("out of range").key(key("sigma_s_prime")).found(found).expected(expected));
+        }
         if let Some(channel) = (0..3).find(|&c| sigma_s_prime[c] + sigma_a[c] < f64::MIN_POSITIVE) {
             let what = "a channel neither scatters nor absorbs";
             let found = format!("0 for both in channel {}", ["r", "g", "b"][channel]);
@@ -260,6 +265,10 @@ mod tests {
                 "sigma_s_prime = [1, 0, 1]\nsigma_a = 0",
                 "object.0.material.sigma_s_prime: a channel neither scatters nor absorbs; \
                  found 0 for both in channel g",
+            ),
+            (
+                "sigma_s_prime = 1e308\nsigma_a = 1e308",
+                "object.0.material.sigma_s_prime: out of range; found 1e308 and 1e308; expected sigma_s_prime + sigma_a a finite",
             ),
             ("sigma_s_prime = 1e300\nsigma_a = 0\nscale = 1e300", "object.0.material.sigma_s_prime: not a finite"),
         ];

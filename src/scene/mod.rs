@@ -7,6 +7,7 @@ mod animate;
 mod camera;
 mod choices;
 mod deform;
+mod extent;
 mod file;
 mod files;
 mod image;
@@ -29,7 +30,8 @@ mod vector;
 pub use animate::numbered;
 pub use camera::{Camera, Tone};
 pub use deform::Deform;
-pub use files::{Files, Memory};
+pub use extent::DENSEST;
+pub use files::{Files, Memory, was_read};
 pub use layers::{DepthMap, Integration, Layer, Layers, Phase};
 pub use light::{Light, Sky, Source};
 pub use local::{Cdrf, Kappa};
@@ -41,11 +43,12 @@ pub use surface::{Reflection, Surface};
 pub use texture::{Side, Texture, Wrap};
 pub use transport::{Distance, Hierarchy, Near, Oracle, Receivers, Scheme, Transport};
 
-use crate::error::{Input, Result};
+use crate::error::{Error, Input, Result};
 
 use glam::DVec3;
 use range::Checked;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The built-in scenes: name, TOML text, and one line about it.
 pub const BUILTIN: &[(&str, &str, &str)] = &[
@@ -91,9 +94,30 @@ pub struct Scene {
     pub report: Vec<String>,
     /// How much memory it may take, and has taken.
     pub memory: Memory,
+    /// What it was read from, for faults that show later.
+    pub origin: Arc<Origin>,
+}
+
+/// A scene's text and the settings that changed it.
+#[derive(Debug)]
+pub struct Origin {
+    toml: String,
+    file: PathBuf,
+    sets: Vec<String>,
 }
 
 impl Scene {
+    /// A fault under one of its keys with the file and line of that key, or with the setting that gave it.
+    #[must_use]
+    pub fn placed(&self, error: Error) -> Error {
+        match error {
+            Error::Input(fault) if fault.file.as_os_str().is_empty() && fault.key.is_some() => {
+                read::place(fault, &self.origin.toml, &self.origin.file, &self.origin.sets).into()
+            }
+            other => other,
+        }
+    }
+
     /// Loads a built-in scene by name, a mesh alone by a path that ends in `.obj`, or else a TOML
     /// file, and applies the `key=value` settings in order.
     pub fn load(name_or_path: &str, sets: &[String]) -> Result<Self> {
@@ -152,6 +176,8 @@ impl Scene {
             objects.push(Object { mesh, material: object.material, deforms });
         }
 
+        extent::check(&objects).map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
+
         // The camera, now that there is something to look at.
         let (low, high) = bounds(&objects);
         let camera = draft.framing.fit(low, high);
@@ -166,7 +192,9 @@ impl Scene {
         if lights.is_empty() {
             report.push("dark: the scene has no [[light]]".to_owned());
         }
+        let origin = Arc::new(Origin { toml: text.toml, file: text.file, sets: sets.to_vec() });
         Ok(Self {
+            origin,
             name: text.name,
             unit_mm: draft.unit_mm,
             camera,
@@ -248,7 +276,8 @@ impl Text {
 
 /// The scene of a mesh alone: marble, 20 mm across, one light, a fitted camera.
 fn around_mesh(path: &str) -> String {
-    let path = toml::Value::String(path.to_owned());
+    // A name of its own, which no frame's number changes.
+    let path = toml::Value::String(path.replace('%', "%%"));
     format!(
         "unit = \"mm\"\n\n\
          [[light]]\ntype = \"directional\"\ndirection = [0.35, 0.6, 0.75]\nirradiance = 3.0\n\n\

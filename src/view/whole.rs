@@ -2,9 +2,11 @@
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard};
 
 use crate::error::{Input, Result};
+use crate::scene::was_read;
 
 /// What is being written now, and is to be removed if the program is stopped.
 static PARTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -58,11 +60,46 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&Path) -> std::result::Result
         Ok(known) if !known.is_file() => return write(path).map_err(fault),
         _ => {}
     }
-    let mut name = std::ffi::OsString::from(".");
-    name.push(path.file_name().unwrap_or_default());
-    name.push(format!(".{}.part", std::process::id()));
-    let part = Part::new(path.with_file_name(name));
+    // Through a link, to what it names.
+    let path = &path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    if was_read(path) {
+        return Err(fault("it was read to make this; give the output another name".into()));
+    }
+    let part = beside(path);
     write(part.path()).and_then(|()| std::fs::rename(part.path(), path).map_err(|e| e.to_string())).map_err(fault)
+}
+
+/// A part beside a path, of a short name: that of the path may be as long as names can be.
+fn beside(path: &Path) -> Part {
+    static NEXT: AtomicU32 = AtomicU32::new(0);
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    Part::new(path.with_file_name(format!(".milkglass-{}-{number}.part", std::process::id())))
+}
+
+/// An error where one of these files could not be written, or is another one of them, before there is work that would be
+/// lost. Each goes with the argument that names it.
+pub fn ready<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>)>) -> Result<()> {
+    let mut before: Vec<(&str, PathBuf)> = Vec::new();
+    for (key, path) in paths.into_iter().filter_map(|(key, path)| Some((key, path?))) {
+        let fault = |what: String| Input::new(format!("could not be written: {what}")).file(path);
+        match std::fs::metadata(path) {
+            Ok(known) if known.is_dir() => return Err(fault("it is a folder".into()).into()),
+            Ok(known) if !known.is_file() => continue,
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(fault(error.to_string()).into()),
+            _ => {}
+        }
+        let part = beside(path);
+        std::fs::write(part.path(), "").map_err(|error| fault(error.to_string()))?;
+        // The folder is there; an empty name is this one's.
+        let folder = part.path().parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = folder.canonicalize().unwrap_or_default();
+        let place = path.canonicalize().unwrap_or_else(|_| folder.join(path.file_name().unwrap_or_default()));
+        if let Some((other, _)) = before.iter().find(|(_, known)| *known == place) {
+            return Err(Input::new(format!("the same file as {other}")).key(key).found(path.display()).into());
+        }
+        before.push((key, place));
+    }
+    Ok(())
 }
 
 /// The same for what a library encodes: it writes to memory, because a file's last bytes may fail where it does not look.

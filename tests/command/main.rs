@@ -8,6 +8,7 @@ mod eval;
 mod extremes;
 mod failures;
 mod fit;
+mod holds;
 mod lights;
 mod line;
 mod pareto;

@@ -145,6 +145,47 @@ fn conform_counts_distances() {
 }
 
 #[test]
+fn conform_says_what_it_did_not_compare() {
+    let here = folder(&[("my scene.toml", BALL)]);
+    let words = ["--stage: no scene runs this stage", "found relief"];
+    bad(&here, "conform sphere --set object.0.detail=0 --set camera.size=[8,8] --stage shade,relief", 2, &words);
+    bad(&here, "conform --only nonsense", 2, &["no fixture has this in its name; found nonsense"]);
+    bad(&here, "conform sphere --only ball", 2, &["--only"]);
+    bad(&here, "conform --set camera.fov=9", 2, &["--set"]);
+    // Deformed by an angle that frame 0 does not have; and light that is not carried.
+    let small = "--set object.0.detail=2 --set camera.size=[8,8] --stage";
+    let (out, _) = good(&here, &format!("conform twist --frame 30 {small} deform"));
+    assert!(out.contains("deform"), "{out}");
+    bad(&here, &format!("conform twist {small} deform"), 2, &["found deform"]);
+    good(&here, &format!("conform sphere --transport cdrf {small} cdrf"));
+}
+
+#[cfg(feature = "shaderc")]
+#[test]
+fn a_failure_is_repeated_by_its_own_words() {
+    let here = folder(&[("my scene.toml", BALL)]);
+    let (text, _) = good(&here, "shader transport/push");
+    std::fs::write(here.path().join("my.comp"), text.replace("max(sum, vec3(0))", "(2.0 * sum)")).unwrap();
+    let arguments = ["profile", "my scene.toml", "--set", "object.0.detail=2", "--replace", "transport/push=my.comp"];
+    let (out, err) = said(&program(&here, "").args(arguments).output().unwrap());
+    let line =
+        err.lines().find_map(|line| line.strip_prefix("repeat:  milkglass ")).unwrap_or_else(|| panic!("{out}{err}"));
+    assert!(
+        line.starts_with("profile 'my scene.toml' --set object.0.detail=2 --replace transport/push=my.comp --device")
+    );
+    let own = format!("exec \"$0\" {line}");
+    let mut shell = std::process::Command::new("sh");
+    let again = shell.current_dir(here.path()).args(["-c", &own, env!("CARGO_BIN_EXE_milkglass")]).output().unwrap();
+    let differs = |text: &str| text.lines().find(|line| line.starts_with("differs:")).map(String::from);
+    assert!(again.status.code() == Some(1) && differs(&said(&again).1) == differs(&err), "{err}");
+    // Kernels that a picture does not run, but the methods of a sweep do.
+    std::fs::write(here.path().join("far.comp"), good(&here, "shader baseline/brute/far").0).unwrap();
+    let sweep = "pareto sphere --set object.0.detail=1 --quick --methods brute --replace baseline/brute/far=far.comp";
+    let (out, err) = good(&here, sweep);
+    assert!(err.contains("brute: ") && err.contains("conform to the reference"), "{out}{err}");
+}
+
+#[test]
 fn a_plan_tells_what_another_scene_needs_otherwise() {
     let here = folder(&[("a.toml", BALL)]);
     let (out, _) = good(&here, "plan a.toml --device cpu --set light.0.shadows=false --diff a.toml");

@@ -21,7 +21,7 @@ const STEPS: u32 = 1000;
 /// Light dimmed to this share is followed no farther on a device.
 const FAINTEST: f64 = 1e-9;
 
-/// The largest coordinate of a point light: squares of distances are numbers.
+/// The largest coordinate of a point light, thickness, and coefficient: their squares and products are numbers.
 const FARTHEST: f64 = 1e100;
 
 /// Of length 1, however long it is.
@@ -82,8 +82,15 @@ fn layer(cells: &Cells<'_>, number: usize) -> Check<SlabLayer, Input> {
             false => Err(cells.fault(&key, "this column is missing").expected("a column of this name")),
         }
     };
-    let thickness = cells.at_least(&column("thickness")?, 0.0)?;
-    let (sigma_s, sigma_t) = (cells.at_least(&column("sigma_s")?, 0.0)?, cells.at_least(&column("sigma_t")?, 0.0)?);
+    let within = |name: &str| {
+        let key = column(name)?;
+        let value = cells.at_least(&key, 0.0)?;
+        match value <= FARTHEST {
+            true => Ok(value),
+            false => Err(cells.fault(&key, "out of range").found(value).expected(format!("at most {FARTHEST:e}"))),
+        }
+    };
+    let (thickness, sigma_s, sigma_t) = (within("thickness")?, within("sigma_s")?, within("sigma_t")?);
     if sigma_t < sigma_s {
         let fault = cells.fault(&key("sigma_t"), "extinction is less than scattering").found(sigma_t);
         return Err(fault.expected(format!("at least {}, {sigma_s}", key("sigma_s"))));

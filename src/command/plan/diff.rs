@@ -33,7 +33,7 @@ pub(super) fn text(one: &Session, other: &Session) -> Result<String> {
 /// All that a plan lists, by section and key.
 fn listed(session: &Session) -> Result<BTreeMap<(usize, String), String>> {
     let mut list = BTreeMap::new();
-    for need in session.needs(Change::EVERYTHING)? {
+    for need in session.needs(Change::EVERYTHING.and(Change::RELINK))? {
         let [read, written] = need.bytes.map(size);
         let value = format!("{} dispatches, {read} to read, {written} to write", need.dispatches);
         list.insert((0, need.stage.to_string()), value);

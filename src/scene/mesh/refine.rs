@@ -31,6 +31,15 @@ pub(in crate::scene) enum Origin {
 }
 
 impl Origin {
+    /// About how many vertices the object has where they are not those of its file.
+    pub fn vertices(&self) -> usize {
+        match self {
+            Self::File => 0,
+            Self::Butterfly(base, levels) => base.positions.len() << (2 * levels),
+            Self::Wrapped(shares) => shares.len(),
+        }
+    }
+
     /// Where the object's vertices are if the file's are here.
     pub fn apply(&self, positions: Vec<DVec3>) -> Vec<DVec3> {
         match self {
@@ -46,9 +55,7 @@ const MOST_ROUND: u32 = 4096;
 
 /// Whether no vertex has too many triangles round it.
 fn crowds(mesh: &Mesh, key: &str) -> Checked<()> {
-    let mut round = vec![0u32; mesh.positions.len()];
-    mesh.triangles.iter().flatten().for_each(|&v| round[v as usize] += 1);
-    match round.into_iter().max() {
+    match mesh.round().into_iter().max() {
         Some(most) if most > MOST_ROUND => {
             let fault = Input::new("too many triangles at one vertex to be subdivided").key(key).found(most);
             Err(fault.expected(format!("at most {MOST_ROUND}")))
