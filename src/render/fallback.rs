@@ -1,9 +1,9 @@
 //! What becomes of a session whose lists are too much for its device to keep, or that failed in the middle of a frame.
 
 use super::plan::{Change, Mode, Options, Plan};
-use super::room::{KEEPING, Lists};
+use super::room::{KEEPING, LIMITED, Lists};
 use super::run::{Backend, Session};
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::gpu::Limits;
 
 impl Session {
@@ -28,7 +28,11 @@ impl Session {
         };
         let options = self.plan.options();
         if options.mode == Mode::Keep {
-            return Err(Error::device(KEEPING, format!("{what}; use fewer triangles, or do without --aov or --view")));
+            let what = format!("{what}; use fewer triangles, or do without --aov or --view");
+            return Err(match what.contains(LIMITED) {
+                true => Input::new(format!("{KEEPING}: {what}")).key("--limit-memory").into(),
+                false => Error::device(KEEPING, what),
+            });
         }
         let state = &mut self.prepared.state;
         state.keep = false;

@@ -65,7 +65,12 @@ pub struct Lists {
     batch_blocks: usize,
     /// Largest list of all chunks together, where they are kept, bytes.
     pub(super) allocation: u64,
+    /// What keeps no more than that.
+    keeper: &'static str,
 }
+
+/// Where the user decides what is kept.
+pub(super) const LIMITED: &str = "--limit-memory leaves";
 
 impl Lists {
     /// For a device, or for the CPU where there is none.
@@ -80,6 +85,7 @@ impl Lists {
             batch_blocks: room.batch_blocks.clamp(1, MOST_BLOCKS),
             binding: room.binding.min(binding).min(allocation),
             allocation: allocation.min(room.kept),
+            keeper: if room.kept < allocation { LIMITED } else { "the device keeps" },
         }
     }
 
@@ -106,7 +112,7 @@ impl Lists {
             Scheme::Links => FEW * object.count.faces * 12,
         };
         let bytes = state.sum(of) as u64;
-        if state.keep && bytes > self.allocation { Err(too_many(bytes, self.allocation)) } else { Ok(()) }
+        if state.keep && bytes > self.allocation { Err(too_many(bytes, self)) } else { Ok(()) }
     }
 
     /// Cuts the blocks into batches and gives their lists room for so many entries a block.
@@ -173,8 +179,7 @@ impl Lists {
         // What is kept has to fit one allocation.
         let bytes = 12 * u64::from(rooms[0]) * chunks(&prepared.state) as u64;
         if prepared.state.keep && bytes > self.allocation {
-            let most = self.allocation;
-            return Err(too_many(bytes, most));
+            return Err(too_many(bytes, self));
         }
         Ok(())
     }
@@ -201,16 +206,16 @@ impl Lists {
         let parts = batches(state) as u64;
         let bytes = 4 * u64::from(state.data.frame[0].entry_room) * parts;
         if state.keep && bytes > self.allocation {
-            let most = self.allocation;
-            return Err(too_many(bytes, most));
+            return Err(too_many(bytes, self));
         }
         Ok(())
     }
 }
 
 /// The error of lists that are too long to keep.
-fn too_many(bytes: u64, most: u64) -> Error {
-    Error::device(KEEPING, format!("they take {bytes} bytes or more, the device keeps {most}"))
+fn too_many(bytes: u64, lists: &Lists) -> Error {
+    let most = lists.allocation;
+    Error::device(KEEPING, format!("they take {bytes} bytes or more, {} {most}", lists.keeper))
 }
 
 /// Faces of the largest chunk.

@@ -136,3 +136,11 @@ fn long_names_times_long_lists_take_no_long_time() {
     assert!(output.status.code() == Some(2) && err.contains("unknown key") && err.len() < 4000, "{}", err.len());
     assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
 }
+
+#[test]
+fn who_leaves_too_little_to_keep_is_told() {
+    let here = folder(&[]);
+    let line = "render sphere --set object.0.detail=0 --device cpu --size 300x300 --aov -o a.exr";
+    let words = ["--limit-memory: keeping lists between frames", "--limit-memory leaves", "do without --aov"];
+    bad(&here, &format!("{line} --set transport.receivers=pixels --limit-memory 20M"), 2, &words);
+}
