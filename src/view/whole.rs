@@ -1,5 +1,6 @@
 //! Files that appear whole or not at all: written beside their place, then moved there.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -69,11 +70,14 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&Path) -> std::result::Result
     write(part.path()).and_then(|()| std::fs::rename(part.path(), path).map_err(|e| e.to_string())).map_err(fault)
 }
 
-/// A part beside a path, of a short name: that of the path may be as long as names can be.
+/// A part beside a path, of a short name: that of the path may be as long as names can be. Processes of other machines
+/// may have the same number, and write other files of this folder: so it depends on the name.
 fn beside(path: &Path) -> Part {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
-    Part::new(path.with_file_name(format!(".milkglass-{}-{number}.part", std::process::id())))
+    let mut name = DefaultHasher::new();
+    path.file_name().hash(&mut name);
+    Part::new(path.with_file_name(format!(".{:016x}.{}-{number}.part", name.finish(), std::process::id())))
 }
 
 /// An error where one of these files could not be written, or is another one of them, before there is work that would be
@@ -133,6 +137,17 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
         let folded = write_whole(folder.path(), |_| Ok(())).unwrap_err();
         assert!(folded.to_string().contains("it is a folder"), "{folded}");
+    }
+
+    #[test]
+    fn parts_of_other_files_have_other_names_whoever_writes_them() {
+        let name = |path: &str| {
+            let part = beside(Path::new(path));
+            let name = part.path().file_name().and_then(|name| name.to_str()).map(str::to_owned).unwrap();
+            name.split('.').nth(1).map(str::to_owned).unwrap()
+        };
+        assert_eq!(name("a/frame-1.png"), name("b/frame-1.png"));
+        assert_ne!(name("a/frame-1.png"), name("a/frame-2.png"));
     }
 
     #[test]
