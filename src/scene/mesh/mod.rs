@@ -56,7 +56,7 @@ pub struct Mesh {
 
 /// The smallest extent of a mesh's file: its volume is a number still.
 const SMALLEST: f64 = 1e-30;
-/// Pairs of a point and a triangle that are tried for a lamp in a medium: two minutes of one core.
+/// Pairs of a point and a triangle that are tried for a lamp in a medium.
 const MOST_INSIDE: usize = 1 << 31;
 
 impl Mesh {
@@ -130,7 +130,7 @@ impl Mesh {
         if self.open_edges > 0 {
             return None;
         }
-        // Of very many by very many, as many as are told in seconds, spread evenly.
+        // Of very many by very many only so many, spread evenly.
         let boxed: Vec<&DVec3> = points.iter().filter(boxed).collect();
         let step = (boxed.len() * self.triangles.len()).div_ceil(MOST_INSIDE).max(1);
         boxed.par_iter().step_by(step).find_first(|p| inside(p)).copied().copied()
