@@ -22,7 +22,7 @@ pub struct Change {
     /// Nothing, yet radiosity is summed again from what is known of the light: over kept links gather, push and
     /// average; where links are scratch they are made anew.
     pub resum: bool,
-    /// The lists do not serve the light that they were kept for; with everything: no links are kept that could be revised.
+    /// The lists are of no use: too short, or kept for another light; with everything: no links are kept that could be revised.
     pub relink: bool,
 }
 
@@ -33,7 +33,7 @@ impl Change {
     pub const LIGHT: Self = Self { everything: false, light: true, view: false, resum: false, relink: false };
     /// The camera.
     pub const VIEW: Self = Self { everything: false, light: false, view: true, resum: false, relink: false };
-    /// Lists that serve another light.
+    /// Lists are made anew, and summed over.
     pub const RELINK: Self = Self { everything: false, light: false, view: false, resum: false, relink: true };
     /// Nothing, yet radiosity is summed again.
     pub const RESUM: Self = Self { everything: false, light: false, view: false, resum: true, relink: false };
@@ -98,6 +98,11 @@ impl Plan {
         self.options
     }
 
+    /// Whether a stage of it writes a buffer.
+    pub fn writes(&self, slot: Slot) -> bool {
+        self.stages.iter().any(|stage| stage.writes.iter().any(|(written, _, _)| *written == slot))
+    }
+
     /// The steps of a frame after this change.
     pub fn steps(&self, state: &State, change: Change) -> Vec<Step> {
         let kept = self.options.mode != Mode::OnTheFly && self.options.transport == Transport::Hierarchy;
@@ -121,12 +126,12 @@ impl Plan {
             "link" | "gather" | "push" if pixels && change.view => true,
             "shade" | "cdrf" | "lambert" | "texture_blur" | "reached" | "plain" | "exit" | "relief" | "reflect"
             | "backdrop" => change.view || change.light || resum,
-            name if kept && builds_links(name) => false,
+            name if kept && builds_links(name) => change.relink,
             // Lists that are made anew anyway, for other pixels, are made for the light of now.
             "radii" if any_light && pixels && change.view && change.light => true,
             "radii" | "link" if any_light => change.relink,
             // Else the lists of blocks depend on the light.
-            "link" if kept => change.light,
+            "link" if kept => change.light || change.relink,
             name => change.light || (resum && sums(name)),
         };
         let stages: Vec<_> = self.stages.iter().copied().filter(runs).collect();

@@ -18,7 +18,7 @@ const MOST_BINDING: u64 = 1 << 29;
 /// Blocks of a batch at most: with 65,000 entries each their sum still fits 32 bits.
 const MOST_BLOCKS: usize = 1 << 16;
 /// Entries of a block's lists to begin with.
-const ENTRIES: usize = 256;
+const ENTRIES: usize = 512;
 /// What is being done where lists, or links and their form factors, turn out to be too many to keep, as the error says it.
 pub const KEEPING: &str = "keeping lists between frames";
 /// Links per face, or entries per block, that are so few that nearly every scene has more.
@@ -72,6 +72,15 @@ pub struct Lists {
 /// Where the user decides what is kept.
 pub(super) const LIMITED: &str = "--limit-memory leaves";
 
+/// What becomes of chunks and batches where lists get more room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parts {
+    /// Nothing.
+    AsTheyWere,
+    /// They are cut anew, smaller.
+    Smaller,
+}
+
 impl Lists {
     /// For a device, or for the CPU where there is none.
     pub fn new(room: Room, device: Option<&Limits>) -> Self {
@@ -118,6 +127,10 @@ impl Lists {
     /// Cuts the blocks into batches and gives their lists room for so many entries a block.
     fn batches(&self, state: &mut State, per_block: usize) {
         state.data.frame.iter_mut().for_each(|frame| frame.near_room = frame.near_room.max(NEAR_PART));
+        // What is kept is no more than may be.
+        let all = state.sum(|object| object.groups.len() * object.count.blocks).max(1);
+        let most = if state.keep { (self.allocation / 4) as usize / all } else { usize::MAX };
+        let per_block = per_block.min(most);
         for object in &mut state.objects {
             let blocks = object.count.blocks;
             let batches = blocks.div_ceil(self.batch_blocks.min(self.most(4) / per_block.max(1)).max(1)).max(1);
@@ -135,7 +148,7 @@ impl Lists {
     }
 
     /// Makes room after an overflow: longer lists, or smaller chunks where a list can't grow any more.
-    pub fn grow(&mut self, prepared: &mut Prepared) -> Result<()> {
+    pub fn grow(&mut self, prepared: &mut Prepared) -> Result<Parts> {
         if prepared.state.method.scheme == Scheme::Blocks {
             return self.grow_batches(&mut prepared.state);
         }
@@ -164,7 +177,7 @@ impl Lists {
                     return Err(Error::device(format!("making room for buffer {name}"), what));
                 }
                 self.cut(prepared);
-                return Ok(());
+                return Ok(Parts::Smaller);
             }
             if need > had as usize {
                 // Links that are revised move within their room, as far as what is kept fits one allocation.
@@ -181,13 +194,13 @@ impl Lists {
         if prepared.state.keep && bytes > self.allocation {
             return Err(too_many(bytes, self));
         }
-        Ok(())
+        Ok(Parts::AsTheyWere)
     }
 }
 
 impl Lists {
     /// The same for the lists of blocks.
-    fn grow_batches(&mut self, state: &mut State) -> Result<()> {
+    fn grow_batches(&mut self, state: &mut State) -> Result<Parts> {
         let (need, near) = (need(state), need(state).need_near.next_multiple_of(NEAR_PART));
         state.data.frame.iter_mut().for_each(|frame| frame.near_room = frame.near_room.max(near));
         let (need, each) = (need.need_entries as usize, largest_batch(state).max(1));
@@ -196,6 +209,7 @@ impl Lists {
             let what = format!("one block of receivers needs {need} entries, a binding of the device takes {most}");
             return Err(Error::device("making room for buffer entries", what));
         }
+        let parts = if need > most { Parts::Smaller } else { Parts::AsTheyWere };
         if need > most {
             self.batch_blocks = (each as f64 * most as f64 / need as f64 * 0.75).max(1.0) as usize;
             self.batches(state, most / self.batch_blocks);
@@ -203,12 +217,11 @@ impl Lists {
             let room = (need + need / 32).next_multiple_of(64).min(most) as u32;
             state.data.frame.iter_mut().for_each(|frame| frame.entry_room = room);
         }
-        let parts = batches(state) as u64;
-        let bytes = 4 * u64::from(state.data.frame[0].entry_room) * parts;
+        let bytes = 4 * u64::from(state.data.frame[0].entry_room) * batches(state) as u64;
         if state.keep && bytes > self.allocation {
             return Err(too_many(bytes, self));
         }
-        Ok(())
+        Ok(parts)
     }
 }
 

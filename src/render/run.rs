@@ -169,10 +169,14 @@ impl Session {
         let mut change = self.pending.and(change).and(self.waiting_change());
         self.sharp = None;
         self.open_budget()?;
+        let mut times: Vec<Timing> = Vec::new();
         loop {
             change = self.links_anew(change);
             let steps = self.plan.steps(&self.prepared.state, change);
-            let times = if self.plan.octree(change) { self.run_octree(&steps, change)? } else { self.run(&steps)? };
+            let last = if self.plan.octree(change) { self.run_octree(&steps, change)? } else { self.run(&steps)? };
+            // Of a stage that runs again, the last run's.
+            times.retain(|before| last.iter().all(|now| now.name != before.name));
+            times.extend(last);
             if steps.iter().any(|step| ["shadow", "reached", "plane_fit"].contains(&step.stage.name)) {
                 self.fetch(&[Slot::cut_short])?;
                 if self.prepared.state.data.cut_short != [0] {
@@ -183,8 +187,7 @@ impl Session {
             let ran = |names: &[&str]| steps.iter().any(|step| names.contains(&step.stage.name));
             if ran(&["contrast"]) && !ran(&["link"]) {
                 self.fetch(&[Slot::cursor])?;
-                let served = |cursor: &Cursor| cursor.serves();
-                if !self.prepared.state.data.cursor.iter().all(served) {
+                if !self.prepared.state.data.cursor.iter().all(Cursor::serves) {
                     self.relinks += 1;
                     change = Change::RELINK;
                     continue;
@@ -214,8 +217,7 @@ impl Session {
                 change = Change::EVERYTHING.and(Change::LIGHT);
                 continue;
             }
-            self.grow()?;
-            change = Change::EVERYTHING;
+            change = self.grow()?;
         }
     }
 

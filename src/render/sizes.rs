@@ -5,17 +5,15 @@ use super::room::{batches, chunks as parts_of_links, largest_batch};
 use super::run::Session;
 use crate::baseline::renew::GROUPS;
 use crate::error::Result;
-use crate::layout::{Cursor, Slot};
+use crate::layout::{Cursor, Frame, Slot};
 use crate::light::environment;
 use crate::local::gaussians::GAUSSIANS;
-use crate::state::{Extent, Local, Stage, State};
+use crate::state::{Extent, Local, State};
 use crate::transport::radii::{ENTRIES as ENTRIES_OF_A_LAW, LAWS};
 
 /// Gives every buffer that a plan's stages write its size, zeroed; the others stay empty, as does the error estimate
 /// where nobody asked for it.
 pub fn size(state: &mut State, plan: &Plan) {
-    let chunks = if state.keep { parts_of_links(state) } else { 1 };
-    let used = |slot: Slot| plan.stages.iter().any(|s| s.writes.iter().any(|(w, _, _)| *w == slot));
     let estimate = state.method.estimate;
     let Extent { vertices, faces, nodes, blocks, receivers } = state.extent();
     let batches = if state.keep { batches(state) } else { 1 };
@@ -31,7 +29,7 @@ pub fn size(state: &mut State, plan: &Plan) {
     };
     let data = &mut state.data;
     let (frame, texels) = (data.frame[0], data.charts.len());
-    let per = |slot: Slot, count: usize| if used(slot) { count } else { 0 };
+    let per = |slot: Slot, count: usize| if plan.writes(slot) { count } else { 0 };
     data.bounds = bytemuck::zeroed_vec(nodes);
     data.clusters = bytemuck::zeroed_vec(nodes);
     data.normals = bytemuck::zeroed_vec(vertices);
@@ -58,37 +56,46 @@ pub fn size(state: &mut State, plan: &Plan) {
     data.runs = bytemuck::zeroed_vec(per(Slot::runs, batches * each));
     data.near = bytemuck::zeroed_vec(per(Slot::near, batches * each));
     data.near_groups = bytemuck::zeroed_vec(per(Slot::near_groups, batches * 64));
-    data.entries = bytemuck::zeroed_vec(per(Slot::entries, batches * frame.entry_room as usize));
     data.expansions = bytemuck::zeroed_vec(per(Slot::expansions, blocks));
     data.places = bytemuck::zeroed_vec(if blocks > 0 { receivers } else { 0 });
     data.received = bytemuck::zeroed_vec(per(Slot::received, receivers));
     data.estimate = bytemuck::zeroed_vec(if estimate { receivers } else { 0 });
     data.reach = bytemuck::zeroed_vec(per(Slot::reach, faces));
     data.spans = bytemuck::zeroed_vec(per(Slot::spans, nodes));
-    data.handed = bytemuck::zeroed_vec(per(Slot::handed, frame.hand_room as usize));
     data.cursor = vec![Cursor::default(); objects];
-    data.links = bytemuck::zeroed_vec(per(Slot::links, chunks * frame.link_room as usize));
-    data.factors = bytemuck::zeroed_vec(per(Slot::factors, chunks * frame.link_room as usize));
-    data.area_links = bytemuck::zeroed_vec(per(Slot::area_links, chunks * frame.area_room as usize));
-    data.edge_links = bytemuck::zeroed_vec(per(Slot::edge_links, chunks * frame.edge_room as usize));
     let vertices_of_all = data.positions.len();
     data.kept_positions = bytemuck::zeroed_vec(per(Slot::kept_positions, vertices_of_all));
     data.kept_clusters = bytemuck::zeroed_vec(per(Slot::kept_clusters, nodes));
     data.altered = bytemuck::zeroed_vec(per(Slot::altered, nodes));
     data.edits = bytemuck::zeroed_vec(per(Slot::edits, nodes));
     data.busy = bytemuck::zeroed_vec(per(Slot::busy, nodes));
-    data.made = bytemuck::zeroed_vec(per(Slot::made, frame.edit_room as usize));
-    data.undone = bytemuck::zeroed_vec(per(Slot::undone, frame.edit_room as usize));
-    data.stale = bytemuck::zeroed_vec(per(Slot::stale, chunks * frame.link_room as usize));
     data.waiting = bytemuck::zeroed_vec(per(Slot::waiting, nodes));
-    data.due = bytemuck::zeroed_vec(per(Slot::due, frame.link_room as usize));
-    data.ranked = bytemuck::zeroed_vec(per(Slot::ranked, frame.link_room as usize));
     data.due_groups = bytemuck::zeroed_vec(per(Slot::due_groups, GROUPS));
     data.gathered = bytemuck::zeroed_vec(per(Slot::gathered, nodes));
     data.radiosity = bytemuck::zeroed_vec(if carries { receivers } else { 0 });
     data.vertex_radiosity = bytemuck::zeroed_vec(if carries { vertices } else { 0 });
     data.crowds = bytemuck::zeroed_vec(per(Slot::crowds, nodes));
     data.planes = bytemuck::zeroed_vec(per(Slot::planes, vertices));
+    size_lists(state, plan);
+}
+
+/// The same for lists whose length is room that turns out to be too little, or not.
+fn size_lists(state: &mut State, plan: &Plan) {
+    let (chunks, batches) = if state.keep { (parts_of_links(state), batches(state)) } else { (1, 1) };
+    let data = &mut state.data;
+    let Frame { entry_room, link_room, area_room, edge_room, hand_room, edit_room, .. } = data.frame[0];
+    let room = |slot: Slot, parts: usize, room: u32| if plan.writes(slot) { parts * room as usize } else { 0 };
+    data.entries = bytemuck::zeroed_vec(room(Slot::entries, batches, entry_room));
+    data.links = bytemuck::zeroed_vec(room(Slot::links, chunks, link_room));
+    data.factors = bytemuck::zeroed_vec(room(Slot::factors, chunks, link_room));
+    data.area_links = bytemuck::zeroed_vec(room(Slot::area_links, chunks, area_room));
+    data.edge_links = bytemuck::zeroed_vec(room(Slot::edge_links, chunks, edge_room));
+    data.handed = bytemuck::zeroed_vec(room(Slot::handed, 1, hand_room));
+    data.made = bytemuck::zeroed_vec(room(Slot::made, 1, edit_room));
+    data.undone = bytemuck::zeroed_vec(room(Slot::undone, 1, edit_room));
+    data.stale = bytemuck::zeroed_vec(room(Slot::stale, chunks, link_room));
+    data.due = bytemuck::zeroed_vec(room(Slot::due, 1, link_room));
+    data.ranked = bytemuck::zeroed_vec(room(Slot::ranked, 1, link_room));
 }
 
 impl Session {
@@ -102,10 +109,7 @@ impl Session {
         self.send(&inputs)?;
         // What no stage of the plan writes must be zero where a stage or the host reads it.
         let carried = self.plan.options().transport != Transport::None;
-        let unwritten = |slot: &Slot| {
-            let writes = |stage: &Stage| stage.writes.iter().any(|(written, _, _)| written == slot);
-            !self.plan.stages.iter().any(|stage| writes(stage)) || (*slot == Slot::radiosity && !carried)
-        };
+        let unwritten = |slot: &Slot| !self.plan.writes(*slot) || (*slot == Slot::radiosity && !carried);
         let blank: Vec<Slot> = [Slot::irradiance, Slot::radiosity, Slot::vertex_radiosity, Slot::estimate]
             .into_iter()
             .filter(unwritten)
@@ -113,6 +117,13 @@ impl Session {
         self.send(&blank)?;
         // And what the host asks of every object, though not every object has lists.
         self.send(&[Slot::cut_short, Slot::cursor, Slot::stale, Slot::waiting])
+    }
+
+    /// Gives the lists their size, for a frame that has come as far as they are made.
+    pub(super) fn lengthen(&mut self) -> Result<()> {
+        size_lists(&mut self.prepared.state, &self.plan);
+        self.check_bindings()?;
+        self.send(&[Slot::frame])
     }
 
     pub(super) fn size_picture(&mut self) {

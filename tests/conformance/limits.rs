@@ -108,30 +108,34 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
         for scheme in ["blocks", "links"] {
             let scene = scene(scheme);
             let (_, picture) = render(&scene, device, Mode::OnTheFly).unwrap();
-            let (kept, _) = render(&scene, device, Mode::Render).unwrap();
-            assert_eq!(kept.not_kept(), None);
+            // With little room to begin with, so that what lists need is found out in the frame.
+            let little = Room { links: 40, ..Room::default() };
+            let options = Options { mode: Mode::Render, goal: Goal::Picture, ..Options::default() };
+            let mut kept = Session::new(&scene, Some(device), options, little).unwrap();
+            kept.frame(Change::EVERYTHING).unwrap();
+            assert!(kept.not_kept().is_none() && kept.retries > 0);
             let bytes = |slot: Slot| kept.buffers().into_iter().find(|(known, _)| *known == slot).map_or(0, |b| b.1);
             let lists = bytes(Slot::entries).max(bytes(Slot::links));
             // Known beforehand, found out in the frame, and for want of memory.
             let all: u64 = kept.buffers().iter().map(|(_, bytes)| bytes).sum();
             // Known beforehand, found out in the frame, and for want of memory: there on-the-fly needs less with blocks only.
-            let mut cases = vec![("few", 64, u64::MAX), ("some", lists / 3, u64::MAX)];
+            let mut cases = vec![("few", 64, u64::MAX), ("some", lists - 64, u64::MAX)];
             cases.extend((scheme == "blocks").then_some(("heap", u64::MAX, all - 64)));
             for (name, most, heap) in cases {
                 let small = lowered(device, instance, |limits| limits.heap_bytes = heap.min(limits.heap_bytes));
                 for mode in [Mode::Render, Mode::Incremental] {
                     let options = Options { mode, goal: Goal::Picture, ..Options::default() };
-                    let room = Room { kept: most, ..Room::default() };
+                    let room = Room { kept: most, ..little };
                     let mut session = Session::new(&scene, Some(&small), options, room).unwrap();
                     assert_eq!(session.not_kept().is_some(), name == "few", "{scheme} {name}");
                     session.frame(Change::EVERYTHING).unwrap();
-                    assert_eq!(session.picture().unwrap().pixels, picture, "{scheme} {name} {mode:?}");
+                    assert!(session.picture().unwrap().pixels == picture, "{scheme} {name} {mode:?}");
                     let why = session.not_kept().expect("too much to keep").to_string();
                     assert!(why.contains("on-the-fly"), "{why}");
                     assert!(session.plan.left_out.iter().any(|(what, known)| *what == "kept links" && *known == why));
                     // The next frame is none the wiser.
                     session.frame(Change::LIGHT).unwrap();
-                    assert_eq!(session.picture().unwrap().pixels, picture, "{scheme} {name} {mode:?}");
+                    assert!(session.picture().unwrap().pixels == picture, "{scheme} {name} {mode:?}");
                 }
             }
             // A layer that tells of links can't do without them.
