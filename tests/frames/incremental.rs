@@ -108,7 +108,7 @@ fn so_they_are_on_devices() {
 
 #[test]
 fn so_they_are_where_many_chunks_have_rooms_that_grow() {
-    let tight = Room { chunk_faces: 100, links: 40, ..Room::default() };
+    let tight = Room { chunk_faces: 200, links: 40, ..Room::default() };
     devices::on_devices(|device| hundred("bump", &["object.0.detail=4"], Some(device), tight, 33));
 }
 

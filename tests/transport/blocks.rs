@@ -162,7 +162,7 @@ fn channels_of_one_colour_share_moments() {
 #[test]
 fn the_tolerance_is_met() {
     for (name, set) in
-        [("sphere", "object.0.detail=4"), ("slab", "object.0.detail=24"), ("lotus", "object.0.detail=48")]
+        [("sphere", "object.0.detail=4"), ("slab", "object.0.detail=20"), ("lotus", "object.0.detail=32")]
     {
         for size in [4.0, 20.0, 300.0] {
             // A lamp stays where it is beside the object.

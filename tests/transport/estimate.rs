@@ -22,13 +22,13 @@ const OPTIONS: Options = Options {
 const SCENES: &[(&str, &str)] = &[
     ("sphere", "object.0.detail=5"),
     ("slab", "object.0.detail=32"),
-    ("lotus", "object.0.detail=64"),
-    ("bump", "object.0.detail=80"),
+    ("lotus", "object.0.detail=48"),
+    ("bump", "object.0.detail=64"),
     ("bust", "object.0.detail=64"),
     ("candle", "object.0.detail=64"),
-    ("twist", "object.0.detail=64"),
+    ("twist", "object.0.detail=40"),
     ("noise", "object.0.detail=40"),
-    ("torus", "object.0.detail=128"),
+    ("torus", "object.0.detail=96"),
 ];
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
