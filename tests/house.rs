@@ -114,21 +114,54 @@ fn shaders_stand_beside_their_stages() {
     for path in files("glsl", "comp").into_iter().filter(|path| !path.starts_with("glsl/measure")) {
         let parts: Vec<String> =
             path.with_extension("").iter().skip(1).map(|part| part.to_string_lossy().into_owned()).collect();
-        let stage = milkglass::render::stages::stage(&parts[1]);
+        let stage = milkglass::render::frame::stage(&parts[1]);
         assert_eq!(stage.map(|stage| stage.room), Some(parts[0].as_str()), "{} has no stage", path.display());
         let (file, folder) = (format!("src/{}/{}.rs", parts[0], parts[1]), format!("src/{}/{}", parts[0], parts[1]));
         assert!(Path::new(&file).exists() || Path::new(&folder).is_dir(), "{file} is missing");
         owners.insert(parts[1].clone());
     }
-    for stage in milkglass::render::stages::STAGES {
+    for stage in milkglass::render::frame::STAGES {
         assert!(owners.contains(stage.name), "stage {} has no shader", stage.name);
+    }
+}
+
+/// Stage names that are ordinary words elsewhere: in what files, and what they mean there.
+const ORDINARY: &[(&str, &str, &str)] = &[
+    ("irradiance", "src/render/aov.rs", "a layer of an OpenEXR picture"),
+    ("environment", "src/view/reflect.rs", "a kernel of another stage"),
+    ("level", "src/command/render.rs", "how deep a cluster lies in the tree"),
+    ("spread", "src/geometry/refit.rs", "an ordinary word"),
+    ("mean", "src/local/curvature.rs", "an ordinary word"),
+    ("irradiance", "src/measure/stress/solve.rs", "an ordinary word"),
+    ("push", "src/command/devices.rs", "bytes of push constants"),
+    ("spread", "src/command/profile.rs", "how far times are apart"),
+    ("spread", "src/command/pareto.rs", "how far times are apart"),
+    ("spread", "src/measure/report/speed.rs", "how far times are apart"),
+    ("points", "src/measure/pareto/plot.rs", "a method of a test"),
+];
+
+#[test]
+fn stages_are_named_in_their_own_files_only() {
+    // What the user writes has words of its own; tests and help texts may name stages.
+    let free = |path: &Path| path.starts_with("src/scene") || path.starts_with("src/layout");
+    for path in files("src", "rs").into_iter().filter(|path| !free(path)) {
+        let source = fs::read_to_string(&path).unwrap();
+        let code = source.split("#[cfg(test)]").next().unwrap_or_default();
+        let code: Vec<&str> = code.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
+        for stage in milkglass::render::frame::STAGES {
+            let own = code.iter().any(|line| line.trim() == format!("name: \"{}\",", stage.name));
+            let ordinary = ORDINARY.iter().any(|(word, file, _)| *word == stage.name && path.ends_with(file));
+            let literal = format!("\"{}\"", stage.name);
+            let found = code.iter().find(|line| line.contains(&literal)).filter(|_| !own && !ordinary);
+            assert!(found.is_none(), "{} names stage {}: {found:?}", path.display(), stage.name);
+        }
     }
 }
 
 #[test]
 fn the_readme_lists_every_stage() {
     let readme = fs::read_to_string("README.md").unwrap();
-    for stage in milkglass::render::stages::STAGES {
+    for stage in milkglass::render::frame::STAGES {
         assert!(readme.contains(&format!("| `{}` |", stage.name)), "README's table lacks stage {}", stage.name);
     }
 }

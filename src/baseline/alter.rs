@@ -1,8 +1,9 @@
 //! Stage `alter`: which clusters have a triangle that has moved since the kept links were made.
 
+use super::not_incremental;
 use crate::error::Result;
 use crate::layout::Slot;
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -12,7 +13,13 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, section 5.5",
     writes: &[(Slot::altered, Role::Output, Tolerance::Exact)],
     reason: "comparisons of f32 for equality",
+    sizes: &[],
     unit: Unit::Object,
+    carriers: &[Carrier::Links],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: not_incremental,
+    runs: Update::updates_links,
     cpu,
     gpu,
 };

@@ -5,7 +5,10 @@ use rayon::prelude::*;
 use super::form_factor::{Emitters, Rung};
 use crate::error::Result;
 use crate::layout::{Range, Slot};
-use crate::state::{Distance, Near, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{
+    Carrier, Distance, Near, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow,
+    stage::never, wide,
+};
 
 /// Receivers of one dispatch, so that no single one runs for many seconds.
 const RECEIVERS: u32 = 8192;
@@ -23,7 +26,13 @@ pub static STAGE: Stage = Stage {
     writes: &[(Slot::radiosity, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-6 })],
     reason: "a sum over all faces in f32: rounding grows with the square root of their number, and e^{-sigma s} by \
              its argument's; the edge form's share is a difference between edges",
+    sizes: &[],
     unit: Unit::Object,
+    carriers: &[Carrier::Brute],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::sums,
     cpu,
     gpu,
 };

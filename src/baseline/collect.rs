@@ -4,7 +4,9 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{Range, Slot};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, narrow, stage::never, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -14,7 +16,13 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, equation 6",
     writes: &[(Slot::gathered, Role::Update, Tolerance::Float { relative: 3e-5, floor: 1e-7 })],
     reason: "a sum of non-negative terms in fixed order: n terms of f32 rounding, n up to a few thousand",
+    sizes: &[],
     unit: Unit::Chunk,
+    carriers: &[Carrier::Links],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: |update| update.sums_all_links() && update.sums(),
     cpu,
     gpu,
 };

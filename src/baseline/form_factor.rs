@@ -13,7 +13,10 @@ use crate::dipole::form_factor::uniform;
 use crate::dipole::profile::{Dipole, kernel};
 use crate::error::Result;
 use crate::layout::{Buffers, Slot};
-use crate::state::{Distance, Near, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{
+    Carrier, Distance, Near, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, narrow,
+    stage::never, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -24,7 +27,13 @@ pub static STAGE: Stage = Stage {
     writes: &[(Slot::factors, Role::Output, Tolerance::Float { relative: 1e-4, floor: 2e-7 })],
     reason: "e^{-a} carries the rounding of a, up to 100 x 2^-24; an edge's integral is rounded at 2^-24 of itself, and \
              the edges of a sliver cancel down to a small share of it, hence the floor of some 3 x 2^-24",
+    sizes: &[(Slot::factors, Size::Grows(|state| state.chunk_parts() * state.data.frame[0].link_room as usize))],
     unit: Unit::Chunk,
+    carriers: &[Carrier::Links],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::makes_links,
     cpu,
     gpu,
 };

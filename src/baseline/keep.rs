@@ -1,8 +1,9 @@
 //! Stage `keep`: places and clusters that the links are made for, so that the next frame knows what it alters.
 
+use super::not_incremental;
 use crate::error::Result;
 use crate::layout::Slot;
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -15,7 +16,13 @@ pub static STAGE: Stage = Stage {
         (Slot::kept_clusters, Role::Update, Tolerance::Exact),
     ],
     reason: "a copy",
+    sizes: &[(Slot::kept_positions, Size::Elements(|state| state.data.positions.len()))],
     unit: Unit::Object,
+    carriers: &[Carrier::Links],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: not_incremental,
+    runs: Update::shape,
     cpu,
     gpu,
 };

@@ -3,7 +3,9 @@
 
 use crate::error::Result;
 use crate::layout::Slot;
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -13,7 +15,13 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, section 3.2, weighted: sum A_k E_k / sum A_k",
     writes: &[(Slot::cluster_irradiance, Role::Output, Tolerance::Float { relative: 1e-5, floor: 1e-6 })],
     reason: "a weighted mean a level, some 40 levels of f32 rounding",
+    sizes: &[],
     unit: Unit::Object,
+    carriers: &[Carrier::Links],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::light,
     cpu,
     gpu,
 };

@@ -19,3 +19,11 @@ pub mod relit;
 pub mod renew;
 pub mod revise;
 pub mod spread;
+
+use crate::state::State;
+
+/// Why the stages that update kept links have no place in a frame that keeps none.
+fn not_incremental(state: &State) -> Option<&'static str> {
+    let why = "links are made anew when the shape changes; --mode incremental revises them";
+    (!state.method.incremental).then_some(why)
+}

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::dipole::profile::Dipole;
 use crate::error::Result;
 use crate::layout::Slot;
-use crate::state::{Distance, Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{Carrier, Distance, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, stage::never};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -16,7 +16,13 @@ pub static STAGE: Stage = Stage {
     equation: "chi = tau q2(sigma s) / (2 s^2) solved for s, with q2(a) <= 15 + 5a + a^2",
     writes: &[(Slot::reach, Role::Output, Tolerance::Float { relative: 2e-5, floor: 1e-7 })],
     reason: "a short chain of f32 operations; k = 2 chi / tau - sigma^2 cancels where both are large",
+    sizes: &[],
     unit: Unit::Object,
+    carriers: &[Carrier::Links, Carrier::Brute],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: |update| if update.keeps { update.shape() || update.change.relink } else { update.light() },
     cpu,
     gpu,
 };

@@ -2,10 +2,11 @@
 //! were; what the others received before, they would receive again to the last bit.
 
 use super::collect::sum;
+use super::not_incremental;
 use super::renew::SUMMED;
 use crate::error::Result;
 use crate::layout::{Range, Slot};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -15,7 +16,13 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, equation 6",
     writes: &[(Slot::gathered, Role::Update, Tolerance::Float { relative: 3e-5, floor: 1e-7 })],
     reason: "that of collect",
+    sizes: &[],
     unit: Unit::Chunk,
+    carriers: &[Carrier::Links],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: not_incremental,
+    runs: |update| !update.sums_all_links() && (update.shape() || update.resums()),
     cpu,
     gpu,
 };

@@ -1,8 +1,9 @@
 //! Stage `relit`: which clusters have a triangle that another light enters than the one whose radiosity was summed last.
 
+use super::not_incremental;
 use crate::error::Result;
 use crate::layout::Slot;
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit};
 
 /// In `altered`: another light enters a triangle of the cluster.
 pub const RELIT: u32 = 2;
@@ -15,7 +16,13 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, section 5.5",
     writes: &[(Slot::altered, Role::Update, Tolerance::Exact)],
     reason: "comparisons of f32 for equality",
+    sizes: &[],
     unit: Unit::Object,
+    carriers: &[Carrier::Links],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: not_incremental,
+    runs: |update| update.updates_links() && !update.sums_all_links(),
     cpu,
     gpu,
 };

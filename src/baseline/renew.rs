@@ -3,11 +3,14 @@
 use rayon::prelude::*;
 
 use super::form_factor::{Emitters, Rung};
+use super::not_incremental;
 use super::revise::has_edits;
 use crate::dipole::form_factor::uniform;
 use crate::error::Result;
 use crate::layout::{Range, Slot};
-use crate::state::{Distance, Near, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{
+    Carrier, Distance, Near, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, narrow, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -27,7 +30,17 @@ pub static STAGE: Stage = Stage {
         (Slot::factors, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-7 }),
     ],
     reason: "which are computed is counting; the values are those of form_factor",
+    sizes: &[
+        (Slot::due, Size::Grows(|state| state.data.frame[0].link_room as usize)),
+        (Slot::ranked, Size::Grows(|state| state.data.frame[0].link_room as usize)),
+        (Slot::due_groups, Size::Elements(|_| GROUPS)),
+    ],
     unit: Unit::Chunk,
+    carriers: &[Carrier::Links],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: not_incremental,
+    runs: |update| update.updates_links() || (update.resums() && !update.change.everything),
     cpu,
     gpu,
 };

@@ -15,8 +15,8 @@ use crate::measure::conform::{BINS, Row, conform, conform_stages};
 use crate::measure::fixtures::{Fixture, fixtures};
 use crate::measure::replace;
 use crate::measure::verdict::verdict;
+use crate::render::frame::{STAGES, stage};
 use crate::render::run::Room;
-use crate::render::stages::{STAGES, stage};
 use crate::scene::Scene;
 use crate::view::whole::{ready, write_whole};
 

@@ -16,9 +16,10 @@ use crate::error::{Error, Input, Result};
 use crate::gpu::Device;
 use crate::layout::{Query, Slot};
 use crate::light::fresnel;
+use crate::local::cdrf_values;
 use crate::local::reflectance::cdrf;
-use crate::render::stages::stage;
 use crate::state::{DeviceState, Place, State, Step};
+use crate::transport::evaluate;
 use crate::view::whole::{ready, write_whole};
 
 /// Arguments of `eval`.
@@ -278,10 +279,8 @@ fn evaluate(kind: Kind, device: Option<Device>, rows: &[Row]) -> Result<Vec<[f64
         .collect();
     state.data.answers = vec![[0.0; 3]; rows.len()];
     let mut twin = DeviceState::new(&device, false)?;
-    let steps: Vec<Step> = stage(if local { "cdrf_values" } else { "evaluate" })
-        .into_iter()
-        .map(|stage| Step { stage, at: Place::default() })
-        .collect();
+    let stage = if local { &cdrf_values::STAGE } else { &evaluate::STAGE };
+    let steps = [Step { stage, at: Place::default() }];
     twin.upload(&state, &[Slot::queries])?;
     twin.run(&state, &steps)?;
     twin.download(&mut state, &[Slot::answers])?;

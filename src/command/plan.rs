@@ -8,13 +8,15 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::{RunArguments, SceneArguments, open_session, print, size, table, validation};
+use crate::baseline::octree::HOST;
 use crate::error::{Input, Result};
 use crate::gpu::constants;
 use crate::render::about_mode;
+use crate::render::frame::precedes_transport;
 use crate::render::needs::{KernelNeeds, StageNeeds};
-use crate::render::octree;
-use crate::render::plan::{Change, Options, before_transport};
+use crate::render::plan::{Change, Options};
 use crate::render::run::Session;
+use crate::render::sizes::grows;
 use crate::state::Extent;
 use crate::view::whole::{ready, write_whole};
 
@@ -86,9 +88,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             vec![stage.name.to_string(), stage.about.to_string(), stage.equation.to_string(), writes.join(" ")]
         })
         .collect();
-    if plan.octree(Change::EVERYTHING) {
-        let place = plan.stages.iter().position(|stage| !before_transport(stage.name)).unwrap_or(stages.len());
-        stages.insert(place, [octree::NAME, octree::ABOUT, octree::EQUATION, "radiosity"].map(String::from).to_vec());
+    if plan.runs_on_host(&HOST, state, Change::EVERYTHING) {
+        let place = plan.stages.iter().position(|stage| !precedes_transport(stage)).unwrap_or(stages.len());
+        stages
+            .insert(place, [HOST.name, HOST.about, HOST.equation, HOST.writes.spec().name].map(String::from).to_vec());
     }
     text += &table(&["stage", "does", "from", "writes"], &[], &stages);
     text += "\nwork: of a frame from scratch; bytes bound, each once\n";
@@ -112,11 +115,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
     // Lists start with a guess and grow to what a frame turns out to need.
     let misfits = session.misfits(Change::EVERYTHING.and(Change::RELINK))?;
-    let lists = ["handed", "links", "factors", "area_links", "edge_links"];
     let mut buffers = Vec::new();
     for (slot, bytes) in session.buffers() {
         let spec = slot.spec();
-        let note = match (misfits.contains(&slot), lists.contains(&spec.name)) {
+        let note = match (misfits.contains(&slot), grows(slot)) {
             (true, _) => "more than the device binds: use fewer triangles or pixels, or --device cpu",
             (false, true) => "grows as needed",
             (false, false) => "",

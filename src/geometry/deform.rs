@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{Buffers, Deform, Slot};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{Carrier, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, stage::never};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -18,7 +18,13 @@ pub static STAGE: Stage = Stage {
     equation: "twist: turned by rate h about the axis; bend: arc of radius 1 / rate; bump: height (1 - r^2 / R^2)^2; Perlin 2002; morph: weight times the way to the other mesh's vertex",
     writes: &[(Slot::positions, Role::Update, Tolerance::Exact)],
     reason: "additions, multiplications and comparisons in f32, sine and cosine by a polynomial",
+    sizes: &[],
     unit: Unit::Object,
+    carriers: Carrier::ALL,
+    needs: &[],
+    serves: Serves { object: |object, _| object.deforms > 0, none: "nothing deforms an object" },
+    skip: never,
+    runs: Update::shape,
     cpu,
     gpu,
 };

@@ -8,7 +8,9 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{Block, Bounds, Cluster, Frame, Slot, Sphere, Topology};
-use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{
+    Carrier, Field, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
+};
 
 /// A centre within rounding of the extent; an area and a spread of their own size; a vector area of the area's size.
 const CLUSTER: &[Field] = &[
@@ -40,10 +42,22 @@ pub static STAGE: Stage = Stage {
     ],
     reason: "boxes are minima and maxima; sums climb some 40 levels of f32 rounding, 40 x 2^-24 = 2.4e-6 of the \
              extent; a sliver's area is a cross product that cancels",
+    sizes: &[(Slot::places, Size::Elements(places))],
     unit: Unit::Object,
+    carriers: Carrier::ALL,
+    needs: &[],
+    serves: Serves::ALL,
+    skip: never,
+    runs: Update::shape,
     cpu,
     gpu,
 };
+
+/// Where blocks receive, each receiver's place.
+fn places(state: &State) -> usize {
+    let extent = state.extent();
+    if extent.blocks > 0 { extent.receivers } else { 0 }
+}
 
 /// Where a ray goes from a node, on through the trees of all objects.
 fn way(frame: &Frame, place: Topology) -> Bounds {

@@ -12,7 +12,9 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{Bounds, Crowd, Slot};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -27,7 +29,13 @@ pub static STAGE: Stage = Stage {
     ],
     reason: "centroids are sums of places that are rounded to 6e-8 each; an axis turns by the moments' rounding, 1e-7, over \
              their difference, 0.005 of the largest at least",
+    sizes: &[],
     unit: Unit::Object,
+    carriers: Carrier::ALL,
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves { object: |object, _| object.layered, none: "no material has layers" },
+    skip: never,
+    runs: Update::shape,
     cpu,
     gpu,
 };

@@ -5,10 +5,10 @@
 
 use rayon::prelude::*;
 
-use super::texture::{factor, place};
+use super::texture::{ENTRY, factor, place, untextured};
 use crate::error::Result;
 use crate::layout::{Buffers, CornerUvs, Slot};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, wide};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -18,7 +18,13 @@ pub static STAGE: Stage = Stage {
     equation: "d'Eon et al. 2007, pre-scatter texturing",
     writes: &[(Slot::irradiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a place in the texture is off by some 1e-7, times its texels a unit and their contrast",
+    sizes: &[],
     unit: Unit::Object,
+    carriers: Carrier::ALL,
+    needs: &[Need::Light],
+    serves: Serves::LIT_BY_FACE,
+    skip: |state| untextured(state, ENTRY),
+    runs: Update::light,
     cpu,
     gpu,
 };

@@ -8,7 +8,9 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{Buffers, Range, Slot};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, narrow, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -18,7 +20,13 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, section 5.3; Ramamoorthi and Hanrahan 2001, equations 3 and 10",
     writes: &[(Slot::harmonics, Role::Output, Tolerance::Float { relative: 2e-5, floor: 5e-6 })],
     reason: "sums of 64 terms, three or four on top of each other, 64 x 2^-24 = 4e-6 each at worst; terms of either sign cancel",
+    sizes: &[(Slot::harmonics, Size::Elements(|state| elements(state.data.frame[0].sky)))],
     unit: Unit::Scene,
+    carriers: Carrier::ALL,
+    needs: &[Need::Light],
+    serves: Serves::ALL,
+    skip: |state| state.data.sky.is_empty().then_some("no light is an environment"),
+    runs: Update::light,
     cpu,
     gpu,
 };

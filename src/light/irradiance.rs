@@ -11,7 +11,9 @@ use rayon::prelude::*;
 use super::{fresnel, harmonics};
 use crate::error::Result;
 use crate::layout::{Buffers, Frame, Light, Slot};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -21,7 +23,13 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, equation 5",
     writes: &[(Slot::irradiance, Role::Output, Tolerance::Float { relative: 2e-5, floor: 2e-6 })],
     reason: "a short sum of products; the cosine cancels where light grazes, hence the floor",
+    sizes: &[],
     unit: Unit::Object,
+    carriers: Carrier::ALL,
+    needs: &[Need::Light],
+    serves: Serves::LIT_BY_FACE,
+    skip: never,
+    runs: Update::light,
     cpu,
     gpu,
 };

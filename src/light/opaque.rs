@@ -4,7 +4,9 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::Slot;
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -14,7 +16,16 @@ pub static STAGE: Stage = Stage {
     equation: "Lambert: B = albedo E",
     writes: &[(Slot::radiosity, Role::Output, Tolerance::Float { relative: 2e-7, floor: 0.0 })],
     reason: "one product",
+    sizes: &[],
     unit: Unit::Object,
+    carriers: Carrier::ALL,
+    needs: &[Need::Light],
+    serves: Serves {
+        object: |object, _| object.opaque && object.lit_by_face(),
+        none: "no opaque object is lit by triangle",
+    },
+    skip: never,
+    runs: Update::sums,
     cpu,
     gpu,
 };

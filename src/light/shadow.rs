@@ -6,7 +6,9 @@ use crate::error::Result;
 use crate::geometry::occlusion::{Ray, blocked};
 use crate::geometry::plane::Plane;
 use crate::layout::{Light, Rays, Slot};
-use crate::state::{Local, Object, Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{
+    Carrier, Local, Need, Object, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -16,10 +18,30 @@ pub static STAGE: Stage = Stage {
     equation: "the visibility in equation 5; any triangle between blocks",
     writes: &[(Slot::lit, Role::Output, Tolerance::Exact), (Slot::cut_short, Role::Update, Tolerance::Exact)],
     reason: "decisions, bit for bit",
+    sizes: &[(Slot::cut_short, Size::Elements(|_| 1))],
     unit: Unit::Scene,
+    carriers: Carrier::ALL,
+    needs: &[Need::Light],
+    serves: Serves {
+        object: |object, _| object.lit_by_face(),
+        none: "every object is opaque, and lit where the pixels show it",
+    },
+    skip,
+    runs: Update::light,
     cpu,
     gpu,
 };
+
+fn skip(state: &State) -> Option<&'static str> {
+    let alone = state.method.local.is_some_and(Local::spares_itself)
+        && state.objects.len() == 1
+        && state.objects.iter().all(|object| !object.opaque);
+    match state.data.frame.iter().all(|frame| frame.shadow_words == 0) {
+        _ if alone => Some("an object does not shadow itself in local shading, and there is no other"),
+        true => Some("no light casts shadows, and no environment asks what is hidden of it"),
+        false => None,
+    }
+}
 
 /// Rays of one dispatch at most: about a second on the slowest device.
 pub const RAYS: usize = 1 << 18;

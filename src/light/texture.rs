@@ -3,7 +3,24 @@
 use glam::{DVec2, DVec3};
 
 use crate::layout::{Buffers, Frame};
-use crate::state::wide;
+use crate::state::{State, wide};
+
+/// The bit of `frame.texture_side` for light that enters.
+pub const ENTRY: u32 = 1;
+/// The same for light that leaves.
+pub const EXIT: u32 = 2;
+
+/// Why no light is multiplied by a texture on this side, if none is.
+#[must_use]
+pub fn untextured(state: &State, side: u32) -> Option<&'static str> {
+    let sides = state.data.frame.iter().fold(0, |sides, frame| sides | frame.texture_side);
+    match sides {
+        0 => Some("no material has a texture"),
+        sides if sides & side != 0 => None,
+        EXIT => Some("the texture is for light that leaves"),
+        _ => Some("the texture is for light that enters"),
+    }
+}
 
 /// Which of `count` texels in a row stands at place `i`; `wrap` as in `frame.texture_wrap`.
 #[must_use]

@@ -10,7 +10,9 @@ use rayon::prelude::*;
 use super::gaussians::GAUSSIANS;
 use crate::error::Result;
 use crate::layout::{Buffers, Slot, Unwrapping};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -23,7 +25,13 @@ pub static STAGE: Stage = Stage {
         (Slot::crossed, Role::Output, Tolerance::Float { relative: 5e-5, floor: 2e-5 }),
     ],
     reason: "twelve weighted means of up to 97 values of one sign; an exponential is off by some roundings of its exponent, 8 at most",
+    sizes: &[(Slot::crossed, Size::Elements(|state| state.data.charts.len()))],
     unit: Unit::Scene,
+    carriers: &[Carrier::TextureBlur],
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::light,
     cpu,
     gpu,
 };

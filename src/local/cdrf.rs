@@ -8,7 +8,9 @@ use super::diffuse::{record, shade};
 use super::reflectance::cdrf;
 use crate::error::Result;
 use crate::layout::Slot;
-use crate::state::{Local, Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{
+    Carrier, Local, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, stage::never,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -18,7 +20,13 @@ pub static STAGE: Stage = Stage {
     equation: "Kubo et al. 2010, equations 1, 4, 5",
     writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 3e-5, floor: 3e-5 })],
     reason: "the closed form is within 6e-6 of the convolution, whose largest value is 1",
+    sizes: &[],
     unit: Unit::Scene,
+    carriers: &[Carrier::Cdrf],
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::picture,
     cpu,
     gpu,
 };

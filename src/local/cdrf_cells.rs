@@ -7,8 +7,8 @@
 
 use crate::error::Result;
 use crate::layout::Slot;
-use crate::local::cdrf_table::{WIDEST, side};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::local::cdrf_table::{WIDEST, side, untabled};
+use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -18,7 +18,13 @@ pub static STAGE: Stage = Stage {
     equation: "Kubo et al. 2010, figure 8",
     writes: &[(Slot::cdrf_cells, Role::Output, Tolerance::Exact)],
     reason: "multiplications, additions and floors, each rounded once",
+    sizes: &[(Slot::cdrf_cells, Size::Elements(|state| (side(state) as usize - 1).pow(2)))],
     unit: Unit::Scene,
+    carriers: &[Carrier::Cdrf],
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves::TRANSLUCENT,
+    skip: untabled,
+    runs: Update::shape,
     cpu,
     gpu,
 };

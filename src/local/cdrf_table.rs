@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::reflectance::cdrf;
 use crate::error::Result;
 use crate::layout::Slot;
-use crate::state::{Local, Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{Carrier, Local, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -15,10 +15,22 @@ pub static STAGE: Stage = Stage {
     equation: "Kubo et al. 2010, figure 8",
     writes: &[(Slot::cdrf_grid, Role::Output, Tolerance::Float { relative: 0.0, floor: 1e-5 })],
     reason: "the device's closed form is within 6e-6 of the convolution, and rounds",
+    sizes: &[(Slot::cdrf_grid, Size::Elements(|state| (side(state) as usize).pow(2)))],
     unit: Unit::Scene,
+    carriers: &[Carrier::Cdrf],
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves::TRANSLUCENT,
+    skip: untabled,
+    runs: Update::shape,
     cpu,
     gpu,
 };
+
+/// Why nothing is looked up in a table.
+pub(super) fn untabled(state: &State) -> Option<&'static str> {
+    let closed = !matches!(state.method.local, Some(Local::Table(_)));
+    closed.then_some("transport.cdrf is closed: nothing is looked up")
+}
 
 /// The largest sigma of the table; beyond it the last row serves, within 1.1e-3.
 pub const WIDEST: f64 = 3.5;

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::reflectance::cdrf;
 use crate::error::Result;
 use crate::layout::{Query, Slot};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, stage::never};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -15,7 +15,13 @@ pub static STAGE: Stage = Stage {
     equation: "Kubo et al. 2010, equation 1",
     writes: &[(Slot::answers, Role::Output, Tolerance::Float { relative: 0.0, floor: 1e-5 })],
     reason: "the device's closed form is within 6e-6 of the convolution, and rounds",
+    sizes: &[],
     unit: Unit::Scene,
+    carriers: &[],
+    needs: &[],
+    serves: Serves::ALL,
+    skip: never,
+    runs: |_| false,
     cpu,
     gpu,
 };

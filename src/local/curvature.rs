@@ -16,7 +16,9 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{Buffers, Curvature, Slot};
-use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
+use crate::state::{
+    Carrier, Field, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, stage::never, wide,
+};
 
 /// Curvatures within a share of kappa, whose square is the scale of K.
 const FIELDS: &[Field] = &[
@@ -33,7 +35,13 @@ pub static STAGE: Stage = Stage {
     equation: "Meyer et al. 2003, equations 8 to 10",
     writes: &[(Slot::curvature, Role::Output, Tolerance::Fields(FIELDS))],
     reason: "sums that cancel: roundings of an edge, 2^-24, over its length squared; angles of 2e-7 over the area",
+    sizes: &[],
     unit: Unit::Object,
+    carriers: &[Carrier::Cdrf],
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::shape,
     cpu,
     gpu,
 };

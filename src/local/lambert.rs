@@ -3,7 +3,7 @@
 use super::diffuse::{record, shade};
 use crate::error::Result;
 use crate::layout::Slot;
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, stage::never};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -13,7 +13,13 @@ pub static STAGE: Stage = Stage {
     equation: "L = F_t k_d / pi max(cos, 0) E",
     writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a short chain of f32 operations; a cosine cancels where light grazes",
+    sizes: &[],
     unit: Unit::Scene,
+    carriers: &[Carrier::Lambert],
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::picture,
     cpu,
     gpu,
 };

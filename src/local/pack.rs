@@ -10,7 +10,9 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::Slot;
-use crate::state::{Local, Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{
+    Carrier, Local, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, stage::never,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -20,7 +22,13 @@ pub static STAGE: Stage = Stage {
     equation: "",
     writes: &[(Slot::bends, Role::Output, Tolerance::Exact)],
     reason: "multiplications, additions and floors, each rounded once",
+    sizes: &[],
     unit: Unit::Object,
+    carriers: &[Carrier::Cdrf, Carrier::Lambert],
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::shape,
     cpu,
     gpu,
 };

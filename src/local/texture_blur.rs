@@ -11,7 +11,9 @@ use crate::error::Result;
 use crate::layout::{Hit, Slot, Unwrapping};
 use crate::light::fresnel;
 use crate::light::texture::{place, texel};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -21,7 +23,13 @@ pub static STAGE: Stage = Stage {
     equation: "d'Eon et al. 2007, section 5",
     writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 5e-5, floor: 5e-5 })],
     reason: "a place in the texture is off by some 1e-7, times its texels a unit and their contrast",
+    sizes: &[],
     unit: Unit::Scene,
+    carriers: &[Carrier::TextureBlur],
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::picture,
     cpu,
     gpu,
 };

@@ -8,11 +8,14 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::gaussians::GAUSSIANS;
 use crate::error::Result;
 use crate::layout::{Chart, Slot, Unwrapping};
 use crate::light::irradiance::{entering, reaches};
 use crate::light::texture::{factor, place};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -25,7 +28,16 @@ pub static STAGE: Stage = Stage {
         (Slot::stretch, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-5 }),
     ],
     reason: "sums of products; a cosine cancels where light grazes, and edges of texture coordinates do where those are large",
+    sizes: &[
+        (Slot::sheets, Size::Elements(|state| (1 + GAUSSIANS) * state.data.charts.len())),
+        (Slot::stretch, Size::Elements(|state| state.data.charts.len())),
+    ],
     unit: Unit::Scene,
+    carriers: &[Carrier::TextureBlur],
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::light,
     cpu,
     gpu,
 };

@@ -6,6 +6,7 @@
 //! buffer must be untouched; the validation layer must be silent.
 
 use crate::error::Result;
+use crate::geometry::deform;
 use crate::gpu::Device;
 use crate::layout::{SLOTS, Slot};
 pub use crate::measure::compare::BINS;
@@ -102,7 +103,7 @@ fn poison(state: &mut State, step: Step) {
         }
     }
     // The host has the shape as well: it is there before the stage runs.
-    if step.stage.name == "deform" {
+    if step.stage.is(&deform::STAGE) {
         let object = &state.objects[step.at.object];
         let own = object.first.vertices..object.first.vertices + object.count.vertices;
         state.data.positions[own].fill([f32::from_bits(POISON); 3]);

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::gpu::Device;
-use crate::layers::relief::{Kept, full};
+use crate::layers::relief::{self, Kept, full};
 use crate::render::plan::{Change, Options, Transport};
 use crate::render::run::{Room, Session};
 use crate::scene::{Integration, Light, Scene, Surface};
@@ -114,12 +114,12 @@ pub fn rules(
         let mut sessions = [paper?, exact?];
         let mut least = [[f64::INFINITY; 2]; 2];
         for _ in 0..repeat.max(1) {
-            for (session, [relief, view]) in sessions.iter_mut().zip(&mut least) {
+            for (session, [least_relief, view]) in sessions.iter_mut().zip(&mut least) {
                 let times = session.frame(Change::VIEW)?;
-                let sum = |name: &str| -> f64 {
-                    times.iter().filter(|step| step.name.contains(name)).map(|step| step.milliseconds).sum()
-                };
-                (*relief, *view) = (relief.min(sum("relief")), view.min(sum("")));
+                let own = times.iter().filter(|step| step.name == relief::STAGE.name);
+                let own = own.map(|step| step.milliseconds).sum();
+                let all = times.iter().map(|step| step.milliseconds).sum();
+                (*least_relief, *view) = (least_relief.min(own), view.min(all));
             }
         }
         for (k, rule) in rules.into_iter().enumerate() {
@@ -151,7 +151,7 @@ pub fn by_lights(scene: &Scene, device: Option<&Device>, counts: &[u32], repeat:
     for _ in 0..repeat.max(1) {
         for (session, least) in sessions.iter_mut().zip(&mut least) {
             let times = session.frame(Change::VIEW)?;
-            *least = least.min(times.iter().filter(|t| t.name == "relief").map(|t| t.milliseconds).sum());
+            *least = least.min(times.iter().filter(|t| t.name == relief::STAGE.name).map(|t| t.milliseconds).sum());
         }
     }
     Ok(counts.iter().copied().zip(least).collect())

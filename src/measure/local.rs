@@ -4,15 +4,18 @@
 
 use crate::error::{Error, Input, Result};
 use crate::gpu::Device;
+use crate::layers::{plane_fit, relief};
 use crate::layout::Slot;
-use crate::local::reflectance::cdrf;
+use crate::local::reflectance;
+use crate::local::{blur, cdrf, curvature, lambert, pack, texture_blur, unwrap};
 use crate::measure::median;
 use crate::render::local::spread;
 use crate::render::plan::{Change, Options, Transport};
 use crate::render::prepare::dipoles;
 use crate::render::run::{Room, Session};
 use crate::scene::{Cdrf, Receivers, Scene, Surface};
-use crate::state::wide;
+use crate::state::{Stage, wide};
+use crate::view::{backdrop, exit, reflect, shade, visibility};
 
 /// One way to shade.
 #[derive(Clone, Debug)]
@@ -39,7 +42,18 @@ pub const PAPER: [(&str, f64, f64); 4] = [
 ];
 
 /// The stages that are the cost of a technique itself.
-const OWN: [&str; 5] = ["lambert", "cdrf", "unwrap", "blur", "texture_blur"];
+const OWN: [&Stage; 5] = [&lambert::STAGE, &cdrf::STAGE, &unwrap::STAGE, &blur::STAGE, &texture_blur::STAGE];
+
+/// The stages that make a picture of radiosity.
+const SEEN: [&Stage; 7] = [
+    &visibility::STAGE,
+    &shade::STAGE,
+    &exit::STAGE,
+    &reflect::STAGE,
+    &backdrop::STAGE,
+    &plane_fit::STAGE,
+    &relief::STAGE,
+];
 
 /// How many frames of the others the texture blur has one of: it takes about a hundred times as long.
 const BLURS: usize = 20;
@@ -79,7 +93,7 @@ pub fn table_1(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
                 continue;
             }
             let steps = session.frame(Change::LIGHT)?;
-            let own = steps.iter().filter(|step| OWN.contains(&step.name.as_str()));
+            let own = steps.iter().filter(|step| OWN.iter().any(|stage| stage.name == step.name));
             let own: f64 = own.map(|step| step.milliseconds).sum();
             lambert = if *name == PAPER[0].0 { own } else { lambert };
             times.push([own, own / lambert]);
@@ -161,9 +175,10 @@ pub fn bending(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
             let steps = session.frame(Change::EVERYTHING)?;
             Ok(steps.iter().filter(|step| counts(&step.name)).map(|step| step.milliseconds).sum())
         };
-        bends.push(sum(&mut local, &|name| ["curvature", "pack"].contains(&name))?);
-        let seen = ["visibility", "shade", "exit", "reflect", "backdrop", "plane_fit", "relief"];
-        solves.push(sum(&mut carried, &|name| !seen.contains(&name))?);
+        bends.push(sum(&mut local, &|name| [&curvature::STAGE, &pack::STAGE].iter().any(|stage| stage.name == name))?);
+        // What makes a picture of radiosity is no part of it.
+        let seen = |name: &str| SEEN.iter().any(|stage| stage.name == name);
+        solves.push(sum(&mut carried, &|name| !seen(name))?);
     }
     let vertices = local.state().sum(|object| object.count.vertices);
     Ok(Bending { vertices, curvature: median(bends), solve: median(solves) })
@@ -174,7 +189,7 @@ pub fn bending(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
 #[must_use]
 pub fn curve(sigma: f64, count: usize) -> Vec<[f64; 2]> {
     let degrees = |k: usize| 180.0 * k as f64 / (count.max(2) - 1) as f64;
-    (0..count.max(2)).map(|k| [degrees(k), cdrf(degrees(k).to_radians().cos(), sigma)]).collect()
+    (0..count.max(2)).map(|k| [degrees(k), reflectance::cdrf(degrees(k).to_radians().cos(), sigma)]).collect()
 }
 
 /// A ball of a scene's material in parallel light (figure 7).

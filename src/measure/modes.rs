@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 
+use crate::baseline::form_factor;
 use crate::error::Result;
 use crate::gpu::Device;
 use crate::layout::Slot;
@@ -12,6 +13,7 @@ use crate::measure::reference::verify;
 use crate::render::plan::{Change, Goal, Mode, Options};
 use crate::render::run::{Room, Session};
 use crate::scene::{Deform, Scene, Scheme};
+use crate::transport::gather;
 
 /// What has changed since the frame before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -163,7 +165,7 @@ fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frame
     }
     let links = links(&mut session, &moved(scene, what, times.len()), device)?;
     times.sort_by(f64::total_cmp);
-    let all = ["gather", "form_factor"].iter().any(|stage| names.iter().any(|name| name == stage));
+    let all = [&gather::STAGE, &form_factor::STAGE].iter().any(|stage| names.iter().any(|name| name == stage.name));
     let factors = if all { links } else { session.renewed() };
     let error = worst(&verify(&mut session, 500, 1)?).l2;
     let triangles = session.state().sum(|object| object.count.faces);

@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use super::plan::{Change, before_transport};
+use super::frame::precedes_transport;
+use super::plan::Change;
 use super::run::{Backend, Session};
 use crate::error::Result;
 use crate::gpu::Timing;
@@ -16,7 +17,7 @@ impl Session {
     /// Runs the reference's stages up to irradiance on the host, whatever runs the others.
     pub fn prepare_light(&mut self) {
         let steps = self.plan.steps(&self.prepared.state, Change::EVERYTHING);
-        let early = steps.iter().filter(|step| before_transport(step.stage.name));
+        let early = steps.iter().filter(|step| precedes_transport(step.stage));
         early.for_each(|step| step.reference(&mut self.prepared.state));
     }
 

@@ -4,7 +4,6 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::options::{Options, Transport};
 use super::plan::Change;
 use super::run::{Room, Session};
 use super::textures::texels;
@@ -12,6 +11,7 @@ use crate::error::{Input, Result};
 use crate::geometry::trace::{UNFINISHED, trace};
 use crate::scene::{Memory, Mesh, Scene};
 use crate::state::narrow;
+use crate::state::options::{Options, Transport};
 
 /// Depths of up to four surfaces below another, texel by texel, rows from the top.
 pub struct Baked {

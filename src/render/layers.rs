@@ -4,13 +4,13 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::lights::spread;
-use super::options::{Goal, Options};
 use super::units::Units;
 use crate::layers::beneath::parameter;
 use crate::layers::islands::{Atlas, Whole, atlas};
 use crate::layers::relief::GRAZING;
 use crate::layout::{Layer, Layering, Light};
 use crate::scene::{Integration, Layers, Object, Phase, Sky, Source, Wrap};
+use crate::state::options::{Goal, Options};
 use crate::state::{State, narrow};
 
 /// The densest layer, per unit of the frame: light goes no farther in it than `f32` tells places apart.
@@ -170,10 +170,4 @@ pub(super) fn drop_unlooked(state: &mut State, options: Options) {
         (data.layerings, data.beneath, data.depths, data.beams, data.islands) = Default::default();
         data.frame.iter_mut().for_each(|frame| frame.fit_radius = 0.0);
     }
-}
-
-/// Why there is nothing to do beneath the surface in this stage, if there is not.
-pub(super) fn unlayered(stage: &str, state: &State) -> Option<String> {
-    let concerns = matches!(stage, "plane_fit" | "relief");
-    (concerns && state.data.layerings.is_empty()).then(|| "no material has layers".into())
 }

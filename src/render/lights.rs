@@ -52,11 +52,6 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &
     }
 }
 
-/// Whether any light gives any light at all.
-pub fn lit(state: &State) -> bool {
-    state.data.lights.iter().any(|light| light.color.iter().any(|&x| x > 0.0)) || !state.data.sky.is_empty()
-}
-
 fn largest(channels: [f64; 3]) -> f64 {
     channels.into_iter().fold(0.0, f64::max)
 }

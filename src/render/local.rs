@@ -1,10 +1,10 @@
 //! What local shading needs to know of a scene: which function shades, how far light spreads, how much comes back.
 
-use super::options::Transport;
 use crate::dipole::profile::Dipole;
 use crate::light::fresnel;
 use crate::scene::{self, Cdrf, Material};
 use crate::state::Local;
+use crate::state::options::Transport;
 
 /// The function of light and normal that takes the place of transport, if one does.
 #[must_use]

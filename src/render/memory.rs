@@ -1,8 +1,8 @@
 //! About how much memory a session will take, so that a scene that asks for too much is told before any is taken.
 
-use super::options::{Goal, Options, Transport};
 use crate::error::{Input, Result};
 use crate::scene::{Light, Scene};
+use crate::state::options::{Goal, Options, Transport};
 
 /// Bytes that a triangle takes with its part of the tree, its light and its lists, on the host and on a device that shares
 /// its memory: two million take 2.4 GB.

@@ -4,19 +4,12 @@
 
 use std::time::Instant;
 
-use crate::baseline::octree::{Octree, Sample};
+use crate::baseline::octree::{HOST, Octree, Sample};
 use crate::dipole::profile::Dipole;
 use crate::error::{Input, Result};
 use crate::gpu::Timing;
 use crate::scene::{Distance, Transport};
 use crate::state::{Object, State};
-
-/// Its name among the times of a frame.
-pub const NAME: &str = "octree";
-/// What it does, in words.
-pub const ABOUT: &str = "irradiance octree over the faces' centroids, in native code on the host";
-/// Where it is from.
-pub const EQUATION: &str = "Jensen and Buhler 2002";
 
 /// The octree of a session, kept from frame to frame.
 #[derive(Default)]
@@ -52,7 +45,7 @@ impl OctreeTransport {
             let sums = tree.gather(&dipoles, self.angle, centers);
             state.data.radiosity[object.first.receivers..][..sums.len()].copy_from_slice(&sums);
         }
-        Timing { name: NAME.into(), milliseconds: start.elapsed().as_secs_f64() * 1e3, start: f64::NAN }
+        Timing { name: HOST.name.into(), milliseconds: start.elapsed().as_secs_f64() * 1e3, start: f64::NAN }
     }
 }
 

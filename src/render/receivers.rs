@@ -1,9 +1,9 @@
 //! Whether radiosity is computed at the triangles and blended between their vertices, or at the very places that the
 //! pixels show: whichever are fewer, unless the scene says.
 
-use super::options::{Goal, Options, Transport};
 use crate::scene::{Receivers, Scene, Scheme};
 use crate::state::LitAt;
+use crate::state::options::{Goal, Options, Transport};
 
 /// Whether the receivers are the pixels, and why.
 #[must_use]

@@ -3,13 +3,14 @@
 use std::time::Instant;
 
 use super::blur::{blur, unwrap};
+use super::frame::before_host;
 use super::holds::holds;
 use super::incremental::share_budget;
 use super::layers::drop_unlooked;
 use super::local::local;
 use super::memory;
 use super::octree::OctreeTransport;
-use super::plan::{Change, Mode, Options, Plan, Transport, before_transport};
+use super::plan::{Change, Mode, Options, Plan, Transport};
 use super::prepare::{Prepared, prepare};
 use super::receivers::{by_pixel, lit_at};
 use super::room::Lists;
@@ -18,12 +19,15 @@ use super::shape::reach;
 use super::subdivide::{Parts, subdivide};
 use super::textures::drop_unseen;
 use super::units::Units;
+use crate::baseline::octree::HOST;
+use crate::baseline::{refine, revise};
 use crate::error::{Error, Result};
 use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
 use crate::layout::{Cursor, Slot};
 use crate::scene::Scene;
-use crate::state::{DeviceState, Scheme, State, Step};
+use crate::state::{DeviceState, Scheme, Stage, State, Step};
+use crate::transport::contrast;
 use crate::view::picture::Picture;
 
 /// Where the stages run.
@@ -173,19 +177,24 @@ impl Session {
         loop {
             change = self.links_anew(change);
             let steps = self.plan.steps(&self.prepared.state, change);
-            let last = if self.plan.octree(change) { self.run_octree(&steps, change)? } else { self.run(&steps)? };
+            let last = if self.plan.runs_on_host(&HOST, &self.prepared.state, change) {
+                self.run_octree(&steps, change)?
+            } else {
+                self.run(&steps)?
+            };
             // Of a stage that runs again, the last run's.
             times.retain(|before| last.iter().all(|now| now.name != before.name));
             times.extend(last);
-            if steps.iter().any(|step| ["shadow", "reached", "plane_fit"].contains(&step.stage.name)) {
+            if steps.iter().any(|step| step.stage.writes(Slot::cut_short)) {
                 self.fetch(&[Slot::cut_short])?;
                 if self.prepared.state.data.cut_short != [0] {
                     let doing = "following a shadow ray, or fitting a plane to a vertex";
                     return Err(unfinished(doing, "use a mesh with fewer overlapping parts"));
                 }
             }
-            let ran = |names: &[&str]| steps.iter().any(|step| names.contains(&step.stage.name));
-            if ran(&["contrast"]) && !ran(&["link"]) {
+            let ran = |stage: &Stage| steps.iter().any(|step| step.stage.is(stage));
+            let filled = steps.iter().any(|step| step.stage.fills_lists());
+            if ran(&contrast::STAGE) && !filled {
                 self.fetch(&[Slot::cursor])?;
                 if !self.prepared.state.data.cursor.iter().all(Cursor::serves) {
                     self.relinks += 1;
@@ -193,7 +202,7 @@ impl Session {
                     continue;
                 }
             }
-            if !ran(&["link", "refine", "renew"]) {
+            if !filled {
                 self.pending = Change::default();
                 return Ok(times);
             }
@@ -207,11 +216,11 @@ impl Session {
             }
             if cursors.iter().all(|cursor| cursor.overflow == 0) {
                 self.pending = Change::default();
-                self.linked = self.linked || ran(&["refine"]);
+                self.linked = self.linked || ran(&refine::STAGE);
                 return Ok(times);
             }
             self.retries += 1;
-            if ran(&["revise"]) {
+            if ran(&revise::STAGE) {
                 self.make_room()?;
                 // All is summed again: what the light was before is no longer known.
                 change = Change::EVERYTHING.and(Change::LIGHT);
@@ -242,8 +251,7 @@ impl Session {
 
     /// The same with the octree in its place among them. A device is only told of the radiosity that it works on.
     fn run_octree(&mut self, steps: &[Step], change: Change) -> Result<Vec<Timing>> {
-        let place = steps.iter().position(|step| !before_transport(step.stage.name)).unwrap_or(steps.len());
-        let (before, after) = steps.split_at(place);
+        let (before, after) = steps.split_at(before_host(steps));
         let mut times = self.run(before)?;
         if change.everything {
             self.fetch(&[Slot::clusters])?;

@@ -3,7 +3,8 @@
 //! has as a whole by more than the tolerance, of the root mean square over the object; parts likewise, up to as many times
 //! as the scene says. What varies evenly over a triangle needs no cut: light goes in at the right place on the whole.
 
-use super::plan::{Change, Goal, Options, before_transport};
+use super::frame::precedes_transport;
+use super::plan::{Change, Goal, Options};
 use super::run::{Room, Session};
 use super::shape::moved;
 use super::units::Units;
@@ -163,7 +164,7 @@ fn carried(scene: &Scene, lost: &[Vec<[f64; 3]>]) -> Result<Vec<Vec<[f64; 3]>>> 
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(&rough, None, options, Room::default())?;
     let steps = session.plan.steps(session.state(), Change::EVERYTHING);
-    let after: Vec<_> = steps.iter().filter(|step| !before_transport(step.stage.name)).collect();
+    let after: Vec<_> = steps.iter().filter(|step| !precedes_transport(step.stage)).collect();
     loop {
         session.prepare_light();
         for (object, lost) in lost.iter().enumerate() {

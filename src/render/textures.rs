@@ -2,15 +2,11 @@
 
 use glam::DVec2;
 
-use super::options::{Goal, Options};
 use crate::layout::{CornerUvs, Frame};
+use crate::light::texture::{ENTRY, EXIT};
 use crate::scene::{Material, Mesh, Side, Wrap};
+use crate::state::options::{Goal, Options};
 use crate::state::{Local, State};
-
-/// The bit of `frame.texture_side` for light that enters.
-const ENTRY: u32 = 1;
-/// The same for light that leaves.
-const EXIT: u32 = 2;
 
 /// Puts a texture in place, and the corners' places in it and in depth maps; `faces` is the mesh's triangle of each triangle of the state. A mesh without places in a
 /// texture has none.
@@ -86,22 +82,6 @@ pub(super) fn drop_unseen(state: &mut State, options: Options) {
     let entry = state.data.frame.iter().any(|frame| frame.texture_side & ENTRY != 0);
     if options.goal == Goal::Radiosity && !entry {
         (state.data.texels, state.data.corner_uvs) = Default::default();
-    }
-}
-
-/// Why no light is multiplied by a texture in this stage, if none is.
-pub(super) fn untextured(stage: &str, state: &State) -> Option<String> {
-    let side = match stage {
-        "entry" => ENTRY,
-        "exit" => EXIT,
-        _ => return None,
-    };
-    let sides = state.data.frame.iter().fold(0, |sides, frame| sides | frame.texture_side);
-    match sides {
-        0 => Some("no material has a texture".into()),
-        sides if sides & side != 0 => None,
-        EXIT => Some("the texture is for light that leaves".into()),
-        _ => Some("the texture is for light that enters".into()),
     }
 }
 

@@ -1,17 +1,22 @@
 //! What a frame works on ([`State`]), what a [`Stage`] is, and the state's twin on a device.
 
+mod change;
 mod device;
 mod objects;
+pub mod options;
+mod parts;
 mod pass;
 mod schedule;
+pub mod stage;
 
+pub use change::{Change, Update};
 pub use device::DeviceState;
 pub use objects::{Extent, LitAt, Object};
 pub use pass::{Bound, Dispatch, Pass, dispatches};
 pub use schedule::{Chunk, Schedule};
+pub use stage::{Carrier, Field, Host, Need, Role, Serves, Size, Stage, Step, Tolerance};
 
-use crate::error::Result;
-use crate::layout::{Buffers, Slot};
+use crate::layout::Buffers;
 pub use crate::scene::{Distance, Near, Scheme};
 
 /// All that a frame reads and writes on the host, and how its work is cut up.
@@ -124,98 +129,6 @@ impl Default for Method {
             local: None,
         }
     }
-}
-
-/// One piece of a frame: a stage, and the part of the work.
-#[derive(Clone, Copy)]
-pub struct Step {
-    /// The stage.
-    pub stage: &'static Stage,
-    /// The part of the work.
-    pub at: Place,
-}
-
-impl Step {
-    /// Runs the reference. It knows of one object only: of several, each becomes a state of its own.
-    pub fn reference(&self, state: &mut State) {
-        let (stage, at) = (self.stage, self.at);
-        if at == Place::SCENE || state.objects.len() < 2 {
-            return (stage.cpu)(state, at);
-        }
-        let mut one = state.alone(at.object);
-        (stage.cpu)(&mut one, Place { object: 0, ..at });
-        state.take(at.object, &one, stage.writes.iter().map(|(slot, _, _)| *slot));
-    }
-}
-
-impl std::fmt::Debug for Step {
-    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.at {
-            Place::SCENE => out.write_str(self.stage.name),
-            Place { object, chunk, group } => write!(out, "{}[{object}.{group}.{chunk}]", self.stage.name),
-        }
-    }
-}
-
-/// How near a device's value has to come to the reference's.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Tolerance {
-    /// Bit for bit: decisions, indices, minima and maxima.
-    Exact,
-    /// A float may differ by `relative` times the reference's magnitude plus `floor` times the largest magnitude of
-    /// its field in the buffer; everything that is not a float bit for bit.
-    Float {
-        /// Share of the value itself.
-        relative: f32,
-        /// Share of the field's largest value.
-        floor: f32,
-    },
-    /// Each float field by its own rule; everything that is not a float bit for bit.
-    Fields(&'static [Field]),
-}
-
-/// How near one field of a record has to come.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Field {
-    /// The field.
-    pub name: &'static str,
-    /// Share of the value itself.
-    pub relative: f32,
-    /// Added to that: a share of the field `of` of the same element.
-    pub floor: f32,
-    /// The field that the floor is a share of, or empty: of 1.
-    pub of: &'static str,
-}
-
-/// What becomes of a buffer that a stage writes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    /// Its old contents don't matter: conformance poisons it first.
-    Output,
-    /// Part of its old contents is read or must survive.
-    Update,
-}
-
-/// One step of the frame, on the CPU and on the GPU.
-pub struct Stage {
-    /// Its one name: here, in GLSL, in the profile, in the conformance table, in the README.
-    pub name: &'static str,
-    /// The room it lives in; its shaders are `glsl/ROOM/NAME.comp` or `glsl/ROOM/NAME/*.comp`.
-    pub room: &'static str,
-    /// What it does, in one sentence.
-    pub about: &'static str,
-    /// The equation or section it comes from.
-    pub equation: &'static str,
-    /// The buffers it writes, what becomes of their old contents, and how near the two sides have to be.
-    pub writes: &'static [(Slot, Role, Tolerance)],
-    /// Why the tolerances are what they are.
-    pub reason: &'static str,
-    /// How often it runs.
-    pub unit: Unit,
-    /// The reference.
-    pub cpu: fn(&mut State, Place),
-    /// Records its dispatches.
-    pub gpu: fn(&mut Pass<'_>) -> Result<()>,
 }
 
 /// Three stored singles as doubles.

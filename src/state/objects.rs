@@ -2,7 +2,7 @@
 //! own can be made of it. Runs begin at multiples of 64 elements, so that a device can bind any of them.
 
 use super::{Group, Place, Schedule, State};
-use crate::layout::{Cut, Frame, Runs, SLOTS, Slot};
+use crate::layout::{Cut, Frame, SLOTS, Slot};
 
 /// How many an object has of what there is, or where its first ones lie.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -71,7 +71,7 @@ impl Object {
     }
 
     /// Elements of a buffer that it has, and where the first of them lies.
-    fn run(&self, cut: Cut, words: usize) -> (usize, usize) {
+    pub(super) fn run(&self, cut: Cut, words: usize) -> (usize, usize) {
         let (first, count) = (self.first, self.count);
         match cut {
             Cut::Vertex => (first.vertices, count.vertices),
@@ -86,7 +86,7 @@ impl Object {
     }
 
     /// Elements of the buffers of moments, of one group of channels.
-    fn of_group(&self) -> usize {
+    pub(super) fn of_group(&self) -> usize {
         room(self.count.nodes)
     }
 }
@@ -110,27 +110,6 @@ impl State {
         })
     }
 
-    /// The batches of all objects and groups of channels, each with its blocks.
-    pub fn batches(&self) -> impl Iterator<Item = (Place, &std::ops::Range<u32>)> + '_ {
-        self.objects.iter().enumerate().flat_map(|(object, part)| {
-            let batches = part.schedule.batches.iter().enumerate();
-            let of_group =
-                move |group| batches.clone().map(move |(chunk, batch)| (Place { object, chunk, group }, batch));
-            (0..part.groups.len()).flat_map(of_group)
-        })
-    }
-
-    /// Where the lists of all blocks lie, as far as they are there: of every batch where lists are kept, else of the last one.
-    /// Between the batches' parts a device's buffer may hold anything.
-    pub fn runs(&self) -> impl Iterator<Item = &Runs> + '_ {
-        let there = if self.keep { 0 } else { self.batches().count().saturating_sub(1) };
-        let of_batch = |(at, batch): (Place, &std::ops::Range<u32>)| {
-            let first = self.part(Slot::runs, at).0;
-            self.data.runs.get(first..first + batch.len()).unwrap_or_default()
-        };
-        self.batches().skip(there).flat_map(of_batch)
-    }
-
     /// Elements of all objects' buffers of a kind, gaps included.
     pub fn extent(&self) -> Extent {
         self.objects.last().map_or_else(Extent::default, |Object { first, count, .. }| Extent {
@@ -142,34 +121,19 @@ impl State {
         })
     }
 
+    /// Pixels of the picture; none where there is no camera.
+    pub fn pixels(&self) -> usize {
+        self.data.camera.first().map_or(0, |camera| camera.width as usize * camera.height as usize)
+    }
+
+    /// Whether any light gives any light at all.
+    pub fn lit(&self) -> bool {
+        self.data.lights.iter().any(|light| light.color.iter().any(|&x| x > 0.0)) || !self.data.sky.is_empty()
+    }
+
     /// Sums up over all objects.
     pub fn sum(&self, of: impl Fn(&Object) -> usize) -> usize {
         self.objects.iter().map(of).sum()
-    }
-
-    /// The part of a buffer that a dispatch of this part of the work binds: first element and number of elements.
-    pub fn part(&self, slot: Slot, at: Place) -> (usize, usize) {
-        let (cut, all) = (slot.spec().cut, self.data.bytes(slot).len() / slot.spec().stride);
-        let Some(object) = self.objects.get(at.object).filter(|_| all > 0) else { return (0, all) };
-        let before = |of: fn(&Object) -> usize| self.objects[..at.object].iter().map(of).sum::<usize>();
-        let (part, parts) = match cut {
-            Cut::Whole => return (0, all),
-            Cut::Object => return (at.object, 1),
-            Cut::Group => {
-                let first = before(|object| object.groups.len() * object.of_group());
-                return (first + at.group * object.of_group(), object.of_group());
-            }
-            Cut::Chunk => (before(chunks) + at.chunk, self.sum(chunks)),
-            Cut::Batch => (before(batches) + at.group * object.schedule.batches.len() + at.chunk, self.sum(batches)),
-            // What no later object has ends before it would begin.
-            _ => {
-                return Some(object.run(cut, self.data.frame[0].shadow_words as usize))
-                    .filter(|run| run.0 + run.1 <= all)
-                    .unwrap_or_default();
-            }
-        };
-        let room = all / parts.max(1);
-        if self.keep { (part * room, room) } else { (0, all) }
     }
 
     /// One state of several, whose lists and results are still empty: their vertices, triangles, trees and blocks.
@@ -225,18 +189,6 @@ impl State {
         joined
     }
 
-    /// All parts of one object in a buffer: first element and number of elements.
-    fn parts(&self, slot: Slot, number: usize) -> (usize, usize) {
-        let (object, at) = (&self.objects[number], Place { object: number, ..Place::default() });
-        let (first, count) = self.part(slot, at);
-        match slot.spec().cut {
-            Cut::Group if count > 0 => (first, count * object.groups.len()),
-            Cut::Chunk if self.keep => (first, count * chunks(object)),
-            Cut::Batch if self.keep => (first, count * batches(object)),
-            _ => (first, count),
-        }
-    }
-
     /// One object's part of it all, as a state of that object alone.
     pub fn alone(&self, number: usize) -> Self {
         let object = Object { first: Extent::default(), ..self.objects[number].clone() };
@@ -256,13 +208,4 @@ impl State {
             self.data.bytes_mut(slot)[first * stride..(first + count) * stride].copy_from_slice(one.data.bytes(slot));
         }
     }
-}
-
-/// Chunks whose links are kept.
-fn chunks(object: &Object) -> usize {
-    if object.opaque { 0 } else { object.schedule.chunks.len() }
-}
-
-fn batches(object: &Object) -> usize {
-    object.groups.len() * object.schedule.batches.len()
 }

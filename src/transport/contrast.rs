@@ -5,7 +5,7 @@
 
 use crate::error::Result;
 use crate::layout::{Frame, Sample, Slot};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -15,7 +15,13 @@ pub static STAGE: Stage = Stage {
     equation: "least q of 2^(k/4) with (q B_rms)^2 >= mean of E^2; the mean over the samples of `level`",
     writes: &[(Slot::cursor, Role::Update, Tolerance::Exact)],
     reason: "a decision: additions, multiplications and comparisons in f32, the same everywhere",
+    sizes: &[],
     unit: Unit::Group,
+    carriers: &[Carrier::Blocks],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: |state| (!state.method.any_light).then_some("lists are made for the light of their frame"),
+    runs: Update::light,
     cpu,
     gpu,
 };

@@ -8,7 +8,7 @@ use crate::dipole::form_factor::exact::edge_form_exact;
 use crate::dipole::profile::Dipole;
 use crate::error::Result;
 use crate::layout::Slot;
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
+use crate::state::{Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, stage::never, wide};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -19,7 +19,13 @@ pub static STAGE: Stage = Stage {
     writes: &[(Slot::answers, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-5 })],
     reason: "twelve nodes an edge against graded quadrature in f64; edges of a thin triangle cancel, those of a far one \
              too, so that from there on one sample with its second moment is taken",
+    sizes: &[],
     unit: Unit::Scene,
+    carriers: &[],
+    needs: &[],
+    serves: Serves::ALL,
+    skip: never,
+    runs: |_| false,
     cpu,
     gpu,
 };

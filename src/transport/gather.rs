@@ -14,7 +14,9 @@ use crate::dipole::form_factor::points::{SIX, sampled};
 use crate::dipole::jet::{Cloud, Jets};
 use crate::error::Result;
 use crate::layout::{Buffers, Emitter, Expansion, Range, Runs, Slot, Sphere};
-use crate::state::{Group, Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
+use crate::state::{
+    Carrier, Group, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -29,7 +31,16 @@ pub static STAGE: Stage = Stage {
     ],
     reason: "sums of some hundred terms whose quadrupoles cancel in part, e^-a with the rounding of a; an estimate is a \
              ratio of such terms",
+    sizes: &[(
+        Slot::estimate,
+        Size::Elements(|state| if state.method.estimate { state.extent().receivers } else { 0 }),
+    )],
     unit: Unit::Batch,
+    carriers: &[Carrier::Blocks],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::sums_receivers,
     cpu,
     gpu,
 };

@@ -7,7 +7,9 @@ use crate::dipole::distance2;
 use crate::dipole::jet::{Cloud, Jets};
 use crate::error::Result;
 use crate::layout::{Moment, Sample, Slot};
-use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
+use crate::state::{
+    Carrier, Field, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never, wide,
+};
 
 /// Receivers: one half evenly among the triangles, one half where the light is.
 const SAMPLES: usize = 256;
@@ -29,7 +31,13 @@ pub static STAGE: Stage = Stage {
         (Slot::level, Role::Update, Tolerance::Float { relative: 2e-4, floor: 1e-25 }),
     ],
     reason: "the walk is decided exactly; its sum has some hundred terms of f32 rounding, the quadrupoles of either sign",
+    sizes: &[(Slot::samples, Size::Elements(|_| SAMPLES)), (Slot::level, Size::Elements(|_| 1))],
     unit: Unit::Group,
+    carriers: &[Carrier::Blocks],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::light,
     cpu,
     gpu,
 };

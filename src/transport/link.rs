@@ -9,7 +9,9 @@ use super::PLACES;
 use crate::dipole::distance2;
 use crate::error::Result;
 use crate::layout::{Emitter, Range, Runs, Slot, Sphere};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -25,10 +27,36 @@ pub static STAGE: Stage = Stage {
         (Slot::near_groups, Role::Update, Tolerance::Exact),
     ],
     reason: "decisions: additions, multiplications and comparisons in f32, the same everywhere",
+    sizes: &[
+        (Slot::runs, Size::Elements(blocks_of_batches)),
+        (Slot::near, Size::Elements(blocks_of_batches)),
+        (Slot::near_groups, Size::Elements(|state| state.batch_parts() * 64)),
+        (Slot::entries, Size::Grows(|state| state.batch_parts() * state.data.frame[0].entry_room as usize)),
+    ],
     unit: Unit::Batch,
+    carriers: &[Carrier::Blocks],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs,
     cpu,
     gpu,
 };
+
+fn runs(update: &Update) -> bool {
+    let made_for = match (update.keeps, update.any_light) {
+        (_, true) => false,
+        // Lists of blocks depend on the light.
+        (true, false) => update.light(),
+        (false, false) => update.sums(),
+    };
+    made_for || update.shape() || update.other_receivers() || update.change.relink
+}
+
+/// One element a block of each batch, rounded up so that a device can bind each batch's part.
+fn blocks_of_batches(state: &State) -> usize {
+    state.batch_parts() * state.largest_batch().next_multiple_of(64)
+}
 
 /// Receivers in a group of the kernels that `near_groups` counts for.
 const PLACES_A_GROUP: usize = 64;

@@ -6,7 +6,9 @@ use glam::DVec3;
 use crate::dipole::form_factor::ladder::chi_distance;
 use crate::error::Result;
 use crate::layout::{Moment, Slot, Spread};
-use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{
+    Carrier, Field, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
+};
 
 /// By their own size or the extent.
 const MOMENT: &[Field] = &[
@@ -33,7 +35,13 @@ pub static STAGE: Stage = Stage {
         (Slot::spreads, Role::Output, Tolerance::Fields(SPREAD)),
     ],
     reason: "sums climb some 40 levels of f32 rounding, 40 x 2^-24 = 2.4e-6 of the extent",
+    sizes: &[],
     unit: Unit::Group,
+    carriers: &[Carrier::Blocks],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::light,
     cpu,
     gpu,
 };

@@ -6,7 +6,9 @@ use rayon::prelude::*;
 use super::estimate;
 use crate::error::Result;
 use crate::layout::{Expansion, Range, Slot};
-use crate::state::{Object, Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
+use crate::state::{
+    Carrier, Need, Object, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, stage::never, wide,
+};
 use crate::transport::PLACES;
 
 /// The table's entry.
@@ -20,7 +22,13 @@ pub static STAGE: Stage = Stage {
         (Slot::radiosity, Role::Output, Tolerance::Float { relative: 2e-5, floor: 1e-6 }),
     ],
     reason: "a short sum whose terms may cancel in part",
+    sizes: &[],
     unit: Unit::Object,
+    carriers: &[Carrier::Blocks],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::sums_receivers,
     cpu,
     gpu,
 };

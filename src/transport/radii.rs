@@ -14,7 +14,9 @@ use crate::dipole::form_factor::ladder::{chi_distance, q2};
 use crate::dipole::jet::Jets;
 use crate::error::Result;
 use crate::layout::{Emitter, Slot};
-use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
+use crate::state::{
+    Carrier, Field, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never, wide,
+};
 
 /// A logarithm's rounding, 60 x 2^-24, moves the argument by that share of the table's depth.
 const EMITTER: &[Field] = &[
@@ -35,10 +37,24 @@ pub static STAGE: Stage = Stage {
         (Slot::expands, Role::Output, Tolerance::Float { relative: 5e-4, floor: 1e-6 }),
     ],
     reason: "logarithms of up to 60 binary orders and a bisection: rounding moves the argument by up to 1e-5",
+    sizes: &[(Slot::ranges, Size::Elements(|_| LAWS * (ENTRIES + 2)))],
     unit: Unit::Group,
+    carriers: &[Carrier::Blocks],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs,
     cpu,
     gpu,
 };
+
+fn runs(update: &Update) -> bool {
+    match update.any_light {
+        // Lists that are made anew anyway, for other pixels, are made for the light of now.
+        true => update.shape() || update.change.relink || (update.other_receivers() && update.change.light),
+        false => update.light(),
+    }
+}
 
 /// The error laws: 0 magnitude, 1 cluster's moments, 2 block's expansion, 3 triangle's one sample, 4 its 6 points.
 pub const LAWS: usize = 5;

@@ -6,7 +6,7 @@ use super::visibility::ray;
 use crate::error::Result;
 use crate::layout::Slot;
 use crate::light::sky;
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, wide};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -16,10 +16,23 @@ pub static STAGE: Stage = Stage {
     equation: "the image's latitude and longitude",
     writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a place in the image is an angle in f32, off by some 4e-7, times its pixels a radian and their contrast",
+    sizes: &[],
     unit: Unit::Scene,
+    carriers: Carrier::ALL,
+    needs: &[Need::Picture],
+    serves: Serves::ALL,
+    skip,
+    runs: Update::picture,
     cpu,
     gpu,
 };
+
+fn skip(state: &State) -> Option<&'static str> {
+    if state.data.camera.iter().all(|camera| camera.environment == 0) {
+        return Some("the background is a colour");
+    }
+    state.data.sky.is_empty().then_some("the environment is black")
+}
 
 fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;

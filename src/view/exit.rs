@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{Hit, Slot};
-use crate::light::texture::{factor, place};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::light::texture::{EXIT, factor, place, untextured};
+use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, wide};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -15,7 +15,13 @@ pub static STAGE: Stage = Stage {
     equation: "d'Eon et al. 2007, post-scatter texturing",
     writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a place in the texture is off by some 1e-7, times its texels a unit and their contrast",
+    sizes: &[],
     unit: Unit::Scene,
+    carriers: Carrier::ALL,
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves::ALL,
+    skip: |state| untextured(state, EXIT),
+    runs: Update::picture,
     cpu,
     gpu,
 };

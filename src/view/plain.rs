@@ -11,7 +11,9 @@ use crate::error::Result;
 use crate::layout::{Hit, Light, Slot};
 use crate::light::fresnel;
 use crate::light::irradiance::{bit, entering};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -21,7 +23,13 @@ pub static STAGE: Stage = Stage {
     equation: "Lambert: L = F_t albedo E / pi; E of Mertens et al. 2003, equation 5",
     writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a short sum of products; a cosine cancels where light grazes",
+    sizes: &[],
     unit: Unit::Scene,
+    carriers: Carrier::ALL,
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves { object: |object, _| object.plain(), none: "no opaque object is lit where the pixels show it" },
+    skip: never,
+    runs: Update::picture,
     cpu,
     gpu,
 };

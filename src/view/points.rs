@@ -10,7 +10,9 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::geometry::refit::{SPHERE, disc, sphere};
 use crate::layout::{Block, Camera, Hit, Slot, Sphere};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, wide};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -25,7 +27,13 @@ pub static STAGE: Stage = Stage {
         (Slot::spheres, Role::Output, Tolerance::Fields(SPHERE)),
     ],
     reason: "places and blocks are decided exactly; a sphere is a few roundings of the extent",
+    sizes: &[(Slot::seen, Size::Elements(State::pixels))],
     unit: Unit::Object,
+    carriers: &[Carrier::Blocks],
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves { object: |object, _| object.by_pixel, none: "the receivers are triangles" },
+    skip: never,
+    runs: Update::view,
     cpu,
     gpu,
 };

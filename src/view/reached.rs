@@ -7,7 +7,7 @@ use super::points::place;
 use crate::error::Result;
 use crate::layout::{Light, Rays, Slot};
 use crate::light::shadow::{RAYS, free};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -17,10 +17,21 @@ pub static STAGE: Stage = Stage {
     equation: "the visibility in equation 5; any triangle between blocks",
     writes: &[(Slot::reached, Role::Output, Tolerance::Exact), (Slot::cut_short, Role::Update, Tolerance::Exact)],
     reason: "decisions, bit for bit",
+    sizes: &[(Slot::reached, Size::Elements(|state| state.data.frame[0].shadow_words as usize * state.pixels()))],
     unit: Unit::Scene,
+    carriers: Carrier::ALL,
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves { object: |object, _| object.plain(), none: "no opaque object is lit where the pixels show it" },
+    skip,
+    runs: Update::picture,
     cpu,
     gpu,
 };
+
+fn skip(state: &State) -> Option<&'static str> {
+    let unshadowed = state.data.frame.iter().all(|frame| frame.shadow_words == 0);
+    unshadowed.then_some("no light casts shadows, and no environment asks what is hidden of it")
+}
 
 fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;

@@ -14,7 +14,7 @@ use crate::error::Result;
 use crate::layout::{Frame, Hit, Slot};
 use crate::light::irradiance::{arrival, bit, reaches};
 use crate::light::{fresnel, sky};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, wide};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -24,10 +24,21 @@ pub static STAGE: Stage = Stage {
     equation: "Walter et al. 2007, equations 20, 33; Heitz 2014, equation 99; Lafortune and Willems 1994",
     writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 5e-5, floor: 2e-5 })],
     reason: "a narrow lobe multiplies a cosine's rounding by its exponent or by 2 / alpha; the image as in backdrop",
+    sizes: &[],
     unit: Unit::Scene,
+    carriers: Carrier::ALL,
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves::ALL,
+    skip,
+    runs: Update::picture,
     cpu,
     gpu,
 };
+
+fn skip(state: &State) -> Option<&'static str> {
+    let dull = state.data.frame.iter().all(|frame| frame.reflection == 0);
+    dull.then_some("the material's surface reflects nothing")
+}
 
 /// Directions in which the environment is looked up.
 pub const DIRECTIONS: u32 = 32;

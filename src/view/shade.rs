@@ -8,7 +8,9 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::layout::Slot;
 use crate::light::fresnel;
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, narrow, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -19,10 +21,23 @@ pub static STAGE: Stage = Stage {
     writes: &[(Slot::radiance, Role::Output, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a short chain of f32 operations; near the critical angle (eta < 1) transmittance grows like a root, and one \
              rounding of the cosine, 1e-7, is worth 2e-5 where 1e-5 of the squares are left",
+    sizes: &[(Slot::radiance, Size::Elements(State::pixels))],
     unit: Unit::Scene,
+    carriers: Carrier::ALL,
+    needs: &[Need::Picture],
+    serves: Serves::ALL,
+    skip,
+    runs: Update::picture,
     cpu,
     gpu,
 };
+
+fn skip(state: &State) -> Option<&'static str> {
+    let by_face = state.objects.iter().any(|object| object.opaque && object.lit_by_face());
+    let translucent = state.objects.iter().any(|object| !object.opaque);
+    let elsewhere = state.method.local.is_some() && !by_face && state.lit() && translucent;
+    elsewhere.then_some("light is evaluated where the pixels are")
+}
 
 fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;

@@ -5,7 +5,9 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::geometry::trace::trace;
 use crate::layout::{Camera, Hit, Slot};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -15,7 +17,13 @@ pub static STAGE: Stage = Stage {
     equation: "sides of edges, seen along the ray; nearest by cross-multiplied fractions",
     writes: &[(Slot::hits, Role::Output, Tolerance::Float { relative: 2e-6, floor: 1e-6 })],
     reason: "the triangle is a decision, bit for bit; weights and depth are one f32 division each",
+    sizes: &[(Slot::hits, Size::Elements(State::pixels))],
     unit: Unit::Scene,
+    carriers: Carrier::ALL,
+    needs: &[Need::Picture],
+    serves: Serves::ALL,
+    skip: never,
+    runs: Update::view,
     cpu,
     gpu,
 };

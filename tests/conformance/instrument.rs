@@ -6,9 +6,9 @@ use crate::devices::on_devices;
 use milkglass::gpu::{Alone, Device};
 use milkglass::layout::Slot;
 use milkglass::measure::profile::{Settings, against, profile};
+use milkglass::render::frame::{STAGES, stage};
 use milkglass::render::plan::{Change, Goal, Mode, Options, Transport};
 use milkglass::render::run::{Backend, Room, Session};
-use milkglass::render::stages::{STAGES, stage};
 use milkglass::scene::{Light, Receivers, Reflection, Scene};
 
 static COUNT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-count.spv"));

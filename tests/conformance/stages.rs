@@ -10,9 +10,9 @@ use milkglass::gpu::{sources, spirv};
 use milkglass::layout::{SLOTS, Slot};
 use milkglass::measure::conform::{Plant, Row, conform, conform_stages};
 use milkglass::measure::fixtures::{Fixture, covered, fixtures};
+use milkglass::render::frame::STAGES;
 use milkglass::render::plan::{Change, Goal, Mode, Options};
 use milkglass::render::run::{Room, Session};
-use milkglass::render::stages::STAGES;
 use milkglass::scene::Scene;
 use milkglass::state::dispatches;
 

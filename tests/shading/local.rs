@@ -221,7 +221,7 @@ fn between_its_points_the_table_is_near_and_the_closed_form_everywhere() {
     use milkglass::layout::Query;
     use milkglass::local::reflectance::cdrf;
     use milkglass::local::{cdrf_cells::lookup, cdrf_table::WIDEST};
-    use milkglass::render::stages::stage;
+    use milkglass::render::frame::stage;
     use milkglass::state::{DeviceState, Place, State, Step};
     let table = scene("sphere", &["object.0.detail=1", "transport.cdrf=table"], 0.0);
     let cells = run(&table, CDRF).state().data.cdrf_cells.clone();

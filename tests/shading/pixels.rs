@@ -107,3 +107,20 @@ fn what_is_not_wanted_is_not_there() {
     let error = Scene::load("sphere", &sets).unwrap_err().to_string();
     assert!(error.contains("transport.receivers: scheme links has no receivers at pixels"), "{error}");
 }
+
+#[test]
+fn every_transport_gives_nearly_the_same_picture() {
+    let scene = scene("sphere", &["camera.size=[24, 20]", "object.0.detail=2"]);
+    let mean = |transport: Transport| {
+        let mut session = drawn(&scene, Options { transport, ..Options::default() });
+        let pixels = session.picture().unwrap().pixels;
+        pixels.iter().flatten().map(|&x| f64::from(x)).sum::<f64>() / pixels.len() as f64
+    };
+    let hierarchy = mean(Transport::Hierarchy);
+    assert!(hierarchy > 0.01);
+    // The octree takes triangles of this size for points.
+    for (transport, most) in [(Transport::Brute, 0.05), (Transport::Octree, 0.5)] {
+        let other = mean(transport);
+        assert!((other / hierarchy - 1.0).abs() < most, "{transport:?}: {other} instead of {hierarchy}");
+    }
+}

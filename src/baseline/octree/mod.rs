@@ -26,8 +26,20 @@ use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use rayon::prelude::*;
 
 use crate::dipole::profile::Dipole;
+use crate::layout::Slot;
+use crate::state::{Carrier, Host};
 use direct::Channel;
 use packets::{LANES, Point};
+
+/// Its place in the frame: it is no stage, because it runs on the host in native code, wherever the stages run.
+pub static HOST: Host = Host {
+    name: "octree",
+    about: "irradiance octree over the faces' centroids, in native code on the host",
+    equation: "Jensen and Buhler 2002",
+    reads: Slot::irradiance,
+    writes: Slot::radiosity,
+    carrier: Carrier::Octree,
+};
 
 /// Sources summed in one go, before the sum joins the total: keeps the rounding of long lists down.
 const RUN: usize = 512;

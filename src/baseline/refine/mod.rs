@@ -12,7 +12,9 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{Cursor, Link, Range, Slot, Span};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -29,7 +31,18 @@ pub static STAGE: Stage = Stage {
         (Slot::edge_links, Role::Output, Tolerance::Exact),
     ],
     reason: "decisions: additions, multiplications and comparisons in f32, the same everywhere",
+    sizes: &[
+        (Slot::handed, Size::Grows(|state| state.data.frame[0].hand_room as usize)),
+        (Slot::links, Size::Grows(|state| state.chunk_parts() * state.data.frame[0].link_room as usize)),
+        (Slot::area_links, Size::Grows(|state| state.chunk_parts() * state.data.frame[0].area_room as usize)),
+        (Slot::edge_links, Size::Grows(|state| state.chunk_parts() * state.data.frame[0].edge_room as usize)),
+    ],
     unit: Unit::Chunk,
+    carriers: &[Carrier::Links],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::makes_links,
     cpu,
     gpu,
 };

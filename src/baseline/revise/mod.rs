@@ -13,9 +13,12 @@ use rayon::prelude::*;
 
 use super::refine::{MOST, open};
 use super::renew::{EDITED, groups};
+use crate::baseline::not_incremental;
 use crate::error::Result;
 use crate::layout::{Buffers, Link, Range, Slot, Span};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, narrow, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -38,7 +41,17 @@ pub static STAGE: Stage = Stage {
         (Slot::due_groups, Role::Update, Tolerance::Exact),
     ],
     reason: "decisions as those of refine; what stands for a form factor until it is computed is a quotient and a product",
+    sizes: &[
+        (Slot::made, Size::Grows(|state| state.data.frame[0].edit_room as usize)),
+        (Slot::undone, Size::Grows(|state| state.data.frame[0].edit_room as usize)),
+        (Slot::stale, Size::Grows(|state| state.chunk_parts() * state.data.frame[0].link_room as usize)),
+    ],
     unit: Unit::Chunk,
+    carriers: &[Carrier::Links],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: not_incremental,
+    runs: Update::updates_links,
     cpu,
     gpu,
 };

@@ -7,9 +7,9 @@ use glam::DVec3;
 use super::{Cells, check_messages};
 use crate::error::{Input, Result};
 use crate::gpu::Device;
+use crate::layers::relief;
 use crate::layers::slab::{Lamp, SlabLayer, radiance};
 use crate::layout::{Camera, Frame, Hit, Layer, Layering, Light, Slot};
-use crate::render::stages::stage;
 use crate::state::{DeviceState, Place, State, Step, narrow};
 
 /// The columns that every row needs; those of layers are asked for as far as a row uses them.
@@ -108,7 +108,7 @@ pub(super) fn evaluate(rows: &[Row], device: Option<&Device>) -> Result<Vec<[f64
         return Ok(rows.iter().map(|row| [radiance(&row.layers, row.lamp, row.eye), 0.0]).collect());
     };
     let mut twin = DeviceState::new(device, false)?;
-    let steps: Vec<Step> = stage("relief").into_iter().map(|stage| Step { stage, at: Place::SCENE }).collect();
+    let steps = [Step { stage: &relief::STAGE, at: Place::SCENE }];
     let mut values = Vec::with_capacity(rows.len());
     for row in rows {
         let mut state = state(row);

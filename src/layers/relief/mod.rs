@@ -22,7 +22,9 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::geometry::trace::UNFINISHED;
 use crate::layout::{Hit, Slot};
-use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
+use crate::state::{
+    Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
+};
 pub use full::Kept;
 pub use ray::GRAZING;
 use ray::Ray;
@@ -36,7 +38,13 @@ pub static STAGE: Stage = Stage {
     writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-5 })],
     reason: "an exponential's depth is off by some roundings of its own size, and a place in the maps by 1e-7 times their \
              texels and contrast",
+    sizes: &[],
     unit: Unit::Scene,
+    carriers: Carrier::ALL,
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves { object: |object, _| object.layered, none: "no material has layers" },
+    skip: never,
+    runs: Update::picture,
     cpu,
     gpu,
 };

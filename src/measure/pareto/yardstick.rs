@@ -10,7 +10,6 @@ use crate::error::{Input, Result};
 use crate::measure::norms::{Norms, norms, worst};
 use crate::measure::reference::{by_object, radiosity, receivers};
 use crate::measure::sample::Sample;
-use crate::render::lights::lit;
 use crate::render::plan::{Change, Goal, Options, Transport};
 use crate::render::run::{Room, Session};
 use crate::scene::{Hierarchy, Near, Scene, Scheme};
@@ -53,7 +52,7 @@ impl Yardstick {
     pub fn new(scene: &Scene, count: usize, seed: u64) -> Result<Self> {
         let options = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
         let mut session = Session::new(scene, None, options, Room::default())?;
-        if !lit(session.state()) {
+        if !session.state().lit() {
             let fault = Input::new("no light shines, so there is no error to measure").key("light");
             return Err(fault.expected("at least one [[light]] that is not black").into());
         }

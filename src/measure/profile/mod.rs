@@ -14,10 +14,10 @@ pub use rates::{Rates, rates};
 pub use spread::Spread;
 pub use work::Work;
 
+use crate::baseline::octree::HOST;
 use crate::error::{Error, Result};
 use crate::gpu::{Device, Timing};
 use crate::layout::Slot;
-use crate::render::octree;
 use crate::render::plan::{Change, Options, Transport};
 use crate::render::run::{Backend, Room, Session};
 use crate::scene::Scene;
@@ -142,7 +142,7 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
         }
     }
     let stages = |times: &Vec<Timing>| {
-        times.iter().filter(|time| time.name != octree::NAME).map(|time| time.milliseconds).sum::<f64>()
+        times.iter().filter(|time| time.name != HOST.name).map(|time| time.milliseconds).sum::<f64>()
     };
     let sums: Vec<f64> = found[0].iter().map(|(_, _, times)| stages(times)).collect();
     Ok(Profile {
@@ -245,7 +245,7 @@ fn rows(session: &mut Session, frames: &Frames, settings: &Settings) -> Result<V
             continue;
         }
         let own = Spread::of(of_stage(frames, &time.name));
-        let stage = on_device && time.name != octree::NAME;
+        let stage = on_device && time.name != HOST.name;
         rows.push(Row {
             stage: time.name.clone(),
             steps: 1,

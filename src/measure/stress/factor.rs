@@ -13,9 +13,9 @@ use crate::layout::{Query, SLOTS, Slot};
 use crate::light::fresnel::{boundary, diffuse_internal_exact};
 use crate::render::plan::{Change, Goal, Options, Transport};
 use crate::render::run::{Room, Session};
-use crate::render::stages::stage;
 use crate::scene::{Fresnel, Light, Material, Mesh, Scene, Surface};
 use crate::state::{DeviceState, Place, State, Step};
+use crate::transport::evaluate;
 
 /// Three media, one a channel: reduced scattering and absorption, 1/length, and the index of refraction.
 pub type Media = [[f64; 3]; 3];
@@ -150,7 +150,7 @@ fn evaluate(pairs: &[Pair], twin: Option<&mut DeviceState>) -> Result<Vec<[f32; 
     let mut state = State::default();
     state.data.queries = pairs.iter().flat_map(Pair::queries).collect();
     state.data.answers = vec![[0.0; 3]; state.data.queries.len()];
-    let steps: Vec<Step> = stage("evaluate").into_iter().map(|stage| Step { stage, at: Place::SCENE }).collect();
+    let steps = [Step { stage: &evaluate::STAGE, at: Place::SCENE }];
     steps_on(&mut state, &steps, twin, &[Slot::answers])?;
     let radial = |answers: &[[f32; 3]]| [answers[0][0], answers[1][0], answers[2][0]];
     Ok(state.data.answers.chunks_exact(3).map(radial).collect())

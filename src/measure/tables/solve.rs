@@ -1,5 +1,6 @@
 //! One model solved by the scheme as published: links, times, error against brute force in `f64`.
 
+use crate::baseline::form_factor;
 use crate::error::{Error, Result};
 use crate::gpu::Device;
 use crate::layout::Slot;
@@ -110,8 +111,10 @@ impl Solved {
     /// Milliseconds of one frame, and of its stage `form_factor`.
     fn frame(&mut self) -> Result<[f64; 2]> {
         let parts = self.session.frame(self.change)?;
-        let of = |name: &str| parts.iter().filter(|p| name.is_empty() || p.name == name).map(|p| p.milliseconds).sum();
-        Ok([of(""), of("form_factor")])
+        let factors = parts.iter().filter(|part| part.name == form_factor::STAGE.name);
+        let [all, factors] =
+            [parts.iter().map(|part| part.milliseconds).sum(), factors.map(|part| part.milliseconds).sum()];
+        Ok([all, factors])
     }
 
     /// What the radiosity should be, at so many seeded faces.

@@ -1,0 +1,100 @@
+//! The parts that buffers are cut into, of which a dispatch binds one: those of an object, a group of channels, a chunk of links
+//! or a batch of blocks.
+
+use super::{Object, Place, State};
+use crate::layout::{Cut, Runs, Slot};
+
+impl State {
+    /// The batches of all objects and groups of channels, each with its blocks.
+    pub fn batches(&self) -> impl Iterator<Item = (Place, &std::ops::Range<u32>)> + '_ {
+        self.objects.iter().enumerate().flat_map(|(object, part)| {
+            let batches = part.schedule.batches.iter().enumerate();
+            let of_group =
+                move |group| batches.clone().map(move |(chunk, batch)| (Place { object, chunk, group }, batch));
+            (0..part.groups.len()).flat_map(of_group)
+        })
+    }
+
+    /// Where the lists of all blocks lie, as far as they are there: of every batch where lists are kept, else of the last one.
+    /// Between the batches' parts a device's buffer may hold anything.
+    pub fn runs(&self) -> impl Iterator<Item = &Runs> + '_ {
+        let there = if self.keep { 0 } else { self.batches().count().saturating_sub(1) };
+        let of_batch = |(at, batch): (Place, &std::ops::Range<u32>)| {
+            let first = self.part(Slot::runs, at).0;
+            self.data.runs.get(first..first + batch.len()).unwrap_or_default()
+        };
+        self.batches().skip(there).flat_map(of_batch)
+    }
+
+    /// Chunks of all objects that light enters.
+    pub fn chunk_count(&self) -> usize {
+        self.sum(chunks)
+    }
+
+    /// Batches of all objects and groups of channels.
+    pub fn batch_count(&self) -> usize {
+        self.sum(batches)
+    }
+
+    /// Parts that lists of chunks have: one a chunk where they are kept, else one that all share.
+    pub fn chunk_parts(&self) -> usize {
+        if self.keep { self.chunk_count() } else { 1 }
+    }
+
+    /// Parts that lists of batches have: one a batch and group where they are kept, else one that all share.
+    pub fn batch_parts(&self) -> usize {
+        if self.keep { self.batch_count() } else { 1 }
+    }
+
+    /// Blocks of the largest batch.
+    pub fn largest_batch(&self) -> usize {
+        let batches = self.objects.iter().flat_map(|object| &object.schedule.batches);
+        batches.map(|batch| batch.len()).max().unwrap_or(0)
+    }
+
+    /// The part of a buffer that a dispatch of this part of the work binds: first element and number of elements.
+    pub fn part(&self, slot: Slot, at: Place) -> (usize, usize) {
+        let (cut, all) = (slot.spec().cut, self.data.bytes(slot).len() / slot.spec().stride);
+        let Some(object) = self.objects.get(at.object).filter(|_| all > 0) else { return (0, all) };
+        let before = |of: fn(&Object) -> usize| self.objects[..at.object].iter().map(of).sum::<usize>();
+        let (part, parts) = match cut {
+            Cut::Whole => return (0, all),
+            Cut::Object => return (at.object, 1),
+            Cut::Group => {
+                let first = before(|object| object.groups.len() * object.of_group());
+                return (first + at.group * object.of_group(), object.of_group());
+            }
+            Cut::Chunk => (before(chunks) + at.chunk, self.sum(chunks)),
+            Cut::Batch => (before(batches) + at.group * object.schedule.batches.len() + at.chunk, self.sum(batches)),
+            // What no later object has ends before it would begin.
+            _ => {
+                return Some(object.run(cut, self.data.frame[0].shadow_words as usize))
+                    .filter(|run| run.0 + run.1 <= all)
+                    .unwrap_or_default();
+            }
+        };
+        let room = all / parts.max(1);
+        if self.keep { (part * room, room) } else { (0, all) }
+    }
+
+    /// All parts of one object in a buffer: first element and number of elements.
+    pub(super) fn parts(&self, slot: Slot, number: usize) -> (usize, usize) {
+        let (object, at) = (&self.objects[number], Place { object: number, ..Place::default() });
+        let (first, count) = self.part(slot, at);
+        match slot.spec().cut {
+            Cut::Group if count > 0 => (first, count * object.groups.len()),
+            Cut::Chunk if self.keep => (first, count * chunks(object)),
+            Cut::Batch if self.keep => (first, count * batches(object)),
+            _ => (first, count),
+        }
+    }
+}
+
+/// Chunks whose links are kept.
+fn chunks(object: &Object) -> usize {
+    if object.opaque { 0 } else { object.schedule.chunks.len() }
+}
+
+fn batches(object: &Object) -> usize {
+    object.groups.len() * object.schedule.batches.len()
+}

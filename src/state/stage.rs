@@ -1,0 +1,264 @@
+//! What a [`Stage`] is: all that the frame, the plan, conformance and the profile need to know of a step of the frame stands
+//! in its own declaration.
+
+use crate::error::Result;
+use crate::layout::Slot;
+
+use super::{Method, Object, Pass, Place, Scheme, State, Unit, Update};
+use crate::state::options::Transport;
+
+/// One piece of a frame: a stage, and the part of the work.
+#[derive(Clone, Copy)]
+pub struct Step {
+    /// The stage.
+    pub stage: &'static Stage,
+    /// The part of the work.
+    pub at: Place,
+}
+
+impl Step {
+    /// Runs the reference. It knows of one object only: of several, each becomes a state of its own.
+    pub fn reference(&self, state: &mut State) {
+        let (stage, at) = (self.stage, self.at);
+        if at == Place::SCENE || state.objects.len() < 2 {
+            return (stage.cpu)(state, at);
+        }
+        let mut one = state.alone(at.object);
+        (stage.cpu)(&mut one, Place { object: 0, ..at });
+        state.take(at.object, &one, stage.writes.iter().map(|(slot, _, _)| *slot));
+    }
+}
+
+impl std::fmt::Debug for Step {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.at {
+            Place::SCENE => out.write_str(self.stage.name),
+            Place { object, chunk, group } => write!(out, "{}[{object}.{group}.{chunk}]", self.stage.name),
+        }
+    }
+}
+
+/// How near a device's value has to come to the reference's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tolerance {
+    /// Bit for bit: decisions, indices, minima and maxima.
+    Exact,
+    /// A float may differ by `relative` times the reference's magnitude plus `floor` times the largest magnitude of
+    /// its field in the buffer; everything that is not a float bit for bit.
+    Float {
+        /// Share of the value itself.
+        relative: f32,
+        /// Share of the field's largest value.
+        floor: f32,
+    },
+    /// Each float field by its own rule; everything that is not a float bit for bit.
+    Fields(&'static [Field]),
+}
+
+/// How near one field of a record has to come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Field {
+    /// The field.
+    pub name: &'static str,
+    /// Share of the value itself.
+    pub relative: f32,
+    /// Added to that: a share of the field `of` of the same element.
+    pub floor: f32,
+    /// The field that the floor is a share of, or empty: of 1.
+    pub of: &'static str,
+}
+
+/// What becomes of a buffer that a stage writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Its old contents don't matter: conformance poisons it first.
+    Output,
+    /// Part of its old contents is read or must survive.
+    Update,
+}
+
+/// One step of the frame, on the CPU and on the GPU.
+pub struct Stage {
+    /// Its one name: here, in GLSL, in the profile, in the conformance table, in the README.
+    pub name: &'static str,
+    /// The room it lives in; its shaders are `glsl/ROOM/NAME.comp` or `glsl/ROOM/NAME/*.comp`.
+    pub room: &'static str,
+    /// What it does, in one sentence.
+    pub about: &'static str,
+    /// The equation or section it comes from.
+    pub equation: &'static str,
+    /// The buffers it writes, what becomes of their old contents, and how near the two sides have to be.
+    pub writes: &'static [(Slot, Role, Tolerance)],
+    /// Why the tolerances are what they are.
+    pub reason: &'static str,
+    /// Elements of the buffers that it writes, where their partition does not say; one stage says so for each buffer.
+    pub sizes: &'static [(Slot, Size)],
+    /// How often it runs.
+    pub unit: Unit,
+    /// Who has to carry the light for it to have a place in the frame.
+    pub carriers: &'static [Carrier],
+    /// What else a frame has to have.
+    pub needs: &'static [Need],
+    /// The objects that it has to do with.
+    pub serves: Serves,
+    /// Why a frame of this state does without it, if it does.
+    pub skip: fn(&State) -> Option<&'static str>,
+    /// Whether it runs in this frame.
+    pub runs: fn(&Update) -> bool,
+    /// The reference.
+    pub cpu: fn(&mut State, Place),
+    /// Records its dispatches.
+    pub gpu: fn(&mut Pass<'_>) -> Result<()>,
+}
+
+impl Stage {
+    /// Whether it writes a buffer.
+    #[must_use]
+    pub const fn writes(&self, slot: Slot) -> bool {
+        let mut k = 0;
+        while k < self.writes.len() {
+            if self.writes[k].0 as usize == slot as usize {
+                return true;
+            }
+            k += 1;
+        }
+        false
+    }
+
+    /// Whether this is that stage.
+    #[must_use]
+    pub fn is(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+
+    /// Whether it fills lists that may turn out to be too short.
+    #[must_use]
+    pub fn fills_lists(&self) -> bool {
+        self.writes(Slot::cursor) && self.sizes.iter().any(|(_, size)| matches!(size, Size::Grows(_)))
+    }
+}
+
+/// A step of the frame that runs on the host, whatever runs the stages.
+pub struct Host {
+    /// Its name.
+    pub name: &'static str,
+    /// What it does, in one sentence.
+    pub about: &'static str,
+    /// Where it comes from.
+    pub equation: &'static str,
+    /// The buffer that it starts from.
+    pub reads: Slot,
+    /// The buffer that it writes.
+    pub writes: Slot,
+    /// Who carries the light where it has a place in the frame.
+    pub carrier: Carrier,
+}
+
+/// Who brings light from where it enters to where it leaves: the transport, and the scheme of the hierarchy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Carrier {
+    /// The hierarchy, with blocks of receivers that share their lists.
+    Blocks,
+    /// The hierarchy as published, with links between clusters.
+    Links,
+    /// The irradiance octree.
+    Octree,
+    /// Every face to every face.
+    Brute,
+    /// No light is carried.
+    Nothing,
+    /// The curvature-dependent reflectance function takes the place of transport.
+    Cdrf,
+    /// Lambert's cosine takes the place of transport.
+    Lambert,
+    /// Irradiance blurred over the texture coordinates takes the place of transport.
+    TextureBlur,
+}
+
+impl Carrier {
+    /// All of them.
+    pub const ALL: &'static [Self] = &[
+        Self::Blocks,
+        Self::Links,
+        Self::Octree,
+        Self::Brute,
+        Self::Nothing,
+        Self::Cdrf,
+        Self::Lambert,
+        Self::TextureBlur,
+    ];
+
+    /// Of a transport and a scheme.
+    #[must_use]
+    pub fn new(transport: Transport, scheme: Scheme) -> Self {
+        match (transport, scheme) {
+            (Transport::Hierarchy, Scheme::Blocks) => Self::Blocks,
+            (Transport::Hierarchy, Scheme::Links) => Self::Links,
+            (Transport::Octree, _) => Self::Octree,
+            (Transport::Brute, _) => Self::Brute,
+            (Transport::None, _) => Self::Nothing,
+            (Transport::Cdrf, _) => Self::Cdrf,
+            (Transport::Lambert, _) => Self::Lambert,
+            (Transport::TextureBlur, _) => Self::TextureBlur,
+        }
+    }
+
+    /// Why the stages of other carriers have no place in the frame.
+    #[must_use]
+    pub fn instead(self) -> &'static str {
+        match self {
+            Self::Blocks => "scheme blocks carries the light",
+            Self::Links => "scheme links carries the light",
+            Self::Octree => "the octree carries the light, in native code on the host",
+            Self::Brute => "brute force carries the light, and needs no clusters",
+            Self::Nothing => "no light is carried",
+            Self::Cdrf => "no light is carried: the CDRF shades each place by itself",
+            Self::Lambert => "no light is carried: Lambert's cosine shades each place by itself",
+            Self::TextureBlur => "no light is carried: it is blurred over the texture coordinates",
+        }
+    }
+}
+
+/// What a frame has to have for a stage to have a place in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Need {
+    /// A light that shines.
+    Light,
+    /// A picture to be made.
+    Picture,
+}
+
+/// The objects that a stage has to do with.
+#[derive(Clone, Copy)]
+pub struct Serves {
+    /// Whether it has to do with this one.
+    pub object: fn(&Object, &Method) -> bool,
+    /// What a plan says where it has to do with none.
+    pub none: &'static str,
+}
+
+impl Serves {
+    /// Every object.
+    pub const ALL: Self = Self { object: |_, _| true, none: "there is no object" };
+    /// Objects that light enters.
+    pub const TRANSLUCENT: Self = Self { object: |object, _| !object.opaque, none: "every object is opaque" };
+    /// Objects whose triangles' light is asked for.
+    pub const LIT_BY_FACE: Self = Self {
+        object: |object, method| object.lit_by_face() && (object.opaque || method.local.is_none()),
+        none: "light is evaluated where the pixels are",
+    };
+}
+
+/// How many elements a buffer has.
+#[derive(Clone, Copy)]
+pub enum Size {
+    /// As many as this says.
+    Elements(fn(&State) -> usize),
+    /// As many as this says: a guess that grows where a frame turns out to need more.
+    Grows(fn(&State) -> usize),
+}
+
+/// No state does without it.
+pub fn never(_: &State) -> Option<&'static str> {
+    None
+}

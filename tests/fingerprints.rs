@@ -1,0 +1,189 @@
+//! The same bits every run: every buffer of every fixture and built-in scene has the same hash twice over, on the CPU and on
+//! each device, and the same steps are planned.
+//!
+//! With `MILKGLASS_FINGERPRINTS=FILE` the hashes are compared with those of FILE, or written there if there is no such file:
+//! so a change that is to compute the same can be held to that.
+
+#[path = "devices/mod.rs"]
+mod devices;
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::sync::Mutex;
+
+use milkglass::gpu::Device;
+use milkglass::layout::{SLOTS, Slot};
+use milkglass::measure::fixtures::fixtures;
+use milkglass::render::plan::{Change, Goal, Mode, Options, Transport};
+use milkglass::render::run::{Room, Session};
+use milkglass::scene::{BUILTIN, Scene};
+use milkglass::state::{State, Step};
+
+/// FNV-1a over words of eight bytes.
+fn hash(bytes: &[u8]) -> u64 {
+    let word = |part: &[u8]| part.iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte));
+    let mix = |sum: u64, part: &[u8]| (sum ^ word(part)).wrapping_mul(0x0100_0000_01b3).rotate_left(23);
+    bytes.chunks(8).fold(0xcbf2_9ce4_8422_2325 ^ bytes.len() as u64, mix)
+}
+
+/// Buffers that a device writes all of, if anything: what lies between the parts of others may hold anything.
+const WHOLE: [Slot; 12] = [
+    Slot::lit,
+    Slot::reached,
+    Slot::positions,
+    Slot::bounds,
+    Slot::clusters,
+    Slot::normals,
+    Slot::curvature,
+    Slot::irradiance,
+    Slot::level,
+    Slot::cursor,
+    Slot::hits,
+    Slot::radiance,
+];
+
+/// The hash of each of these buffers, by its binding.
+fn of_state(key: &str, state: &State, slots: &[Slot], found: &mut BTreeMap<String, String>) {
+    for &slot in slots {
+        let binding = slot as usize;
+        let bytes = state.data.bytes(slot);
+        found.insert(format!("{key} buffer {binding:03}"), format!("{:016x} {}", hash(bytes), bytes.len()));
+    }
+}
+
+fn names(steps: &[Step]) -> String {
+    let mut text = String::new();
+    steps.iter().for_each(|step| {
+        let _ = write!(text, "{step:?} ");
+    });
+    text
+}
+
+/// Every change that is planned for.
+const CHANGES: [(&str, Change); 5] = [
+    ("everything", Change::EVERYTHING),
+    ("light", Change::LIGHT),
+    ("view", Change::VIEW),
+    ("resum", Change::RESUM),
+    ("relink", Change::RELINK),
+];
+
+/// A scene's buffers after a frame, and after another one with the light changed; and what its frames would run.
+fn of_scene(key: &str, scene: &Scene, options: Options, device: Option<&Device>, found: &mut BTreeMap<String, String>) {
+    let mut session = Session::new(scene, device, options, Room::default()).unwrap();
+    for (name, change) in CHANGES {
+        let steps = session.plan.steps(session.state(), change);
+        found.insert(format!("{key} steps {name}"), names(&steps));
+    }
+    let slots = if device.is_some() { &WHOLE } else { SLOTS };
+    session.frame(Change::EVERYTHING).unwrap();
+    session.fetch(SLOTS).unwrap();
+    of_state(&format!("{key} first"), session.state(), slots, found);
+    let picture = session.picture().unwrap();
+    found.insert(format!("{key} picture"), format!("{:016x}", hash(bytemuck::cast_slice(&picture.pixels))));
+    session.set_lights(&scene.lights).unwrap();
+    session.frame(Change::LIGHT).unwrap();
+    session.fetch(SLOTS).unwrap();
+    of_state(&format!("{key} second"), session.state(), slots, found);
+}
+
+/// Ways to run a scene.
+fn ways() -> Vec<(String, Vec<&'static str>, Options)> {
+    let mut ways = Vec::new();
+    let picture = Options::default();
+    for scheme in ["transport.scheme=blocks", "transport.scheme=links"] {
+        for mode in [Mode::OnTheFly, Mode::Keep, Mode::Render, Mode::Incremental] {
+            ways.push((format!("{scheme} {mode:?}"), vec![scheme], Options { mode, ..picture }));
+        }
+    }
+    for transport in [Transport::None, Transport::Cdrf, Transport::Lambert, Transport::TextureBlur] {
+        ways.push((format!("{transport:?}"), vec![], Options { transport, ..picture }));
+    }
+    for goal in [Goal::Layers, Goal::Radiosity] {
+        ways.push((format!("{goal:?}"), vec![], Options { goal, estimate: true, ..picture }));
+    }
+    ways
+}
+
+/// Coarse shapes of scenes that are large.
+const DETAIL: &[(&str, &str)] = &[
+    ("bump", "object.0.detail=2"),
+    ("bust", "object.0.detail=64"),
+    ("candle", "object.0.detail=16"),
+    ("lotus", "object.0.detail=20"),
+    ("noise", "object.0.detail=2"),
+    ("slab", "object.0.detail=4"),
+    ("slab-layers", "object.0.detail=4"),
+    ("sphere", "object.0.detail=3"),
+    ("torus", "object.0.detail=16"),
+    ("twist", "object.0.detail=2"),
+    ("veins", "object.0.detail=64"),
+];
+
+/// All fingerprints of one place to run.
+fn all(device: Option<&Device>) -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    let on = device.map_or("cpu", Device::name).to_string();
+    for &(name, _, _) in BUILTIN {
+        let begin = std::time::Instant::now();
+        let detail = DETAIL.iter().find(|(scene, _)| *scene == name).map_or("", |(_, set)| set);
+        for (way, sets, options) in ways() {
+            let size = ["camera.size=[24, 20]", "camera.samples=1", detail];
+            let mut sets: Vec<String> = sets.into_iter().map(String::from).collect();
+            sets.extend(size.into_iter().filter(|set| !set.is_empty()).map(String::from));
+            let scene = Scene::load(name, &sets).unwrap();
+            let triangles: usize = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
+            if triangles > 5000
+                && !matches!(way.as_str(), "transport.scheme=blocks Render" | "transport.scheme=links Keep" | "Cdrf")
+            {
+                continue;
+            }
+            if options.transport == Transport::TextureBlur
+                && scene.objects.iter().any(|object| object.mesh.uvs.is_none())
+            {
+                continue;
+            }
+            of_scene(&format!("{on} {name} {way}"), &scene, options, device, &mut found);
+        }
+        println!("{on} {name}: {:.1} s", begin.elapsed().as_secs_f64());
+    }
+    found
+}
+
+/// What the references of all fixtures leave.
+fn of_fixtures() -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    for fixture in fixtures("").unwrap() {
+        let mut state = fixture.state.clone();
+        of_state(&format!("fixture {} before", fixture.name), &state, SLOTS, &mut found);
+        fixture.steps.iter().for_each(|step| step.reference(&mut state));
+        of_state(&format!("fixture {} after", fixture.name), &state, SLOTS, &mut found);
+        found.insert(format!("fixture {} steps", fixture.name), names(&fixture.steps));
+    }
+    found
+}
+
+#[test]
+fn every_run_has_the_same_bits() {
+    let mut found = of_fixtures();
+    found.extend(all(None));
+    let on_device = Mutex::new(BTreeMap::new());
+    devices::on_devices(|device| {
+        let once = all(Some(device));
+        let again = all(Some(device));
+        let differ: Vec<_> = once.iter().filter(|(key, value)| again.get(*key) != Some(value)).collect();
+        assert!(differ.is_empty() && !once.is_empty(), "two runs differ: {differ:.4000?}");
+        on_device.lock().unwrap().extend(once);
+    });
+    found.extend(on_device.into_inner().unwrap());
+    let Some(file) = std::env::var_os("MILKGLASS_FINGERPRINTS") else { return };
+    let text: String = found.iter().map(|(key, value)| format!("{key}: {value}\n")).collect();
+    match std::fs::read_to_string(&file) {
+        Err(_) => std::fs::write(&file, text).unwrap(),
+        Ok(before) => {
+            let before: std::collections::BTreeSet<&str> = before.lines().collect();
+            let other: Vec<&str> = text.lines().filter(|line| !before.contains(line)).collect();
+            assert!(other.is_empty(), "{} of {} differ:\n{}", other.len(), found.len(), other.join("\n"));
+        }
+    }
+}
