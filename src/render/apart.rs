@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::plan::{Change, before_transport};
-use super::run::{Backend, Session};
+use super::run::Session;
 use crate::error::Result;
 use crate::gpu::Timing;
 use crate::layout::SLOTS;
@@ -35,10 +35,7 @@ impl Session {
 
     /// What a frame after this change dispatches, or would on a device of 32 lanes where there is none.
     pub fn dispatches(&self, change: Change) -> Result<Vec<Dispatch>> {
-        let lanes = match &self.backend {
-            Backend::Gpu(twin) => twin.device().limits().subgroup_size.max(1) as usize,
-            Backend::Cpu => SUBGROUP,
-        };
+        let lanes = self.limits().map_or(SUBGROUP, |limits| limits.subgroup_size.max(1) as usize);
         dispatches(self.state(), &self.plan.steps(self.state(), change), lanes)
     }
 

@@ -2,15 +2,15 @@
 
 use super::plan::Mode;
 use super::room::KEEPING;
-use super::run::{Backend, Session};
+use super::run::Session;
 use crate::error::{Error, Result};
 use crate::layout::{SLOTS, Slot};
 
 impl Session {
     /// What grows with what the scene asks for has to fit one binding, and all together the device's memory where links are kept.
     pub(super) fn check_bindings(&self) -> Result<()> {
-        let Backend::Gpu(twin) = &self.backend else { return Ok(()) };
-        let (data, limits) = (&self.prepared.state.data, twin.device().limits());
+        let Some(limits) = self.limits() else { return Ok(()) };
+        let data = &self.state().data;
         let most = limits.binding_bytes;
         let (faces, samples) = (self.state().sum(|object| object.count.faces), 32 * data.frame[0].shadow_words);
         let bits = |of: String| format!("a bit for each of {of} and {samples} samples of lights");

@@ -5,7 +5,7 @@ use super::memory;
 use super::plan::{Change, Plan};
 use super::prepare::camera;
 use super::receivers::by_pixel;
-use super::run::{Backend, Session};
+use super::run::Session;
 use super::shape::{reach, shape, spoilt};
 use crate::error::Result;
 use crate::hierarchy::Tree;
@@ -143,10 +143,7 @@ impl Session {
 
     /// Everything laid out anew, for the scene after this change.
     fn renew(&mut self, change: impl FnOnce(&mut Scene)) -> Result<()> {
-        let device = match &self.backend {
-            Backend::Gpu(twin) => Some(twin.device().clone()),
-            Backend::Cpu => None,
-        };
+        let device = self.device().cloned();
         let mut scene = self.fixed.asked.clone().unwrap_or_else(|| self.scene.clone());
         change(&mut scene);
         *self = Self::new(&scene, device.as_ref(), self.plan.options(), self.fixed.room)?;

@@ -2,9 +2,8 @@
 
 use super::plan::{Change, Mode, Options, Plan};
 use super::room::{KEEPING, LIMITED, Lists, Parts};
-use super::run::{Backend, Session};
+use super::run::Session;
 use crate::error::{Error, Input, Result};
-use crate::gpu::Limits;
 
 impl Session {
     /// Why lists are made for each frame, where a mode was asked for that keeps them.
@@ -47,7 +46,7 @@ impl Session {
             .without(self.fixed.receivers.clone())
             .without(("kept links", why.clone()));
         self.not_kept = Some(why);
-        self.lists = Lists::new(self.fixed.room, self.limits().as_ref());
+        self.lists = Lists::new(self.fixed.room, self.limits());
         self.lists.cut(&mut self.prepared);
         self.pending = Change::EVERYTHING;
         self.resize().map(|()| false)
@@ -56,20 +55,13 @@ impl Session {
     /// Everything in place again after a frame that failed, for one that does everything.
     pub(super) fn recover(&mut self) -> Result<()> {
         if self.failed {
-            self.lists = Lists::new(self.fixed.room, self.limits().as_ref());
+            self.lists = Lists::new(self.fixed.room, self.limits());
             self.lists.cut(&mut self.prepared);
             self.pending = Change::EVERYTHING;
             self.resize()?;
             self.failed = false;
         }
         Ok(())
-    }
-
-    fn limits(&self) -> Option<Limits> {
-        match &self.backend {
-            Backend::Gpu(twin) => Some(*twin.device().limits()),
-            Backend::Cpu => None,
-        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::plan::Change;
-use super::run::{Backend, Session};
+use super::run::Session;
 use crate::error::Result;
 use crate::gpu::constants;
 use crate::layout::{SLOTS, Slot};
@@ -85,8 +85,8 @@ impl Session {
 
     /// Buffers of which a dispatch of a frame after this change would bind more than the device allows.
     pub fn misfits(&self, change: Change) -> Result<BTreeSet<Slot>> {
-        let Backend::Gpu(twin) = &self.backend else { return Ok(BTreeSet::new()) };
-        let most = twin.device().limits().binding_bytes;
+        let Some(limits) = self.limits() else { return Ok(BTreeSet::new()) };
+        let most = limits.binding_bytes;
         let mut found = BTreeSet::new();
         for dispatch in self.dispatches(change)? {
             let bound = dispatch.bound(self.state())?.into_iter();

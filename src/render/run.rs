@@ -23,11 +23,11 @@ use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
 use crate::layout::{Cursor, Slot};
 use crate::scene::Scene;
-use crate::state::{DeviceState, Scheme, State, Step};
+use crate::state::{DeviceState, Scheme, Step};
 use crate::view::picture::Picture;
 
 /// Where the stages run.
-pub enum Backend {
+pub(super) enum Backend {
     /// The reference, on the host.
     Cpu,
     /// A Vulkan device.
@@ -37,29 +37,34 @@ pub enum Backend {
 /// A scene being rendered, frame after frame.
 pub struct Session {
     /// The state, its units and the order of its faces.
-    pub prepared: Prepared,
-    /// What runs.
-    pub plan: Plan,
-    /// Where it runs.
-    pub backend: Backend,
-    /// How often a frame had to run again because a list overflowed.
-    pub retries: usize,
-    /// How often a frame had to run again because its light had another contrast than kept lists serve.
-    pub relinks: usize,
-    /// Whether links are there that a change of shape can revise.
+    pub(super) prepared: Prepared,
+    /// The stages that run.
+    pub(super) plan: Plan,
+    /// Where they run.
+    pub(super) backend: Backend,
+    /// How often a frame ran again because a list overflowed.
+    pub(super) retries: usize,
+    /// How often a frame ran again because the kept lists did not serve the contrast of its light.
+    pub(super) relinks: usize,
+    /// Whether there are links that a change of shape can revise.
     pub(super) linked: bool,
     /// Form factors computed by runs of this frame whose lists overflowed.
     pub(super) spent: u64,
-    /// Whether the estimate of the last frame has been made sharper, on the host, or why that failed.
+    /// Whether the host has refined the last frame's error estimate, or why that failed.
     pub(super) sharp: Option<std::result::Result<(), String>>,
-    /// What became of each object's triangles, where `transport.subdivide` asks for that.
-    pub parts: Vec<Parts>,
+    /// What became of each object's triangles, where `transport.subdivide` asks for subdivision.
+    pub(super) parts: Vec<Parts>,
+    /// Why lists are made for each frame, where the mode should keep them.
     pub(super) not_kept: Option<String>,
-    /// Whether the last frame, or what was to change before it, did not come to its end.
+    /// Whether the last frame, or a change before it, failed halfway.
     pub(super) failed: bool,
+    /// The scene, after subdivision.
     pub(super) scene: Scene,
+    /// How the lists are cut up and how long they are.
     pub(super) lists: Lists,
+    /// What has changed since the last frame.
     pub(super) pending: Change,
+    /// The octree, where it carries the light.
     octree: Option<OctreeTransport>,
     pub(super) fixed: Fixed,
 }
@@ -138,21 +143,6 @@ impl Session {
         let sized = fits.and_then(|()| session.resize());
         session.unless_too_much(sized)?;
         Ok(session)
-    }
-
-    /// The state.
-    pub fn state(&self) -> &State {
-        &self.prepared.state
-    }
-
-    /// The units.
-    pub fn units(&self) -> &Units {
-        &self.prepared.units
-    }
-
-    /// The scene.
-    pub fn scene(&self) -> &Scene {
-        &self.scene
     }
 
     /// Runs one frame: what has changed since the last one, and what `change` adds to it. Returns each step's time,

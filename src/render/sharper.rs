@@ -1,7 +1,7 @@
 //! An error estimate that knows where errors cancel: the light is carried once more, more exactly.
 
 use super::plan::{Goal, Mode, Options};
-use super::run::{Backend, Room, Session};
+use super::run::{Room, Session};
 use crate::error::{Error, Result};
 use crate::layout::Slot;
 
@@ -64,11 +64,7 @@ impl Session {
         if self.state().objects.iter().all(|object| !object.by_pixel && !object.opaque) {
             options.goal = Goal::Radiosity;
         }
-        let device = match &self.backend {
-            Backend::Gpu(twin) => Some(twin.device()),
-            Backend::Cpu => None,
-        };
-        Self::new(&scene, device, options, Room::default()).map(Some)
+        Self::new(&scene, self.device(), options, Room::default()).map(Some)
     }
 
     /// Whether the estimate is the sharper one, which the host alone knows.

@@ -19,7 +19,7 @@ use crate::gpu::{Device, Timing};
 use crate::layout::Slot;
 use crate::render::octree;
 use crate::render::plan::{Change, Options, Transport};
-use crate::render::run::{Backend, Room, Session};
+use crate::render::run::{Room, Session};
 use crate::scene::Scene;
 
 /// What is to be measured.
@@ -231,7 +231,7 @@ pub(super) fn of_stage(frames: &Frames, stage: &str) -> Vec<f64> {
 
 /// The stages in the order of their first step; what they do is not known yet.
 fn rows(session: &mut Session, frames: &Frames, settings: &Settings) -> Result<Vec<Row>> {
-    let on_device = matches!(session.backend, Backend::Gpu(_));
+    let on_device = session.device().is_some();
     let dispatches = if on_device { session.dispatches(settings.change)? } else { Vec::new() };
     let mut apart: Frames = Vec::new();
     // Half of the frames once more, each stage by itself.
