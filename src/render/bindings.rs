@@ -1,9 +1,8 @@
 //! What has to fit one binding of the device, and its memory.
 
 use super::plan::Mode;
-use super::room::KEEPING;
 use super::run::Session;
-use crate::error::{Error, Result};
+use crate::error::{Error, KeepLimit, Result};
 use crate::layout::{SLOTS, Slot};
 
 impl Session {
@@ -34,7 +33,7 @@ impl Session {
         let all: u64 = SLOTS.iter().map(|slot| data.bytes(*slot).len() as u64).sum();
         if self.plan.options().mode != Mode::OnTheFly && all > limits.heap_bytes {
             let what = format!("all buffers take {all} bytes, the device's memory holds {}", limits.heap_bytes);
-            return Err(Error::device(KEEPING, what));
+            return Err(Error::TooMuchToKeep { what, limited_by: KeepLimit::Device });
         }
         Ok(())
     }

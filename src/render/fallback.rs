@@ -1,9 +1,9 @@
 //! What becomes of a session whose lists are too much for its device to keep, or that failed in the middle of a frame.
 
 use super::plan::{Change, Mode, Options, Plan};
-use super::room::{KEEPING, LIMITED, Lists, Parts};
+use super::room::{Growth, Lists};
 use super::run::Session;
-use crate::error::{Error, Input, Result};
+use crate::error::{Error, Input, KeepLimit, Result};
 
 impl Session {
     /// Why lists are made for each frame, where a mode was asked for that keeps them.
@@ -16,7 +16,7 @@ impl Session {
     /// do again: no more than make the lists, where nothing else depends on their length.
     pub(super) fn grow(&mut self) -> Result<Change> {
         let grown = self.lists.grow(&mut self.prepared);
-        let longer = matches!(grown, Ok(Parts::AsTheyWere)) && !self.state().method.incremental;
+        let longer = matches!(grown, Ok(Growth::Longer)) && !self.state().method.incremental;
         let done = grown.and_then(|_| if longer { self.lengthen() } else { self.resize() });
         let kept = self.unless_too_much(done)?;
         Ok(if longer && kept { Change::RELINK } else { Change::EVERYTHING })
@@ -25,16 +25,17 @@ impl Session {
     /// Has lists made for each frame if this is the error of too many to keep; whether it is not. A layer of a picture, or a
     /// look at the links themselves, can't do without.
     pub(super) fn unless_too_much(&mut self, done: Result<()>) -> Result<bool> {
-        let what = match done {
-            Err(Error::Device { doing, what }) if doing == KEEPING => what,
+        let (what, limited_by) = match done {
+            Err(Error::TooMuchToKeep { what, limited_by }) => (what, limited_by),
             done => return done.map(|()| true),
         };
         let options = self.plan.options();
         if options.mode == Mode::Keep {
             let what = format!("{what}; use fewer triangles, or do without --aov or --view");
-            return Err(match what.contains(LIMITED) {
-                true => Input::new(format!("{KEEPING}: {what}")).key("--limit-memory").into(),
-                false => Error::device(KEEPING, what),
+            let error = Error::TooMuchToKeep { what, limited_by };
+            return Err(match limited_by {
+                KeepLimit::MemoryOption => Input::new(error.to_string()).key("--limit-memory").into(),
+                KeepLimit::Device => error,
             });
         }
         let state = &mut self.prepared.state;

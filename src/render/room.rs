@@ -1,7 +1,7 @@
 //! How much room the lists of links get: chunks that fit the device's bindings, and more after an overflow.
 
 use super::prepare::{Prepared, schedule};
-use crate::error::{Error, Result};
+use crate::error::{Error, KeepLimit, Result};
 use crate::gpu::Limits;
 use crate::layout::Cursor;
 use crate::state::{Object, Scheme, State};
@@ -19,8 +19,6 @@ const MOST_BINDING: u64 = 1 << 29;
 const MOST_BLOCKS: usize = 1 << 16;
 /// Entries of a block's lists to begin with.
 const ENTRIES: usize = 512;
-/// What is being done where lists, or links and their form factors, turn out to be too many to keep, as the error says it.
-pub const KEEPING: &str = "keeping lists between frames";
 /// Links per face, or entries per block, that are so few that nearly every scene has more.
 const FEW: usize = 64;
 /// Links per face to begin with.
@@ -65,20 +63,17 @@ pub struct Lists {
     batch_blocks: usize,
     /// Largest list of all chunks together, where they are kept, bytes.
     pub(super) allocation: u64,
-    /// What keeps no more than that.
-    keeper: &'static str,
+    /// What sets that limit.
+    limited_by: KeepLimit,
 }
 
-/// Where the user decides what is kept.
-pub(super) const LIMITED: &str = "--limit-memory leaves";
-
-/// What becomes of chunks and batches where lists get more room.
+/// How lists are made to hold more after an overflow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parts {
-    /// Nothing.
-    AsTheyWere,
-    /// They are cut anew, smaller.
-    Smaller,
+pub enum Growth {
+    /// They are longer; chunks and batches stay as they are.
+    Longer,
+    /// Chunks or batches are smaller, so that each list has less to hold.
+    SmallerParts,
 }
 
 impl Lists {
@@ -94,7 +89,7 @@ impl Lists {
             batch_blocks: room.batch_blocks.clamp(1, MOST_BLOCKS),
             binding: room.binding.min(binding).min(allocation),
             allocation: allocation.min(room.kept),
-            keeper: if room.kept < allocation { LIMITED } else { "the device keeps" },
+            limited_by: if room.kept < allocation { KeepLimit::MemoryOption } else { KeepLimit::Device },
         }
     }
 
@@ -148,7 +143,7 @@ impl Lists {
     }
 
     /// Makes room after an overflow: longer lists, or smaller chunks where a list can't grow any more.
-    pub fn grow(&mut self, prepared: &mut Prepared) -> Result<Parts> {
+    pub fn grow(&mut self, prepared: &mut Prepared) -> Result<Growth> {
         if prepared.state.method.scheme == Scheme::Blocks {
             return self.grow_batches(&mut prepared.state);
         }
@@ -177,7 +172,7 @@ impl Lists {
                     return Err(Error::device(format!("making room for buffer {name}"), what));
                 }
                 self.cut(prepared);
-                return Ok(Parts::Smaller);
+                return Ok(Growth::SmallerParts);
             }
             if need > had as usize {
                 // Links that are revised move within their room, as far as what is kept fits one allocation.
@@ -194,13 +189,13 @@ impl Lists {
         if prepared.state.keep && bytes > self.allocation {
             return Err(too_many(bytes, self));
         }
-        Ok(Parts::AsTheyWere)
+        Ok(Growth::Longer)
     }
 }
 
 impl Lists {
     /// The same for the lists of blocks.
-    fn grow_batches(&mut self, state: &mut State) -> Result<Parts> {
+    fn grow_batches(&mut self, state: &mut State) -> Result<Growth> {
         let (need, near) = (need(state), need(state).need_near.next_multiple_of(NEAR_PART));
         state.data.frame.iter_mut().for_each(|frame| frame.near_room = frame.near_room.max(near));
         let (need, each) = (need.need_entries as usize, largest_batch(state).max(1));
@@ -209,7 +204,7 @@ impl Lists {
             let what = format!("one block of receivers needs {need} entries, a binding of the device takes {most}");
             return Err(Error::device("making room for buffer entries", what));
         }
-        let parts = if need > most { Parts::Smaller } else { Parts::AsTheyWere };
+        let growth = if need > most { Growth::SmallerParts } else { Growth::Longer };
         if need > most {
             self.batch_blocks = (each as f64 * most as f64 / need as f64 * 0.75).max(1.0) as usize;
             self.batches(state, most / self.batch_blocks);
@@ -221,14 +216,14 @@ impl Lists {
         if state.keep && bytes > self.allocation {
             return Err(too_many(bytes, self));
         }
-        Ok(parts)
+        Ok(growth)
     }
 }
 
 /// The error of lists that are too long to keep.
 fn too_many(bytes: u64, lists: &Lists) -> Error {
-    let most = lists.allocation;
-    Error::device(KEEPING, format!("they take {bytes} bytes or more, {} {most}", lists.keeper))
+    let Lists { allocation, limited_by, .. } = *lists;
+    Error::TooMuchToKeep { what: format!("they take {bytes} bytes or more, {limited_by} {allocation}"), limited_by }
 }
 
 /// Faces of the largest chunk.

@@ -2,7 +2,7 @@
 
 use super::plan::{Goal, Mode, Options};
 use super::run::{Room, Session};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::layout::Slot;
 
 /// How many times more exact the other radiosity is asked to be.
@@ -33,7 +33,7 @@ impl Session {
         let other = match solve() {
             Ok(Some(other)) => other,
             Ok(None) => return Ok(()),
-            Err(error @ Error::Device { .. }) => {
+            Err(error) if error.is_device_fault() => {
                 self.sharp = Some(Err(error.to_string()));
                 return Ok(());
             }

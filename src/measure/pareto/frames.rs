@@ -5,7 +5,6 @@ use crate::error::{Error, Result};
 use crate::gpu::Device;
 use crate::layout::Slot;
 use crate::render::plan::{Change, Options, Transport};
-use crate::render::room::KEEPING;
 use crate::render::run::{Room, Session};
 use crate::scene::{Scene, Scheme};
 use crate::state::State;
@@ -21,9 +20,7 @@ impl Frames {
     pub(super) fn open(scene: &Scene, device: Option<&Device>, options: Options, change: Change) -> Result<Opened> {
         let mut session = Session::new(scene, device, options, Room::default())?;
         match session.frame(Change::EVERYTHING) {
-            Err(Error::Device { doing, what }) if doing == KEEPING => {
-                Ok(Opened::NotOffered(format!("too much to keep: {what}")))
-            }
+            Err(Error::TooMuchToKeep { what, .. }) => Ok(Opened::NotOffered(format!("too much to keep: {what}"))),
             Err(error) => Err(error),
             Ok(_) => Ok(match session.not_kept() {
                 Some(why) => Opened::NotOffered(format!("too much to keep: {why}")),

@@ -14,7 +14,7 @@ pub use rates::{Rates, rates};
 pub use spread::Spread;
 pub use work::Work;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::{Device, Timing};
 use crate::layout::Slot;
 use crate::render::octree;
@@ -135,9 +135,7 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
     if let Some(device) = device {
         match work::of(scene, &device.counting(), settings, &mut session) {
             Ok(tallies) => rows.iter_mut().for_each(|row| row.work = tallies.get(row.stage.as_str()).copied()),
-            Err(Error::Device { doing, what }) => {
-                notes.push(format!("what stages do was not counted: {doing}: {what}"))
-            }
+            Err(error) if error.is_device_fault() => notes.push(format!("what stages do was not counted: {error}")),
             Err(error) => return Err(error),
         }
     }
