@@ -1,4 +1,5 @@
-//! What a session tells its callers about itself: the scene, the state, the plan, where it runs, and how often it ran again.
+//! What a session tells its callers about itself: the scene, the state, the plan, where it runs, and how often it ran
+//! again.
 
 use super::plan::Plan;
 use super::prepare::Prepared;
@@ -43,7 +44,8 @@ impl Session {
         self.retries
     }
 
-    /// How often a frame ran again because the kept lists did not serve the contrast of its light, since the session began.
+    /// How often a frame ran again because the kept lists did not serve the contrast of its light, since the session
+    /// began.
     pub fn relinks(&self) -> usize {
         self.relinks
     }
@@ -66,7 +68,8 @@ impl Session {
         self.device().map(Device::limits)
     }
 
-    /// What each kernel has done since the last call, by the kernel's path. Empty on the CPU, and where kernels do not count.
+    /// What each kernel has done since the last call, by the kernel's path. Empty on the CPU, and where kernels do not
+    /// count.
     pub fn tallies(&self) -> Result<Vec<(String, Tally)>> {
         match &self.backend {
             Backend::Gpu(twin) => twin.kernels().tallies(),

@@ -1,4 +1,5 @@
-//! What becomes of a session whose lists are too much for its device to keep, or that failed in the middle of a frame.
+//! Recovery: longer lists after an overflow, lists per frame where they are too long to keep, and a fresh start after a
+//! frame that failed.
 
 use super::plan::{Change, Mode, Options, Plan};
 use super::room::{Growth, Lists};
@@ -6,14 +7,14 @@ use super::run::Session;
 use crate::error::{Error, Input, KeepLimit, Result};
 
 impl Session {
-    /// Why lists are made for each frame, where a mode was asked for that keeps them.
+    /// Why lists are made for each frame although the mode asks to keep them.
     #[must_use]
     pub fn not_kept(&self) -> Option<&str> {
         self.not_kept.as_deref()
     }
 
-    /// Longer lists, and buffers of their size; where they are too much to keep, none are kept. Returns what a frame has to
-    /// do again: no more than make the lists, where nothing else depends on their length.
+    /// Grows the lists and their buffers; keeps no lists where they become too long to keep. Returns what the frame has
+    /// to repeat: only making the lists, where nothing else depends on their length.
     pub(super) fn grow(&mut self) -> Result<Change> {
         let grown = self.lists.grow(&mut self.prepared);
         let longer = matches!(grown, Ok(Growth::Longer)) && !self.state().method.incremental;
@@ -22,8 +23,8 @@ impl Session {
         Ok(if longer && kept { Change::RELINK } else { Change::EVERYTHING })
     }
 
-    /// Has lists made for each frame if this is the error of too many to keep; whether it is not. A layer of a picture, or a
-    /// look at the links themselves, can't do without.
+    /// Switches to lists per frame if `done` is [`Error::TooMuchToKeep`], and returns false then. The
+    /// links layer of a picture and the views of links need kept lists: for them (`Mode::Keep`) it stays an error.
     pub(super) fn unless_too_much(&mut self, done: Result<()>) -> Result<bool> {
         let (what, limited_by) = match done {
             Err(Error::TooMuchToKeep { what, limited_by }) => (what, limited_by),
@@ -53,7 +54,7 @@ impl Session {
         self.resize().map(|()| false)
     }
 
-    /// Everything in place again after a frame that failed, for one that does everything.
+    /// After a frame that failed, restores buffers and capacities so that the next frame can run in full.
     pub(super) fn recover(&mut self) -> Result<()> {
         if self.failed {
             self.lists = Lists::new(self.fixed.room, self.limits());
@@ -73,7 +74,7 @@ mod tests {
     use crate::scene::Scene;
 
     #[test]
-    fn lists_that_were_too_short_are_all_that_is_made_anew() {
+    fn after_an_overflow_only_the_lists_are_rebuilt() {
         for (scheme, mode) in ["blocks", "links"]
             .into_iter()
             .flat_map(|scheme| [Mode::OnTheFly, Mode::Keep, Mode::Render].map(|mode| (scheme, mode)))
@@ -94,7 +95,7 @@ mod tests {
                 |name: &str| ["refit", "shadow", "irradiance", "pull", "level"].iter().all(|known| *known != name);
             assert!(again.iter().all(|step| lists(step.stage.name)), "{scheme} {mode:?}");
 
-            // And comes out as if there had been room.
+            // The result equals that of lists with enough capacity.
             short.frame(Change::EVERYTHING).unwrap();
             let mut once = open(Room { links: 1, ..Room::default() });
             once.frame(Change::EVERYTHING).unwrap();
@@ -104,7 +105,7 @@ mod tests {
             assert!(once.state().data.radiosity == long.state().data.radiosity, "{scheme} {mode:?}");
             assert!(short.state().data.radiosity == long.state().data.radiosity, "{scheme} {mode:?}");
 
-            // Smaller parts change what lies where.
+            // Smaller parts change the layout, so everything reruns.
             let binding = if scheme == "blocks" { 1 << 13 } else { 1 << 16 };
             let mut cut = open(Room { links: 1, binding, ..Room::default() });
             let steps = cut.plan.steps(cut.state(), Change::EVERYTHING);

@@ -1,4 +1,4 @@
-//! From a scene to the stages it needs ([`plan`]), and a plan run on the CPU or a device ([`run`]).
+//! From a scene to the stages it needs ([`plan`]), and from a plan to frames on the CPU or a device ([`run`]).
 
 mod access;
 pub mod aov;

@@ -1,4 +1,4 @@
-//! A plan run on the CPU or on a device: room for the lists, one submit a frame, and once more where a list overflowed.
+//! Runs a plan on the CPU or a device: one submit a frame, and another one with longer lists after an overflow.
 
 use std::time::Instant;
 
@@ -26,15 +26,15 @@ use crate::scene::Scene;
 use crate::state::{DeviceState, Scheme, Step};
 use crate::view::picture::Picture;
 
-/// Where the stages run.
+/// What runs the stages.
 pub(super) enum Backend {
-    /// The reference, on the host.
+    /// The CPU reference.
     Cpu,
     /// A Vulkan device.
     Gpu(DeviceState),
 }
 
-/// A scene being rendered, frame after frame.
+/// Renders a scene frame after frame.
 pub struct Session {
     /// The state, its units and the order of its faces.
     pub(super) prepared: Prepared,
@@ -69,13 +69,13 @@ pub struct Session {
     pub(super) fixed: Fixed,
 }
 
-/// What a session is made from, and made from again where its layout changes.
+/// What a session is made from, and rebuilt from where its layout changes.
 pub(super) struct Fixed {
-    /// The scene before its triangles were cut, if they were.
+    /// The scene before subdivision, where there was one.
     pub asked: Option<Scene>,
-    /// First sizes.
+    /// First capacities of the lists.
     pub room: Room,
-    /// What kind of receivers there are none of, and why.
+    /// The kind of receivers that the plan does without, and why.
     pub receivers: (&'static str, String),
 }
 
@@ -90,7 +90,7 @@ impl Session {
         let local = local(&scene.transport, options.transport);
         device.map_or(Ok(()), |_| holds(scene))?;
         reach(&scene.objects, Units::of(scene.objects.iter().map(|object| &object.mesh)))?;
-        // Cut finer where the lights want it, and in what follows nothing else is known.
+        // Subdivide where lighting needs it; code below sees only that scene.
         let asked = (scene.transport.subdivide > 0 && local.is_none()).then(|| scene.clone());
         let blocks = scene.transport.scheme == Scheme::Blocks && options.transport == Transport::Hierarchy;
         let (scene, parts) = match &asked {
@@ -110,7 +110,7 @@ impl Session {
         share_budget(&mut prepared.state, scene.transport.budget)?;
         let receivers = (if by_pixel { "receivers at triangles" } else { "receivers at pixels" }, why);
         let plan = Plan::new(&prepared.state, options).without(receivers.clone());
-        // Links and form factors are lists of their own, and all else wants room, too.
+        // Links and form factors are lists of their own, and everything else needs memory as well.
         let room = Room { kept: room.kept.min(scene.memory.left() / 4), ..room };
         let lists = Lists::new(room, device.map(Device::limits));
         lists.cut(&mut prepared);
@@ -145,8 +145,8 @@ impl Session {
         Ok(session)
     }
 
-    /// Runs one frame: what has changed since the last one, and what `change` adds to it. Returns each step's time,
-    /// on the device, or on the host's clock for the CPU and the octree.
+    /// Runs one frame: the stages that depend on what has changed since the last one, or on `change`. Returns each
+    /// step's time: the device's, or the host's for the CPU and the octree.
     pub fn frame(&mut self, change: Change) -> Result<Vec<Timing>> {
         self.recover()?;
         self.failed = true;
@@ -164,7 +164,7 @@ impl Session {
             change = self.links_anew(change);
             let steps = self.plan.steps(&self.prepared.state, change);
             let last = if self.plan.octree(change) { self.run_octree(&steps, change)? } else { self.run(&steps)? };
-            // Of a stage that runs again, the last run's.
+            // A stage that runs again counts with its last run.
             times.retain(|before| last.iter().all(|now| now.name != before.name));
             times.extend(last);
             if steps.iter().any(|step| ["shadow", "reached", "plane_fit"].contains(&step.stage.name)) {
@@ -203,7 +203,7 @@ impl Session {
             self.retries += 1;
             if ran(&["revise"]) {
                 self.make_room()?;
-                // All is summed again: what the light was before is no longer known.
+                // Sum all links: the light of the previous frame has been overwritten.
                 change = Change::EVERYTHING.and(Change::LIGHT);
                 continue;
             }
@@ -211,7 +211,7 @@ impl Session {
         }
     }
 
-    /// Runs these steps where the stages run.
+    /// Runs these steps on the session's back end.
     pub(super) fn run(&mut self, steps: &[Step]) -> Result<Vec<Timing>> {
         match &mut self.backend {
             Backend::Gpu(_) if steps.is_empty() => Ok(Vec::new()),
@@ -230,7 +230,8 @@ impl Session {
         }
     }
 
-    /// The same with the octree in its place among them. A device is only told of the radiosity that it works on.
+    /// The same, with the octree between the stages before transport and those after. The host sends the octree's
+    /// radiosity to a device only if later stages read it.
     fn run_octree(&mut self, steps: &[Step], change: Change) -> Result<Vec<Timing>> {
         let place = steps.iter().position(|step| !before_transport(step.stage.name)).unwrap_or(steps.len());
         let (before, after) = steps.split_at(place);
@@ -252,7 +253,8 @@ impl Session {
         Ok(times)
     }
 
-    /// Brings these buffers to the host. The octree's radiosity is there already, but for that of opaque objects.
+    /// Downloads these buffers to the host, except what the host itself computed: the octree's radiosity where no
+    /// object is opaque, and a refined estimate.
     pub fn fetch(&mut self, slots: &[Slot]) -> Result<()> {
         let opaque = self.state().objects.iter().any(|object| object.opaque);
         let there = |slot: &Slot| {
@@ -265,7 +267,7 @@ impl Session {
         }
     }
 
-    /// The picture of the last frame, linear radiance row by row.
+    /// The picture of the last frame: linear radiance, row by row.
     pub fn picture(&mut self) -> Result<Picture> {
         self.fetch(&[Slot::hits, Slot::radiance])?;
         let data = &self.prepared.state.data;
@@ -276,6 +278,7 @@ impl Session {
         Ok(Picture { width, height, pixels: data.radiance.clone() })
     }
 
+    /// Uploads these buffers from the host.
     pub(super) fn send(&mut self, slots: &[Slot]) -> Result<()> {
         match &mut self.backend {
             Backend::Gpu(twin) => twin.upload(&self.prepared.state, slots).inspect_err(|_| self.failed = true),
@@ -284,7 +287,7 @@ impl Session {
     }
 }
 
-/// The error of a driver that ends loops early.
+/// The error where a driver may have ended a loop early.
 fn unfinished(doing: &str, advice: &str) -> Error {
     Error::device(doing, format!("it takes more than 65,000 steps, where some drivers end a loop; {advice}"))
 }
