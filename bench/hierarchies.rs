@@ -65,7 +65,7 @@ fn row(device: &Device, name: &str, hierarchy: Hierarchy, mesh: &[&str], toleran
         let start = Instant::now();
         session.show(&next)?;
         host += start.elapsed().as_secs_f64() * 1e3;
-        built += usize::from(session.prepared.spoilt[0].is_some());
+        built += usize::from(session.prepared().spoilt[0].is_some());
         session.frame(Change::EVERYTHING)?;
         let mut times = Vec::new();
         for _ in 0..5 {
@@ -79,7 +79,7 @@ fn row(device: &Device, name: &str, hierarchy: Hierarchy, mesh: &[&str], toleran
         error = error.max(worst(&verify(&mut session, SAMPLES, 1)?).l2);
     }
     let all = FRAMES.len() as f64;
-    let (faces, depth) = (session.state().data.triangles.len(), session.prepared.trees[0].depth());
+    let (faces, depth) = (session.state().data.triangles.len(), session.prepared().trees[0].depth());
     let (ms, host, count) = (ms / all, host / all, count / all);
     Ok(format!(
         "{name:<14} {faces:>9} {depth:>6} {tolerance:>9.0e} {ms:>9.1} {host:>9.1} {count:>9.0} {error:>9.1e} {built:>9} {build:>9.0}"

@@ -16,9 +16,35 @@ pub enum Error {
         /// What the driver answered, in words.
         what: String,
     },
+    /// Lists of links are too long to keep between frames. Exit code 3.
+    #[error("keeping lists between frames: {what}")]
+    TooMuchToKeep {
+        /// How much they take, and how much may be kept.
+        what: String,
+        /// What sets that limit.
+        limited_by: KeepLimit,
+    },
     /// A check that the user asked for did not pass. Exit code 1.
     #[error("{0}")]
     Check(String),
+}
+
+/// What limits how much is kept between frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeepLimit {
+    /// What `--limit-memory` leaves.
+    MemoryOption,
+    /// The memory of the device, or the host's largest allocation.
+    Device,
+}
+
+impl std::fmt::Display for KeepLimit {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        out.write_str(match self {
+            Self::MemoryOption => "--limit-memory leaves",
+            Self::Device => "the device keeps",
+        })
+    }
 }
 
 /// A fault in what the user gave: the place, the key, the value found and the values accepted.
@@ -124,8 +150,14 @@ impl Error {
         match self {
             Self::Check(_) => 1,
             Self::Input(_) => 2,
-            Self::Device { .. } => 3,
+            Self::Device { .. } | Self::TooMuchToKeep { .. } => 3,
         }
+    }
+
+    /// Whether the device is at fault: it failed, or it has too little memory.
+    #[must_use]
+    pub fn is_device_fault(&self) -> bool {
+        matches!(self, Self::Device { .. } | Self::TooMuchToKeep { .. })
     }
 }
 

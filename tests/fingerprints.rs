@@ -72,7 +72,7 @@ const CHANGES: [(&str, Change); 5] = [
 fn of_scene(key: &str, scene: &Scene, options: Options, device: Option<&Device>, found: &mut BTreeMap<String, String>) {
     let mut session = Session::new(scene, device, options, Room::default()).unwrap();
     for (name, change) in CHANGES {
-        let steps = session.plan.steps(session.state(), change);
+        let steps = session.plan().steps(session.state(), change);
         found.insert(format!("{key} steps {name}"), names(&steps));
     }
     let slots = if device.is_some() { &WHOLE } else { SLOTS };

@@ -53,8 +53,8 @@ fn rows(session: &Session) -> Vec<Row> {
                 triangle: triangle.map(|v| v + before),
             }
         };
-        let rows = session.prepared.places(object).into_iter().enumerate().map(row).collect::<Vec<_>>();
-        match session.parts.get(object) {
+        let rows = session.prepared().places(object).into_iter().enumerate().map(row).collect::<Vec<_>>();
+        match session.parts().get(object) {
             Some(parts) => put_together(rows, parts, before),
             None => rows,
         }

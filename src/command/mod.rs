@@ -153,7 +153,7 @@ impl RunArguments {
 /// A session on this device; what there is to say of it goes to standard error.
 fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Result<Session> {
     let session = Session::new(scene, device, options, Room::default()).map_err(|error| scene.placed(error))?;
-    match session.prepared.method {
+    match session.prepared().method {
         Method::Merged => {}
         Method::TooDeep => tell!("tree: merging neighbours made it too deep; split at medians instead"),
         Method::TooEntangled => tell!("tree: clusters have too many neighbours to merge; split at medians instead"),

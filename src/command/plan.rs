@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return print(&diff::text(&session, &against)?);
     }
     let needs = session.needs(Change::EVERYTHING.and(Change::RELINK))?;
-    let (state, plan) = (session.state(), &session.plan);
+    let (state, plan) = (session.state(), session.plan());
 
     let frame = &state.data.frame[0];
     let count = |of: fn(&Extent) -> usize| state.sum(|object| of(&object.count));

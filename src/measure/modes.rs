@@ -185,7 +185,7 @@ fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frame
 /// Entries of all lists of a session that has had its frame. On-the-fly lists are scratch, overwritten part by part; those of
 /// mode `keep` are the same.
 fn links(session: &mut Session, scene: &Scene, device: Option<&Device>) -> Result<u64> {
-    let options = session.plan.options();
+    let options = session.plan().options();
     if options.mode == Mode::OnTheFly {
         let mut kept = Session::new(scene, device, Options { mode: Mode::Keep, ..options }, Room::default())?;
         kept.frame(Change::EVERYTHING)?;

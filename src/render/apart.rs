@@ -1,28 +1,28 @@
-//! A frame whose stages are submitted one by one, each timed by the host's clock; and what a session's frame dispatches.
+//! A frame whose steps are submitted one by one and timed by the host's clock, and the dispatches of a frame.
 
 use std::time::Instant;
 
 use super::frame::precedes_transport;
 use super::plan::Change;
-use super::run::{Backend, Session};
+use super::run::Session;
 use crate::error::Result;
 use crate::gpu::Timing;
 use crate::layout::SLOTS;
 use crate::state::{Dispatch, dispatches};
 
-/// Lanes in lockstep where there is no device to ask.
+/// The subgroup size assumed where there is no device.
 const SUBGROUP: usize = 32;
 
 impl Session {
-    /// Runs the reference's stages up to irradiance on the host, whatever runs the others.
+    /// Runs the stages before transport on the CPU reference, whatever the session's back end.
     pub fn prepare_light(&mut self) {
         let steps = self.plan.steps(&self.prepared.state, Change::EVERYTHING);
         let early = steps.iter().filter(|step| precedes_transport(step.stage));
         early.for_each(|step| step.reference(&mut self.prepared.state));
     }
 
-    /// Runs the steps of a frame after this change, each submitted and waited for by itself, so that the host's clock can
-    /// tell them apart; after a whole frame only, when the lists have their room. The octree takes no part.
+    /// Runs the steps of a frame after this change, each submitted and waited for by itself, so that the host's clock
+    /// times each one. Requires a whole frame before, which gives the lists their capacity. Leaves out the octree.
     pub fn apart(&mut self, change: Change) -> Result<Vec<Timing>> {
         let (begin, mut times) = (Instant::now(), Vec::new());
         for step in self.plan.steps(&self.prepared.state, change) {
@@ -34,12 +34,9 @@ impl Session {
         Ok(times)
     }
 
-    /// What a frame after this change dispatches, or would on a device of 32 lanes where there is none.
+    /// The dispatches of a frame after this change; on the CPU, those of a device with subgroups of 32.
     pub fn dispatches(&self, change: Change) -> Result<Vec<Dispatch>> {
-        let lanes = match &self.backend {
-            Backend::Gpu(twin) => twin.device().limits().subgroup_size.max(1) as usize,
-            Backend::Cpu => SUBGROUP,
-        };
+        let lanes = self.limits().map_or(SUBGROUP, |limits| limits.subgroup_size.max(1) as usize);
         dispatches(self.state(), &self.plan.steps(self.state(), change), lanes)
     }
 

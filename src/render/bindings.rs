@@ -1,16 +1,16 @@
-//! What has to fit one binding of the device, and its memory.
+//! Checks that buffers fit the device's bindings, and kept ones its memory.
 
 use super::plan::Mode;
-use super::room::KEEPING;
-use super::run::{Backend, Session};
-use crate::error::{Error, Result};
+use super::run::Session;
+use crate::error::{Error, KeepLimit, Result};
 use crate::layout::{SLOTS, Slot};
 
 impl Session {
-    /// What grows with what the scene asks for has to fit one binding, and all together the device's memory where links are kept.
+    /// Buffers that grow with the scene's settings have to fit one binding. Where links are kept, all buffers together
+    /// have to fit the device's memory.
     pub(super) fn check_bindings(&self) -> Result<()> {
-        let Backend::Gpu(twin) = &self.backend else { return Ok(()) };
-        let (data, limits) = (&self.prepared.state.data, twin.device().limits());
+        let Some(limits) = self.limits() else { return Ok(()) };
+        let data = &self.state().data;
         let most = limits.binding_bytes;
         let (faces, samples) = (self.state().sum(|object| object.count.faces), 32 * data.frame[0].shadow_words);
         let bits = |of: String| format!("a bit for each of {of} and {samples} samples of lights");
@@ -30,11 +30,11 @@ impl Session {
                 return Err(Error::device(format!("making room for buffer {}", slot.spec().name), what));
             }
         }
-        // What is not kept has to be there; whether it fits, the driver says.
+        // Without kept links every buffer is necessary; the driver reports whether they fit.
         let all: u64 = SLOTS.iter().map(|slot| data.bytes(*slot).len() as u64).sum();
         if self.plan.options().mode != Mode::OnTheFly && all > limits.heap_bytes {
             let what = format!("all buffers take {all} bytes, the device's memory holds {}", limits.heap_bytes);
-            return Err(Error::device(KEEPING, what));
+            return Err(Error::TooMuchToKeep { what, limited_by: KeepLimit::Device });
         }
         Ok(())
     }

@@ -9,7 +9,7 @@ use crate::scene::{Object, Scene};
 use crate::state::Local;
 
 /// What the texels of an object show: its mesh's triangles.
-pub(super) struct Unwrapped {
+pub(crate) struct Unwrapped {
     charts: Vec<Chart>,
     /// Whether the surface goes on beyond the right edge at the left one, and beyond the bottom at the top.
     round: [bool; 2],
@@ -24,7 +24,7 @@ const NOTHING: Chart = Chart { face: u32::MAX, u: 0.0, v: 0.0 };
 
 /// The texture coordinates of every object that light enters; an error where one has none, or where they are not one to one.
 /// None where light is not blurred over them.
-pub(super) fn unwrap(scene: &Scene, local: Option<Local>) -> Result<Vec<Option<Unwrapped>>> {
+pub(crate) fn unwrap(scene: &Scene, local: Option<Local>) -> Result<Vec<Option<Unwrapped>>> {
     if local != Some(Local::Blur) {
         return Ok(Vec::new());
     }
@@ -100,7 +100,7 @@ fn of_object(number: usize, object: &Object, side: u32) -> Result<Unwrapped> {
 }
 
 /// Puts them in place.
-pub(super) fn blur(prepared: &mut Prepared, scene: &Scene, unwrapped: Vec<Option<Unwrapped>>) {
+pub(crate) fn blur(prepared: &mut Prepared, scene: &Scene, unwrapped: Vec<Option<Unwrapped>>) {
     for (number, unwrapped) in unwrapped.into_iter().enumerate() {
         let Some(Unwrapped { charts, round }) = unwrapped else { continue };
         let places = prepared.places(number);

@@ -1,11 +1,11 @@
-//! Changes of a session's scene between frames: its lights, its camera.
+//! Changes of a session's scene between frames: lights, deformations, camera, or another scene.
 
 use super::lights::lights;
 use super::memory;
 use super::plan::{Change, Plan};
 use super::prepare::camera;
 use super::receivers::by_pixel;
-use super::run::{Backend, Session};
+use super::run::Session;
 use super::shape::{reach, shape, spoilt};
 use crate::error::Result;
 use crate::hierarchy::Tree;
@@ -21,7 +21,7 @@ impl Session {
             (groups, state.data.frame[0].shadow_words, state.data.frame[0].sky)
         };
         if self.fixed.asked.is_some() {
-            // Other borders of shadows.
+            // Shadow borders move, so the subdivision changes.
             return self.renew(|scene| scene.lights = list.to_vec());
         }
         let before = shape(&self.prepared.state);
@@ -29,7 +29,8 @@ impl Session {
         lights(&mut self.prepared.state, list, &mut self.prepared.units, &self.scene.objects);
         self.pending = self.pending.and(Change::LIGHT);
 
-        // The first light of all, or the last one gone, or channels that part: other stages run, or over other buffers.
+        // The first light, the last one removed, or channels that no longer share a group: other stages, other buffer
+        // sizes.
         let plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());
         if plan.stages.len() != self.plan.stages.len() || before != shape(&self.prepared.state) {
             self.plan = plan;
@@ -49,8 +50,8 @@ impl Session {
         self.send(&inputs)
     }
 
-    /// Shows another scene from now on: what it has in common with the one before stays as it is. The next frame is the one
-    /// that a new session would make.
+    /// Switches to another scene and reuses what it has in common with the current one. The next frame equals that of a
+    /// new session.
     pub fn show(&mut self, new: &Scene) -> Result<()> {
         memory::check(new, self.plan.options())?;
         let old = self.fixed.asked.as_ref().unwrap_or(&self.scene);
@@ -67,11 +68,11 @@ impl Session {
         if lights {
             self.set_lights(&new.lights)?;
         }
-        // Even where it is the same: its samples have moved its rays.
+        // Even an equal camera: antialiasing has shifted the session's rays.
         self.set_camera(&new.camera)
     }
 
-    /// Which objects' trees are built anew for their deformed shape, and why.
+    /// Which objects' trees are rebuilt for their deformed shape, and why.
     #[must_use]
     pub fn rebuilt(&self) -> Vec<String> {
         let grown = self.prepared.spoilt.iter().enumerate().filter_map(|(object, growth)| Some((object, (*growth)?)));
@@ -81,13 +82,13 @@ impl Session {
         grown.map(says).collect()
     }
 
-    /// What became of the depth maps of objects with layers: laid out by islands, or taken as they are, and why.
+    /// Whether each layered object's depth maps are repacked by islands or used as they are, and why.
     #[must_use]
     pub fn maps(&self) -> &[String] {
         &self.prepared.maps
     }
 
-    /// Whether the trees serve these deformations, too: as a new session would have them.
+    /// Whether a new session for these deformations would have the same trees.
     fn keeps_trees(&self, new: &Scene) -> bool {
         let (prepared, units) = (&self.prepared, self.prepared.units);
         let serves = |(object, tree): (&Object, &Tree)| spoilt(object, new.transport.hierarchy, units, tree).is_none();
@@ -96,7 +97,7 @@ impl Session {
             && new.objects.iter().zip(&prepared.trees).all(serves)
     }
 
-    /// Takes over the deformations of a scene with the same objects.
+    /// Adopts the deformations of a scene with the same objects.
     fn set_deforms(&mut self, new: &Scene) -> Result<()> {
         for (own, new) in self.scene.objects.iter_mut().zip(&new.objects) {
             own.deforms.clone_from(&new.deforms);
@@ -111,15 +112,15 @@ impl Session {
             self.unlink_where_much_moves(&before);
         }
         if sizes(&self.prepared.state) != before {
-            // Another stage, or room for more.
+            // Another set of stages, or larger buffers.
             self.plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());
             return self.resize();
         }
-        // Positions, too: those of an object that nothing deforms any more are written by no stage.
+        // Positions as well: no stage writes those of an object whose last deformation is gone.
         self.send(&[Slot::frame, Slot::deforms, Slot::morphs, Slot::positions])
     }
 
-    /// Replaces the camera; its picture may have another size.
+    /// Replaces the camera. The picture may change its size.
     pub fn set_camera(&mut self, new: &Camera) -> Result<()> {
         let (before, size) = (self.scene.camera.environment, self.scene.camera.size);
         self.scene.camera = new.clone();
@@ -128,7 +129,7 @@ impl Session {
         }
         let pixels = self.state().objects.iter().any(|object| object.by_pixel);
         if (pixels && size != new.size) || pixels != by_pixel(&self.scene, self.plan.options()).0 {
-            // Other receivers.
+            // The receivers change.
             return self.renew(|scene| scene.camera = new.clone());
         }
         self.pending = self.pending.and(Change::VIEW);
@@ -141,19 +142,16 @@ impl Session {
         self.send(&[Slot::camera])
     }
 
-    /// Everything laid out anew, for the scene after this change.
+    /// Rebuilds the session for the scene after this change.
     fn renew(&mut self, change: impl FnOnce(&mut Scene)) -> Result<()> {
-        let device = match &self.backend {
-            Backend::Gpu(twin) => Some(twin.device().clone()),
-            Backend::Cpu => None,
-        };
+        let device = self.device().cloned();
         let mut scene = self.fixed.asked.clone().unwrap_or_else(|| self.scene.clone());
         change(&mut scene);
         *self = Self::new(&scene, device.as_ref(), self.plan.options(), self.fixed.room)?;
         Ok(())
     }
 
-    /// Rays through another place of the pixels, from their centres, in pixels, until the camera is set again.
+    /// Shifts the rays from the pixels' centres, in pixels, until the camera is set again.
     pub(super) fn shift(&mut self, place: [f64; 2]) -> Result<()> {
         if let Some(camera) = self.prepared.state.data.camera.first_mut() {
             [camera.shift_x, camera.shift_y] = place.map(|x| 2.0 * x as f32);

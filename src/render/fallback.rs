@@ -1,41 +1,42 @@
-//! What becomes of a session whose lists are too much for its device to keep, or that failed in the middle of a frame.
+//! Recovery: longer lists after an overflow, lists per frame where they are too long to keep, and a fresh start after a
+//! frame that failed.
 
 use super::plan::{Change, Mode, Options, Plan};
-use super::room::{KEEPING, LIMITED, Lists, Parts};
-use super::run::{Backend, Session};
-use crate::error::{Error, Input, Result};
-use crate::gpu::Limits;
+use super::room::{Growth, Lists};
+use super::run::Session;
+use crate::error::{Error, Input, KeepLimit, Result};
 
 impl Session {
-    /// Why lists are made for each frame, where a mode was asked for that keeps them.
+    /// Why lists are made for each frame although the mode asks to keep them.
     #[must_use]
     pub fn not_kept(&self) -> Option<&str> {
         self.not_kept.as_deref()
     }
 
-    /// Longer lists, and buffers of their size; where they are too much to keep, none are kept. Returns what a frame has to
-    /// do again: no more than make the lists, where nothing else depends on their length.
+    /// Grows the lists and their buffers; keeps no lists where they become too long to keep. Returns what the frame has
+    /// to repeat: only making the lists, where nothing else depends on their length.
     pub(super) fn grow(&mut self) -> Result<Change> {
         let grown = self.lists.grow(&mut self.prepared);
-        let longer = matches!(grown, Ok(Parts::AsTheyWere)) && !self.state().method.incremental;
+        let longer = matches!(grown, Ok(Growth::Longer)) && !self.state().method.incremental;
         let done = grown.and_then(|_| if longer { self.lengthen() } else { self.resize() });
         let kept = self.unless_too_much(done)?;
         Ok(if longer && kept { Change::RELINK } else { Change::EVERYTHING })
     }
 
-    /// Has lists made for each frame if this is the error of too many to keep; whether it is not. A layer of a picture, or a
-    /// look at the links themselves, can't do without.
+    /// Switches to lists per frame if `done` is [`Error::TooMuchToKeep`], and returns false then. The
+    /// links layer of a picture and the views of links need kept lists: for them (`Mode::Keep`) it stays an error.
     pub(super) fn unless_too_much(&mut self, done: Result<()>) -> Result<bool> {
-        let what = match done {
-            Err(Error::Device { doing, what }) if doing == KEEPING => what,
+        let (what, limited_by) = match done {
+            Err(Error::TooMuchToKeep { what, limited_by }) => (what, limited_by),
             done => return done.map(|()| true),
         };
         let options = self.plan.options();
         if options.mode == Mode::Keep {
             let what = format!("{what}; use fewer triangles, or do without --aov or --view");
-            return Err(match what.contains(LIMITED) {
-                true => Input::new(format!("{KEEPING}: {what}")).key("--limit-memory").into(),
-                false => Error::device(KEEPING, what),
+            let error = Error::TooMuchToKeep { what, limited_by };
+            return Err(match limited_by {
+                KeepLimit::MemoryOption => Input::new(error.to_string()).key("--limit-memory").into(),
+                KeepLimit::Device => error,
             });
         }
         let state = &mut self.prepared.state;
@@ -47,29 +48,22 @@ impl Session {
             .without(self.fixed.receivers.clone())
             .without(("kept links", why.clone()));
         self.not_kept = Some(why);
-        self.lists = Lists::new(self.fixed.room, self.limits().as_ref());
+        self.lists = Lists::new(self.fixed.room, self.limits());
         self.lists.cut(&mut self.prepared);
         self.pending = Change::EVERYTHING;
         self.resize().map(|()| false)
     }
 
-    /// Everything in place again after a frame that failed, for one that does everything.
+    /// After a frame that failed, restores buffers and capacities so that the next frame can run in full.
     pub(super) fn recover(&mut self) -> Result<()> {
         if self.failed {
-            self.lists = Lists::new(self.fixed.room, self.limits().as_ref());
+            self.lists = Lists::new(self.fixed.room, self.limits());
             self.lists.cut(&mut self.prepared);
             self.pending = Change::EVERYTHING;
             self.resize()?;
             self.failed = false;
         }
         Ok(())
-    }
-
-    fn limits(&self) -> Option<Limits> {
-        match &self.backend {
-            Backend::Gpu(twin) => Some(*twin.device().limits()),
-            Backend::Cpu => None,
-        }
     }
 }
 
@@ -80,7 +74,7 @@ mod tests {
     use crate::scene::Scene;
 
     #[test]
-    fn lists_that_were_too_short_are_all_that_is_made_anew() {
+    fn after_an_overflow_only_the_lists_are_rebuilt() {
         for (scheme, mode) in ["blocks", "links"]
             .into_iter()
             .flat_map(|scheme| [Mode::OnTheFly, Mode::Keep, Mode::Render].map(|mode| (scheme, mode)))
@@ -101,7 +95,7 @@ mod tests {
                 |name: &str| ["refit", "shadow", "irradiance", "pull", "level"].iter().all(|known| *known != name);
             assert!(again.iter().all(|step| lists(step.stage.name)), "{scheme} {mode:?}");
 
-            // And comes out as if there had been room.
+            // The result equals that of lists with enough capacity.
             short.frame(Change::EVERYTHING).unwrap();
             let mut once = open(Room { links: 1, ..Room::default() });
             once.frame(Change::EVERYTHING).unwrap();
@@ -111,7 +105,7 @@ mod tests {
             assert!(once.state().data.radiosity == long.state().data.radiosity, "{scheme} {mode:?}");
             assert!(short.state().data.radiosity == long.state().data.radiosity, "{scheme} {mode:?}");
 
-            // Smaller parts change what lies where.
+            // Smaller parts change the layout, so everything reruns.
             let binding = if scheme == "blocks" { 1 << 13 } else { 1 << 16 };
             let mut cut = open(Room { links: 1, binding, ..Room::default() });
             let steps = cut.plan.steps(cut.state(), Change::EVERYTHING);

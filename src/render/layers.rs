@@ -164,7 +164,7 @@ fn suns(sky: &Sky, unit: f64) -> Vec<Light> {
 }
 
 /// Drops layers that a frame with these options never looks at.
-pub(super) fn drop_unlooked(state: &mut State, options: Options) {
+pub(crate) fn drop_unlooked(state: &mut State, options: Options) {
     if options.goal == Goal::Radiosity {
         let data = &mut state.data;
         (data.layerings, data.beneath, data.depths, data.beams, data.islands) = Default::default();

@@ -1,5 +1,6 @@
-//! From a scene to the stages it needs ([`plan`]), and a plan run on the CPU or a device ([`run`]).
+//! From a scene to the stages it needs ([`plan`]), and from a plan to frames on the CPU or a device ([`run`]).
 
+mod access;
 pub mod aov;
 mod apart;
 pub mod bake;

@@ -1,24 +1,24 @@
-//! What a planned frame needs, told without running it: dispatches, kernels with their constants, buffers bound.
+//! What a planned frame requires, without running it: dispatches, kernels with their constants, bound buffers.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::plan::Change;
-use super::run::{Backend, Session};
+use super::run::Session;
 use crate::error::Result;
 use crate::gpu::constants;
 use crate::layout::{SLOTS, Slot};
 use crate::state::Bound;
 
-/// What a stage of a frame needs.
+/// What a stage requires in a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StageNeeds {
     /// The stage.
     pub stage: &'static str,
-    /// Times it runs: once an object, chunk, group or batch.
+    /// How often it runs: once per object, chunk, group or batch.
     pub steps: usize,
-    /// Dispatches of all.
+    /// Dispatches of all its steps.
     pub dispatches: usize,
-    /// Bytes bound for reading and for writing, each one counted once; lists may be shorter than their room.
+    /// Bytes bound for reading and for writing, each counted once. Lists count with their capacity.
     pub bytes: [u64; 2],
     /// Its pipelines.
     pub kernels: Vec<KernelNeeds>,
@@ -36,7 +36,7 @@ pub struct KernelNeeds {
 }
 
 impl KernelNeeds {
-    /// The constants with their names, `CHANNELS = 7, ORDER = 2`.
+    /// The constants with their names: `CHANNELS = 7, ORDER = 2`.
     pub fn specialized(&self) -> Result<String> {
         let named = constants(&self.name)?.into_iter().zip(&self.constants);
         Ok(named.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", "))
@@ -44,7 +44,7 @@ impl KernelNeeds {
 }
 
 impl Session {
-    /// What each stage of a frame after this change needs, in the order of the frame.
+    /// What each stage requires in a frame after this change, in the order of the frame.
     pub fn needs(&self, change: Change) -> Result<Vec<StageNeeds>> {
         let mut needs: Vec<StageNeeds> = Vec::new();
         for step in self.plan.steps(self.state(), change) {
@@ -83,10 +83,10 @@ impl Session {
         Ok(needs)
     }
 
-    /// Buffers of which a dispatch of a frame after this change would bind more than the device allows.
+    /// Buffers of which some dispatch would bind more than the device allows, in a frame after this change.
     pub fn misfits(&self, change: Change) -> Result<BTreeSet<Slot>> {
-        let Backend::Gpu(twin) = &self.backend else { return Ok(BTreeSet::new()) };
-        let most = twin.device().limits().binding_bytes;
+        let Some(limits) = self.limits() else { return Ok(BTreeSet::new()) };
+        let most = limits.binding_bytes;
         let mut found = BTreeSet::new();
         for dispatch in self.dispatches(change)? {
             let bound = dispatch.bound(self.state())?.into_iter();
@@ -95,14 +95,14 @@ impl Session {
         Ok(found)
     }
 
-    /// The buffers that there are, with their bytes.
+    /// The state's buffers that are not empty, with their bytes.
     pub fn buffers(&self) -> Vec<(Slot, u64)> {
         let sized = SLOTS.iter().map(|&slot| (slot, self.state().data.bytes(slot).len() as u64));
         sized.filter(|(_, bytes)| *bytes > 0).collect()
     }
 }
 
-/// Bytes in any of these ranges, given by begin and end.
+/// Bytes in the union of these ranges, each given by begin and end.
 pub fn union(ranges: BTreeSet<[u64; 2]>) -> u64 {
     let (mut sum, mut end) = (0, 0);
     for [first, last] in ranges {

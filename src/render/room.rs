@@ -1,43 +1,41 @@
-//! How much room the lists of links get: chunks that fit the device's bindings, and more after an overflow.
+//! Capacities of the lists of links: chunks and batches that fit the device's bindings, and growth after an overflow.
 
 use super::prepare::{Prepared, schedule};
-use crate::error::{Error, Result};
+use crate::error::{Error, KeepLimit, Result};
 use crate::gpu::Limits;
 use crate::layout::Cursor;
 use crate::state::{Object, Scheme, State};
 use crate::transport::gather::NEAR_PART;
 
-/// Faces of a chunk to begin with; fewer once a chunk's lists turn out not to fit a binding.
+/// Initial faces of a chunk; fewer once a chunk's lists do not fit a binding.
 const CHUNK_FACES: usize = 1 << 14;
-/// Largest list on the CPU, bytes: what the smallest devices allow.
+/// Largest list on the CPU, bytes: the smallest binding limit among devices.
 const CPU_BINDING: u64 = 1 << 27;
-/// Most that is kept between frames on the CPU, bytes.
+/// Most bytes kept between frames on the CPU.
 const CPU_ALLOCATION: u64 = 1 << 32;
-/// Largest list anywhere, bytes.
+/// Largest list on any back end, bytes.
 const MOST_BINDING: u64 = 1 << 29;
-/// Blocks of a batch at most: with 65,000 entries each their sum still fits 32 bits.
+/// Most blocks in a batch: with 65,000 entries each, their sum still fits 32 bits.
 const MOST_BLOCKS: usize = 1 << 16;
-/// Entries of a block's lists to begin with.
+/// Initial entries of a block's lists.
 const ENTRIES: usize = 512;
-/// What is being done where lists, or links and their form factors, turn out to be too many to keep, as the error says it.
-pub const KEEPING: &str = "keeping lists between frames";
-/// Links per face, or entries per block, that are so few that nearly every scene has more.
+/// Links per face, or entries per block, that nearly every scene exceeds.
 const FEW: usize = 64;
-/// Links per face to begin with.
+/// Initial links per face.
 const LINKS: usize = 640;
 
-/// First sizes, for tests that want lists to overflow or chunks to be small.
+/// Initial capacities. Tests choose small ones to make lists overflow or chunks small.
 #[derive(Clone, Copy, Debug)]
 pub struct Room {
     /// Faces of a chunk.
     pub chunk_faces: usize,
     /// Links per face of a chunk.
     pub links: usize,
-    /// Blocks of a batch at most.
+    /// Most blocks in a batch.
     pub batch_blocks: usize,
     /// Largest list, bytes; further limited by the device.
     pub binding: u64,
-    /// Most that is kept between frames, bytes; further limited by the device.
+    /// Most bytes kept between frames; further limited by the device.
     pub kept: u64,
 }
 
@@ -53,9 +51,9 @@ impl Default for Room {
     }
 }
 
-/// How the lists are cut up and how long they are, on one device.
+/// The partition of the lists and their capacities, on one device.
 pub struct Lists {
-    /// Links per face to begin with.
+    /// Initial links per face.
     links: usize,
     /// Faces of a chunk.
     chunk_faces: usize,
@@ -63,28 +61,25 @@ pub struct Lists {
     binding: u64,
     /// Blocks of a batch at most.
     batch_blocks: usize,
-    /// Largest list of all chunks together, where they are kept, bytes.
+    /// Largest kept list over all chunks together, bytes.
     pub(super) allocation: u64,
-    /// What keeps no more than that.
-    keeper: &'static str,
+    /// What sets that limit.
+    limited_by: KeepLimit,
 }
 
-/// Where the user decides what is kept.
-pub(super) const LIMITED: &str = "--limit-memory leaves";
-
-/// What becomes of chunks and batches where lists get more room.
+/// How lists are made to hold more after an overflow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parts {
-    /// Nothing.
-    AsTheyWere,
-    /// They are cut anew, smaller.
-    Smaller,
+pub enum Growth {
+    /// They are longer; chunks and batches stay as they are.
+    Longer,
+    /// Chunks or batches are smaller, so that each list has less to hold.
+    SmallerParts,
 }
 
 impl Lists {
     /// For a device, or for the CPU where there is none.
     pub fn new(room: Room, device: Option<&Limits>) -> Self {
-        // What is kept leaves half of the device's memory to all else.
+        // Kept lists leave half of the device's memory to everything else.
         let kept = |limits: &Limits| limits.allocation_bytes.min(limits.heap_bytes / 2);
         let (binding, allocation) =
             device.map_or((CPU_BINDING, CPU_ALLOCATION), |limits| (limits.binding_bytes, kept(limits)));
@@ -94,11 +89,11 @@ impl Lists {
             batch_blocks: room.batch_blocks.clamp(1, MOST_BLOCKS),
             binding: room.binding.min(binding).min(allocation),
             allocation: allocation.min(room.kept),
-            keeper: if room.kept < allocation { LIMITED } else { "the device keeps" },
+            limited_by: if room.kept < allocation { KeepLimit::MemoryOption } else { KeepLimit::Device },
         }
     }
 
-    /// Cuts the tree into chunks and gives every list its first room.
+    /// Partitions the tree into chunks and gives every list its initial capacity.
     pub fn cut(&self, prepared: &mut Prepared) {
         if prepared.state.method.scheme == Scheme::Blocks {
             schedule(prepared, usize::MAX / 4);
@@ -113,7 +108,7 @@ impl Lists {
         set(prepared, [room(self.links, 12), room(16, 4), room(4, 4), room(96, 4)]);
     }
 
-    /// Fails where lists are to be kept that, short as lists are seldom, are too much for that.
+    /// Fails where lists are to be kept and even shorter ones than nearly every scene has would exceed the limit.
     pub fn too_much(&self, state: &State) -> Result<()> {
         let of = |object: &Object| match state.method.scheme {
             _ if object.opaque => 0,
@@ -124,10 +119,10 @@ impl Lists {
         if state.keep && bytes > self.allocation { Err(too_many(bytes, self)) } else { Ok(()) }
     }
 
-    /// Cuts the blocks into batches and gives their lists room for so many entries a block.
+    /// Partitions the blocks into batches, with a capacity of so many entries per block.
     fn batches(&self, state: &mut State, per_block: usize) {
         state.data.frame.iter_mut().for_each(|frame| frame.near_room = frame.near_room.max(NEAR_PART));
-        // What is kept is no more than may be.
+        // Kept lists stay within their limit.
         let all = state.sum(|object| object.groups.len() * object.count.blocks).max(1);
         let most = if state.keep { (self.allocation / 4) as usize / all } else { usize::MAX };
         let per_block = per_block.min(most);
@@ -142,13 +137,13 @@ impl Lists {
         state.data.frame.iter_mut().for_each(|frame| frame.entry_room = room);
     }
 
-    /// Elements of this many bytes that one list can have, a multiple of 64.
+    /// Most elements of `stride` bytes in one list, a multiple of 64.
     pub(super) fn most(&self, stride: u64) -> usize {
         (self.binding.min(u64::from(u32::MAX)) / stride / 64 * 64) as usize
     }
 
-    /// Makes room after an overflow: longer lists, or smaller chunks where a list can't grow any more.
-    pub fn grow(&mut self, prepared: &mut Prepared) -> Result<Parts> {
+    /// After an overflow: longer lists, or smaller chunks where a list is as long as a binding allows.
+    pub fn grow(&mut self, prepared: &mut Prepared) -> Result<Growth> {
         if prepared.state.method.scheme == Scheme::Blocks {
             return self.grow_batches(&mut prepared.state);
         }
@@ -160,7 +155,7 @@ impl Lists {
             ("edge_links", need.need_edges, frame.edge_room, 4),
             ("handed", need.need_hands, frame.hand_room, 4),
         ];
-        // Where emitters could not be handed down, what lies below is not counted: then that list at least doubles.
+        // Emitters that could not be handed down hide those below them from the count: that list at least doubles.
         if need.need_hands > frame.hand_room {
             lists[3].1 = need.need_hands.max(frame.hand_room.saturating_mul(2));
         }
@@ -168,7 +163,7 @@ impl Lists {
         for (room, (name, need, had, stride)) in rooms.iter_mut().zip(lists) {
             let (need, most) = (need as usize, self.most(stride));
             if need > most {
-                // As many faces as would fit at this density, and a quarter less.
+                // The faces that fit at this density, less a quarter.
                 let faces = largest_chunk(prepared).min(self.chunk_faces);
                 self.chunk_faces = (faces as f64 * most as f64 / need as f64 * 0.75) as usize;
                 if self.chunk_faces < 16 {
@@ -177,10 +172,10 @@ impl Lists {
                     return Err(Error::device(format!("making room for buffer {name}"), what));
                 }
                 self.cut(prepared);
-                return Ok(Parts::Smaller);
+                return Ok(Growth::SmallerParts);
             }
             if need > had as usize {
-                // Links that are revised move within their room, as far as what is kept fits one allocation.
+                // Revised links need spare capacity to move in, as far as the kept lists fit one allocation.
                 let kept = self.allocation as usize / 12 / chunks(&prepared.state).max(1) / 64 * 64;
                 let revised = name == "links" && prepared.state.method.incremental;
                 let spare = if revised { (need / 4).min(kept.saturating_sub(need)) / 64 * 64 } else { need / 32 };
@@ -189,18 +184,18 @@ impl Lists {
         }
         set(prepared, rooms);
 
-        // What is kept has to fit one allocation.
+        // Kept lists have to fit one allocation.
         let bytes = 12 * u64::from(rooms[0]) * chunks(&prepared.state) as u64;
         if prepared.state.keep && bytes > self.allocation {
             return Err(too_many(bytes, self));
         }
-        Ok(Parts::AsTheyWere)
+        Ok(Growth::Longer)
     }
 }
 
 impl Lists {
-    /// The same for the lists of blocks.
-    fn grow_batches(&mut self, state: &mut State) -> Result<Parts> {
+    /// The same for the lists of scheme blocks.
+    fn grow_batches(&mut self, state: &mut State) -> Result<Growth> {
         let (need, near) = (need(state), need(state).need_near.next_multiple_of(NEAR_PART));
         state.data.frame.iter_mut().for_each(|frame| frame.near_room = frame.near_room.max(near));
         let (need, each) = (need.need_entries as usize, largest_batch(state).max(1));
@@ -209,7 +204,7 @@ impl Lists {
             let what = format!("one block of receivers needs {need} entries, a binding of the device takes {most}");
             return Err(Error::device("making room for buffer entries", what));
         }
-        let parts = if need > most { Parts::Smaller } else { Parts::AsTheyWere };
+        let growth = if need > most { Growth::SmallerParts } else { Growth::Longer };
         if need > most {
             self.batch_blocks = (each as f64 * most as f64 / need as f64 * 0.75).max(1.0) as usize;
             self.batches(state, most / self.batch_blocks);
@@ -221,14 +216,14 @@ impl Lists {
         if state.keep && bytes > self.allocation {
             return Err(too_many(bytes, self));
         }
-        Ok(parts)
+        Ok(growth)
     }
 }
 
 /// The error of lists that are too long to keep.
 fn too_many(bytes: u64, lists: &Lists) -> Error {
-    let most = lists.allocation;
-    Error::device(KEEPING, format!("they take {bytes} bytes or more, {} {most}", lists.keeper))
+    let Lists { allocation, limited_by, .. } = *lists;
+    Error::TooMuchToKeep { what: format!("they take {bytes} bytes or more, {limited_by} {allocation}"), limited_by }
 }
 
 /// Faces of the largest chunk.
@@ -243,7 +238,7 @@ pub(super) fn largest_batch(state: &State) -> usize {
     batches.map(|batch| batch.len()).max().unwrap_or(0)
 }
 
-/// Chunks of all objects that light enters.
+/// Chunks of all translucent objects.
 pub(super) fn chunks(state: &State) -> usize {
     state.sum(|object| if object.opaque { 0 } else { object.schedule.chunks.len() })
 }
@@ -253,7 +248,7 @@ pub(super) fn batches(state: &State) -> usize {
     state.sum(|object| object.groups.len() * object.schedule.batches.len())
 }
 
-/// The most that any object's lists had to hold.
+/// The largest length that any object required of each list.
 pub(super) fn need(state: &State) -> Cursor {
     let most = |of: fn(&Cursor) -> u32| state.data.cursor.iter().map(of).max().unwrap_or(0);
     Cursor {
@@ -267,7 +262,7 @@ pub(super) fn need(state: &State) -> Cursor {
     }
 }
 
-/// Sets the room for links, those with area points, those with the edge form, and hand-downs.
+/// Sets the capacities for links, area-point links, edge-form links, and hand-downs.
 fn set(prepared: &mut Prepared, rooms: [u32; 4]) {
     for frame in &mut prepared.state.data.frame {
         [frame.link_room, frame.area_room, frame.edge_room, frame.hand_room] = rooms;

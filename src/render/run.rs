@@ -1,4 +1,4 @@
-//! A plan run on the CPU or on a device: room for the lists, one submit a frame, and once more where a list overflowed.
+//! Runs a plan on the CPU or a device: one submit a frame, and another one with longer lists after an overflow.
 
 use std::time::Instant;
 
@@ -26,55 +26,60 @@ use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
 use crate::layout::{Cursor, Slot};
 use crate::scene::Scene;
-use crate::state::{DeviceState, Scheme, Stage, State, Step};
+use crate::state::{DeviceState, Scheme, Stage, Step};
 use crate::transport::contrast;
 use crate::view::picture::Picture;
 
-/// Where the stages run.
-pub enum Backend {
-    /// The reference, on the host.
+/// What runs the stages.
+pub(super) enum Backend {
+    /// The CPU reference.
     Cpu,
     /// A Vulkan device.
     Gpu(DeviceState),
 }
 
-/// A scene being rendered, frame after frame.
+/// Renders a scene frame after frame.
 pub struct Session {
     /// The state, its units and the order of its faces.
-    pub prepared: Prepared,
-    /// What runs.
-    pub plan: Plan,
-    /// Where it runs.
-    pub backend: Backend,
-    /// How often a frame had to run again because a list overflowed.
-    pub retries: usize,
-    /// How often a frame had to run again because its light had another contrast than kept lists serve.
-    pub relinks: usize,
-    /// Whether links are there that a change of shape can revise.
+    pub(super) prepared: Prepared,
+    /// The stages that run.
+    pub(super) plan: Plan,
+    /// Where they run.
+    pub(super) backend: Backend,
+    /// How often a frame ran again because a list overflowed.
+    pub(super) retries: usize,
+    /// How often a frame ran again because the kept lists did not serve the contrast of its light.
+    pub(super) relinks: usize,
+    /// Whether there are links that a change of shape can revise.
     pub(super) linked: bool,
     /// Form factors computed by runs of this frame whose lists overflowed.
     pub(super) spent: u64,
-    /// Whether the estimate of the last frame has been made sharper, on the host, or why that failed.
+    /// Whether the host has refined the last frame's error estimate, or why that failed.
     pub(super) sharp: Option<std::result::Result<(), String>>,
-    /// What became of each object's triangles, where `transport.subdivide` asks for that.
-    pub parts: Vec<Parts>,
+    /// What became of each object's triangles, where `transport.subdivide` asks for subdivision.
+    pub(super) parts: Vec<Parts>,
+    /// Why lists are made for each frame, where the mode should keep them.
     pub(super) not_kept: Option<String>,
-    /// Whether the last frame, or what was to change before it, did not come to its end.
+    /// Whether the last frame, or a change before it, failed halfway.
     pub(super) failed: bool,
+    /// The scene, after subdivision.
     pub(super) scene: Scene,
+    /// How the lists are cut up and how long they are.
     pub(super) lists: Lists,
+    /// What has changed since the last frame.
     pub(super) pending: Change,
+    /// The octree, where it carries the light.
     octree: Option<OctreeTransport>,
     pub(super) fixed: Fixed,
 }
 
-/// What a session is made from, and made from again where its layout changes.
+/// What a session is made from, and rebuilt from where its layout changes.
 pub(super) struct Fixed {
-    /// The scene before its triangles were cut, if they were.
+    /// The scene before subdivision, where there was one.
     pub asked: Option<Scene>,
-    /// First sizes.
+    /// First capacities of the lists.
     pub room: Room,
-    /// What kind of receivers there are none of, and why.
+    /// The kind of receivers that the plan does without, and why.
     pub receivers: (&'static str, String),
 }
 
@@ -89,7 +94,7 @@ impl Session {
         let local = local(&scene.transport, options.transport);
         device.map_or(Ok(()), |_| holds(scene))?;
         reach(&scene.objects, Units::of(scene.objects.iter().map(|object| &object.mesh)))?;
-        // Cut finer where the lights want it, and in what follows nothing else is known.
+        // Subdivide where lighting needs it; code below sees only that scene.
         let asked = (scene.transport.subdivide > 0 && local.is_none()).then(|| scene.clone());
         let blocks = scene.transport.scheme == Scheme::Blocks && options.transport == Transport::Hierarchy;
         let (scene, parts) = match &asked {
@@ -109,7 +114,7 @@ impl Session {
         share_budget(&mut prepared.state, scene.transport.budget)?;
         let receivers = (if by_pixel { "receivers at triangles" } else { "receivers at pixels" }, why);
         let plan = Plan::new(&prepared.state, options).without(receivers.clone());
-        // Links and form factors are lists of their own, and all else wants room, too.
+        // Links and form factors are lists of their own, and everything else needs memory as well.
         let room = Room { kept: room.kept.min(scene.memory.left() / 4), ..room };
         let lists = Lists::new(room, device.map(Device::limits));
         lists.cut(&mut prepared);
@@ -144,23 +149,8 @@ impl Session {
         Ok(session)
     }
 
-    /// The state.
-    pub fn state(&self) -> &State {
-        &self.prepared.state
-    }
-
-    /// The units.
-    pub fn units(&self) -> &Units {
-        &self.prepared.units
-    }
-
-    /// The scene.
-    pub fn scene(&self) -> &Scene {
-        &self.scene
-    }
-
-    /// Runs one frame: what has changed since the last one, and what `change` adds to it. Returns each step's time,
-    /// on the device, or on the host's clock for the CPU and the octree.
+    /// Runs one frame: the stages that depend on what has changed since the last one, or on `change`. Returns each
+    /// step's time: the device's, or the host's for the CPU and the octree.
     pub fn frame(&mut self, change: Change) -> Result<Vec<Timing>> {
         self.recover()?;
         self.failed = true;
@@ -182,7 +172,7 @@ impl Session {
             } else {
                 self.run(&steps)?
             };
-            // Of a stage that runs again, the last run's.
+            // A stage that runs again counts with its last run.
             times.retain(|before| last.iter().all(|now| now.name != before.name));
             times.extend(last);
             if steps.iter().any(|step| step.stage.writes(Slot::cut_short)) {
@@ -222,7 +212,7 @@ impl Session {
             self.retries += 1;
             if ran(&revise::STAGE) {
                 self.make_room()?;
-                // All is summed again: what the light was before is no longer known.
+                // Sum all links: the light of the previous frame has been overwritten.
                 change = Change::EVERYTHING.and(Change::LIGHT);
                 continue;
             }
@@ -230,7 +220,7 @@ impl Session {
         }
     }
 
-    /// Runs these steps where the stages run.
+    /// Runs these steps on the session's back end.
     pub(super) fn run(&mut self, steps: &[Step]) -> Result<Vec<Timing>> {
         match &mut self.backend {
             Backend::Gpu(_) if steps.is_empty() => Ok(Vec::new()),
@@ -249,7 +239,8 @@ impl Session {
         }
     }
 
-    /// The same with the octree in its place among them. A device is only told of the radiosity that it works on.
+    /// The same, with the octree between the stages before transport and those after. The host sends the octree's
+    /// radiosity to a device only if later stages read it.
     fn run_octree(&mut self, steps: &[Step], change: Change) -> Result<Vec<Timing>> {
         let (before, after) = steps.split_at(before_host(steps));
         let mut times = self.run(before)?;
@@ -270,7 +261,8 @@ impl Session {
         Ok(times)
     }
 
-    /// Brings these buffers to the host. The octree's radiosity is there already, but for that of opaque objects.
+    /// Downloads these buffers to the host, except what the host itself computed: the octree's radiosity where no
+    /// object is opaque, and a refined estimate.
     pub fn fetch(&mut self, slots: &[Slot]) -> Result<()> {
         let opaque = self.state().objects.iter().any(|object| object.opaque);
         let there = |slot: &Slot| {
@@ -283,7 +275,7 @@ impl Session {
         }
     }
 
-    /// The picture of the last frame, linear radiance row by row.
+    /// The picture of the last frame: linear radiance, row by row.
     pub fn picture(&mut self) -> Result<Picture> {
         self.fetch(&[Slot::hits, Slot::radiance])?;
         let data = &self.prepared.state.data;
@@ -294,6 +286,7 @@ impl Session {
         Ok(Picture { width, height, pixels: data.radiance.clone() })
     }
 
+    /// Uploads these buffers from the host.
     pub(super) fn send(&mut self, slots: &[Slot]) -> Result<()> {
         match &mut self.backend {
             Backend::Gpu(twin) => twin.upload(&self.prepared.state, slots).inspect_err(|_| self.failed = true),
@@ -302,7 +295,7 @@ impl Session {
     }
 }
 
-/// The error of a driver that ends loops early.
+/// The error where a driver may have ended a loop early.
 fn unfinished(doing: &str, advice: &str) -> Error {
     Error::device(doing, format!("it takes more than 65,000 steps, where some drivers end a loop; {advice}"))
 }

@@ -1,21 +1,21 @@
-//! An error estimate that knows where errors cancel: the light is carried once more, more exactly.
+//! A refined error estimate that accounts for errors that cancel: from a second solution at a smaller tolerance.
 
 use super::plan::{Goal, Mode, Options};
-use super::run::{Backend, Room, Session};
-use crate::error::{Error, Result};
+use super::run::{Room, Session};
+use crate::error::Result;
 use crate::layout::Slot;
 
-/// How many times more exact the other radiosity is asked to be.
+/// By how much the second solution's tolerance is smaller.
 const SHARPER: f64 = 8.0;
-/// The least tolerance that `f32` sums can tell from none.
+/// The smallest tolerance that `f32` sums can distinguish from 0.
 const LEAST: f64 = 1e-6;
 
 impl Session {
-    /// Replaces the estimate that the last frame carried along by a sharper one, |B - B'| + e', per channel: B' is the
-    /// radiosity at 1/8 of the tolerance, at least at 1e-6, and e' the estimate carried along with it. A bound where e' is
-    /// one. Costs a frame of a new session, and its memory for the time; where the device fails in that, for want of room
-    /// mostly, or the tolerance is next to 1e-6 already, the estimate stays as it is: see [`Session::blunt`]. Does nothing
-    /// where no estimate is carried.
+    /// Replaces the last frame's estimate by |B - B'| + e' per channel, where B' is the radiosity at 1/8 of the
+    /// tolerance (at least 1e-6) and e' its own estimate. It is a bound where e' is one. Costs a frame of a new
+    /// session, and that session's memory meanwhile. The estimate stays as it is where the device fails, mostly for
+    /// lack of memory (see [`Session::blunt`]), or where the tolerance is close to 1e-6 already. Does nothing without
+    /// an estimate.
     pub fn sharpen(&mut self) -> Result<()> {
         if self.sharp.is_some() {
             return Ok(());
@@ -33,7 +33,7 @@ impl Session {
         let other = match solve() {
             Ok(Some(other)) => other,
             Ok(None) => return Ok(()),
-            Err(error @ Error::Device { .. }) => {
+            Err(error) if error.is_device_fault() => {
                 self.sharp = Some(Err(error.to_string()));
                 return Ok(());
             }
@@ -50,8 +50,8 @@ impl Session {
         Ok(())
     }
 
-    /// The session that carries the light once more for the estimate, before its frame; none where nothing is estimated, or
-    /// where it would not be more exact.
+    /// The session of the second solution, before its frame; none where nothing is estimated, or where it would not be
+    /// more accurate.
     pub fn sharper(&self) -> Result<Option<Self>> {
         let tolerance = (self.scene.transport.tolerance / SHARPER).max(LEAST);
         if !self.state().method.estimate || 2.0 * tolerance > self.scene.transport.tolerance {
@@ -60,23 +60,19 @@ impl Session {
         let mut scene = self.scene.clone();
         (scene.transport.tolerance, scene.transport.subdivide) = (tolerance, 0);
         let mut options = Options { mode: Mode::OnTheFly, ..self.plan.options() };
-        // No picture is needed, as long as receivers are faces, and what is opaque is lit by face, without one, too.
+        // Receivers at faces need no picture; opaque objects may be lit per pixel, which does.
         if self.state().objects.iter().all(|object| !object.by_pixel && !object.opaque) {
             options.goal = Goal::Radiosity;
         }
-        let device = match &self.backend {
-            Backend::Gpu(twin) => Some(twin.device()),
-            Backend::Cpu => None,
-        };
-        Self::new(&scene, device, options, Room::default()).map(Some)
+        Self::new(&scene, self.device(), options, Room::default()).map(Some)
     }
 
-    /// Whether the estimate is the sharper one, which the host alone knows.
+    /// Whether the estimate is the refined one, which exists on the host only.
     pub(super) fn sharpened(&self) -> bool {
         matches!(self.sharp, Some(Ok(())))
     }
 
-    /// Why the last estimate is the one carried along, where a sharper one was tried.
+    /// Why the last refinement failed, so that the estimate is the frame's own.
     #[must_use]
     pub fn blunt(&self) -> Option<&str> {
         self.sharp.as_ref()?.as_ref().err().map(String::as_str)

@@ -55,7 +55,7 @@ fn near(uvs: &[[f64; 2]; 3], period: Option<f64>) -> CornerUvs {
 
 /// Texels whose centres lie in a triangle's places, counted from the upper left, whole repetitions taken off, and the weights
 /// of its corners there.
-pub(super) fn texels([width, height]: [u32; 2], uvs: &[[f64; 2]; 3]) -> Vec<(usize, [f64; 3])> {
+pub(crate) fn texels([width, height]: [u32; 2], uvs: &[[f64; 2]; 3]) -> Vec<(usize, [f64; 3])> {
     let size = DVec2::new(width.into(), height.into());
     let [a, b, c] = uvs.map(|place| DVec2::from_array(place) * size - 0.5);
     let area = (b - a).perp_dot(c - a);
@@ -78,7 +78,7 @@ pub(super) fn texels([width, height]: [u32; 2], uvs: &[[f64; 2]; 3]) -> Vec<(usi
 }
 
 /// Drops a texture that a frame with these options never looks at.
-pub(super) fn drop_unseen(state: &mut State, options: Options) {
+pub(crate) fn drop_unseen(state: &mut State, options: Options) {
     let entry = state.data.frame.iter().any(|frame| frame.texture_side & ENTRY != 0);
     if options.goal == Goal::Radiosity && !entry {
         (state.data.texels, state.data.corner_uvs) = Default::default();

@@ -60,7 +60,7 @@ fn frame(mesh: &Mesh, lights: &[String], rest: &str) -> Option<Session> {
 fn solve(mesh: &Mesh, lights: &[String], rest: &str) -> Option<[Vec<[f64; 3]>; 2]> {
     let session = frame(mesh, lights, rest)?;
     let (data, unit) = (&session.state().data, session.units().light);
-    let places = session.prepared.places(0);
+    let places = session.prepared().places(0);
     let of = |light: &[[f32; 3]]| places.iter().map(|&face| light[face].map(|x| f64::from(x) * unit)).collect();
     Some([of(&data.irradiance), of(&data.radiosity)])
 }

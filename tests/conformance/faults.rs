@@ -58,7 +58,7 @@ fn scene(radiosity: bool, light: &str) -> Scene {
 /// A frame of a session: the picture, or the radiosity.
 fn frame(session: &mut Session) -> Result<Vec<[f32; 3]>> {
     session.frame(Change::EVERYTHING)?;
-    if session.plan.options().goal == Goal::Picture {
+    if session.plan().options().goal == Goal::Picture {
         return Ok(session.picture()?.pixels);
     }
     session.fetch(&[Slot::radiosity])?;

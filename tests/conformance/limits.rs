@@ -113,7 +113,7 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
             let options = Options { mode: Mode::Render, goal: Goal::Picture, ..Options::default() };
             let mut kept = Session::new(&scene, Some(device), options, little).unwrap();
             kept.frame(Change::EVERYTHING).unwrap();
-            assert!(kept.not_kept().is_none() && kept.retries > 0);
+            assert!(kept.not_kept().is_none() && kept.retries() > 0);
             let bytes = |slot: Slot| kept.buffers().into_iter().find(|(known, _)| *known == slot).map_or(0, |b| b.1);
             let lists = bytes(Slot::entries).max(bytes(Slot::links));
             // Known beforehand, found out in the frame, and for want of memory.
@@ -132,7 +132,7 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
                     assert!(session.picture().unwrap().pixels == picture, "{scheme} {name} {mode:?}");
                     let why = session.not_kept().expect("too much to keep").to_string();
                     assert!(why.contains("on-the-fly"), "{why}");
-                    assert!(session.plan.left_out.iter().any(|(what, known)| *what == "kept links" && *known == why));
+                    assert!(session.plan().left_out.iter().any(|(what, known)| *what == "kept links" && *known == why));
                     // The next frame is none the wiser.
                     session.frame(Change::LIGHT).unwrap();
                     assert!(session.picture().unwrap().pixels == picture, "{scheme} {name} {mode:?}");

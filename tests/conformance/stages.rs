@@ -212,7 +212,7 @@ fn overflow_changes_no_bit(scene: &Scene) {
             let options = Options { mode, ..Options::default() };
             let mut cut = Session::new(scene, Some(device), options, tight).unwrap();
             cut.frame(Change::EVERYTHING).unwrap();
-            assert!(cut.retries > 0, "nothing overflowed");
+            assert!(cut.retries() > 0, "nothing overflowed");
             let schedule = &cut.state().objects[0].schedule;
             assert!(schedule.chunks.len().max(schedule.batches.len()) > 4);
             assert_eq!(bits(&mut cut, Slot::radiosity), expected);

@@ -82,7 +82,7 @@ fn hundred(name: &str, sets: &[&str], device: Option<&Device>, room: Room, strid
             compared += 1;
         }
     }
-    println!("{name}: {revised} of 100 frames revised, {} runs more, {compared} compared", session.retries);
+    println!("{name}: {revised} of 100 frames revised, {} runs more, {compared} compared", session.retries());
     assert!(revised > 80, "{name}: only {revised} of 100 frames revised links");
 }
 
@@ -117,7 +117,7 @@ fn a_local_bump_computes_form_factors_of_what_it_touches() {
     let scene = at("sphere", &["object.0.detail=3"], 0.0);
     let check = |device: Option<&Device>| {
         let mut session = open(&moved(&scene, What::Bump, 0), device, Mode::Incremental, Room::default());
-        let (before, retries) = (links(&mut session), session.retries);
+        let (before, retries) = (links(&mut session), session.retries());
         let ran = step(&mut session, &moved(&scene, What::Bump, 1));
         assert!(ran.iter().any(|name| name == "renew") && !ran.iter().any(|name| name == "form_factor"), "{ran:?}");
         let (touched, all) = touched(&mut session);
@@ -131,7 +131,7 @@ fn a_local_bump_computes_form_factors_of_what_it_touches() {
         assert!(touched < all / 4, "{touched} of {all}");
 
         // Nothing is dispatched for other receivers than those with a link that touches what is altered, or that they undo.
-        assert_eq!(session.retries, retries);
+        assert_eq!(session.retries(), retries);
         let after = links(&mut session);
         let has = |own: &[(u32, [u32; 3])], emitter| own.binary_search_by_key(&emitter, |link| link.0).is_ok();
         let busy = |receiver: &usize| {
@@ -229,7 +229,7 @@ fn what_other_scenes_have_is_not_used() {
     for slot in [Slot::kept_clusters, Slot::kept_positions, Slot::stale, Slot::made, Slot::edits, Slot::altered] {
         assert!(session.state().data.bytes(slot).is_empty(), "{slot:?}");
     }
-    let why = |name: &str| session.plan.left_out.iter().find(|(left, _)| *left == name).map(|(_, why)| why.clone());
+    let why = |name: &str| session.plan().left_out.iter().find(|(left, _)| *left == name).map(|(_, why)| why.clone());
     for name in ["alter", "revise", "renew", "keep"] {
         assert!(why(name).unwrap().contains("--mode incremental"), "{name}");
     }

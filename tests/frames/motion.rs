@@ -51,19 +51,19 @@ fn a_session_that_moves_on_is_a_new_one() {
 fn a_spoilt_tree_is_built_anew() {
     let twist = |frame: f64| Scene::load_at("twist", &["object.0.detail=16".to_string()], frame).unwrap();
     let mut moving = open(&twist(0.0));
-    assert_eq!(moving.prepared.spoilt, [None]);
-    let trees = moving.prepared.trees.clone();
+    assert_eq!(moving.prepared().spoilt, [None]);
+    let trees = moving.prepared().trees.clone();
     moving.show(&twist(3.0)).unwrap();
-    assert!(moving.prepared.spoilt == [None] && moving.prepared.trees == trees);
+    assert!(moving.prepared().spoilt == [None] && moving.prepared().trees == trees);
     // There and back, each time as if nothing had been before.
     for frame in [40.0, 45.0, 0.0] {
         moving.show(&twist(frame)).unwrap();
         moving.frame(Change::default()).unwrap();
         let fresh = open(&twist(frame));
-        assert_eq!(moving.prepared.spoilt[0].is_some(), frame > 0.0, "{frame}");
-        assert!(moving.prepared.trees == fresh.prepared.trees, "{frame}");
+        assert_eq!(moving.prepared().spoilt[0].is_some(), frame > 0.0, "{frame}");
+        assert!(moving.prepared().trees == fresh.prepared().trees, "{frame}");
         assert!(moving.state().data.radiance == fresh.state().data.radiance, "{frame}");
-        assert_eq!(moving.prepared.trees == trees, frame == 0.0, "{frame}");
+        assert_eq!(moving.prepared().trees == trees, frame == 0.0, "{frame}");
     }
 }
 
@@ -103,8 +103,8 @@ fn what_does_not_move_costs_nothing() {
     let session = open(&scene);
     let data = &session.state().data;
     assert!(data.rest.is_empty() && data.rest_normals.is_empty() && data.deforms.is_empty());
-    assert!(session.plan.left_out.iter().any(|(name, why)| *name == "deform" && why.contains("nothing deforms")));
-    assert!(open(&at(0.0)).plan.stages.iter().any(|stage| stage.name == "deform"));
+    assert!(session.plan().left_out.iter().any(|(name, why)| *name == "deform" && why.contains("nothing deforms")));
+    assert!(open(&at(0.0)).plan().stages.iter().any(|stage| stage.name == "deform"));
 }
 
 #[test]

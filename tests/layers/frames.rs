@@ -21,8 +21,8 @@ fn picture(session: &mut Session) -> Vec<[f32; 3]> {
 fn a_scene_without_layers_has_no_trace_of_them() {
     let bare = session(&scene("sphere", &SMALL), Options::default());
     for name in ["plane_fit", "relief"] {
-        assert!(!bare.plan.stages.iter().any(|stage| stage.name == name));
-        assert!(bare.plan.left_out.contains(&(name, "no material has layers".to_string())));
+        assert!(!bare.plan().stages.iter().any(|stage| stage.name == name));
+        assert!(bare.plan().left_out.contains(&(name, "no material has layers".to_string())));
     }
     assert!(OWN.iter().all(|&slot| bare.state().data.bytes(slot).is_empty()));
 
@@ -51,7 +51,7 @@ fn light_beneath_the_surface_is_added_to_what_any_transport_gives() {
         }
     }
     let none = session(&scene("sphere", &SMALL), with(Transport::None));
-    let why = none.plan.left_out.iter().find(|(name, _)| *name == "gather");
+    let why = none.plan().left_out.iter().find(|(name, _)| *name == "gather");
     assert_eq!(why, Some(&("gather", "no light is to be carried".to_string())));
 }
 

@@ -165,7 +165,7 @@ fn a_wide_plane_in_a_white_environment_gives_back_what_the_half_space_does() {
         let options = Options { goal: Goal::Radiosity, ..Options::default() };
         let mut session = Session::new(&flat, None, options, Room::default()).unwrap();
         session.frame(Change::EVERYTHING).unwrap();
-        let places = session.prepared.places(0);
+        let places = session.prepared().places(0);
         let face = places[2 * (16 * 32 + 16)];
         let data = &session.state().data;
         for (c, expected) in expected.into_iter().enumerate() {

@@ -24,7 +24,7 @@ pub fn irradiance(scene: &Scene) -> Vec<DVec3> {
     session.prepare_light();
     let (irradiance, light) = (&session.state().data.irradiance, session.units().light);
     let value = |face: usize| DVec3::from_array(irradiance[face].map(f64::from)) * light;
-    session.prepared.all_places().map(value).collect()
+    session.prepared().all_places().map(value).collect()
 }
 
 /// The same with no light casting shadows.

@@ -28,7 +28,7 @@ fn run(scene: &Scene, options: Options) -> Session {
 }
 
 fn names(session: &Session) -> Vec<&'static str> {
-    session.plan.stages.iter().map(|stage| stage.name).collect()
+    session.plan().stages.iter().map(|stage| stage.name).collect()
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
     for (stage, word) in
         [("gather", "no light is carried"), ("shadow", "does not shadow itself"), ("cdrf_table", "closed")]
     {
-        assert!(session.plan.left_out.iter().any(|(name, why)| *name == stage && why.contains(word)), "{stage}");
+        assert!(session.plan().left_out.iter().any(|(name, why)| *name == stage && why.contains(word)), "{stage}");
     }
 
     assert_eq!(names(&run(&ball, LAMBERT)), ["refit", "pack", "visibility", "lambert"]);
@@ -83,7 +83,7 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
     for stage in ["curvature", "pack", "cdrf_table", "cdrf_cells", "cdrf", "lambert", "unwrap", "blur", "texture_blur"]
     {
         assert!(
-            session.plan.left_out.iter().any(|(name, why)| *name == stage && why.contains("light is carried")),
+            session.plan().left_out.iter().any(|(name, why)| *name == stage && why.contains("light is carried")),
             "{stage}"
         );
     }

@@ -24,7 +24,7 @@ fn of(session: &Session, object: usize, slot: Slot) -> Vec<[f64; 3]> {
     let data = &session.state().data;
     let values = if slot == Slot::irradiance { &data.irradiance } else { &data.radiosity };
     let light = session.units().light;
-    session.prepared.places(object).into_iter().map(|face| values[face].map(|x| f64::from(x) * light)).collect()
+    session.prepared().places(object).into_iter().map(|face| values[face].map(|x| f64::from(x) * light)).collect()
 }
 
 /// L2 of the difference as a share of the second.
@@ -141,7 +141,7 @@ fn light_that_moves_and_lists_that_are_kept() {
 fn without_opaque_objects_nothing_is_there_for_them() {
     let left = |sets: &[&str]| {
         let session = run(&scene(sets), Transport::Hierarchy, Mode::OnTheFly);
-        session.plan.left_out.iter().map(|(name, why)| format!("{name}: {why}")).collect::<Vec<_>>().join("\n")
+        session.plan().left_out.iter().map(|(name, why)| format!("{name}: {why}")).collect::<Vec<_>>().join("\n")
     };
     assert!(left(&[SECOND]).contains("opaque: no object is opaque"));
     assert!(!left(&[SECOND, GROUND]).contains("opaque: "));

@@ -92,12 +92,12 @@ fn whichever_are_fewer() {
 fn what_is_not_wanted_is_not_there() {
     let of = |receivers: &str| drawn(&scene("sphere", &[SMALL[0], "object.0.detail=2", receivers]), Options::default());
     let (pixels, faces) = (of("transport.receivers=pixels"), of("transport.receivers=faces"));
-    let has = |session: &Session, name: &str| session.plan.stages.iter().any(|stage| stage.name == name);
+    let has = |session: &Session, name: &str| session.plan().stages.iter().any(|stage| stage.name == name);
     assert!(has(&pixels, "points") && !has(&pixels, "average"));
     assert!(!has(&faces, "points") && has(&faces, "average"));
     assert!(faces.state().data.bytes(Slot::seen).is_empty());
     let why = |session: &Session, what: &str| {
-        session.plan.left_out.iter().find(|(name, _)| *name == what).map(|(_, why)| why.clone()).unwrap_or_default()
+        session.plan().left_out.iter().find(|(name, _)| *name == what).map(|(_, why)| why.clone()).unwrap_or_default()
     };
     assert_eq!(why(&faces, "receivers at pixels"), "transport.receivers is faces");
     assert_eq!(why(&pixels, "receivers at triangles"), "transport.receivers is pixels");

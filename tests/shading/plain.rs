@@ -119,7 +119,7 @@ fn a_frame_after_a_change_is_a_new_sessions() {
 fn what_nobody_asks_for_has_no_stage() {
     let session = |sets: &[&str], options| run(&scene(sets), None, options);
     let of = |session: &Session| {
-        let names: Vec<&str> = session.plan.stages.iter().map(|stage| stage.name).collect();
+        let names: Vec<&str> = session.plan().stages.iter().map(|stage| stage.name).collect();
         let has = |name: &str| names.contains(&name);
         (has("reached"), has("plain"), has("opaque"))
     };
@@ -132,7 +132,7 @@ fn what_nobody_asks_for_has_no_stage() {
 
     // Where everything is opaque nothing is looked at by triangle.
     let all = session(&["object.0.material={ opaque = true }"], picture);
-    let names: Vec<&str> = all.plan.stages.iter().map(|stage| stage.name).collect();
+    let names: Vec<&str> = all.plan().stages.iter().map(|stage| stage.name).collect();
     assert_eq!(names, ["refit", "visibility", "shade", "reached", "plain"]);
     assert!(all.state().data.lit.is_empty());
     assert!(session(&["object.1.material={ preset = 'marble' }"], picture).state().data.reached.is_empty());

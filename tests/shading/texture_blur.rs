@@ -24,7 +24,7 @@ fn run(scene: &Scene, transport: Transport) -> Session {
 }
 
 fn names(session: &Session) -> Vec<&'static str> {
-    session.plan.stages.iter().map(|stage| stage.name).collect()
+    session.plan().stages.iter().map(|stage| stage.name).collect()
 }
 
 /// A plane from above, evenly lit.
@@ -100,7 +100,7 @@ fn what_it_needs_is_there_and_elsewhere_nothing_of_it() {
         let held: Vec<_> = SLOTS.iter().filter(|slot| own.contains(slot)).collect();
         assert!(held.len() == 6 && held.iter().all(|slot| session.state().data.bytes(**slot).is_empty()));
         for stage in STAGES {
-            assert!(session.plan.left_out.iter().any(|(name, why)| *name == stage && !why.is_empty()), "{stage}");
+            assert!(session.plan().left_out.iter().any(|(name, why)| *name == stage && !why.is_empty()), "{stage}");
         }
     }
 }

@@ -159,7 +159,7 @@ fn numbers_alone_have_no_texture_for_light_that_leaves() {
         let scene = ball(&[&format!("object.0.material.texture_on={side}")]);
         let session = drawn(&scene, Options { goal: Goal::Radiosity, ..Options::default() });
         let sizes = [Slot::texels, Slot::corner_uvs].map(|slot| session.state().data.bytes(slot).len());
-        (session.plan.stages.iter().any(|stage| stage.name == "entry"), sizes.iter().all(|&bytes| bytes > 0))
+        (session.plan().stages.iter().any(|stage| stage.name == "entry"), sizes.iter().all(|&bytes| bytes > 0))
     };
     assert_eq!((numbers("exit"), numbers("entry"), numbers("both")), ((false, false), (true, true), (true, true)));
 }

@@ -168,7 +168,7 @@ fn the_plan_says_why_there_is_none() {
         let session =
             Session::new(&scene("sphere", &[&["object.0.detail=2"], sets].concat()), None, options, Room::default());
         let session = session.unwrap();
-        let reasons = session.plan.left_out.iter().filter(|(what, _)| *what == "error estimate");
+        let reasons = session.plan().left_out.iter().filter(|(what, _)| *what == "error estimate");
         (session.state().method.estimate, reasons.map(|(_, why)| why.clone()).collect::<Vec<_>>())
     };
     assert_eq!(why(&[], OPTIONS), (true, vec![]));
@@ -216,7 +216,7 @@ fn the_second_solve_makes_no_picture() {
     let stages = |name: &str, sets: &[&str]| -> Option<Vec<&str>> {
         let session = Session::new(&scene(name, sets), None, layers, Room::default()).unwrap();
         let other = session.sharper().unwrap()?;
-        Some(other.plan.stages.iter().map(|stage| stage.name).collect())
+        Some(other.plan().stages.iter().map(|stage| stage.name).collect())
     };
     let small = "object.0.detail=2";
     let faces = stages("sphere", &[small]).unwrap();

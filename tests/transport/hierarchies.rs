@@ -29,8 +29,8 @@ fn both_meet_the_tolerance_on_a_deformed_thing_with_full_blocks() {
         let scene = load(&sets, &[]);
         let mut session = solved(&scene);
         let faces = scene.objects[0].mesh.triangles.len();
-        let tree = &session.prepared.trees[0];
-        assert_eq!((tree.check(faces), session.prepared.spoilt[0]), (Ok(()), None));
+        let tree = &session.prepared().trees[0];
+        assert_eq!((tree.check(faces), session.prepared().spoilt[0]), (Ok(()), None));
         // A triangle of the base is 16 faces, and that is a block.
         assert!(session.state().data.blocks.iter().all(|block| block.count == 16));
         let error = worst(&verify(&mut session, 200, 3).unwrap());
@@ -55,7 +55,7 @@ fn a_hierarchy_changes_no_more_than_the_order_of_sums() {
         let mut scene = scene.clone();
         scene.transport.hierarchy = hierarchy;
         let session = solved(&scene);
-        let places = session.prepared.places(0);
+        let places = session.prepared().places(0);
         places.into_iter().map(|face| session.state().data.radiosity[face][0]).collect::<Vec<f32>>()
     };
     let expected = radiosity(Hierarchy::Butterfly);
@@ -74,18 +74,18 @@ fn such_a_tree_stays_whatever_deforms_it() {
         load(&BUTTERFLY[1..], &[&twist])
     };
     let mut moving = solved(&at(10.0));
-    let before = moving.prepared.trees.clone();
+    let before = moving.prepared().trees.clone();
     moving.show(&at(500.0)).unwrap();
     moving.frame(Change::default()).unwrap();
     let fresh = solved(&at(500.0));
-    assert!(moving.prepared.trees == before && fresh.prepared.trees == before);
+    assert!(moving.prepared().trees == before && fresh.prepared().trees == before);
     for slot in [Slot::bounds, Slot::radiosity, Slot::radiance] {
         assert!(moving.state().data.bytes(slot) == fresh.state().data.bytes(slot), "{slot:?}");
     }
     // Where the median tree of the same triangles would be built anew.
     let mut median = at(500.0);
     median.transport.hierarchy = Hierarchy::Median;
-    assert!(solved(&median).prepared.spoilt[0].is_some());
+    assert!(solved(&median).prepared().spoilt[0].is_some());
 }
 
 #[test]
@@ -95,7 +95,7 @@ fn parts_of_parts_belong_to_the_tree() {
     let session = solved(&load(&BUTTERFLY[1..], &[lamp, "transport.subdivide=1", "transport.tolerance=0.01"]));
     let mesh = &session.scene().objects[0].mesh;
     assert!(mesh.splits.contains(&3) && mesh.splits.contains(&2) && mesh.splits.len() == mesh.triangles.len());
-    assert_eq!(session.prepared.trees[0].check(mesh.triangles.len()), Ok(()));
+    assert_eq!(session.prepared().trees[0].check(mesh.triangles.len()), Ok(()));
     let finest = session.state().data.blocks.iter().all(|block| block.count >= 4);
     assert!(finest, "no block is a part of a triangle of the base's parts");
 }

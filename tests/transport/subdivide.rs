@@ -31,9 +31,9 @@ fn solved(scene: &Scene) -> (Vec<[f64; 3]>, usize) {
     let mut session = Session::new(scene, None, options(), Room::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session.fetch(&[Slot::radiosity]).unwrap();
-    let (places, light) = (session.prepared.places(0), session.units().light);
+    let (places, light) = (session.prepared().places(0), session.units().light);
     let at = |part: usize| session.state().data.radiosity[places[part]].map(|x| f64::from(x) * light);
-    let values = match session.parts.first() {
+    let values = match session.parts().first() {
         Some(parts) => parts.middle.iter().map(|&part| at(part as usize)).collect(),
         None => (0..places.len()).map(at).collect(),
     };
@@ -51,7 +51,7 @@ fn exact(scene: &Scene) -> Vec<[f64; 3]> {
     session.prepare_light();
     let alone = session.state().alone(0);
     // Part 15 of 16 is the middle of the middle.
-    let places = session.prepared.places(0);
+    let places = session.prepared().places(0);
     let centers: Vec<_> = (0..scene.objects[0].mesh.triangles.len())
         .map(|face| wide(alone.data.clusters[alone.data.leaves[places[16 * face + 15]] as usize].center))
         .collect();
@@ -95,8 +95,8 @@ fn the_estimate_knows_what_a_border_still_misses() {
         let options = Options { estimate: true, ..options() };
         let mut session = Session::new(&scene, None, options, Room::default()).unwrap();
         session.frame(Change::EVERYTHING).unwrap();
-        let (places, light) = (session.prepared.places(0), session.units().light);
-        let (data, parts) = (&session.state().data, &session.parts[0]);
+        let (places, light) = (session.prepared().places(0), session.units().light);
+        let (data, parts) = (&session.state().data, &session.parts()[0]);
         let [mut errors, mut estimates, mut missed] = [const { Vec::new() }; 3];
         for (&part, exact) in parts.middle.iter().zip(exact(&scene)) {
             let place = places[part as usize];
@@ -142,9 +142,9 @@ fn a_moved_light_moves_the_cuts() {
     let second = scene(&["transport.subdivide=1", "light.0.direction=[-0.3, 0.2, 1]"]);
     let mut session = Session::new(&first, None, options(), Room::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
-    let before = session.parts[0].of.clone();
+    let before = session.parts()[0].of.clone();
     session.set_lights(&second.lights).unwrap();
     session.frame(Change::default()).unwrap();
     let fresh = Session::new(&second, None, options(), Room::default()).unwrap();
-    assert!(session.parts[0].of == fresh.parts[0].of && session.parts[0].of != before);
+    assert!(session.parts()[0].of == fresh.parts()[0].of && session.parts()[0].of != before);
 }

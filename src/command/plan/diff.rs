@@ -47,7 +47,7 @@ fn listed(session: &Session) -> Result<BTreeMap<(usize, String), String>> {
     for (slot, bytes) in session.buffers() {
         list.insert((2, slot.spec().name.to_string()), size(bytes));
     }
-    for (what, why) in &session.plan.left_out {
+    for (what, why) in &session.plan().left_out {
         list.insert((3, (*what).to_string()), why.clone());
     }
     Ok(list)

@@ -5,8 +5,7 @@ use crate::error::{Error, Result};
 use crate::gpu::Device;
 use crate::layout::Slot;
 use crate::render::plan::{Change, Options, Transport};
-use crate::render::room::KEEPING;
-use crate::render::run::{Backend, Room, Session};
+use crate::render::run::{Room, Session};
 use crate::scene::{Scene, Scheme};
 use crate::state::State;
 
@@ -21,9 +20,7 @@ impl Frames {
     pub(super) fn open(scene: &Scene, device: Option<&Device>, options: Options, change: Change) -> Result<Opened> {
         let mut session = Session::new(scene, device, options, Room::default())?;
         match session.frame(Change::EVERYTHING) {
-            Err(Error::Device { doing, what }) if doing == KEEPING => {
-                Ok(Opened::NotOffered(format!("too much to keep: {what}")))
-            }
+            Err(Error::TooMuchToKeep { what, .. }) => Ok(Opened::NotOffered(format!("too much to keep: {what}"))),
             Err(error) => Err(error),
             Ok(_) => Ok(match session.not_kept() {
                 Some(why) => Opened::NotOffered(format!("too much to keep: {why}")),
@@ -36,8 +33,7 @@ impl Frames {
 impl Solver for Frames {
     fn frame(&mut self) -> Result<Option<f64>> {
         let milliseconds = self.session.frame(self.change)?.iter().map(|part| part.milliseconds).sum::<f64>();
-        let on_device = matches!(self.session.backend, Backend::Gpu(_))
-            && self.session.plan.options().transport != Transport::Octree;
+        let on_device = self.session.device().is_some() && self.session.plan().options().transport != Transport::Octree;
         let timed = on_device && milliseconds.is_finite();
         Ok(timed.then_some(milliseconds))
     }
@@ -46,12 +42,12 @@ impl Solver for Frames {
         self.session.fetch(&[Slot::radiosity])?;
         let light = self.session.units().light;
         let radiosity = &self.session.state().data.radiosity;
-        let places = self.session.prepared.all_places();
+        let places = self.session.prepared().all_places();
         Ok(places.map(|place| radiosity[place].map(|x| f64::from(x) * light)).collect())
     }
 
     fn links_per_face(&mut self) -> Result<Option<f64>> {
-        if self.session.plan.options().transport != Transport::Hierarchy {
+        if self.session.plan().options().transport != Transport::Hierarchy {
             return Ok(None);
         }
         self.session.fetch(&[Slot::spans, Slot::runs])?;

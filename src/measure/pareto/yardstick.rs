@@ -68,9 +68,9 @@ impl Yardstick {
 
         // The stages that a sum starts from, by the reference.
         session.prepare_light();
-        let places: Vec<usize> = session.prepared.all_places().collect();
+        let places: Vec<usize> = session.prepared().all_places().collect();
         let mut number = vec![0; rough.state().extent().faces];
-        rough.prepared.all_places().enumerate().for_each(|(face, place)| number[place] = face);
+        rough.prepared().all_places().enumerate().for_each(|(face, place)| number[place] = face);
         let faces: Vec<usize> = sample.faces.iter().map(|&place| number[place]).collect();
         let places: Vec<usize> = faces.iter().map(|&face| places[face]).collect();
         let (state, light) = (session.state(), session.units().light);

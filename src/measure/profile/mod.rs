@@ -15,11 +15,11 @@ pub use spread::Spread;
 pub use work::Work;
 
 use crate::baseline::octree::HOST;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::{Device, Timing};
 use crate::layout::Slot;
 use crate::render::plan::{Change, Options, Transport};
-use crate::render::run::{Backend, Room, Session};
+use crate::render::run::{Room, Session};
 use crate::scene::Scene;
 
 /// What is to be measured.
@@ -135,9 +135,7 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
     if let Some(device) = device {
         match work::of(scene, &device.counting(), settings, &mut session) {
             Ok(tallies) => rows.iter_mut().for_each(|row| row.work = tallies.get(row.stage.as_str()).copied()),
-            Err(Error::Device { doing, what }) => {
-                notes.push(format!("what stages do was not counted: {doing}: {what}"))
-            }
+            Err(error) if error.is_device_fault() => notes.push(format!("what stages do was not counted: {error}")),
             Err(error) => return Err(error),
         }
     }
@@ -231,7 +229,7 @@ pub(super) fn of_stage(frames: &Frames, stage: &str) -> Vec<f64> {
 
 /// The stages in the order of their first step; what they do is not known yet.
 fn rows(session: &mut Session, frames: &Frames, settings: &Settings) -> Result<Vec<Row>> {
-    let on_device = matches!(session.backend, Backend::Gpu(_));
+    let on_device = session.device().is_some();
     let dispatches = if on_device { session.dispatches(settings.change)? } else { Vec::new() };
     let mut apart: Frames = Vec::new();
     // Half of the frames once more, each stage by itself.

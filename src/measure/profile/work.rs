@@ -9,7 +9,7 @@ use crate::gpu::count::Tally;
 use crate::layout::{SLOTS, Slot};
 use crate::render::needs::union;
 use crate::render::plan::Change;
-use crate::render::run::{Backend, Room, Session};
+use crate::render::run::{Room, Session};
 use crate::scene::Scene;
 
 /// What a stage does in a frame.
@@ -44,7 +44,7 @@ pub(super) fn of(
     let mut session = Session::new(scene, Some(device), settings.options, Room::default())?;
     session.frame(Change::EVERYTHING)?;
     let mut counted = tallies(&session)?;
-    if settings.change != Change::EVERYTHING || session.retries + session.relinks > 0 {
+    if settings.change != Change::EVERYTHING || session.retries() + session.relinks() > 0 {
         session.frame(settings.change)?;
         counted = tallies(&session)?;
     }
@@ -74,10 +74,9 @@ pub(super) fn of(
 
 /// What the kernels of each stage have done since the last call.
 fn tallies(session: &Session) -> Result<BTreeMap<&'static str, Tally>> {
-    let Backend::Gpu(twin) = &session.backend else { return Ok(BTreeMap::new()) };
     let mut stages: BTreeMap<&'static str, Tally> = BTreeMap::new();
-    for (kernel, tally) in twin.kernels().tallies()? {
-        let owner = session.plan.stages.iter().find(|stage| kernel.split('/').nth(1) == Some(stage.name));
+    for (kernel, tally) in session.tallies()? {
+        let owner = session.plan().stages.iter().find(|stage| kernel.split('/').nth(1) == Some(stage.name));
         if let Some(stage) = owner {
             stages.entry(stage.name).or_default().add(&tally);
         }

@@ -83,7 +83,7 @@ pub fn plans(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     for (name, ..) in BUILTIN {
         let scene = Scene::load(name, &[])?;
         let session = Session::new(&scene, bench.device, Options::default(), Room::default())?;
-        let (state, plan) = (session.state(), &session.plan);
+        let (state, plan) = (session.state(), session.plan());
         let bytes: usize = SLOTS.iter().map(|slot| state.data.bytes(*slot).len()).sum();
         let buffers = SLOTS.iter().filter(|slot| !state.data.bytes(**slot).is_empty()).count();
         let stages: Vec<_> = plan.stages.iter().map(|stage| stage.name).collect();

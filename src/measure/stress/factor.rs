@@ -170,11 +170,12 @@ fn steps_on(state: &mut State, steps: &[Step], twin: Option<&mut DeviceState>, s
 /// Brute force over the two triangles: what the point receives, per irradiance of the lit one.
 fn brute(pair: &Pair, twin: Option<&mut DeviceState>) -> Result<[f32; 3]> {
     let options = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
-    let mut session = Session::new(&pair.scene()?, None, options, Room::default())?;
-    let steps = session.plan.steps(session.state(), Change::EVERYTHING);
-    steps_on(&mut session.prepared.state, &steps, twin, &[Slot::irradiance, Slot::radiosity])?;
-    let places = session.prepared.places(0);
-    let data = &session.state().data;
+    let session = Session::new(&pair.scene()?, None, options, Room::default())?;
+    let steps = session.plan().steps(session.state(), Change::EVERYTHING);
+    let mut state = session.state().clone();
+    steps_on(&mut state, &steps, twin, &[Slot::irradiance, Slot::radiosity])?;
+    let places = session.prepared().places(0);
+    let data = &state.data;
     let (light, received) = (data.irradiance[places[0]], data.radiosity[places[1]]);
     // A triangle without area takes no light; then nothing may arrive.
     Ok(std::array::from_fn(|c| if light[c] == 0.0 { received[c] } else { received[c] / light[c] }))

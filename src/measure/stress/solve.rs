@@ -88,7 +88,7 @@ fn reference(scene: &Scene, faces: &[usize]) -> Result<Vec<[f64; 3]>> {
     let options = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(scene, None, options, Room::default())?;
     session.prepare_light();
-    let place = session.prepared.places(0);
+    let place = session.prepared().places(0);
     let places: Vec<usize> = faces.iter().map(|&face| place[face]).collect();
     let values = radiosity(session.state(), &places);
     Ok(values.into_iter().map(|value| value.map(|x| x * session.units().light)).collect())
@@ -133,15 +133,16 @@ fn method(
     let mut session = Session::new(&scene, device, options, Room::default())?;
     session.frame(Change::EVERYTHING)?;
     session.fetch(&[Slot::irradiance, Slot::radiosity, Slot::vertex_radiosity, Slot::radiance])?;
+    let mut radiosity = session.state().data.radiosity.clone();
     if let Some(plant) = plant {
-        plant.apply(&mut session.prepared.state.data.radiosity);
+        plant.apply(&mut radiosity);
     }
 
     // Every value of every face, vertex and pixel.
     let mut found = Found::default();
     let data = &session.state().data;
     found.look("irradiance", &data.irradiance);
-    found.look("radiosity", &data.radiosity);
+    found.look("radiosity", &radiosity);
     found.look("vertex radiosity", &data.vertex_radiosity);
     found.look("radiance", &data.radiance);
     if by_pixel(&setup.scene, options).0 {
@@ -155,13 +156,13 @@ fn method(
         found.look("radiosity at pixels", &values);
         found.look("radiance of pixels", &data.radiance);
     }
-    if matches!(setup.against, Against::Darkness) && data.radiosity.iter().flatten().any(|&x| x != 0.0) {
+    if matches!(setup.against, Against::Darkness) && radiosity.iter().flatten().any(|&x| x != 0.0) {
         found.faults.push("there is light where there can be none".into());
     }
 
     // The sample against the reference, in scene units.
-    let (places, light) = (session.prepared.places(0), session.units().light);
-    let value = |&face: &usize| data.radiosity[places[face]].map(|x| f64::from(x) * light);
+    let (places, light) = (session.prepared().places(0), session.units().light);
+    let value = |&face: &usize| radiosity[places[face]].map(|x| f64::from(x) * light);
     let values: Vec<[f64; 3]> = sample.faces.iter().map(value).collect();
     found.error = worst(&norms(sample, &values, expected)).into();
 

@@ -9,7 +9,6 @@ use crate::measure::norms::{Norms, norms, worst};
 use crate::measure::reference::{radiosity, receivers};
 use crate::measure::sample::Sample;
 use crate::render::plan::{Change, Goal, Mode, Options};
-use crate::render::room::KEEPING;
 use crate::render::run::{Room, Session};
 use crate::scene::Scene;
 
@@ -56,7 +55,7 @@ impl Solved {
     pub fn if_it_fits(scene: &Scene, device: Option<&Device>, kept: Kept) -> Result<Option<Self>> {
         match Self::new(scene, device, kept) {
             Ok(solved) if solved.session.not_kept().is_some() => Ok(None),
-            Err(Error::Device { doing, .. }) if doing == KEEPING => Ok(None),
+            Err(Error::TooMuchToKeep { .. }) => Ok(None),
             done => done.map(Some),
         }
     }
