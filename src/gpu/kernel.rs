@@ -10,7 +10,8 @@ use super::count::{self, Tally};
 use super::device::{Device, Inner};
 use super::faults::tried;
 use super::memory::Buffer;
-use super::reflect::{Access, reflect, round_to_nearest, words_of};
+use super::reflect::{Access, reflect, words_of};
+use super::spirv_module::round_to_nearest;
 use crate::error::{Error, Result};
 
 /// A kernel's name and its specialization constants.

@@ -16,6 +16,7 @@ mod memory;
 mod record;
 mod reflect;
 mod replace;
+mod spirv_module;
 mod transfer;
 
 pub use alone::Alone;

@@ -179,24 +179,3 @@ pub fn reflect_records() -> Result<Vec<Struct>> {
     }
     Ok(out)
 }
-
-/// Asks for 32-bit rounding to nearest: a capability after the header, an execution mode before the first one.
-pub(super) fn round_to_nearest(mut words: Vec<u32>) -> Vec<u32> {
-    const OP_ENTRY_POINT: u32 = 15;
-    const OP_EXECUTION_MODE: u32 = 16;
-    let mut at = 5;
-    let mut entry = 0;
-    while at < words.len() {
-        let (op, length) = (words[at] & 0xffff, (words[at] >> 16).max(1) as usize);
-        if op == OP_ENTRY_POINT {
-            entry = words[at + 2];
-        }
-        if op == OP_EXECUTION_MODE {
-            words.splice(at..at, [(4 << 16) | OP_EXECUTION_MODE, entry, 4462, 32]);
-            words.splice(5..5, [(2 << 16) | 17, 4467]);
-            return words;
-        }
-        at += length;
-    }
-    words
-}

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::devices::on_devices;
+use milkglass::gpu::count::Traffic;
 use milkglass::gpu::{Alone, Device};
 use milkglass::layout::Slot;
 use milkglass::measure::profile::{Settings, against, profile};
@@ -26,8 +27,8 @@ fn kernels_count_what_they_do() {
             assert_eq!((tally.exps, tally.roots), (elements * rounds.div_ceil(4), elements), "{elements} x {rounds}");
             // A multiplication and an addition a round; five in the dot product, and the sum after it.
             assert_eq!(tally.flops, elements * (2 * rounds + 6), "{elements} x {rounds}");
-            assert_eq!(tally.moved[&0], [8 * all, 0]);
-            assert_eq!(tally.moved[&1], [8 * elements, 4 * elements]);
+            assert_eq!(tally.moved[&0], Traffic { loaded: 8 * all, stored: 0 });
+            assert_eq!(tally.moved[&1], Traffic { loaded: 8 * elements, stored: 4 * elements });
         }
     });
 }
