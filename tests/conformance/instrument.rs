@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::devices::on_devices;
 use milkglass::gpu::count::Traffic;
-use milkglass::gpu::{Alone, Device};
+use milkglass::gpu::{Alone, Device, KernelKey};
 use milkglass::layout::Slot;
 use milkglass::measure::profile::{Settings, against, profile};
 use milkglass::render::plan::{Change, Goal, Mode, Options, Transport};
@@ -107,7 +107,7 @@ fn made(device: &Device, scene: &Scene, options: Options) -> Made {
     let listed: BTreeSet<_> = needs
         .iter()
         .flat_map(|need| &need.kernels)
-        .map(|kernel| (kernel.name.clone(), kernel.constants.clone()))
+        .map(|kernel| KernelKey { name: kernel.name.clone(), constants: kernel.constants.clone() })
         .collect();
     assert_eq!(pipelines, listed, "{}", scene.name);
     let buffers: Vec<_> = twin.buffers().collect();
@@ -117,7 +117,7 @@ fn made(device: &Device, scene: &Scene, options: Options) -> Made {
     assert!(session.plan.left_out.iter().all(|(what, why)| !planned.contains(what) && !why.is_empty()));
     let dispatched = needs.iter().map(|need| (need.stage, need.dispatches)).collect();
     (
-        pipelines.into_iter().map(|(name, _)| name).collect(),
+        pipelines.into_iter().map(|kernel| kernel.name).collect(),
         buffers.into_iter().map(|(slot, _)| slot).collect(),
         dispatched,
     )

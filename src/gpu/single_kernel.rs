@@ -1,4 +1,5 @@
-//! One kernel alone, from SPIR-V that is no stage's: for facts about a driver, and for the cost of a formula.
+//! A single kernel run outside of any frame, from SPIR-V that is no stage's: for facts about a driver, and for the cost
+//! of a formula.
 
 use std::rc::Rc;
 
@@ -10,7 +11,7 @@ use super::memory::Buffer;
 use super::record::{Recorder, Timing, Work};
 use crate::error::{Error, Result};
 
-/// A kernel that stands for itself.
+/// A kernel that belongs to no stage.
 pub struct Alone<'a> {
     /// Its name in messages.
     pub name: &'a str,
@@ -30,10 +31,10 @@ impl Alone<'_> {
         self.run_kernel(device, &kernel, buffers, count, times)
     }
 
-    /// Runs it once with counters, and returns what it has done; nothing where its SPIR-V is not of the kind that the build
+    /// Runs it once with counters, and returns what it has done; none where its SPIR-V is not of the kind that the build
     /// makes.
     pub fn tally(&self, device: &Device, buffers: &mut [Vec<u8>], count: u64) -> Result<Option<Tally>> {
-        let kernel = Rc::new(Kernel::metered(device, self.name, self.words()?, self.constants)?);
+        let kernel = Rc::new(Kernel::counting(device, self.name, self.words()?, self.constants)?);
         self.run_kernel(device, &kernel, buffers, count, 1)?;
         kernel.tally()
     }
