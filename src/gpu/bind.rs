@@ -1,4 +1,4 @@
-//! Descriptor sets: which buffer, or part of one, stands at which binding of a kernel.
+//! Descriptor sets: which range of which buffer is bound to each binding of a kernel.
 
 use std::collections::BTreeMap;
 
@@ -27,7 +27,7 @@ pub struct Binding<'a> {
     pub size: u64,
 }
 
-/// What tells one descriptor set from another.
+/// What identifies a descriptor set.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct SetKey {
     pipeline: u64,
@@ -57,7 +57,7 @@ impl Sets {
         Self { device: device.clone(), pools: Vec::new(), left: 0, made: BTreeMap::new() }
     }
 
-    /// The descriptor set of this kernel with these buffers, made if need be.
+    /// The descriptor set of this kernel with these buffers, created when it is first needed.
     pub(super) fn get(&mut self, kernel: &Kernel, bindings: &[Binding<'_>]) -> Result<vk::DescriptorSet> {
         let doing = format!("binding the buffers of kernel {}", kernel.name);
         let mut infos = Vec::with_capacity(kernel.accesses.len());

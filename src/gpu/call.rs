@@ -1,4 +1,4 @@
-//! The one place where calls of Vulkan that can fail are made: tests inject faults here, and result codes become errors.
+//! The one way to make a call of Vulkan that can fail: tests inject faults here, and result codes become errors.
 
 use ash::vk;
 

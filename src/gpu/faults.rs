@@ -1,8 +1,8 @@
 //! Fault injection for tests: any call of Vulkan that can fail can be made to fail, and adapters can be made to promise
 //! less than they do.
 //!
-//! Nothing is injected unless a test requests it on its own thread. A call that is to fail is not made at all, as if the
-//! driver had returned at once.
+//! Nothing is injected unless a test requests it on its own thread. A call that is to fail is not made at all, as if
+//! the driver had returned at once.
 
 use std::cell::RefCell;
 
@@ -67,7 +67,7 @@ pub(super) fn inject(name: &'static str, doing: &str) -> Option<vk::Result> {
     })
 }
 
-/// The result that a call is most likely to fail with.
+/// The result code that a call is most likely to fail with.
 fn likely_failure(name: &str) -> vk::Result {
     match name {
         "vkCreateInstance" => vk::Result::ERROR_INCOMPATIBLE_DRIVER,

@@ -22,6 +22,7 @@ pub(super) struct Inner {
     _entry: ash::Entry,
 }
 
+/// Keeps a message of the validation layer.
 unsafe extern "system" fn on_message(
     severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     _kind: vk::DebugUtilsMessageTypeFlagsEXT,

@@ -10,7 +10,7 @@ use super::reflect::{Access, Reflected, reflect};
 use super::spirv_module::round_to_nearest;
 use crate::error::{Error, Result};
 
-/// What tells one kernel from another.
+/// What identifies a kernel.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct KernelKey {
     /// Its name, `transport/gather`.
@@ -99,7 +99,7 @@ impl Kernel {
             .collect();
         let special = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
         let raw = device.raw();
-        // SAFETY: every handle is this device's and is stored in `kernel` at once, which frees it if a later step fails.
+        // SAFETY: every handle is this device's and is stored in `kernel` at once, which frees it after a failure.
         unsafe {
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
             kernel.set_layout =
@@ -134,7 +134,7 @@ impl Kernel {
     }
 }
 
-/// Fails where the device allows less than a kernel needs, or the constants are not as many as it has.
+/// Fails where the device allows less than a kernel needs, or where the number of constants is not the kernel's.
 fn check(device: &LogicalDevice, found: &Reflected, constants: &[u32], doing: &str) -> Result<()> {
     let limits = device.limits();
     let count = u32::try_from(found.accesses.len()).unwrap_or(u32::MAX);

@@ -1,5 +1,5 @@
-//! The logical device: its queue, its memory, its command buffers and its pipeline cache. All else on a device holds a
-//! clone of it.
+//! The logical device: its queue, its memory, its command buffers and its pipeline cache. Buffers, kernels and
+//! recordings hold a clone of it.
 
 use std::cell::Cell;
 use std::ffi::CString;
@@ -182,8 +182,9 @@ impl LogicalDevice {
         }
     }
 
-    /// Whether nothing runs on the device, so that what it used may be freed. After a wait that failed, a submission may
-    /// still run; it gets [`GRACE`] once more, and what it uses is leaked if it takes longer.
+    /// Whether nothing runs on the device, so that what it used may be freed. After a wait that failed, a submission
+    /// may still run: then this waits once more, for [`GRACE`], and what the submission uses is leaked if it takes
+    /// longer.
     pub(super) fn finished(&self) -> bool {
         self.0.finished()
     }

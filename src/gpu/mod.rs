@@ -1,6 +1,14 @@
-//! The only home of `ash` and of `unsafe`: instance, device, memory, kernels, and the recording of a frame.
+//! Instance, device, memory, kernels, and the recording of a frame: the only place that uses `ash` and `unsafe`.
 //!
-//! Nothing here knows what a stage or a triangle is. Handles own what they need and free themselves.
+//! Nothing here knows what a stage or a triangle is. Handles own what they need and free themselves. No file uses one
+//! that is above it; from the bottom up:
+//!
+//! - `adapter`, `vk_error`, `faults`, `call`: what a machine offers, and calls that can fail;
+//! - `instance`, `allocator`, `logical_device`: Vulkan, a device's memory, its queue and submissions;
+//! - `memory`, `transfer`: buffers, and copies between host and device;
+//! - `spirv_module`, `reflect`, `replace`, `compile`, [`count`]: SPIR-V, what a kernel binds, and kernels that count;
+//! - `kernel`, `bind`, `record`: pipelines, descriptor sets, and a frame's dispatches and barriers;
+//! - `kernel_cache`, `device`, `kernels`, `single_kernel`: what the rest of the program asks for.
 
 mod adapter;
 mod allocator;

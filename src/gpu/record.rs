@@ -15,7 +15,7 @@ use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
 use crate::error::{Error, Result};
 
-/// Largest number of groups laid out along the first dimension of a dispatch.
+/// Most groups along the first dimension of a dispatch.
 const ROW: u64 = 32768;
 
 /// How long one labelled part of a frame took.
@@ -164,7 +164,7 @@ impl Recorder {
         let set = self.sets.get(kernel, bindings)?;
         self.order(kernel, bindings, work);
 
-        // Groups in one row while they fit, else in rows of a fixed length.
+        // All groups in one row where they fit, else rows of equal length.
         let groups = match work {
             Work::Invocations(count) => count.div_ceil(u64::from(kernel.group)),
             Work::Groups { .. } => 0,
@@ -252,7 +252,7 @@ impl Recorder {
         let doing = format!("running a frame ({}; {} dispatches)", stages.join(", "), self.dispatches);
         let raw = self.device.raw();
         vk_call("vkEndCommandBuffer", &doing, || {
-            // SAFETY: the command buffer is complete; every resource it uses is owned by `self` or borrowed by the caller.
+            // SAFETY: the command buffer is complete; what it uses is owned by `self` or borrowed by the caller.
             unsafe { raw.end_command_buffer(self.commands) }
         })?;
         self.device.submit(self.commands, &doing)?;

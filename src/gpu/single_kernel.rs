@@ -24,15 +24,15 @@ pub struct Alone<'a> {
 impl Alone<'_> {
     /// Runs it `times` times for `count` invocations each, in one submission, with buffer k at binding k.
     ///
-    /// The buffers are copied to the device before the first run and back after the last, sizes unchanged. Returns the
-    /// time of every run; the first one includes what the driver does when a pipeline is first used.
+    /// The buffers are copied to the device before the first run and back after the last. Returns the time of every
+    /// run; the first one includes what the driver does when a pipeline is first used.
     pub fn run(&self, device: &Device, buffers: &mut [Vec<u8>], count: u64, times: usize) -> Result<Vec<Timing>> {
         let kernel = Rc::new(Kernel::new(device, self.name, self.words()?, self.constants)?);
         self.run_kernel(device, &kernel, buffers, count, times)
     }
 
-    /// Runs it once with counters, and returns what it has done; none where its SPIR-V is not of the kind that the build
-    /// makes.
+    /// Runs it once with counters, and returns what it has done; none where its SPIR-V is not of the kind that the
+    /// build makes.
     pub fn tally(&self, device: &Device, buffers: &mut [Vec<u8>], count: u64) -> Result<Option<Tally>> {
         let kernel = Rc::new(Kernel::counting(device, self.name, self.words()?, self.constants)?);
         self.run_kernel(device, &kernel, buffers, count, 1)?;
