@@ -47,5 +47,5 @@ pub use record::Timing;
 pub(crate) use record::{Recorder, Work};
 pub use reflect::{Access, accesses, constants, kernel_names, reflect_records, spirv};
 pub use replace::{replacement, source, sources};
-pub use single_kernel::Alone;
+pub use single_kernel::SingleKernel;
 pub(crate) use transfer::{BufferRange, Upload, download, upload};

@@ -12,7 +12,7 @@ use super::record::{Recorder, Timing, Work};
 use crate::error::{Error, Result};
 
 /// A kernel that belongs to no stage.
-pub struct Alone<'a> {
+pub struct SingleKernel<'a> {
     /// Its name in messages.
     pub name: &'a str,
     /// Its SPIR-V, whole words in the byte order of the host.
@@ -21,7 +21,7 @@ pub struct Alone<'a> {
     pub constants: &'a [u32],
 }
 
-impl Alone<'_> {
+impl SingleKernel<'_> {
     /// Runs it `times` times for `count` invocations each, in one submission, with buffer k at binding k.
     ///
     /// The buffers are copied to the device before the first run and back after the last. Returns the time of every

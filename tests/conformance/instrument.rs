@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::devices::on_devices;
 use milkglass::gpu::count::Traffic;
-use milkglass::gpu::{Alone, Device, KernelKey};
+use milkglass::gpu::{Device, KernelKey, SingleKernel};
 use milkglass::layout::Slot;
 use milkglass::measure::profile::{Settings, against, profile};
 use milkglass::render::plan::{Change, Goal, Mode, Options, Transport};
@@ -20,7 +20,7 @@ fn kernels_count_what_they_do() {
         for (elements, rounds) in [(1000u64, 10u64), (64, 1), (1, 0)] {
             let size: Vec<u8> = [elements, rounds].iter().flat_map(|&n| (n as u32).to_ne_bytes()).collect();
             let mut buffers = [size, 1f32.to_ne_bytes().repeat(elements as usize)];
-            let alone = Alone { name: "count", spirv: COUNT, constants: &[] };
+            let alone = SingleKernel { name: "count", spirv: COUNT, constants: &[] };
             let tally = alone.tally(device, &mut buffers, elements).unwrap().unwrap();
             let all = elements.next_multiple_of(64);
             assert_eq!(tally.invocations, all, "{}", device.name());
