@@ -90,11 +90,11 @@ fn compiled(compiler: &shaderc::Compiler, path: &Path, header: &str) -> Result<V
     let source = fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let include = |name: &str| {
         if name == "layout.glsl" {
-            return Ok((name.to_string(), header.to_string()));
+            return Ok(shaderc::ResolvedInclude { resolved_name: name.to_string(), content: header.to_string() });
         }
         let file = Path::new("glsl").join(name);
         let content = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
-        Ok((file.display().to_string(), content))
+        Ok(shaderc::ResolvedInclude { resolved_name: file.display().to_string(), content })
     };
     compile::compile(compiler, &source, &path.display().to_string(), include)
         .map(|artifact| artifact.as_binary_u8().to_vec())

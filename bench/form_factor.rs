@@ -11,7 +11,7 @@ mod population;
 mod seeded;
 
 use milkglass::error::Result;
-use milkglass::gpu::{Alone, Device, Instance};
+use milkglass::gpu::{Device, Instance, SingleKernel};
 use milkglass::measure::stress::factor::Pair;
 use population::{heights, longest, population};
 use seeded::percentile;
@@ -38,7 +38,7 @@ fn form(device: &Device, nodes: u32, records: &[Vec<f32>], receivers: usize) -> 
     let head = [records.len() as u32, receivers as u32].into_iter().flat_map(u32::to_ne_bytes);
     let input = head.chain(records.iter().flatten().flat_map(|x| x.to_ne_bytes())).collect();
     let mut buffers = [input, vec![0; 12 * records.len()]];
-    let alone = Alone { name: "pair", spirv: SPIRV, constants: &[nodes] };
+    let alone = SingleKernel { name: "pair", spirv: SPIRV, constants: &[nodes] };
     // The first run prepares the pipeline.
     let timings = alone.run(device, &mut buffers, records.len() as u64, 8)?;
     let mut times: Vec<f64> = timings.iter().skip(1).map(|timing| timing.milliseconds).collect();

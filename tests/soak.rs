@@ -55,7 +55,7 @@ fn soak(frames: usize) {
         if frame + 1 == WARM {
             warm = resident();
             device.forget_peak();
-            peak = device.memory().1;
+            peak = device.memory().peak;
         } else if frame >= WARM {
             most = most.max(resident().unwrap_or(0));
         }
@@ -76,13 +76,13 @@ fn soak(frames: usize) {
             device.name(),
             mega(warm),
             mega(most),
-            mega(held.0),
-            mega(held.1)
+            mega(held.allocated),
+            mega(held.peak)
         );
         // What allocators and the driver's caches scatter, and not a hundredth of a MiB a frame.
         assert!(most < warm + (48 << 20), "{:.1} MiB, then {:.1}", mega(warm), mega(most));
     }
-    assert!(held.1 < peak.max(1) + (64 << 20), "{held:?} after {peak}");
+    assert!(held.peak < peak.max(1) + (64 << 20), "{held:?} after {peak}");
 }
 
 #[test]

@@ -1,20 +1,20 @@
-//! Descriptor sets: which buffer, or part of one, stands at which binding of a kernel.
+//! Descriptor sets: which range of which buffer is bound to each binding of a kernel.
 
 use std::collections::BTreeMap;
 
 use ash::vk;
 use ash::vk::Handle as _;
 
-use super::device::Device;
-use super::faults::tried;
+use super::call::vk_call;
 use super::kernel::Kernel;
+use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
 use crate::error::{Error, Result};
 
-/// Descriptor sets of one pool.
+/// How many descriptor sets a pool holds.
 const SETS: u32 = 256;
 
-/// A part of a buffer under a binding number.
+/// A range of a buffer, and the binding number that it is bound to.
 #[derive(Clone, Copy)]
 pub struct Binding<'a> {
     /// The binding number.
@@ -27,44 +27,55 @@ pub struct Binding<'a> {
     pub size: u64,
 }
 
-/// A kernel's pipeline, and buffer and offset at each of its bindings.
-type Key = (u64, Vec<(u64, u64, u64)>);
+/// What identifies a descriptor set.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct SetKey {
+    pipeline: u64,
+    /// By binding.
+    ranges: Vec<BoundRange>,
+}
+
+/// A range of a buffer, the buffer by its handle.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct BoundRange {
+    buffer: u64,
+    offset: u64,
+    size: u64,
+}
 
 /// The descriptor sets of one recording. Freed when dropped.
 pub(super) struct Sets {
-    device: Device,
+    device: LogicalDevice,
     pools: Vec<vk::DescriptorPool>,
+    /// How many sets the last pool has left.
     left: u32,
-    made: BTreeMap<Key, vk::DescriptorSet>,
+    made: BTreeMap<SetKey, vk::DescriptorSet>,
 }
 
 impl Sets {
-    pub(super) fn new(device: &Device) -> Self {
+    pub(super) fn new(device: &LogicalDevice) -> Self {
         Self { device: device.clone(), pools: Vec::new(), left: 0, made: BTreeMap::new() }
     }
 
-    /// The descriptor set of this kernel with these buffers, made if need be.
+    /// The descriptor set of this kernel with these buffers, created when it is first needed.
     pub(super) fn get(&mut self, kernel: &Kernel, bindings: &[Binding<'_>]) -> Result<vk::DescriptorSet> {
         let doing = format!("binding the buffers of kernel {}", kernel.name);
         let mut infos = Vec::with_capacity(kernel.accesses.len());
-        let mut key = Vec::with_capacity(kernel.accesses.len());
+        let mut ranges = Vec::with_capacity(kernel.accesses.len());
         for access in &kernel.accesses {
             let binding = bindings
                 .iter()
                 .find(|b| b.number == access.binding)
                 .ok_or_else(|| Error::device(doing.as_str(), format!("nothing is bound at {}", access.binding)))?;
-            key.push((binding.buffer.raw.as_raw(), binding.offset, binding.size));
-            infos.push([vk::DescriptorBufferInfo {
-                buffer: binding.buffer.raw,
-                offset: binding.offset,
-                range: binding.size.max(4),
-            }]);
+            let Binding { buffer, offset, size, .. } = *binding;
+            ranges.push(BoundRange { buffer: buffer.raw.as_raw(), offset, size });
+            infos.push([vk::DescriptorBufferInfo { buffer: buffer.raw, offset, range: size.max(4) }]);
         }
-        let key = (kernel.pipeline.as_raw(), key);
+        let key = SetKey { pipeline: kernel.pipeline.as_raw(), ranges };
         if let Some(set) = self.made.get(&key) {
             return Ok(*set);
         }
-        let raw = &self.device.0.raw;
+        let raw = self.device.raw();
         // SAFETY: pools and sets are this device's and live as long as the recorder.
         let set = unsafe {
             if self.left == 0 {
@@ -73,13 +84,13 @@ impl Sets {
                     descriptor_count: SETS * self.device.limits().storage_buffers.min(32),
                 }];
                 let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS).pool_sizes(&sizes);
-                self.pools.push(tried("vkCreateDescriptorPool", &doing, || raw.create_descriptor_pool(&info, None))?);
+                self.pools.push(vk_call("vkCreateDescriptorPool", &doing, || raw.create_descriptor_pool(&info, None))?);
                 self.left = SETS;
             }
             let layouts = [kernel.set_layout];
             let pool = self.pools.last().copied().unwrap_or_default();
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
-            let set = tried("vkAllocateDescriptorSets", &doing, || raw.allocate_descriptor_sets(&info))?[0];
+            let set = vk_call("vkAllocateDescriptorSets", &doing, || raw.allocate_descriptor_sets(&info))?[0];
             let writes: Vec<_> = kernel
                 .accesses
                 .iter()
@@ -108,7 +119,7 @@ impl Drop for Sets {
         }
         for pool in &self.pools {
             // SAFETY: the recording has been waited for, or was never submitted.
-            unsafe { self.device.0.raw.destroy_descriptor_pool(*pool, None) };
+            unsafe { self.device.raw().destroy_descriptor_pool(*pool, None) };
         }
     }
 }

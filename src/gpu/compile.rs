@@ -1,12 +1,12 @@
-//! From GLSL to SPIR-V: the same for the build, which includes this file, and for kernels given at run time.
+//! From GLSL to SPIR-V: the build includes this file, so that kernels given at run time are compiled as its own are.
 
-/// Compiles one shader; a warning is an error, and messages carry file and line. `include` finds a file by the name that
-/// a shader gives it, and returns the name that messages call it by, and its text.
+/// Compiles one shader; a warning is an error, and messages name file and line. `include` finds a file by the name that
+/// a shader includes it by, and returns its text and the name for messages.
 pub fn compile(
     compiler: &shaderc::Compiler,
     source: &str,
     name: &str,
-    include: impl Fn(&str) -> Result<(String, String), String>,
+    include: impl Fn(&str) -> Result<shaderc::ResolvedInclude, String>,
 ) -> Result<shaderc::CompilationArtifact, String> {
     let mut options = shaderc::CompileOptions::new().map_err(|e| e.to_string())?;
     options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_2 as u32);
@@ -14,9 +14,7 @@ pub fn compile(
     options.set_optimization_level(shaderc::OptimizationLevel::Performance);
     options.set_generate_debug_info();
     options.set_warnings_as_errors();
-    options.set_include_callback(|name, _, _, _| {
-        include(name).map(|(resolved_name, content)| shaderc::ResolvedInclude { resolved_name, content })
-    });
+    options.set_include_callback(|name, _, _, _| include(name));
     compiler.compile_into_spirv(source, shaderc::ShaderKind::Compute, name, "main", Some(&options)).map_err(|error| {
         match error {
             shaderc::Error::CompilationError(_, text) => text.trim_end().to_string(),

@@ -1,20 +1,23 @@
-//! Compute kernels: pipelines made when first used, from the SPIR-V of the build.
-
-use std::cell::RefCell;
-use std::collections::BTreeMap;
-use std::rc::Rc;
+//! A compute kernel: a pipeline made from SPIR-V, and what it binds.
 
 use ash::vk;
 
+use super::call::vk_call;
 use super::count::{self, Tally};
-use super::device::{Device, Inner};
-use super::faults::tried;
+use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
-use super::reflect::{Access, reflect, round_to_nearest, words_of};
+use super::reflect::{Access, Reflected, reflect};
+use super::spirv_module::round_to_nearest;
 use crate::error::{Error, Result};
 
-/// A kernel's name and its specialization constants.
-pub(super) type Key = (String, Vec<u32>);
+/// What identifies a kernel.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct KernelKey {
+    /// Its name, `transport/gather`.
+    pub name: String,
+    /// Its specialization constants 0, 1, ...
+    pub constants: Vec<u32>,
+}
 
 /// A pipeline and what it binds. Freed when dropped.
 pub struct Kernel {
@@ -29,72 +32,22 @@ pub struct Kernel {
     pub push_bytes: u32,
     /// Invocations of a group.
     pub group: u32,
-    /// Where it counts how often each of its blocks runs, and what they do, if it counts.
+    /// Its counters, if it counts what it does.
     pub(super) meter: Option<Meter>,
-    // Not a `Device`, which may hold this kernel.
-    device: Rc<Inner>,
+    device: LogicalDevice,
 }
 
-/// The counters of a kernel: two words a block, the lower first.
+/// The counters of a kernel.
 pub(super) struct Meter {
+    /// What each block that counts does when it runs once.
     blocks: Vec<count::Block>,
+    /// How often each has run: two words a block, the lower one first.
     pub(super) counters: Buffer,
 }
 
-/// The kernels that one twin of a state has asked for. Twins on one device share pipelines, which drivers take up to a
-/// tenth of a second to compile; only kernels that count are each twin's own.
-pub struct Kernels {
-    device: Device,
-    made: RefCell<BTreeMap<Key, Rc<Kernel>>>,
-}
-
-impl Kernels {
-    /// An empty collection for this device.
-    pub fn new(device: &Device) -> Self {
-        Self { device: device.clone(), made: RefCell::default() }
-    }
-
-    /// The kernel of this name with these specialization constants (0, 1, ...), made if need be.
-    pub fn get(&self, name: &str, constants: &[u32]) -> Result<Rc<Kernel>> {
-        let key = (name.to_string(), constants.to_vec());
-        if let Some(kernel) = self.made.borrow().get(&key) {
-            return Ok(kernel.clone());
-        }
-        let kit = &self.device.1;
-        let words = || kit.replaced.get(name).map_or_else(|| words_of(name), |words| Ok(words.clone()));
-        let shared = kit.made.borrow().get(&key).cloned();
-        let kernel = if let Some(kernel) = shared {
-            kernel
-        } else if kit.counts {
-            Rc::new(Kernel::metered(&self.device, name, words()?, constants)?)
-        } else {
-            let kernel = Rc::new(Kernel::new(&self.device, name, words()?, constants)?);
-            kit.made.borrow_mut().insert(key.clone(), kernel.clone());
-            kernel
-        };
-        self.made.borrow_mut().insert(key, kernel.clone());
-        Ok(kernel)
-    }
-
-    /// The kernels made so far, each with its specialization constants.
-    pub fn made(&self) -> Vec<(String, Vec<u32>)> {
-        self.made.borrow().keys().cloned().collect()
-    }
-
-    /// What each kernel has done since the last call, where kernels count; none have otherwise.
-    pub fn tallies(&self) -> Result<Vec<(String, Tally)>> {
-        let made = self.made.borrow();
-        let mut tallies = Vec::new();
-        for ((name, _), kernel) in made.iter() {
-            tallies.extend(kernel.tally()?.map(|tally| (name.clone(), tally)));
-        }
-        Ok(tallies)
-    }
-}
-
 impl Kernel {
-    /// The kernel with counters, if its SPIR-V is of the kind that the build makes.
-    pub(super) fn metered(device: &Device, name: &str, words: Vec<u32>, constants: &[u32]) -> Result<Self> {
+    /// The kernel with counters, if its SPIR-V is of the kind that the build makes; else without.
+    pub(super) fn counting(device: &LogicalDevice, name: &str, words: Vec<u32>, constants: &[u32]) -> Result<Self> {
         let Some(counted) = count::counted(&words) else { return Self::new(device, name, words, constants) };
         let mut kernel = Self::new(device, name, counted.words, constants)?;
         let counters = Buffer::new(device, "counters", 8 * counted.blocks.len() as u64)?;
@@ -113,29 +66,11 @@ impl Kernel {
     }
 
     /// The kernel of this SPIR-V with these specialization constants (0, 1, ...), or what the device lacks for it.
-    pub(super) fn new(device: &Device, name: &str, mut words: Vec<u32>, constants: &[u32]) -> Result<Self> {
+    pub(super) fn new(device: &LogicalDevice, name: &str, words: Vec<u32>, constants: &[u32]) -> Result<Self> {
         let doing = format!("preparing kernel {name}");
         let found = reflect(name, &words)?;
-
-        // What the device must allow.
-        let limits = device.limits();
-        let count = u32::try_from(found.accesses.len()).unwrap_or(u32::MAX);
-        for (what, needed, allowed) in [
-            ("storage buffers", count, limits.storage_buffers),
-            ("bytes of push constants", found.push_bytes, limits.push_bytes),
-            ("invocations in a group", found.group, limits.group_invocations),
-        ] {
-            if needed > allowed {
-                return Err(Error::device(doing, format!("it needs {needed} {what}, the device allows {allowed}")));
-            }
-        }
-        if found.constants != constants.len() {
-            let (has, given) = (found.constants, constants.len());
-            return Err(Error::device(doing, format!("it has {has} specialization constants, {given} were given")));
-        }
-        if limits.round_to_nearest {
-            words = round_to_nearest(words);
-        }
+        check(device, &found, constants, &doing)?;
+        let words = if device.limits().round_to_nearest { round_to_nearest(words) } else { words };
 
         let mut kernel = Self {
             pipeline: vk::Pipeline::null(),
@@ -146,7 +81,7 @@ impl Kernel {
             push_bytes: found.push_bytes,
             group: found.group,
             meter: None,
-            device: device.0.clone(),
+            device: device.clone(),
         };
         let bindings: Vec<_> = kernel
             .accesses
@@ -163,12 +98,12 @@ impl Kernel {
             .map(|i| vk::SpecializationMapEntry { constant_id: i as u32, offset: 4 * i as u32, size: 4 })
             .collect();
         let special = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
-        let raw = &device.0.raw;
-        // SAFETY: every handle is this device's and lands in `kernel` at once, which frees it if a later step fails.
+        let raw = device.raw();
+        // SAFETY: every handle is this device's and is stored in `kernel` at once, which frees it after a failure.
         unsafe {
             let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
             kernel.set_layout =
-                tried("vkCreateDescriptorSetLayout", &doing, || raw.create_descriptor_set_layout(&info, None))?;
+                vk_call("vkCreateDescriptorSetLayout", &doing, || raw.create_descriptor_set_layout(&info, None))?;
             let sets = [kernel.set_layout];
             let push = [vk::PushConstantRange {
                 stage_flags: vk::ShaderStageFlags::COMPUTE,
@@ -179,17 +114,17 @@ impl Kernel {
             if kernel.push_bytes > 0 {
                 info = info.push_constant_ranges(&push);
             }
-            kernel.layout = tried("vkCreatePipelineLayout", &doing, || raw.create_pipeline_layout(&info, None))?;
+            kernel.layout = vk_call("vkCreatePipelineLayout", &doing, || raw.create_pipeline_layout(&info, None))?;
             let info = vk::ShaderModuleCreateInfo::default().code(&words);
-            let module = tried("vkCreateShaderModule", &doing, || raw.create_shader_module(&info, None))?;
+            let module = vk_call("vkCreateShaderModule", &doing, || raw.create_shader_module(&info, None))?;
             let stage = vk::PipelineShaderStageCreateInfo::default()
                 .stage(vk::ShaderStageFlags::COMPUTE)
                 .module(module)
                 .name(c"main")
                 .specialization_info(&special);
             let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(kernel.layout)];
-            let made = tried("vkCreateComputePipelines", &doing, || {
-                raw.create_compute_pipelines(device.0.cache, &info, None).map_err(|(_, code)| code)
+            let made = vk_call("vkCreateComputePipelines", &doing, || {
+                raw.create_compute_pipelines(device.pipeline_cache(), &info, None).map_err(|(_, code)| code)
             });
             raw.destroy_shader_module(module, None);
             kernel.pipeline = made?[0];
@@ -199,12 +134,32 @@ impl Kernel {
     }
 }
 
+/// Fails where the device allows less than a kernel needs, or where the number of constants is not the kernel's.
+fn check(device: &LogicalDevice, found: &Reflected, constants: &[u32], doing: &str) -> Result<()> {
+    let limits = device.limits();
+    let count = u32::try_from(found.accesses.len()).unwrap_or(u32::MAX);
+    for (what, needed, allowed) in [
+        ("storage buffers", count, limits.storage_buffers),
+        ("bytes of push constants", found.push_bytes, limits.push_bytes),
+        ("invocations in a group", found.group, limits.group_invocations),
+    ] {
+        if needed > allowed {
+            return Err(Error::device(doing, format!("it needs {needed} {what}, the device allows {allowed}")));
+        }
+    }
+    if found.constants != constants.len() {
+        let (has, given) = (found.constants, constants.len());
+        return Err(Error::device(doing, format!("it has {has} specialization constants, {given} were given")));
+    }
+    Ok(())
+}
+
 impl Drop for Kernel {
     fn drop(&mut self) {
         if !self.device.finished() {
             return;
         }
-        let raw = &self.device.raw;
+        let raw = self.device.raw();
         // SAFETY: every submission is waited for, so the device no longer uses them; null handles are allowed.
         unsafe {
             raw.destroy_pipeline(self.pipeline, None);

@@ -1,9 +1,19 @@
-//! The only home of `ash` and of `unsafe`: instance, device, memory, kernels, and the recording of a frame.
+//! Instance, device, memory, kernels, and the recording of a frame: the only place that uses `ash` and `unsafe`.
 //!
-//! Nothing here knows what a stage or a triangle is. Handles own what they need and free themselves.
+//! Nothing here knows what a stage or a triangle is. Handles own what they need and free themselves. No file uses one
+//! that is above it; from the bottom up:
+//!
+//! - `adapter`, `vk_error`, `faults`, `call`: what a machine offers, and calls that can fail;
+//! - `instance`, `allocator`, `logical_device`: Vulkan, a device's memory, its queue and submissions;
+//! - `memory`, `transfer`: buffers, and copies between host and device;
+//! - `spirv_module`, `reflect`, `replace`, `compile`, [`count`]: SPIR-V, what a kernel binds, and kernels that count;
+//! - `kernel`, `bind`, `record`: pipelines, descriptor sets, and a frame's dispatches and barriers;
+//! - `kernel_cache`, `device`, `kernels`, `single_kernel`: what the rest of the program asks for.
 
-mod alone;
+mod adapter;
+mod allocator;
 mod bind;
+mod call;
 #[cfg(feature = "shaderc")]
 mod compile;
 pub mod count;
@@ -12,20 +22,30 @@ mod device;
 pub mod faults;
 mod instance;
 mod kernel;
+mod kernel_cache;
+mod kernels;
+mod logical_device;
 mod memory;
 mod record;
 mod reflect;
 mod replace;
+mod single_kernel;
+mod spirv_module;
 mod transfer;
+mod vk_error;
 
-pub use alone::Alone;
+pub use adapter::{Adapter, Limits};
+pub use allocator::MemoryUse;
 pub(crate) use bind::Binding;
 pub use device::Device;
-pub use instance::{Adapter, Instance, Limits};
-pub use kernel::{Kernel, Kernels};
+pub use instance::Instance;
+pub use kernel::{Kernel, KernelKey};
+pub use kernels::Kernels;
+pub use logical_device::LogicalDevice;
 pub use memory::Buffer;
 pub use record::Timing;
 pub(crate) use record::{Recorder, Work};
 pub use reflect::{Access, accesses, constants, kernel_names, reflect_records, spirv};
 pub use replace::{replacement, source, sources};
-pub(crate) use transfer::{download, upload};
+pub use single_kernel::SingleKernel;
+pub(crate) use transfer::{BufferRange, Upload, download, upload};

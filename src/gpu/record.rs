@@ -1,4 +1,4 @@
-//! Recording a frame: dispatches, the barriers they need, a label and two timestamps a stage, one submit.
+//! Recording a frame: dispatches, the barriers they need, a label and two timestamps per stage, one submission.
 
 use std::collections::BTreeSet;
 use std::ffi::CString;
@@ -8,15 +8,16 @@ use ash::vk;
 use ash::vk::Handle as _;
 
 use super::bind::{Binding, Sets};
+use super::call::vk_call;
 use super::count;
-use super::device::Device;
-use super::faults::tried;
 use super::kernel::Kernel;
+use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
 use crate::error::{Error, Result};
 
-/// Largest number of groups laid out along the first dimension of a dispatch.
+/// Most groups along the first dimension of a dispatch.
 const ROW: u64 = 32768;
+
 /// How long one labelled part of a frame took.
 #[derive(Clone, Debug)]
 pub struct Timing {
@@ -24,36 +25,47 @@ pub struct Timing {
     pub name: String,
     /// Time on the device, milliseconds; not a number where the device has no timestamps.
     pub milliseconds: f64,
-    /// When it began, milliseconds after the first part of its submission; not a number likewise.
+    /// When it began, milliseconds after the first part of its submission; not a number where the device has no
+    /// timestamps.
     pub start: f64,
 }
 
-/// How much a dispatch does.
+/// How large a dispatch is.
 #[derive(Clone, Copy)]
 pub enum Work<'a> {
-    /// So many invocations, rounded up to whole groups.
+    /// This many invocations, rounded up to whole groups.
     Invocations(u64),
-    /// As many groups as the three numbers at this byte of a buffer say.
-    Groups(&'a Buffer, u64),
+    /// As many groups as three numbers in a buffer say: an indirect dispatch.
+    Groups {
+        /// The buffer.
+        buffer: &'a Buffer,
+        /// The first byte of the three numbers.
+        offset: u64,
+    },
 }
 
 /// A frame being recorded.
 pub struct Recorder {
-    device: Device,
+    device: LogicalDevice,
     commands: vk::CommandBuffer,
     sets: Sets,
     queries: vk::QueryPool,
+    /// The names of the parts begun so far.
     names: Vec<String>,
-    room: usize,
+    /// How many parts the queries suffice for.
+    timed_parts: usize,
+    /// What has to live until the submission has been waited for.
     kernels: Vec<Rc<Kernel>>,
+    /// Buffers read since the last barrier, by handle.
     read: BTreeSet<u64>,
+    /// Buffers written since the last barrier, by handle.
     written: BTreeSet<u64>,
     dispatches: usize,
 }
 
 impl Recorder {
     /// Begins a frame of at most `parts` labelled parts.
-    pub fn new(device: &Device, parts: usize) -> Result<Self> {
+    pub fn new(device: &LogicalDevice, parts: usize) -> Result<Self> {
         let doing = "recording a frame";
         let commands = device.begin(doing)?;
         let mut recorder = Self {
@@ -62,7 +74,7 @@ impl Recorder {
             sets: Sets::new(device),
             queries: vk::QueryPool::null(),
             names: Vec::new(),
-            room: 0,
+            timed_parts: 0,
             kernels: Vec::new(),
             read: BTreeSet::new(),
             written: BTreeSet::new(),
@@ -73,21 +85,21 @@ impl Recorder {
             let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(count);
             // SAFETY: the device is alive; the pool is freed with the recorder.
             unsafe {
-                recorder.queries = tried("vkCreateQueryPool", doing, || device.0.raw.create_query_pool(&info, None))?;
-                device.0.raw.cmd_reset_query_pool(commands, recorder.queries, 0, count);
+                recorder.queries = vk_call("vkCreateQueryPool", doing, || device.raw().create_query_pool(&info, None))?;
+                device.raw().cmd_reset_query_pool(commands, recorder.queries, 0, count);
             }
-            recorder.room = parts;
+            recorder.timed_parts = parts;
         }
         Ok(recorder)
     }
 
-    /// Runs `body` as a part of this name: a debug label, and a timestamp before and after.
+    /// Records what `body` records as a part of this name: within a debug label, and with a timestamp before and after.
     pub fn part(&mut self, name: &str, body: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
-        let raw = self.device.0.raw.clone();
+        let raw = self.device.raw().clone();
         let index = self.names.len();
-        let timed = index < self.room;
+        let timed = index < self.timed_parts;
         self.names.push(name.to_string());
-        let debug = self.device.0.debug.clone();
+        let debug = self.device.debug().cloned();
         // SAFETY: the command buffer is recording; both queries lie within the pool.
         unsafe {
             if let (Some(debug), Ok(name)) = (&debug, CString::new(name)) {
@@ -113,7 +125,7 @@ impl Recorder {
         done
     }
 
-    /// Runs a kernel; a barrier goes before it where an earlier dispatch demands one.
+    /// Records a dispatch of a kernel, after a barrier where it depends on an earlier dispatch.
     pub fn dispatch(
         &mut self,
         kernel: &Rc<Kernel>,
@@ -142,7 +154,7 @@ impl Recorder {
                 ));
             }
         }
-        // A kernel that counts has a buffer of its own for that.
+        // A kernel that counts has a buffer of its own for its counters.
         let mut bindings = bindings.to_vec();
         if let Some(meter) = &kernel.meter {
             let (number, buffer) = (count::BINDING, &meter.counters);
@@ -152,10 +164,10 @@ impl Recorder {
         let set = self.sets.get(kernel, bindings)?;
         self.order(kernel, bindings, work);
 
-        // Groups in one row while they fit, else in rows of a fixed length.
+        // All groups in one row where they fit, else rows of equal length.
         let groups = match work {
             Work::Invocations(count) => count.div_ceil(u64::from(kernel.group)),
-            Work::Groups(..) => 0,
+            Work::Groups { .. } => 0,
         };
         let most = self.device.limits().groups.map(u64::from);
         let row = ROW.min(most[0]).max(1);
@@ -164,7 +176,7 @@ impl Recorder {
             let what = format!("it takes {groups} groups, the device dispatches at most {} x {}", most[0], most[1]);
             return Err(Error::device(doing(), what));
         }
-        let raw = &self.device.0.raw;
+        let raw = self.device.raw();
         // SAFETY: kernel, set and buffers live until the submission has been waited for.
         unsafe {
             raw.cmd_bind_pipeline(self.commands, vk::PipelineBindPoint::COMPUTE, kernel.pipeline);
@@ -174,7 +186,7 @@ impl Recorder {
             }
             match work {
                 Work::Invocations(_) => raw.cmd_dispatch(self.commands, across as u32, down as u32, 1),
-                Work::Groups(buffer, offset) => raw.cmd_dispatch_indirect(self.commands, buffer.raw, offset),
+                Work::Groups { buffer, offset } => raw.cmd_dispatch_indirect(self.commands, buffer.raw, offset),
             }
         }
         self.kernels.push(kernel.clone());
@@ -182,7 +194,8 @@ impl Recorder {
         Ok(())
     }
 
-    /// Inserts a barrier if this dispatch reads what was written since the last one, or writes what was used.
+    /// Records a barrier if this dispatch reads what was written since the last barrier, or writes what was read or
+    /// written since then.
     fn order(&mut self, kernel: &Kernel, bindings: &[Binding<'_>], work: Work<'_>) {
         let uses: Vec<_> = kernel
             .accesses
@@ -193,7 +206,7 @@ impl Recorder {
             })
             .collect();
         let counted = match work {
-            Work::Groups(buffer, _) => Some(buffer.raw.as_raw()),
+            Work::Groups { buffer, .. } => Some(buffer.raw.as_raw()),
             Work::Invocations(_) => None,
         };
         let hazard = counted.is_some_and(|buffer| self.written.contains(&buffer))
@@ -208,7 +221,7 @@ impl Recorder {
             let stage = vk::PipelineStageFlags::COMPUTE_SHADER | vk::PipelineStageFlags::DRAW_INDIRECT;
             // SAFETY: the command buffer is recording.
             unsafe {
-                self.device.0.raw.cmd_pipeline_barrier(
+                self.device.raw().cmd_pipeline_barrier(
                     self.commands,
                     stage,
                     stage,
@@ -232,21 +245,21 @@ impl Recorder {
         }
     }
 
-    /// Submits the frame, waits for it, and returns each part's time on the device.
+    /// Submits the frame, waits for it, and returns the time of each part on the device.
     pub fn submit(self) -> Result<Vec<Timing>> {
         let mut stages = self.names.clone();
         stages.dedup();
         let doing = format!("running a frame ({}; {} dispatches)", stages.join(", "), self.dispatches);
-        let raw = &self.device.0.raw;
-        tried("vkEndCommandBuffer", &doing, || {
-            // SAFETY: the command buffer is complete; every resource it uses is owned by `self` or borrowed by the caller.
+        let raw = self.device.raw();
+        vk_call("vkEndCommandBuffer", &doing, || {
+            // SAFETY: the command buffer is complete; what it uses is owned by `self` or borrowed by the caller.
             unsafe { raw.end_command_buffer(self.commands) }
         })?;
         self.device.submit(self.commands, &doing)?;
-        let mut ticks = vec![0u64; 2 * self.names.len().min(self.room)];
+        let mut ticks = vec![0u64; 2 * self.names.len().min(self.timed_parts)];
         if !ticks.is_empty() {
             let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
-            tried("vkGetQueryPoolResults", &doing, || {
+            vk_call("vkGetQueryPoolResults", &doing, || {
                 // SAFETY: every query of the range was written by the submission.
                 unsafe { raw.get_query_pool_results(self.queries, 0, &mut ticks, flags) }
             })?;
@@ -273,6 +286,6 @@ impl Drop for Recorder {
         }
         self.device.discard(self.commands);
         // SAFETY: a submitted frame has been waited for; one that was not submitted is not in use.
-        unsafe { self.device.0.raw.destroy_query_pool(self.queries, None) };
+        unsafe { self.device.raw().destroy_query_pool(self.queries, None) };
     }
 }

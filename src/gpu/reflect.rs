@@ -1,4 +1,5 @@
-//! What a kernel binds and takes, read from its SPIR-V: no binding, size or group is written twice.
+//! What a kernel binds and takes, read from its SPIR-V, so that no binding number, group size or size of push constants
+//! is written twice.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -11,7 +12,7 @@ use crate::error::{Error, Result};
 
 include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
 
-/// What a kernel does with a buffer, as declared in GLSL by `readonly` and `writeonly`.
+/// How a kernel uses a buffer, as GLSL declares by `readonly` and `writeonly`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Access {
     /// The binding.
@@ -32,14 +33,14 @@ pub fn spirv(name: &str) -> Option<&'static [u8]> {
     SPIRV.iter().find(|(known, _)| *known == name).map(|(_, bytes)| *bytes)
 }
 
-/// The names of the specialization constants of a kernel of the program, in their order.
+/// The names of the specialization constants of a kernel of the program, by their ids.
 pub fn constants(name: &str) -> Result<Vec<String>> {
     Ok(reflect(name, &words_of(name)?)?.names.into_values().collect())
 }
 
-/// What a kernel of the program does with which buffers.
+/// How a kernel of the program uses its buffers.
 pub fn accesses(name: &str) -> Result<Vec<Access>> {
-    /// A frame asks for the same kernel hundreds of times.
+    /// Those reflected so far: a frame asks for the same kernel hundreds of times.
     static KNOWN: Mutex<BTreeMap<String, Vec<Access>>> = Mutex::new(BTreeMap::new());
     if let Some(found) = KNOWN.lock().ok().and_then(|known| known.get(name).cloned()) {
         return Ok(found);
@@ -59,13 +60,18 @@ pub(super) fn words_of(name: &str) -> Result<Vec<u32>> {
 
 /// What reflection finds in a kernel.
 pub(super) struct Reflected {
+    /// The buffers it binds, by binding.
     pub(super) accesses: Vec<Access>,
+    /// The types of its buffers and push constants.
     types: Vec<Type>,
     /// Bytes from one element to the next, by binding.
     pub(super) strides: BTreeMap<u32, usize>,
     pub(super) push_bytes: u32,
+    /// Invocations of a group.
     pub(super) group: u32,
+    /// How many specialization constants it has.
     pub(super) constants: usize,
+    /// Their names, by id.
     names: BTreeMap<u32, String>,
 }
 
@@ -139,8 +145,18 @@ pub struct Struct {
     pub kernel: String,
     /// The struct's name, or the buffer's for an array of plain numbers.
     pub name: String,
-    /// Each member's name and byte offset; a runtime array's stride goes by the name `[]`.
-    pub members: Vec<(String, usize)>,
+    /// Its members, in their order; none where this is the stride of an array.
+    pub members: Vec<Member>,
+    /// Bytes from one element to the next, where the struct is the element of an array.
+    pub stride: Option<usize>,
+}
+
+/// A member of a struct.
+pub struct Member {
+    /// Its name.
+    pub name: String,
+    /// Its first byte within the struct.
+    pub offset: usize,
 }
 
 /// Every struct in the SPIR-V of every kernel.
@@ -151,10 +167,13 @@ pub fn reflect_records() -> Result<Vec<Struct>> {
                 let members = record
                     .members
                     .iter()
-                    .map(|m| (m.name.clone().unwrap_or_default(), m.offset.unwrap_or(usize::MAX)))
+                    .map(|member| Member {
+                        name: member.name.clone().unwrap_or_default(),
+                        offset: member.offset.unwrap_or(usize::MAX),
+                    })
                     .collect();
                 let name = record.name.clone().unwrap_or_default();
-                out.push(Struct { kernel: kernel.to_string(), name, members });
+                out.push(Struct { kernel: kernel.to_string(), name, members, stride: None });
                 for member in &record.members {
                     visit(kernel, &member.ty, out);
                     if let Type::Array(array) = &member.ty {
@@ -162,8 +181,8 @@ pub fn reflect_records() -> Result<Vec<Struct>> {
                             Type::Struct(element) => element.name.clone().unwrap_or_default(),
                             _ => member.name.clone().unwrap_or_default(),
                         };
-                        let members = vec![("[]".into(), array.stride.unwrap_or(0))];
-                        out.push(Struct { kernel: kernel.to_string(), name, members });
+                        let stride = Some(array.stride.unwrap_or(0));
+                        out.push(Struct { kernel: kernel.to_string(), name, members: Vec::new(), stride });
                     }
                 }
             }
@@ -178,25 +197,4 @@ pub fn reflect_records() -> Result<Vec<Struct>> {
         }
     }
     Ok(out)
-}
-
-/// Asks for 32-bit rounding to nearest: a capability after the header, an execution mode before the first one.
-pub(super) fn round_to_nearest(mut words: Vec<u32>) -> Vec<u32> {
-    const OP_ENTRY_POINT: u32 = 15;
-    const OP_EXECUTION_MODE: u32 = 16;
-    let mut at = 5;
-    let mut entry = 0;
-    while at < words.len() {
-        let (op, length) = (words[at] & 0xffff, (words[at] >> 16).max(1) as usize);
-        if op == OP_ENTRY_POINT {
-            entry = words[at + 2];
-        }
-        if op == OP_EXECUTION_MODE {
-            words.splice(at..at, [(4 << 16) | OP_EXECUTION_MODE, entry, 4462, 32]);
-            words.splice(5..5, [(2 << 16) | 17, 4467]);
-            return words;
-        }
-        at += length;
-    }
-    words
 }

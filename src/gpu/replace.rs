@@ -1,4 +1,4 @@
-//! The sources of the program's kernels, and kernels given at run time that take the place of one of them.
+//! The sources of the program's kernels, and kernels given at run time that replace one of them.
 
 use std::borrow::Cow;
 use std::io::Read as _;
@@ -8,8 +8,8 @@ use super::reflect::{Reflected, SOURCES, kernel_names, reflect, words_of};
 use crate::error::{Error, Input, Result};
 use crate::layout::{SLOTS, declarations};
 
-/// The GLSL of a kernel, `transport/push`, or of a file that kernels include, `dipole/jet.glsl`; `layout.glsl` is the records
-/// and buffers. None where there is no such source.
+/// The GLSL of a kernel, `transport/push`, or of a file that kernels include, `dipole/jet.glsl`; `layout.glsl` declares
+/// the records and buffers. None where there is no such source.
 pub fn source(name: &str) -> Option<Cow<'static, str>> {
     if name == "layout.glsl" {
         return Some(declarations().into());
@@ -23,10 +23,10 @@ pub fn sources() -> impl Iterator<Item = &'static str> {
     SOURCES.iter().map(|(name, _)| name.strip_suffix(".comp").unwrap_or(name)).chain(["layout.glsl"])
 }
 
-/// The SPIR-V of a file that is to take the place of a kernel, its interface checked against the kernel's.
+/// The SPIR-V of a file that is to replace a kernel, its interface checked against the kernel's.
 ///
-/// Includes are looked for beside the file, then among the program's own. Errors are the user's: they name the file, and
-/// the line where the compiler does.
+/// Includes are searched for beside the file, then among the program's own sources. Errors are the user's: they name
+/// the file, and the line where the compiler names it.
 pub fn replacement(kernel: &str, file: &Path) -> Result<Vec<u32>> {
     if !kernel_names().any(|known| known == kernel) {
         let names: Vec<_> = kernel_names().filter(|known| !known.starts_with("measure/")).collect();
@@ -47,7 +47,8 @@ pub fn replacement(kernel: &str, file: &Path) -> Result<Vec<u32>> {
     }
 }
 
-/// In what the interface of a kernel is more than, or other than, the built-in one's.
+/// How the interface of a kernel differs from the built-in one's where it must not: it may bind fewer buffers, and only
+/// read what the built-in one reads and writes.
 fn differs(own: &Reflected, right: &Reflected) -> Option<String> {
     for access in &own.accesses {
         let binding = access.binding;
@@ -84,13 +85,13 @@ fn differs(own: &Reflected, right: &Reflected) -> Option<String> {
     None
 }
 
-/// Most bytes of a shader, and of a file that it includes; the program's own are a hundredth of that.
+/// Most bytes of a shader, or of a file that it includes; the program's own have a hundredth of that.
 const MOST_TEXT: u64 = 1 << 20;
-/// Most files that a shader includes, one in the other or one after the other.
+/// Most files that a shader includes, directly or through others.
 #[cfg(feature = "shaderc")]
 const MOST_INCLUDES: u32 = 256;
 
-/// The text of a plain file that is no longer than a shader may be.
+/// The text of a plain file, at most [`MOST_TEXT`] bytes.
 fn read(file: &Path) -> std::result::Result<String, String> {
     let known = file.metadata().map_err(|error| error.to_string())?;
     if !known.is_file() {
@@ -121,11 +122,12 @@ fn compile(file: &Path, text: &str) -> Result<Vec<u32>> {
         }
         if path.is_file() {
             let content = read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-            return Ok((path.display().to_string(), content));
+            return Ok(shaderc::ResolvedInclude { resolved_name: path.display().to_string(), content });
         }
-        source(name).map(|content| (name.to_string(), content.into_owned())).ok_or_else(|| {
+        let content = source(name).ok_or_else(|| {
             format!("{name} is neither beside {} nor built in; `milkglass shader` lists what is", file.display())
-        })
+        })?;
+        Ok(shaderc::ResolvedInclude { resolved_name: name.to_string(), content: content.into_owned() })
     };
     super::compile::compile(&compiler, text, &file.display().to_string(), include)
         .map(|artifact| artifact.as_binary().to_vec())

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::pass::Pass;
 use super::{Place, State, Step};
 use crate::error::Result;
-use crate::gpu::{Binding, Buffer, Device, Kernels, Recorder, Timing, Work, download, upload};
+use crate::gpu::{Binding, Buffer, BufferRange, Device, Kernels, Recorder, Timing, Upload, Work, download, upload};
 use crate::layout::{SLOTS, Slot};
 
 /// Bytes after the end of each buffer that no kernel may touch, when guarded.
@@ -55,15 +55,18 @@ impl DeviceState {
         }
         let guards = self.guards(state, &made);
         let bytes = [GUARD_BYTE; GUARD as usize + 4];
-        let fill: Vec<_> = guards.iter().map(|&(buffer, from, size)| (buffer, from, &bytes[..size as usize])).collect();
+        let fill: Vec<_> = guards
+            .iter()
+            .map(|&BufferRange { buffer, offset, size }| Upload { buffer, offset, bytes: &bytes[..size as usize] })
+            .collect();
         upload(&self.device, &fill)
     }
 
     /// The bytes after the end of these buffers, where they are guarded.
-    fn guards(&self, state: &State, slots: &[Slot]) -> Vec<(&Buffer, u64, u64)> {
+    fn guards(&self, state: &State, slots: &[Slot]) -> Vec<BufferRange<'_>> {
         let guard = |slot: &Slot| {
             let (buffer, used) = (self.buffers.get(slot)?, state.data.bytes(*slot).len() as u64);
-            Some((buffer, used, buffer.size().saturating_sub(used)))
+            Some(BufferRange { buffer, offset: used, size: buffer.size().saturating_sub(used) })
         };
         slots.iter().filter(|_| self.guarded).filter_map(guard).collect()
     }
@@ -71,17 +74,22 @@ impl DeviceState {
     /// Copies these buffers of the state to the device.
     pub fn upload(&mut self, state: &State, slots: &[Slot]) -> Result<()> {
         self.resize(state)?;
-        let fill = |slot: &Slot| Some((self.buffers.get(slot)?, 0, state.data.bytes(*slot)));
+        let fill =
+            |slot: &Slot| Some(Upload { buffer: self.buffers.get(slot)?, offset: 0, bytes: state.data.bytes(*slot) });
         upload(&self.device, &slots.iter().filter_map(fill).collect::<Vec<_>>())
     }
 
     /// Copies these buffers of the device to the state.
     pub fn download(&self, state: &mut State, slots: &[Slot]) -> Result<()> {
         let slots: Vec<Slot> = slots.iter().copied().filter(|slot| self.buffers.contains_key(slot)).collect();
-        let range = |slot: &Slot| (&self.buffers[slot], 0, state.data.bytes(*slot).len() as u64);
+        let range = |slot: &Slot| {
+            let size = state.data.bytes(*slot).len() as u64;
+            BufferRange { buffer: &self.buffers[slot], offset: 0, size }
+        };
         let ranges: Vec<_> = slots.iter().map(range).collect();
-        download(&self.device, &ranges, |k, at, bytes| {
-            state.data.bytes_mut(slots[k])[at..at + bytes.len()].copy_from_slice(bytes);
+        download(&self.device, &ranges, |part| {
+            let end = part.offset + part.bytes.len();
+            state.data.bytes_mut(slots[part.range])[part.offset..end].copy_from_slice(part.bytes);
         })
     }
 
@@ -89,8 +97,8 @@ impl DeviceState {
     pub fn trespasses(&self, state: &State) -> Result<Vec<&'static str>> {
         let slots: Vec<Slot> = self.buffers.keys().copied().collect();
         let mut found = vec![false; slots.len()];
-        download(&self.device, &self.guards(state, &slots), |k, _, bytes| {
-            found[k] |= bytes.iter().any(|&byte| byte != GUARD_BYTE);
+        download(&self.device, &self.guards(state, &slots), |part| {
+            found[part.range] |= part.bytes.iter().any(|&byte| byte != GUARD_BYTE);
         })?;
         Ok(slots.iter().zip(found).filter(|(_, found)| *found).map(|(slot, _)| slot.spec().name).collect())
     }
@@ -135,10 +143,11 @@ impl DeviceState {
             });
         }
         let work = match call.groups {
-            Err(count) => Work::Invocations(count as u64),
-            Ok((groups, element)) => {
-                let Some(buffer) = self.buffers.get(&groups) else { return Ok(()) };
-                Work::Groups(buffer, ((state.part(groups, call.at).0 + element) * groups.spec().stride) as u64)
+            Groups::Invocations(count) => Work::Invocations(count as u64),
+            Groups::Counted { slot, element } => {
+                let Some(buffer) = self.buffers.get(&slot) else { return Ok(()) };
+                let offset = ((state.part(slot, call.at).0 + element) * slot.spec().stride) as u64;
+                Work::Groups { buffer, offset }
             }
         };
         recorder.dispatch(&kernel, &bindings, call.push, work)
@@ -151,6 +160,19 @@ pub(super) struct Call<'a> {
     pub(super) constants: &'a [u32],
     pub(super) push: &'a [u8],
     pub(super) at: Place,
-    /// The buffer and the element of its part that says the number of groups, or the number of invocations.
-    pub(super) groups: std::result::Result<(Slot, usize), usize>,
+    pub(super) groups: Groups,
+}
+
+/// How large a dispatch is.
+#[derive(Clone, Copy)]
+pub(super) enum Groups {
+    /// This many invocations.
+    Invocations(usize),
+    /// As many groups as this element of this buffer's part says: three numbers, written earlier.
+    Counted {
+        /// The buffer.
+        slot: Slot,
+        /// The element of its part.
+        element: usize,
+    },
 }

@@ -1,6 +1,6 @@
 //! What a stage records its dispatches with: on a device, or as a list of what it would dispatch.
 
-use super::device::{Call, DeviceState};
+use super::device::{Call, DeviceState, Groups};
 use super::{Object, Place, State, Step};
 use crate::error::Result;
 use crate::gpu::{Access, Recorder, accesses};
@@ -100,7 +100,7 @@ impl<'s> Pass<'s> {
 
     /// Runs the stage's own kernel for `count` invocations, or its kernel of the name `part`.
     pub fn dispatch(&mut self, part: Option<&str>, constants: &[u32], push: &[u8], count: usize) -> Result<()> {
-        self.submit(part, constants, push, Err(count))
+        self.submit(part, constants, push, Groups::Invocations(count))
     }
 
     /// The same for as many groups as this element of this buffer's part says: three numbers, written earlier.
@@ -109,18 +109,12 @@ impl<'s> Pass<'s> {
         part: &str,
         constants: &[u32],
         push: &[u8],
-        groups: (Slot, usize),
+        (slot, element): (Slot, usize),
     ) -> Result<()> {
-        self.submit(Some(part), constants, push, Ok(groups))
+        self.submit(Some(part), constants, push, Groups::Counted { slot, element })
     }
 
-    fn submit(
-        &mut self,
-        part: Option<&str>,
-        constants: &[u32],
-        push: &[u8],
-        groups: std::result::Result<(Slot, usize), usize>,
-    ) -> Result<()> {
+    fn submit(&mut self, part: Option<&str>, constants: &[u32], push: &[u8], groups: Groups) -> Result<()> {
         let (room, stage) = (self.step.stage.room, self.step.stage.name);
         let kernel = match part {
             Some(part) => format!("{room}/{stage}/{part}"),
@@ -131,11 +125,15 @@ impl<'s> Pass<'s> {
                 let call = Call { kernel: &kernel, constants, push, at: self.at, groups };
                 twin.submit(recorder, self.state, &call)?;
             }
-            Sink::List(_, found) if groups != Err(0) => {
-                let (constants, invocations) = (constants.to_vec(), groups.err());
+            Sink::List(_, found) => {
+                let invocations = match groups {
+                    Groups::Invocations(0) => return Ok(()),
+                    Groups::Invocations(count) => Some(count),
+                    Groups::Counted { .. } => None,
+                };
+                let constants = constants.to_vec();
                 found.push(Dispatch { stage, kernel, constants, at: self.at, invocations });
             }
-            Sink::List(..) => {}
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 //! indexes a buffer after the loop. `tests/kernels/loops.comp` has that shape and the ones that kernels use instead.
 
 use crate::devices::on_devices;
-use milkglass::gpu::{Alone, Device};
+use milkglass::gpu::{Device, SingleKernel};
 use milkglass::layout::Slot;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
@@ -45,7 +45,7 @@ fn wrong(device: &Device, shape: u32, rows: usize) -> usize {
     let numbers = numbers(rows);
     let input = [&[rows as u32], &numbers[..]].concat();
     let mut buffers = [bytes(&input), vec![0xA5; 4 * LANES]];
-    let alone = Alone { name: "loops", spirv: SPIRV, constants: &[shape] };
+    let alone = SingleKernel { name: "loops", spirv: SPIRV, constants: &[shape] };
     alone.run(device, &mut buffers, LANES as u64, 1).unwrap();
     let sum = |lane: usize| u32::from_ne_bytes(buffers[1][4 * lane..4 * lane + 4].try_into().unwrap());
     (0..LANES).filter(|&lane| sum(lane) != expected(&numbers, lane)).count()

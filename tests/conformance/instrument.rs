@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 
 use crate::devices::on_devices;
-use milkglass::gpu::{Alone, Device};
+use milkglass::gpu::count::Traffic;
+use milkglass::gpu::{Device, KernelKey, SingleKernel};
 use milkglass::layout::Slot;
 use milkglass::measure::profile::{Settings, against, profile};
 use milkglass::render::frame::{STAGES, stage};
@@ -19,15 +20,15 @@ fn kernels_count_what_they_do() {
         for (elements, rounds) in [(1000u64, 10u64), (64, 1), (1, 0)] {
             let size: Vec<u8> = [elements, rounds].iter().flat_map(|&n| (n as u32).to_ne_bytes()).collect();
             let mut buffers = [size, 1f32.to_ne_bytes().repeat(elements as usize)];
-            let alone = Alone { name: "count", spirv: COUNT, constants: &[] };
+            let alone = SingleKernel { name: "count", spirv: COUNT, constants: &[] };
             let tally = alone.tally(device, &mut buffers, elements).unwrap().unwrap();
             let all = elements.next_multiple_of(64);
             assert_eq!(tally.invocations, all, "{}", device.name());
             assert_eq!((tally.exps, tally.roots), (elements * rounds.div_ceil(4), elements), "{elements} x {rounds}");
             // A multiplication and an addition a round; five in the dot product, and the sum after it.
             assert_eq!(tally.flops, elements * (2 * rounds + 6), "{elements} x {rounds}");
-            assert_eq!(tally.moved[&0], [8 * all, 0]);
-            assert_eq!(tally.moved[&1], [8 * elements, 4 * elements]);
+            assert_eq!(tally.moved[&0], Traffic { loaded: 8 * all, stored: 0 });
+            assert_eq!(tally.moved[&1], Traffic { loaded: 8 * elements, stored: 4 * elements });
         }
     });
 }
@@ -106,7 +107,7 @@ fn made(device: &Device, scene: &Scene, options: Options) -> Made {
     let listed: BTreeSet<_> = needs
         .iter()
         .flat_map(|need| &need.kernels)
-        .map(|kernel| (kernel.name.clone(), kernel.constants.clone()))
+        .map(|kernel| KernelKey { name: kernel.name.clone(), constants: kernel.constants.clone() })
         .collect();
     assert_eq!(pipelines, listed, "{}", scene.name);
     let buffers = session.device_buffers();
@@ -116,7 +117,7 @@ fn made(device: &Device, scene: &Scene, options: Options) -> Made {
     assert!(session.plan().left_out.iter().all(|(what, why)| !planned.contains(what) && !why.is_empty()));
     let dispatched = needs.iter().map(|need| (need.stage, need.dispatches)).collect();
     (
-        pipelines.into_iter().map(|(name, _)| name).collect(),
+        pipelines.into_iter().map(|kernel| kernel.name).collect(),
         buffers.into_iter().map(|(slot, _)| slot).collect(),
         dispatched,
     )

@@ -15,31 +15,30 @@ use milkglass::render::plan::{Change, Goal, Mode, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::Scene;
 use milkglass::state::dispatches;
+use spirq::spirv::Op;
 
 /// A kernel that does nothing: the built-in one's SPIR-V, with a return before anything else.
 fn idle(kernel: &str) -> Vec<u32> {
-    const ENTRY: u32 = 15;
-    const FUNCTION: u32 = 54;
-    const VARIABLE: u32 = 59;
-    const LABEL: u32 = 248;
-    const RETURN: u32 = 253;
+    const HEADER: usize = 5;
+    const BOUND: usize = 3;
     let mut words: Vec<u32> = bytemuck::pod_collect_to_vec(spirv(kernel).unwrap());
-    let (mut entry, mut inside, mut labelled, mut at) = (0, false, false, 5);
+    let (mut entry, mut in_entry, mut labelled, mut at) = (0, false, false, HEADER);
     loop {
-        let (length, code) = ((words[at] >> 16) as usize, words[at] & 0xffff);
-        match code {
-            ENTRY => entry = words[at + 2],
-            FUNCTION => inside = words[at + 2] == entry,
-            LABEL if inside => labelled = true,
-            VARIABLE => {}
-            // What follows is a block that nothing leads to.
+        let (length, op) = ((words[at] >> 16) as usize, Op::from_u32(words[at] & 0xffff));
+        match op {
+            Some(Op::EntryPoint) => entry = words[at + 2],
+            Some(Op::Function) => in_entry = words[at + 2] == entry,
+            Some(Op::Label) if in_entry => labelled = true,
+            Some(Op::Variable) => {}
+            // What follows becomes a block that no branch reaches.
             _ if labelled => break,
             _ => {}
         }
         at += length;
     }
-    words.splice(at..at, [1 << 16 | RETURN, 2 << 16 | LABEL, words[3]]);
-    words[3] += 1;
+    let instruction = |words: u32, op: Op| words << 16 | op as u32;
+    words.splice(at..at, [instruction(1, Op::Return), instruction(2, Op::Label), words[BOUND]]);
+    words[BOUND] += 1;
     words
 }
 

@@ -116,7 +116,7 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
     }
     let mut session = ready(scene, device, settings)?;
     let found = timed(&mut [&mut session], settings)?;
-    let peak = device.map_or(session.bytes(), |device| device.memory().1);
+    let peak = device.map_or(session.bytes(), |device| device.memory().peak);
     let later = device.map(rates).transpose()?.flatten();
     let rates = earlier.zip(later).map(|(one, other)| one.best(other));
     let mut notes = Vec::new();

@@ -4,7 +4,7 @@
 //! runs; a run is made longer until it takes long enough to be timed.
 
 use crate::error::{Error, Result};
-use crate::gpu::{Alone, Device, spirv};
+use crate::gpu::{Device, SingleKernel, spirv};
 
 /// Rates of one device.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,17 +50,17 @@ pub fn rates(device: &Device) -> Result<Option<Rates>> {
 }
 
 /// Fastest run but for the first, seconds.
-fn fastest(device: &Device, alone: &Alone<'_>, buffers: &mut [Vec<u8>], count: u64) -> Result<f64> {
+fn fastest(device: &Device, alone: &SingleKernel<'_>, buffers: &mut [Vec<u8>], count: u64) -> Result<f64> {
     let times = alone.run(device, buffers, count, RUNS)?;
     // A clock too coarse for a run shows no time at all: that is no rate.
     let told = times.iter().skip(1).map(|time| time.milliseconds).filter(|time| *time > 0.0);
     Ok(told.fold(f64::INFINITY, f64::min) * 1e-3)
 }
 
-fn kernel<'a>(name: &'a str, constants: &'a [u32]) -> Result<Alone<'a>> {
+fn kernel<'a>(name: &'a str, constants: &'a [u32]) -> Result<SingleKernel<'a>> {
     let doing = || format!("measuring the device with kernel {name}");
     let spirv = spirv(name).ok_or_else(|| Error::device(doing(), "it is not in the program"))?;
-    Ok(Alone { name, spirv, constants })
+    Ok(SingleKernel { name, spirv, constants })
 }
 
 /// Bytes a second, of the largest buffers that are allowed, up to 256 MiB, or 64 MiB on a device that is slow.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::{Settings, result};
 use crate::error::{Error, Result};
 use crate::gpu::Device;
-use crate::gpu::count::Tally;
+use crate::gpu::count::{Tally, Traffic};
 use crate::layout::{SLOTS, Slot};
 use crate::render::needs::union;
 use crate::render::plan::Change;
@@ -60,7 +60,7 @@ pub(super) fn of(
         let work = stages.entry(stage).or_default();
         (work.invocations, work.flops, work.roots, work.exps) =
             (tally.invocations, tally.flops, tally.roots, tally.exps);
-        for (binding, [loaded, stored]) in tally.moved {
+        for (binding, Traffic { loaded, stored }) in tally.moved {
             let Some(&slot) = SLOTS.get(binding as usize) else { continue };
             let most = bound.get(&(stage, slot)).copied().unwrap_or_default();
             work.loaded += loaded;

@@ -1,4 +1,5 @@
-//! One kernel alone, from SPIR-V that is no stage's: for facts about a driver, and for the cost of a formula.
+//! A single kernel run outside of any frame, from SPIR-V that is no stage's: for facts about a driver, and for the cost
+//! of a formula.
 
 use std::rc::Rc;
 
@@ -10,8 +11,8 @@ use super::memory::Buffer;
 use super::record::{Recorder, Timing, Work};
 use crate::error::{Error, Result};
 
-/// A kernel that stands for itself.
-pub struct Alone<'a> {
+/// A kernel that belongs to no stage.
+pub struct SingleKernel<'a> {
     /// Its name in messages.
     pub name: &'a str,
     /// Its SPIR-V, whole words in the byte order of the host.
@@ -20,20 +21,20 @@ pub struct Alone<'a> {
     pub constants: &'a [u32],
 }
 
-impl Alone<'_> {
+impl SingleKernel<'_> {
     /// Runs it `times` times for `count` invocations each, in one submission, with buffer k at binding k.
     ///
-    /// The buffers are copied to the device before the first run and back after the last, sizes unchanged. Returns the
-    /// time of every run; the first one includes what the driver does when a pipeline is first used.
+    /// The buffers are copied to the device before the first run and back after the last. Returns the time of every
+    /// run; the first one includes what the driver does when a pipeline is first used.
     pub fn run(&self, device: &Device, buffers: &mut [Vec<u8>], count: u64, times: usize) -> Result<Vec<Timing>> {
         let kernel = Rc::new(Kernel::new(device, self.name, self.words()?, self.constants)?);
         self.run_kernel(device, &kernel, buffers, count, times)
     }
 
-    /// Runs it once with counters, and returns what it has done; nothing where its SPIR-V is not of the kind that the build
-    /// makes.
+    /// Runs it once with counters, and returns what it has done; none where its SPIR-V is not of the kind that the
+    /// build makes.
     pub fn tally(&self, device: &Device, buffers: &mut [Vec<u8>], count: u64) -> Result<Option<Tally>> {
-        let kernel = Rc::new(Kernel::metered(device, self.name, self.words()?, self.constants)?);
+        let kernel = Rc::new(Kernel::counting(device, self.name, self.words()?, self.constants)?);
         self.run_kernel(device, &kernel, buffers, count, 1)?;
         kernel.tally()
     }

@@ -1,0 +1,153 @@
+//! The adapters of a machine: what each can do, and whether milkglass can run on it.
+
+use std::ffi::CStr;
+
+use ash::vk;
+
+/// What a device can do, as far as milkglass cares.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Limits {
+    /// Largest range of one storage-buffer binding, bytes.
+    pub binding_bytes: u64,
+    /// Alignment of a bound range's offset, bytes.
+    pub offset_alignment: u64,
+    /// Largest single allocation, bytes.
+    pub allocation_bytes: u64,
+    /// Storage buffers one kernel can bind.
+    pub storage_buffers: u32,
+    /// Push constants, bytes.
+    pub push_bytes: u32,
+    /// Invocations in a group.
+    pub group_invocations: u32,
+    /// Groups in the first two dimensions of a dispatch.
+    pub groups: [u32; 2],
+    /// Largest heap of the device's own memory, bytes; no limit where that is the host's.
+    pub heap_bytes: u64,
+    /// Invocations that run in lockstep.
+    pub subgroup_size: u32,
+    /// Nanoseconds per timestamp tick; 0 where the queue has no timestamps.
+    pub timestamp_period: f32,
+    /// The bits of a timestamp that are valid; above them it wraps around.
+    pub timestamp_mask: u64,
+    /// Whether 32-bit float rounding to nearest can be requested.
+    pub round_to_nearest: bool,
+}
+
+/// A Vulkan device that could be opened.
+#[derive(Clone, Debug, Default)]
+pub struct Adapter {
+    /// The device's name.
+    pub name: String,
+    /// The driver's name and version.
+    pub driver: String,
+    /// The Vulkan version, `1.3.230`.
+    pub version: String,
+    /// `discrete`, `integrated`, `virtual`, `cpu` or `other`.
+    pub kind: &'static str,
+    /// Its limits.
+    pub limits: Limits,
+    /// Why it can't be used, if it can't.
+    pub unusable: Option<String>,
+    pub(super) physical: vk::PhysicalDevice,
+    pub(super) queue_family: u32,
+}
+
+impl Adapter {
+    /// The usable adapter that promises the most: discrete, integrated, virtual, then any other.
+    pub fn best(adapters: &[Self]) -> Option<&Self> {
+        let rank = |adapter: &&Self| match adapter.kind {
+            "discrete" => 0,
+            "integrated" => 1,
+            "virtual" => 2,
+            _ => 3,
+        };
+        adapters.iter().filter(|adapter| adapter.unusable.is_none()).min_by_key(rank)
+    }
+
+    /// What an instance says of one of its physical devices.
+    pub(super) fn query(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Self {
+        // Properties and features, each with its 1.2 extension chain.
+        let mut more = vk::PhysicalDeviceVulkan12Properties::default();
+        let mut third = vk::PhysicalDeviceMaintenance3Properties::default();
+        let mut subgroup = vk::PhysicalDeviceSubgroupProperties::default();
+        let mut properties = vk::PhysicalDeviceProperties2::default()
+            .push_next(&mut more)
+            .push_next(&mut third)
+            .push_next(&mut subgroup);
+        let mut features12 = vk::PhysicalDeviceVulkan12Features::default();
+        let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut features12);
+        // SAFETY: the chains live through the calls; a device of version 1.2 or newer fills them.
+        let (queues, memory) = unsafe {
+            instance.get_physical_device_properties2(physical, &mut properties);
+            instance.get_physical_device_features2(physical, &mut features);
+            (
+                instance.get_physical_device_queue_family_properties(physical),
+                instance.get_physical_device_memory_properties(physical),
+            )
+        };
+        let own = |heap: &&vk::MemoryHeap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL);
+        let base = properties.properties;
+        // The memory of a driver on the CPU is the host's; the size of its heap is arbitrary.
+        let heap_bytes = match base.device_type {
+            vk::PhysicalDeviceType::CPU => u64::MAX,
+            _ => memory.memory_heaps_as_slice().iter().filter(own).map(|heap| heap.size).max().unwrap_or(0),
+        };
+        let text = |bytes: &[std::ffi::c_char]| {
+            // SAFETY: the driver terminates these fixed arrays with a zero.
+            unsafe { CStr::from_ptr(bytes.as_ptr()) }.to_string_lossy().into_owned()
+        };
+
+        // A queue for compute, preferably with timestamps.
+        let compute = |q: &vk::QueueFamilyProperties| q.queue_flags.contains(vk::QueueFlags::COMPUTE);
+        let family = queues
+            .iter()
+            .position(|q| compute(q) && q.timestamp_valid_bits > 0)
+            .or_else(|| queues.iter().position(compute));
+        let version = base.api_version;
+        let (major, minor, patch) =
+            (vk::api_version_major(version), vk::api_version_minor(version), vk::api_version_patch(version));
+        let unusable = if (major, minor) < (1, 2) {
+            Some(format!("offers Vulkan {major}.{minor}, 1.2 is needed"))
+        } else if features12.scalar_block_layout == vk::FALSE {
+            Some("lacks the feature scalarBlockLayout".to_string())
+        } else if family.is_none() {
+            Some("has no compute queue".to_string())
+        } else {
+            None
+        };
+        let bits = family.map_or(0, |f| queues[f].timestamp_valid_bits);
+        let timed = bits > 0;
+        Adapter {
+            name: text(&base.device_name),
+            driver: format!("{} {}", text(&more.driver_name), text(&more.driver_info)).trim().to_string(),
+            version: format!("{major}.{minor}.{patch}"),
+            kind: match base.device_type {
+                vk::PhysicalDeviceType::DISCRETE_GPU => "discrete",
+                vk::PhysicalDeviceType::INTEGRATED_GPU => "integrated",
+                vk::PhysicalDeviceType::VIRTUAL_GPU => "virtual",
+                vk::PhysicalDeviceType::CPU => "cpu",
+                _ => "other",
+            },
+            limits: Limits {
+                binding_bytes: base.limits.max_storage_buffer_range.into(),
+                offset_alignment: base.limits.min_storage_buffer_offset_alignment,
+                allocation_bytes: third.max_memory_allocation_size,
+                storage_buffers: base
+                    .limits
+                    .max_per_stage_descriptor_storage_buffers
+                    .min(base.limits.max_descriptor_set_storage_buffers),
+                push_bytes: base.limits.max_push_constants_size,
+                group_invocations: base.limits.max_compute_work_group_invocations,
+                groups: [0, 1].map(|k| base.limits.max_compute_work_group_count[k]),
+                heap_bytes,
+                subgroup_size: subgroup.subgroup_size,
+                timestamp_mask: u64::MAX >> (64 - bits.clamp(1, 64)),
+                timestamp_period: if timed { base.limits.timestamp_period } else { 0.0 },
+                round_to_nearest: more.shader_rounding_mode_rte_float32 == vk::TRUE,
+            },
+            unusable,
+            physical,
+            queue_family: u32::try_from(family.unwrap_or(0)).unwrap_or(0),
+        }
+    }
+}
