@@ -19,6 +19,6 @@ Plane plane_of(vec3 a, vec3 b, vec3 c) {
 bool beyond(Plane plane, vec3 point, float side) {
     precise vec3 a = point - plane.corner;
     precise float height = side * dot3(a, plane.normal);
-    precise float least = 9.5367431640625e-7 * dot3(abs(a), plane.size);
+    precise float least = PLANE_ROUNDING * dot3(abs(a), plane.size);
     return height > least;
 }

@@ -1,7 +1,7 @@
 // The march beneath one visible point: where its ray runs, what lies there, and the light that comes there.
 layout(constant_id = 0) const uint SHADOWS = 0;
-layout(constant_id = 1) const uint MAPS = 1;    // of four layers each
-layout(constant_id = 2) const uint MAPPED = 0;  // 1 where depths vary, 2 where they are laid out by islands
+layout(constant_id = 1) const uint MAPS = 1;
+layout(constant_id = 2) const uint MAPPED = MAPPED_NOT;
 layout(constant_id = 3) const uint HENYEY = 0;
 layout(constant_id = 4) const uint FRESNEL = 0;
 layout(push_constant, scalar) uniform push_block { uint number, first_beam, last_beam, first_pixel, last_pixel; }; // the layers, lights and pixels at hand
@@ -24,7 +24,7 @@ UPDATES(radiance)
 #include "light/fresnel.glsl"
 #include "light/wrap.glsl"
 
-const float GRAZING = 0.05, LEAST_COSINE = 1e-6, FADING = 0.01;
+const uint MOST_MAPS = MOST_LAYERS / MAP_LAYERS;
 
 struct March {
     vec3 point, normal, plane_point, plane_normal; // at P, and of the fitted plane
@@ -56,9 +56,9 @@ March march(Layering own, Hit hit) {
     m.dv = vec3(0);
     m.low = vec2(0);
     m.high = vec2(0);
-    if (MAPPED != 0) {
+    if (MAPPED != MAPPED_NOT) {
         CornerUvs uvs;
-        if (MAPPED == 2) {
+        if (MAPPED == MAPPED_BY_ISLANDS) {
             Island island = islands[hit.face - frame[own.object].first_face + own.first_island];
             uvs = CornerUvs(island.a, island.b, island.c);
             m.low = island.low;
@@ -88,7 +88,7 @@ struct Texels {
 
 Texels texels_at(Layering own, March m, vec3 offset) {
     vec2 place = m.place + vec2(dot(m.du, offset), dot(m.dv, offset));
-    if (MAPPED == 2) {
+    if (MAPPED == MAPPED_BY_ISLANDS) {
         // A margin's last texel has none beyond it.
         place = clamp(place, m.low, m.high);
         vec2 low = floor(place);
@@ -97,9 +97,9 @@ Texels texels_at(Layering own, March m, vec3 offset) {
         return Texels(uvec4(above + first.x, above + last.x, below + first.x, below + last.x), place - low);
     }
     // Within reach of whole numbers.
-    if (own.wrap == 0) place -= floor(place);
-    if (own.wrap == 1) place = clamp(place, vec2(-1), vec2(2));
-    if (own.wrap == 2) place -= 2.0 * floor(0.5 * place);
+    if (own.wrap == WRAP_REPEAT) place -= floor(place);
+    if (own.wrap == WRAP_CLAMP) place = clamp(place, vec2(-1), vec2(2));
+    if (own.wrap == WRAP_MIRROR) place -= 2.0 * floor(0.5 * place);
     vec2 at = vec2(own.size) * place - 0.5, low = floor(at);
     int x = int(low.x), y = int(low.y);
     uint left = wrapped(own.wrap, x, own.size.x), right = wrapped(own.wrap, x + 1, own.size.x);
@@ -109,7 +109,7 @@ Texels texels_at(Layering own, March m, vec3 offset) {
 
 // Depths of four layers' lower interfaces there.
 vec4 depths_of(Layering own, Texels t, uint map) {
-    if (MAPPED == 0) return depths[own.first_texel + map];
+    if (MAPPED == MAPPED_NOT) return depths[own.first_texel + map];
     uvec4 at = t.at + map * own.size.x * own.size.y;
     return mix(mix(depths[at.x], depths[at.y], t.part.x), mix(depths[at.z], depths[at.w], t.part.x), t.part.y);
 }
@@ -139,7 +139,7 @@ struct Lit {
 };
 
 // `here` are the depths of the interfaces at that place, `t` along the ray.
-Lit lit_at(Layering own, March m, uint object, Light light, uint face, float t, vec4 here[4]) {
+Lit lit_at(Layering own, March m, uint object, Light light, uint face, float t, vec4 here[MOST_MAPS]) {
     vec3 place = m.point - t * m.eye, toward;
     float falloff = arrival(light, place, toward) * reaches(light, face);
 
@@ -151,14 +151,14 @@ Lit lit_at(Layering own, March m, uint object, Light light, uint face, float t, 
     // From behind it nothing comes in.
     falloff *= clamp(facing / FADING, 0.0, 1.0);
     Texels entry;
-    if (MAPPED != 0) entry = texels_at(own, m, place + toward * (depth / cosine) - m.point);
+    if (MAPPED != MAPPED_NOT) entry = texels_at(own, m, place + toward * (depth / cosine) - m.point);
 
     vec3 sum = vec3(0);
     float before = 0.0;
     for (uint map = 0; map < MAPS; ++map) {
-        vec4 bottoms = MAPPED != 0 ? 0.5 * (here[map] + depths_of(own, entry, map)) : here[map];
-        for (uint k = 0; k < 4; ++k) {
-            uint layer = 4 * map + k;
+        vec4 bottoms = MAPPED != MAPPED_NOT ? 0.5 * (here[map] + depths_of(own, entry, map)) : here[map];
+        for (uint k = 0; k < MAP_LAYERS; ++k) {
+            uint layer = MAP_LAYERS * map + k;
             float bottom = layer + 1 < own.layers ? min(bottoms[k], depth) : depth;
             sum += beneath[own.first_layer + min(layer, own.layers - 1)].sigma_t * (bottom - before);
             before = bottom;

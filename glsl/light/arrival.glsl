@@ -9,15 +9,15 @@ float emission(Light light, vec3 away) {
     float c = dot(light.axis, away);
     vec3 s = cross(light.axis, away);
     float t = clamp((light.outer - dot(s, s) / (1.0 + max(c, 0.0))) / (light.outer - light.inner), 0.0, 1.0);
-    if (light.kind == 2) return c > 0.0 ? t * t * (3.0 - 2.0 * t) : 0.0;
-    if (light.kind == 3) return max(c, 0.0);
-    return light.kind == 4 ? abs(c) : 1.0;
+    if (light.kind == LIGHT_SPOT) return c > 0.0 ? t * t * (3.0 - 2.0 * t) : 0.0;
+    if (light.kind == LIGHT_AREA) return max(c, 0.0);
+    return light.kind == LIGHT_AREA_BOTH ? abs(c) : 1.0;
 }
 
 // The unit direction towards a light, and the share of its colour that arrives at a point.
 float arrival(Light light, vec3 point, out vec3 toward) {
     toward = light.place;
-    if (light.kind == 0 || light.kind == 5) return 1.0;
+    if (light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_SKY_RAY) return 1.0;
     toward -= point;
     float d2 = max(dot(toward, toward), 1e-30);
     toward /= sqrt(d2);

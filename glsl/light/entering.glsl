@@ -19,9 +19,9 @@ vec3 entering(uint object, uint index, vec3 point, vec3 normal) {
         float counts = both ? abs(cosine) : max(cosine, 0.0);
         float lets = reaches(light, index);
         vec3 enters = counts * transmittance(frame[object].eta, counts);
-        if (light.kind != 5) sum += light.color * (falloff * lets) * enters;
+        if (light.kind != LIGHT_SKY_RAY) sum += light.color * (falloff * lets) * enters;
         if (SKY != 0) {
-            if (light.kind == 5) {
+            if (light.kind == LIGHT_SKY_RAY) {
                 vec3 weight = sky_radiance(toward) * enters;
                 all_front += cosine > 0.0 ? weight : vec3(0);
                 free_front += cosine > 0.0 ? lets * weight : vec3(0);

@@ -1,8 +1,8 @@
 // Which of `count` texels in a row stands at place i: 0 the same again, 1 the outermost, 2 mirrored; places are at least
 // -count, and with a mirror -2 count.
 uint wrapped(uint wrap, int i, uint count) {
-    if (wrap == 1) return uint(clamp(i, 0, int(count) - 1));
-    uint period = wrap == 2 ? 2 * count : count;
+    if (wrap == WRAP_CLAMP) return uint(clamp(i, 0, int(count) - 1));
+    uint period = wrap == WRAP_MIRROR ? 2 * count : count;
     uint k = uint(max(i + int(period), 0)) % period;
     return k < count ? k : period - 1 - k;
 }

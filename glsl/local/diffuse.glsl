@@ -17,14 +17,13 @@ UPDATES(radiance)
 #include "light/harmonics.glsl"
 #include "light/arrival.glsl"
 #include "view/object.glsl"
-#include "local/flattest.glsl"
 
 // The normal of a vertex, 32767 long, and kappa, as stage `pack` has put them together.
 vec4 bend(uint vertex) {
     uvec2 word = bends[vertex];
     ivec3 normal = ivec3(word.x << 16, word.x, word.y << 16) >> 16;
     // Taken off here, where it is exact: a surface that is flat stays flat for any sigma_0.
-    return vec4(vec3(normal), uintBitsToFloat((word.y >> 16 << 12) + floatBitsToUint(FLATTEST)) - FLATTEST);
+    return vec4(vec3(normal), uintBitsToFloat((word.y >> 16 << 12) + floatBitsToUint(KAPPA_LEAST)) - KAPPA_LEAST);
 }
 
 void main() {
@@ -38,7 +37,7 @@ void main() {
     vec3 eta = frame[0].eta, exits = frame[0].exit, diffuse = frame[0].diffuse, sigma_0 = frame[0].sigma_0;
     if (pixel >= view.width * view.height) return;
     Hit hit = hits[pixel];
-    if (hit.face >= MISSED) {
+    if (hit.face >= UNFINISHED) {
         radiance[pixel] = view.background;
         return;
     }
@@ -50,7 +49,7 @@ void main() {
         diffuse = frame[object].diffuse;
         sigma_0 = frame[object].sigma_0;
     }
-    if (opaque != 0) return;
+    if (opaque != OPAQUE_NOT) return;
     uvec3 corner = triangles[hit.face];
     vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
     vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
@@ -65,9 +64,9 @@ void main() {
         vec3 toward;
         float arrives = arrival(light, point, toward), lets = reaches(light, hit.face);
         vec3 counts = respond(dot(normal, toward), sigma);
-        if (light.kind != 5) sum += light.color * (arrives * lets) * counts;
+        if (light.kind != LIGHT_SKY_RAY) sum += light.color * (arrives * lets) * counts;
         if (SKY != 0) {
-            if (light.kind == 5) {
+            if (light.kind == LIGHT_SKY_RAY) {
                 vec3 part = sky_radiance(toward) * counts;
                 all += part;
                 open += lets * part;

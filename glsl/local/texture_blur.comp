@@ -20,13 +20,11 @@ UPDATES(radiance)
 #include "light/wrap.glsl"
 #include "view/object.glsl"
 
-const uint GAUSSIANS = 6;
-
 void main() {
     uint pixel = invocation();
     if (pixel >= camera[0].width * camera[0].height) return;
     Hit hit = hits[pixel];
-    if (hit.face >= MISSED) {
+    if (hit.face >= UNFINISHED) {
         radiance[pixel] = camera[0].background;
         return;
     }

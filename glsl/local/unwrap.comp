@@ -24,8 +24,6 @@ WRITES(stretch)
 #include "light/entering.glsl"
 #include "light/texture.glsl"
 
-const float LONGEST = 1e15;
-
 void main() {
     uint k = invocation();
     Unwrapping own = unwrappings[number];
@@ -42,7 +40,7 @@ void main() {
         vec3 E = entering(own.object, chart.face, weight.x * a + weight.y * b + weight.z * c, normal);
         CornerUvs uvs = corner_uvs[chart.face];
         if (TEXTURED != 0) {
-            bool enters = (frame[own.object].texture_side & 1) != 0;
+            bool enters = (frame[own.object].texture_side & TEXTURE_ENTERS) != 0;
             if (enters) E *= texture_factor(own.object, texture_place(uvs, vec2(chart.u, chart.v)));
         }
         light = vec4(E, 1.0);
@@ -52,7 +50,7 @@ void main() {
         precise float turned = p.x * q.y - p.y * q.x;
         vec3 along = (b - a) * q.y - (c - a) * p.y, down = (c - a) * p.x - (b - a) * q.x;
         float over = 1.0 / (abs(turned) * float(own.side));
-        lengths = turned == 0.0 ? vec2(LONGEST) : min(vec2(length(along), length(down)) * over, vec2(LONGEST));
+        lengths = turned == 0.0 ? vec2(LONGEST_STRETCH) : min(vec2(length(along), length(down)) * over, vec2(LONGEST_STRETCH));
     }
     sheets[own.first + k] = light;
     stretch[own.first + k] = lengths;

@@ -25,9 +25,9 @@ void main() {
     uint pixel = invocation();
     if (pixel >= camera[0].width * camera[0].height) return;
     Hit hit = hits[pixel];
-    if (hit.face >= MISSED) return;
+    if (hit.face >= UNFINISHED) return;
     uint object = object_of(hit.face);
-    if (frame[object].opaque != 2) return;
+    if (frame[object].opaque != OPAQUE_BY_PIXEL) return;
     uvec3 corner = triangles[hit.face];
     vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
     vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];

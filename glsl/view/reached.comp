@@ -22,10 +22,10 @@ void main() {
     if (k >= rays.count) return;
     uint pixel = rays.first + k;
     Hit hit = hits[pixel];
-    bool shown = hit.face < MISSED;
+    bool shown = hit.face < UNFINISHED;
     uint face = shown ? hit.face : 0;
     uint object = object_of(face);
-    bool asked = shown && frame[object].opaque == 2;
+    bool asked = shown && frame[object].opaque == OPAQUE_BY_PIXEL;
     Light light = lights[rays.light];
     uvec3 corner = triangles[face];
     precise float weight = 1.0 - hit.u - hit.v;

@@ -25,7 +25,7 @@ void main() {
     if (pixel >= camera[0].width * camera[0].height) return;
     Hit hit = hits[pixel];
     vec3 color = camera[0].background;
-    if (hit.face < MISSED) {
+    if (hit.face < UNFINISHED) {
         uint object = object_of(hit.face);
         uvec3 corner = triangles[hit.face];
         vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);

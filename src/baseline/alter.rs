@@ -1,7 +1,7 @@
 //! Stage `alter`: which clusters have a triangle that has moved since the kept links were made.
 
 use crate::error::Result;
-use crate::layout::Slot;
+use crate::layout::{ALTERED_MOVED, Slot};
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit};
 
 /// The table's entry.
@@ -29,7 +29,8 @@ fn cpu(state: &mut State, _at: Place) {
         }))
         .collect();
     let altered = |(node, place): (usize, &crate::layout::Topology)| before[place.skip as usize] > before[node];
-    data.altered = data.topology.iter().enumerate().map(altered).map(u32::from).collect();
+    data.altered =
+        data.topology.iter().enumerate().map(altered).map(|altered| if altered { ALTERED_MOVED } else { 0 }).collect();
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {

@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Block, Bounds, Cluster, Frame, Slot, Sphere, Topology};
+use crate::layout::{Block, Bounds, Cluster, Frame, NONE, Slot, Sphere, Topology};
 use crate::state::{Field, Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
 
 /// A centre within rounding of the extent; an area and a spread of their own size; a vector area of the area's size.
@@ -48,7 +48,7 @@ pub static STAGE: Stage = Stage {
 /// Where a ray goes from a node, on through the trees of all objects.
 fn way(frame: &Frame, place: Topology) -> Bounds {
     let next = if place.skip == frame.nodes { frame.next_node } else { frame.first_node + place.skip };
-    let face = if place.face == u32::MAX { u32::MAX } else { frame.first_face + place.face };
+    let face = if place.face == NONE { NONE } else { frame.first_face + place.face };
     Bounds { next, face, ..Bounds::default() }
 }
 
@@ -71,7 +71,7 @@ fn cpu(state: &mut State, _at: Place) {
     let mut bounds = vec![Bounds::default(); nodes];
     for node in (0..nodes).rev() {
         let place = data.topology[node];
-        if place.face != u32::MAX {
+        if place.face != NONE {
             let face = place.face as usize;
             let (a, b, c) = (corner(face, 0), corner(face, 1), corner(face, 2));
             let normal = 0.5 * (b - a).cross(c - a);

@@ -1,7 +1,8 @@
-//! The one source of truth for what lies in a buffer: every record, every buffer, its element and its binding.
+//! The one source of truth for what host and device share: every record, every buffer with its element and binding, and
+//! every constant that both sides use.
 //!
-//! Rust takes its `#[repr(C)]` structs and the [`Buffers`] of a frame from here; the build script reads the same
-//! tables and writes the GLSL structs and buffer declarations (`layout.glsl`), so that neither side can drift.
+//! Rust takes its `#[repr(C)]` structs, the [`Buffers`] of a frame and the constants from here. The build script reads the
+//! same tables and writes `layout.glsl`, which every shader includes, so that neither side can drift from the other.
 //! A test compares the offsets found in the compiled SPIR-V with those of the Rust structs.
 
 #![allow(dead_code)] // the build script includes this file and uses half of it
@@ -244,21 +245,28 @@ macro_rules! buffers {
     };
 }
 
+#[macro_use]
+mod constants;
 mod arriving;
 mod beneath;
 mod buffers;
 mod glsl;
+mod kinds;
 mod lists;
 mod local;
+mod numbers;
 mod records;
 mod viewing;
 
 pub use arriving::*;
 pub use beneath::*;
 pub use buffers::*;
+pub use constants::{Constant, Shared};
 pub use glsl::declarations;
+pub use kinds::*;
 pub use lists::*;
 pub use local::*;
+pub use numbers::*;
 pub use records::*;
 pub use viewing::*;
 

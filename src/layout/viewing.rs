@@ -32,7 +32,7 @@ records! { view_records:
     }
     /// What a primary ray met.
     Hit {
-        /// The triangle, or all ones.
+        /// The triangle; `NONE` where the ray meets none, `UNFINISHED` where the driver ended its walk early.
         face: u32,
         /// Barycentric weight of the triangle's second corner.
         u: f32,

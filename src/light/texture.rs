@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::layout::{Buffers, Frame};
+use crate::layout::{Buffers, Frame, WRAP_CLAMP, WRAP_REPEAT};
 use crate::state::wide;
 
 /// Which of `count` texels in a row stands at place `i`; `wrap` as in `frame.texture_wrap`.
@@ -10,8 +10,8 @@ use crate::state::wide;
 pub fn texel(i: i64, count: u32, wrap: u32) -> u32 {
     let last = i64::from(count) - 1;
     let k = match wrap {
-        0 => i.rem_euclid(last + 1),
-        1 => i.clamp(0, last),
+        WRAP_REPEAT => i.rem_euclid(last + 1),
+        WRAP_CLAMP => i.clamp(0, last),
         _ => {
             let k = i.rem_euclid(2 * last + 2);
             k.min(2 * last + 1 - k)
@@ -50,13 +50,14 @@ pub fn place(data: &Buffers, face: usize, u: f64, v: f64) -> DVec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::WRAP_MIRROR;
 
     #[test]
     fn texels_go_on_beyond_the_edges() {
         let row = |wrap: u32| (-4..7).map(|i| texel(i, 3, wrap)).collect::<Vec<_>>();
-        assert_eq!(row(0), [2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0]);
-        assert_eq!(row(1), [0, 0, 0, 0, 0, 1, 2, 2, 2, 2, 2]);
-        assert_eq!(row(2), [2, 2, 1, 0, 0, 1, 2, 2, 1, 0, 0]);
+        assert_eq!(row(WRAP_REPEAT), [2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0]);
+        assert_eq!(row(WRAP_CLAMP), [0, 0, 0, 0, 0, 1, 2, 2, 2, 2, 2]);
+        assert_eq!(row(WRAP_MIRROR), [2, 2, 1, 0, 0, 1, 2, 2, 1, 0, 0]);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Hit, Slot};
+use crate::layout::{Hit, Slot, TEXTURE_LEAVES};
 use crate::light::texture::{factor, place};
 use crate::state::{Pass, Place, Role, Stage, State, Tolerance, Unit, narrow, wide};
 
@@ -24,7 +24,7 @@ pub static STAGE: Stage = Stage {
 fn left(state: &State, hit: &Hit, before: [f32; 3]) -> [f32; 3] {
     let (data, face) = (&state.data, hit.face as usize);
     let frame = &data.frame[state.object_of(face)];
-    if face >= data.triangles.len() || frame.texture_side & 2 == 0 {
+    if face >= data.triangles.len() || frame.texture_side & TEXTURE_LEAVES == 0 {
         return before;
     }
     narrow(wide(before) * factor(frame, &data.texels, place(data, face, hit.u.into(), hit.v.into())))

@@ -14,5 +14,5 @@ void main() {
     uint face = invocation();
     if (face >= frame[0].faces) return;
     uint leaf = leaves[face];
-    if (any(notEqual(irradiance[face], cluster_irradiance[leaf]))) altered[leaf] |= 2;
+    if (any(notEqual(irradiance[face], cluster_irradiance[leaf]))) altered[leaf] |= ALTERED_RELIT;
 }

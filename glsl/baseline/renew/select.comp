@@ -66,6 +66,6 @@ void main() {
         cursor[0].waiting = (chunk == 0 ? 0 : cursor[0].waiting) + all - due;
         cursor[0].busy = listed_;
         cursor[0].summed = (chunk == 0 ? 0 : cursor[0].summed) + listed_;
-        due_groups[4] = groups(listed_);
+        due_groups[DUE_SUMMED] = groups(listed_);
     }
 }

@@ -16,15 +16,13 @@ UPDATES(due_groups)
 #include "baseline/groups.glsl"
 #include "baseline/refine/decide.glsl"
 
-const uint NONE = 0xffffffffu;
-
 shared uvec3 sums[256];
 
 uint kind_of(uint at) {
     Link link = links[at];
     uint face = topology[link.emitter].face;
     float d2 = distance2(clusters[link.receiver].center, clusters[link.emitter].center);
-    return face == NONE ? 0 : rung_of(d2, reach[min(face, frame[0].faces - 1)]);
+    return face == NONE ? RUNG_SAMPLE : rung_of(d2, reach[min(face, frame[0].faces - 1)]);
 }
 
 void main() {
@@ -34,7 +32,7 @@ void main() {
     uvec3 sum = uvec3(0);
     for (uint i = first; i < last; ++i) {
         uint kind = kind_of(due[i]);
-        sum += uvec3(kind == 0, kind == 1, kind == 2);
+        sum += uvec3(kind == RUNG_SAMPLE, kind == RUNG_AREA, kind == RUNG_EDGE);
     }
     sums[self] = sum;
     barrier();
@@ -48,14 +46,14 @@ void main() {
     uvec3 at = uvec3(0, all.x, all.x + all.y) + sums[self] - sum;
     for (uint i = first; i < last; ++i) {
         uint kind = kind_of(due[i]);
-        ranked[kind == 0 ? at.x : kind == 1 ? at.y : at.z] = due[i];
-        at += uvec3(kind == 0, kind == 1, kind == 2);
+        ranked[kind == RUNG_SAMPLE ? at.x : kind == RUNG_AREA ? at.y : at.z] = due[i];
+        at += uvec3(kind == RUNG_SAMPLE, kind == RUNG_AREA, kind == RUNG_EDGE);
     }
     if (self == 0) {
         cursor[0].due_areas = all.y;
         cursor[0].due_edges = all.z;
-        due_groups[0] = groups(all.x);
-        due_groups[1] = groups(all.y);
-        due_groups[2] = groups(all.z);
+        due_groups[RUNG_SAMPLE] = groups(all.x);
+        due_groups[RUNG_AREA] = groups(all.y);
+        due_groups[RUNG_EDGE] = groups(all.z);
     }
 }

@@ -31,7 +31,7 @@ void mark(uint receiver, Span edit, Span span) {
     for (uint j = edit.link; j < edit.link + edit.links; ++j) {
         uint make = made[j];
         while (at < last && links[at].emitter < make) at++;
-        if (at < last && ((altered[receiver] | altered[make]) & 1) != 0 && stale[at] == 0) {
+        if (at < last && ((altered[receiver] | altered[make]) & ALTERED_MOVED) != 0 && stale[at] == 0) {
             stale[at] = 1;
             waits++;
         }
@@ -71,7 +71,7 @@ void main() {
         if (fresh || (old && !gone)) {
             if (!old) factor = share * clusters[make].area;
             uint emitter = min(have, make);
-            uint touched = fresh ? (altered[receiver] | altered[emitter]) & 1 : 0;
+            uint touched = fresh ? (altered[receiver] | altered[emitter]) & ALTERED_MOVED : 0;
             uint waiting_ = old ? stale[i] | touched : 1;
             links[to] = Link(receiver, emitter);
             factors[to] = factor;

@@ -15,9 +15,6 @@ UPDATES(busy)
 UPDATES(due_groups)
 #include "baseline/groups.glsl"
 
-// As in `count`: steps of `merge` for one receiver.
-const uint MOST = 65000;
-
 shared uint ends[256];
 shared uvec2 sums[256];
 
@@ -39,7 +36,7 @@ void main() {
         uint receiver = order[range.first + i];
         end = max(end, spans[receiver].link + spans[receiver].links);
         sum += uvec2(room_of(receiver), uint(edited(receiver)));
-        if (spans[receiver].links + edits[receiver].links + edits[receiver].areas > MOST) cursor[0].unfinished = 1;
+        if (spans[receiver].links + edits[receiver].links + edits[receiver].areas > MOST_PAIRS) cursor[0].unfinished = 1;
     }
     ends[self] = end;
     sums[self] = sum;
@@ -66,7 +63,7 @@ void main() {
     if (self == 0) {
         cursor[0].busy = all.y;
         cursor[0].edited += all.y;
-        due_groups[3] = groups(all.y);
+        due_groups[DUE_MERGED] = groups(all.y);
         cursor[0].need_links = max(cursor[0].need_links, total);
         if (total > frame[0].link_room) cursor[0].overflow = 1;
     }

@@ -4,7 +4,6 @@ READS(unwrappings)
 READS(charts)
 READS(stretch)
 READS(gaussians)
-const uint GAUSSIANS = 6;
 
 vec4 mean(Unwrapping own, uint k) {
     if (charts[own.first + k].face == NONE) return vec4(0);
@@ -21,7 +20,7 @@ vec4 mean(Unwrapping own, uint k) {
     doubled += many * vec4(greaterThan(vec4(deviation), 128.0 * near));
     int pace = 1 << int(doubled.x + doubled.y + doubled.z + doubled.w);
     vec4 farther = vec4(greaterThan(vec4(deviation), float(pace) * near));
-    int reach = 6 << int(farther.x + farther.y + farther.z);
+    int reach = int(BLUR_REACH) << int(farther.x + farther.y + farther.z);
 
     // Of the exponent's root, from tap to tap.
     float rate = 0.84932180 * float(pace) * length_here / deviation;

@@ -17,7 +17,7 @@ WRITES(curvature)
 #include "local/curvature/ring.glsl"
 #include "local/curvature/angle.glsl"
 
-const float TURN = 6.28318530717959, COTANGENT = 100.0, SHARPEST = 1e4, SMALLEST = 1e-16, FLAT = 1e-30;
+const float TURN = 6.28318530717959;
 
 // A number for a vertex, so that sums of them tell whether the same vertices are in both.
 uint mark(uint vertex) {
@@ -40,11 +40,11 @@ void main() {
         // Whether it has an area is decided; a fused operation would make one out of roundings.
         precise vec3 n = u.yzx * w.zxy - u.zxy * w.yzx;
         precise float square = n.x * n.x + n.y * n.y + n.z * n.z;
-        bool whole = square > FLAT;
+        bool whole = square > FLAT_TRIANGLE;
         float twice = sqrt(square);
         float over = whole ? 1.0 / twice : 0.0;
         float da = dot(u, w), db = -dot(u, e), dc = dot(w, e);
-        float cb = clamp(db * over, -COTANGENT, COTANGENT), cc = clamp(dc * over, -COTANGENT, COTANGENT);
+        float cb = clamp(db * over, -MOST_COTANGENT, MOST_COTANGENT), cc = clamp(dc * over, -MOST_COTANGENT, MOST_COTANGENT);
         pull += whole ? cc * u + cb * w : vec3(0);
         float part = (dot(u, u) * cc + dot(w, w) * cb) / 8.0;
         part = db < 0.0 || dc < 0.0 ? twice / 8.0 : part;
@@ -61,14 +61,14 @@ void main() {
     Curvature found = Curvature(0.0, 0.0, 0.0, 0.0);
     // Of unit length or 0: where sheets lie back to back nothing is told.
     bool stands = dot(normal, normal) > 0.5;
-    if (stands && after == before && corner_starts[vertex + 1] > corner_starts[vertex] && area > SMALLEST) {
+    if (stands && after == before && corner_starts[vertex + 1] > corner_starts[vertex] && area > LEAST_MIXED_AREA) {
         float plain = TURN - angle;
         deficit = least < 0.25 ? plain : deficit - TURN * round((deficit - plain) / TURN);
         // The edges point away from the vertex here.
-        float mean = clamp(-dot(pull, normal) / (4.0 * area), -SHARPEST, SHARPEST);
-        float gaussian = clamp(deficit / area, -SHARPEST * SHARPEST, SHARPEST * SHARPEST);
+        float mean = clamp(-dot(pull, normal) / (4.0 * area), -MOST_CURVATURE, MOST_CURVATURE);
+        float gaussian = clamp(deficit / area, -MOST_CURVATURE * MOST_CURVATURE, MOST_CURVATURE * MOST_CURVATURE);
         float rms = sqrt(mean * mean + max(mean * mean - gaussian, 0.0));
-        found = Curvature(frame[0].kappa == 0 ? rms : abs(mean), mean, gaussian, 1.0);
+        found = Curvature(frame[0].kappa == KAPPA_RMS ? rms : abs(mean), mean, gaussian, 1.0);
     }
     curvature[vertex] = found;
 }

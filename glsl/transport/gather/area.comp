@@ -3,7 +3,7 @@
 #include "layout.glsl"
 
 // Near triangles by 6 area points, each at every receiver of the block.
-layout(local_size_x = 64) in;
+layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint ESTIMATE = 0;
 layout(constant_id = 2) const uint ANY_LIGHT = 0;
@@ -33,7 +33,7 @@ void main() {
     Dipole dipoles[3] = Dipole[3](dipole_of(0), dipole_of(1), dipole_of(2));
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     uint place = group * gl_WorkGroupSize.x + gl_LocalInvocationIndex, blocks_near = near_groups[1].x;
-    Receiver self = receiver_of(near[min(place / PLACES, blocks_near - 1)], place, place / PLACES < blocks_near);
+    Receiver self = receiver_of(near[min(place / BLOCK_RECEIVERS, blocks_near - 1)], place, place / BLOCK_RECEIVERS < blocks_near);
     Runs run = runs[self.run];
     uint first = run.first + run.expanded + run.direct;
     vec3 sum = vec3(0), error = vec3(0);

@@ -5,7 +5,7 @@
 
 // Emitters too near to be expanded, each at every receiver of the block. One invocation a receiver; as many emitters
 // are loaded at once as invocations share a block, one each, and handed round.
-layout(local_size_x = 64) in;
+layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint ORDER = 2;
 layout(constant_id = 2) const uint ESTIMATE = 0;
@@ -30,7 +30,7 @@ void main() {
     Dipole dipoles[3] = Dipole[3](dipole_of(0), dipole_of(1), dipole_of(2));
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     Receiver self = receiver_at((group * gl_NumSubgroups + gl_SubgroupID) * gl_SubgroupSize + gl_SubgroupInvocationID);
-    uint width = min(gl_SubgroupSize, PLACES);
+    uint width = min(gl_SubgroupSize, BLOCK_RECEIVERS);
     uint mine = gl_SubgroupInvocationID % width, base = gl_SubgroupInvocationID - mine;
     Runs run = runs[self.run];
     uint first = run.first + run.expanded, count = run.direct;

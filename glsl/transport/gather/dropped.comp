@@ -18,7 +18,7 @@ Dipole dipoles[3];
 vec3 sum = vec3(0);
 vec3 center;
 void on_emitter(uint kind, uint node) {
-    if (kind != DROPPED) return;
+    if (kind != LINK_DROPPED) return;
     Cloud m = cloud_of(node);
     vec3 d = center - m.center;
     float d2 = dot(d, d), tau = m.diagonal.x + m.diagonal.y + m.diagonal.z;

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 
 // The nearest triangles by the edge form, each at every receiver of the block.
-layout(local_size_x = 64) in;
+layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint NODES = 6;
 layout(constant_id = 2) const uint ESTIMATE = 0;
@@ -31,7 +31,7 @@ UPDATES(estimate)
 void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     uint place = group * gl_WorkGroupSize.x + gl_LocalInvocationIndex, blocks_near = near_groups[1].x;
-    Receiver self = receiver_of(near[min(place / PLACES, blocks_near - 1)], place, place / PLACES < blocks_near);
+    Receiver self = receiver_of(near[min(place / BLOCK_RECEIVERS, blocks_near - 1)], place, place / BLOCK_RECEIVERS < blocks_near);
     Runs run = runs[self.run];
     uint first = run.first + run.expanded + run.direct + run.area;
     vec3 z_real = frame[0].z_real, z_virtual = frame[0].z_virtual, sigma = frame[0].sigma;

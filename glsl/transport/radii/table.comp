@@ -37,11 +37,11 @@ float law(float u, float power) {
 
 void main() {
     uint i = invocation();
-    if (i >= LAWS * ENTRIES) return;
-    uint which = i / ENTRIES, entry = i % ENTRIES;
+    if (i >= ERROR_LAWS * RANGE_ENTRIES) return;
+    uint which = i / RANGE_ENTRIES, entry = i % RANGE_ENTRIES;
     float power = power_of(which);
-    float top = law(0.0, power), depth = min(DEEPEST, top - law(FARTHEST, power));
-    float wanted = top - depth * float(entry) / float(ENTRIES - 1);
+    float top = law(0.0, power), depth = min(RANGE_DEPTH, top - law(FARTHEST, power));
+    float wanted = top - depth * float(entry) / float(RANGE_ENTRIES - 1);
     // In the fourth root of the distance: small ones matter as much as large ones.
     float low = 0.0, high = 1.41421356;
     for (uint k = 0; k < 30; ++k) {
@@ -51,7 +51,7 @@ void main() {
         low = beyond ? low : middle;
     }
     float u = entry == 0 ? 0.0 : high * high * high * high;
-    uint base = which * (ENTRIES + 2);
+    uint base = which * (RANGE_ENTRIES + 2);
     ranges[base + 2 + entry] = u;
     if (entry == 0) {
         ranges[base] = top;
