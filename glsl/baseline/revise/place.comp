@@ -4,7 +4,6 @@
 
 // Lists that change go behind all others of the chunk: the farthest end of a list, and a prefix sum over those that move, by one
 // group; each invocation owns a run of receivers. Receivers with anything to merge are listed.
-layout(local_size_x = 256) in;
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 READS(order)
@@ -15,8 +14,10 @@ UPDATES(busy)
 UPDATES(due_groups)
 #include "baseline/groups.glsl"
 
-shared uint ends[256];
-shared uvec2 sums[256];
+#define SUM uvec2
+#include "scan.glsl"
+
+shared uint farthest;
 
 // What a list that changes may become.
 uint room_of(uint receiver) {
@@ -28,30 +29,22 @@ bool edited(uint receiver) { return edits[receiver].links + edits[receiver].area
 
 void main() {
     uint self = gl_LocalInvocationIndex;
-    uint run = (range.count + 255) / 256;
-    uint first = min(range.count, self * run), last = min(range.count, first + run);
+    uvec2 run = own_run(range.count);
     uint end = 0;
+    if (self == 0) farthest = 0;
     uvec2 sum = uvec2(0);
-    for (uint i = first; i < last; ++i) {
+    for (uint i = run.x; i < run.y; ++i) {
         uint receiver = order[range.first + i];
         end = max(end, spans[receiver].link + spans[receiver].links);
         sum += uvec2(room_of(receiver), uint(edited(receiver)));
         if (spans[receiver].links + edits[receiver].links + edits[receiver].areas > MOST_PAIRS) cursor[0].unfinished = 1;
     }
-    ends[self] = end;
-    sums[self] = sum;
+    uvec2 before = sum_before(sum), all = sum_of_all();
+    atomicMax(farthest, end);
     barrier();
-    for (uint step = 1; step < 256; step *= 2) {
-        uint far = self >= step ? ends[self - step] : 0;
-        uvec2 other = self >= step ? sums[self - step] : uvec2(0);
-        barrier();
-        ends[self] = max(ends[self], far);
-        sums[self] += other;
-        barrier();
-    }
-    uvec2 all = sums[255], at = uvec2(ends[255], 0) + sums[self] - sum;
-    uint total = ends[255] + all.x;
-    for (uint i = first; i < last; ++i) {
+    uvec2 at = uvec2(farthest, 0) + before;
+    uint total = farthest + all.x;
+    for (uint i = run.x; i < run.y; ++i) {
         uint receiver = order[range.first + i];
         uint room = room_of(receiver);
         bool listed = edited(receiver);

@@ -1,0 +1,30 @@
+// A prefix sum by one work group: each invocation owns a run of the elements, and brings the sum of its run. The includer
+// defines SUM, the type of what is summed: integers, so that the order of additions does not matter.
+const uint SCAN_SIZE = 256;
+layout(local_size_x = SCAN_SIZE) in;
+
+shared SUM sums[SCAN_SIZE];
+
+// The run of this invocation among so many elements: its first one, and the one after its last.
+uvec2 own_run(uint count) {
+    uint each = (count + SCAN_SIZE - 1) / SCAN_SIZE;
+    uint first = min(count, gl_LocalInvocationIndex * each);
+    return uvec2(first, min(count, first + each));
+}
+
+// The sum over the runs before this invocation's. All invocations call it; a barrier stands before the next call.
+SUM sum_before(SUM own) {
+    uint self = gl_LocalInvocationIndex;
+    sums[self] = own;
+    barrier();
+    for (uint step = 1; step < SCAN_SIZE; step *= 2) {
+        SUM other = self >= step ? sums[self - step] : SUM(0);
+        barrier();
+        sums[self] += other;
+        barrier();
+    }
+    return sums[self] - own;
+}
+
+// The sum over all runs, after `sum_before`.
+SUM sum_of_all() { return sums[SCAN_SIZE - 1]; }
