@@ -20,6 +20,7 @@ READS(depths)
 READS(islands)
 READS(beams)
 UPDATES(radiance)
+#include "geometry/blend.glsl"
 #include "light/arrival.glsl"
 #include "light/fresnel.glsl"
 #include "light/wrap.glsl"
@@ -40,15 +41,15 @@ vec3 unit(vec3 v) { return v * (1.0 / sqrt(max(dot(v, v), 1e-30))); }
 
 March march(Layering own, Hit hit) {
     uvec3 corner = triangles[hit.face];
-    vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
+    vec3 weight = CORNER_WEIGHTS(hit);
     vec3 a = positions[corner.x], b = positions[corner.y], c = positions[corner.z];
-    vec4 plane = weight.x * planes[corner.x] + weight.y * planes[corner.y] + weight.z * planes[corner.z];
+    vec4 plane = BLEND_AT(weight, planes, corner);
     March m;
-    m.point = weight.x * a + weight.y * b + weight.z * c;
+    m.point = BLEND(weight, a, b, c);
     m.eye = unit(camera[0].origin - m.point);
     vec3 area = cross(b - a, c - a), fitted = unit(plane.xyz);
     float side = dot(area, m.eye) < 0.0 ? -1.0 : 1.0;
-    m.normal = side * unit(weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z]);
+    m.normal = side * unit(BLEND_AT(weight, normals, corner));
     m.plane_normal = side * fitted;
     m.plane_point = m.point + plane.w * fitted;
     m.place = vec2(0);
@@ -66,7 +67,7 @@ March march(Layering own, Hit hit) {
         } else {
             uvs = corner_uvs[hit.face];
         }
-        m.place = weight.x * uvs.a + weight.y * uvs.b + weight.z * uvs.c;
+        m.place = BLEND(weight, uvs.a, uvs.b, uvs.c);
         vec2 p = uvs.b - uvs.a, q = uvs.c - uvs.a;
         vec3 x = cross(c - a, area), y = cross(area, b - a);
         float square = dot(area, area);

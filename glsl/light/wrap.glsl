@@ -1,3 +1,5 @@
+#include "geometry/blend.glsl"
+
 // Which of `count` texels in a row stands at place i: 0 the same again, 1 the outermost, 2 mirrored; places are at least
 // -count, and with a mirror -2 count.
 uint wrapped(uint wrap, int i, uint count) {
@@ -9,5 +11,5 @@ uint wrapped(uint wrap, int i, uint count) {
 
 // Where a triangle has this place, by the weights of its second and third corner.
 vec2 texture_place(CornerUvs uvs, vec2 weight) {
-    return (1.0 - weight.x - weight.y) * uvs.a + weight.x * uvs.b + weight.y * uvs.c;
+    return BLEND(vec3(1.0 - weight.x - weight.y, weight), uvs.a, uvs.b, uvs.c);
 }

@@ -13,6 +13,7 @@ READS(positions)
 READS(bends)
 READS(hits)
 UPDATES(radiance)
+#include "geometry/blend.glsl"
 #include "light/fresnel.glsl"
 #include "light/harmonics.glsl"
 #include "light/arrival.glsl"
@@ -51,9 +52,9 @@ void main() {
     }
     if (opaque != OPAQUE_NOT) return;
     uvec3 corner = triangles[hit.face];
-    vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
-    vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
-    vec4 bent = weight.x * bend(corner.x) + weight.y * bend(corner.y) + weight.z * bend(corner.z);
+    vec3 weight = CORNER_WEIGHTS(hit);
+    vec3 point = BLEND_AT(weight, positions, corner);
+    vec4 bent = BLEND(weight, bend(corner.x), bend(corner.y), bend(corner.z));
     vec3 normal = bent.xyz / sqrt(max(dot(bent.xyz, bent.xyz), 1e-30));
     vec3 sigma = spread(sigma_0 * bent.w, object, hit.face, weight);
 

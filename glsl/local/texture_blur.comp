@@ -17,6 +17,7 @@ READS(unwrappings)
 READS(gaussians)
 READS(sheets)
 UPDATES(radiance)
+#include "geometry/blend.glsl"
 #include "light/wrap.glsl"
 #include "view/object.glsl"
 
@@ -50,9 +51,9 @@ void main() {
     }
 
     uvec3 corner = triangles[hit.face];
-    vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
-    vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
-    vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
+    vec3 weight = CORNER_WEIGHTS(hit);
+    vec3 point = BLEND_AT(weight, positions, corner);
+    vec3 normal = BLEND_AT(weight, normals, corner);
     normal /= sqrt(max(dot(normal, normal), 1e-30));
     vec3 eye = camera[0].origin - point;
     float cosine = abs(dot(normal, eye)) / sqrt(max(dot(eye, eye), 1e-30));

@@ -21,6 +21,7 @@ READS(unwrappings)
 READS(charts)
 UPDATES(sheets)
 WRITES(stretch)
+#include "geometry/blend.glsl"
 #include "light/entering.glsl"
 #include "light/texture.glsl"
 
@@ -33,11 +34,11 @@ void main() {
     vec2 lengths = vec2(0);
     if (chart.face != NONE) {
         uvec3 corner = triangles[chart.face];
-        vec3 weight = vec3(1.0 - chart.u - chart.v, chart.u, chart.v);
+        vec3 weight = CORNER_WEIGHTS(chart);
         vec3 a = positions[corner.x], b = positions[corner.y], c = positions[corner.z];
-        vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
+        vec3 normal = BLEND_AT(weight, normals, corner);
         normal /= sqrt(max(dot(normal, normal), 1e-30));
-        vec3 E = entering(own.object, chart.face, weight.x * a + weight.y * b + weight.z * c, normal);
+        vec3 E = entering(own.object, chart.face, BLEND(weight, a, b, c), normal);
         CornerUvs uvs = corner_uvs[chart.face];
         if (TEXTURED != 0) {
             bool enters = (frame[own.object].texture_side & TEXTURE_ENTERS) != 0;

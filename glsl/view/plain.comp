@@ -18,6 +18,7 @@ READS(normals)
 READS(hits)
 UPDATES(radiance)
 #define LIT(word) reached[word]
+#include "geometry/blend.glsl"
 #include "light/entering.glsl"
 #include "view/object.glsl"
 
@@ -29,9 +30,9 @@ void main() {
     uint object = object_of(hit.face);
     if (frame[object].opaque != OPAQUE_BY_PIXEL) return;
     uvec3 corner = triangles[hit.face];
-    vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
-    vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
-    vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
+    vec3 weight = CORNER_WEIGHTS(hit);
+    vec3 point = BLEND_AT(weight, positions, corner);
+    vec3 normal = BLEND_AT(weight, normals, corner);
     normal /= sqrt(max(dot(normal, normal), 1e-30));
     vec3 arrives = entering(object, pixel, point, normal);
     vec3 eye = camera[0].origin - point;

@@ -15,6 +15,7 @@ UPDATES(places)
 UPDATES(seen)
 WRITES(blocks)
 WRITES(spheres)
+#include "geometry/blend.glsl"
 #include "geometry/sphere.glsl"
 
 float square(vec3 v) {
@@ -42,8 +43,8 @@ void main() {
         uint face = hit.face - frame[0].first_face;
         bool shown = inside && face < frame[0].faces;
         uvec3 c = triangles[shown ? face : 0];
-        precise float weight = 1.0 - hit.u - hit.v;
-        precise vec3 place = weight * positions[c.x] + hit.u * positions[c.y] + hit.v * positions[c.z];
+        precise vec3 weight = CORNER_WEIGHTS(hit);
+        precise vec3 place = BLEND_AT(weight, positions, c);
         precise float widest = TILE_REACH * (right * (hit.depth * hit.depth));
         uint layer = TILE_BLOCKS;
         for (uint j = 0; j < TILE_BLOCKS; ++j) {

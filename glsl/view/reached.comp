@@ -14,6 +14,7 @@ READS(bounds)
 READS(hits)
 UPDATES(reached)
 UPDATES(cut_short)
+#include "geometry/blend.glsl"
 #include "light/way.glsl"
 #include "view/object.glsl"
 
@@ -28,8 +29,8 @@ void main() {
     bool asked = shown && frame[object].opaque == OPAQUE_BY_PIXEL;
     Light light = lights[rays.light];
     uvec3 corner = triangles[face];
-    precise float weight = 1.0 - hit.u - hit.v;
-    precise vec3 place = weight * positions[corner.x] + hit.u * positions[corner.y] + hit.v * positions[corner.z];
+    precise vec3 weight = CORNER_WEIGHTS(hit);
+    precise vec3 place = BLEND_AT(weight, positions, corner);
     uint met = way(light, object, face, place, asked, false);
     if (met == UNFINISHED) cut_short[0] = 1;
 

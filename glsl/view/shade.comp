@@ -18,6 +18,7 @@ READS(radiosity)
 READS(hits)
 READS(seen)
 WRITES(radiance)
+#include "geometry/blend.glsl"
 #include "view/object.glsl"
 
 void main() {
@@ -28,11 +29,10 @@ void main() {
     if (hit.face < UNFINISHED) {
         uint object = object_of(hit.face);
         uvec3 corner = triangles[hit.face];
-        vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
-        vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
-        vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
-        vec3 B = weight.x * vertex_radiosity[corner.x] + weight.y * vertex_radiosity[corner.y] +
-                 weight.z * vertex_radiosity[corner.z];
+        vec3 weight = CORNER_WEIGHTS(hit);
+        vec3 point = BLEND_AT(weight, positions, corner);
+        vec3 normal = BLEND_AT(weight, normals, corner);
+        vec3 B = BLEND_AT(weight, vertex_radiosity, corner);
         if (PIXELS != 0) {
             if (frame[object].by_pixel != 0) B = radiosity[frame[object].first_receiver + seen[pixel]];
         }
