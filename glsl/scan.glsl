@@ -1,18 +1,19 @@
-// A prefix sum by one work group: each invocation owns a run of the elements, and brings the sum of its run. The includer
-// defines SUM, the type of what is summed: integers, so that the order of additions does not matter.
+// A prefix sum by one work group. Each invocation owns a run of the elements and contributes its sum. The includer
+// defines SUM, the type of the elements: integers, so that the order of additions does not matter.
 const uint SCAN_SIZE = 256;
 layout(local_size_x = SCAN_SIZE) in;
 
 shared SUM sums[SCAN_SIZE];
 
-// The run of this invocation among so many elements: its first one, and the one after its last.
+// This invocation's run of `count` elements: the first, and the one after the last.
 uvec2 own_run(uint count) {
     uint each = (count + SCAN_SIZE - 1) / SCAN_SIZE;
     uint first = min(count, gl_LocalInvocationIndex * each);
     return uvec2(first, min(count, first + each));
 }
 
-// The sum over the runs before this invocation's. All invocations call it; a barrier stands before the next call.
+// The sum over the runs before this invocation's. All invocations must call it, and pass a barrier before they call it
+// again.
 SUM sum_before(SUM own) {
     uint self = gl_LocalInvocationIndex;
     sums[self] = own;

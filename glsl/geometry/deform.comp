@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 
 // An object's vertices, twisted, bent, raised by bumps and noise, morphed, from where they are at rest. Additions,
-// multiplications and comparisons only, sine and cosine too: the same everywhere, to the last bit.
+// multiplications and comparisons only, sine and cosine too: the same bits on every device.
 READS(frame)
 READS(rest)
 READS(rest_normals)

@@ -1,10 +1,11 @@
-// The march beneath one visible point: where its ray runs, what lies there, and the light that comes there.
+// The march beneath one visible point: its ray, the layers along it, and the light that arrives there.
 layout(constant_id = 0) const uint SHADOWS = 0;
 layout(constant_id = 1) const uint MAPS = 1;
 layout(constant_id = 2) const uint MAPPED = MAPPED_NOT;
 layout(constant_id = 3) const uint HENYEY = 0;
 layout(constant_id = 4) const uint FRESNEL = 0;
-layout(push_constant, scalar) uniform push_block { uint number, first_beam, last_beam, first_pixel, last_pixel; }; // the layers, lights and pixels at hand
+// The layering, and the lights and pixels of this dispatch.
+layout(push_constant, scalar) uniform push_block { uint number, first_beam, last_beam, first_pixel, last_pixel; };
 READS(frame)
 READS(camera)
 READS(lit)
@@ -81,7 +82,7 @@ March march(Layering own, Hit hit) {
     return m;
 }
 
-// Where the four texels round a place lie in a map, and how far it is beyond the first, in texels.
+// The four texels around a place in a map, and its offset from the first, in texels.
 struct Texels {
     uvec4 at;
     vec2 part;
@@ -90,21 +91,22 @@ struct Texels {
 Texels texels_at(Layering own, March m, vec3 offset) {
     vec2 place = m.place + vec2(dot(m.du, offset), dot(m.dv, offset));
     if (MAPPED == MAPPED_BY_ISLANDS) {
-        // A margin's last texel has none beyond it.
+        // The last texel of a margin has none beyond it.
         place = clamp(place, m.low, m.high);
         vec2 low = floor(place);
         uvec2 first = uvec2(low), last = min(first + 1u, uvec2(m.high));
         uint above = own.first_texel + first.y * own.size.x, below = own.first_texel + last.y * own.size.x;
         return Texels(uvec4(above + first.x, above + last.x, below + first.x, below + last.x), place - low);
     }
-    // Within reach of whole numbers.
+    // Within the range of integers.
     if (own.wrap == WRAP_REPEAT) place -= floor(place);
     if (own.wrap == WRAP_CLAMP) place = clamp(place, vec2(-1), vec2(2));
     if (own.wrap == WRAP_MIRROR) place -= 2.0 * floor(0.5 * place);
     vec2 at = vec2(own.size) * place - 0.5, low = floor(at);
     int x = int(low.x), y = int(low.y);
     uint left = wrapped(own.wrap, x, own.size.x), right = wrapped(own.wrap, x + 1, own.size.x);
-    uint above = wrapped(own.wrap, y, own.size.y) * own.size.x, below = wrapped(own.wrap, y + 1, own.size.y) * own.size.x;
+    uint above = wrapped(own.wrap, y, own.size.y) * own.size.x;
+    uint below = wrapped(own.wrap, y + 1, own.size.y) * own.size.x;
     return Texels(own.first_texel + uvec4(above + left, above + right, below + left, below + right), at - low);
 }
 
@@ -121,7 +123,7 @@ uint above(vec4 interfaces, float depth) {
     return counts.x + counts.y + counts.z + counts.w;
 }
 
-// Of two cosines.
+// The phase function of two cosines.
 vec2 phase(float g, vec2 cosine) {
     // In sums of positive terms: 1 + g^2 + 2 g c, or 1 + g c.
     float size = abs(g);
@@ -149,7 +151,7 @@ Lit lit_at(Layering own, March m, uint object, Light light, uint face, float t, 
     vec3 normal = unit(mix(m.normal, m.plane_normal, share));
     float depth = max(dot(mix(m.point, m.plane_point, share) - place, normal), 0.0);
     float facing = dot(normal, toward), cosine = max(facing, LEAST_COSINE);
-    // From behind it nothing comes in.
+    // No light enters from behind.
     falloff *= clamp(facing / FADING, 0.0, 1.0);
     Texels entry;
     if (MAPPED != MAPPED_NOT) entry = texels_at(own, m, place + toward * (depth / cosine) - m.point);

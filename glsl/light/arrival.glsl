@@ -1,10 +1,11 @@
-// What arrives from a light. SHADOWS is not 0 where `lit` holds anything; or another buffer of such bits, by LIT.
+// The light that arrives from a light source. SHADOWS is not 0 if there are bits of shadow: in `lit`, unless the
+// includer defines LIT to read them from another buffer.
 #ifndef LIT
 #define LIT(word) lit[word]
 #endif
 
 // The share of a light's intensity in the unit direction `away` from it. 1 - cos is taken from the sine, which is exact
-// for narrow cones, too.
+// for narrow cones too.
 float emission(Light light, vec3 away) {
     float c = dot(light.axis, away);
     vec3 s = cross(light.axis, away);
@@ -24,7 +25,7 @@ float arrival(Light light, vec3 point, out vec3 toward) {
     return emission(light, -toward) / d2;
 }
 
-// 1 where a light reaches a face, or whatever LIT has bits of, 0 where it is in shadow.
+// 1 if a light reaches a face, or the pixel that LIT has bits of; 0 if that is in shadow.
 float reaches(Light light, uint index) {
     float lets = 1.0;
     if (SHADOWS != 0) {

@@ -26,7 +26,7 @@ void main() {
     vec3 sum = vec3(0);
     for (uint k = 0; k < n * n; ++k) {
         uvec2 cell = uvec2(k / n, k % n);
-        // Beyond the diagonal: the parts that stand on their heads, counted from the far corner.
+        // Beyond the diagonal lie the inverted parts, counted from the far corner.
         bool upright = cell.x + cell.y < n;
         vec2 corner = vec2(upright ? cell : n - 1 - cell);
         sum += texture_factor(0, texture_place(uvs, (corner + (upright ? 1.0 : 2.0) / 3.0) / float(n)));

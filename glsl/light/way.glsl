@@ -1,9 +1,9 @@
-// Whether the way from a place of a triangle to a light is free. Decisions only.
+// Whether nothing blocks the way from a point of a triangle to a light. Decisions only.
 #include "geometry/trace.glsl"
 #include "geometry/plane.glsl"
 #include "geometry/occlusion.glsl"
 
-// FREE, BLOCKED, or UNFINISHED; BLOCKED, too, where nobody `asked`. With `others` an object does not shadow itself.
+// FREE, BLOCKED, or UNFINISHED; BLOCKED also if not `asked`. With `others` an object does not shadow itself.
 uint way(Light light, uint object, uint face, vec3 origin, bool asked, bool others) {
     bool far = light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_SKY_RAY;
     precise vec3 direction = light.place;
@@ -11,7 +11,7 @@ uint way(Light light, uint object, uint face, vec3 origin, bool asked, bool othe
     uvec3 corner = triangles[face];
     Plane own = plane_of(positions[corner.x], positions[corner.y], positions[corner.z]);
 
-    // A face turned away needs no ray, nor does one behind an area or outside a spot's cone.
+    // A face that is turned away, behind an area light or outside a spot's cone needs no ray.
     float facing = dot3(direction, own.normal);
     float side = facing > 0.0 ? 1.0 : -1.0;
     float along = -dot3(direction, light.axis);

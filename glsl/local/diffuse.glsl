@@ -1,6 +1,6 @@
-// Radiance of a pixel by the light, the normal and the curvature of the place that it shows: f(cos, sigma), which has to be
-// defined as `respond` before, times what arrives. `spread` is the sigma of a place, from sigma_0 kappa; f's factors on the
-// environment's harmonics are `respond_sky`.
+// Radiance of a pixel from the light, the normal and the curvature of the point that it shows: f(cos, sigma) times what
+// arrives. The includer defines f as `respond`, its factors on the environment's harmonics as `respond_sky`, and the
+// sigma of a point, from sigma_0 kappa, as `spread`.
 layout(constant_id = 0) const uint OBJECTS = 1;
 layout(constant_id = 1) const uint SHADOWS = 0;
 layout(constant_id = 2) const uint SKY = 0;
@@ -19,17 +19,17 @@ UPDATES(radiance)
 #include "light/arrival.glsl"
 #include "view/object.glsl"
 
-// The normal of a vertex, 32767 long, and kappa, as stage `pack` has put them together.
+// The normal of a vertex, of length 32767, and kappa, unpacked from what stage `pack` writes.
 vec4 bend(uint vertex) {
     uvec2 word = bends[vertex];
     ivec3 normal = ivec3(word.x << 16, word.x, word.y << 16) >> 16;
-    // Taken off here, where it is exact: a surface that is flat stays flat for any sigma_0.
+    // The subtraction is exact here: a flat surface stays flat for any sigma_0.
     return vec4(vec3(normal), uintBitsToFloat((word.y >> 16 << 12) + floatBitsToUint(KAPPA_LEAST)) - KAPPA_LEAST);
 }
 
 void main() {
-    // What is the same at all pixels is read before any of them leaves: some drivers read it lane by lane from there on.
-    // Without a sky there is a light, or nothing would be shaded.
+    // What all pixels share is read before any invocation returns: after that some drivers read it lane by lane.
+    // Without a sky there is at least one light, or nothing would be shaded.
     uint pixel = invocation(), count = frame[0].lights;
     Camera view = camera[0];
     Light light;
@@ -59,7 +59,7 @@ void main() {
     vec3 sigma = spread(sigma_0 * bent.w, object, hit.face, weight);
 
     vec3 sum = vec3(0), all = vec3(0), open = vec3(0);
-    // The loop is left in its middle, before a light is read that is not there.
+    // The loop ends in its middle, before it reads a light beyond the last.
     uint i = 0;
     if (count > 0) for (;;) {
         vec3 toward;
@@ -77,7 +77,7 @@ void main() {
         light = lights[i];
     }
     if (SKY != 0) {
-        // Where no ray is blocked the share is 1 to the last bit.
+        // The share is exactly 1 if no ray is blocked.
         mat3 zonal = respond_sky(sigma);
         vec3 whole = max(vec3(0), zonal[0] * degree_0() + zonal[1] * degree_1(normal) + zonal[2] * degree_2(normal));
         sum += whole * mix(open / max(all, vec3(1e-30)), vec3(1), equal(open, all));

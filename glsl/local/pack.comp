@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// What local shading needs of a vertex, in two words. BENT is 0 where nobody asks for kappa.
+// The attributes of a vertex that local shading reads, in two words. BENT is 0 if kappa is not needed.
 layout(constant_id = 0) const uint BENT = 0;
 READS(frame)
 READS(normals)

@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 #include "light/fresnel.glsl"
 
-// Radiance of a pixel from the light that was blurred over the texture, linear between the texels that show a surface.
+// Radiance of a pixel from the light blurred over the texture, bilinear between the texels that show a surface.
 layout(constant_id = 0) const uint OBJECTS = 1;
 READS(frame)
 READS(camera)
@@ -33,7 +33,7 @@ void main() {
     if (sheet == 0) return;
     Unwrapping own = unwrappings[sheet - 1];
 
-    // Whole repetitions are taken off: where an edge does not go on at the other one the triangle lies in one.
+    // Whole repetitions are taken off: if an edge does not continue at the opposite one, the triangle lies within one.
     CornerUvs uvs = corner_uvs[hit.face];
     vec2 place = texture_place(uvs, vec2(hit.u, hit.v)), middle = floor(texture_place(uvs, vec2(1.0 / 3.0)));
     vec2 at = float(own.side) * (place - middle) - 0.5, low = floor(at), part = at - low;

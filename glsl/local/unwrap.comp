@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Light that enters at each texel, and the lengths that a texel spans there.
+// The light that enters at each texel, and the lengths that the texel spans.
 layout(constant_id = 0) const uint SHADOWS = 0;
 layout(constant_id = 1) const uint SKY = 0;
 layout(constant_id = 2) const uint TEXTURED = 0;
@@ -51,7 +51,8 @@ void main() {
         precise float turned = p.x * q.y - p.y * q.x;
         vec3 along = (b - a) * q.y - (c - a) * p.y, down = (c - a) * p.x - (b - a) * q.x;
         float over = 1.0 / (abs(turned) * float(own.side));
-        lengths = turned == 0.0 ? vec2(LONGEST_STRETCH) : min(vec2(length(along), length(down)) * over, vec2(LONGEST_STRETCH));
+        vec2 longest = vec2(LONGEST_STRETCH);
+        lengths = turned == 0.0 ? longest : min(vec2(length(along), length(down)) * over, longest);
     }
     sheets[own.first + k] = light;
     stretch[own.first + k] = lengths;

@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The least step of a fourth of an octave by which the level has to be raised to reach the light that enters, per channel.
-// One invocation. Decisions only.
+// The least step of a fourth of an octave by which the level has to be raised to reach the light that enters, per
+// channel. One invocation. Decisions only.
 layout(constant_id = 0) const uint CHANNELS = 7;
 READS(frame)
 READS(samples)
@@ -19,7 +19,7 @@ void main() {
     precise float sum = 0.0;
     for (uint k = 0; k < COARSE_SAMPLES; ++k) sum = sum + samples[k].light;
     precise float mean = sum * (1.0 / float(COARSE_SAMPLES));
-    // What is squared is scaled by a power of two, so that however dim an object is nothing vanishes.
+    // Scaled by a power of two before it is squared, so that nothing underflows however dim an object is.
     float whole = moments[0].weight, scale = 1.0;
     for (uint k = 0; k < CONTRAST_DOUBLINGS; ++k) {
         precise float scaled = whole * scale;

@@ -1,4 +1,4 @@
-// What the transport may miss at a receiver, squared; src/transport/estimate.rs says why it is so. `p` is the profile
+// What the transport may miss at a receiver, squared; the CPU reference gives the reasons. `p` is the profile
 // with its derivatives, times the cluster's weight; `tau` the trace of the cluster's second moments.
 
 float squared(float x) { return x * x; }
@@ -40,6 +40,7 @@ vec3 missed_edge(uint nodes, vec3 sigma, float tau, vec3 value) {
 // The estimate of a receiver.
 vec3 close_estimate(vec3 sigma, vec3 own, vec3 center, vec3 rim, float offset, float radius, vec3 sum) {
     float out2 = radius > 0.0 ? squared(offset / radius) : 0.0;
-    vec3 block = ESTIMATE_BOTH * exp(min(2.0 * sigma * offset, vec3(ESTIMATE_STEEPEST))) * (center + rim * (out2 * out2 * out2));
+    vec3 block = ESTIMATE_BOTH * exp(min(2.0 * sigma * offset, vec3(ESTIMATE_STEEPEST))) *
+                 (center + rim * (out2 * out2 * out2));
     return ESTIMATE_SAFETY * sqrt(own + block) + ESTIMATE_ROUNDING * abs(sum) + max(-sum, vec3(0));
 }

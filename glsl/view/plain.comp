@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Radiance of opaque objects: albedo times the irradiance of the very place that a pixel shows, over pi.
+// Radiance of opaque objects: albedo times the irradiance at the very point that a pixel shows, over pi.
 layout(constant_id = 0) const uint OBJECTS = 1;
 layout(constant_id = 1) const uint SHADOWS = 0;
 layout(constant_id = 2) const uint SKY = 0;

@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Receivers where the pixels of a tile show the object, parted into blocks of what is near each other. One invocation a
-// tile. Decisions only, but for the spheres.
+// Receivers where the pixels of a tile show the object, divided into blocks of nearby ones. One invocation a tile. All
+// but the spheres are decisions.
 READS(frame)
 READS(camera)
 READS(hits)
@@ -84,5 +84,7 @@ void main() {
         blocks[TILE_BLOCKS * tile + layer] = Block(0, first, count);
         spheres[TILE_BLOCKS * tile + layer] = sphere;
     }
-    for (uint k = 0; k < BLOCK_RECEIVERS; ++k) if (BLOCK_RECEIVERS * tile + k >= next) places[BLOCK_RECEIVERS * tile + k] = vec3(NOWHERE);
+    for (uint k = 0; k < BLOCK_RECEIVERS; ++k) {
+        if (BLOCK_RECEIVERS * tile + k >= next) places[BLOCK_RECEIVERS * tile + k] = vec3(NOWHERE);
+    }
 }

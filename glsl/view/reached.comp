@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Whether one light reaches what some pixels show of opaque objects: a bit of `reached`. Decisions only.
+// Whether one light reaches the points of opaque objects that some pixels show: a bit of `reached`. Decisions only.
 layout(constant_id = 0) const uint OBJECTS = 1;
 layout(push_constant, scalar) uniform push_block { Rays rays; };
 READS(frame)

@@ -5,7 +5,7 @@
 #include "light/fresnel.glsl"
 
 // Equation 3, times `exit`: the radiance that leaves the surface towards the eye, from the radiosity between
-// the vertices, or of the very place.
+// the vertices, or at the very point.
 layout(constant_id = 0) const uint OBJECTS = 1;
 layout(constant_id = 1) const uint PIXELS = 0;
 READS(frame)
@@ -39,7 +39,8 @@ void main() {
         vec3 toward = camera[0].origin - point;
         float size = sqrt(dot(normal, normal) * dot(toward, toward));
         float cosine = size > 0.0 ? abs(dot(normal, toward)) / size : 0.0;
-        color = transmittance(frame[object].eta, cosine) * B * (camera[0].radiance / 3.14159265358979) * frame[object].exit;
+        color = transmittance(frame[object].eta, cosine) * B * (camera[0].radiance / 3.14159265358979) *
+                frame[object].exit;
     }
     radiance[pixel] = color;
 }

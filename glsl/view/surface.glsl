@@ -1,9 +1,9 @@
 #include "geometry/blend.glsl"
 
-// Where a ray met the object, as the eye sees it.
+// The point where a ray hits the object, as the eye sees it.
 struct Surface {
     vec3 point;
-    vec3 normal; // between the vertices', on the side of the triangle that is seen
+    vec3 normal; // interpolated, on the side of the triangle that is seen
     vec3 toward; // to the eye
 };
 

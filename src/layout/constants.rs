@@ -66,7 +66,10 @@ impl<T: Shared, const N: usize> Shared for [T; N] {
 }
 
 macro_rules! constants {
-    ($(#[doc = $list_about:literal])* $list:ident: $($(#[doc = $about:literal])* $name:ident: $kind:ty = $value:expr;)*) => {
+    (
+        $(#[doc = $list_about:literal])* $list:ident:
+        $($(#[doc = $about:literal])* $name:ident: $kind:ty = $value:expr;)*
+    ) => {
         $($(#[doc = $about])* pub const $name: $kind = $value;)*
 
         $(#[doc = $list_about])*

@@ -19,7 +19,8 @@ constants! {
 
     /// Coefficients of sin(2 pi x) / x in x^2, from the constant one: within 1e-9 up to a quarter of a turn.
     SINE: [f32; 7] = [6.283_185_5, -41.341_7, 81.605_25, -76.705_86, 42.058_693, -15.094_643, 3.819_952_6];
-    /// Twice the rounding error of a point's height over a plane, as a share of the sum with every term positive: 16 x 2^-24.
+    /// Twice the rounding error of a point's height over a plane, as a share of the sum with every term positive: 16 x
+    /// 2^-24.
     PLANE_ROUNDING: f32 = 1.0 / 1_048_576.0;
 
     /// Parts along an edge of a triangle, at most, by which the texture's mean over the triangle is taken.
@@ -40,10 +41,11 @@ constants! {
     TILE_REACH: f32 = 1024.0;
     /// The spread of a block of a tile that is wider than that: nothing is expanded about its centre.
     UNBOUNDED_SPREAD: f32 = 1e30;
-    /// Each coordinate of receivers and blocks that show nothing: farther from the object than any table of distances reaches.
+    /// Each coordinate of receivers and blocks that show nothing: farther from the object than any table of distances
+    /// reaches.
     NOWHERE: f32 = 16.0;
-    /// The largest spread of each class of blocks, in units of a usual block's: an emitter has a distance for each class.
-    /// Blocks beyond the last class expand nothing.
+    /// The largest spread of each class of blocks, in units of a usual block's: an emitter has a distance for each
+    /// class. Blocks beyond the last class expand nothing.
     BLOCK_CLASSES: [f32; 4] = [1.0, 4.0, 16.0, 64.0];
 
     /// Receivers of the coarse solution: one half drawn evenly among the triangles, one half by the light that enters.

@@ -1,4 +1,4 @@
-// Decisions on a pair: additions, multiplications and comparisons only, all `precise`, so that every device decides alike.
+// Decisions on a pair: additions, multiplications and comparisons only, all `precise`, so that all devices agree.
 // The includer reads `frame`.
 #include "dipole/near.glsl"
 
@@ -9,7 +9,7 @@ bool deviates(float area, float d2, float child2) {
     return change > allowed;
 }
 
-// Whether A'/A falls short.
+// Whether A'/A is too small.
 bool bent(Cluster emitter) {
     precise vec3 n = emitter.normal * FAR_FROM_DENORMAL;
     precise float area = emitter.area * FAR_FROM_DENORMAL;

@@ -1,6 +1,6 @@
-// Where each receiver's lists begin: a prefix sum over one level, by one group; each invocation owns a run of receivers.
-// A list that does not fit is emptied and the overflow noted: the frame is then run again with more room.
-// The includer declares the LISTS, tells their rooms, and notes what they need.
+// Where each receiver's lists begin: a prefix sum over one level by one work group.
+// A list that does not fit is emptied and the overflow noted: the frame then runs again with more room.
+// The includer declares LISTS, returns their room, and notes what they need.
 layout(push_constant, scalar) uniform push_block { Range range; uint keep; };
 READS(frame)
 READS(order)
@@ -33,7 +33,8 @@ void main() {
         uint receiver = order[range.first + i];
         Span span = LISTS[receiver];
         uvec4 count = uvec4(span.links, span.areas, span.edges, span.hands);
-        LISTS[receiver] = Span(at.x, count.x * kept.x, at.y, count.y * kept.y, at.z, count.z * kept.z, at.w, count.w * kept.w);
+        LISTS[receiver] = Span(at.x, count.x * kept.x, at.y, count.y * kept.y,
+                               at.z, count.z * kept.z, at.w, count.w * kept.w);
         at += count;
     }
 

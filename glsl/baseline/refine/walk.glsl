@@ -1,4 +1,4 @@
-// A receiver goes through the emitters that its parent handed down. Each is handed on, split or linked:
+// A receiver visits the emitters that its parent handed down. Each is handed on, split or linked:
 // handed on when its solid angle varies too much over the receiver's children (epsilon_1), split when it is too
 // large (epsilon_2) or too far from planar. The includer defines what to do with a link and with a hand-down.
 

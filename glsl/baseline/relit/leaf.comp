@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Whether another light enters a triangle than the one that was summed last.
+// Whether the light that enters a triangle differs from that of the last sum.
 READS(frame)
 READS(leaves)
 READS(irradiance)

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// How many of its waiting links each receiver gets, in the order of the work, as far as the budget goes, and which receivers are
-// summed again: prefix sums by one group; each invocation owns a run of receivers.
+// How many waiting links of each receiver are due, in order, as far as the budget goes, and which receivers are summed
+// again: prefix sums by one work group.
 layout(push_constant, scalar) uniform push_block { Range range; uint chunk; };
 READS(frame)
 READS(order)

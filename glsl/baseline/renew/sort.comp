@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// The links that are due by what is evaluated, each kind in order, by one group; each invocation owns a run of them.
+// The due links sorted by rung, each rung in order: a prefix sum by one work group.
 READS(frame)
 READS(topology)
 READS(clusters)

@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// How much each receiver makes, undoes and hands down; one level a dispatch. Where the parent handed nothing down that is
-// altered, or that one of the two refinements has alone, nothing is looked at.
+// How many links each receiver makes and removes, and how many emitters it hands down; one level a dispatch. Nothing is
+// visited if the parent handed down nothing that is altered or that only one of the two refinements has.
 UPDATES(edits)
 UPDATES(cursor)
 READS(handed)

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// Lists that change go behind all others of the chunk: the farthest end of a list, and a prefix sum over those that move, by one
-// group; each invocation owns a run of receivers. Receivers with anything to merge are listed.
+// Lists that change move behind all others of the chunk: the farthest end of a list, and a prefix sum over those that
+// move, by one work group. Receivers with links to merge are listed.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 READS(order)
@@ -19,7 +19,7 @@ UPDATES(due_groups)
 
 shared uint farthest;
 
-// What a list that changes may become.
+// The room that a list needs if it changes.
 uint room_of(uint receiver) {
     Span edit = edits[receiver];
     return edit.areas + edit.edges > 0 ? spans[receiver].links + edit.links : 0;
@@ -37,7 +37,8 @@ void main() {
         uint receiver = order[range.first + i];
         end = max(end, spans[receiver].link + spans[receiver].links);
         sum += uvec2(room_of(receiver), uint(edited(receiver)));
-        if (spans[receiver].links + edits[receiver].links + edits[receiver].areas > MOST_PAIRS) cursor[0].unfinished = 1;
+        uint steps = spans[receiver].links + edits[receiver].links + edits[receiver].areas;
+        if (steps > MOST_PAIRS) cursor[0].unfinished = 1;
     }
     uvec2 before = sum_before(sum), all = sum_of_all();
     atomicMax(farthest, end);

@@ -7,10 +7,12 @@
 // Light scattered once beneath each visible point: from sample to sample, and to each interface between them, in closed
 // form. One loop for all lights, a part of the ray at a time.
 
-// The integral over s from 0 to 1 of (a + (b - a) s) exp(-(from + (to - from) s)), where `start` = exp(-from), `end` = exp(-to)
-// and d = to - from: a E0 + (b - a) E1 with E1 = ((start - end) / d - end) / d, or its series, and E0 = end + d E1.
+// The integral over s from 0 to 1 of (a + (b - a) s) exp(-(from + (to - from) s)), where `start` = exp(-from), `end` =
+// exp(-to) and d = to - from: a E0 + (b - a) E1 with E1 = ((start - end) / d - end) / d, or its series, and E0 = end +
+// d E1.
 vec3 segment(vec3 a, vec3 b, vec3 start, vec3 end, vec3 d) {
-    vec3 series = start * (1.0 / 2.0 + d * (-1.0 / 3.0 + d * (1.0 / 8.0 + d * (-1.0 / 30.0 + d * (1.0 / 144.0 - d * (1.0 / 840.0))))));
+    vec3 series = 1.0 / 8.0 + d * (-1.0 / 30.0 + d * (1.0 / 144.0 - d * (1.0 / 840.0)));
+    series = start * (1.0 / 2.0 + d * (-1.0 / 3.0 + d * series));
     bvec3 small = lessThan(abs(d), vec3(0.3));
     vec3 over = 1.0 / mix(d, vec3(1), small);
     vec3 e1 = mix(((start - end) * over - end) * over, series, small);
@@ -30,7 +32,8 @@ void main() {
 
     vec3 sum = vec3(0), dimmed = vec3(0), start = vec3(0), tau = vec3(0), arrived_before = vec3(0);
     float cosine_before = 0.0, done = 0.0; // how much of the step has been walked
-    vec4 before[MOST_MAPS], after[MOST_MAPS], here[MOST_MAPS];     // depths of the interfaces at the step's ends, and between
+    // Depths of the interfaces at the step's ends, and between.
+    vec4 before[MOST_MAPS], after[MOST_MAPS], here[MOST_MAPS];
     uint beam = first_beam, now = 0;       // the layer
     int step = -1;                         // -1: nothing has been looked at for this light
     bool next = true;

@@ -4,8 +4,8 @@
 #include "invocation.glsl"
 #include "layers/beneath.glsl"
 
-// The same by the left rule of algorithm 1, both ends included. A sample at an interface counts as above it, whatever the
-// rounding.
+// Light scattered once beneath each visible point, by the left rule of algorithm 1, both ends included. A sample at an
+// interface counts as above it, whatever the rounding.
 
 void main() {
     uint pixel = first_pixel + invocation();
@@ -33,7 +33,8 @@ void main() {
         Layer layer = beneath[own.first_layer + min(now, own.layers - 1)];
         Light light = beams[beam];
         Lit lights = lit_at(own, m, object, light, hit.face, t, here);
-        vec3 scattered = layer.sigma_s * lights.arrives * exp(-dimmed - lights.dimmed) * phase(layer.g, vec2(lights.cosine)).x;
+        vec3 scattered = layer.sigma_s * lights.arrives * exp(-dimmed - lights.dimmed) *
+                         phase(layer.g, vec2(lights.cosine)).x;
         if (now < own.layers) sum += light.color * pace * scattered;
         dimmed += layer.sigma_t * pace;
 

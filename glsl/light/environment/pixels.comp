@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Image times harmonics over SKY_BLOCK pixels of a row: every harmonic is a product of a function of the row and one of the
-// column, and the integrals of both over a pixel are exact.
+// Image times harmonics over SKY_BLOCK pixels of a row. Every harmonic is the product of a function of the row and one
+// of the column, whose integrals over a pixel are exact.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 READS(sky)

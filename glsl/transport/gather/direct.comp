@@ -4,7 +4,7 @@
 #include "layout.glsl"
 
 // Emitters too near to be expanded, each at every receiver of the block. One invocation a receiver; as many emitters
-// are loaded at once as invocations share a block, one each, and handed round.
+// are loaded at once as invocations share a block, one each, and shuffled.
 layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint ORDER = 2;
@@ -41,11 +41,14 @@ void main() {
         for (uint k = 0; k < last; ++k) {
             uint from = base + k;
             float weight = subgroupShuffle(load.weight, from);
-            // Lists for any light have dark emitters, too.
+            // Lists that serve any light contain dark emitters.
             if (ANY_LIGHT != 0 && weight == 0.0) continue;
-            vec3 center = vec3(subgroupShuffle(load.center.x, from), subgroupShuffle(load.center.y, from), subgroupShuffle(load.center.z, from));
-            vec3 diagonal = vec3(subgroupShuffle(load.diagonal.x, from), subgroupShuffle(load.diagonal.y, from), subgroupShuffle(load.diagonal.z, from));
-            vec3 mixed = vec3(subgroupShuffle(load.mixed.x, from), subgroupShuffle(load.mixed.y, from), subgroupShuffle(load.mixed.z, from));
+            vec3 center = vec3(subgroupShuffle(load.center.x, from), subgroupShuffle(load.center.y, from),
+                               subgroupShuffle(load.center.z, from));
+            vec3 diagonal = vec3(subgroupShuffle(load.diagonal.x, from), subgroupShuffle(load.diagonal.y, from),
+                                 subgroupShuffle(load.diagonal.z, from));
+            vec3 mixed = vec3(subgroupShuffle(load.mixed.x, from), subgroupShuffle(load.mixed.y, from),
+                              subgroupShuffle(load.mixed.z, from));
             vec3 d = self.x - center;
             float d2 = dot(d, d);
             float half_tau = ORDER == 2 ? 0.5 * (diagonal.x + diagonal.y + diagonal.z) : 0.0;

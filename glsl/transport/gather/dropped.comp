@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Only where an error is estimated: the light of the emitters that each block left out, which is all of one sign.
+// Only if the error is estimated: the light of the emitters that each block leaves out, all of one sign.
 layout(constant_id = 0) const uint CHANNELS = 7;
 READS(moments)
 READS(spreads)

@@ -1,4 +1,4 @@
-// One invocation a receiver: 16 places a block, of which the last may be empty.
+// One invocation a receiver: BLOCK_RECEIVERS a block, of which the last ones may be absent.
 struct Receiver { uint run; uint face; bool present; vec3 x; };
 
 // The includer reads blocks and places, and has `range`.

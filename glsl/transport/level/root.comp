@@ -16,7 +16,7 @@ shared vec3 sums[GROUP_SIZE];
 
 void main() {
     uint self = gl_LocalInvocationIndex;
-    // Relative to the largest value and the mean area, so that squares stay within range.
+    // Relative to the largest value and the mean area, so that squares neither overflow nor underflow.
     vec3 most = vec3(1e-30);
     for (uint k = 0; k < COARSE_SAMPLES; ++k) most = max(most, samples[k].value);
     float mean = clusters[0].area / float(frame[0].faces);

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The coarse solution at a few receivers: one half evenly among the triangles, one half where the light is.
+// The coarse solution at a few receivers: one half evenly among the triangles, one half by the light.
 layout(constant_id = 0) const uint CHANNELS = 7;
 READS(frame)
 READS(topology)
@@ -74,5 +74,6 @@ void main() {
     // One factor after the other, so that nothing leaves the range of f32.
     float enters = area > 0.0 && whole > 0.0 ? light * (clusters[0].area / area) : 0.0;
     float share = mean > 0.0 ? area / mean : 0.0;
-    samples[k] = Sample(topology[leaf].face, chance, max(sum, vec3(0)), enters * enters * (share / (chance * float(frame[0].faces))));
+    samples[k] = Sample(topology[leaf].face, chance, max(sum, vec3(0)),
+                        enters * enters * (share / (chance * float(frame[0].faces))));
 }

@@ -18,5 +18,6 @@ void main() {
     if (i >= range.count) return;
     bool whole = walk(range.first + i);
     if (!whole || count[LINK_DIRECT] > MOST_DIRECT) cursor[0].unfinished = 1;
-    runs[i] = Runs(0, count[LINK_EXPANDED], count[LINK_DIRECT], count[LINK_AREA], count[LINK_EDGE], count[LINK_DROPPED]);
+    runs[i] = Runs(0, count[LINK_EXPANDED], count[LINK_DIRECT], count[LINK_AREA],
+                   count[LINK_EDGE], count[LINK_DROPPED]);
 }

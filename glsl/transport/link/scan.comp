@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// Where each block's lists begin: a prefix sum over the batch, by one group; each invocation owns a run of blocks.
-// If they don't fit they are emptied and the overflow noted: the frame is then run again with more room.
+// Where each block's lists begin: a prefix sum over the batch by one work group. If they do not fit they are emptied
+// and the overflow noted: the frame then runs again with more room.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 UPDATES(runs)
@@ -38,7 +38,8 @@ void main() {
     uint at = before.x, next_near = before.y;
     for (uint i = run.x; i < run.y; ++i) {
         Runs one = runs[i];
-        runs[i] = fits ? Runs(at, one.expanded, one.direct, one.area, one.edge, one.dropped) : Runs(0, 0, 0, 0, 0, one.dropped);
+        runs[i] = fits ? Runs(at, one.expanded, one.direct, one.area, one.edge, one.dropped)
+                       : Runs(0, 0, 0, 0, 0, one.dropped);
         at += one.expanded + one.direct + one.area + one.edge;
         if (fits && one.area + one.edge > 0) near[next_near++] = i;
     }

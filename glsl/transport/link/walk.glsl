@@ -1,7 +1,7 @@
-// Decisions: additions, multiplications and comparisons only, all `precise`, so that every device decides alike.
+// Decisions: additions, multiplications and comparisons only, all `precise`, so that all devices agree.
 //
 // A block walks the tree of emitters. Each is dropped, expanded, linked directly or, a triangle too near for that,
-// taken by area points or the edge form; else it is opened.
+// taken by area points or the edge form; otherwise its children are visited.
 #include "dipole/near.glsl"
 
 READS(frame)

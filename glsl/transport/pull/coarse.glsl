@@ -1,4 +1,5 @@
-// From which distance on the coarse solution takes a cluster as one: chi at its nearest point stays below COARSE_CHI.
+// The distance beyond which the coarse solution takes a cluster as one: chi at its nearest point stays below
+// COARSE_CHI.
 #include "transport/chi.glsl"
 
 float coarse_distance(vec3 diagonal, float radius) {

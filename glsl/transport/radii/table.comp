@@ -30,7 +30,8 @@ float law(float u, float power) {
         float virt = source(frame[0].sigma[c], frame[0].z_virtual[c], u, power);
         float both = max(real, virt) + log2(1.0 + exp2(min(real, virt) - max(real, virt)));
         float strength = max(frame[0].strength[c] * (ANY_LIGHT != 0 ? 1.0 : frame[0].tint[c]), 1e-37);
-        largest = max(largest, both + log2(strength) + log2(ANY_LIGHT != 0 ? cursor[0].contrast[c] : 1.0 / level[0][c]));
+        largest = max(largest, both + log2(strength) +
+                               log2(ANY_LIGHT != 0 ? cursor[0].contrast[c] : 1.0 / level[0][c]));
     })
     return largest;
 }

@@ -4,10 +4,10 @@
 #include "invocation.glsl"
 #include "light/fresnel.glsl"
 
-// What the surface reflects of lights that have a place or a direction, where they reach the triangle.
+// The reflections of lights that have a position or a direction, if they reach the point.
 layout(constant_id = 0) const uint SHADOWS = SHADOWS_NOT; // whose bits of shadow are read
 layout(constant_id = 1) const uint GGX = 0;
-layout(push_constant, scalar) uniform push_block { uint object; }; // of whose pixels this dispatch is about
+layout(push_constant, scalar) uniform push_block { uint object; }; // whose pixels this dispatch shades
 READS(frame)
 READS(camera)
 READS(lights)
