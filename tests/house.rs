@@ -211,3 +211,73 @@ fn device_structs_lie_as_the_host_has_them() {
     let missing: Vec<_> = records.iter().map(|r| r.name).filter(|name| !seen.contains(name)).collect();
     assert!(missing.is_empty(), "no kernel shows the layout of {missing:?}");
 }
+
+/// The words of a source: names and numbers, comments left out.
+fn words(source: &str) -> std::collections::BTreeSet<String> {
+    let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let code = source.lines().map(|line| line.split("//").next().unwrap_or_default());
+    code.flat_map(|line| line.split(|c| !part(c))).filter(|word| !word.is_empty()).map(str::to_string).collect()
+}
+
+/// The names that a shader declares as constants, those of the layout left out.
+fn declared(source: &str) -> Vec<String> {
+    let code: String = source.lines().map(|line| line.split("//").next().unwrap_or_default()).collect();
+    let statements = code.split(';').filter_map(|statement| {
+        let (before, constant) = statement.split_once("const ")?;
+        (before.trim().is_empty() || before.trim().ends_with(['}', '{', '"', ')'])).then_some(constant.to_string())
+    });
+    let name =
+        |part: &str| part.split_whitespace().last().map(|name| name.split('[').next().unwrap_or(name).to_string());
+    statements
+        .flat_map(|constant| {
+            constant.split(',').map(|part| part.split('=').next().unwrap_or(part).to_string()).collect::<Vec<_>>()
+        })
+        .filter_map(|part| name(&part))
+        .collect()
+}
+
+#[test]
+fn no_constant_is_written_twice() {
+    assert_eq!(
+        declared("#include \"a\"\nconst uint A = 1, B[2] = 3;\nfloat C = 4;\nconst float D = 5.0;"),
+        ["A", "B", "D"]
+    );
+    let (numbers, kinds) = (milkglass::layout::numbers(), milkglass::layout::kinds());
+    let read = |folder: &str, ending: &str| -> Vec<(PathBuf, String)> {
+        files(folder, ending).into_iter().map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
+    };
+    let shaders: Vec<_> = [read("glsl", "comp"), read("glsl", "glsl")].concat();
+    let mut seen = std::collections::BTreeSet::new();
+    let all: Vec<_> = numbers.iter().chain(&kinds).collect();
+    for constant in &all {
+        assert!(seen.insert(constant.name), "the layout has {} twice", constant.name);
+    }
+
+    // No shader declares one of them, and numbers that only one thing can be are not written out.
+    for (path, source) in &shaders {
+        let again: Vec<_> = declared(source).into_iter().filter(|name| seen.contains(name.as_str())).collect();
+        assert!(again.is_empty(), "{} declares {again:?}, as the layout does", path.display());
+        let words = words(source);
+        for number in ["0xffffffffu", "0xfffffffeu", "65000", "58000", "32768", "4294967295u"] {
+            assert!(!words.contains(number), "{} has {number}, a constant of the layout", path.display());
+        }
+    }
+
+    // Both sides use each of them; of the values of a kind, one side.
+    let host: Vec<_> = read("src", "rs").into_iter().filter(|(path, _)| !path.starts_with("src/layout")).collect();
+    let words_of = |sources: &[(PathBuf, String)]| -> std::collections::BTreeSet<String> {
+        sources.iter().flat_map(|(_, source)| words(source)).collect()
+    };
+    let (host, device) = (words_of(&host), words_of(&shaders));
+    for constant in &numbers {
+        assert!(host.contains(constant.name), "no Rust file uses {}", constant.name);
+        assert!(device.contains(constant.name), "no shader uses {}", constant.name);
+    }
+    for constant in &kinds {
+        let prefix = constant.name.split('_').next().unwrap();
+        let group = |used: &std::collections::BTreeSet<String>| {
+            kinds.iter().any(|kind| kind.name.split('_').next() == Some(prefix) && used.contains(kind.name))
+        };
+        assert!(group(&host) || group(&device), "nothing uses {}", constant.name);
+    }
+}

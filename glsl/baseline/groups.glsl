@@ -1,7 +1,5 @@
 // Groups to dispatch for so many elements, in rows as `invocation` has them.
-const uint ROW = 32768, GROUP = 64;
-
 uvec3 groups(uint count) {
-    uint needed = (count + GROUP - 1) / GROUP;
-    return uvec3(min(needed, ROW), (needed + ROW - 1) / ROW, 1);
+    uint needed = (count + GROUP_SIZE - 1) / GROUP_SIZE;
+    return uvec3(min(needed, GROUPS_A_ROW), (needed + GROUPS_A_ROW - 1) / GROUPS_A_ROW, 1);
 }

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// What the links are made for now; nothing where the frame has to run again.
+// Saves the positions and clusters for which the links are made now; nothing if the frame has to run again.
 READS(frame)
 READS(cursor)
 READS(positions)

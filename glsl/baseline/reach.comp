@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// For each rung of the ladder the squared centroid distance from which on chi stays below the rung's threshold.
-// chi = tau q2(sigma s) / (2 s^2) with q2(a) <= 15 + 5a + a^2, solved for s; a channel counts up to sigma s = 20.
+// For each rung of the ladder the squared centroid distance beyond which chi stays below the rung's threshold.
+// chi = tau q2(sigma s) / (2 s^2) with q2(a) <= 15 + 5a + a^2, solved for s; a channel counts up to sigma s = FAINTEST.
 layout(constant_id = 0) const uint TABLE1 = 0;
 READS(frame)
 READS(leaves)
@@ -21,8 +21,9 @@ void main() {
         float real = frame[0].z_real[channel], virt = frame[0].z_virtual[channel];
         for (uint rung = 0; rung < 4; ++rung) {
             float k = 2.0 * frame[0].ladder[rung] / tau - sigma * sigma;
-            float s = tau <= 0.0 ? 0.0 : k > 0.0 ? (5.0 * sigma + sqrt(25.0 * sigma * sigma + 60.0 * k)) / (2.0 * k) : 1e9;
-            if (sigma > 0.0) s = min(s, 20.0 / sigma);
+            float s = tau <= 0.0 ? 0.0
+                    : k > 0.0 ? (5.0 * sigma + sqrt(25.0 * sigma * sigma + 60.0 * k)) / (2.0 * k) : 1e9;
+            if (sigma > 0.0) s = min(s, FAINTEST / sigma);
             float d2 = TABLE1 != 0 ? (s + virt) * (s + virt) : max(0.0, (s - real) * (s + real));
             result[rung] = max(result[rung], d2);
         }

@@ -8,7 +8,7 @@ struct Dipole {
     vec2 z2, weight;
 };
 
-// The includer reads frame. To be called once, outside of loops: loads in loops are dear.
+// The includer reads frame. Call it once, outside of loops: loads in loops are expensive.
 Dipole dipole_of(uint channel) {
     vec2 z = vec2(frame[0].z_real[channel], frame[0].z_virtual[channel]);
     return Dipole(frame[0].sigma[channel], z * z, frame[0].strength[channel] * frame[0].tint[channel] * z);
@@ -23,7 +23,8 @@ vec3 source_jet(float sigma, float z2, float weight, float d2) {
 }
 
 vec3 jet(Dipole dipole, float d2) {
-    return source_jet(dipole.sigma, dipole.z2.x, dipole.weight.x, d2) + source_jet(dipole.sigma, dipole.z2.y, dipole.weight.y, d2);
+    return source_jet(dipole.sigma, dipole.z2.x, dipole.weight.x, d2) +
+           source_jet(dipole.sigma, dipole.z2.y, dipole.weight.y, d2);
 }
 
 // p0 + (p1 tau + p2 along) / 2: one link, without the gradient.

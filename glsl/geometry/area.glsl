@@ -1,6 +1,7 @@
-// The vector area of a triangle, as near as single precision comes for a thin one. The product of its two shorter edges
-// cancels least. What rounding is left tilts the vector, by most along the longest edge, which leads far from the centre,
-// so that the plane would miss places over the triangle: that edge is known better, and the vector made perpendicular to it.
+// The vector area of a triangle, as accurate as single precision allows for a thin one. The cross product of its two
+// shorter edges cancels least. The remaining rounding tilts the vector, most along the longest edge, which reaches far
+// from the centre, so that the plane would miss points of the triangle. That edge is known more accurately: the vector
+// is made perpendicular to it.
 vec3 vector_area(vec3 a, vec3 b, vec3 c) {
     vec3 e0 = b - a, e1 = c - b, e2 = a - c;
     float s0 = dot(e0, e0), s1 = dot(e1, e1), s2 = dot(e2, e2), most = max(s0, max(s1, s2));

@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 
 // An object's vertices, twisted, bent, raised by bumps and noise, morphed, from where they are at rest. Additions,
-// multiplications and comparisons only, sine and cosine too: the same everywhere, to the last bit.
+// multiplications and comparisons only, sine and cosine too: the same bits on every device.
 READS(frame)
 READS(rest)
 READS(rest_normals)
@@ -20,13 +20,13 @@ float dot3(vec3 a, vec3 b) {
 // sin of up to a quarter of a turn.
 float quarter(float x) {
     precise float z = x * x;
-    precise float sum = 3.8199526;
-    sum = sum * z + -15.094643;
-    sum = sum * z + 42.058693;
-    sum = sum * z + -76.70586;
-    sum = sum * z + 81.60525;
-    sum = sum * z + -41.3417;
-    sum = sum * z + 6.2831855;
+    precise float sum = SINE[6];
+    sum = sum * z + SINE[5];
+    sum = sum * z + SINE[4];
+    sum = sum * z + SINE[3];
+    sum = sum * z + SINE[2];
+    sum = sum * z + SINE[1];
+    sum = sum * z + SINE[0];
     precise float sine = sum * x;
     return sine;
 }
@@ -113,17 +113,17 @@ void main() {
     for (uint i = 0; i < frame[0].deforms; ++i) {
         Deform d = deforms[frame[0].first_deform + i];
         precise vec3 from = p - d.origin;
-        if (d.kind == 1) {
+        if (d.kind == DEFORM_TWIST) {
             p = twist(d, from);
-        } else if (d.kind == 2) {
+        } else if (d.kind == DEFORM_BEND) {
             p = bend(d, p, from);
-        } else if (d.kind <= 4) {
+        } else if (d.kind <= DEFORM_BUMP_NORMAL) {
             precise float share = 1.0 - dot3(from, from) * d.rate;
             precise float height = share > 0.0 ? d.amount * (share * share) : 0.0;
-            vec3 along = d.kind == 3 ? d.axis : normal;
+            vec3 along = d.kind == DEFORM_BUMP_AXIS ? d.axis : normal;
             precise vec3 place = p + height * along;
             p = place;
-        } else if (d.kind == 6) {
+        } else if (d.kind == DEFORM_MORPH) {
             precise vec3 place = p + d.amount * morphs[d.first + vertex];
             p = place;
         } else {

@@ -1,5 +1,5 @@
-// Whether a ray from a triangle towards a light is blocked: any triangle will do. As in trace.glsl nothing is divided,
-// and what decides is bit for bit the same everywhere.
+// Whether any triangle blocks a ray from a triangle towards a light. As in trace.glsl nothing is divided, and decisions
+// are bit for bit the same on every device.
 //
 // A triangle blocks when the ray passes through it, and one of its corners lies in front of the plane of the triangle
 // that the ray starts from, for certain: what lies behind that plane or in it, the triangle itself, flat or convex
@@ -8,9 +8,9 @@
 
 const uint FREE = 0, BLOCKED = 1;
 
-// From `origin` along `direction`, up to the light at `light`, or for ever where it is `far`; `own` is the plane that the
-// ray starts from, and `side` the side on which it leaves. Not wanted, no ray is followed.
-// With `others`, the `spared` triangles (first, number) block nothing, and those behind that plane do.
+// From `origin` along `direction`, up to the light at `light`, or without end if it is `far`; `own` is the plane that
+// the ray starts from, and `side` the side on which it leaves. If it is not `wanted`, no ray is followed. With
+// `others`, the `spared` triangles (first, number) block nothing, and those behind that plane do.
 uint occlusion(vec3 origin, vec3 direction, bool far, vec3 light, uint self, Plane own, float side, bool wanted,
                uvec2 spared, bool others) {
     Sight ray = sight(direction);

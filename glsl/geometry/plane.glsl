@@ -1,4 +1,4 @@
-// A triangle's plane, and what is certain about a point's side of it. Additions, multiplications and comparisons only.
+// A triangle's plane, and on which side of it a point certainly lies. Additions, multiplications and comparisons only.
 
 struct Plane {
     vec3 corner;
@@ -15,10 +15,10 @@ Plane plane_of(vec3 a, vec3 b, vec3 c) {
 }
 
 // Whether a point lies beyond the plane on the side that its normal points to (side 1) or the other (side -1), for
-// certain: rounding moves the height by at most 8 x 2^-24 of `most`, twice that is asked for.
+// certain: rounding changes the height by at most 8 x 2^-24 of its positive terms; twice that is required.
 bool beyond(Plane plane, vec3 point, float side) {
     precise vec3 a = point - plane.corner;
     precise float height = side * dot3(a, plane.normal);
-    precise float least = 9.5367431640625e-7 * dot3(abs(a), plane.size);
+    precise float least = PLANE_ROUNDING * dot3(abs(a), plane.size);
     return height > least;
 }

@@ -1,4 +1,5 @@
-// The sphere round some receivers: the middle of the box round them, and the farthest. The includer has places.
+// The sphere around some receivers: the middle of their box, and the distance of the farthest. The includer reads
+// `places`.
 Sphere sphere_of(uint first, uint count) {
     vec3 low = vec3(1e30), high = vec3(-1e30);
     for (uint k = 0; k < count; ++k) {

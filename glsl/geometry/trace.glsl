@@ -6,9 +6,6 @@
 // ray slips between two triangles, nor past a corner that many share. Distances are fractions, compared across; nothing
 // is divided.
 
-// In place of a triangle where the driver has cut the walk short (lavapipe: after 65,535 iterations).
-const uint UNFINISHED = 0xfffffffeu;
-
 struct Nearest {
     uint face;        // or NONE, or UNFINISHED
     vec3 weights;     // sides of the three edges; barycentric once divided by their sum

@@ -1,10 +1,11 @@
-// The march beneath one visible point: where its ray runs, what lies there, and the light that comes there.
+// The march beneath one visible point: its ray, the layers along it, and the light that arrives there.
 layout(constant_id = 0) const uint SHADOWS = 0;
-layout(constant_id = 1) const uint MAPS = 1;    // of four layers each
-layout(constant_id = 2) const uint MAPPED = 0;  // 1 where depths vary, 2 where they are laid out by islands
+layout(constant_id = 1) const uint MAPS = 1;
+layout(constant_id = 2) const uint MAPPED = MAPPED_NOT;
 layout(constant_id = 3) const uint HENYEY = 0;
 layout(constant_id = 4) const uint FRESNEL = 0;
-layout(push_constant, scalar) uniform push_block { uint number, first_beam, last_beam, first_pixel, last_pixel; }; // the layers, lights and pixels at hand
+// The layering, and the lights and pixels of this dispatch.
+layout(push_constant, scalar) uniform push_block { uint number, first_beam, last_beam, first_pixel, last_pixel; };
 READS(frame)
 READS(camera)
 READS(lit)
@@ -20,11 +21,12 @@ READS(depths)
 READS(islands)
 READS(beams)
 UPDATES(radiance)
+#include "geometry/blend.glsl"
 #include "light/arrival.glsl"
 #include "light/fresnel.glsl"
 #include "light/wrap.glsl"
 
-const float GRAZING = 0.05, LEAST_COSINE = 1e-6, FADING = 0.01;
+const uint MOST_MAPS = MOST_LAYERS / MAP_LAYERS;
 
 struct March {
     vec3 point, normal, plane_point, plane_normal; // at P, and of the fitted plane
@@ -40,15 +42,15 @@ vec3 unit(vec3 v) { return v * (1.0 / sqrt(max(dot(v, v), 1e-30))); }
 
 March march(Layering own, Hit hit) {
     uvec3 corner = triangles[hit.face];
-    vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
+    vec3 weight = CORNER_WEIGHTS(hit);
     vec3 a = positions[corner.x], b = positions[corner.y], c = positions[corner.z];
-    vec4 plane = weight.x * planes[corner.x] + weight.y * planes[corner.y] + weight.z * planes[corner.z];
+    vec4 plane = BLEND_AT(weight, planes, corner);
     March m;
-    m.point = weight.x * a + weight.y * b + weight.z * c;
+    m.point = BLEND(weight, a, b, c);
     m.eye = unit(camera[0].origin - m.point);
     vec3 area = cross(b - a, c - a), fitted = unit(plane.xyz);
     float side = dot(area, m.eye) < 0.0 ? -1.0 : 1.0;
-    m.normal = side * unit(weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z]);
+    m.normal = side * unit(BLEND_AT(weight, normals, corner));
     m.plane_normal = side * fitted;
     m.plane_point = m.point + plane.w * fitted;
     m.place = vec2(0);
@@ -56,9 +58,9 @@ March march(Layering own, Hit hit) {
     m.dv = vec3(0);
     m.low = vec2(0);
     m.high = vec2(0);
-    if (MAPPED != 0) {
+    if (MAPPED != MAPPED_NOT) {
         CornerUvs uvs;
-        if (MAPPED == 2) {
+        if (MAPPED == MAPPED_BY_ISLANDS) {
             Island island = islands[hit.face - frame[own.object].first_face + own.first_island];
             uvs = CornerUvs(island.a, island.b, island.c);
             m.low = island.low;
@@ -66,7 +68,7 @@ March march(Layering own, Hit hit) {
         } else {
             uvs = corner_uvs[hit.face];
         }
-        m.place = weight.x * uvs.a + weight.y * uvs.b + weight.z * uvs.c;
+        m.place = BLEND(weight, uvs.a, uvs.b, uvs.c);
         vec2 p = uvs.b - uvs.a, q = uvs.c - uvs.a;
         vec3 x = cross(c - a, area), y = cross(area, b - a);
         float square = dot(area, area);
@@ -80,7 +82,7 @@ March march(Layering own, Hit hit) {
     return m;
 }
 
-// Where the four texels round a place lie in a map, and how far it is beyond the first, in texels.
+// The four texels around a place in a map, and its offset from the first, in texels.
 struct Texels {
     uvec4 at;
     vec2 part;
@@ -88,28 +90,29 @@ struct Texels {
 
 Texels texels_at(Layering own, March m, vec3 offset) {
     vec2 place = m.place + vec2(dot(m.du, offset), dot(m.dv, offset));
-    if (MAPPED == 2) {
-        // A margin's last texel has none beyond it.
+    if (MAPPED == MAPPED_BY_ISLANDS) {
+        // The last texel of a margin has none beyond it.
         place = clamp(place, m.low, m.high);
         vec2 low = floor(place);
         uvec2 first = uvec2(low), last = min(first + 1u, uvec2(m.high));
         uint above = own.first_texel + first.y * own.size.x, below = own.first_texel + last.y * own.size.x;
         return Texels(uvec4(above + first.x, above + last.x, below + first.x, below + last.x), place - low);
     }
-    // Within reach of whole numbers.
-    if (own.wrap == 0) place -= floor(place);
-    if (own.wrap == 1) place = clamp(place, vec2(-1), vec2(2));
-    if (own.wrap == 2) place -= 2.0 * floor(0.5 * place);
+    // Within the range of integers.
+    if (own.wrap == WRAP_REPEAT) place -= floor(place);
+    if (own.wrap == WRAP_CLAMP) place = clamp(place, vec2(-1), vec2(2));
+    if (own.wrap == WRAP_MIRROR) place -= 2.0 * floor(0.5 * place);
     vec2 at = vec2(own.size) * place - 0.5, low = floor(at);
     int x = int(low.x), y = int(low.y);
     uint left = wrapped(own.wrap, x, own.size.x), right = wrapped(own.wrap, x + 1, own.size.x);
-    uint above = wrapped(own.wrap, y, own.size.y) * own.size.x, below = wrapped(own.wrap, y + 1, own.size.y) * own.size.x;
+    uint above = wrapped(own.wrap, y, own.size.y) * own.size.x;
+    uint below = wrapped(own.wrap, y + 1, own.size.y) * own.size.x;
     return Texels(own.first_texel + uvec4(above + left, above + right, below + left, below + right), at - low);
 }
 
 // Depths of four layers' lower interfaces there.
 vec4 depths_of(Layering own, Texels t, uint map) {
-    if (MAPPED == 0) return depths[own.first_texel + map];
+    if (MAPPED == MAPPED_NOT) return depths[own.first_texel + map];
     uvec4 at = t.at + map * own.size.x * own.size.y;
     return mix(mix(depths[at.x], depths[at.y], t.part.x), mix(depths[at.z], depths[at.w], t.part.x), t.part.y);
 }
@@ -120,7 +123,7 @@ uint above(vec4 interfaces, float depth) {
     return counts.x + counts.y + counts.z + counts.w;
 }
 
-// Of two cosines.
+// The phase function of two cosines.
 vec2 phase(float g, vec2 cosine) {
     // In sums of positive terms: 1 + g^2 + 2 g c, or 1 + g c.
     float size = abs(g);
@@ -139,7 +142,7 @@ struct Lit {
 };
 
 // `here` are the depths of the interfaces at that place, `t` along the ray.
-Lit lit_at(Layering own, March m, uint object, Light light, uint face, float t, vec4 here[4]) {
+Lit lit_at(Layering own, March m, uint object, Light light, uint face, float t, vec4 here[MOST_MAPS]) {
     vec3 place = m.point - t * m.eye, toward;
     float falloff = arrival(light, place, toward) * reaches(light, face);
 
@@ -148,17 +151,17 @@ Lit lit_at(Layering own, March m, uint object, Light light, uint face, float t, 
     vec3 normal = unit(mix(m.normal, m.plane_normal, share));
     float depth = max(dot(mix(m.point, m.plane_point, share) - place, normal), 0.0);
     float facing = dot(normal, toward), cosine = max(facing, LEAST_COSINE);
-    // From behind it nothing comes in.
+    // No light enters from behind.
     falloff *= clamp(facing / FADING, 0.0, 1.0);
     Texels entry;
-    if (MAPPED != 0) entry = texels_at(own, m, place + toward * (depth / cosine) - m.point);
+    if (MAPPED != MAPPED_NOT) entry = texels_at(own, m, place + toward * (depth / cosine) - m.point);
 
     vec3 sum = vec3(0);
     float before = 0.0;
     for (uint map = 0; map < MAPS; ++map) {
-        vec4 bottoms = MAPPED != 0 ? 0.5 * (here[map] + depths_of(own, entry, map)) : here[map];
-        for (uint k = 0; k < 4; ++k) {
-            uint layer = 4 * map + k;
+        vec4 bottoms = MAPPED != MAPPED_NOT ? 0.5 * (here[map] + depths_of(own, entry, map)) : here[map];
+        for (uint k = 0; k < MAP_LAYERS; ++k) {
+            uint layer = MAP_LAYERS * map + k;
             float bottom = layer + 1 < own.layers ? min(bottoms[k], depth) : depth;
             sum += beneath[own.first_layer + min(layer, own.layers - 1)].sigma_t * (bottom - before);
             before = bottom;

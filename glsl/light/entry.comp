@@ -10,8 +10,6 @@ READS(texels)
 UPDATES(irradiance)
 #include "light/texture.glsl"
 
-const float FINEST = 16.0;
-
 // The longest edge along either side of the texture, in texels.
 float longest(CornerUvs uvs) {
     vec2 size = vec2(frame[0].texture_size);
@@ -22,13 +20,13 @@ float longest(CornerUvs uvs) {
 
 void main() {
     uint face = invocation();
-    if (face >= frame[0].faces || (frame[0].texture_side & 1) == 0) return;
+    if (face >= frame[0].faces || (frame[0].texture_side & TEXTURE_ENTERS) == 0) return;
     CornerUvs uvs = corner_uvs[face];
-    uint n = uint(clamp(ceil(longest(uvs)), 1.0, FINEST));
+    uint n = uint(clamp(ceil(longest(uvs)), 1.0, float(TEXTURE_PARTS)));
     vec3 sum = vec3(0);
     for (uint k = 0; k < n * n; ++k) {
         uvec2 cell = uvec2(k / n, k % n);
-        // Beyond the diagonal: the parts that stand on their heads, counted from the far corner.
+        // Beyond the diagonal lie the inverted parts, counted from the far corner.
         bool upright = cell.x + cell.y < n;
         vec2 corner = vec2(upright ? cell : n - 1 - cell);
         sum += texture_factor(0, texture_place(uvs, (corner + (upright ? 1.0 : 2.0) / 3.0) / float(n)));

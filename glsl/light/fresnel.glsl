@@ -2,7 +2,7 @@
 vec3 transmittance(vec3 eta, float cosine) {
     if (cosine <= 0.0) return vec3(0);
     float c = min(cosine, 1.0);
-    // Sums of what is positive only, so that a ray near the critical angle (eta < 1) loses no digits.
+    // Only positive terms are added, so that a ray near the critical angle (eta < 1) loses no digits.
     vec3 inner = sqrt(max(vec3(0), c * c - (1.0 - eta) * (1.0 + eta))) / eta;
     vec3 s = c + eta * inner, p = eta * c + inner;
     return min(vec3(1), 2.0 * eta * (c / s * (inner / s) + c / p * (inner / p)));

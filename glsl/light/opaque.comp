@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// What an opaque face gives back.
+// Light that an opaque face reflects diffusely.
 READS(frame)
 READS(irradiance)
 WRITES(radiosity)

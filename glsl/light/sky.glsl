@@ -2,8 +2,8 @@
 
 const float PI = 3.14159265358979;
 
-// The angle of (x, y), -pi to pi. Vulkan lets a driver's own be off by 4096 units in the last place, so it is a series here,
-// of the tangent of half the angle within an eighth of a turn: the first term left out is 2e-8.
+// The angle of (x, y), -pi to pi. Vulkan allows a driver's own function an error of 4096 units in the last place; this
+// is a series in the tangent of half the angle within an eighth of a turn, whose first omitted term is 2e-8.
 float angle(float y, float x) {
     float a = min(abs(x), abs(y)), b = max(abs(x), abs(y));
     float t = a / max(b + sqrt(a * a + b * b), 1e-30), s = t * t;

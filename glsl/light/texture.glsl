@@ -1,9 +1,8 @@
-// The texture at one place: its texels, linear between the centres of four of them.
+// The texture at one point: bilinear between the centres of four texels.
 
 #include "light/wrap.glsl"
 
-// Of one with its first texel there, of this size, going on like this beyond its edges: (0, 0) is its upper left corner,
-// (1, 1) its lower right one.
+// A texture by its first texel, size and wrap mode: (0, 0) is its upper left corner, (1, 1) its lower right one.
 vec3 texture_at(uint first, uvec2 size, uint wrap, vec2 place) {
     vec2 at = vec2(size) * place - 0.5, low = floor(at), part = at - low;
     int column = int(low.x), row = int(low.y);
@@ -13,7 +12,7 @@ vec3 texture_at(uint first, uvec2 size, uint wrap, vec2 place) {
                mix(texels[below + left], texels[below + right], part.x), part.y);
 }
 
-// Factors of an object's texture.
+// The factors of an object's texture.
 vec3 texture_factor(uint object, vec2 place) {
     return texture_at(frame[object].texture_first, frame[object].texture_size, frame[object].texture_wrap, place);
 }

@@ -1,24 +1,25 @@
-// Whether the way from a place of a triangle to a light is free. Decisions only.
+// Whether nothing blocks the way from a point of a triangle to a light. Decisions only.
 #include "geometry/trace.glsl"
 #include "geometry/plane.glsl"
 #include "geometry/occlusion.glsl"
 
-// FREE, BLOCKED, or UNFINISHED; BLOCKED, too, where nobody `asked`. With `others` an object does not shadow itself.
+// FREE, BLOCKED, or UNFINISHED; BLOCKED also if not `asked`. With `others` an object does not shadow itself.
 uint way(Light light, uint object, uint face, vec3 origin, bool asked, bool others) {
-    bool far = light.kind == 0 || light.kind == 5;
+    bool far = light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_SKY_RAY;
     precise vec3 direction = light.place;
     if (!far) direction = light.place - origin;
     uvec3 corner = triangles[face];
     Plane own = plane_of(positions[corner.x], positions[corner.y], positions[corner.z]);
 
-    // A face turned away needs no ray, nor does one behind an area or outside a spot's cone.
+    // A face that is turned away, behind an area light or outside a spot's cone needs no ray.
     float facing = dot3(direction, own.normal);
     float side = facing > 0.0 ? 1.0 : -1.0;
     float along = -dot3(direction, light.axis);
     precise float cosine = 1.0 - light.outer;
     precise float square = along * along;
     precise float least = cosine * cosine * dot3(direction, direction);
-    bool shines = (light.kind != 3 || along > 0.0) && (light.kind != 2 || (along > 0.0 && square > least));
+    bool shines = (light.kind != LIGHT_AREA || along > 0.0) &&
+                  (light.kind != LIGHT_SPOT || (along > 0.0 && square > least));
     bool wanted = asked && shines && (others || facing > 0.0 || (frame[object].two_sided != 0 && facing < 0.0));
     uvec2 spared = uvec2(frame[object].first_face, frame[object].faces);
     uint met = occlusion(origin, direction, far, light.place, face, own, side, wanted, spared, others);

@@ -1,13 +1,14 @@
-// Which of `count` texels in a row stands at place i: 0 the same again, 1 the outermost, 2 mirrored; places are at least
-// -count, and with a mirror -2 count.
+#include "geometry/blend.glsl"
+
+// Which of `count` texels in a row stands at place i, for a WRAP_; i is at least -count, or -2 count if mirrored.
 uint wrapped(uint wrap, int i, uint count) {
-    if (wrap == 1) return uint(clamp(i, 0, int(count) - 1));
-    uint period = wrap == 2 ? 2 * count : count;
+    if (wrap == WRAP_CLAMP) return uint(clamp(i, 0, int(count) - 1));
+    uint period = wrap == WRAP_MIRROR ? 2 * count : count;
     uint k = uint(max(i + int(period), 0)) % period;
     return k < count ? k : period - 1 - k;
 }
 
-// Where a triangle has this place, by the weights of its second and third corner.
+// Texture coordinates of a point of a triangle, by the weights of its second and third corner.
 vec2 texture_place(CornerUvs uvs, vec2 weight) {
-    return (1.0 - weight.x - weight.y) * uvs.a + weight.x * uvs.b + weight.y * uvs.c;
+    return BLEND(vec3(1.0 - weight.x - weight.y, weight), uvs.a, uvs.b, uvs.c);
 }

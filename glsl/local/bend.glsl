@@ -1,5 +1,5 @@
-// sigma = sigma_0 kappa at a place, and the CDRF's factors on the environment. MAPPED is not 0 where an object has a map of d,
-// by the square of which sigma_0 is multiplied (equation 6).
+// sigma = sigma_0 kappa at a point, and the CDRF's factors on the environment. MAPPED is not 0 if an object has a map
+// of d; sigma_0 is multiplied by d^2 (equation 6).
 layout(constant_id = 3) const uint MAPPED = 0;
 READS(corner_uvs)
 READS(texels)

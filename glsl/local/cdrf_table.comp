@@ -12,5 +12,5 @@ void main() {
     uint k = invocation();
     if (k >= SIDE * SIDE) return;
     float last = float(SIDE - 1);
-    cdrf_grid[k] = cdrf(2.0 * float(k % SIDE) / last - 1.0, vec3(3.5 * float(k / SIDE) / last)).x;
+    cdrf_grid[k] = cdrf(2.0 * float(k % SIDE) / last - 1.0, vec3(CDRF_WIDEST * float(k / SIDE) / last)).x;
 }

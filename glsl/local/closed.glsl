@@ -1,5 +1,6 @@
-// The curvature-dependent reflectance function in closed form: max(cos, 0) over the circle, convolved with a Gaussian of
-// standard deviation sigma. Within 6e-6. It is half the cosine, blurred, and half of |cos|, blurred, which knows c^2 alone.
+// The curvature-dependent reflectance function in closed form: max(cos, 0) over the circle, convolved with a Gaussian
+// of standard deviation sigma, within 6e-6. It is half of the blurred cosine plus half of the blurred |cos|, a function
+// of c^2.
 vec3 cdrf(float c, vec3 sigma) {
     c = clamp(c, -1.0, 1.0);
     vec3 s = clamp(sigma, vec3(1e-5), vec3(8.0)), s2 = s * s, e = exp2(-0.72134752 * s2);
@@ -14,8 +15,9 @@ vec3 cdrf(float c, vec3 sigma) {
     wide = 0.04244132 * second - q5 * (0.01818914 * third - q7 * wide);
     wide = 0.31830989 + q * (0.21220659 * once - q3 * wide);
 
-    // A narrow one: e |c| / 2, and near the edge of the lit half s times a Gaussian of the angle x from it, over s, times a
-    // polynomial in s^2 and t, from 1 at the edge to 0 far from it, fitted to the convolution. x^2 is one in c^2.
+    // A narrow one: e |c| / 2, and near the edge of the lit half s times a Gaussian of the angle x from it, over s,
+    // times a polynomial in s^2 and t, from 1 at the edge to 0 far from it, fitted to the convolution. x^2 is one in
+    // c^2.
     float a = abs(c), x2 = m * (1.0 + m * (0.32401063 + m * (0.28757736 + m * (-0.28045327 + m * 0.55516601))));
     vec3 t = s / (s + 0.4 * a);
     vec3 near = -0.05878687 + t * (0.39388367 + t * (-0.94191491 + t * (1.28325265 - t * 0.27757759)));

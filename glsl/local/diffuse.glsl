@@ -1,6 +1,6 @@
-// Radiance of a pixel by the light, the normal and the curvature of the place that it shows: f(cos, sigma), which has to be
-// defined as `respond` before, times what arrives. `spread` is the sigma of a place, from sigma_0 kappa; f's factors on the
-// environment's harmonics are `respond_sky`.
+// Radiance of a pixel from the light, the normal and the curvature of the point that it shows: f(cos, sigma) times what
+// arrives. The includer defines f as `respond`, its factors on the environment's harmonics as `respond_sky`, and the
+// sigma of a point, from sigma_0 kappa, as `spread`.
 layout(constant_id = 0) const uint OBJECTS = 1;
 layout(constant_id = 1) const uint SHADOWS = 0;
 layout(constant_id = 2) const uint SKY = 0;
@@ -13,23 +13,23 @@ READS(positions)
 READS(bends)
 READS(hits)
 UPDATES(radiance)
+#include "geometry/blend.glsl"
 #include "light/fresnel.glsl"
 #include "light/harmonics.glsl"
 #include "light/arrival.glsl"
 #include "view/object.glsl"
-#include "local/flattest.glsl"
 
-// The normal of a vertex, 32767 long, and kappa, as stage `pack` has put them together.
+// The normal of a vertex, of length 32767, and kappa, unpacked from what stage `pack` writes.
 vec4 bend(uint vertex) {
     uvec2 word = bends[vertex];
     ivec3 normal = ivec3(word.x << 16, word.x, word.y << 16) >> 16;
-    // Taken off here, where it is exact: a surface that is flat stays flat for any sigma_0.
-    return vec4(vec3(normal), uintBitsToFloat((word.y >> 16 << 12) + floatBitsToUint(FLATTEST)) - FLATTEST);
+    // The subtraction is exact here: a flat surface stays flat for any sigma_0.
+    return vec4(vec3(normal), uintBitsToFloat((word.y >> 16 << 12) + floatBitsToUint(KAPPA_LEAST)) - KAPPA_LEAST);
 }
 
 void main() {
-    // What is the same at all pixels is read before any of them leaves: some drivers read it lane by lane from there on.
-    // Without a sky there is a light, or nothing would be shaded.
+    // What all pixels share is read before any invocation returns: after that some drivers read it lane by lane.
+    // Without a sky there is at least one light, or nothing would be shaded.
     uint pixel = invocation(), count = frame[0].lights;
     Camera view = camera[0];
     Light light;
@@ -38,7 +38,7 @@ void main() {
     vec3 eta = frame[0].eta, exits = frame[0].exit, diffuse = frame[0].diffuse, sigma_0 = frame[0].sigma_0;
     if (pixel >= view.width * view.height) return;
     Hit hit = hits[pixel];
-    if (hit.face >= MISSED) {
+    if (hit.face >= UNFINISHED) {
         radiance[pixel] = view.background;
         return;
     }
@@ -50,24 +50,24 @@ void main() {
         diffuse = frame[object].diffuse;
         sigma_0 = frame[object].sigma_0;
     }
-    if (opaque != 0) return;
+    if (opaque != OPAQUE_NOT) return;
     uvec3 corner = triangles[hit.face];
-    vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
-    vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
-    vec4 bent = weight.x * bend(corner.x) + weight.y * bend(corner.y) + weight.z * bend(corner.z);
+    vec3 weight = CORNER_WEIGHTS(hit);
+    vec3 point = BLEND_AT(weight, positions, corner);
+    vec4 bent = BLEND(weight, bend(corner.x), bend(corner.y), bend(corner.z));
     vec3 normal = bent.xyz / sqrt(max(dot(bent.xyz, bent.xyz), 1e-30));
     vec3 sigma = spread(sigma_0 * bent.w, object, hit.face, weight);
 
     vec3 sum = vec3(0), all = vec3(0), open = vec3(0);
-    // The loop is left in its middle, before a light is read that is not there.
+    // The loop ends in its middle, before it reads a light beyond the last.
     uint i = 0;
     if (count > 0) for (;;) {
         vec3 toward;
         float arrives = arrival(light, point, toward), lets = reaches(light, hit.face);
         vec3 counts = respond(dot(normal, toward), sigma);
-        if (light.kind != 5) sum += light.color * (arrives * lets) * counts;
+        if (light.kind != LIGHT_SKY_RAY) sum += light.color * (arrives * lets) * counts;
         if (SKY != 0) {
-            if (light.kind == 5) {
+            if (light.kind == LIGHT_SKY_RAY) {
                 vec3 part = sky_radiance(toward) * counts;
                 all += part;
                 open += lets * part;
@@ -77,7 +77,7 @@ void main() {
         light = lights[i];
     }
     if (SKY != 0) {
-        // Where no ray is blocked the share is 1 to the last bit.
+        // The share is exactly 1 if no ray is blocked.
         mat3 zonal = respond_sky(sigma);
         vec3 whole = max(vec3(0), zonal[0] * degree_0() + zonal[1] * degree_1(normal) + zonal[2] * degree_2(normal));
         sum += whole * mix(open / max(all, vec3(1e-30)), vec3(1), equal(open, all));

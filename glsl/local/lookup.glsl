@@ -1,9 +1,10 @@
-// The table of the CDRF, linear between its entries: SIDE x SIDE of them, cosines from -1 to 1, sigmas from 0 to 3.5. A cell
-// is one word: the value at its first corner, and the changes across, up and both, in steps of 1 / (31 (SIDE - 1)).
+// The table of the CDRF, bilinear between its entries: SIDE x SIDE of them, cosines from -1 to 1, sigmas from 0 to
+// CDRF_WIDEST. A cell is one word: the value at its first corner, and the changes across, up and both, in steps of 1 /
+// (31 (SIDE - 1)).
 vec3 lookup(float c, vec3 sigma) {
     const float last = float(SIDE - 1);
     float across = clamp(0.5 * last * c + 0.5 * last, 0.0, last), column = min(floor(across), last - 1.0);
-    vec3 up = clamp(sigma * (last / 3.5), vec3(0), vec3(last)), row = min(floor(up), vec3(last - 1.0));
+    vec3 up = clamp(sigma * (last / CDRF_WIDEST), vec3(0), vec3(last)), row = min(floor(up), vec3(last - 1.0));
     // Whole numbers below 2^24.
     ivec3 at = ivec3(row * last + column);
     ivec3 cell = ivec3(cdrf_cells[at.x], cdrf_cells[at.y], cdrf_cells[at.z]);

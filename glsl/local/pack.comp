@@ -3,14 +3,12 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// What local shading needs of a vertex, in two words. BENT is 0 where nobody asks for kappa.
+// The attributes of a vertex that local shading reads, in two words. BENT is 0 if kappa is not needed.
 layout(constant_id = 0) const uint BENT = 0;
 READS(frame)
 READS(normals)
 READS(curvature)
 WRITES(bends)
-
-#include "local/flattest.glsl"
 
 void main() {
     uint vertex = invocation();
@@ -19,8 +17,8 @@ void main() {
     ivec3 normal = ivec3(scaled) & 0xffff;
     uint code = 0;
     if (BENT != 0) {
-        precise float above = curvature[vertex].kappa + FLATTEST;
-        code = min(floatBitsToUint(above) - floatBitsToUint(FLATTEST) + 0x800u >> 12, 0xffffu);
+        precise float above = curvature[vertex].kappa + KAPPA_LEAST;
+        code = min(floatBitsToUint(above) - floatBitsToUint(KAPPA_LEAST) + 0x800u >> 12, 0xffffu);
     }
     bends[vertex] = uvec2(normal.x | normal.y << 16, uint(normal.z) | code << 16);
 }

@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 #include "light/fresnel.glsl"
 
-// Radiance of a pixel from the light that was blurred over the texture, linear between the texels that show a surface.
+// Radiance of a pixel from the light blurred over the texture, bilinear between the texels that show a surface.
 layout(constant_id = 0) const uint OBJECTS = 1;
 READS(frame)
 READS(camera)
@@ -17,16 +17,15 @@ READS(unwrappings)
 READS(gaussians)
 READS(sheets)
 UPDATES(radiance)
+#include "geometry/blend.glsl"
 #include "light/wrap.glsl"
 #include "view/object.glsl"
-
-const uint GAUSSIANS = 6;
 
 void main() {
     uint pixel = invocation();
     if (pixel >= camera[0].width * camera[0].height) return;
     Hit hit = hits[pixel];
-    if (hit.face >= MISSED) {
+    if (hit.face >= UNFINISHED) {
         radiance[pixel] = camera[0].background;
         return;
     }
@@ -34,7 +33,7 @@ void main() {
     if (sheet == 0) return;
     Unwrapping own = unwrappings[sheet - 1];
 
-    // Whole repetitions are taken off: where an edge does not go on at the other one the triangle lies in one.
+    // Whole repetitions are taken off: if an edge does not continue at the opposite one, the triangle lies within one.
     CornerUvs uvs = corner_uvs[hit.face];
     vec2 place = texture_place(uvs, vec2(hit.u, hit.v)), middle = floor(texture_place(uvs, vec2(1.0 / 3.0)));
     vec2 at = float(own.side) * (place - middle) - 0.5, low = floor(at), part = at - low;
@@ -52,9 +51,9 @@ void main() {
     }
 
     uvec3 corner = triangles[hit.face];
-    vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
-    vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
-    vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
+    vec3 weight = CORNER_WEIGHTS(hit);
+    vec3 point = BLEND_AT(weight, positions, corner);
+    vec3 normal = BLEND_AT(weight, normals, corner);
     normal /= sqrt(max(dot(normal, normal), 1e-30));
     vec3 eye = camera[0].origin - point;
     float cosine = abs(dot(normal, eye)) / sqrt(max(dot(eye, eye), 1e-30));

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Light that enters at each texel, and the lengths that a texel spans there.
+// The light that enters at each texel, and the lengths that the texel spans.
 layout(constant_id = 0) const uint SHADOWS = 0;
 layout(constant_id = 1) const uint SKY = 0;
 layout(constant_id = 2) const uint TEXTURED = 0;
@@ -21,10 +21,9 @@ READS(unwrappings)
 READS(charts)
 UPDATES(sheets)
 WRITES(stretch)
+#include "geometry/blend.glsl"
 #include "light/entering.glsl"
 #include "light/texture.glsl"
-
-const float LONGEST = 1e15;
 
 void main() {
     uint k = invocation();
@@ -35,14 +34,14 @@ void main() {
     vec2 lengths = vec2(0);
     if (chart.face != NONE) {
         uvec3 corner = triangles[chart.face];
-        vec3 weight = vec3(1.0 - chart.u - chart.v, chart.u, chart.v);
+        vec3 weight = CORNER_WEIGHTS(chart);
         vec3 a = positions[corner.x], b = positions[corner.y], c = positions[corner.z];
-        vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
+        vec3 normal = BLEND_AT(weight, normals, corner);
         normal /= sqrt(max(dot(normal, normal), 1e-30));
-        vec3 E = entering(own.object, chart.face, weight.x * a + weight.y * b + weight.z * c, normal);
+        vec3 E = entering(own.object, chart.face, BLEND(weight, a, b, c), normal);
         CornerUvs uvs = corner_uvs[chart.face];
         if (TEXTURED != 0) {
-            bool enters = (frame[own.object].texture_side & 1) != 0;
+            bool enters = (frame[own.object].texture_side & TEXTURE_ENTERS) != 0;
             if (enters) E *= texture_factor(own.object, texture_place(uvs, vec2(chart.u, chart.v)));
         }
         light = vec4(E, 1.0);
@@ -52,7 +51,8 @@ void main() {
         precise float turned = p.x * q.y - p.y * q.x;
         vec3 along = (b - a) * q.y - (c - a) * p.y, down = (c - a) * p.x - (b - a) * q.x;
         float over = 1.0 / (abs(turned) * float(own.side));
-        lengths = turned == 0.0 ? vec2(LONGEST) : min(vec2(length(along), length(down)) * over, vec2(LONGEST));
+        vec2 longest = vec2(LONGEST_STRETCH);
+        lengths = turned == 0.0 ? longest : min(vec2(length(along), length(down)) * over, longest);
     }
     sheets[own.first + k] = light;
     stretch[own.first + k] = lengths;

@@ -10,9 +10,10 @@ void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     uint first = 4 * gl_WorkGroupSize.x * group + gl_LocalInvocationIndex;
     if (first + 3 * gl_WorkGroupSize.x >= to.length()) return;
-    uvec4 a = from[first], b = from[first + 64], c = from[first + 128], d = from[first + 192];
+    uvec4 a = from[first], b = from[first + GROUP_SIZE];
+    uvec4 c = from[first + 2 * GROUP_SIZE], d = from[first + 3 * GROUP_SIZE];
     to[first] = a;
-    to[first + 64] = b;
-    to[first + 128] = c;
-    to[first + 192] = d;
+    to[first + GROUP_SIZE] = b;
+    to[first + 2 * GROUP_SIZE] = c;
+    to[first + 3 * GROUP_SIZE] = d;
 }

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// A vertex's radiosity: the area-weighted mean of the triangles round it.
+// A vertex's radiosity: the area-weighted mean of the triangles around it.
 READS(frame)
 READS(corner_starts)
 READS(corners)

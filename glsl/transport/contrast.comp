@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The least step of a fourth of an octave by which the level has to be raised to reach the light that enters, per channel.
-// One invocation. Decisions only.
+// The least step of a fourth of an octave by which the level has to be raised to reach the light that enters, per
+// channel. One invocation. Decisions only.
 layout(constant_id = 0) const uint CHANNELS = 7;
 READS(frame)
 READS(samples)
@@ -14,26 +14,23 @@ READS(moments)
 UPDATES(cursor)
 #include "transport/channels.glsl"
 
-const uint SAMPLES = 256, STEPS = 112, DOUBLINGS = 100;
-const float ROOTS[4] = float[4](1.0, 1.18920712, 1.41421356, 1.68179283);
-
 void main() {
     if (invocation() != 0) return;
     precise float sum = 0.0;
-    for (uint k = 0; k < SAMPLES; ++k) sum = sum + samples[k].light;
-    precise float mean = sum * (1.0 / 256.0);
-    // What is squared is scaled by a power of two, so that however dim an object is nothing vanishes.
+    for (uint k = 0; k < COARSE_SAMPLES; ++k) sum = sum + samples[k].light;
+    precise float mean = sum * (1.0 / float(COARSE_SAMPLES));
+    // Scaled by a power of two before it is squared, so that nothing underflows however dim an object is.
     float whole = moments[0].weight, scale = 1.0;
-    for (uint k = 0; k < DOUBLINGS; ++k) {
+    for (uint k = 0; k < CONTRAST_DOUBLINGS; ++k) {
         precise float scaled = whole * scale;
         scale *= scaled < 1.0 ? 2.0 : 1.0;
     }
     precise vec3 enters = (whole * scale) * frame[0].tint, comes = (level[0] * scale) * clusters[0].area;
     precise vec3 light = mean * (enters * enters);
     vec3 found = vec3(0);
-    float octave = 1.0 / 256.0;
-    for (uint k = 0; k < STEPS; ++k) {
-        float q = octave * ROOTS[k % 4];
+    float octave = CONTRAST_LEAST;
+    for (uint k = 0; k < CONTRAST_STEPS; ++k) {
+        float q = octave * CONTRAST_ROOTS[k % 4];
         precise vec3 reach = q * comes;
         precise vec3 reach2 = reach * reach;
         EACH_CHANNEL({ found[c] = found[c] == 0.0 && reach2[c] >= light[c] ? q : found[c]; })

@@ -1,6 +1,5 @@
-// What the transport may miss at a receiver, squared; src/transport/estimate.rs says why it is so. `p` is the profile
+// What the transport may miss at a receiver, squared; the CPU reference gives the reasons. `p` is the profile
 // with its derivatives, times the cluster's weight; `tau` the trace of the cluster's second moments.
-const float SAFETY = 6.5, ROUNDING = 2e-6, BOTH = 4.0, STEEPEST = 16.0;
 
 float squared(float x) { return x * x; }
 
@@ -8,7 +7,7 @@ float squared(float x) { return x * x; }
 float unit_chi(vec3 p, float d2, float z2) { return 0.5 * p.z * (d2 + z2) / max(p.x, 1e-37); }
 
 // How the profile grows from a cluster's centroid to its near side.
-float nearer(float sigma, float tau) { return exp(min(sigma * sqrt(tau), STEEPEST)); }
+float nearer(float sigma, float tau) { return exp(min(sigma * sqrt(tau), ESTIMATE_STEEPEST)); }
 
 float missed_moments(uint order, float sigma, vec3 p, float unit, float tau) {
     float chi = unit * tau;
@@ -28,7 +27,7 @@ float missed_points(vec3 p, float unit, float tau) {
 }
 
 float missed_dropped(float sigma, float value, float tau) {
-    float t = min(sigma * sqrt(3.0 * tau), STEEPEST);
+    float t = min(sigma * sqrt(3.0 * tau), ESTIMATE_STEEPEST);
     return value * (t > 1e-2 ? 0.5 * (exp(t) - exp(-t)) / t : 1.0);
 }
 
@@ -41,6 +40,7 @@ vec3 missed_edge(uint nodes, vec3 sigma, float tau, vec3 value) {
 // The estimate of a receiver.
 vec3 close_estimate(vec3 sigma, vec3 own, vec3 center, vec3 rim, float offset, float radius, vec3 sum) {
     float out2 = radius > 0.0 ? squared(offset / radius) : 0.0;
-    vec3 block = BOTH * exp(min(2.0 * sigma * offset, vec3(STEEPEST))) * (center + rim * (out2 * out2 * out2));
-    return SAFETY * sqrt(own + block) + ROUNDING * abs(sum) + max(-sum, vec3(0));
+    vec3 block = ESTIMATE_BOTH * exp(min(2.0 * sigma * offset, vec3(ESTIMATE_STEEPEST))) *
+                 (center + rim * (out2 * out2 * out2));
+    return ESTIMATE_SAFETY * sqrt(own + block) + ESTIMATE_ROUNDING * abs(sum) + max(-sum, vec3(0));
 }

@@ -12,7 +12,7 @@ READS(queries)
 WRITES(answers)
 
 // chi (form_factor/ladder.rs) below which one sample with its second moment serves. It is within some 2 chi^2 of the
-// exact value, while the edges of so far a triangle cancel until nothing of it is left, not even the sign.
+// exact value, while the edge integrals of such a distant triangle cancel completely, even in sign.
 const float FAR = 1e-3;
 
 float form(Query query, float sigma, vec3 area, vec3 normal, float height, vec3 h) {

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The environment, where a pixel's ray meets nothing.
+// The environment, if a pixel's ray hits nothing.
 READS(frame)
 READS(camera)
 READS(hits)

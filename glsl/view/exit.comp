@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Light that leaves towards the eye times the texture at the place that is seen.
+// Light that leaves towards the eye times the texture at the point that is seen.
 layout(constant_id = 0) const uint OBJECTS = 1;
 READS(frame)
 READS(camera)
@@ -18,8 +18,8 @@ void main() {
     uint pixel = invocation();
     if (pixel >= camera[0].width * camera[0].height) return;
     Hit hit = hits[pixel];
-    if (hit.face >= MISSED) return;
+    if (hit.face >= UNFINISHED) return;
     uint object = object_of(hit.face);
-    if ((frame[object].texture_side & 2) == 0) return;
+    if ((frame[object].texture_side & TEXTURE_LEAVES) == 0) return;
     radiance[pixel] *= texture_factor(object, texture_place(corner_uvs[hit.face], vec2(hit.u, hit.v)));
 }

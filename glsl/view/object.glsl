@@ -1,6 +1,3 @@
-// Faces of hits from here on are none: the ray met nothing, or was cut short.
-const uint MISSED = 0xfffffffeu;
-
 // The object of a triangle.
 uint object_of(uint face) {
     uint object = 0;

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Radiance of opaque objects: albedo times the irradiance of the very place that a pixel shows, over pi.
+// Radiance of opaque objects: albedo times the irradiance at the very point that a pixel shows, over pi.
 layout(constant_id = 0) const uint OBJECTS = 1;
 layout(constant_id = 1) const uint SHADOWS = 0;
 layout(constant_id = 2) const uint SKY = 0;
@@ -18,6 +18,7 @@ READS(normals)
 READS(hits)
 UPDATES(radiance)
 #define LIT(word) reached[word]
+#include "geometry/blend.glsl"
 #include "light/entering.glsl"
 #include "view/object.glsl"
 
@@ -25,13 +26,13 @@ void main() {
     uint pixel = invocation();
     if (pixel >= camera[0].width * camera[0].height) return;
     Hit hit = hits[pixel];
-    if (hit.face >= MISSED) return;
+    if (hit.face >= UNFINISHED) return;
     uint object = object_of(hit.face);
-    if (frame[object].opaque != 2) return;
+    if (frame[object].opaque != OPAQUE_BY_PIXEL) return;
     uvec3 corner = triangles[hit.face];
-    vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
-    vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
-    vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
+    vec3 weight = CORNER_WEIGHTS(hit);
+    vec3 point = BLEND_AT(weight, positions, corner);
+    vec3 normal = BLEND_AT(weight, normals, corner);
     normal /= sqrt(max(dot(normal, normal), 1e-30));
     vec3 arrives = entering(object, pixel, point, normal);
     vec3 eye = camera[0].origin - point;

@@ -1,4 +1,4 @@
-// The ray through a pixel, from the eye; its scale is free, so nothing is divided.
+// The ray from the eye through a pixel; its length is arbitrary, so nothing is divided.
 vec3 ray(uint pixel) {
     uint width = camera[0].width, height = camera[0].height;
     uint column = pixel % width, row = pixel / width;

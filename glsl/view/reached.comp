@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Whether one light reaches what some pixels show of opaque objects: a bit of `reached`. Decisions only.
+// Whether one light reaches the points of opaque objects that some pixels show: a bit of `reached`. Decisions only.
 layout(constant_id = 0) const uint OBJECTS = 1;
 layout(push_constant, scalar) uniform push_block { Rays rays; };
 READS(frame)
@@ -14,6 +14,7 @@ READS(bounds)
 READS(hits)
 UPDATES(reached)
 UPDATES(cut_short)
+#include "geometry/blend.glsl"
 #include "light/way.glsl"
 #include "view/object.glsl"
 
@@ -22,14 +23,14 @@ void main() {
     if (k >= rays.count) return;
     uint pixel = rays.first + k;
     Hit hit = hits[pixel];
-    bool shown = hit.face < MISSED;
+    bool shown = hit.face < UNFINISHED;
     uint face = shown ? hit.face : 0;
     uint object = object_of(face);
-    bool asked = shown && frame[object].opaque == 2;
+    bool asked = shown && frame[object].opaque == OPAQUE_BY_PIXEL;
     Light light = lights[rays.light];
     uvec3 corner = triangles[face];
-    precise float weight = 1.0 - hit.u - hit.v;
-    precise vec3 place = weight * positions[corner.x] + hit.u * positions[corner.y] + hit.v * positions[corner.z];
+    precise vec3 weight = CORNER_WEIGHTS(hit);
+    precise vec3 place = BLEND_AT(weight, positions, corner);
     uint met = way(light, object, face, place, asked, false);
     if (met == UNFINISHED) cut_short[0] = 1;
 

@@ -5,7 +5,7 @@
 #include "light/fresnel.glsl"
 
 // Equation 3, times `exit`: the radiance that leaves the surface towards the eye, from the radiosity between
-// the vertices, or of the very place.
+// the vertices, or at the very point.
 layout(constant_id = 0) const uint OBJECTS = 1;
 layout(constant_id = 1) const uint PIXELS = 0;
 READS(frame)
@@ -18,6 +18,7 @@ READS(radiosity)
 READS(hits)
 READS(seen)
 WRITES(radiance)
+#include "geometry/blend.glsl"
 #include "view/object.glsl"
 
 void main() {
@@ -25,21 +26,21 @@ void main() {
     if (pixel >= camera[0].width * camera[0].height) return;
     Hit hit = hits[pixel];
     vec3 color = camera[0].background;
-    if (hit.face < MISSED) {
+    if (hit.face < UNFINISHED) {
         uint object = object_of(hit.face);
         uvec3 corner = triangles[hit.face];
-        vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
-        vec3 point = weight.x * positions[corner.x] + weight.y * positions[corner.y] + weight.z * positions[corner.z];
-        vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
-        vec3 B = weight.x * vertex_radiosity[corner.x] + weight.y * vertex_radiosity[corner.y] +
-                 weight.z * vertex_radiosity[corner.z];
+        vec3 weight = CORNER_WEIGHTS(hit);
+        vec3 point = BLEND_AT(weight, positions, corner);
+        vec3 normal = BLEND_AT(weight, normals, corner);
+        vec3 B = BLEND_AT(weight, vertex_radiosity, corner);
         if (PIXELS != 0) {
             if (frame[object].by_pixel != 0) B = radiosity[frame[object].first_receiver + seen[pixel]];
         }
         vec3 toward = camera[0].origin - point;
         float size = sqrt(dot(normal, normal) * dot(toward, toward));
         float cosine = size > 0.0 ? abs(dot(normal, toward)) / size : 0.0;
-        color = transmittance(frame[object].eta, cosine) * B * (camera[0].radiance / 3.14159265358979) * frame[object].exit;
+        color = transmittance(frame[object].eta, cosine) * B * (camera[0].radiance / 3.14159265358979) *
+                frame[object].exit;
     }
     radiance[pixel] = color;
 }

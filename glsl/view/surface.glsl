@@ -1,7 +1,9 @@
-// Where a ray met the object, as the eye sees it.
+#include "geometry/blend.glsl"
+
+// The point where a ray hits the object, as the eye sees it.
 struct Surface {
     vec3 point;
-    vec3 normal; // between the vertices', on the side of the triangle that is seen
+    vec3 normal; // interpolated, on the side of the triangle that is seen
     vec3 toward; // to the eye
 };
 
@@ -11,10 +13,10 @@ vec3 unit(vec3 v) {
 
 Surface surface(Hit hit) {
     uvec3 corner = triangles[hit.face];
-    vec3 weight = vec3(1.0 - hit.u - hit.v, hit.u, hit.v);
+    vec3 weight = CORNER_WEIGHTS(hit);
     vec3 a = positions[corner.x], b = positions[corner.y], c = positions[corner.z];
-    vec3 point = weight.x * a + weight.y * b + weight.z * c;
-    vec3 normal = weight.x * normals[corner.x] + weight.y * normals[corner.y] + weight.z * normals[corner.z];
+    vec3 point = BLEND(weight, a, b, c);
+    vec3 normal = BLEND_AT(weight, normals, corner);
     vec3 toward = camera[0].origin - point;
     float side = dot(cross(b - a, c - a), toward) < 0.0 ? -1.0 : 1.0;
     return Surface(point, unit(normal) * side, unit(toward));

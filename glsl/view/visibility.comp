@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The triangle that each pixel's ray meets first.
+// The first triangle that each pixel's ray hits.
 READS(frame)
 READS(camera)
 READS(positions)

@@ -2,7 +2,7 @@
 
 use super::not_incremental;
 use crate::error::Result;
-use crate::layout::Slot;
+use crate::layout::{ALTERED_MOVED, Slot};
 use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update};
 
 /// The table's entry.
@@ -36,7 +36,8 @@ fn cpu(state: &mut State, _at: Place) {
         }))
         .collect();
     let altered = |(node, place): (usize, &crate::layout::Topology)| before[place.skip as usize] > before[node];
-    data.altered = data.topology.iter().enumerate().map(altered).map(u32::from).collect();
+    data.altered =
+        data.topology.iter().enumerate().map(altered).map(|altered| if altered { ALTERED_MOVED } else { 0 }).collect();
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {

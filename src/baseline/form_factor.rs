@@ -12,7 +12,7 @@ use crate::dipole::form_factor::points::{SIX, THREE, TWELVE, midpoint_moment, sa
 use crate::dipole::form_factor::uniform;
 use crate::dipole::profile::{Dipole, kernel};
 use crate::error::Result;
-use crate::layout::{Buffers, Slot};
+use crate::layout::{Buffers, RUNG_AREA, RUNG_SAMPLE, Slot};
 use crate::state::{
     Carrier, Distance, Near, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, narrow,
     stage::never, wide,
@@ -76,10 +76,10 @@ impl<'a> Emitters<'a> {
         };
         let d2 = distance2(center, self.data.clusters[node as usize].center);
         match rung(d2, reach) {
-            0 => Rung::Center,
-            1 if d2 >= reach[1] => Rung::Points(0),
-            1 if d2 >= reach[2] => Rung::Points(1),
-            1 => Rung::Points(2),
+            RUNG_SAMPLE => Rung::Center,
+            RUNG_AREA if d2 >= reach[1] => Rung::Points(0),
+            RUNG_AREA if d2 >= reach[2] => Rung::Points(1),
+            RUNG_AREA => Rung::Points(2),
             _ if self.near == Near::PointSampling => {
                 let area = self.data.clusters[node as usize].area;
                 Rung::Uniform(uniform::count(area, uniform::density(&self.data.frame[0])))

@@ -2,7 +2,7 @@
 //! children; without their areas that would not conserve power.)
 
 use crate::error::Result;
-use crate::layout::Slot;
+use crate::layout::{NONE, Slot};
 use crate::state::{
     Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
 };
@@ -37,7 +37,7 @@ fn cpu(state: &mut State, _at: Place) {
     let mut area = vec![0.0; nodes];
     for node in (0..nodes).rev() {
         let place = data.topology[node];
-        if place.face == u32::MAX {
+        if place.face == NONE {
             let (l, r) = (node + 1, data.topology[node + 1].skip as usize);
             power[node] = power[l] + power[r];
             area[node] = area[l] + area[r];

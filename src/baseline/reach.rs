@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::dipole::profile::Dipole;
 use crate::error::Result;
-use crate::layout::Slot;
+use crate::layout::{FAINTEST, Slot};
 use crate::state::{Carrier, Distance, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, stage::never};
 
 /// The table's entry.
@@ -49,7 +49,7 @@ fn cpu(state: &mut State, _at: Place) {
 /// Squared distance from a triangle's centroid beyond which chi stays below a threshold, for one channel.
 ///
 /// `tau`: trace of the triangle's second moment. Radial sources lie `z` off the surface, which helps; displaced ones
-/// may come nearer by `z_virtual`. Beyond `sigma s = 20` (e^-20 = 2e-9) the channel no longer counts.
+/// may come nearer by `z_virtual`. Beyond a `sigma s` of [`FAINTEST`] the channel no longer counts.
 pub fn reach2(tau: f64, dipole: &Dipole, chi: f64, displaced: bool) -> f64 {
     let sigma = dipole.sigma;
     if tau <= 0.0 {
@@ -58,7 +58,7 @@ pub fn reach2(tau: f64, dipole: &Dipole, chi: f64, displaced: bool) -> f64 {
     let k = 2.0 * chi / tau - sigma * sigma;
     let mut s = if k > 0.0 { (5.0 * sigma + (25.0 * sigma * sigma + 60.0 * k).sqrt()) / (2.0 * k) } else { 1e9 };
     if sigma > 0.0 {
-        s = s.min(20.0 / sigma);
+        s = s.min(FAINTEST / sigma);
     }
     if displaced { (s + dipole.z_virtual).powi(2) } else { (s * s - dipole.z_real * dipole.z_real).max(0.0) }
 }

@@ -3,9 +3,8 @@
 
 use super::collect::sum;
 use super::not_incremental;
-use super::renew::SUMMED;
 use crate::error::Result;
-use crate::layout::{Range, Slot};
+use crate::layout::{DUE_SUMMED, Range, Slot};
 use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit};
 
 /// The table's entry.
@@ -36,5 +35,5 @@ fn cpu(state: &mut State, at: Place) {
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let nodes = pass.object().schedule.chunks[pass.at.chunk].nodes.clone();
     let range = Range { first: nodes.start, count: nodes.end - nodes.start };
-    pass.dispatch_counted("receiver", &[], bytemuck::bytes_of(&range), (Slot::due_groups, SUMMED))
+    pass.dispatch_counted("receiver", &[], bytemuck::bytes_of(&range), (Slot::due_groups, DUE_SUMMED))
 }

@@ -2,11 +2,8 @@
 
 use super::not_incremental;
 use crate::error::Result;
-use crate::layout::Slot;
+use crate::layout::{ALTERED_RELIT, Slot};
 use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit};
-
-/// In `altered`: another light enters a triangle of the cluster.
-pub const RELIT: u32 = 2;
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -36,7 +33,7 @@ fn cpu(state: &mut State, _at: Place) {
         // Every cluster above it.
         let mut node = leaf;
         while let Some(altered) = data.altered.get_mut(node as usize) {
-            *altered |= RELIT;
+            *altered |= ALTERED_RELIT;
             node = data.topology[node as usize].parent;
         }
     }

@@ -7,7 +7,7 @@ use super::not_incremental;
 use super::revise::has_edits;
 use crate::dipole::form_factor::uniform;
 use crate::error::Result;
-use crate::layout::{Range, Slot};
+use crate::layout::{GROUP_SIZE, GROUPS_A_ROW, RUNG_AREA, RUNG_EDGE, RUNG_SAMPLE, Range, Slot};
 use crate::state::{
     Carrier, Distance, Near, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, narrow, wide,
 };
@@ -45,20 +45,12 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// Elements of a row of groups, and of a group, as the recorder lays them out.
-const ROW: u32 = 32_768;
-const GROUP: u32 = 64;
-/// In `due_groups`: receivers whose links are merged.
-pub const EDITED: usize = 3;
-/// Receivers whose links are summed again.
-pub const SUMMED: usize = 4;
-/// Elements of `due_groups`.
-pub const GROUPS: usize = 5;
+pub use crate::layout::{DUE_GROUPS as GROUPS, DUE_MERGED as EDITED, DUE_SUMMED as SUMMED};
 
 /// Groups to dispatch for so many elements.
 pub(super) fn groups(count: u32) -> [u32; 3] {
-    let needed = count.div_ceil(GROUP);
-    [needed.min(ROW), needed.div_ceil(ROW), 1]
+    let needed = count.div_ceil(GROUP_SIZE);
+    [needed.min(GROUPS_A_ROW), needed.div_ceil(GROUPS_A_ROW), 1]
 }
 
 fn cpu(state: &mut State, at: Place) {
@@ -106,13 +98,13 @@ fn cpu(state: &mut State, at: Place) {
     let emitter = |k: u32| state.data.links[base + k as usize].emitter;
     let rung = |k: u32| emitters.rung(emitter(k), center(k));
     let kind = |&k: &u32| match rung(k) {
-        Rung::Center => 0,
-        Rung::Points(_) => 1,
-        Rung::Edges | Rung::Uniform(_) => 2,
+        Rung::Center => RUNG_SAMPLE,
+        Rung::Points(_) => RUNG_AREA,
+        Rung::Edges | Rung::Uniform(_) => RUNG_EDGE,
     };
     let mut ranked = due.clone();
     ranked.sort_by_key(kind);
-    let counts = [0, 1, 2].map(|own| ranked.iter().filter(|k| kind(k) == own).count() as u32);
+    let counts = [RUNG_SAMPLE, RUNG_AREA, RUNG_EDGE].map(|own| ranked.iter().filter(|k| kind(k) == own).count() as u32);
     let factors: Vec<[f32; 3]> =
         due.par_iter().map(|&k| narrow(emitters.factor(emitter(k), wide(center(k)), rung(k)))).collect();
     let data = &mut state.data;
@@ -134,11 +126,13 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     pass.dispatch_counted("pick", &[], bytemuck::bytes_of(&range), (Slot::due_groups, SUMMED))?;
     pass.dispatch(Some("sort"), &[], &[], 1)?;
     let displaced = u32::from(pass.state.distance == Distance::Table1);
-    pass.dispatch_counted("far", &[displaced], &[], (Slot::due_groups, 0))?;
-    pass.dispatch_counted("area", &[displaced], &[], (Slot::due_groups, 1))?;
+    pass.dispatch_counted("far", &[displaced], &[], (Slot::due_groups, RUNG_SAMPLE as usize))?;
+    pass.dispatch_counted("area", &[displaced], &[], (Slot::due_groups, RUNG_AREA as usize))?;
     let density = uniform::density(&pass.state.data.frame[0]).to_le_bytes();
     match pass.state.method.near {
-        Near::Exact => pass.dispatch_counted("edge", &[displaced], &[], (Slot::due_groups, 2)),
-        Near::PointSampling => pass.dispatch_counted("uniform", &[displaced], &density, (Slot::due_groups, 2)),
+        Near::Exact => pass.dispatch_counted("edge", &[displaced], &[], (Slot::due_groups, RUNG_EDGE as usize)),
+        Near::PointSampling => {
+            pass.dispatch_counted("uniform", &[displaced], &density, (Slot::due_groups, RUNG_EDGE as usize))
+        }
     }
 }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::Slot;
+use crate::layout::{NONE, Slot};
 use crate::state::{
     Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
 };
@@ -33,7 +33,7 @@ fn cpu(state: &mut State, _at: Place) {
         .leaves
         .par_iter()
         .map(|&leaf| {
-            let up = |&node: &u32| Some(data.topology[node as usize].parent).filter(|&parent| parent != u32::MAX);
+            let up = |&node: &u32| Some(data.topology[node as usize].parent).filter(|&parent| parent != NONE);
             narrow(std::iter::successors(Some(leaf), up).map(|node| wide(data.gathered[node as usize])).sum())
         })
         .collect();

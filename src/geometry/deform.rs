@@ -7,7 +7,9 @@
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Buffers, Deform, Slot};
+use crate::layout::{
+    Buffers, DEFORM_BEND, DEFORM_BUMP_AXIS, DEFORM_BUMP_NORMAL, DEFORM_MORPH, DEFORM_TWIST, Deform, SINE, Slot,
+};
 use crate::state::{Carrier, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, stage::never};
 
 /// The table's entry.
@@ -28,9 +30,6 @@ pub static STAGE: Stage = Stage {
     cpu,
     gpu,
 };
-
-/// Coefficients of sin(2 pi x) / x in x^2: within 1e-9 up to a quarter turn.
-const SINE: [f32; 7] = [6.283_185_5, -41.341_7, 81.605_25, -76.705_86, 42.058_693, -15.094_643, 3.819_952_6];
 
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -91,7 +90,7 @@ pub fn displace(deform: &Deform, p: [f32; 3], normal: [f32; 3], way: [f32; 3]) -
     let d = deform;
     let from = each(|k| p[k] - d.origin[k]);
     match d.kind {
-        1 => {
+        DEFORM_TWIST => {
             let height = dot(from, d.axis);
             let [s, c] = turn(d.rate * (height - d.low).clamp(0.0, d.extent));
             let a = d.axis;
@@ -99,7 +98,7 @@ pub fn displace(deform: &Deform, p: [f32; 3], normal: [f32; 3], way: [f32; 3]) -
             let side = [a[1] * q[2] - a[2] * q[1], a[2] * q[0] - a[0] * q[2], a[0] * q[1] - a[1] * q[0]];
             each(|k| d.origin[k] + (height * a[k] + (c * q[k] + s * side[k])))
         }
-        2 => {
+        DEFORM_BEND => {
             let (height, lean) = (dot(from, d.axis), dot(from, d.toward));
             let above = height - d.low;
             let inside = above.clamp(0.0, d.extent);
@@ -116,13 +115,13 @@ pub fn displace(deform: &Deform, p: [f32; 3], normal: [f32; 3], way: [f32; 3]) -
             let out = drift + lean * c + beyond * s - lean;
             each(|k| p[k] + (up * d.axis[k] + out * d.toward[k]))
         }
-        3 | 4 => {
+        DEFORM_BUMP_AXIS | DEFORM_BUMP_NORMAL => {
             let share = 1.0 - dot(from, from) * d.rate;
             let height = if share > 0.0 { d.amount * (share * share) } else { 0.0 };
-            let along = if d.kind == 3 { d.axis } else { normal };
+            let along = if d.kind == DEFORM_BUMP_AXIS { d.axis } else { normal };
             each(|k| p[k] + height * along[k])
         }
-        6 => each(|k| p[k] + d.amount * way[k]),
+        DEFORM_MORPH => each(|k| p[k] + d.amount * way[k]),
         _ => {
             let height = d.amount * noise(from.map(|x| x * d.rate));
             each(|k| p[k] + height * normal[k])
@@ -132,7 +131,7 @@ pub fn displace(deform: &Deform, p: [f32; 3], normal: [f32; 3], way: [f32; 3]) -
 
 /// Where a morph's vertex goes, from where it is at rest; nowhere for any other deformation.
 pub fn way(morphs: &[[f32; 3]], deform: &Deform, vertex: usize) -> [f32; 3] {
-    if deform.kind == 6 { morphs[deform.first as usize + vertex] } else { [0.0; 3] }
+    if deform.kind == DEFORM_MORPH { morphs[deform.first as usize + vertex] } else { [0.0; 3] }
 }
 
 fn cpu(state: &mut State, _at: Place) {
@@ -161,6 +160,7 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::DEFORM_NOISE;
     use glam::DVec3;
     use std::f64::consts::TAU;
 
@@ -198,8 +198,8 @@ mod tests {
                 rate,
                 ..Deform::default()
             };
-            let twist = Deform { kind: 1, ..span };
-            let bend = Deform { kind: 2, amount: 1.0 / (TAU as f32 * rate), ..span };
+            let twist = Deform { kind: DEFORM_TWIST, ..span };
+            let bend = Deform { kind: DEFORM_BEND, amount: 1.0 / (TAU as f32 * rate), ..span };
             for p in places() {
                 let from = wide(p) - wide(span.origin);
                 let height = from.dot(a);
@@ -222,12 +222,12 @@ mod tests {
     #[test]
     fn bumps_and_noise_are_smooth_and_bounded() {
         let normal = [0.0, 0.0, 1.0];
-        let bump = Deform { kind: 4, rate: 16.0, amount: 0.2, ..Deform::default() };
+        let bump = Deform { kind: DEFORM_BUMP_NORMAL, rate: 16.0, amount: 0.2, ..Deform::default() };
         assert_eq!(displace(&bump, [0.0; 3], normal, [0.0; 3]), [0.0, 0.0, 0.2]);
         assert_eq!(displace(&bump, [0.25, 0.0, 0.0], normal, [0.0; 3]), [0.25, 0.0, 0.0]);
-        let side = Deform { kind: 3, axis: [1.0, 0.0, 0.0], ..bump };
+        let side = Deform { kind: DEFORM_BUMP_AXIS, axis: [1.0, 0.0, 0.0], ..bump };
         assert_eq!(displace(&side, [0.0; 3], normal, [0.0; 3]), [0.2, 0.0, 0.0]);
-        let waves = Deform { kind: 5, rate: 6.0, amount: 0.1, ..Deform::default() };
+        let waves = Deform { kind: DEFORM_NOISE, rate: 6.0, amount: 0.1, ..Deform::default() };
         let (mut least, mut most) = (0.0f32, 0.0f32);
         for p in places() {
             let height = displace(&waves, p, normal, [0.0; 3])[2] - p[2];
@@ -242,10 +242,10 @@ mod tests {
 
     #[test]
     fn morphs_go_a_share_of_the_way() {
-        let half = Deform { kind: 6, first: 1, amount: 0.5, ..Deform::default() };
+        let half = Deform { kind: DEFORM_MORPH, first: 1, amount: 0.5, ..Deform::default() };
         let ways = [[9.0; 3], [1.0, -2.0, 4.0], [8.0, 0.0, 0.0]];
         assert_eq!([0, 1].map(|vertex| way(&ways, &half, vertex)), [ways[1], ways[2]]);
         assert_eq!(displace(&half, [1.0, 1.0, 1.0], [0.0; 3], ways[1]), [1.5, 0.0, 3.0]);
-        assert_eq!(way(&[], &Deform { kind: 5, first: 7, ..half }, 3), [0.0; 3]);
+        assert_eq!(way(&[], &Deform { kind: DEFORM_NOISE, first: 7, ..half }, 3), [0.0; 3]);
     }
 }

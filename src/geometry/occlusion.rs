@@ -16,7 +16,7 @@ use std::ops::Range;
 
 use super::plane::Plane;
 use super::trace::{Nearest, Sight, UNFINISHED, dot, meets, minus};
-use crate::layout::Buffers;
+use crate::layout::{Buffers, NONE};
 
 /// A ray from a triangle towards a light.
 #[derive(Clone, Debug)]
@@ -39,16 +39,16 @@ pub struct Ray {
 pub fn blocked(data: &Buffers, ray: &Ray) -> bool {
     let corners = |face: u32| data.triangles[face as usize].map(|v| data.positions[v as usize]);
     let own = Plane::new(corners(ray.face));
-    let face = if ray.light.is_none() { u32::MAX } else { UNFINISHED };
+    let face = if ray.light.is_none() { NONE } else { UNFINISHED };
     let sight = Sight::new(ray.direction);
     // The light is at `along / scale`.
     let limit = Nearest { face, weights: [0.0; 3], numerator: sight.square, denominator: sight.scale };
     let mut node = 0;
     while let Some(bounds) = data.bounds.get(node) {
         let met = meets(bounds.low, bounds.high, ray.origin, &sight, &limit);
-        node = if met && bounds.face == u32::MAX { node + 1 } else { bounds.next as usize };
+        node = if met && bounds.face == NONE { node + 1 } else { bounds.next as usize };
         let spared = ray.spared.as_ref().is_some_and(|spared| spared.contains(&bounds.face));
-        if !met || bounds.face == u32::MAX || bounds.face == ray.face || spared {
+        if !met || bounds.face == NONE || bounds.face == ray.face || spared {
             continue;
         }
         let points = corners(bounds.face);

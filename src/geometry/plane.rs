@@ -9,9 +9,7 @@
 //! Nothing in it has a length: it holds at every scale.
 
 use super::trace::{cross, dot, minus};
-
-/// 16 u.
-const ROUNDING: f32 = 9.536_743e-7;
+use crate::layout::PLANE_ROUNDING;
 
 /// The plane of a triangle.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +33,6 @@ impl Plane {
     pub fn beyond(&self, point: [f32; 3], side: f32) -> bool {
         let a = minus(point, self.corner);
         let height = side * dot(a, self.normal);
-        height > ROUNDING * dot(a.map(f32::abs), self.size)
+        height > PLANE_ROUNDING * dot(a.map(f32::abs), self.size)
     }
 }

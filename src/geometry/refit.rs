@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Block, Bounds, Cluster, Frame, Slot, Sphere, Topology};
+use crate::layout::{Block, Bounds, Cluster, Frame, NONE, Slot, Sphere, Topology};
 use crate::state::{
     Carrier, Field, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
 };
@@ -62,7 +62,7 @@ fn places(state: &State) -> usize {
 /// Where a ray goes from a node, on through the trees of all objects.
 fn way(frame: &Frame, place: Topology) -> Bounds {
     let next = if place.skip == frame.nodes { frame.next_node } else { frame.first_node + place.skip };
-    let face = if place.face == u32::MAX { u32::MAX } else { frame.first_face + place.face };
+    let face = if place.face == NONE { NONE } else { frame.first_face + place.face };
     Bounds { next, face, ..Bounds::default() }
 }
 
@@ -85,7 +85,7 @@ fn cpu(state: &mut State, _at: Place) {
     let mut bounds = vec![Bounds::default(); nodes];
     for node in (0..nodes).rev() {
         let place = data.topology[node];
-        if place.face != u32::MAX {
+        if place.face != NONE {
             let face = place.face as usize;
             let (a, b, c) = (corner(face, 0), corner(face, 1), corner(face, 2));
             let normal = 0.5 * (b - a).cross(c - a);

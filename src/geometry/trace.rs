@@ -1,16 +1,14 @@
 //! The nearest triangle along a ray, by the tree: a decision, so it is `f32` additions, multiplications and
 //! comparisons only, in the same order as `glsl/geometry/trace.glsl`, and the two agree bit for bit.
 
-use crate::layout::Buffers;
+use crate::layout::{Buffers, NONE};
 
-/// In place of a triangle where a driver has cut the walk short: lavapipe ends an invocation's loops, silently, after
-/// 65,535 iterations all together.
-pub const UNFINISHED: u32 = 0xffff_fffe;
+pub use crate::layout::UNFINISHED;
 
 /// What a ray met first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
-    /// The triangle, or all ones.
+    /// The triangle, or [`NONE`].
     pub face: u32,
     /// On which side of the triangle's edges the ray passes; barycentric once divided by their sum.
     pub weights: [f32; 3],
@@ -88,12 +86,12 @@ pub(super) fn meets(low: [f32; 3], high: [f32; 3], origin: [f32; 3], ray: &Sight
     let line = side[0] <= reach[0] && side[1] <= reach[1] && side[2] <= reach[2];
     let (along, half) = (dot(c, ray.along), dot(h, d));
     let first = (along - half) * nearest.denominator;
-    line && along + half >= 0.0 && (nearest.face == u32::MAX || first <= nearest.numerator)
+    line && along + half >= 0.0 && (nearest.face == NONE || first <= nearest.numerator)
 }
 
 /// Follows a ray from `origin` along `direction` (any length) through the trees of all objects.
 pub fn trace(data: &Buffers, origin: [f32; 3], direction: [f32; 3]) -> Nearest {
-    let mut nearest = Nearest { face: u32::MAX, weights: [0.0; 3], numerator: 0.0, denominator: 1.0 };
+    let mut nearest = Nearest { face: NONE, weights: [0.0; 3], numerator: 0.0, denominator: 1.0 };
     let ray = Sight::new(direction);
     let mut node = 0;
     while let Some(bounds) = data.bounds.get(node) {
@@ -108,7 +106,7 @@ pub fn trace(data: &Buffers, origin: [f32; 3], direction: [f32; 3]) -> Nearest {
         node = bounds.next as usize;
         let Some(found) = ray.pierce(corner.map(|v| minus(data.positions[v as usize], origin))) else { continue };
         let (mine, its) = (found.numerator * nearest.denominator, nearest.numerator * found.denominator);
-        let nearer = nearest.face == u32::MAX || mine < its || (mine == its && bounds.face < nearest.face);
+        let nearer = nearest.face == NONE || mine < its || (mine == its && bounds.face < nearest.face);
         if found.numerator > 0.0 && nearer {
             nearest = Nearest { face: bounds.face, ..found };
         }

@@ -11,7 +11,7 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Bounds, Crowd, Slot};
+use crate::layout::{Bounds, Crowd, NONE, Slot};
 use crate::state::{
     Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
 };
@@ -139,7 +139,7 @@ fn cpu(state: &mut State, _at: Place) {
     for node in (0..nodes).rev() {
         let place = data.topology[node];
         sums[node] = match place.face {
-            u32::MAX => sums[node + 1].and(sums[data.topology[node + 1].skip as usize]),
+            NONE => sums[node + 1].and(sums[data.topology[node + 1].skip as usize]),
             face => owned(face).fold(Sums::NONE, |sum, v| sum.and(Sums::point(wide(position(v))))),
         };
     }
@@ -153,7 +153,7 @@ fn cpu(state: &mut State, _at: Place) {
             let place = data.topology[node];
             if nearest <= r2 && farthest <= r2 {
                 sum = sum.and(sums[node].from(wide(here)));
-            } else if nearest <= r2 && place.face != u32::MAX {
+            } else if nearest <= r2 && place.face != NONE {
                 for v in owned(place.face) {
                     let d: [f32; 3] = std::array::from_fn(|k| position(v)[k] - here[k]);
                     if d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= r2 {

@@ -7,11 +7,12 @@ use super::{Element, Record, Word};
 records! { light_records:
     /// A light, one sample of a light that has an area, or one ray to the environment. Directions point towards it.
     Light {
-        /// 0 directional, 1 point, 2 spot, 3 of an area that shines to one side, 4 to both, 5 ray to the environment.
+        /// Which kind of light: a `LIGHT_`.
         kind: u32,
         /// The unit direction towards the light, or its position.
         place: [f32; 3],
-        /// Irradiance on a perpendicular plane, or intensity along the axis; scaled so that the brightest face is about 1.
+        /// Irradiance on a perpendicular plane, or intensity along the axis; scaled so that the brightest face is about
+        /// 1.
         color: [f32; 3],
         /// The unit direction in which a spot or a sample of an area shines.
         axis: [f32; 3],
@@ -19,11 +20,12 @@ records! { light_records:
         inner: f32,
         /// Spot: 1 - cos of the angle outside which nothing arrives.
         outer: f32,
-        /// The number of its bit in `lit`, or all ones where it casts no shadow.
+        /// The number of its bit in `lit`, `NONE` if it casts no shadow.
         shadow: u32,
     }
-    /// Where a triangle's corners are in the texture: (0, 0) is its upper left, (1, 1) its lower right corner. Where the
-    /// texture repeats, by as many repetitions back that the least is from 0 to 1, or to 2 where it is mirrored.
+    /// The texture coordinates of a triangle's corners: (0, 0) is the texture's upper left corner, (1, 1) its lower
+    /// right one. If the texture repeats, whole repetitions are taken off, so that the least is from 0 to 1, or to 2 if
+    /// mirrored.
     CornerUvs {
         /// First corner.
         a: [f32; 2],
@@ -32,7 +34,7 @@ records! { light_records:
         /// Third corner.
         c: [f32; 2],
     }
-    /// The faces and the light that one dispatch of shadow rays is about.
+    /// The faces and the light of one dispatch of shadow rays.
     Rays {
         /// The faces' object.
         object: u32,

@@ -11,15 +11,15 @@ records! { layer_records:
         object: u32,
         /// Its first layer in `beneath`.
         first_layer: u32,
-        /// Number of its layers, 1 to 16.
+        /// Number of its layers, 1 to `MOST_LAYERS`.
         layers: u32,
-        /// Its first entry in `islands`, or all ones where its triangles have their places in `corner_uvs`.
+        /// Its first entry in `islands`, `NONE` if its triangles are placed by `corner_uvs`.
         first_island: u32,
         /// Its first texel in `depths`.
         first_texel: u32,
         /// Width and height of its depth maps, in texels.
         size: [u32; 2],
-        /// What they are beyond their edges: 0 the same again, 1 their outermost texels, 2 the same mirrored.
+        /// What they are beyond their edges: a `WRAP_`.
         wrap: u32,
         /// Steps along a ray.
         samples: u32,
@@ -27,11 +27,11 @@ records! { layer_records:
         deepest: f32,
         /// How long a ray is followed at most.
         reach: f32,
-        /// Not 0 where light is summed by the left rule.
+        /// Not 0 if light is summed by the left rule.
         paper: u32,
-        /// Not 0 where phase functions are Henyey's and Greenstein's, 0 where Schlick's.
+        /// Not 0 if phase functions are Henyey and Greenstein's, 0 if Schlick's.
         henyey: u32,
-        /// Not 0 where light is multiplied by the Fresnel transmittance where it enters and leaves.
+        /// Not 0 if light is multiplied by the Fresnel transmittance where it enters and leaves.
         fresnel: u32,
     }
     /// A layer, per internal length.
@@ -43,7 +43,8 @@ records! { layer_records:
         /// The phase function's parameter.
         g: f32,
     }
-    /// Where a triangle's corners are in depth maps that are laid out by islands, in texels: (0, 0) is the centre of the first.
+    /// The places of a triangle's corners in depth maps laid out by islands, in texels: (0, 0) is the first texel's
+    /// centre.
     Island {
         /// First corner.
         a: [f32; 2],
@@ -56,7 +57,7 @@ records! { layer_records:
         /// Centre of the last one.
         high: [f32; 2],
     }
-    /// The vertices of a cluster; each vertex belongs to the first triangle of those round it.
+    /// The vertices of a cluster; each vertex belongs to the first triangle around it.
     Crowd {
         /// Their number.
         count: f32,

@@ -9,9 +9,10 @@ buffers! {
     lights: Light, light;
     /// Whether each light reaches each triangle: a bit each, `frame.shadow_words` words a triangle.
     lit: u32, shadow;
-    /// Whether each light reaches what each pixel shows of an opaque object: a bit each, `frame.shadow_words` words a pixel.
+    /// Whether each light reaches the surface of an opaque object that a pixel shows: a bit each, `frame.shadow_words`
+    /// words a pixel.
     reached: u32, pixel;
-    /// Not 0 when a driver ended a shadow ray's loop early; one element.
+    /// Not 0 if a driver ended a shadow ray's loop early; one element.
     cut_short: u32, scene;
     /// The environment's image, rows from the top.
     sky: [f32; 3], pixel;
@@ -19,7 +20,8 @@ buffers! {
     sky_rows: SkyRow, row;
     /// Integrals over its columns.
     sky_columns: SkyColumn, column;
-    /// Directions in which the environment is reflected: of microfacets about the normal, or about the mirror direction.
+    /// Directions in which the environment is reflected: of microfacets about the normal, or about the mirror
+    /// direction.
     lobe: [f32; 3], direction;
     /// Sums of image times harmonic, nine a block of pixels; the first nine are the environment's coefficients.
     harmonics: [f32; 3], patch;
@@ -31,20 +33,20 @@ buffers! {
     rest: [f32; 3], vertex;
     /// Unit vertex normals before any deformation, area-weighted.
     rest_normals: [f32; 3], vertex;
-    /// What deforms the objects, in the order that it is applied in.
+    /// The deformations of the objects, in the order in which they apply.
     deforms: Deform, deform;
-    /// Of each morph, for each vertex of its object the way to its place in the other mesh.
+    /// For each morph and each vertex of its object, the displacement to its place in the other mesh.
     morphs: [f32; 3], way;
-    /// Places in `positions` of each triangle's corners, in the order of the tree's leaves. All else about an object counts
-    /// from its own first vertex, face, node and block.
+    /// Indices in `positions` of each triangle's corners, in the order of the tree's leaves. All other indices of an
+    /// object count from its own first vertex, face, node and block.
     triangles: [u32; 3], face;
     /// Where each vertex's entries in `corners` begin; one more at the end.
     corner_starts: u32, start;
-    /// The triangles round each vertex.
+    /// The triangles around each vertex.
     corners: u32, corner;
-    /// Where each triangle's corners are in the texture; empty where there is none.
+    /// Texture coordinates of each triangle's corners; empty if there is no texture.
     corner_uvs: CornerUvs, face;
-    /// Texels of the texture, linear, rows from the top; empty where there is none.
+    /// Texels of the texture, linear, rows from the top; empty if there is none.
     texels: [f32; 3], texel;
     /// The tree.
     topology: Topology, node;
@@ -52,15 +54,15 @@ buffers! {
     leaves: u32, face;
     /// All nodes, sorted by chunk, then level, then index.
     order: u32, node;
-    /// Bounding boxes, and the way through the trees of all objects.
+    /// Bounding boxes, and the order in which rays visit the trees of all objects.
     bounds: Bounds, node;
     /// Clusters.
     clusters: Cluster, node;
     /// Unit vertex normals, area-weighted.
     normals: [f32; 3], vertex;
-    /// How the surface bends at each vertex.
+    /// The curvature of the surface at each vertex.
     curvature: Curvature, vertex;
-    /// What local shading needs of a vertex: its unit normal, 16 bits a component, and 16 bits of kappa.
+    /// The attributes of a vertex that local shading reads: its unit normal, 16 bits a component, and 16 bits of kappa.
     bends: [u32; 2], vertex;
     /// The CDRF over a grid: rows of rising sigma, in each the cosine from -1 to 1.
     cdrf_grid: f32, entry;
@@ -72,9 +74,11 @@ buffers! {
     charts: Chart, texel;
     /// Lengths that a texel spans along the rows and down the columns.
     stretch: [f32; 2], texel;
-    /// Each object's Gaussians, narrowest first: the weight of each channel; by how much it blurs the one before, a length.
+    /// Each object's Gaussians, narrowest first: the weight of each channel, then the deviation, a length, by which the
+    /// sheet before is blurred.
     gaussians: [f32; 4], gaussian;
-    /// A sheet for the light that enters at each texel, and one for each Gaussian: light, and 1 where there is a surface.
+    /// A sheet of the light that enters at each texel, and one for each Gaussian: light, and 1 where there is a
+    /// surface.
     sheets: [f32; 4], texel;
     /// A sheet blurred along its rows.
     crossed: [f32; 4], texel;
@@ -84,7 +88,7 @@ buffers! {
     cluster_irradiance: [f32; 3], node;
     /// The blocks of receivers.
     blocks: Block, block;
-    /// Where radiosity is wanted: the triangles' centroids, or the places that a picture's pixels show, 16 a tile.
+    /// The receivers: the triangles' centroids, or the places that pixels show, `BLOCK_RECEIVERS` a tile.
     places: [f32; 3], receiver;
     /// The blocks' bounding spheres.
     spheres: Sphere, block;
@@ -92,15 +96,15 @@ buffers! {
     moments: Moment, group;
     /// Their second moments, likewise.
     spreads: Spread, group;
-    /// What the walk looks at, a part a group of channels: one a node, rounded up.
+    /// The nodes as the walk over emitters sees them, a part a group of channels: one a node, rounded up.
     emitters: Emitter, group;
-    /// From where on one expansion of a node serves a whole block: of up to 1, 4, 16 and 64 times the usual spread.
+    /// Distances beyond which one expansion of a node serves a whole block, for each of the `BLOCK_CLASSES`.
     expands: [f32; 4], group;
     /// The receivers of the coarse solution.
     samples: Sample, sample;
     /// Root of the area-weighted mean of B^2, from the coarse solution; one element.
     level: [f32; 3], scene;
-    /// How far a link's error reaches: for each rule a table of distances over the logarithm of its strength.
+    /// How far a link's error reaches: for each error law a table of distances over the logarithm of its value.
     ranges: f32, table;
     /// Where the lists of each block lie in its batch, a part a batch and group.
     runs: Runs, batch;
@@ -110,7 +114,7 @@ buffers! {
     near_groups: [u32; 3], batch;
     /// The blocks' lists, one after the other: nodes.
     entries: u32, batch;
-    /// What distant emitters give each block.
+    /// The radiosity that distant emitters give each block.
     expansions: Expansion, block;
     /// Radiosity of each receiver from its block's direct, area and edge lists.
     received: [f32; 3], receiver;
@@ -132,31 +136,31 @@ buffers! {
     area_links: u32, chunk;
     /// Indices of the links that take the edge form.
     edge_links: u32, chunk;
-    /// Places of all objects' vertices that kept links were made for.
+    /// Positions of all objects' vertices for which kept links were made.
     kept_positions: [f32; 3], point;
-    /// Clusters that they were made for.
+    /// The clusters for which they were made.
     kept_clusters: Cluster, node;
-    /// 1 where a triangle of the cluster has moved since, 2 where another light enters one than was summed, 3 where both.
+    /// What has changed below each cluster since then: bits `ALTERED_`.
     altered: u32, node;
-    /// Of each receiver: its part of `made` (link), of `undone` (area), of `due` or, before, the place that its links move to
-    /// (edge), and of `handed`.
+    /// Of each receiver: its part of `made` (link), of `undone` (area), of `due` or, before, the place that its links
+    /// move to (edge), and of `handed`.
     edits: Span, node;
-    /// Receivers of a chunk that have something to do, from the place on that the chunk has in `order`: those whose links are
-    /// merged, and after that those whose links are summed again.
+    /// Receivers of a chunk that have something to do, from the place on that the chunk has in `order`: those whose
+    /// links are merged, and after that those whose links are summed again.
     busy: u32, node;
-    /// Emitters of links that are made, or touch what is altered.
+    /// Emitters of links that are new, or touch an altered cluster.
     made: u32, edit;
-    /// Emitters of links that are undone.
+    /// Emitters of links that are removed.
     undone: u32, edit;
-    /// Not 0 where a link's form factor waits to be computed.
+    /// Not 0 if a link's form factor waits to be computed.
     stale: u32, chunk;
-    /// How many of its own links wait.
+    /// Number of each receiver's links whose form factors wait.
     waiting: u32, node;
     /// Links whose form factor is computed in this frame, by receiver.
     due: u32, due;
-    /// The same by what is evaluated: one sample, area points, the edge form.
+    /// The same, sorted by rung.
     ranked: u32, due;
-    /// Groups to dispatch for each of the three, for receivers whose links are merged, and for those that are summed again.
+    /// Work groups to dispatch for each rung, then those of `DUE_MERGED` and `DUE_SUMMED`.
     due_groups: [u32; 3], rank;
     /// Radiosity gathered at each node's own links.
     gathered: [f32; 3], node;
@@ -164,7 +168,7 @@ buffers! {
     radiosity: [f32; 3], receiver;
     /// Radiosity averaged at each vertex.
     vertex_radiosity: [f32; 3], vertex;
-    /// What each pixel's ray met.
+    /// What each pixel's ray hits.
     hits: Hit, pixel;
     /// The receiver that each pixel shows, among those of its object.
     seen: u32, pixel;
@@ -178,11 +182,12 @@ buffers! {
     islands: Island, face;
     /// Depths of the layers' lower interfaces, four a texel, rows from the top.
     depths: [f32; 4], texel;
-    /// What shines into layers: the lights that have a place or a direction, and the environment as lights from afar.
+    /// The lights that shine into layers: those with a position or a direction, and the environment as directional
+    /// lights.
     beams: Light, beam;
     /// The vertices of each cluster.
     crowds: Crowd, node;
-    /// The plane that fits the surface round each vertex: its unit normal, and its height over the vertex along that.
+    /// The plane fitted to the surface around each vertex: its unit normal, and its height over the vertex along that.
     planes: [f32; 4], vertex;
     /// Form factors to evaluate one by one.
     queries: Query, query;

@@ -1,13 +1,16 @@
-//! Records and buffers as GLSL: what shaders include as `layout.glsl`.
+//! Constants, records and buffers as GLSL: what shaders include as `layout.glsl`.
 
 use std::fmt::Write as _;
 
 /// The text of `layout.glsl`.
 pub fn declarations() -> String {
     let mut text = String::from(
-        "#extension GL_EXT_scalar_block_layout : require\n\
+        "#ifndef LAYOUT\n#define LAYOUT\n#extension GL_EXT_scalar_block_layout : require\n\
          #define READS(name) READS_##name\n#define WRITES(name) WRITES_##name\n#define UPDATES(name) UPDATES_##name\n",
     );
+    for constant in super::numbers().into_iter().chain(super::kinds()) {
+        let _ = writeln!(text, "const {} {} = {};", constant.kind, constant.name, constant.value);
+    }
     for record in super::records() {
         let _ = write!(text, "struct {} {{", record.name);
         for (field, kind, _) in &record.fields {
@@ -27,5 +30,6 @@ pub fn declarations() -> String {
             );
         }
     }
+    text.push_str("#endif\n");
     text
 }

@@ -31,7 +31,7 @@ records! { list_records:
         /// The node that emits.
         emitter: u32,
     }
-    /// How full an object's lists are, and how full they had to be; padded as its frame is.
+    /// How full an object's lists are, and the room that they need; padded as its frame is.
     Cursor {
         /// Links of this chunk.
         links: u32,
@@ -57,11 +57,12 @@ records! { list_records:
         need_entries: u32,
         /// Most triangles that one block takes by area points or the edge form.
         need_near: u32,
-        /// Not 0 when a list did not fit: the results are void, and the frame must run again with more room.
+        /// Not 0 if a list did not fit: the results are void, and the frame must run again with more room.
         overflow: u32,
-        /// Not 0 when a driver ended a loop early, or would: lavapipe does so after 65,535 iterations.
+        /// Not 0 if a driver ended a loop early, or would: lavapipe does so after 65,535 iterations.
         unfinished: u32,
-        /// Where lists serve any light: its contrast now, root mean square irradiance over reference level, per channel.
+        /// If lists serve any light: its contrast now, root mean square irradiance over the reference level, per
+        /// channel.
         contrast: [f32; 3],
         /// The contrast that the lists were made for.
         served: [f32; 3],
@@ -81,11 +82,11 @@ records! { list_records:
         edited: u32,
         /// Receivers that a frame sums kept links of again, so far.
         summed: u32,
-        /// Nothing.
+        /// Unused.
         padding: [u32; 32],
-        /// Nothing.
+        /// Unused.
         more_padding: [u32; 3],
-        /// Nothing.
+        /// Unused.
         last_padding: u32,
     }
     /// A run of elements for one dispatch.

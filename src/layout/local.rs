@@ -7,13 +7,13 @@ use super::{Element, Record, Word};
 records! { local_records:
     /// How a surface bends at a vertex, 1/length; positive where it is convex.
     Curvature {
-        /// kappa as `frame.kappa` says, at least 0.
+        /// kappa, as `frame.kappa` defines it, at least 0.
         kappa: f32,
         /// Mean curvature H = (k1 + k2) / 2.
         mean: f32,
         /// Gaussian curvature K = k1 k2.
         gaussian: f32,
-        /// 1 where it follows from the triangles round the vertex, 0 where it is the mean of the neighbours'.
+        /// 1 if it follows from the triangles around the vertex, 0 if it is the mean of the neighbours'.
         known: f32,
     }
     /// An object whose light is blurred over its texture coordinates.
@@ -24,12 +24,12 @@ records! { local_records:
         first: u32,
         /// Texels a side.
         side: u32,
-        /// Not 0 where the surface goes on beyond the right edge at the left one, and beyond the bottom at the top.
+        /// Not 0 if the surface continues beyond the right edge at the left one, and beyond the bottom at the top.
         round: [u32; 2],
     }
     /// What a texel shows of an unwrapped surface.
     Chart {
-        /// The triangle, or all ones.
+        /// The triangle, or `NONE`.
         face: u32,
         /// Weight of its second corner.
         u: f32,

@@ -1,8 +1,9 @@
-//! The one source of truth for what lies in a buffer: every record, every buffer, its element and its binding.
+//! The one source of truth for what host and device share: every record, every buffer with its element and binding, and
+//! every constant that both sides use.
 //!
-//! Rust takes its `#[repr(C)]` structs and the [`Buffers`] of a frame from here; the build script reads the same
-//! tables and writes the GLSL structs and buffer declarations (`layout.glsl`), so that neither side can drift.
-//! A test compares the offsets found in the compiled SPIR-V with those of the Rust structs.
+//! Rust takes its `#[repr(C)]` structs, the [`Buffers`] of a frame and the constants from here. The build script reads
+//! the same tables and writes `layout.glsl`, which every shader includes, so that neither side can drift from the
+//! other. A test compares the offsets found in the compiled SPIR-V with those of the Rust structs.
 
 #![allow(dead_code)] // the build script includes this file and uses half of it
 
@@ -74,7 +75,10 @@ pub struct Record {
 }
 
 macro_rules! records {
-    ($list:ident: $($(#[doc = $about:literal])* $name:ident { $($(#[doc = $note:literal])* $field:ident: $kind:ty,)* })*) => {
+    (
+        $list:ident:
+        $($(#[doc = $about:literal])* $name:ident { $($(#[doc = $note:literal])* $field:ident: $kind:ty,)* })*
+    ) => {
         $(
             $(#[doc = $about])*
             #[repr(C)]
@@ -109,11 +113,11 @@ macro_rules! records {
     };
 }
 
-/// What is known of a buffer without looking into it.
+/// What is known of a buffer but its content.
 pub struct BufferSpec {
     /// Its name on both sides.
     pub name: &'static str,
-    /// Of what there is one element each.
+    /// What there is one element for.
     pub per: &'static str,
     /// GLSL type of an element.
     pub glsl: &'static str,
@@ -121,11 +125,11 @@ pub struct BufferSpec {
     pub stride: usize,
     /// The words of an element.
     pub words: fn() -> Vec<Word>,
-    /// Into what parts it is cut, of which a dispatch binds one.
+    /// The parts that it is divided into; a dispatch binds one.
     pub cut: Cut,
 }
 
-/// Into what parts a buffer is cut.
+/// The parts that a buffer is divided into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cut {
     /// It is bound whole.
@@ -214,7 +218,7 @@ macro_rules! buffers {
         pub const SLOTS: &[Slot] = &[$(Slot::$name,)*];
 
         impl Slot {
-            /// What is known of this buffer.
+            /// What is known of this buffer but its content.
             pub fn spec(self) -> BufferSpec {
                 match self { $(Slot::$name => BufferSpec {
                     name: stringify!($name),
@@ -244,21 +248,28 @@ macro_rules! buffers {
     };
 }
 
+#[macro_use]
+mod constants;
 mod arriving;
 mod beneath;
 mod buffers;
 mod glsl;
+mod kinds;
 mod lists;
 mod local;
+mod numbers;
 mod records;
 mod viewing;
 
 pub use arriving::*;
 pub use beneath::*;
 pub use buffers::*;
+pub use constants::{Constant, Shared};
 pub use glsl::declarations;
+pub use kinds::*;
 pub use lists::*;
 pub use local::*;
+pub use numbers::*;
 pub use records::*;
 pub use viewing::*;
 

@@ -5,8 +5,8 @@ use bytemuck::{Pod, Zeroable};
 use super::{Element, Record, Word};
 
 records! { frame_records:
-    /// What holds for an object in the whole frame, padded so that it can be bound by itself. Lengths are internal: the scene
-    /// has unit extent.
+    /// What holds for an object in the whole frame, padded so that it can be bound by itself. Lengths are internal: the
+    /// scene has unit extent.
     Frame {
         /// Its first triangle among those of all objects.
         first_face: u32,
@@ -24,11 +24,11 @@ records! { frame_records:
         scene_nodes: u32,
         /// Its first receiver likewise.
         first_receiver: u32,
-        /// Not 0 where its receivers are the places that pixels show, 0 where they are its triangles.
+        /// Not 0 if its receivers are the places that pixels show, 0 if they are its triangles.
         by_pixel: u32,
-        /// 0 where light enters it, 1 where none does, 2 where none does and it is lit pixel by pixel.
+        /// Whether light enters it, and how it is lit if none does: an `OPAQUE_`.
         opaque: u32,
-        /// Share of the arriving light that an opaque object gives back, per channel.
+        /// Share of the arriving light that an opaque object reflects diffusely, per channel.
         albedo: [f32; 3],
         /// Number of vertices.
         vertices: u32,
@@ -38,27 +38,28 @@ records! { frame_records:
         nodes: u32,
         /// Number of lights.
         lights: u32,
-        /// Words of `lit` a face has: a bit for each light that casts shadows, and each ray to the environment.
+        /// Words of `lit` for each face: a bit for each light that casts shadows, and for each ray to the environment.
         shadow_words: u32,
-        /// Not 0 where both sides of a face receive light.
+        /// Not 0 if both sides of a face receive light.
         two_sided: u32,
         /// Size of the environment's image, in pixels.
         sky: [u32; 2],
         /// Turns from the left edge of that image to the azimuth of +y to -z, as turned: 0.5 where it is not.
         sky_turn: f32,
-        /// What the surface reflects: 0 nothing, 1 by Phong's lobe, 2 by GGX microfacets.
+        /// What the surface reflects: a `REFLECTION_`.
         reflection: u32,
         /// The lobe's exponent, or alpha of the microfacets.
         roughness: f32,
-        /// Where light is multiplied by the texture: 0 nowhere, 1 where it enters, 2 where it leaves, 3 at both.
+        /// Where light is multiplied by the texture: bits `TEXTURE_`.
         texture_side: u32,
-        /// What the texture is beyond its edges: 0 the same again, 1 its outermost texels, 2 the same mirrored.
+        /// What the texture is beyond its edges: a `WRAP_`.
         texture_wrap: u32,
         /// Its width and height, in texels.
         texture_size: [u32; 2],
         /// Its first texel.
         texture_first: u32,
-        /// The factors of the environment's harmonics of degree 0, per channel: integrals of Fresnel transmittance and cosine.
+        /// The factors of the environment's harmonics of degree 0, per channel: integrals of Fresnel transmittance and
+        /// cosine.
         zonal_0: [f32; 3],
         /// The same of degree 1.
         zonal_1: [f32; 3],
@@ -92,11 +93,11 @@ records! { frame_records:
         exit: [f32; 3],
         /// Number of blocks of receivers.
         blocks: u32,
-        /// Number of those that its area is divided by for the size of a usual one.
+        /// Number of blocks that its area is divided by for the size of a usual one.
         usual_blocks: u32,
         /// Room for list entries in one batch.
         entry_room: u32,
-        /// Triangles of one block that `gather` takes one by one, a multiple of its part.
+        /// Room for triangles of one block that `gather` takes one by one, a multiple of what one dispatch takes.
         near_room: u32,
         /// Largest error of one link, in units of the reference level.
         link_error: f32,
@@ -104,13 +105,13 @@ records! { frame_records:
         tint: [f32; 3],
         /// chi below which 1 (with second moments), 3, 6 and 12 area points serve.
         ladder: [f32; 4],
-        /// How far round a vertex the surface is taken for a plane, where there are layers beneath it; 0 where there are none.
+        /// Radius around a vertex within which a plane is fitted to the surface if it has layers beneath it, else 0.
         fit_radius: f32,
         /// Local shading: standard deviation of the scattering along the surface, per channel, length.
         sigma_0: [f32; 3],
         /// Local shading: share of the light that comes back from a flat surface, per channel.
         diffuse: [f32; 3],
-        /// Local shading: what kappa is, 0 sqrt((k1^2 + k2^2) / 2), 1 |k1 + k2| / 2.
+        /// Local shading: what kappa is, a `KAPPA_`.
         kappa: u32,
         /// Local shading: width and height of the map of sigma_0, in texels; 0 where there is none.
         spread_size: [u32; 2],
@@ -118,11 +119,11 @@ records! { frame_records:
         spread_first: u32,
         /// The number of its texture coordinates' sheets, from 1; 0 where its light is not blurred over them.
         sheet: u32,
-        /// Nothing.
+        /// Unused.
         padding: [u32; 32],
-        /// Nothing.
+        /// Unused.
         more_padding: [u32; 6],
-        /// Nothing.
+        /// Unused.
         other_padding: u32,
         /// Most form factors that a frame may compute over links that are kept.
         budget: u32,
@@ -131,11 +132,11 @@ records! { frame_records:
     }
     /// A deformation of an object's vertices.
     Deform {
-        /// 1 a twist, 2 a bend, 3 a bump along `axis`, 4 a bump along the normal, 5 noise along the normal, 6 a morph.
+        /// Which deformation: a `DEFORM_`.
         kind: u32,
         /// A morph's first element of `morphs`: that of the object's first vertex.
         first: u32,
-        /// A point of the axis, a bump's middle, or where the noise begins.
+        /// A point of the axis, a bump's middle, or the noise's origin.
         origin: [f32; 3],
         /// Of length 1: the axis, the direction that is bent, or a bump's.
         axis: [f32; 3],
@@ -160,13 +161,13 @@ records! { frame_records:
         /// Number of its receivers.
         count: u32,
     }
-    /// Where a block's receivers are.
+    /// The sphere around a block's receivers.
     Sphere {
-        /// Middle of the box round the centroids.
+        /// Middle of the box around the receivers.
         center: [f32; 3],
-        /// Distance of the farthest centroid.
+        /// Distance of the farthest receiver.
         radius: f32,
-        /// Mean square of the centroids' distances against that of a usual block's.
+        /// Mean square of the receivers' distances, in units of a usual block's.
         spread: f32,
     }
     /// Moments of the light that enters a cluster, by the irradiance of its group's lead channel.
@@ -176,7 +177,7 @@ records! { frame_records:
         /// W: the sum of area times irradiance.
         weight: f32,
     }
-    /// Second moments of that light: apart from the first, so that millions of nodes fit a binding.
+    /// Second moments of that light, in a buffer of their own, so that millions of nodes fit a binding.
     Spread {
         /// Second moments about the centre per weight: xx, yy, zz.
         diagonal: [f32; 3],
@@ -184,16 +185,16 @@ records! { frame_records:
         radius: f32,
         /// Second moments: yz, zx, xy.
         mixed: [f32; 3],
-        /// Distance from which on the coarse solution takes the cluster as one.
+        /// Distance beyond which the coarse solution takes the cluster as one.
         coarse: f32,
     }
-    /// A node as the walk sees it. Distances run from the centre to a block's sphere.
+    /// A node as the walk over emitters sees it. Distances run from its centre to a block's sphere.
     Emitter {
-        /// The moments' centre; from where on its light counts for nothing, far below 0 where it has none.
+        /// The moments' centre, then the distance beyond which its light is left out, far below 0 if it emits none.
         place: [f32; 4],
-        /// From where on one link serves; for a triangle one sample with its second moment.
+        /// The distance beyond which one link serves; for a triangle, one sample with its second moment.
         accept: f32,
-        /// For a triangle, from where on 6 area points serve.
+        /// For a triangle, the distance beyond which 6 area points serve.
         area: f32,
         /// The first node after its subtree.
         skip: u32,
@@ -202,11 +203,12 @@ records! { frame_records:
     Sample {
         /// The triangle.
         face: u32,
-        /// How likely a draw is to choose it.
+        /// Probability that a draw chooses it.
         chance: f32,
         /// Its radiosity.
         value: [f32; 3],
-        /// The square of the irradiance that enters it, of the object's mean, times its share of the area over its chance.
+        /// The square of the irradiance that enters it, of the object's mean, times its share of the area over its
+        /// chance.
         light: f32,
     }
     /// Where a block's lists lie, one after the other.
@@ -221,7 +223,7 @@ records! { frame_records:
         area: u32,
         /// Triangles that take the edge form.
         edge: u32,
-        /// Emitters left out because they count for nothing.
+        /// Emitters left out because their light is negligible.
         dropped: u32,
     }
     /// Radiosity of a block as a quadratic in the offset from its centre, per channel.
@@ -255,12 +257,12 @@ records! { frame_records:
     Topology {
         /// The first node after this subtree; also the right child of the parent's left child.
         skip: u32,
-        /// The parent, or all ones at the root.
+        /// The parent; `NONE` at the root.
         parent: u32,
-        /// The triangle of a leaf, or all ones.
+        /// The triangle of a leaf, or `NONE`.
         face: u32,
     }
-    /// A node's bounding box, and where a ray goes from there.
+    /// A node's bounding box, and the node that a ray visits next.
     Bounds {
         /// Smallest corner.
         low: [f32; 3],
@@ -268,7 +270,7 @@ records! { frame_records:
         next: u32,
         /// Largest corner.
         high: [f32; 3],
-        /// The triangle of a leaf among those of all objects, or all ones.
+        /// The triangle of a leaf among those of all objects, or `NONE`.
         face: u32,
     }
     /// A node as a cluster of faces.

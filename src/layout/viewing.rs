@@ -25,14 +25,14 @@ records! { view_records:
         shift_y: f32,
         /// Linear radiance where nothing is hit, in the scene's units.
         background: [f32; 3],
-        /// Not 0 where the environment is seen instead.
+        /// Not 0 if the environment is seen instead.
         environment: u32,
-        /// What a radiance of the internal units has to be multiplied by.
+        /// Factor from internal radiance to that of the scene's units.
         radiance: f32,
     }
-    /// What a primary ray met.
+    /// What a primary ray hits.
     Hit {
-        /// The triangle, or all ones.
+        /// The triangle; `NONE` where the ray meets none, `UNFINISHED` where the driver ended its walk early.
         face: u32,
         /// Barycentric weight of the triangle's second corner.
         u: f32,

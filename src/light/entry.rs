@@ -1,13 +1,13 @@
 //! Stage `entry`: light that enters a face is multiplied by the texture's mean over the face.
 //!
 //! The mean is taken at the centroids of n x n equal triangles that the face is cut into, n its longest edge along either
-//! side of the texture in texels, from 1 to [`FINEST`]: of larger faces a sample, no longer every texel.
+//! side of the texture in texels, from 1 to [`TEXTURE_PARTS`]: of larger faces a sample, no longer every texel.
 
 use rayon::prelude::*;
 
-use super::texture::{ENTRY, factor, place, untextured};
+use super::texture::{factor, place, untextured};
 use crate::error::Result;
-use crate::layout::{Buffers, CornerUvs, Slot};
+use crate::layout::{Buffers, CornerUvs, Slot, TEXTURE_ENTERS, TEXTURE_PARTS};
 use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, wide};
 
 /// The table's entry.
@@ -23,14 +23,11 @@ pub static STAGE: Stage = Stage {
     carriers: Carrier::ALL,
     needs: &[Need::Light],
     serves: Serves::LIT_BY_FACE,
-    skip: |state| untextured(state, ENTRY),
+    skip: |state| untextured(state, TEXTURE_ENTERS),
     runs: Update::light,
     cpu,
     gpu,
 };
-
-/// Parts along an edge of a face at most.
-pub const FINEST: u32 = 16;
 
 /// Parts along an edge, decided in `f32` on both sides.
 fn parts(uvs: &CornerUvs, size: [u32; 2]) -> u32 {
@@ -38,7 +35,7 @@ fn parts(uvs: &CornerUvs, size: [u32; 2]) -> u32 {
         let edge = |p: [f32; 2], q: [f32; 2]| (q[axis] - p[axis]).abs() * size[axis] as f32;
         edge(uvs.a, uvs.b).max(edge(uvs.b, uvs.c)).max(edge(uvs.c, uvs.a))
     };
-    along(0).max(along(1)).ceil().clamp(1.0, FINEST as f32) as u32
+    along(0).max(along(1)).ceil().clamp(1.0, TEXTURE_PARTS as f32) as u32
 }
 
 /// Weights of the second and third corner at the centroid of part `k` of n x n.
@@ -62,7 +59,7 @@ fn entered(data: &Buffers, face: usize) -> [f32; 3] {
 
 fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;
-    if data.frame[0].texture_side & 1 != 0 {
+    if data.frame[0].texture_side & TEXTURE_ENTERS != 0 {
         state.data.irradiance = (0..data.triangles.len()).into_par_iter().map(|face| entered(data, face)).collect();
     }
 }
@@ -77,7 +74,7 @@ mod tests {
 
     #[test]
     fn parts_lie_inside_and_their_mean_is_the_centroid() {
-        for n in [1, 2, 5, FINEST] {
+        for n in [1, 2, 5, TEXTURE_PARTS] {
             let places: Vec<_> = (0..n * n).map(|k| part(k, n)).collect();
             assert!(places.iter().all(|&(u, v)| u > 0.0 && v > 0.0 && u + v < 1.0));
             let mean = |of: fn(&(f64, f64)) -> f64| places.iter().map(of).sum::<f64>() / f64::from(n * n);
@@ -95,6 +92,6 @@ mod tests {
         assert_eq!(parts(&uvs, [8, 8]), 2);
         assert_eq!(parts(&uvs, [9, 8]), 3);
         assert_eq!(parts(&uvs, [8, 30]), 4);
-        assert_eq!((parts(&uvs, [1, 1]), parts(&uvs, [4096, 1])), (1, FINEST));
+        assert_eq!((parts(&uvs, [1, 1]), parts(&uvs, [4096, 1])), (1, TEXTURE_PARTS));
     }
 }

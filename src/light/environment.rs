@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Buffers, Range, Slot};
+use crate::layout::{Buffers, Range, SKY_BLOCK, SKY_HARMONICS, Slot};
 use crate::state::{
     Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, narrow, wide,
 };
@@ -31,30 +31,27 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// Pixels of a block, and blocks of a sum.
-const BLOCK: usize = 64;
-
 /// Sums level by level: the number of blocks of pixels, of sums of those, and so on to one.
 fn levels([width, height]: [u32; 2]) -> Vec<usize> {
-    let mut levels = vec![height as usize * (width as usize).div_ceil(BLOCK)];
+    let mut levels = vec![height as usize * (width as usize).div_ceil(SKY_BLOCK)];
     while let Some(&last) = levels.last().filter(|&&last| last > 1) {
-        levels.push(last.div_ceil(BLOCK));
+        levels.push(last.div_ceil(SKY_BLOCK));
     }
     levels
 }
 
 /// Elements of the buffer `harmonics` for an image of this size.
 pub fn elements(size: [u32; 2]) -> usize {
-    9 * levels(size).iter().sum::<usize>()
+    SKY_HARMONICS * levels(size).iter().sum::<usize>()
 }
 
 /// Image times harmonics over block `k`.
-fn block(data: &Buffers, k: usize) -> [DVec3; 9] {
+fn block(data: &Buffers, k: usize) -> [DVec3; SKY_HARMONICS] {
     let width = data.frame[0].sky[0] as usize;
-    let across = width.div_ceil(BLOCK);
-    let (row, start) = (k / across, k % across * BLOCK);
-    let mut sums = [DVec3::ZERO; 9];
-    for column in start..(start + BLOCK).min(width) {
+    let across = width.div_ceil(SKY_BLOCK);
+    let (row, start) = (k / across, k % across * SKY_BLOCK);
+    let mut sums = [DVec3::ZERO; SKY_HARMONICS];
+    for column in start..(start + SKY_BLOCK).min(width) {
         let radiance = wide(data.sky[row * width + column]);
         let (r, c) = (&data.sky_rows[row], &data.sky_columns[column]);
         let ([one, y, s], [yy, sy, ss]) = (r.first.map(f64::from), r.second.map(f64::from));
@@ -71,7 +68,7 @@ fn block(data: &Buffers, k: usize) -> [DVec3; 9] {
 }
 
 /// What each polynomial is multiplied by, to be orthonormal.
-fn norms() -> [f64; 9] {
+fn norms() -> [f64; SKY_HARMONICS] {
     let at = |x, y, z| super::harmonics::basis(DVec3::new(x, y, z));
     let (axis, middle) = (at(0.0, 1.0, 0.0), at(1.0, 1.0, 1.0));
     [axis[0], middle[1], middle[2], middle[3], middle[4], middle[5], middle[6], axis[7] / 2.0, at(1.0, 0.0, 0.0)[8]]
@@ -80,13 +77,14 @@ fn norms() -> [f64; 9] {
 fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;
     let levels = levels(data.frame[0].sky);
-    let mut sums: Vec<[DVec3; 9]> = (0..levels[0]).into_par_iter().map(|k| block(data, k)).collect();
+    let mut sums: Vec<[DVec3; SKY_HARMONICS]> = (0..levels[0]).into_par_iter().map(|k| block(data, k)).collect();
 
     // The last sum comes first.
     let mut all = vec![sums.clone()];
     for _ in 1..levels.len() {
-        let add = |blocks: &[[DVec3; 9]]| std::array::from_fn(|k| blocks.iter().map(|block| block[k]).sum());
-        sums = sums.chunks(BLOCK).map(add).collect();
+        let add =
+            |blocks: &[[DVec3; SKY_HARMONICS]]| std::array::from_fn(|k| blocks.iter().map(|block| block[k]).sum());
+        sums = sums.chunks(SKY_BLOCK).map(add).collect();
         all.push(sums.clone());
     }
     state.data.harmonics = all.iter().rev().flatten().flatten().map(|&sum| narrow(sum)).collect();

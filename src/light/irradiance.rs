@@ -10,7 +10,10 @@ use rayon::prelude::*;
 
 use super::{fresnel, harmonics};
 use crate::error::Result;
-use crate::layout::{Buffers, Frame, Light, Slot};
+use crate::layout::{
+    Buffers, Frame, LIGHT_AREA, LIGHT_AREA_BOTH, LIGHT_DIRECTIONAL, LIGHT_SKY_RAY, LIGHT_SPOT, Light, NONE,
+    SKY_HARMONICS, Slot,
+};
 use crate::state::{
     Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
 };
@@ -38,13 +41,13 @@ pub static STAGE: Stage = Stage {
 fn emission(light: &Light, away: DVec3) -> f64 {
     let cosine = wide(light.axis).dot(away);
     match light.kind {
-        2 => {
+        LIGHT_SPOT => {
             let (inner, outer) = (f64::from(light.inner), f64::from(light.outer));
             let t = ((outer - (1.0 - cosine)) / (outer - inner)).clamp(0.0, 1.0);
             t * t * (3.0 - 2.0 * t)
         }
-        3 => cosine.max(0.0),
-        4 => cosine.abs(),
+        LIGHT_AREA => cosine.max(0.0),
+        LIGHT_AREA_BOTH => cosine.abs(),
         _ => 1.0,
     }
 }
@@ -54,7 +57,7 @@ fn emission(light: &Light, away: DVec3) -> f64 {
 pub fn arrival(light: &Light, point: DVec3) -> (DVec3, f64) {
     let mut toward = wide(light.place);
     let mut falloff = 1.0;
-    if light.kind != 0 && light.kind != 5 {
+    if light.kind != LIGHT_DIRECTIONAL && light.kind != LIGHT_SKY_RAY {
         toward -= point;
         falloff = 1.0 / toward.length_squared().max(1e-30);
         toward *= falloff.sqrt();
@@ -73,14 +76,14 @@ pub fn reaches(data: &Buffers, light: &Light, face: usize) -> bool {
 #[must_use]
 pub fn bit(bits: &[u32], words: u32, light: &Light, index: usize) -> bool {
     let bit = |bit: u32| bits[index * words as usize + bit as usize / 32] >> (bit % 32) & 1;
-    light.shadow == u32::MAX || bit(light.shadow) == 1
+    light.shadow == NONE || bit(light.shadow) == 1
 }
 
 /// E of equation 5 at a place of an object, by its unit normal: from the lights that reach it, and the environment.
 pub fn entering(data: &Buffers, frame: &Frame, place: [DVec3; 2], reaches: &dyn Fn(&Light) -> bool) -> DVec3 {
     let [point, normal] = place;
     let eta = frame.eta.map(f64::from);
-    let sky: Vec<DVec3> = data.harmonics.iter().take(9).map(|&c| wide(c)).collect();
+    let sky: Vec<DVec3> = data.harmonics.iter().take(SKY_HARMONICS).map(|&c| wide(c)).collect();
     let zonal = [wide(frame.zonal_0), wide(frame.zonal_1), wide(frame.zonal_2)];
     let one_side = |normal: DVec3| {
         let (mut sum, mut all, mut free) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
@@ -89,7 +92,7 @@ pub fn entering(data: &Buffers, frame: &Frame, place: [DVec3; 2], reaches: &dyn 
             let arrives = reaches(light);
             let cosine = normal.dot(toward).max(0.0);
             let enters = DVec3::from_array(eta.map(|eta| fresnel::transmittance(eta, cosine))) * cosine;
-            if light.kind == 5 {
+            if light.kind == LIGHT_SKY_RAY {
                 let weight = harmonics::radiance(&sky, toward) * enters;
                 all += weight;
                 free += if arrives { weight } else { DVec3::ZERO };

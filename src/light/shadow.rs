@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::geometry::occlusion::{Ray, blocked};
 use crate::geometry::plane::Plane;
-use crate::layout::{Light, Rays, Slot};
+use crate::layout::{LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_SKY_RAY, LIGHT_SPOT, Light, NONE, Rays, Slot};
 use crate::state::{
     Carrier, Local, Need, Object, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update,
 };
@@ -49,7 +49,7 @@ pub const RAYS: usize = 1 << 18;
 fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;
     let words = data.frame[0].shadow_words as usize;
-    let casting: Vec<&Light> = data.lights.iter().filter(|light| light.shadow != u32::MAX).collect();
+    let casting: Vec<&Light> = data.lights.iter().filter(|light| light.shadow != NONE).collect();
     let of_face = |face: usize, bits: &mut [u32]| {
         bits.fill(0);
         let node = state.objects[state.object_of(face)].first.nodes + data.leaves[face] as usize;
@@ -83,7 +83,7 @@ pub fn free(state: &State, face: u32, place: [f32; 3], light: &Light) -> bool {
 fn ray(state: &State, face: u32, origin: [f32; 3], light: &Light) -> Option<Ray> {
     let data = &state.data;
     let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let far = light.kind == 0 || light.kind == 5;
+    let far = light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_SKY_RAY;
     let direction = if far { light.place } else { std::array::from_fn(|k| light.place[k] - origin[k]) };
     // In local shading an object's own triangles neither block light nor turn away from it.
     let number = state.object_of(face as usize);
@@ -97,8 +97,8 @@ fn ray(state: &State, face: u32, origin: [f32; 3], light: &Light) -> Option<Ray>
     let along = -dot(direction, light.axis);
     let cosine = 1.0 - light.outer;
     let shines = match light.kind {
-        2 => along > 0.0 && along * along > cosine * cosine * dot(direction, direction),
-        3 => along > 0.0,
+        LIGHT_SPOT => along > 0.0 && along * along > cosine * cosine * dot(direction, direction),
+        LIGHT_AREA => along > 0.0,
         _ => true,
     };
     let wanted = shines && (spared.is_some() || facing > 0.0 || (both && facing < 0.0));
@@ -112,7 +112,7 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     for (number, object) in objects.filter(|(_, object)| object.lit_by_face()) {
         let others = u32::from(others_only(pass.state, object));
         let end = object.first.faces + object.count.faces;
-        for light in (0..lights.len()).filter(|&light| lights[light].shadow != u32::MAX) {
+        for light in (0..lights.len()).filter(|&light| lights[light].shadow != NONE) {
             for first in (object.first.faces..end).step_by(RAYS) {
                 let count = RAYS.min(end - first);
                 let [object, first, faces, light] = [number, first, count, light].map(|n| n as u32);

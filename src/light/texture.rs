@@ -2,13 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::layout::{Buffers, Frame};
+use crate::layout::{Buffers, Frame, TEXTURE_LEAVES, WRAP_CLAMP, WRAP_REPEAT};
 use crate::state::{State, wide};
-
-/// The bit of `frame.texture_side` for light that enters.
-pub const ENTRY: u32 = 1;
-/// The same for light that leaves.
-pub const EXIT: u32 = 2;
 
 /// Why no light is multiplied by a texture on this side, if none is.
 #[must_use]
@@ -17,7 +12,7 @@ pub fn untextured(state: &State, side: u32) -> Option<&'static str> {
     match sides {
         0 => Some("no material has a texture"),
         sides if sides & side != 0 => None,
-        EXIT => Some("the texture is for light that leaves"),
+        TEXTURE_LEAVES => Some("the texture is for light that leaves"),
         _ => Some("the texture is for light that enters"),
     }
 }
@@ -27,8 +22,8 @@ pub fn untextured(state: &State, side: u32) -> Option<&'static str> {
 pub fn texel(i: i64, count: u32, wrap: u32) -> u32 {
     let last = i64::from(count) - 1;
     let k = match wrap {
-        0 => i.rem_euclid(last + 1),
-        1 => i.clamp(0, last),
+        WRAP_REPEAT => i.rem_euclid(last + 1),
+        WRAP_CLAMP => i.clamp(0, last),
         _ => {
             let k = i.rem_euclid(2 * last + 2);
             k.min(2 * last + 1 - k)
@@ -67,13 +62,14 @@ pub fn place(data: &Buffers, face: usize, u: f64, v: f64) -> DVec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::WRAP_MIRROR;
 
     #[test]
     fn texels_go_on_beyond_the_edges() {
         let row = |wrap: u32| (-4..7).map(|i| texel(i, 3, wrap)).collect::<Vec<_>>();
-        assert_eq!(row(0), [2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0]);
-        assert_eq!(row(1), [0, 0, 0, 0, 0, 1, 2, 2, 2, 2, 2]);
-        assert_eq!(row(2), [2, 2, 1, 0, 0, 1, 2, 2, 1, 0, 0]);
+        assert_eq!(row(WRAP_REPEAT), [2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0]);
+        assert_eq!(row(WRAP_CLAMP), [0, 0, 0, 0, 0, 1, 2, 2, 2, 2, 2]);
+        assert_eq!(row(WRAP_MIRROR), [2, 2, 1, 0, 0, 1, 2, 2, 1, 0, 0]);
     }
 
     #[test]

@@ -7,9 +7,8 @@
 
 use rayon::prelude::*;
 
-use super::gaussians::GAUSSIANS;
 use crate::error::Result;
-use crate::layout::{Buffers, Slot, Unwrapping};
+use crate::layout::{BLUR_REACH, Buffers, GAUSSIANS, NONE, Slot, Unwrapping};
 use crate::state::{
     Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never,
 };
@@ -36,17 +35,15 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// How many texels count on each side at most, and the fewest.
-const REACH: (i64, i64) = (48, 6);
-
 /// Every how-manieth texel counts, and how many on each side: by additions, multiplications and comparisons in `f32`.
 fn taps(deviation: f32, length: f32, side: u32) -> (i64, i64) {
     let mut pace = 1;
     while 32 * pace < i64::from(side) && deviation > 8.0 * (pace as f32 * length) {
         pace *= 2;
     }
-    let mut reach = REACH.1;
-    while reach < REACH.0 && deviation > (reach / REACH.1) as f32 * (pace as f32 * length) {
+    let least = i64::from(BLUR_REACH);
+    let mut reach = least;
+    while reach < 8 * least && deviation > (reach / least) as f32 * (pace as f32 * length) {
         reach *= 2;
     }
     (pace, reach)
@@ -54,7 +51,7 @@ fn taps(deviation: f32, length: f32, side: u32) -> (i64, i64) {
 
 /// One texel of a sheet after a blur along a row (axis 0) or down a column.
 fn mean(data: &Buffers, own: &Unwrapping, from: &[[f32; 4]], texel: usize, axis: usize, deviation: f32) -> [f32; 4] {
-    if data.charts[own.first as usize + texel].face == u32::MAX {
+    if data.charts[own.first as usize + texel].face == NONE {
         return [0.0; 4];
     }
     let (side, at) = (i64::from(own.side), [texel as i64 % i64::from(own.side), texel as i64 / i64::from(own.side)]);
@@ -151,7 +148,7 @@ mod tests {
     fn even_light_gives_back_the_total() {
         let (mut data, dipoles) = plane(48, |k| [0.02 + 1e-3 * (k % 7) as f32, 0.03], |_, _| 0.7);
         // A hole, and a border.
-        data.charts[48 * 20 + 11].face = u32::MAX;
+        data.charts[48 * 20 + 11].face = NONE;
         data.sheets[48 * 20 + 11] = [0.0; 4];
         object(&mut data, 0);
         for texel in [0, 47, 48 * 20 + 10, 48 * 20 + 12, 48 * 48 - 1, 1000] {

@@ -6,8 +6,8 @@
 //! corners it is linear: with 256 x 256 within 2e-3 of f, worst at the terminator as sigma tends to 0, where the kink of max(cos, 0) falls inside a cell.
 
 use crate::error::Result;
-use crate::layout::Slot;
-use crate::local::cdrf_table::{WIDEST, side, untabled};
+use crate::layout::{CDRF_WIDEST, Slot};
+use crate::local::cdrf_table::{side, untabled};
 use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update};
 
 /// The table's entry.
@@ -54,7 +54,7 @@ pub fn lookup(cells: &[u32], side: u32, cosine: f64, sigma: f64) -> f64 {
         let cell = at.floor().min(last - 1.0);
         (cell as usize, at - cell)
     };
-    let ((column, x), (row, y)) = (place(0.5 * cosine + 0.5), place(sigma / WIDEST));
+    let ((column, x), (row, y)) = (place(0.5 * cosine + 0.5), place(sigma / CDRF_WIDEST));
     let [first, across, up, both] = parts(cells[row * (side - 1) as usize + column], side);
     first + across * x + up * y + both * x * y
 }

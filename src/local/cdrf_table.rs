@@ -1,10 +1,10 @@
-//! Stage `cdrf_table`: the CDRF over a grid of cosines from -1 to 1 and sigmas from 0 to [`WIDEST`] (figure 8).
+//! Stage `cdrf_table`: the CDRF over a grid of cosines from -1 to 1 and sigmas from 0 to [`CDRF_WIDEST`] (figure 8).
 
 use rayon::prelude::*;
 
 use super::reflectance::cdrf;
 use crate::error::Result;
-use crate::layout::Slot;
+use crate::layout::{CDRF_WIDEST, Slot};
 use crate::state::{Carrier, Local, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update};
 
 /// The table's entry.
@@ -32,9 +32,6 @@ pub(super) fn untabled(state: &State) -> Option<&'static str> {
     closed.then_some("transport.cdrf is closed: nothing is looked up")
 }
 
-/// The largest sigma of the table; beyond it the last row serves, within 1.1e-3.
-pub const WIDEST: f64 = 3.5;
-
 /// Rows and columns of the table; what is there where there is none is of no use.
 pub(super) fn side(state: &State) -> u32 {
     match state.method.local {
@@ -46,7 +43,7 @@ pub(super) fn side(state: &State) -> u32 {
 fn cpu(state: &mut State, _at: Place) {
     let side = side(state);
     let share = |k: u32| f64::from(k) / f64::from(side - 1);
-    let at = |k: u32| cdrf(2.0 * share(k % side) - 1.0, WIDEST * share(k / side)) as f32;
+    let at = |k: u32| cdrf(2.0 * share(k % side) - 1.0, CDRF_WIDEST * share(k / side)) as f32;
     state.data.cdrf_grid = (0..side * side).into_par_iter().map(at).collect();
 }
 

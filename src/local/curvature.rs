@@ -15,7 +15,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Buffers, Curvature, Slot};
+use crate::layout::{
+    Buffers, Curvature, FLAT_TRIANGLE, KAPPA_RMS, LEAST_MIXED_AREA, MOST_COTANGENT, MOST_CURVATURE, Slot,
+};
 use crate::state::{
     Carrier, Field, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, stage::never, wide,
 };
@@ -45,13 +47,6 @@ pub static STAGE: Stage = Stage {
     cpu,
     gpu,
 };
-
-/// The square of twice an area up to which there is none; far above where a device may take numbers for 0.
-const FLAT: f32 = 1e-30;
-/// The largest cotangent of an angle.
-const COTANGENT: f64 = 100.0;
-/// The largest mean curvature.
-const SHARPEST: f64 = 1e4;
 
 /// What the triangles round a vertex add up to.
 struct Ring {
@@ -95,7 +90,7 @@ fn ring(data: &Buffers, vertex: usize) -> Ring {
         }
         let double = (b - a).cross(c - a).length();
         let cosines = [(b - a).dot(c - a), (a - b).dot(c - b), (a - c).dot(b - c)];
-        let cotangent = cosines.map(|cosine| (cosine / double).clamp(-COTANGENT, COTANGENT));
+        let cotangent = cosines.map(|cosine| (cosine / double).clamp(-MOST_COTANGENT, MOST_COTANGENT));
         ring.pull += cotangent[2] * (a - b) + cotangent[1] * (a - c);
         ring.angle += double.atan2(cosines[0]);
         ring.area += if cosines[0] < 0.0 {
@@ -109,12 +104,12 @@ fn ring(data: &Buffers, vertex: usize) -> Ring {
     ring
 }
 
-/// Whether a triangle has an area as a device in `f32` sees it: the square of twice that is above [`FLAT`].
+/// Whether a triangle has an area as a device in `f32` sees it: the square of twice that is above [`FLAT_TRIANGLE`].
 fn whole([a, b, c]: [[f32; 3]; 3]) -> bool {
     let edge = |end: [f32; 3]| -> [f32; 3] { std::array::from_fn(|k| end[k] - a[k]) };
     let (u, w) = (edge(b), edge(c));
     let n = [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];
-    n[0] * n[0] + n[1] * n[1] + n[2] * n[2] > FLAT
+    n[0] * n[0] + n[1] * n[1] + n[2] * n[2] > FLAT_TRIANGLE
 }
 
 /// Whether every corner after the vertex comes before it in another triangle: its triangles close round it.
@@ -128,20 +123,18 @@ fn closed(ring: &Ring) -> bool {
 fn own(data: &Buffers, vertex: usize) -> Curvature {
     let ring = ring(data, vertex);
     // Where sheets lie back to back there is no normal, and nothing is told.
-    if !closed(&ring) || ring.area <= SMALLEST || data.normals[vertex] == [0.0; 3] {
+    if !closed(&ring) || ring.area <= LEAST_MIXED_AREA || data.normals[vertex] == [0.0; 3] {
         return Curvature::default();
     }
-    let mean = (ring.pull.dot(wide(data.normals[vertex])) / (4.0 * ring.area)).clamp(-SHARPEST, SHARPEST);
-    let gaussian = ((TAU - ring.angle) / ring.area).clamp(-SHARPEST * SHARPEST, SHARPEST * SHARPEST);
+    let mean = (ring.pull.dot(wide(data.normals[vertex])) / (4.0 * ring.area)).clamp(-MOST_CURVATURE, MOST_CURVATURE);
+    let gaussian =
+        ((TAU - ring.angle) / ring.area).clamp(-MOST_CURVATURE * MOST_CURVATURE, MOST_CURVATURE * MOST_CURVATURE);
     let kappa = match data.frame[0].kappa {
-        0 => (mean * mean + (mean * mean - gaussian).max(0.0)).sqrt(),
+        KAPPA_RMS => (mean * mean + (mean * mean - gaussian).max(0.0)).sqrt(),
         _ => mean.abs(),
     };
     Curvature { kappa: kappa as f32, mean: mean as f32, gaussian: gaussian as f32, known: 1.0 }
 }
-
-/// Mixed areas up to this one count as none.
-const SMALLEST: f64 = 1e-16;
 
 fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;

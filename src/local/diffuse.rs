@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::pack::unpack;
 use super::reflectance;
 use crate::error::Result;
-use crate::layout::{Buffers, Frame, Hit};
+use crate::layout::{Buffers, Frame, Hit, LIGHT_SKY_RAY, OPAQUE_NOT};
 use crate::light::irradiance::{arrival, reaches};
 use crate::light::texture::{look, place};
 use crate::light::{fresnel, harmonics};
@@ -34,7 +34,7 @@ pub fn received(state: &State, face: usize, at: [DVec3; 2], sigma: DVec3, respon
     for light in &data.lights {
         let (toward, falloff) = arrival(light, point);
         let arrives = reaches(data, light, face);
-        if light.kind == 5 {
+        if light.kind == LIGHT_SKY_RAY {
             let weight = harmonics::radiance(&sky, toward) * of(normal.dot(toward));
             all += weight;
             free += if arrives { weight } else { DVec3::ZERO };
@@ -70,7 +70,7 @@ fn pixel(state: &State, hit: &Hit, before: [f32; 3], response: &Response<'_>, be
     let (data, camera) = (&state.data, &state.data.camera[0]);
     let Some(corners) = data.triangles.get(hit.face as usize) else { return camera.background };
     let frame: &Frame = &data.frame[state.object_of(hit.face as usize)];
-    if frame.opaque != 0 {
+    if frame.opaque != OPAQUE_NOT {
         return before;
     }
     let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];

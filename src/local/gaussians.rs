@@ -10,8 +10,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::dipole::profile::Dipole;
 
-/// How many there are.
-pub const GAUSSIANS: usize = 6;
+pub use crate::layout::GAUSSIANS;
 
 /// Radii that a fit goes by.
 const RADII: usize = 160;

@@ -9,7 +9,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::Slot;
+use crate::layout::{KAPPA_LEAST, Slot};
 use crate::state::{
     Carrier, Local, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, stage::never,
 };
@@ -33,14 +33,11 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// The smallest number that the code of kappa holds, 1/length; the largest is 2^15, above any kappa.
-const FLATTEST: f32 = 1.0 / 131_072.0;
-
 /// A normal, each component from -1 to 1, and a kappa of at least 0.
 #[must_use]
 pub fn pack(normal: [f32; 3], kappa: f32) -> [u32; 2] {
     let [x, y, z] = normal.map(|n| (n * 32767.0 + 0.5).floor() as i32 as u32 & 0xffff);
-    let code = ((kappa + FLATTEST).to_bits() - FLATTEST.to_bits() + 0x800) >> 12;
+    let code = ((kappa + KAPPA_LEAST).to_bits() - KAPPA_LEAST.to_bits() + 0x800) >> 12;
     [x | y << 16, z | code.min(0xffff) << 16]
 }
 
@@ -48,8 +45,8 @@ pub fn pack(normal: [f32; 3], kappa: f32) -> [u32; 2] {
 #[must_use]
 pub fn unpack([low, high]: [u32; 2]) -> (DVec3, f64) {
     let [x, y, z] = [low, low >> 16, high].map(|word| f64::from(word as u16 as i16));
-    let kappa = f32::from_bits((high >> 16 << 12) + FLATTEST.to_bits());
-    (DVec3::new(x, y, z) / 32767.0, f64::from(kappa) - f64::from(FLATTEST))
+    let kappa = f32::from_bits((high >> 16 << 12) + KAPPA_LEAST.to_bits());
+    (DVec3::new(x, y, z) / 32767.0, f64::from(kappa) - f64::from(KAPPA_LEAST))
 }
 
 /// Whether kappa is asked for.
@@ -84,7 +81,7 @@ mod tests {
             let kappa = 10f64.powf(9.0 * share(k, 0.618_034) - 5.0) as f32;
             let (found, bend) = unpack(pack(normal, kappa));
             turned = turned.max(found.angle_between(wide(normal)));
-            lost = lost.max((bend - f64::from(kappa)).abs() / (f64::from(kappa) + f64::from(FLATTEST)));
+            lost = lost.max((bend - f64::from(kappa)).abs() / (f64::from(kappa) + f64::from(KAPPA_LEAST)));
             // sigma_0 such that sigma is anything up to 4.
             let sigma = 4.0 * share(k, 0.445_042);
             let cosine = 2.0 * share(k, 0.801_938) - 1.0;

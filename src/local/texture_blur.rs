@@ -6,9 +6,8 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::gaussians::GAUSSIANS;
 use crate::error::Result;
-use crate::layout::{Hit, Slot, Unwrapping};
+use crate::layout::{GAUSSIANS, Hit, Slot, Unwrapping};
 use crate::light::fresnel;
 use crate::light::texture::{place, texel};
 use crate::state::{

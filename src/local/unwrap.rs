@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::gaussians::GAUSSIANS;
 use crate::error::Result;
-use crate::layout::{Chart, Slot, Unwrapping};
+use crate::layout::{Chart, LONGEST_STRETCH, Slot, TEXTURE_ENTERS, Unwrapping};
 use crate::light::irradiance::{entering, reaches};
 use crate::light::texture::{factor, place};
 use crate::state::{
@@ -53,7 +53,7 @@ fn texel(state: &State, own: &Unwrapping, chart: &Chart) -> ([f32; 4], [f32; 2])
     };
     let place_of = [mix(&data.positions), mix(&data.normals).normalize_or_zero()];
     let mut light = entering(data, frame, place_of, &|light| reaches(data, light, face));
-    if frame.texture_side & 1 != 0 {
+    if frame.texture_side & TEXTURE_ENTERS != 0 {
         light *= factor(frame, &data.texels, place(data, face, chart.u.into(), chart.v.into()));
     }
 
@@ -64,12 +64,11 @@ fn texel(state: &State, own: &Unwrapping, chart: &Chart) -> ([f32; 4], [f32; 2])
     let turned = p[0] * q[1] - p[1] * q[0];
     let along = ((b - a) * q[1] - (c - a) * p[1]) / turned;
     let down = ((c - a) * p[0] - (b - a) * q[0]) / turned;
-    let length = |way: DVec3| if turned == 0.0 { LONGEST } else { (way.length() / f64::from(own.side)).min(LONGEST) };
+    let length = |way: DVec3| {
+        if turned == 0.0 { LONGEST_STRETCH } else { (way.length() / f64::from(own.side)).min(LONGEST_STRETCH) }
+    };
     ([light.x as f32, light.y as f32, light.z as f32, 1.0], [length(along) as f32, length(down) as f32])
 }
-
-/// The most that a texel spans: a triangle without an area in the texture is blurred nowhere.
-const LONGEST: f64 = 1e15;
 
 fn cpu(state: &mut State, _at: Place) {
     for own in state.data.unwrappings.clone() {
@@ -86,7 +85,7 @@ fn cpu(state: &mut State, _at: Place) {
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let data = &pass.state.data;
     let shadows = u32::from(data.frame.iter().any(|frame| frame.shadow_words > 0));
-    let textured = u32::from(data.frame.iter().any(|frame| frame.texture_side & 1 != 0));
+    let textured = u32::from(data.frame.iter().any(|frame| frame.texture_side & TEXTURE_ENTERS != 0));
     let constants = [shadows, u32::from(!data.sky.is_empty()), textured];
     for (number, own) in (0u32..).zip(&data.unwrappings) {
         pass.dispatch(None, &constants, bytemuck::bytes_of(&number), (own.side * own.side) as usize)?;

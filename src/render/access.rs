@@ -8,7 +8,7 @@ use super::subdivide::Parts;
 use super::units::Units;
 use crate::error::Result;
 use crate::gpu::count::Tally;
-use crate::gpu::{Device, Limits};
+use crate::gpu::{Device, KernelKey, Limits};
 use crate::layout::Slot;
 use crate::scene::Scene;
 use crate::state::State;
@@ -78,7 +78,7 @@ impl Session {
     }
 
     /// The pipelines that the device has built so far: kernel and specialization constants. Empty on the CPU.
-    pub fn pipelines(&self) -> Vec<(String, Vec<u32>)> {
+    pub fn pipelines(&self) -> Vec<KernelKey> {
         match &self.backend {
             Backend::Gpu(twin) => twin.kernels().made(),
             Backend::Cpu => Vec::new(),

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use crate::layout::{CornerUvs, Frame};
-use crate::light::texture::{ENTRY, EXIT};
+use crate::layout::{TEXTURE_ENTERS as ENTRY, TEXTURE_LEAVES as EXIT};
 use crate::scene::{Material, Mesh, Side, Wrap};
 use crate::state::options::{Goal, Options};
 use crate::state::{Local, State};

@@ -4,7 +4,9 @@
 //! upward, so that it seldom changes; when it does, lists are made anew. Nothing depends on the light of earlier frames.
 
 use crate::error::Result;
-use crate::layout::{Frame, Sample, Slot};
+use crate::layout::{
+    COARSE_SAMPLES, CONTRAST_DOUBLINGS, CONTRAST_LEAST, CONTRAST_ROOTS, CONTRAST_STEPS, Frame, Sample, Slot,
+};
 use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update};
 
 /// The table's entry.
@@ -26,22 +28,15 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// Steps of an octave.
-const ROOTS: [f32; 4] = [1.0, 1.189_207_1, std::f32::consts::SQRT_2, 1.681_792_8];
-/// From 2^-8 to 2^20.
-const STEPS: usize = 112;
-/// The most that light is doubled.
-const DOUBLINGS: u32 = 100;
-
 /// The contrast of one channel, of the mean square of irradiance over its mean, and the light and area of all: decisions, as
 /// the kernel has them. What is squared is scaled by a power of two, so that however dim an object is nothing vanishes.
 fn contrast(square: f32, [light, area]: [f32; 2], frame: &Frame, level: f32, channel: usize) -> f32 {
     let scale = scale(light);
     let (light, level) = (light * scale * frame.tint[channel], level * scale * area);
     let light = square * (light * light);
-    let mut octave = 1.0 / 256.0;
-    for step in 0..STEPS {
-        let q = octave * ROOTS[step % 4];
+    let mut octave = CONTRAST_LEAST;
+    for step in 0..CONTRAST_STEPS {
+        let q = octave * CONTRAST_ROOTS[step % 4];
         let reach = q * level;
         if reach * reach >= light {
             return q;
@@ -54,7 +49,7 @@ fn contrast(square: f32, [light, area]: [f32; 2], frame: &Frame, level: f32, cha
 /// The power of two that brings a number below 1 to 1 or more.
 fn scale(light: f32) -> f32 {
     let mut scale = 1.0f32;
-    for _ in 0..DOUBLINGS {
+    for _ in 0..CONTRAST_DOUBLINGS {
         scale *= if light * scale < 1.0 { 2.0 } else { 1.0 };
     }
     scale
@@ -64,7 +59,8 @@ fn cpu(state: &mut State, at: Place) {
     let channels = state.object(at).groups[at.group].channels;
     let (base, _) = state.part(Slot::moments, at);
     let data = &mut state.data;
-    let square = data.samples.iter().fold(0.0f32, |sum, Sample { light, .. }| sum + light) * (1.0 / 256.0);
+    let square =
+        data.samples.iter().fold(0.0f32, |sum, Sample { light, .. }| sum + light) * (1.0 / COARSE_SAMPLES as f32);
     let all = [data.moments[base].weight, data.clusters[0].area];
     for c in (0..3).filter(|c| channels >> c & 1 == 1) {
         data.cursor[0].contrast[c] = contrast(square, all, &data.frame[0], data.level[0][c], c);
@@ -84,13 +80,13 @@ mod tests {
         let frame = Frame { tint: [1.0, 0.5, 1.0], ..Frame::default() };
         let contrast = |light: f32, level: f32, c: usize| contrast(1.0, [light, 1.0], &frame, level, c);
         assert_eq!(contrast(1.0, 1.0, 0), 1.0);
-        assert_eq!(contrast(1.0, 0.99, 0), ROOTS[1]);
+        assert_eq!(contrast(1.0, 0.99, 0), CONTRAST_ROOTS[1]);
         assert_eq!(contrast(2.0, 1.0, 1), 1.0);
-        assert_eq!(contrast(3.0, 1.0, 0), 2.0 * ROOTS[3]);
+        assert_eq!(contrast(3.0, 1.0, 0), 2.0 * CONTRAST_ROOTS[3]);
         // In the dark, and beyond the last; but not where all is dim.
         assert_eq!((contrast(0.0, 1e-30, 0), contrast(1.0, 1e-30, 0)), (1.0 / 256.0, 1_048_576.0));
-        assert_eq!(contrast(3e-25, 1e-25, 0), 2.0 * ROOTS[3]);
+        assert_eq!(contrast(3e-25, 1e-25, 0), 2.0 * CONTRAST_ROOTS[3]);
         let steps = |q: f32| f64::from(q).log2() * 4.0;
-        assert!(ROOTS.iter().enumerate().all(|(k, &root)| (steps(root) - k as f64).abs() < 1e-6));
+        assert!(CONTRAST_ROOTS.iter().enumerate().all(|(k, &root)| (steps(root) - k as f64).abs() < 1e-6));
     }
 }

@@ -1,5 +1,5 @@
 //! What the transport may miss at a receiver: the laws of the error estimate, which `gather` sums and `push` closes.
-//! `glsl/transport/estimate.glsl` says the same.
+//! `glsl/transport/estimate.glsl` states the same laws.
 //!
 //! Each link adds the square of what it may miss: links err to either side. Their laws are those of the oracle, by
 //! chi = tau q2(sigma s) / (2 s^2), with three changes. The oracle takes a law at a cluster's nearest point; here it is
@@ -11,17 +11,7 @@
 //! sign, so it adds up before it is squared.
 
 use crate::dipole::jet::{Cloud, Jets};
-
-/// The whole estimate is so many times the root of the squares: neighbouring links err together in part. Measured, the
-/// worst of 1000 receivers of a built-in scene errs by 3 to 7 times the root.
-const SAFETY: f64 = 6.5;
-/// Rounding to `f32`, of profile and sums, as a share of the radiosity.
-const ROUNDING: f64 = 2e-6;
-/// The third order in both spreads, squared, from the two that are summed.
-const BOTH: f64 = 4.0;
-
-/// How far growth by nearness is followed, as a logarithm: squares of it still fit `f32`.
-const STEEPEST: f64 = 16.0;
+use crate::layout::{ESTIMATE_BOTH, ESTIMATE_ROUNDING, ESTIMATE_SAFETY, ESTIMATE_STEEPEST};
 
 /// What a link by moments of this order misses, squared.
 pub fn moments(jets: &Jets, c: usize, m: &Cloud, d2: f64, order: u32) -> f64 {
@@ -31,7 +21,7 @@ pub fn moments(jets: &Jets, c: usize, m: &Cloud, d2: f64, order: u32) -> f64 {
         1 => chi,
         _ => chi.sqrt(),
     };
-    let nearer = (jets.dipole(c).sigma * m.trace().sqrt()).min(STEEPEST).exp();
+    let nearer = (jets.dipole(c).sigma * m.trace().sqrt()).min(ESTIMATE_STEEPEST).exp();
     (m.weight * jets.at(c, d2).value * share.min(1.0) * nearer).powi(2)
 }
 
@@ -62,7 +52,7 @@ pub fn edge(sigma: f64, m: &Cloud, nodes: u32, value: f64) -> f64 {
 /// What a dropped cluster would have given: e^(-sigma s) is on average sinh(t)/t times that of the centre, over a line
 /// of this spread with t = sigma sqrt(3 tau) for half its length.
 pub fn dropped(jets: &Jets, c: usize, m: &Cloud, d2: f64) -> f64 {
-    let t = (jets.dipole(c).sigma * (3.0 * m.trace()).sqrt()).min(STEEPEST);
+    let t = (jets.dipole(c).sigma * (3.0 * m.trace()).sqrt()).min(ESTIMATE_STEEPEST);
     let grown = if t > 1e-2 { t.sinh() / t } else { 1.0 };
     m.weight * jets.at(c, d2).value * grown
 }
@@ -70,10 +60,10 @@ pub fn dropped(jets: &Jets, c: usize, m: &Cloud, d2: f64) -> f64 {
 /// The estimate of a receiver: from its own squares, those of its block at its centre and its radius, its offset and
 /// that radius, its radiosity before it is clamped.
 pub fn close(sigma: f64, own: f64, [center, rim]: [f64; 2], [offset, radius]: [f64; 2], sum: f64) -> f64 {
-    let nearer = (2.0 * sigma * offset).min(STEEPEST).exp();
+    let nearer = (2.0 * sigma * offset).min(ESTIMATE_STEEPEST).exp();
     let out = if radius > 0.0 { offset / radius } else { 0.0 };
-    let block = BOTH * nearer * (center + rim * out.powi(6));
-    SAFETY * (own + block).sqrt() + ROUNDING * sum.abs() + (-sum).max(0.0)
+    let block = ESTIMATE_BOTH * nearer * (center + rim * out.powi(6));
+    ESTIMATE_SAFETY * (own + block).sqrt() + ESTIMATE_ROUNDING * sum.abs() + (-sum).max(0.0)
 }
 
 #[cfg(test)]
@@ -84,10 +74,12 @@ mod tests {
 
     #[test]
     fn what_is_clamped_is_added() {
-        assert_eq!(close(1.0, 0.0, [0.0; 2], [0.1, 0.2], -0.5), 0.5 + ROUNDING * 0.5);
+        assert_eq!(close(1.0, 0.0, [0.0; 2], [0.1, 0.2], -0.5), 0.5 + ESTIMATE_ROUNDING * 0.5);
         let without = close(1.0, 4e-6, [1e-6, 2e-6], [0.1, 0.2], 0.0);
-        assert!((close(1.0, 4e-6, [1e-6, 2e-6], [0.1, 0.2], -0.5) - without - 0.5 - ROUNDING * 0.5).abs() < 1e-12);
-        assert!(without > 2e-3 * SAFETY);
+        assert!(
+            (close(1.0, 4e-6, [1e-6, 2e-6], [0.1, 0.2], -0.5) - without - 0.5 - ESTIMATE_ROUNDING * 0.5).abs() < 1e-12
+        );
+        assert!(without > 2e-3 * ESTIMATE_SAFETY);
     }
 
     #[test]

@@ -4,7 +4,6 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::PLACES;
 use super::estimate;
 use super::link::{Kind, batch, walk};
 use crate::dipole::form_factor::Distance;
@@ -13,7 +12,7 @@ use crate::dipole::form_factor::gauss::{Node, legendre};
 use crate::dipole::form_factor::points::{SIX, sampled};
 use crate::dipole::jet::{Cloud, Jets};
 use crate::error::Result;
-use crate::layout::{Buffers, Emitter, Expansion, Range, Runs, Slot, Sphere};
+use crate::layout::{BLOCK_RECEIVERS, Buffers, Emitter, Expansion, Range, Runs, Slot, Sphere};
 use crate::state::{
     Carrier, Group, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never, wide,
 };
@@ -238,7 +237,7 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     if method.estimate {
         pass.dispatch(Some("dropped"), &[group.channels], push, count)?;
     }
-    let places = count * PLACES;
+    let places = count * BLOCK_RECEIVERS;
     pass.dispatch(Some("direct"), &[group.channels, method.order, estimate, any_light], push, places)?;
     for first in (0..pass.state.data.frame[0].near_room).step_by(NEAR_PART as usize) {
         let push = [range, Range { first, count: NEAR_PART }];

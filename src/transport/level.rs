@@ -6,13 +6,13 @@ use rayon::prelude::*;
 use crate::dipole::distance2;
 use crate::dipole::jet::{Cloud, Jets};
 use crate::error::Result;
-use crate::layout::{Moment, Sample, Slot};
+use crate::layout::{COARSE_SAMPLES, Moment, NONE, Sample, Slot};
 use crate::state::{
     Carrier, Field, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never, wide,
 };
 
-/// Receivers: one half evenly among the triangles, one half where the light is.
-const SAMPLES: usize = 256;
+/// Samples of either kind.
+const HALF: usize = COARSE_SAMPLES / 2;
 
 const SAMPLE: &[Field] = &[
     Field { name: "chance", relative: 1e-5, floor: 0.0, of: "" },
@@ -31,7 +31,7 @@ pub static STAGE: Stage = Stage {
         (Slot::level, Role::Update, Tolerance::Float { relative: 2e-4, floor: 1e-25 }),
     ],
     reason: "the walk is decided exactly; its sum has some hundred terms of f32 rounding, the quadrupoles of either sign",
-    sizes: &[(Slot::samples, Size::Elements(|_| SAMPLES)), (Slot::level, Size::Elements(|_| 1))],
+    sizes: &[(Slot::samples, Size::Elements(|_| COARSE_SAMPLES)), (Slot::level, Size::Elements(|_| 1))],
     unit: Unit::Group,
     carriers: &[Carrier::Blocks],
     needs: &[Need::Light],
@@ -51,9 +51,12 @@ fn cpu(state: &mut State, at: Place) {
 
     let faces = data.triangles.len() as u32;
     let drawn = |k: usize| {
-        let even = ((k as f32 + 0.5) * (1.0 / 128.0) * faces as f32) as u32;
-        let leaf =
-            if k < 128 { data.leaves[even.min(faces - 1) as usize] as usize } else { by_light(data, moments, k - 128) };
+        let even = ((k as f32 + 0.5) * (1.0 / HALF as f32) * faces as f32) as u32;
+        let leaf = if k < HALF {
+            data.leaves[even.min(faces - 1) as usize] as usize
+        } else {
+            by_light(data, moments, k - HALF)
+        };
         let x = data.clusters[leaf].center;
         let mut sum = [0.0; 3];
         let (mut node, end) = (0, data.topology.len());
@@ -87,7 +90,7 @@ fn cpu(state: &mut State, at: Place) {
             light: (share / (chance * f64::from(faces))) as f32,
         }
     };
-    data.samples = (0..SAMPLES).into_par_iter().map(drawn).collect();
+    data.samples = (0..COARSE_SAMPLES).into_par_iter().map(drawn).collect();
 
     let mean = f64::from(data.clusters[0].area) / f64::from(faces);
     for c in jets.channels() {
@@ -96,16 +99,16 @@ fn cpu(state: &mut State, at: Place) {
             let share = if mean > 0.0 { area / mean } else { 0.0 };
             f64::from(one.value[c]).powi(2) * share / (f64::from(one.chance) * f64::from(faces))
         };
-        let square = data.samples.iter().map(term).sum::<f64>() / SAMPLES as f64;
+        let square = data.samples.iter().map(term).sum::<f64>() / COARSE_SAMPLES as f64;
         data.level[0][c] = square.sqrt().max(1e-30) as f32;
     }
 }
 
 /// The leaf at this share of the light: decisions in `f32`.
 fn by_light(data: &crate::layout::Buffers, moments: &[Moment], k: usize) -> usize {
-    let mut target = moments[0].weight * ((k as f32 + 0.5) * (1.0 / 128.0));
+    let mut target = moments[0].weight * ((k as f32 + 0.5) * (1.0 / HALF as f32));
     let mut node = 0;
-    while data.topology[node].face == u32::MAX {
+    while data.topology[node].face == NONE {
         let (left, right) = (node + 1, data.topology[node + 1].skip as usize);
         let before = moments[left].weight;
         if target < before || moments[right].weight.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
@@ -120,6 +123,6 @@ fn by_light(data: &crate::layout::Buffers, moments: &[Moment], k: usize) -> usiz
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let constants = [pass.object().groups[pass.at.group].channels];
-    pass.dispatch(Some("sample"), &constants, &[], SAMPLES)?;
+    pass.dispatch(Some("sample"), &constants, &[], COARSE_SAMPLES)?;
     pass.dispatch(Some("root"), &constants, &[], 1)
 }

@@ -5,10 +5,12 @@
 
 use rayon::prelude::*;
 
-use super::PLACES;
 use crate::dipole::distance2;
 use crate::error::Result;
-use crate::layout::{Emitter, Range, Runs, Slot, Sphere};
+use crate::layout::{
+    BLOCK_CLASSES, BLOCK_RECEIVERS, Emitter, GROUP_SIZE, LINK_AREA, LINK_DIRECT, LINK_DROPPED, LINK_EDGE,
+    LINK_EXPANDED, LINK_KINDS, LINK_OPENED, MOST_DIRECT, Range, Runs, Slot, Sphere,
+};
 use crate::state::{
     Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never,
 };
@@ -58,29 +60,23 @@ fn blocks_of_batches(state: &State) -> usize {
     state.batch_parts() * state.largest_batch().next_multiple_of(64)
 }
 
-/// Receivers in a group of the kernels that `near_groups` counts for.
-const PLACES_A_GROUP: usize = 64;
-
 /// What becomes of an emitter at a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
 pub enum Kind {
     /// It counts for nothing.
-    Dropped,
+    Dropped = LINK_DROPPED,
     /// It is expanded about the block's centre.
-    Expanded,
+    Expanded = LINK_EXPANDED,
     /// It is evaluated at each receiver.
-    Direct,
+    Direct = LINK_DIRECT,
     /// A triangle that takes area points.
-    Area,
+    Area = LINK_AREA,
     /// A triangle that takes the edge form.
-    Edge,
+    Edge = LINK_EDGE,
     /// Its children settle it.
-    Opened,
+    Opened = LINK_OPENED,
 }
-
-/// Classes of blocks by their spread against a usual block's: an emitter has a distance for each. Blocks beyond the last
-/// expand nothing.
-pub const CLASSES: [f32; 4] = [1.0, 4.0, 16.0, 64.0];
 
 /// Whether a squared distance is at least (reach + radius)^2; a reach far below 0 is always passed.
 fn beyond(d2: f32, reach: f32, radius: f32) -> bool {
@@ -88,12 +84,9 @@ fn beyond(d2: f32, reach: f32, radius: f32) -> bool {
     d2 >= sum * sum
 }
 
-/// Direct emitters that a block may have: more would be more steps of `gather` than lavapipe's loops take, 65,535.
-const MOST_DIRECT: usize = 58_000;
-
 /// Walks the tree of emitters for a block and tells each decision, in order.
 pub fn walk(sphere: &Sphere, emitters: &[Emitter], expands: &[[f32; 4]], mut tell: impl FnMut(Kind, u32)) {
-    let class = CLASSES.iter().position(|&most| sphere.spread <= most);
+    let class = BLOCK_CLASSES.iter().position(|&most| sphere.spread <= most);
     let mut node = 0;
     while node < emitters.len() {
         let e = &emitters[node];
@@ -132,16 +125,16 @@ fn cpu(state: &mut State, at: Place) {
     }
     let emitters = &data.emitters[base..base + data.topology.len()];
     let expands = &data.expands[base..base + data.topology.len()];
-    let lists: Vec<[Vec<u32>; 6]> = data.spheres[blocks]
+    let lists: Vec<[Vec<u32>; LINK_KINDS]> = data.spheres[blocks]
         .par_iter()
         .map(|sphere| {
-            let mut lists: [Vec<u32>; 6] = Default::default();
+            let mut lists: [Vec<u32>; LINK_KINDS] = Default::default();
             walk(sphere, emitters, expands, |kind, node| lists[kind as usize].push(node));
             lists
         })
         .collect();
 
-    let near = |lists: &[Vec<u32>; 6]| lists[Kind::Area as usize].len() + lists[Kind::Edge as usize].len();
+    let near = |lists: &[Vec<u32>; LINK_KINDS]| lists[Kind::Area as usize].len() + lists[Kind::Edge as usize].len();
     if lists.iter().any(|lists| lists[Kind::Direct as usize].len() > MOST_DIRECT) {
         data.cursor[0].unfinished = 1;
     }
@@ -177,7 +170,7 @@ fn cpu(state: &mut State, at: Place) {
             near += 1;
         }
     }
-    let groups = (near * PLACES).div_ceil(PLACES_A_GROUP) as u32;
+    let groups = (near * BLOCK_RECEIVERS).div_ceil(GROUP_SIZE as usize) as u32;
     data.near_groups[groups_base] = [groups, 1, 1];
     data.near_groups[groups_base + 1] = [near as u32, 0, 0];
 }

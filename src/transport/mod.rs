@@ -15,5 +15,4 @@ pub mod pull;
 pub mod push;
 pub mod radii;
 
-/// Places of a block: receivers, and empty ones to fill up.
-pub const PLACES: usize = 16;
+pub use crate::layout::BLOCK_RECEIVERS as PLACES;

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::dipole::form_factor::ladder::chi_distance;
 use crate::error::Result;
-use crate::layout::{Moment, Slot, Spread};
+use crate::layout::{COARSE_CHI, Moment, NONE, Slot, Spread};
 use crate::state::{
     Carrier, Field, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
 };
@@ -46,9 +46,6 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// chi below which the coarse solution takes a cluster as one.
-const COARSE: f64 = 0.3;
-
 /// Sums over the faces below a node.
 #[derive(Clone, Copy, Default)]
 struct Sums {
@@ -69,7 +66,7 @@ fn cpu(state: &mut State, at: Place) {
     let mut sums = vec![Sums::default(); nodes];
     for node in (0..nodes).rev() {
         let place = data.topology[node];
-        if place.face != u32::MAX {
+        if place.face != NONE {
             let face = place.face as usize;
             let corner = data.triangles[face].map(|v| wide(data.positions[v as usize]));
             let center = wide(data.clusters[node].center);
@@ -107,7 +104,7 @@ fn cpu(state: &mut State, at: Place) {
 
     let sigma = data.frame[0].sigma.map(f64::from);
     for (node, sum) in sums.iter().enumerate() {
-        let farthest = chi_distance(sum.diagonal.element_sum(), sigma, COARSE);
+        let farthest = chi_distance(sum.diagonal.element_sum(), sigma, COARSE_CHI);
         data.moments[base + node] = Moment { center: narrow(sum.center), weight: sum.weight as f32 };
         data.spreads[base + node] = Spread {
             diagonal: narrow(sum.diagonal),

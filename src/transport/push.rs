@@ -5,11 +5,10 @@ use rayon::prelude::*;
 
 use super::estimate;
 use crate::error::Result;
-use crate::layout::{Expansion, Range, Slot};
+use crate::layout::{BLOCK_RECEIVERS, Expansion, Range, Slot};
 use crate::state::{
     Carrier, Need, Object, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, stage::never, wide,
 };
-use crate::transport::PLACES;
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
@@ -87,5 +86,5 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let blocks = pass.object().count.blocks;
     let range = Range { first: 0, count: blocks as u32 };
     let constants = [alive(pass.object()), u32::from(pass.state.method.estimate)];
-    pass.dispatch(None, &constants, bytemuck::bytes_of(&range), blocks * PLACES)
+    pass.dispatch(None, &constants, bytemuck::bytes_of(&range), blocks * BLOCK_RECEIVERS)
 }

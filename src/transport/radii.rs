@@ -9,11 +9,13 @@
 
 use rayon::prelude::*;
 
-use super::link::CLASSES;
 use crate::dipole::form_factor::ladder::{chi_distance, q2};
 use crate::dipole::jet::Jets;
 use crate::error::Result;
-use crate::layout::{Emitter, Slot};
+use crate::layout::{
+    AREA_CHI, BLOCK_CLASSES, DROPPED_SHARE, ERROR_LAWS, EXPANDED_SHARE, Emitter, FARTHEST, LAW_AREA, LAW_EXPANSION,
+    LAW_MAGNITUDE, LAW_MOMENTS, LAW_SAMPLE, RANGE_DEPTH, RANGE_ENTRIES, SAMPLE_CHI, Slot,
+};
 use crate::state::{
     Carrier, Field, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never, wide,
 };
@@ -37,7 +39,7 @@ pub static STAGE: Stage = Stage {
         (Slot::expands, Role::Output, Tolerance::Float { relative: 5e-4, floor: 1e-6 }),
     ],
     reason: "logarithms of up to 60 binary orders and a bisection: rounding moves the argument by up to 1e-5",
-    sizes: &[(Slot::ranges, Size::Elements(|_| LAWS * (ENTRIES + 2)))],
+    sizes: &[(Slot::ranges, Size::Elements(|_| ERROR_LAWS * (RANGE_ENTRIES + 2)))],
     unit: Unit::Group,
     carriers: &[Carrier::Blocks],
     needs: &[Need::Light],
@@ -56,25 +58,8 @@ fn runs(update: &Update) -> bool {
     }
 }
 
-/// The error laws: 0 magnitude, 1 cluster's moments, 2 block's expansion, 3 triangle's one sample, 4 its 6 points.
-pub const LAWS: usize = 5;
-/// Entries of each law's table, after its top and its depth.
-pub const ENTRIES: usize = 128;
-const DEEPEST: f64 = 60.0;
-const FARTHEST: f64 = 4.0;
-
-/// Shares of a link's allowed error: below this its light is left out ...
-pub const NOTHING: f64 = 1e-3;
-/// ... and this is what a block's expansion may add.
-const RECEIVER_SHARE: f64 = 0.3;
-
-/// Largest chi at which a triangle is taken by one sample and by 6 area points. The law of a cluster needs no such limit:
-/// it grows faster in chi than the quadrupole that it bounds.
-const SAMPLE_CHI: f64 = 1.4;
-const AREA_CHI: f64 = 1.4;
-
 /// Exponent n and factor of each law for the moments' order.
-fn laws(order: u32) -> ([f64; LAWS], [f64; LAWS]) {
+fn laws(order: u32) -> ([f64; ERROR_LAWS], [f64; ERROR_LAWS]) {
     let cluster = 0.5 + 0.5 * f64::from(order);
     let (triangle, sample) = if order == 2 { (2.0, 1.5) } else { (1.0, 0.55) };
     ([0.0, cluster, 1.5, triangle, 3.0], [1.0, if order == 2 { 0.5 } else { 1.0 }, 0.5, sample, 0.045])
@@ -100,9 +85,9 @@ fn law(jets: &Jets, scale: [f64; 3], u: f64, power: f64) -> f64 {
 /// One law's table: its logarithm at distance 0, how far it falls, and the distances of evenly spaced values.
 fn table(jets: &Jets, scale: [f64; 3], power: f64) -> Vec<f32> {
     let top = law(jets, scale, 0.0, power);
-    let depth = DEEPEST.min(top - law(jets, scale, FARTHEST, power));
+    let depth = RANGE_DEPTH.min(top - law(jets, scale, FARTHEST, power));
     let solve = |entry: usize| {
-        let wanted = top - depth * entry as f64 / (ENTRIES - 1) as f64;
+        let wanted = top - depth * entry as f64 / (RANGE_ENTRIES - 1) as f64;
         let (mut low, mut high) = (0.0, std::f64::consts::SQRT_2);
         for _ in 0..30 {
             let middle: f64 = 0.5 * (low + high);
@@ -110,7 +95,7 @@ fn table(jets: &Jets, scale: [f64; 3], power: f64) -> Vec<f32> {
         }
         if entry == 0 { 0.0 } else { high.powi(4) as f32 }
     };
-    [top as f32, depth as f32].into_iter().chain((0..ENTRIES).map(solve)).collect()
+    [top as f32, depth as f32].into_iter().chain((0..RANGE_ENTRIES).map(solve)).collect()
 }
 
 fn cpu(state: &mut State, at: Place) {
@@ -128,13 +113,14 @@ fn cpu(state: &mut State, at: Place) {
     data.ranges = power.into_par_iter().flat_map(|power| table(&jets, scale, power)).collect();
 
     let range = |law: usize, strength: f64, allowed: f64| {
-        let table = &data.ranges[law * (ENTRIES + 2)..];
+        let table = &data.ranges[law * (RANGE_ENTRIES + 2)..];
         let (top, depth) = (f64::from(table[0]), f64::from(table[1]));
-        let at = (top - (allowed.log2() - strength - factor[law].log2())) / depth.max(1e-6) * (ENTRIES - 1) as f64;
+        let at =
+            (top - (allowed.log2() - strength - factor[law].log2())) / depth.max(1e-6) * (RANGE_ENTRIES - 1) as f64;
         if at <= 0.0 || at.is_nan() {
             return 0.0;
         }
-        if at >= (ENTRIES - 1) as f64 {
+        if at >= (RANGE_ENTRIES - 1) as f64 {
             return FARTHEST;
         }
         let entry = at as usize;
@@ -162,7 +148,7 @@ fn cpu(state: &mut State, at: Place) {
         if strength > 0.0 {
             let (weight, tau) = (f64::from(strength).log2(), trace.max(1e-30).log2());
             let leaf = skip as usize == node + 1;
-            let rule = if leaf { 3 } else { 1 };
+            let rule = if leaf { LAW_SAMPLE } else { LAW_MOMENTS };
             let valid = |chi: f64| {
                 let s = chi_distance(tau.exp2(), sigma, chi);
                 (s * s - nearest * nearest).max(0.0).sqrt()
@@ -172,14 +158,17 @@ fn cpu(state: &mut State, at: Place) {
             // The laws hold at a cluster's nearest point, a triangle's at its centroid; at distance 0 they hold everywhere.
             let reach = |radius: f64, range: f64| if range > 0.0 { (radius + range) as f32 } else { -1e9 };
             let edge = if leaf { 0.0 } else { radius };
-            emitter.place[3] = reach(radius, range(0, weight, NOTHING * error));
+            emitter.place[3] = reach(radius, range(LAW_MAGNITUDE, weight, DROPPED_SHARE * error));
             emitter.accept = reach(edge, accept);
-            expands = CLASSES.map(|spread| {
+            expands = BLOCK_CLASSES.map(|spread| {
                 let spread = (disc * f64::from(spread)).max(1e-30).log2();
-                reach(edge, accept.max(range(2, weight + power[2] * spread, RECEIVER_SHARE * error)))
+                reach(
+                    edge,
+                    accept.max(range(LAW_EXPANSION, weight + power[LAW_EXPANSION] * spread, EXPANDED_SHARE * error)),
+                )
             });
             if leaf {
-                emitter.area = reach(edge, valid(AREA_CHI).max(range(4, weight + power[4] * tau, error)));
+                emitter.area = reach(edge, valid(AREA_CHI).max(range(LAW_AREA, weight + power[LAW_AREA] * tau, error)));
             }
         }
         (emitter, expands)
@@ -193,6 +182,6 @@ fn cpu(state: &mut State, at: Place) {
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let (group, method) = (pass.object().groups[pass.at.group], pass.state.method);
     let any_light = u32::from(method.any_light);
-    pass.dispatch(Some("table"), &[group.channels, method.order, any_light], &[], LAWS * ENTRIES)?;
+    pass.dispatch(Some("table"), &[group.channels, method.order, any_light], &[], ERROR_LAWS * RANGE_ENTRIES)?;
     pass.dispatch(Some("node"), &[method.order, any_light], &[], pass.object().count.nodes)
 }

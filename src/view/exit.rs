@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Hit, Slot};
-use crate::light::texture::{EXIT, factor, place, untextured};
+use crate::layout::{Hit, Slot, TEXTURE_LEAVES};
+use crate::light::texture::{factor, place, untextured};
 use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, wide};
 
 /// The table's entry.
@@ -20,7 +20,7 @@ pub static STAGE: Stage = Stage {
     carriers: Carrier::ALL,
     needs: &[Need::Light, Need::Picture],
     serves: Serves::ALL,
-    skip: |state| untextured(state, EXIT),
+    skip: |state| untextured(state, TEXTURE_LEAVES),
     runs: Update::picture,
     cpu,
     gpu,
@@ -30,7 +30,7 @@ pub static STAGE: Stage = Stage {
 fn left(state: &State, hit: &Hit, before: [f32; 3]) -> [f32; 3] {
     let (data, face) = (&state.data, hit.face as usize);
     let frame = &data.frame[state.object_of(face)];
-    if face >= data.triangles.len() || frame.texture_side & 2 == 0 {
+    if face >= data.triangles.len() || frame.texture_side & TEXTURE_LEAVES == 0 {
         return before;
     }
     narrow(wide(before) * factor(frame, &data.texels, place(data, face, hit.u.into(), hit.v.into())))

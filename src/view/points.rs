@@ -2,14 +2,16 @@
 //! be had right there instead of between the vertices.
 //!
 //! A tile of 4 x 4 pixels may show the object's edge with another part of it far behind. Its places are parted into up to
-//! [`LAYERS`] blocks, each a place and what lies near it, so that no block is much wider than a tile of a slanting surface.
+//! [`TILE_BLOCKS`] blocks, each a place and what lies near it, so that no block is much wider than a tile of a slanting surface.
 //! What belongs to none of four goes with the last one, about whose middle no light is expanded then.
 
 use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::geometry::refit::{SPHERE, disc, sphere};
-use crate::layout::{Block, Camera, Hit, Slot, Sphere};
+use crate::layout::{
+    BLOCK_RECEIVERS, Block, Camera, Hit, NOWHERE, Slot, Sphere, TILE_BLOCKS, TILE_REACH, TILE_SIDE, UNBOUNDED_SPREAD,
+};
 use crate::state::{
     Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never, wide,
 };
@@ -38,29 +40,22 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// Pixels along a side of a tile.
-const SIDE: u32 = 4;
-/// Places of a tile.
-const PLACES: u32 = SIDE * SIDE;
-/// Blocks of a tile.
-pub const LAYERS: u32 = 4;
-/// Square of the largest distance from a block's first place, in half widths of a pixel there.
-const WIDEST: f32 = 1024.0;
-/// The spread of a block that is wider.
-const TORN: f32 = 1e30;
-/// Where places and blocks are that show nothing of the object: farther from all of it than any table of distances goes.
-const NOWHERE: [f32; 3] = [16.0; 3];
+pub use crate::layout::TILE_BLOCKS as LAYERS;
+
+/// Receivers of a tile.
+const RECEIVERS: u32 = BLOCK_RECEIVERS as u32;
+const _: () = assert!(RECEIVERS == TILE_SIDE * TILE_SIDE);
 
 /// Tiles of a picture of this size.
 #[must_use]
 pub fn tiles([width, height]: [u32; 2]) -> u32 {
-    width.div_ceil(SIDE) * height.div_ceil(SIDE)
+    width.div_ceil(TILE_SIDE) * height.div_ceil(TILE_SIDE)
 }
 
 /// The pixel of a place, if the picture reaches so far.
 fn pixel(camera: &Camera, tile: u32, k: u32) -> Option<usize> {
-    let across = camera.width.div_ceil(SIDE);
-    let (column, row) = (tile % across * SIDE + k % SIDE, tile / across * SIDE + k / SIDE);
+    let across = camera.width.div_ceil(TILE_SIDE);
+    let (column, row) = (tile % across * TILE_SIDE + k % TILE_SIDE, tile / across * TILE_SIDE + k / TILE_SIDE);
     (column < camera.width && row < camera.height).then(|| (row * camera.width + column) as usize)
 }
 
@@ -73,7 +68,7 @@ pub(super) fn place(hit: &Hit, [a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
 /// A tile's places and pixels, layer by layer, and whether one belongs to none of them.
 #[derive(Default)]
 struct Tile {
-    layers: [Vec<(usize, [f32; 3])>; LAYERS as usize],
+    layers: [Vec<(usize, [f32; 3])>; TILE_BLOCKS as usize],
     torn: bool,
 }
 
@@ -82,7 +77,7 @@ impl Tile {
     fn put(&mut self, camera: &Camera, pixel: usize, place: [f32; 3], depth: f32) {
         let square = |v: [f32; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
         let width = camera.width as f32;
-        let widest = WIDEST * (square(camera.right) * (depth * depth));
+        let widest = TILE_REACH * (square(camera.right) * (depth * depth));
         let near = |layer: &Vec<(usize, [f32; 3])>| {
             layer.first().is_none_or(|(_, seed)| {
                 let offset = [place[0] - seed[0], place[1] - seed[1], place[2] - seed[2]];
@@ -91,7 +86,7 @@ impl Tile {
         };
         let layer = self.layers.iter().position(near);
         self.torn |= layer.is_none();
-        self.layers[layer.unwrap_or(LAYERS as usize - 1)].push((pixel, place));
+        self.layers[layer.unwrap_or(TILE_BLOCKS as usize - 1)].push((pixel, place));
     }
 }
 
@@ -100,7 +95,7 @@ fn cpu(state: &mut State, _at: Place) {
     let (frame, camera) = (&data.frame[0], &data.camera[0]);
     let tile = |number: u32| {
         let mut tile = Tile::default();
-        for pixel in (0..PLACES).filter_map(|k| pixel(camera, number, k)) {
+        for pixel in (0..RECEIVERS).filter_map(|k| pixel(camera, number, k)) {
             let hit = data.hits[pixel];
             let face = hit.face.wrapping_sub(frame.first_face);
             let Some(corners) = data.triangles.get(face as usize) else { continue };
@@ -109,25 +104,25 @@ fn cpu(state: &mut State, _at: Place) {
         }
         tile
     };
-    let tiles: Vec<Tile> = (0..frame.blocks / LAYERS).into_par_iter().map(tile).collect();
+    let tiles: Vec<Tile> = (0..frame.blocks / TILE_BLOCKS).into_par_iter().map(tile).collect();
 
     let disc = disc(f64::from(data.clusters[0].area), frame.usual_blocks);
-    let (mut places, mut seen) = (vec![NOWHERE; PLACES as usize * tiles.len()], data.seen.clone());
+    let (mut places, mut seen) = (vec![[NOWHERE; 3]; RECEIVERS as usize * tiles.len()], data.seen.clone());
     let (mut blocks, mut spheres) = (Vec::new(), Vec::new());
     for (number, tile) in tiles.iter().enumerate() {
-        let mut first = PLACES * number as u32;
+        let mut first = RECEIVERS * number as u32;
         for (k, layer) in (1..).zip(&tile.layers) {
             let block = Block { node: 0, first, count: layer.len() as u32 };
             for &(pixel, place) in layer {
                 (places[first as usize], seen[pixel]) = (place, first);
                 first += 1;
             }
-            let mut round = Sphere { center: NOWHERE, ..Sphere::default() };
+            let mut round = Sphere { center: [NOWHERE; 3], ..Sphere::default() };
             if block.count > 0 {
                 round = sphere(&block, disc, |place| wide(places[place]));
             }
-            if tile.torn && k == LAYERS {
-                round.spread = TORN;
+            if tile.torn && k == TILE_BLOCKS {
+                round.spread = UNBOUNDED_SPREAD;
             }
             blocks.push(block);
             spheres.push(round);
@@ -137,7 +132,7 @@ fn cpu(state: &mut State, _at: Place) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    pass.dispatch(None, &[], &[], pass.object().count.blocks / LAYERS as usize)
+    pass.dispatch(None, &[], &[], pass.object().count.blocks / TILE_BLOCKS as usize)
 }
 
 #[cfg(test)]
@@ -148,8 +143,8 @@ mod tests {
     fn every_pixel_is_in_one_tile() {
         let camera = Camera { width: 10, height: 7, ..Camera::default() };
         let mut seen = [0; 70];
-        for place in 0..PLACES * tiles([10, 7]) {
-            if let Some(pixel) = pixel(&camera, place / PLACES, place % PLACES) {
+        for place in 0..RECEIVERS * tiles([10, 7]) {
+            if let Some(pixel) = pixel(&camera, place / RECEIVERS, place % RECEIVERS) {
                 seen[pixel] += 1;
             }
         }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::points::place;
 use crate::error::Result;
-use crate::layout::{Light, Rays, Slot};
+use crate::layout::{Light, NONE, Rays, Slot};
 use crate::light::shadow::{RAYS, free};
 use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update};
 
@@ -36,7 +36,7 @@ fn skip(state: &State) -> Option<&'static str> {
 fn cpu(state: &mut State, _at: Place) {
     let data = &state.data;
     let words = data.frame[0].shadow_words as usize;
-    let casting: Vec<&Light> = data.lights.iter().filter(|light| light.shadow != u32::MAX).collect();
+    let casting: Vec<&Light> = data.lights.iter().filter(|light| light.shadow != NONE).collect();
     let mut reached = vec![0; words * data.hits.len()];
     reached.par_chunks_mut(words.max(1)).zip(&data.hits).for_each(|(bits, hit)| {
         let Some(&corners) = data.triangles.get(hit.face as usize) else { return };
@@ -54,7 +54,7 @@ fn cpu(state: &mut State, _at: Place) {
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let data = &pass.state.data;
     let objects = pass.state.objects.len() as u32;
-    for light in (0..data.lights.len()).filter(|&light| data.lights[light].shadow != u32::MAX) {
+    for light in (0..data.lights.len()).filter(|&light| data.lights[light].shadow != NONE) {
         for first in (0..data.hits.len()).step_by(RAYS) {
             let count = RAYS.min(data.hits.len() - first);
             let rays = Rays { object: 0, first: first as u32, count: count as u32, light: light as u32 };

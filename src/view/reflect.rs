@@ -11,7 +11,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Frame, Hit, Slot};
+use crate::layout::{
+    Frame, Hit, LIGHT_SKY_RAY, OPAQUE_BY_PIXEL, REFLECTION_GGX, REFLECTION_NONE, REFLECTION_PHONG, SHADOWS_BY_FACE,
+    SHADOWS_BY_PIXEL, SHADOWS_NOT, Slot,
+};
 use crate::light::irradiance::{arrival, bit, reaches};
 use crate::light::{fresnel, sky};
 use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, wide};
@@ -52,7 +55,7 @@ pub fn lobe(frame: &Frame) -> Vec<[f32; 3]> {
         let u = (f64::from(k) + 0.5) / f64::from(DIRECTIONS);
         let turn = TAU * (f64::from(k) * 0.618_033_988_749_894_9).fract();
         let cosine = match frame.reflection {
-            1 => (1.0 - u).powf(1.0 / (shape + 1.0)),
+            REFLECTION_PHONG => (1.0 - u).powf(1.0 / (shape + 1.0)),
             _ => ((1.0 - u) / (1.0 + (shape * shape - 1.0) * u)).sqrt(),
         };
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
@@ -79,7 +82,7 @@ fn reflected(state: &State, pixel: usize, hit: &Hit) -> DVec3 {
     let Some(corners) = data.triangles.get(hit.face as usize) else { return DVec3::ZERO };
     let object = state.object_of(hit.face as usize);
     let frame = &data.frame[object];
-    if frame.reflection == 0 {
+    if frame.reflection == REFLECTION_NONE {
         return DVec3::ZERO;
     }
     let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
@@ -90,13 +93,13 @@ fn reflected(state: &State, pixel: usize, hit: &Hit) -> DVec3 {
     let (point, toward) = (mix(&data.positions), wide(camera.origin) - mix(&data.positions));
     let side = if (b - a).cross(c - a).dot(toward) < 0.0 { -1.0 } else { 1.0 };
     let (normal, eye) = (mix(&data.normals).normalize_or_zero() * side, toward.normalize_or_zero());
-    let (seen, shape, ggx) = (normal.dot(eye).abs(), f64::from(frame.roughness), frame.reflection == 2);
+    let (seen, shape, ggx) = (normal.dot(eye).abs(), f64::from(frame.roughness), frame.reflection == REFLECTION_GGX);
     let mirror = 2.0 * normal.dot(eye) * normal - eye;
     let reflectance =
         |cosine: f64| DVec3::from_array(frame.eta.map(|eta| 1.0 - fresnel::transmittance(eta.into(), cosine)));
 
     let mut sum = DVec3::ZERO;
-    for light in data.lights.iter().filter(|light| light.kind != 5) {
+    for light in data.lights.iter().filter(|light| light.kind != LIGHT_SKY_RAY) {
         let (toward, falloff) = arrival(light, point);
         let cosine = normal.dot(toward);
         let arrives = match state.objects[object].plain() {
@@ -148,10 +151,14 @@ fn cpu(state: &mut State, _at: Place) {
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let data = &pass.state.data;
     let pixels = data.radiance.len();
-    for (object, frame) in (0u32..).zip(&data.frame).filter(|(_, frame)| frame.reflection != 0) {
-        let (ggx, push) = (u32::from(frame.reflection == 2), object.to_le_bytes());
-        if data.lights.iter().any(|light| light.kind != 5) {
-            let shadows = if frame.shadow_words > 0 { frame.opaque.max(1) } else { 0 };
+    for (object, frame) in (0u32..).zip(&data.frame).filter(|(_, frame)| frame.reflection != REFLECTION_NONE) {
+        let (ggx, push) = (u32::from(frame.reflection == REFLECTION_GGX), object.to_le_bytes());
+        if data.lights.iter().any(|light| light.kind != LIGHT_SKY_RAY) {
+            let shadows = match frame.opaque {
+                _ if frame.shadow_words == 0 => SHADOWS_NOT,
+                OPAQUE_BY_PIXEL => SHADOWS_BY_PIXEL,
+                _ => SHADOWS_BY_FACE,
+            };
             pass.dispatch(Some("lights"), &[shadows, ggx], &push, pixels)?;
         }
         if !data.lobe.is_empty() {

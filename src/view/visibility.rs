@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::geometry::trace::trace;
-use crate::layout::{Camera, Hit, Slot};
+use crate::layout::{Camera, Hit, NONE, Slot};
 use crate::state::{
     Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never,
 };
@@ -45,8 +45,8 @@ fn cpu(state: &mut State, _at: Place) {
     let (w, h) = (camera.width as f32, camera.height as f32);
     let hit = |pixel: u32| {
         let nearest = trace(data, camera.origin, ray(&camera, pixel));
-        if nearest.face == u32::MAX {
-            return Hit { face: u32::MAX, ..Hit::default() };
+        if nearest.face == NONE {
+            return Hit { face: NONE, ..Hit::default() };
         }
         let weights = nearest.weights.map(f64::from);
         let sum: f64 = weights.iter().sum();

@@ -218,16 +218,17 @@ fn an_environment_counts_by_its_own_factors() {
 
 #[test]
 fn between_its_points_the_table_is_near_and_the_closed_form_everywhere() {
+    use milkglass::layout::CDRF_WIDEST;
     use milkglass::layout::Query;
+    use milkglass::local::cdrf_cells::lookup;
     use milkglass::local::reflectance::cdrf;
-    use milkglass::local::{cdrf_cells::lookup, cdrf_table::WIDEST};
     use milkglass::render::frame::stage;
     use milkglass::state::{DeviceState, Place, State, Step};
     let table = scene("sphere", &["object.0.detail=1", "transport.cdrf=table"], 0.0);
     let cells = run(&table, CDRF).state().data.cdrf_cells.clone();
     // Additive recurrences: no place is on the grid. Then the terminator as sigma tends to 0, where the table is worst.
     let share = |k: u32, rate: f64| (f64::from(k) * rate).fract();
-    let all = (1..60_000).map(|k| (2.0 * share(k, 0.754_877_666) - 1.0, WIDEST * share(k, 0.569_840_291)));
+    let all = (1..60_000).map(|k| (2.0 * share(k, 0.754_877_666) - 1.0, CDRF_WIDEST * share(k, 0.569_840_291)));
     let terminator = (1..20_000).map(|k| (0.03 * share(k, 0.754_877_666) - 0.015, 0.03 * share(k, 0.569_840_291)));
     let places: Vec<(f64, f64)> = all.chain(terminator).collect();
     let worst = places.iter().map(|&(c, s)| (lookup(&cells, 256, c, s) - cdrf(c, s)).abs()).fold(0.0, f64::max);

@@ -3,13 +3,13 @@
 
 use glam::DVec3;
 use milkglass::dipole::profile::Dipole;
+use milkglass::layout::BLOCK_CLASSES;
 use milkglass::layout::Buffers;
 use milkglass::measure::norms::{norms, worst};
 use milkglass::measure::reference::{radiosity, receivers};
 use milkglass::render::plan::{Change, Goal, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::Scene;
-use milkglass::transport::link::CLASSES;
 
 fn solved(name: &str, sets: &[&str]) -> Session {
     let sets: Vec<String> = sets.iter().map(|set| set.to_string()).collect();
@@ -92,7 +92,7 @@ fn lists_are_those_of_double_precision() {
                 let d =
                     wide(sphere.center).distance(DVec3::new(e.place[0].into(), e.place[1].into(), e.place[2].into()));
                 let reach = |r: f32| f64::from(r) + f64::from(sphere.radius);
-                let class = CLASSES.iter().position(|&most| sphere.spread <= most);
+                let class = BLOCK_CLASSES.iter().position(|&most| sphere.spread <= most);
                 let expand = class.map_or(f64::INFINITY, |class| reach(data.expands[base + node as usize][class]));
                 let rules = [reach(e.place[3]), expand, reach(e.accept), reach(e.area)];
                 if rules.iter().any(|rule| (rule - d).abs() < 1e-5 * d) {

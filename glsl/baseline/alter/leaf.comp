@@ -17,5 +17,5 @@ void main() {
     uvec3 corner = triangles[face];
     bool moved = false;
     for (uint k = 0; k < 3; ++k) moved = moved || any(notEqual(positions[corner[k]], kept_positions[corner[k]]));
-    altered[leaves[face]] = uint(moved);
+    altered[leaves[face]] = moved ? ALTERED_MOVED : 0;
 }

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The same as `collect`, for the receivers that are listed.
+// The sum of `collect`, for the receivers in `busy` only.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(cursor)
 READS(busy)

@@ -9,14 +9,11 @@ UPDATES(cursor)
 READS(handed)
 #include "baseline/refine/walk.glsl"
 
-// The longest list of one receiver: lavapipe ends an invocation's loops after 65,535 iterations.
-const uint MOST = 65000;
-
 uint links = 0, areas = 0, edges = 0, hands = 0;
 void on_link(uint receiver, uint emitter, uint rung) {
     links++;
-    areas += uint(rung == 1);
-    edges += uint(rung == 2);
+    areas += uint(rung == RUNG_AREA);
+    edges += uint(rung == RUNG_EDGE);
 }
 void on_hand(uint emitter) { hands++; }
 
@@ -32,7 +29,7 @@ void main() {
     }
     if (!walk(receiver, hand, count)) cursor[0].unfinished = 1;
     // Too long for any driver's loops, and for 32-bit sums: the frame is void.
-    if (links > MOST || hands > MOST) {
+    if (links > MOST_PAIRS || hands > MOST_PAIRS) {
         cursor[0].unfinished = 1;
         links = areas = edges = hands = 0;
     }

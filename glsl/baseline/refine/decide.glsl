@@ -1,12 +1,6 @@
-// Decisions on a pair: additions, multiplications and comparisons only, all `precise`, so that every device decides alike.
+// Decisions on a pair: additions, multiplications and comparisons only, all `precise`, so that all devices agree.
 // The includer reads `frame`.
 #include "dipole/near.glsl"
-
-// What becomes of an emitter at a receiver: it is linked, handed down to the receiver's children, or split.
-const uint LINKED = 1, HANDED = 2, SPLIT = 3;
-
-// 2^40: keeps products of tiny areas and distances away from denormals, which a device may flush.
-const float FAR_FROM_DENORMAL = 1099511627776.0;
 
 // Whether |A/d_child^2 - A/d^2| exceeds epsilon_1.
 bool deviates(float area, float d2, float child2) {
@@ -15,7 +9,7 @@ bool deviates(float area, float d2, float child2) {
     return change > allowed;
 }
 
-// Whether A'/A falls short.
+// Whether A'/A is too small.
 bool bent(Cluster emitter) {
     precise vec3 n = emitter.normal * FAR_FROM_DENORMAL;
     precise float area = emitter.area * FAR_FROM_DENORMAL;
@@ -24,10 +18,10 @@ bool bent(Cluster emitter) {
     return projected < needed;
 }
 
-// 0: one sample serves; 1: area points; 2: the edge form.
+// The cheapest evaluation that serves at this distance.
 uint rung_of(float d2, vec4 radii) {
-    if (d2 >= radii.x) return 0;
-    return d2 >= min(radii.y, min(radii.z, radii.w)) ? 1 : 2;
+    if (d2 >= radii.x) return RUNG_SAMPLE;
+    return d2 >= min(radii.y, min(radii.z, radii.w)) ? RUNG_AREA : RUNG_EDGE;
 }
 
 // `left` and `right` are the centres of the receiver's children, if it is an inner node.
@@ -37,5 +31,5 @@ uint decide(Cluster emitter, bool leaf, bool inner, vec3 center, vec3 left, vec3
                               deviates(emitter.area, d2, distance2(right, emitter.center)));
     precise float allowed = frame[0].emitter_angle * d2;
     bool splits = !leaf && (emitter.area > allowed || bent(emitter));
-    return hands_on ? HANDED : splits ? SPLIT : LINKED;
+    return hands_on ? PAIR_HANDED : splits ? PAIR_SPLIT : PAIR_LINKED;
 }

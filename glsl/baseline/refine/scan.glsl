@@ -1,7 +1,6 @@
-// Where each receiver's lists begin: a prefix sum over one level, by one group; each invocation owns a run of receivers.
-// A list that does not fit is emptied and the overflow noted: the frame is then run again with more room.
-// The includer declares the LISTS, tells their rooms, and notes what they need.
-layout(local_size_x = 256) in;
+// Where each receiver's lists begin: a prefix sum over one level by one work group.
+// A list that does not fit is emptied and the overflow noted: the frame then runs again with more room.
+// The includer declares LISTS, returns their room, and notes what they need.
 layout(push_constant, scalar) uniform push_block { Range range; uint keep; };
 READS(frame)
 READS(order)
@@ -10,46 +9,38 @@ UPDATES(cursor)
 uvec4 rooms();
 void note(uvec4 total);
 
-shared uvec4 sums[256];
+#define SUM uvec4
+#include "scan.glsl"
 
 void main() {
-    uint self = gl_LocalInvocationIndex;
-    uint run = (range.count + 255) / 256;
-    uint first = min(range.count, self * run), last = min(range.count, first + run);
+    uvec2 run = own_run(range.count);
     uvec4 sum = uvec4(0);
-    for (uint i = first; i < last; ++i) {
+    for (uint i = run.x; i < run.y; ++i) {
         Span span = LISTS[order[range.first + i]];
         sum += uvec4(span.links, span.areas, span.edges, span.hands);
     }
 
-    // Inclusive scan of the runs' sums.
-    sums[self] = sum;
-    barrier();
-    for (uint step = 1; step < 256; step *= 2) {
-        uvec4 other = self >= step ? sums[self - step] : uvec4(0);
-        barrier();
-        sums[self] += other;
-        barrier();
-    }
+    uvec4 before = sum_before(sum);
     uvec4 base = uvec4(cursor[0].links, cursor[0].areas, cursor[0].edges, cursor[0].hands);
-    uvec4 total = base + sums[255];
+    uvec4 total = base + sum_of_all();
     // Counts stay true beyond the room, so that one more frame with the right room is enough; only emitters that
     // could not be handed down leave the levels below uncounted.
     bvec4 fit = lessThanEqual(total, rooms());
     bool links_fit = fit.x && fit.y && fit.z, hands_fit = fit.w;
     uvec4 kept = uvec4(uvec3(links_fit ? 1 : 0), hands_fit ? 1 : 0);
-    uvec4 at = base + sums[self] - sum;
-    for (uint i = first; i < last; ++i) {
+    uvec4 at = base + before;
+    for (uint i = run.x; i < run.y; ++i) {
         uint receiver = order[range.first + i];
         Span span = LISTS[receiver];
         uvec4 count = uvec4(span.links, span.areas, span.edges, span.hands);
-        LISTS[receiver] = Span(at.x, count.x * kept.x, at.y, count.y * kept.y, at.z, count.z * kept.z, at.w, count.w * kept.w);
+        LISTS[receiver] = Span(at.x, count.x * kept.x, at.y, count.y * kept.y,
+                               at.z, count.z * kept.z, at.w, count.w * kept.w);
         at += count;
     }
 
     // Every invocation has read the cursor.
     barrier();
-    if (self == 0) {
+    if (gl_LocalInvocationIndex == 0) {
         note(total);
         cursor[0].need_hands = max(cursor[0].need_hands, total.w);
         if (!links_fit || !hands_fit) cursor[0].overflow = 1;

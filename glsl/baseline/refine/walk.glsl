@@ -1,4 +1,4 @@
-// A receiver goes through the emitters that its parent handed down. Each is handed on, split or linked:
+// A receiver visits the emitters that its parent handed down. Each is handed on, split or linked:
 // handed on when its solid angle varies too much over the receiver's children (epsilon_1), split when it is too
 // large (epsilon_2) or too far from planar. The includer defines what to do with a link and with a hand-down.
 
@@ -35,11 +35,11 @@ bool walk(uint receiver, uint hand, uint hands) {
         Cluster emitter = clusters[node];
         uint face = topology[node].face;
         uint choice = decide(emitter, face != NONE, inner, center, left, right);
-        if (choice == HANDED) on_hand(node);
+        if (choice == PAIR_HANDED) on_hand(node);
         float d2 = distance2(center, emitter.center);
-        uint rung = face == NONE ? 0 : rung_of(d2, reach[min(face, frame[0].faces - 1)]);
-        if (choice == LINKED) on_link(receiver, node, rung);
-        node = choice == SPLIT ? node + 1 : topology[node].skip;
+        uint rung = face == NONE ? RUNG_SAMPLE : rung_of(d2, reach[min(face, frame[0].faces - 1)]);
+        if (choice == PAIR_LINKED) on_link(receiver, node, rung);
+        node = choice == PAIR_SPLIT ? node + 1 : topology[node].skip;
     }
     return node >= end && next >= lists;
 }

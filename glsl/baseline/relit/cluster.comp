@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// A cluster's light is another if that of one of its children is; one level a dispatch.
+// A cluster's light has changed if a child's has; one level a dispatch.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(topology)
 READS(order)

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Whether another light enters a triangle than the one that was summed last.
+// Whether the light that enters a triangle differs from that of the last sum.
 READS(frame)
 READS(leaves)
 READS(irradiance)
@@ -14,5 +14,5 @@ void main() {
     uint face = invocation();
     if (face >= frame[0].faces) return;
     uint leaf = leaves[face];
-    if (any(notEqual(irradiance[face], cluster_irradiance[leaf]))) altered[leaf] |= 2;
+    if (any(notEqual(irradiance[face], cluster_irradiance[leaf]))) altered[leaf] |= ALTERED_RELIT;
 }

@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 #include "baseline/form_factor/area.glsl"
 
-// The links that are due and take area points: after those of one sample.
+// The due links that take area points: they follow those that take one sample.
 READS(cursor)
 READS(ranked)
 UPDATES(factors)

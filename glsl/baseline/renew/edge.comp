@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 #include "baseline/form_factor/edge.glsl"
 
-// The links that are due and take the edge form: the last ones.
+// The due links that take the edge form: the last ones.
 READS(cursor)
 READS(ranked)
 UPDATES(factors)

@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 #include "baseline/form_factor/far.glsl"
 
-// The links that are due and take one sample: the first ones.
+// The due links that take one sample: the first ones.
 READS(cursor)
 READS(ranked)
 UPDATES(factors)

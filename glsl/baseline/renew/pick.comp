@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The links of each receiver that are due: the first ones that wait.
+// The due links of each receiver: the first ones that wait.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(cursor)
 READS(busy)
@@ -18,7 +18,7 @@ void main() {
     if (place >= cursor[0].busy) return;
     uint receiver = busy[range.first + place];
 
-    // What was to be merged is.
+    // Its links have been merged.
     edits[receiver].links = 0;
     edits[receiver].areas = 0;
     uint to = edits[receiver].edge, count = edits[receiver].edges;

@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 #include "baseline/form_factor/uniform.glsl"
 
-// The same by uniform point samples in place of the edge form.
+// The last of the due links by uniform point samples instead of the edge form.
 READS(cursor)
 READS(ranked)
 UPDATES(factors)

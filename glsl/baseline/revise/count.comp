@@ -3,15 +3,12 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// How much each receiver makes, undoes and hands down; one level a dispatch. Where the parent handed nothing down that is
-// altered, or that one of the two refinements has alone, nothing is looked at.
+// How many links each receiver makes and removes, and how many emitters it hands down; one level a dispatch. Nothing is
+// visited if the parent handed down nothing that is altered or that only one of the two refinements has.
 UPDATES(edits)
 UPDATES(cursor)
 READS(handed)
 #include "baseline/revise/walk.glsl"
-
-// The longest list of one receiver: lavapipe ends an invocation's loops after 65,535 iterations.
-const uint MOST = 65000;
 
 uint made_ = 0, undone_ = 0, fresh_ = 0, hands_ = 0;
 void on_made(uint emitter, bool fresh) {
@@ -32,7 +29,7 @@ void main() {
         count = edits[parent].hands;
     }
     if (!walk(receiver, hand, count)) cursor[0].unfinished = 1;
-    if (made_ > MOST || undone_ > MOST || hands_ > MOST) {
+    if (made_ > MOST_PAIRS || undone_ > MOST_PAIRS || hands_ > MOST_PAIRS) {
         cursor[0].unfinished = 1;
         made_ = undone_ = fresh_ = hands_ = 0;
     }

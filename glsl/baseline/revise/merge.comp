@@ -3,8 +3,9 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// A receiver's links with what it makes and without what it undoes, in the order of the emitters; those whose form factor is
-// not known any more are marked. Until it is computed, what is new gives as much for its area as the link before it.
+// Merges a receiver's new links into its list and takes the removed ones out, in the order of the emitters. Links whose
+// form factor is out of date are marked; until it is computed, a new link transfers as much for its area as the link
+// before it.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(busy)
 READS(clusters)
@@ -19,7 +20,7 @@ UPDATES(factors)
 UPDATES(stale)
 UPDATES(waiting)
 
-// Where all that a receiver makes was linked before and nothing is undone its links stay where they are.
+// If all links that a receiver makes existed before and none is removed, its list stays where it is.
 void mark(uint receiver, Span edit, Span span) {
     uint at = span.link, last = at + span.links, end = last;
     uint first = edit.links > 0 ? made[edit.link] : 0, waits = 0;
@@ -31,7 +32,7 @@ void mark(uint receiver, Span edit, Span span) {
     for (uint j = edit.link; j < edit.link + edit.links; ++j) {
         uint make = made[j];
         while (at < last && links[at].emitter < make) at++;
-        if (at < last && ((altered[receiver] | altered[make]) & 1) != 0 && stale[at] == 0) {
+        if (at < last && ((altered[receiver] | altered[make]) & ALTERED_MOVED) != 0 && stale[at] == 0) {
             stale[at] = 1;
             waits++;
         }
@@ -58,7 +59,7 @@ void main() {
         uint have = i < last ? links[i].emitter : NONE;
         uint make = j < made_end ? made[j] : NONE;
         uint undo = k < undone_end ? undone[k] : NONE;
-        // Where a frame runs again, some of it is done.
+        // If the frame runs again, part of this is done already.
         bool absent = undo < have;
         bool old = !absent && have <= make && i < last, fresh = !absent && make <= have && j < made_end;
         bool gone = old && undo == have;
@@ -71,7 +72,7 @@ void main() {
         if (fresh || (old && !gone)) {
             if (!old) factor = share * clusters[make].area;
             uint emitter = min(have, make);
-            uint touched = fresh ? (altered[receiver] | altered[emitter]) & 1 : 0;
+            uint touched = fresh ? (altered[receiver] | altered[emitter]) & ALTERED_MOVED : 0;
             uint waiting_ = old ? stale[i] | touched : 1;
             links[to] = Link(receiver, emitter);
             factors[to] = factor;

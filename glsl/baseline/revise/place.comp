@@ -2,9 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// Lists that change go behind all others of the chunk: the farthest end of a list, and a prefix sum over those that move, by one
-// group; each invocation owns a run of receivers. Receivers with anything to merge are listed.
-layout(local_size_x = 256) in;
+// Lists that change move behind all others of the chunk: the farthest end of a list, and a prefix sum over those that
+// move, by one work group. Receivers with links to merge are listed.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 READS(order)
@@ -15,13 +14,12 @@ UPDATES(busy)
 UPDATES(due_groups)
 #include "baseline/groups.glsl"
 
-// As in `count`: steps of `merge` for one receiver.
-const uint MOST = 65000;
+#define SUM uvec2
+#include "scan.glsl"
 
-shared uint ends[256];
-shared uvec2 sums[256];
+shared uint farthest;
 
-// What a list that changes may become.
+// The room that a list needs if it changes.
 uint room_of(uint receiver) {
     Span edit = edits[receiver];
     return edit.areas + edit.edges > 0 ? spans[receiver].links + edit.links : 0;
@@ -31,30 +29,23 @@ bool edited(uint receiver) { return edits[receiver].links + edits[receiver].area
 
 void main() {
     uint self = gl_LocalInvocationIndex;
-    uint run = (range.count + 255) / 256;
-    uint first = min(range.count, self * run), last = min(range.count, first + run);
+    uvec2 run = own_run(range.count);
     uint end = 0;
+    if (self == 0) farthest = 0;
     uvec2 sum = uvec2(0);
-    for (uint i = first; i < last; ++i) {
+    for (uint i = run.x; i < run.y; ++i) {
         uint receiver = order[range.first + i];
         end = max(end, spans[receiver].link + spans[receiver].links);
         sum += uvec2(room_of(receiver), uint(edited(receiver)));
-        if (spans[receiver].links + edits[receiver].links + edits[receiver].areas > MOST) cursor[0].unfinished = 1;
+        uint steps = spans[receiver].links + edits[receiver].links + edits[receiver].areas;
+        if (steps > MOST_PAIRS) cursor[0].unfinished = 1;
     }
-    ends[self] = end;
-    sums[self] = sum;
+    uvec2 before = sum_before(sum), all = sum_of_all();
+    atomicMax(farthest, end);
     barrier();
-    for (uint step = 1; step < 256; step *= 2) {
-        uint far = self >= step ? ends[self - step] : 0;
-        uvec2 other = self >= step ? sums[self - step] : uvec2(0);
-        barrier();
-        ends[self] = max(ends[self], far);
-        sums[self] += other;
-        barrier();
-    }
-    uvec2 all = sums[255], at = uvec2(ends[255], 0) + sums[self] - sum;
-    uint total = ends[255] + all.x;
-    for (uint i = first; i < last; ++i) {
+    uvec2 at = uvec2(farthest, 0) + before;
+    uint total = farthest + all.x;
+    for (uint i = run.x; i < run.y; ++i) {
         uint receiver = order[range.first + i];
         uint room = room_of(receiver);
         bool listed = edited(receiver);
@@ -66,7 +57,7 @@ void main() {
     if (self == 0) {
         cursor[0].busy = all.y;
         cursor[0].edited += all.y;
-        due_groups[3] = groups(all.y);
+        due_groups[DUE_MERGED] = groups(all.y);
         cursor[0].need_links = max(cursor[0].need_links, total);
         if (total > frame[0].link_room) cursor[0].overflow = 1;
     }

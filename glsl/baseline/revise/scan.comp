@@ -6,7 +6,7 @@
 UPDATES(edits)
 #include "baseline/refine/scan.glsl"
 
-// What is new among the links that are made only needs to be counted.
-uvec4 rooms() { return uvec4(uvec2(frame[0].edit_room), 0xffffffffu, frame[0].hand_room); }
+// New links among those that are made are only counted.
+uvec4 rooms() { return uvec4(uvec2(frame[0].edit_room), NONE, frame[0].hand_room); }
 
 void note(uvec4 total) { cursor[0].need_entries = max(cursor[0].need_entries, max(total.x, total.y)); }

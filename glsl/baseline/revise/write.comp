@@ -3,7 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Writes what each receiver makes, undoes and hands down where the scan placed it; one level a dispatch.
+// Writes the links that each receiver makes and removes, and what it hands down, where the scan placed them; one level
+// a dispatch.
 READS(edits)
 UPDATES(handed)
 WRITES(made)

@@ -73,8 +73,8 @@ vec3 edge_form(vec3 sigma, vec3 a, vec3 b, vec3 c, uvec3 id, vec3 normal, vec3 f
         vec3 value = edge_integral(sigma, R, dot(p, u), dot(q, u), h, rim, s_m);
         sum += swapped ? -value : value;
     }
-    // The integrand is positive. Where the edges of a sliver cancel to less than their rounding, that may not show: then
-    // nothing is nearest to the truth. (No max(): it may turn what is not a number into 0.)
+    // The integrand is positive. Where the edges of a sliver cancel to less than their rounding, that may not show:
+    // then nothing is nearest to the truth. (No max(): it may turn what is not a number into 0.)
     sum = mix(sum, vec3(0), lessThan(sum, vec3(0)));
     return exp(-sigma * s_m) / s_m * sum;
 }

@@ -1,6 +1,5 @@
 // Uniform point samples of a triangle: how many, and where. A decision, so exact: one product, and integers.
-const uint MOST_SAMPLES = 4096;
-const uint ONE = 1u << 24;
+const uint ONE = 1u << SAMPLE_BITS;
 
 // One for each disc of a mean free path.
 uint sample_count(float area, float density) {
@@ -19,7 +18,7 @@ uint mixed(uint x) {
 vec3 sample_place(uint face, uint k, uint count) {
     if (count == 1) return vec3(1.0 / 3.0);
     uint first = mixed(mixed(face) ^ k);
-    uint a = first >> 8, b = mixed(first ^ 0x9e3779b9u) >> 8;
+    uint a = first >> 32 - SAMPLE_BITS, b = mixed(first ^ 0x9e3779b9u) >> 32 - SAMPLE_BITS;
     if (a + b > ONE) {
         a = ONE - a;
         b = ONE - b;

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The sphere round each block's receivers.
+// The sphere around each block's receivers.
 READS(frame)
 READS(blocks)
 READS(clusters)

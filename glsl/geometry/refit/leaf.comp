@@ -22,7 +22,8 @@ void main() {
     uvec3 corner = triangles[face];
     vec3 a = positions[corner.x], b = positions[corner.y], c = positions[corner.z];
     uint node = leaves[face];
-    bounds[node] = Bounds(min(min(a, b), c), next_of(topology[node].skip), max(max(a, b), c), frame[0].first_face + face);
+    bounds[node] = Bounds(min(min(a, b), c), next_of(topology[node].skip), max(max(a, b), c),
+                          frame[0].first_face + face);
 
     vec3 e0 = b - a, e1 = c - b, e2 = a - c;
     vec3 normal = vector_area(a, b, c);

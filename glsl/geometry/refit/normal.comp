@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// A vertex normal: the direction of the summed vector areas of the triangles round it.
+// A vertex normal: the direction of the summed vector areas of the triangles around it.
 READS(frame)
 READS(corner_starts)
 READS(corners)

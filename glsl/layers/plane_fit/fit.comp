@@ -92,7 +92,7 @@ void main() {
         }
     }
 
-    // Its normal is the axis of least moment, as far as the vertices tell.
+    // Its normal is the axis of least moment, as far as the vertices determine it.
     vec3 axis = d.x < d.y ? (d.x < d.z ? x : z) : (d.y < d.z ? y : z);
     float least = max(min(d.x, min(d.y, d.z)), 0.0), most = max(d.x, max(d.y, d.z));
     float middle = max(d.x + d.y + d.z - least - most, 1e-30);

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The vertices that belong to a triangle: those round which it is the first.
+// The vertices that belong to a triangle: those around which it is the first.
 READS(frame)
 READS(positions)
 READS(triangles)

@@ -7,10 +7,12 @@
 // Light scattered once beneath each visible point: from sample to sample, and to each interface between them, in closed
 // form. One loop for all lights, a part of the ray at a time.
 
-// The integral over s from 0 to 1 of (a + (b - a) s) exp(-(from + (to - from) s)), where `start` = exp(-from), `end` = exp(-to)
-// and d = to - from: a E0 + (b - a) E1 with E1 = ((start - end) / d - end) / d, or its series, and E0 = end + d E1.
+// The integral over s from 0 to 1 of (a + (b - a) s) exp(-(from + (to - from) s)), where `start` = exp(-from), `end` =
+// exp(-to) and d = to - from: a E0 + (b - a) E1 with E1 = ((start - end) / d - end) / d, or its series, and E0 = end +
+// d E1.
 vec3 segment(vec3 a, vec3 b, vec3 start, vec3 end, vec3 d) {
-    vec3 series = start * (1.0 / 2.0 + d * (-1.0 / 3.0 + d * (1.0 / 8.0 + d * (-1.0 / 30.0 + d * (1.0 / 144.0 - d * (1.0 / 840.0))))));
+    vec3 series = 1.0 / 8.0 + d * (-1.0 / 30.0 + d * (1.0 / 144.0 - d * (1.0 / 840.0)));
+    series = start * (1.0 / 2.0 + d * (-1.0 / 3.0 + d * series));
     bvec3 small = lessThan(abs(d), vec3(0.3));
     vec3 over = 1.0 / mix(d, vec3(1), small);
     vec3 e1 = mix(((start - end) * over - end) * over, series, small);
@@ -30,7 +32,8 @@ void main() {
 
     vec3 sum = vec3(0), dimmed = vec3(0), start = vec3(0), tau = vec3(0), arrived_before = vec3(0);
     float cosine_before = 0.0, done = 0.0; // how much of the step has been walked
-    vec4 before[4], after[4], here[4];     // depths of the interfaces at the step's ends, and between
+    // Depths of the interfaces at the step's ends, and between.
+    vec4 before[MOST_MAPS], after[MOST_MAPS], here[MOST_MAPS];
     uint beam = first_beam, now = 0;       // the layer
     int step = -1;                         // -1: nothing has been looked at for this light
     bool next = true;
@@ -40,11 +43,11 @@ void main() {
         step += int(next);
         float to = pace * float(step), from = fresh ? to : pace * float(step - 1);
         Texels there;
-        if (MAPPED != 0) there = texels_at(own, m, -to * m.eye);
+        if (MAPPED != MAPPED_NOT) there = texels_at(own, m, -to * m.eye);
         uint last = 0;
         for (uint map = 0; map < MAPS; ++map) {
             vec4 depths_there = depths_of(own, there, map);
-            if (MAPPED != 0) {
+            if (MAPPED != MAPPED_NOT) {
                 before[map] = fresh ? depths_there : next ? after[map] : before[map];
                 after[map] = depths_there;
             }
@@ -61,18 +64,18 @@ void main() {
         uint target = now < last ? now : now - 1;
         float a = 0.0, b = 0.0; // its depths at the step's ends
         for (uint map = 0; map < MAPS; ++map) {
-            for (uint k = 0; k < 4; ++k) {
-                bool its = 4 * map + k == target;
-                if (MAPPED != 0) a = its ? before[map][k] : a;
+            for (uint k = 0; k < MAP_LAYERS; ++k) {
+                bool its = MAP_LAYERS * map + k == target;
+                if (MAPPED != MAPPED_NOT) a = its ? before[map][k] : a;
                 b = its ? here[map][k] : b;
             }
         }
-        a = m.slope * from - (MAPPED != 0 ? a : b);
+        a = m.slope * from - (MAPPED != MAPPED_NOT ? a : b);
         b = m.slope * to - b;
         next = now == last;
         float share = next ? 1.0 : max(clamp(a / (a - b), 0.0, 1.0), done);
         float t = mix(from, to, share), walked = (share - done) * (to - from);
-        if (MAPPED != 0) {
+        if (MAPPED != MAPPED_NOT) {
             for (uint map = 0; map < MAPS; ++map) here[map] = mix(before[map], after[map], share);
         }
 

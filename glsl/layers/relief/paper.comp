@@ -4,9 +4,8 @@
 #include "invocation.glsl"
 #include "layers/beneath.glsl"
 
-// The same by the left rule of algorithm 1, both ends included. A sample at an interface counts as above it, whatever the
-// rounding.
-const float AT_LEAST = 0.99999;
+// Light scattered once beneath each visible point, by the left rule of algorithm 1, both ends included. A sample at an
+// interface counts as above it, whatever the rounding.
 
 void main() {
     uint pixel = first_pixel + invocation();
@@ -24,17 +23,18 @@ void main() {
     while (beam < last_beam) {
         float t = pace * float(step);
         Texels there;
-        if (MAPPED != 0) there = texels_at(own, m, -t * m.eye);
-        vec4 here[4];
+        if (MAPPED != MAPPED_NOT) there = texels_at(own, m, -t * m.eye);
+        vec4 here[MOST_MAPS];
         uint now = 0;
         for (uint map = 0; map < MAPS; ++map) {
             here[map] = depths_of(own, there, map);
-            now += above(here[map], AT_LEAST * m.slope * t);
+            now += above(here[map], ABOVE_INTERFACE * m.slope * t);
         }
         Layer layer = beneath[own.first_layer + min(now, own.layers - 1)];
         Light light = beams[beam];
         Lit lights = lit_at(own, m, object, light, hit.face, t, here);
-        vec3 scattered = layer.sigma_s * lights.arrives * exp(-dimmed - lights.dimmed) * phase(layer.g, vec2(lights.cosine)).x;
+        vec3 scattered = layer.sigma_s * lights.arrives * exp(-dimmed - lights.dimmed) *
+                         phase(layer.g, vec2(lights.cosine)).x;
         if (now < own.layers) sum += light.color * pace * scattered;
         dimmed += layer.sigma_t * pace;
 

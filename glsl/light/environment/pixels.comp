@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Image times harmonics over 64 pixels of a row: every harmonic is a product of a function of the row and one of the
-// column, and the integrals of both over a pixel are exact.
+// Image times harmonics over SKY_BLOCK pixels of a row. Every harmonic is the product of a function of the row and one
+// of the column, whose integrals over a pixel are exact.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(frame)
 READS(sky)
@@ -15,8 +15,8 @@ WRITES(harmonics)
 void main() {
     uint k = invocation();
     if (k >= range.count) return;
-    uint width = frame[0].sky.x, across = (width + 63) / 64;
-    uint row = k / across, start = k % across * 64, end = min(start + 64, width);
+    uint width = frame[0].sky.x, across = (width + SKY_BLOCK - 1) / SKY_BLOCK;
+    uint row = k / across, start = k % across * SKY_BLOCK, end = min(start + SKY_BLOCK, width);
     vec3 one = vec3(0), x = vec3(0), z = vec3(0), xz = vec3(0), difference = vec3(0);
     for (uint column = start; column < end; ++column) {
         vec3 radiance = sky[row * width + column];
@@ -28,7 +28,7 @@ void main() {
         difference += c.second.y * radiance;
     }
     SkyRow r = sky_rows[row];
-    uint at = 9 * (range.first + k);
+    uint at = SKY_HARMONICS * (range.first + k);
     harmonics[at] = 0.28209479 * r.first.x * one;
     harmonics[at + 1] = 0.48860251 * r.first.z * x;
     harmonics[at + 2] = 0.48860251 * r.first.y * one;

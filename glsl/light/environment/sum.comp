@@ -3,17 +3,17 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Sums of 64 blocks each, one harmonic an invocation. The sums lie before the blocks.
+// Sums of SKY_BLOCK blocks each, one harmonic an invocation. The sums lie before the blocks.
 layout(push_constant, scalar) uniform push_block { Range range; }; // the sums; the blocks follow
 layout(constant_id = 0) const uint BLOCKS = 0;
 UPDATES(harmonics)
 
 void main() {
     uint k = invocation();
-    if (k >= 9 * range.count) return;
-    uint sum = k / 9, harmonic = k % 9, blocks = range.first + range.count;
-    uint end = min(64 * sum + 64, BLOCKS);
+    if (k >= SKY_HARMONICS * range.count) return;
+    uint sum = k / SKY_HARMONICS, harmonic = k % SKY_HARMONICS, blocks = range.first + range.count;
+    uint end = min(SKY_BLOCK * sum + SKY_BLOCK, BLOCKS);
     vec3 total = vec3(0);
-    for (uint i = 64 * sum; i < end; ++i) total += harmonics[9 * (blocks + i) + harmonic];
-    harmonics[9 * (range.first + sum) + harmonic] = total;
+    for (uint i = SKY_BLOCK * sum; i < end; ++i) total += harmonics[SKY_HARMONICS * (blocks + i) + harmonic];
+    harmonics[SKY_HARMONICS * (range.first + sum) + harmonic] = total;
 }

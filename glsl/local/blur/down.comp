@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Down the columns of what has been blurred along the rows: the next sheet.
+// Down the columns of the sheet that is blurred along its rows: gives the next sheet.
 READS(crossed)
 UPDATES(sheets)
 #define AXIS 1

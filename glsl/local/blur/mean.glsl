@@ -1,10 +1,10 @@
-// A texel of a sheet as the mean of those along its row (AXIS 0) or down its column, by a Gaussian; FETCH(k) is one of them.
+// A texel of a sheet as the mean along its row (AXIS 0) or column (AXIS 1), weighted by a Gaussian; FETCH(k) reads
+// texel k.
 layout(push_constant, scalar) uniform push_block { uint number, level; };
 READS(unwrappings)
 READS(charts)
 READS(stretch)
 READS(gaussians)
-const uint GAUSSIANS = 6;
 
 vec4 mean(Unwrapping own, uint k) {
     if (charts[own.first + k].face == NONE) return vec4(0);
@@ -13,7 +13,7 @@ vec4 mean(Unwrapping own, uint k) {
     bool round = own.round[AXIS] != 0;
     precise float length_here = stretch[own.first + k][AXIS], deviation = gaussians[GAUSSIANS * number + level].w;
 
-    // Every how-manieth texel counts, and how many on each side: decided, by powers of two times the length.
+    // The stride between taps, and the number of taps on each side: decisions, by powers of two times the length.
     const vec4 POWERS = vec4(1, 2, 4, 8);
     vec4 near = POWERS * length_here;
     vec4 few = step(32.0 * POWERS, vec4(side - 1)), many = step(512.0 * POWERS, vec4(side - 1));
@@ -21,14 +21,14 @@ vec4 mean(Unwrapping own, uint k) {
     doubled += many * vec4(greaterThan(vec4(deviation), 128.0 * near));
     int pace = 1 << int(doubled.x + doubled.y + doubled.z + doubled.w);
     vec4 farther = vec4(greaterThan(vec4(deviation), float(pace) * near));
-    int reach = 6 << int(farther.x + farther.y + farther.z);
+    int reach = int(BLUR_REACH) << int(farther.x + farther.y + farther.z);
 
-    // Of the exponent's root, from tap to tap.
+    // Root of the Gaussian's exponent, per tap.
     float rate = 0.84932180 * float(pace) * length_here / deviation;
     vec4 sum = vec4(0);
     int tap = -reach, place = at + tap * pace, turn = round ? side : 0;
     if (round) place -= side * int(floor(float(place) / float(side)));
-    // Rounding may leave one at an end.
+    // Rounding may leave it one side off.
     if (round) place = place < 0 ? place + side : place >= side ? place - side : place;
     do {
         float distance = float(tap) * rate, weight = exp2(-distance * distance);

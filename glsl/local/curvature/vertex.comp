@@ -3,10 +3,10 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Curvature of a vertex by the triangles round it. The angles' deficit is a small difference of large sums: it is taken
-// triangle by triangle instead, as what the angle is larger by once projected along the normal. Those projected make full
-// turns; how many tells the plain sum, which serves alone where an edge runs along the normal: at sharp rims, where it is
-// not small.
+// Curvature of a vertex from the triangles around it. The angle deficit is a small difference of large sums. It is
+// summed triangle by triangle instead, as the increase of each angle by projection along the normal. Projected angles
+// add up to full turns; the plain sum gives their number, and serves alone if an edge runs along the normal: at sharp
+// rims, where the deficit is not small.
 READS(frame)
 READS(positions)
 READS(triangles)
@@ -17,9 +17,9 @@ WRITES(curvature)
 #include "local/curvature/ring.glsl"
 #include "local/curvature/angle.glsl"
 
-const float TURN = 6.28318530717959, COTANGENT = 100.0, SHARPEST = 1e4, SMALLEST = 1e-16, FLAT = 1e-30;
+const float TURN = 6.28318530717959;
 
-// A number for a vertex, so that sums of them tell whether the same vertices are in both.
+// A hash of a vertex: equal sums mean that two sets have the same vertices.
 uint mark(uint vertex) {
     uint h = (vertex ^ (vertex >> 16)) * 0x7feb352du;
     h = (h ^ (h >> 15)) * 0x846ca68bu;
@@ -37,14 +37,15 @@ void main() {
         after += mark(corner.y);
         before += mark(corner.z);
         vec3 b = positions[corner.y], c = positions[corner.z], u = b - a, w = c - a, e = c - b;
-        // Whether it has an area is decided; a fused operation would make one out of roundings.
+        // Whether it has an area is a decision; a fused operation would turn rounding into an area.
         precise vec3 n = u.yzx * w.zxy - u.zxy * w.yzx;
         precise float square = n.x * n.x + n.y * n.y + n.z * n.z;
-        bool whole = square > FLAT;
+        bool whole = square > FLAT_TRIANGLE;
         float twice = sqrt(square);
         float over = whole ? 1.0 / twice : 0.0;
         float da = dot(u, w), db = -dot(u, e), dc = dot(w, e);
-        float cb = clamp(db * over, -COTANGENT, COTANGENT), cc = clamp(dc * over, -COTANGENT, COTANGENT);
+        float cb = clamp(db * over, -MOST_COTANGENT, MOST_COTANGENT);
+        float cc = clamp(dc * over, -MOST_COTANGENT, MOST_COTANGENT);
         pull += whole ? cc * u + cb * w : vec3(0);
         float part = (dot(u, u) * cc + dot(w, w) * cb) / 8.0;
         part = db < 0.0 || dc < 0.0 ? twice / 8.0 : part;
@@ -59,16 +60,16 @@ void main() {
         angle += whole ? angle_of(twice, da) : 0.0;
     }
     Curvature found = Curvature(0.0, 0.0, 0.0, 0.0);
-    // Of unit length or 0: where sheets lie back to back nothing is told.
+    // The normal is of unit length, or 0 if sheets lie back to back: there is no curvature then.
     bool stands = dot(normal, normal) > 0.5;
-    if (stands && after == before && corner_starts[vertex + 1] > corner_starts[vertex] && area > SMALLEST) {
+    if (stands && after == before && corner_starts[vertex + 1] > corner_starts[vertex] && area > LEAST_MIXED_AREA) {
         float plain = TURN - angle;
         deficit = least < 0.25 ? plain : deficit - TURN * round((deficit - plain) / TURN);
         // The edges point away from the vertex here.
-        float mean = clamp(-dot(pull, normal) / (4.0 * area), -SHARPEST, SHARPEST);
-        float gaussian = clamp(deficit / area, -SHARPEST * SHARPEST, SHARPEST * SHARPEST);
+        float mean = clamp(-dot(pull, normal) / (4.0 * area), -MOST_CURVATURE, MOST_CURVATURE);
+        float gaussian = clamp(deficit / area, -MOST_CURVATURE * MOST_CURVATURE, MOST_CURVATURE * MOST_CURVATURE);
         float rms = sqrt(mean * mean + max(mean * mean - gaussian, 0.0));
-        found = Curvature(frame[0].kappa == 0 ? rms : abs(mean), mean, gaussian, 1.0);
+        found = Curvature(frame[0].kappa == KAPPA_RMS ? rms : abs(mean), mean, gaussian, 1.0);
     }
     curvature[vertex] = found;
 }

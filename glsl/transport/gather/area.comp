@@ -3,7 +3,7 @@
 #include "layout.glsl"
 
 // Near triangles by 6 area points, each at every receiver of the block.
-layout(local_size_x = 64) in;
+layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint ESTIMATE = 0;
 layout(constant_id = 2) const uint ANY_LIGHT = 0;
@@ -33,14 +33,15 @@ void main() {
     Dipole dipoles[3] = Dipole[3](dipole_of(0), dipole_of(1), dipole_of(2));
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     uint place = group * gl_WorkGroupSize.x + gl_LocalInvocationIndex, blocks_near = near_groups[1].x;
-    Receiver self = receiver_of(near[min(place / PLACES, blocks_near - 1)], place, place / PLACES < blocks_near);
+    uint run_near = place / BLOCK_RECEIVERS;
+    Receiver self = receiver_of(near[min(run_near, blocks_near - 1)], place, run_near < blocks_near);
     Runs run = runs[self.run];
     uint first = run.first + run.expanded + run.direct;
     vec3 sum = vec3(0), error = vec3(0);
     uint last = min(part.first + part.count, run.area);
     for (uint k = part.first; k < last; ++k) {
         uint node = entries[first + k];
-        // Lists for any light have dark emitters, too.
+        // Lists that serve any light contain dark emitters.
         if (ANY_LIGHT != 0 && moments[node].weight == 0.0) continue;
         uvec3 corner = triangles[topology[node].face];
         vec3 a = self.x - positions[corner.x], b = self.x - positions[corner.y], c = self.x - positions[corner.z];
@@ -57,7 +58,8 @@ void main() {
             float d2 = dot(d, d);
             EACH_CHANNEL({
                 vec3 p = weight * jet(dipoles[c], d2);
-                error[c] += missed_points(p, unit_chi(p, d2, dipoles[c].z2.x), m.diagonal.x + m.diagonal.y + m.diagonal.z);
+                float unit = unit_chi(p, d2, dipoles[c].z2.x);
+                error[c] += missed_points(p, unit, m.diagonal.x + m.diagonal.y + m.diagonal.z);
             })
         }
     }

@@ -4,8 +4,8 @@
 #include "layout.glsl"
 
 // Emitters too near to be expanded, each at every receiver of the block. One invocation a receiver; as many emitters
-// are loaded at once as invocations share a block, one each, and handed round.
-layout(local_size_x = 64) in;
+// are loaded at once as invocations share a block, one each, and shuffled.
+layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint ORDER = 2;
 layout(constant_id = 2) const uint ESTIMATE = 0;
@@ -30,7 +30,7 @@ void main() {
     Dipole dipoles[3] = Dipole[3](dipole_of(0), dipole_of(1), dipole_of(2));
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     Receiver self = receiver_at((group * gl_NumSubgroups + gl_SubgroupID) * gl_SubgroupSize + gl_SubgroupInvocationID);
-    uint width = min(gl_SubgroupSize, PLACES);
+    uint width = min(gl_SubgroupSize, BLOCK_RECEIVERS);
     uint mine = gl_SubgroupInvocationID % width, base = gl_SubgroupInvocationID - mine;
     Runs run = runs[self.run];
     uint first = run.first + run.expanded, count = run.direct;
@@ -41,11 +41,14 @@ void main() {
         for (uint k = 0; k < last; ++k) {
             uint from = base + k;
             float weight = subgroupShuffle(load.weight, from);
-            // Lists for any light have dark emitters, too.
+            // Lists that serve any light contain dark emitters.
             if (ANY_LIGHT != 0 && weight == 0.0) continue;
-            vec3 center = vec3(subgroupShuffle(load.center.x, from), subgroupShuffle(load.center.y, from), subgroupShuffle(load.center.z, from));
-            vec3 diagonal = vec3(subgroupShuffle(load.diagonal.x, from), subgroupShuffle(load.diagonal.y, from), subgroupShuffle(load.diagonal.z, from));
-            vec3 mixed = vec3(subgroupShuffle(load.mixed.x, from), subgroupShuffle(load.mixed.y, from), subgroupShuffle(load.mixed.z, from));
+            vec3 center = vec3(subgroupShuffle(load.center.x, from), subgroupShuffle(load.center.y, from),
+                               subgroupShuffle(load.center.z, from));
+            vec3 diagonal = vec3(subgroupShuffle(load.diagonal.x, from), subgroupShuffle(load.diagonal.y, from),
+                                 subgroupShuffle(load.diagonal.z, from));
+            vec3 mixed = vec3(subgroupShuffle(load.mixed.x, from), subgroupShuffle(load.mixed.y, from),
+                              subgroupShuffle(load.mixed.z, from));
             vec3 d = self.x - center;
             float d2 = dot(d, d);
             float half_tau = ORDER == 2 ? 0.5 * (diagonal.x + diagonal.y + diagonal.z) : 0.0;

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Only where an error is estimated: the light of the emitters that each block left out, which is all of one sign.
+// Only if the error is estimated: the light of the emitters that each block leaves out, all of one sign.
 layout(constant_id = 0) const uint CHANNELS = 7;
 READS(moments)
 READS(spreads)
@@ -18,7 +18,7 @@ Dipole dipoles[3];
 vec3 sum = vec3(0);
 vec3 center;
 void on_emitter(uint kind, uint node) {
-    if (kind != DROPPED) return;
+    if (kind != LINK_DROPPED) return;
     Cloud m = cloud_of(node);
     vec3 d = center - m.center;
     float d2 = dot(d, d), tau = m.diagonal.x + m.diagonal.y + m.diagonal.z;

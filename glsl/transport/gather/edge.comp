@@ -3,7 +3,7 @@
 #include "layout.glsl"
 
 // The nearest triangles by the edge form, each at every receiver of the block.
-layout(local_size_x = 64) in;
+layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint NODES = 6;
 layout(constant_id = 2) const uint ESTIMATE = 0;
@@ -31,7 +31,8 @@ UPDATES(estimate)
 void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     uint place = group * gl_WorkGroupSize.x + gl_LocalInvocationIndex, blocks_near = near_groups[1].x;
-    Receiver self = receiver_of(near[min(place / PLACES, blocks_near - 1)], place, place / PLACES < blocks_near);
+    uint run_near = place / BLOCK_RECEIVERS;
+    Receiver self = receiver_of(near[min(run_near, blocks_near - 1)], place, run_near < blocks_near);
     Runs run = runs[self.run];
     uint first = run.first + run.expanded + run.direct + run.area;
     vec3 z_real = frame[0].z_real, z_virtual = frame[0].z_virtual, sigma = frame[0].sigma;
@@ -39,7 +40,7 @@ void main() {
     uint last = min(part.first + part.count, run.edge);
     for (uint k = part.first; k < last; ++k) {
         uint node = entries[first + k], face = topology[node].face;
-        // Lists for any light have dark emitters, too.
+        // Lists that serve any light contain dark emitters.
         if (ANY_LIGHT != 0 && irradiance[face] == vec3(0)) continue;
         Cluster emitter = clusters[node];
         uvec3 corner = triangles[face];

@@ -34,7 +34,7 @@ void main() {
     vec3 gradient[3] = vec3[3](vec3(0), vec3(0), vec3(0));
     vec3 diagonal[3] = vec3[3](vec3(0), vec3(0), vec3(0)), mixed[3] = vec3[3](vec3(0), vec3(0), vec3(0));
     for (uint k = first; k < last; ++k) {
-        // Lists for any light have dark emitters, too.
+        // Lists that serve any light contain dark emitters.
         if (ANY_LIGHT != 0 && moments[entries[k]].weight == 0.0) continue;
         Cloud m = cloud_of(entries[k]);
         vec3 d = center - m.center;
@@ -50,21 +50,26 @@ void main() {
             mixed[c] += p.z * cross_terms;
             if (ESTIMATE != 0) {
                 float unit = unit_chi(p, d2, dipoles[c].z2.x);
-                error[c] += missed_moments(ORDER, dipoles[c].sigma, p, unit, m.diagonal.x + m.diagonal.y + m.diagonal.z);
+                float trace = m.diagonal.x + m.diagonal.y + m.diagonal.z;
+                error[c] += missed_moments(ORDER, dipoles[c].sigma, p, unit, trace);
                 bend[c] += missed_bend(p, unit, spheres[block].radius);
             }
         })
     }
-    Expansion sum = Expansion(value, vec3(gradient[0].x, gradient[1].x, gradient[2].x), vec3(gradient[0].y, gradient[1].y, gradient[2].y),
+    Expansion sum = Expansion(value,
+        vec3(gradient[0].x, gradient[1].x, gradient[2].x), vec3(gradient[0].y, gradient[1].y, gradient[2].y),
         vec3(gradient[0].z, gradient[1].z, gradient[2].z), vec3(diagonal[0].x, diagonal[1].x, diagonal[2].x),
         vec3(diagonal[0].y, diagonal[1].y, diagonal[2].y), vec3(diagonal[0].z, diagonal[1].z, diagonal[2].z),
-        vec3(mixed[0].x, mixed[1].x, mixed[2].x), vec3(mixed[0].y, mixed[1].y, mixed[2].y), vec3(mixed[0].z, mixed[1].z, mixed[2].z), error, bend);
+        vec3(mixed[0].x, mixed[1].x, mixed[2].x), vec3(mixed[0].y, mixed[1].y, mixed[2].y),
+        vec3(mixed[0].z, mixed[1].z, mixed[2].z), error, bend);
     if (ALONE == 0) {
         // Other channels belong to other groups.
         Expansion old = expansions[block];
-        sum = Expansion(only_group(sum.value, old.value), only_group(sum.x, old.x), only_group(sum.y, old.y), only_group(sum.z, old.z),
-            only_group(sum.xx, old.xx), only_group(sum.yy, old.yy), only_group(sum.zz, old.zz), only_group(sum.yz, old.yz),
-            only_group(sum.zx, old.zx), only_group(sum.xy, old.xy), only_group(error, old.error), only_group(bend, old.bend));
+        sum = Expansion(only_group(sum.value, old.value),
+            only_group(sum.x, old.x), only_group(sum.y, old.y), only_group(sum.z, old.z),
+            only_group(sum.xx, old.xx), only_group(sum.yy, old.yy), only_group(sum.zz, old.zz),
+            only_group(sum.yz, old.yz), only_group(sum.zx, old.zx), only_group(sum.xy, old.xy),
+            only_group(error, old.error), only_group(bend, old.bend));
     }
     expansions[block] = sum;
 }

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 
 // Root of the area-weighted mean of B^2 over the samples, each by its chance.
-layout(local_size_x = 64) in;
+layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint CHANNELS = 7;
 READS(frame)
 READS(leaves)
@@ -12,17 +12,16 @@ READS(samples)
 UPDATES(level)
 #include "transport/channels.glsl"
 
-const uint SAMPLES = 256;
-shared vec3 sums[64];
+shared vec3 sums[GROUP_SIZE];
 
 void main() {
     uint self = gl_LocalInvocationIndex;
-    // Relative to the largest value and the mean area, so that squares stay within range.
+    // Relative to the largest value and the mean area, so that squares neither overflow nor underflow.
     vec3 most = vec3(1e-30);
-    for (uint k = 0; k < SAMPLES; ++k) most = max(most, samples[k].value);
+    for (uint k = 0; k < COARSE_SAMPLES; ++k) most = max(most, samples[k].value);
     float mean = clusters[0].area / float(frame[0].faces);
     vec3 sum = vec3(0);
-    for (uint k = self; k < SAMPLES; k += 64) {
+    for (uint k = self; k < COARSE_SAMPLES; k += GROUP_SIZE) {
         Sample one = samples[k];
         vec3 value = one.value / most;
         float share = mean > 0.0 ? clusters[leaves[one.face]].area / mean : 0.0;
@@ -30,9 +29,9 @@ void main() {
     }
     sums[self] = sum;
     barrier();
-    for (uint step = 32; step > 0; step /= 2) {
+    for (uint step = GROUP_SIZE / 2; step > 0; step /= 2) {
         if (self < step) sums[self] += sums[self + step];
         barrier();
     }
-    if (self == 0) level[0] = only_group(max(most * sqrt(sums[0] / float(SAMPLES)), vec3(1e-30)), level[0]);
+    if (self == 0) level[0] = only_group(max(most * sqrt(sums[0] / float(COARSE_SAMPLES)), vec3(1e-30)), level[0]);
 }

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The coarse solution at a few receivers: one half evenly among the triangles, one half where the light is.
+// The coarse solution at a few receivers: one half evenly among the triangles, one half by the light.
 layout(constant_id = 0) const uint CHANNELS = 7;
 READS(frame)
 READS(topology)
@@ -16,11 +16,11 @@ WRITES(samples)
 #include "dipole/jet.glsl"
 #include "transport/channels.glsl"
 
-const uint SAMPLES = 256;
+const uint HALF = COARSE_SAMPLES / 2;
 
 // The triangle at this share of the light: decisions, so exact.
 uint by_light(uint k) {
-    precise float target = moments[0].weight * ((float(k) + 0.5) * (1.0 / 128.0));
+    precise float target = moments[0].weight * ((float(k) + 0.5) * (1.0 / float(HALF)));
     uint node = 0;
     while (topology[node].face == NONE) {
         uint left = node + 1, right = topology[left].skip;
@@ -35,9 +35,9 @@ uint by_light(uint k) {
 
 void main() {
     uint k = invocation();
-    if (k >= SAMPLES) return;
-    uint even = min(uint((float(k) + 0.5) * (1.0 / 128.0) * float(frame[0].faces)), frame[0].faces - 1);
-    uint leaf = k < 128 ? leaves[even] : by_light(k - 128);
+    if (k >= COARSE_SAMPLES) return;
+    uint even = min(uint((float(k) + 0.5) * (1.0 / float(HALF)) * float(frame[0].faces)), frame[0].faces - 1);
+    uint leaf = k < HALF ? leaves[even] : by_light(k - HALF);
     vec3 x = clusters[leaf].center;
     float whole = moments[0].weight;
     float light = whole > 0.0 ? moments[leaf].weight / whole : 0.0;
@@ -74,5 +74,6 @@ void main() {
     // One factor after the other, so that nothing leaves the range of f32.
     float enters = area > 0.0 && whole > 0.0 ? light * (clusters[0].area / area) : 0.0;
     float share = mean > 0.0 ? area / mean : 0.0;
-    samples[k] = Sample(topology[leaf].face, chance, max(sum, vec3(0)), enters * enters * (share / (chance * float(frame[0].faces))));
+    samples[k] = Sample(topology[leaf].face, chance, max(sum, vec3(0)),
+                        enters * enters * (share / (chance * float(frame[0].faces))));
 }

@@ -1,7 +1,7 @@
-// Decisions: additions, multiplications and comparisons only, all `precise`, so that every device decides alike.
+// Decisions: additions, multiplications and comparisons only, all `precise`, so that all devices agree.
 //
 // A block walks the tree of emitters. Each is dropped, expanded, linked directly or, a triangle too near for that,
-// taken by area points or the edge form; else it is opened.
+// taken by area points or the edge form; otherwise its children are visited.
 #include "dipole/near.glsl"
 
 READS(frame)
@@ -9,8 +9,6 @@ READS(spheres)
 READS(emitters)
 READS(expands)
 layout(push_constant, scalar) uniform push_block { Range range; };
-
-const uint DROPPED = 0, EXPANDED = 1, DIRECT = 2, AREA = 3, EDGE = 4, OPENED = 5;
 
 void on_emitter(uint kind, uint node);
 
@@ -25,19 +23,20 @@ bool beyond(float d2, float reach, float radius) {
 bool walk(uint block) {
     Sphere sphere = spheres[block];
     // A class for the block's spread; beyond the last nothing is expanded.
-    uint spread_class = uint(sphere.spread > 1.0) + uint(sphere.spread > 4.0) + uint(sphere.spread > 16.0);
-    bool expandable = sphere.spread <= 64.0;
+    uint spread_class = uint(sphere.spread > BLOCK_CLASSES[0]) + uint(sphere.spread > BLOCK_CLASSES[1]) +
+                        uint(sphere.spread > BLOCK_CLASSES[2]);
+    bool expandable = sphere.spread <= BLOCK_CLASSES[3];
     uint node = 0, end = frame[0].nodes;
     while (node < end) {
         Emitter e = emitters[node];
         float d2 = distance2(sphere.center, e.place.xyz);
         bool leaf = e.skip == node + 1;
-        uint near = leaf ? (beyond(d2, e.area, sphere.radius) ? AREA : EDGE) : OPENED;
-        uint kind = beyond(d2, e.place.w, sphere.radius) ? DROPPED
-                  : expandable && beyond(d2, expands[node][spread_class], sphere.radius) ? EXPANDED
-                  : beyond(d2, e.accept, sphere.radius) ? DIRECT : near;
+        uint near = leaf ? (beyond(d2, e.area, sphere.radius) ? LINK_AREA : LINK_EDGE) : LINK_OPENED;
+        uint kind = beyond(d2, e.place.w, sphere.radius) ? LINK_DROPPED
+                  : expandable && beyond(d2, expands[node][spread_class], sphere.radius) ? LINK_EXPANDED
+                  : beyond(d2, e.accept, sphere.radius) ? LINK_DIRECT : near;
         on_emitter(kind, node);
-        node = kind == OPENED ? node + 1 : e.skip;
+        node = kind == LINK_OPENED ? node + 1 : e.skip;
     }
     return node >= end;
 }

@@ -9,21 +9,21 @@ READS(cursor)
 WRITES(entries)
 #include "transport/link/walk.glsl"
 
-uint at[6];
+uint at[LINK_KINDS];
 void on_emitter(uint kind, uint node) {
     uint place = 0;
-    for (uint k = EXPANDED; k <= EDGE; ++k) place = kind == k ? at[k] : place;
-    if (kind != DROPPED && kind != OPENED) entries[place] = node;
-    for (uint k = EXPANDED; k <= EDGE; ++k) at[k] += uint(kind == k);
+    for (uint k = LINK_EXPANDED; k <= LINK_EDGE; ++k) place = kind == k ? at[k] : place;
+    if (kind != LINK_DROPPED && kind != LINK_OPENED) entries[place] = node;
+    for (uint k = LINK_EXPANDED; k <= LINK_EDGE; ++k) at[k] += uint(kind == k);
 }
 
 void main() {
     uint i = invocation();
     if (i >= range.count || cursor[0].entries > frame[0].entry_room) return;
     Runs one = runs[i];
-    at[EXPANDED] = one.first;
-    at[DIRECT] = one.first + one.expanded;
-    at[AREA] = at[DIRECT] + one.direct;
-    at[EDGE] = at[AREA] + one.area;
+    at[LINK_EXPANDED] = one.first;
+    at[LINK_DIRECT] = one.first + one.expanded;
+    at[LINK_AREA] = at[LINK_DIRECT] + one.direct;
+    at[LINK_EDGE] = at[LINK_AREA] + one.area;
     walk(range.first + i);
 }

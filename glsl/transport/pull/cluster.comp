@@ -24,7 +24,7 @@ void main() {
     Moment l = moments[left], r = moments[right];
     Spread ls = spreads[left], rs = spreads[right];
     float weight = l.weight + r.weight;
-    // Nothing to weigh: the middle will do.
+    // Without light, the middle.
     float share = weight > 0.0 ? r.weight / weight : 0.5;
     vec3 center = ORDER == 0 ? clusters[node].center : l.center + share * (r.center - l.center);
     vec3 to_l = l.center - center, to_r = r.center - center;

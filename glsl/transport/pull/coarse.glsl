@@ -1,6 +1,7 @@
-// From which distance on the coarse solution takes a cluster as one: chi at its nearest point stays below 0.3.
+// The distance beyond which the coarse solution takes a cluster as one: chi at its nearest point stays below
+// COARSE_CHI.
 #include "transport/chi.glsl"
 
 float coarse_distance(vec3 diagonal, float radius) {
-    return radius + chi_distance(diagonal.x + diagonal.y + diagonal.z, 0.3);
+    return radius + chi_distance(diagonal.x + diagonal.y + diagonal.z, COARSE_CHI);
 }

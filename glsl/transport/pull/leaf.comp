@@ -25,7 +25,8 @@ void main() {
     vec3 p = b - a, q = c - b, r = a - c;
     vec3 diagonal = (p * p + q * q + r * r) / 36.0;
     vec3 mixed = (p.yzx * p.zxy + q.yzx * q.zxy + r.yzx * r.zxy) / 36.0;
-    float radius = sqrt(max(dot(a - center, a - center), max(dot(b - center, b - center), dot(c - center, c - center))));
+    float radius = sqrt(max(dot(a - center, a - center), max(dot(b - center, b - center),
+                                                             dot(c - center, c - center))));
     float weight = clusters[node].area * irradiance[face][LEAD];
     moments[node] = Moment(center, weight);
     spreads[node] = Spread(diagonal, radius, mixed, coarse_distance(diagonal, radius));

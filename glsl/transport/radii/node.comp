@@ -3,7 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Each node's distances: where its light counts for nothing, where one link serves, one expansion, 6 area points.
+// Each node's distances: beyond them its light is negligible, one link serves, one expansion serves, 6 area points
+// serve.
 layout(constant_id = 0) const uint ORDER = 2;
 layout(constant_id = 1) const uint ANY_LIGHT = 0;
 READS(frame)
@@ -18,7 +19,7 @@ WRITES(expands)
 #include "transport/radii/laws.glsl"
 #include "transport/chi.glsl"
 
-// What the laws are about: a node's light, or its area where lists have to serve any light.
+// The source that the laws bound: a node's light, or its area if lists have to serve any light.
 struct Source { vec3 center; float strength; float trace; float radius; };
 
 Source source_of(uint node) {
@@ -31,19 +32,19 @@ Source source_of(uint node) {
     return Source(moments[node].center, moments[node].weight, s.diagonal.x + s.diagonal.y + s.diagonal.z, s.radius);
 }
 
-// Distance from which on a link of the strength W tau^n, as a logarithm, keeps within `allowed`; `head` is the law's
-// largest value and how far it falls.
+// The distance beyond which a link of strength W tau^n, given as a logarithm, stays within `allowed`; `head` is the
+// law's largest value, and how far it falls.
 float range_of(uint which, vec2 head, float strength, float allowed) {
-    uint base = which * (ENTRIES + 2);
+    uint base = which * (RANGE_ENTRIES + 2);
     float wanted = log2(allowed) - strength - log2(factor_of(which));
-    float at = (head.x - wanted) / max(head.y, 1e-6) * float(ENTRIES - 1);
+    float at = (head.x - wanted) / max(head.y, 1e-6) * float(RANGE_ENTRIES - 1);
     if (!(at > 0.0)) return 0.0;
-    if (at >= float(ENTRIES - 1)) return FARTHEST;
+    if (at >= float(RANGE_ENTRIES - 1)) return FARTHEST;
     uint entry = uint(at);
     return mix(ranges[base + 2 + entry], ranges[base + 3 + entry], at - float(entry));
 }
 
-// Nearer than this a rule serves no triangle. Sources lie at least z = z_r off the surface.
+// The distance below which a rule serves no triangle. Sources lie at least z = z_r off the surface.
 float valid(float trace, float chi, float z) {
     float s = chi_distance(trace, chi);
     return sqrt(max(0.0, (s - z) * (s + z)));
@@ -54,12 +55,14 @@ float reach(float radius, float range) { return range > 0.0 ? radius + range : -
 
 void main() {
     uint node = invocation();
-    // What all share is read before the first of them leaves: some drivers read it once for each after that.
+    // What all invocations share is read before any of them returns: after that some drivers read it once for each.
     float z = min(frame[0].z_real.x, min(frame[0].z_real.y, frame[0].z_real.z)), error = frame[0].link_error;
     // A flat disc of a block's mean area, and four times more for each further class.
     float disc = log2(max(clusters[0].area / (6.2831853 * float(frame[0].usual_blocks)), 1e-30));
-    vec2 heads[LAWS];
-    for (uint k = 0; k < LAWS; ++k) heads[k] = vec2(ranges[k * (ENTRIES + 2)], ranges[k * (ENTRIES + 2) + 1]);
+    vec2 heads[ERROR_LAWS];
+    for (uint k = 0; k < ERROR_LAWS; ++k) {
+        heads[k] = vec2(ranges[k * (RANGE_ENTRIES + 2)], ranges[k * (RANGE_ENTRIES + 2) + 1]);
+    }
     if (node >= frame[0].nodes) return;
     Source source = source_of(node);
     uint skip = topology[node].skip;
@@ -68,20 +71,25 @@ void main() {
     if (source.strength > 0.0) {
         float weight = log2(source.strength), tau = log2(max(source.trace, 1e-30));
         bool leaf = skip == node + 1;
-        uint rule = leaf ? 3 : 1;
-        vec2 head = leaf ? heads[3] : heads[1];
+        uint rule = leaf ? LAW_SAMPLE : LAW_MOMENTS;
+        vec2 head = leaf ? heads[LAW_SAMPLE] : heads[LAW_MOMENTS];
         float trace = source.trace;
         float accept = range_of(rule, head, weight + power_of(rule) * tau, error);
         if (leaf) accept = max(accept, valid(trace, SAMPLE_CHI, z));
         // The laws hold at a cluster's nearest point; a triangle's at its centroid.
         float radius = leaf ? 0.0 : source.radius;
-        emitter.place.w = reach(source.radius, range_of(0, heads[0], weight, NOTHING * error));
+        emitter.place.w = reach(source.radius, range_of(LAW_MAGNITUDE, heads[LAW_MAGNITUDE],
+                                                        weight, DROPPED_SHARE * error));
         emitter.accept = reach(radius, accept);
         for (uint k = 0; k < 4; ++k) {
-            float bent = range_of(2, heads[2], weight + power_of(2) * (disc + 2.0 * float(k)), RECEIVER_SHARE * error);
+            float spread = power_of(LAW_EXPANSION) * (disc + 2.0 * float(k));
+            float bent = range_of(LAW_EXPANSION, heads[LAW_EXPANSION], weight + spread, EXPANDED_SHARE * error);
             expand[k] = reach(radius, max(accept, bent));
         }
-        if (leaf) emitter.area = reach(radius, max(valid(trace, AREA_CHI, z), range_of(4, heads[4], weight + power_of(4) * tau, error)));
+        if (leaf) {
+            float points = range_of(LAW_AREA, heads[LAW_AREA], weight + power_of(LAW_AREA) * tau, error);
+            emitter.area = reach(radius, max(valid(trace, AREA_CHI, z), points));
+        }
     }
     emitters[node] = emitter;
     expands[node] = expand;

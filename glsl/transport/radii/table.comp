@@ -30,18 +30,19 @@ float law(float u, float power) {
         float virt = source(frame[0].sigma[c], frame[0].z_virtual[c], u, power);
         float both = max(real, virt) + log2(1.0 + exp2(min(real, virt) - max(real, virt)));
         float strength = max(frame[0].strength[c] * (ANY_LIGHT != 0 ? 1.0 : frame[0].tint[c]), 1e-37);
-        largest = max(largest, both + log2(strength) + log2(ANY_LIGHT != 0 ? cursor[0].contrast[c] : 1.0 / level[0][c]));
+        largest = max(largest, both + log2(strength) +
+                               log2(ANY_LIGHT != 0 ? cursor[0].contrast[c] : 1.0 / level[0][c]));
     })
     return largest;
 }
 
 void main() {
     uint i = invocation();
-    if (i >= LAWS * ENTRIES) return;
-    uint which = i / ENTRIES, entry = i % ENTRIES;
+    if (i >= ERROR_LAWS * RANGE_ENTRIES) return;
+    uint which = i / RANGE_ENTRIES, entry = i % RANGE_ENTRIES;
     float power = power_of(which);
-    float top = law(0.0, power), depth = min(DEEPEST, top - law(FARTHEST, power));
-    float wanted = top - depth * float(entry) / float(ENTRIES - 1);
+    float top = law(0.0, power), depth = min(RANGE_DEPTH, top - law(FARTHEST, power));
+    float wanted = top - depth * float(entry) / float(RANGE_ENTRIES - 1);
     // In the fourth root of the distance: small ones matter as much as large ones.
     float low = 0.0, high = 1.41421356;
     for (uint k = 0; k < 30; ++k) {
@@ -51,7 +52,7 @@ void main() {
         low = beyond ? low : middle;
     }
     float u = entry == 0 ? 0.0 : high * high * high * high;
-    uint base = which * (ENTRIES + 2);
+    uint base = which * (RANGE_ENTRIES + 2);
     ranges[base + 2 + entry] = u;
     if (entry == 0) {
         ranges[base] = top;

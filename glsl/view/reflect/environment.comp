@@ -4,10 +4,10 @@
 #include "invocation.glsl"
 #include "light/fresnel.glsl"
 
-// What the surface reflects of the environment: its image in fixed directions about the mirror's, or by fixed microfacets.
+// The environment's reflection: its image in fixed directions about the mirror direction, or by fixed microfacets.
 layout(constant_id = 0) const uint GGX = 0;
 layout(constant_id = 1) const uint COUNT = 1;
-layout(push_constant, scalar) uniform push_block { uint object; }; // of whose pixels this dispatch is about
+layout(push_constant, scalar) uniform push_block { uint object; }; // whose pixels this dispatch shades
 READS(frame)
 READS(camera)
 READS(sky)

@@ -4,10 +4,10 @@
 #include "invocation.glsl"
 #include "light/fresnel.glsl"
 
-// What the surface reflects of lights that have a place or a direction, where they reach the triangle.
-layout(constant_id = 0) const uint SHADOWS = 0; // 1 where triangles have bits of them, 2 where pixels do
+// The reflections of lights that have a position or a direction, if they reach the point.
+layout(constant_id = 0) const uint SHADOWS = SHADOWS_NOT; // whose bits of shadow are read
 layout(constant_id = 1) const uint GGX = 0;
-layout(push_constant, scalar) uniform push_block { uint object; }; // of whose pixels this dispatch is about
+layout(push_constant, scalar) uniform push_block { uint object; }; // whose pixels this dispatch shades
 READS(frame)
 READS(camera)
 READS(lights)
@@ -20,7 +20,7 @@ READS(hits)
 UPDATES(radiance)
 uint shadow_bits(uint word) {
     uint bits = 0;
-    if (SHADOWS == 2) bits = reached[word];
+    if (SHADOWS == SHADOWS_BY_PIXEL) bits = reached[word];
     else bits = lit[word];
     return bits;
 }
@@ -46,7 +46,7 @@ void main() {
     Surface s = surface(hit);
     float signed_seen = dot(s.normal, s.toward), seen = abs(signed_seen), alpha = frame[object].roughness;
     vec3 sum = vec3(0);
-    uint index = SHADOWS == 2 ? pixel : hit.face;
+    uint index = SHADOWS == SHADOWS_BY_PIXEL ? pixel : hit.face;
     for (uint i = 0; i < frame[0].lights; ++i) {
         Light light = lights[i];
         vec3 toward;
@@ -64,7 +64,7 @@ void main() {
             met = cosine;
             lobe = (alpha + 2.0) / (2.0 * 3.14159265358979) * power(dot(mirror, toward), uint(alpha));
         }
-        float counts = light.kind == 5 || cosine <= 0.0 ? 0.0 : falloff * cosine * lobe;
+        float counts = light.kind == LIGHT_SKY_RAY || cosine <= 0.0 ? 0.0 : falloff * cosine * lobe;
         sum += light.color * counts * (1.0 - transmittance(frame[object].eta, met));
     }
     radiance[pixel] += camera[0].radiance * sum;

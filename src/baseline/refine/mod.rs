@@ -11,7 +11,7 @@ pub use walk::{Choice, Walk, children, choose, rung};
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Cursor, Link, Range, Slot, Span};
+use crate::layout::{Cursor, Link, MOST_PAIRS, RUNG_AREA, RUNG_SAMPLE, Range, Slot, Span};
 use crate::state::{
     Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never,
 };
@@ -47,9 +47,6 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// The longest list of one receiver: lavapipe ends an invocation's loops after 65,535 iterations.
-pub const MOST: usize = 65_000;
-
 /// One receiver's decisions, in order.
 #[derive(Default)]
 struct Lists {
@@ -76,7 +73,7 @@ fn cpu(state: &mut State, at: Place) {
 
         // Where each one's lists begin, if all fit.
         let cursor = &mut data.cursor[0];
-        for list in lists.iter_mut().filter(|list| list.links.len() > MOST || list.hands.len() > MOST) {
+        for list in lists.iter_mut().filter(|list| list.links.len() > MOST_PAIRS || list.hands.len() > MOST_PAIRS) {
             cursor.unfinished = 1;
             *list = Lists::default();
         }
@@ -157,8 +154,8 @@ fn decide(walk: &Walk<'_>, data: &crate::layout::Buffers, receiver: u32) -> List
         walk::Decision::Link { rung } => {
             let index = lists.links.len() as u32;
             match rung {
-                0 => {}
-                1 => lists.areas.push(index),
+                RUNG_SAMPLE => {}
+                RUNG_AREA => lists.areas.push(index),
                 _ => lists.edges.push(index),
             }
             lists.links.push(emitter);

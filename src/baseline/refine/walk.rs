@@ -2,16 +2,19 @@
 //! only, in the order of `glsl/baseline/refine/walk.glsl`, and the two agree bit for bit.
 
 use crate::dipole::distance2;
-use crate::layout::{Buffers, Cluster, Frame, Topology};
+use crate::layout::{
+    Buffers, Cluster, FAR_FROM_DENORMAL, Frame, NONE, PAIR_HANDED, PAIR_LINKED, PAIR_SPLIT, RUNG_AREA, RUNG_EDGE,
+    RUNG_SAMPLE, Topology,
+};
 
 /// What becomes of an emitter at a receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
     /// The receiver's children settle it.
     HandDown,
-    /// It is linked; rung 0 takes one sample, 1 area points, 2 the edge form.
+    /// It is linked.
     Link {
-        /// Which evaluation of the form factor.
+        /// How its form factor is evaluated: a `RUNG_`.
         rung: u32,
     },
 }
@@ -24,29 +27,27 @@ pub struct Walk<'a> {
     reach: &'a [[f32; 4]],
 }
 
-/// 2^40: keeps products of tiny areas and distances away from denormals, which a device may flush.
-const FAR_FROM_DENORMAL: f32 = 1_099_511_627_776.0;
-
 /// Which evaluation serves at this squared distance, for a triangle with these radii.
 pub fn rung(d2: f32, radii: [f32; 4]) -> u32 {
     if d2 >= radii[0] {
-        0
+        RUNG_SAMPLE
     } else if d2 >= radii[1].min(radii[2].min(radii[3])) {
-        1
+        RUNG_AREA
     } else {
-        2
+        RUNG_EDGE
     }
 }
 
 /// What becomes of a pair of clusters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
 pub enum Choice {
     /// It is linked.
-    Linked,
+    Linked = PAIR_LINKED,
     /// The receiver's children settle it.
-    Handed,
+    Handed = PAIR_HANDED,
     /// The emitter's children settle it.
-    Split,
+    Split = PAIR_SPLIT,
 }
 
 /// Whether |A/d_child^2 - A/d^2| exceeds epsilon_1.
@@ -84,7 +85,7 @@ pub fn choose(
 
 /// Centres of a node's children; none of a leaf.
 pub fn children(topology: &[Topology], clusters: &[Cluster], node: usize) -> Option<[[f32; 3]; 2]> {
-    (topology[node].face == u32::MAX)
+    (topology[node].face == NONE)
         .then(|| [node + 1, topology[node + 1].skip as usize].map(|child| clusters[child].center))
 }
 
@@ -105,7 +106,7 @@ impl<'a> Walk<'a> {
             while node < end {
                 let emitter = &self.clusters[node as usize];
                 let place = self.topology[node as usize];
-                node = match choose(&self.frame, emitter, place.face != u32::MAX, center, children) {
+                node = match choose(&self.frame, emitter, place.face != NONE, center, children) {
                     Choice::Handed => {
                         tell(Decision::HandDown, node);
                         place.skip
@@ -113,7 +114,7 @@ impl<'a> Walk<'a> {
                     Choice::Split => node + 1,
                     Choice::Linked => {
                         let d2 = distance2(center, emitter.center);
-                        let rung = self.reach.get(place.face as usize).map_or(0, |&radii| rung(d2, radii));
+                        let rung = self.reach.get(place.face as usize).map_or(RUNG_SAMPLE, |&radii| rung(d2, radii));
                         tell(Decision::Link { rung }, node);
                         place.skip
                     }

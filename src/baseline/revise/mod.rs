@@ -7,15 +7,15 @@
 
 mod walk;
 
-pub use walk::{BOTH, Edits, walk};
+pub use walk::{Edits, walk};
 
 use rayon::prelude::*;
 
-use super::refine::{MOST, open};
-use super::renew::{EDITED, groups};
+use super::refine::open;
+use super::renew::groups;
 use crate::baseline::not_incremental;
 use crate::error::Result;
-use crate::layout::{Buffers, Link, Range, Slot, Span};
+use crate::layout::{ALTERED_MOVED, Buffers, DUE_MERGED, Link, MOST_PAIRS, PAIR_BOTH, Range, Slot, Span};
 use crate::state::{
     Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, narrow, wide,
 };
@@ -80,11 +80,11 @@ fn level_of(data: &mut Buffers, level: std::ops::Range<u32>, top: bool) {
     let receivers = data.order[level.start as usize..level.end as usize].to_vec();
     let handed = |receiver: u32| match data.edits.get(data.topology[receiver as usize].parent as usize) {
         Some(span) => data.handed.get(span.hand as usize..(span.hand + span.hands) as usize).unwrap_or_default(),
-        None => &[BOTH],
+        None => &[PAIR_BOTH],
     };
     let mut lists: Vec<Edits> = receivers.par_iter().map(|&receiver| walk(data, receiver, handed(receiver))).collect();
     let (frame, cursor) = (data.frame[0], &mut data.cursor[0]);
-    for list in lists.iter_mut().filter(|l| l.made.len().max(l.undone.len()).max(l.hands.len()) > MOST) {
+    for list in lists.iter_mut().filter(|l| l.made.len().max(l.undone.len()).max(l.hands.len()) > MOST_PAIRS) {
         cursor.unfinished = 1;
         *list = Edits::default();
     }
@@ -131,7 +131,7 @@ fn place(data: &mut Buffers, nodes: std::ops::Range<usize>) {
     for receiver in receivers {
         let (edit, links) = (&mut data.edits[receiver], data.spans[receiver].links);
         let room = if edit.areas + edit.edges > 0 { links + edit.links } else { 0 };
-        if (links + edit.links + edit.areas) as usize > MOST {
+        if (links + edit.links + edit.areas) as usize > MOST_PAIRS {
             data.cursor[0].unfinished = 1;
         }
         (edit.edge, edit.edges) = (next, room);
@@ -139,7 +139,7 @@ fn place(data: &mut Buffers, nodes: std::ops::Range<usize>) {
     }
     let edited: Vec<u32> = data.order[nodes.clone()].iter().copied().filter(|&r| has_edits(data, r)).collect();
     data.busy[nodes.start..][..edited.len()].copy_from_slice(&edited);
-    data.due_groups[EDITED] = groups(edited.len() as u32);
+    data.due_groups[DUE_MERGED] = groups(edited.len() as u32);
     let cursor = &mut data.cursor[0];
     cursor.busy = edited.len() as u32;
     cursor.edited += cursor.busy;
@@ -178,7 +178,7 @@ fn merge(data: &mut Buffers, receiver: u32, base: usize, stale_base: usize) {
         if !makes && undone.binary_search(&emitter).is_ok() {
             continue;
         }
-        let touched = if makes { (altered(receiver) | altered(emitter)) & 1 } else { 0 };
+        let touched = if makes { (altered(receiver) | altered(emitter)) & ALTERED_MOVED } else { 0 };
         let waits = before.map_or(1, |k| data.stale[flags.start + k] | touched);
         lists.push((emitter, factor.unwrap_or_else(|| narrow(wide(share) * area(emitter))), waits));
     }
@@ -208,5 +208,5 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let nodes = schedule.chunks[chunk].nodes.clone();
     let range = Range { first: nodes.start, count: nodes.end - nodes.start };
     pass.dispatch(Some("place"), &[], bytemuck::bytes_of(&range), 1)?;
-    pass.dispatch_counted("merge", &[], bytemuck::bytes_of(&range), (Slot::due_groups, EDITED))
+    pass.dispatch_counted("merge", &[], bytemuck::bytes_of(&range), (Slot::due_groups, DUE_MERGED))
 }

@@ -1,14 +1,7 @@
 //! The refinement before and after a change, side by side: decisions in the order of `glsl/baseline/revise/walk.glsl`.
 
 use crate::baseline::refine::{Choice, children, choose};
-use crate::layout::Buffers;
-
-/// The refinement of now has a pair.
-pub const NOW: u32 = 1;
-/// The one before has it.
-pub const BEFORE: u32 = 2;
-/// Both have it.
-pub const BOTH: u32 = 3;
+use crate::layout::{ALTERED_MOVED, Buffers, NONE, PAIR_BEFORE, PAIR_BOTH, PAIR_NOW};
 
 /// What one receiver has to do.
 #[derive(Default)]
@@ -28,23 +21,23 @@ pub fn walk(data: &Buffers, receiver: u32, handed: &[u32]) -> Edits {
     let node = receiver as usize;
     let of = |clusters: &[crate::layout::Cluster]| (clusters[node].center, children(&data.topology, clusters, node));
     let (now_at, before_at) = (of(&data.clusters), of(&data.kept_clusters));
-    let moved = data.altered[node] & 1 != 0;
+    let moved = data.altered[node] & ALTERED_MOVED != 0;
     let mut edits = Edits::default();
     for &item in handed {
-        let (start, given) = (item >> 2, item & 3);
+        let (start, given) = (item >> 2, item & PAIR_BOTH);
         let (mut node, mut who, mut until) = (start, given, start);
         while node < data.topology[start as usize].skip {
             if node >= until {
                 who = given;
             }
             let (i, place) = (node as usize, data.topology[node as usize]);
-            let idle = who == BOTH && !moved && data.altered[i] == 0;
+            let idle = who == PAIR_BOTH && !moved && data.altered[i] == 0;
             let choice = |has: u32, clusters: &[crate::layout::Cluster], at: ([f32; 3], Option<[[f32; 3]; 2]>)| {
                 let looked = !idle && who & has != 0;
-                looked.then(|| choose(&data.frame[0], &clusters[i], place.face != u32::MAX, at.0, at.1))
+                looked.then(|| choose(&data.frame[0], &clusters[i], place.face != NONE, at.0, at.1))
             };
-            let now = choice(NOW, &data.clusters, now_at);
-            let before = choice(BEFORE, &data.kept_clusters, before_at);
+            let now = choice(PAIR_NOW, &data.clusters, now_at);
+            let before = choice(PAIR_BEFORE, &data.kept_clusters, before_at);
             let is = |choice: Option<Choice>, what: Choice| choice == Some(what);
             if is(now, Choice::Linked) {
                 edits.made.push(node);
@@ -52,13 +45,14 @@ pub fn walk(data: &Buffers, receiver: u32, handed: &[u32]) -> Edits {
             } else if is(before, Choice::Linked) {
                 edits.undone.push(node);
             }
-            let handers = NOW * u32::from(is(now, Choice::Handed)) + BEFORE * u32::from(is(before, Choice::Handed));
+            let handers =
+                PAIR_NOW * u32::from(is(now, Choice::Handed)) + PAIR_BEFORE * u32::from(is(before, Choice::Handed));
             if handers != 0 {
                 edits.hands.push(4 * node + handers);
             }
             let down = is(now, Choice::Split) || is(before, Choice::Split);
-            if down && who == BOTH && now != before {
-                who = if is(now, Choice::Split) { NOW } else { BEFORE };
+            if down && who == PAIR_BOTH && now != before {
+                who = if is(now, Choice::Split) { PAIR_NOW } else { PAIR_BEFORE };
                 until = place.skip;
             }
             node = if down { node + 1 } else { place.skip };

@@ -6,6 +6,8 @@
 //! derivative of `p(s) = (1 + sigma s) e^(-sigma s) / s^3`. `chi` falls as `s` grows, so that each
 //! threshold is one radius: the choice at run time is a comparison of squared distances.
 
+use crate::layout::{FAINTEST, FARTHEST};
+
 /// Number of area rules on the ladder: midpoint with moment, 3, 6 and 12 points.
 pub const RUNGS: usize = 4;
 
@@ -62,8 +64,8 @@ pub fn chi(tau: f64, sigma: f64, s: f64) -> f64 {
 pub fn chi_distance(tau: f64, sigma: [f64; 3], limit: f64) -> f64 {
     let channel = |sigma: f64| {
         let k = 2.0 * limit / tau.max(1e-30) - sigma * sigma;
-        let s = if k > 0.0 { (5.0 * sigma + (25.0 * sigma * sigma + 60.0 * k).sqrt()) / (2.0 * k) } else { 4.0 };
-        s.min(if sigma > 0.0 { 20.0 / sigma } else { 4.0 }).min(4.0)
+        let s = if k > 0.0 { (5.0 * sigma + (25.0 * sigma * sigma + 60.0 * k).sqrt()) / (2.0 * k) } else { FARTHEST };
+        s.min(if sigma > 0.0 { FAINTEST / sigma } else { FARTHEST }).min(FARTHEST)
     };
     sigma.map(channel).into_iter().fold(0.0, f64::max)
 }

@@ -8,13 +8,7 @@
 use std::f64::consts::PI;
 
 use super::points::Sample;
-use crate::layout::Frame;
-
-/// Most samples of one triangle: more make a frame of a stiff object last for minutes.
-pub const MOST: u32 = 4096;
-
-/// Bits of a barycentric coordinate: exact in `f32`.
-const BITS: u32 = 24;
+use crate::layout::{Frame, MOST_SAMPLES, SAMPLE_BITS};
 
 /// Samples per squared internal length: by the shortest mean free path of the channels.
 #[must_use]
@@ -23,11 +17,11 @@ pub fn density(frame: &Frame) -> f32 {
     (1.0 / (PI * shortest * shortest)) as f32
 }
 
-/// Samples of a triangle of this area, 1 to [`MOST`].
+/// Samples of a triangle of this area, 1 to [`MOST_SAMPLES`].
 #[must_use]
 pub fn count(area: f32, density: f32) -> u32 {
     let wanted = area * density;
-    if wanted < MOST as f32 { (wanted.ceil() as u32).max(1) } else { MOST }
+    if wanted < MOST_SAMPLES as f32 { (wanted.ceil() as u32).max(1) } else { MOST_SAMPLES }
 }
 
 /// A number whose every bit depends on every bit of `x`: the finalizer `lowbias32`.
@@ -45,10 +39,10 @@ pub fn samples(face: u32, count: u32) -> Vec<Sample> {
     if count == 1 {
         return vec![[1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, weight]];
     }
-    let one = 1u32 << BITS;
+    let one = 1u32 << SAMPLE_BITS;
     let place = |k: u32| {
         let first = mixed(mixed(face) ^ k);
-        let (mut a, mut b) = (first >> (32 - BITS), mixed(first ^ 0x9e37_79b9) >> (32 - BITS));
+        let (mut a, mut b) = (first >> (32 - SAMPLE_BITS), mixed(first ^ 0x9e37_79b9) >> (32 - SAMPLE_BITS));
         if a + b > one {
             (a, b) = (one - a, one - b);
         }
@@ -66,7 +60,7 @@ mod tests {
     fn samples_are_uniform_and_lie_in_the_triangle() {
         // Moments of the uniform distribution: E a = 1/3, E a^2 = 1/6, E ab = 1/12; n = 4096 draws, four deviations.
         for face in [0, 1, 2, 77, 1 << 20] {
-            let rule = samples(face, MOST);
+            let rule = samples(face, MOST_SAMPLES);
             assert!(rule.iter().all(|s| s[..3].iter().all(|&x| (0.0..=1.0).contains(&x))));
             assert!(rule.iter().all(|s| s[0] + s[1] + s[2] == 1.0));
             let mean = |f: &dyn Fn(&Sample) -> f64| rule.iter().map(|s| s[3] * f(s)).sum::<f64>();
@@ -83,7 +77,7 @@ mod tests {
     fn one_for_each_disc_of_a_mean_free_path() {
         let frame = Frame { z_real: [0.5, 0.1, 0.3], ..Frame::default() };
         let disc = PI * 0.01;
-        for (area, expected) in [(0.0, 1), (0.5, 1), (1.5, 2), (99.5, 100), (1e9, MOST)] {
+        for (area, expected) in [(0.0, 1), (0.5, 1), (1.5, 2), (99.5, 100), (1e9, MOST_SAMPLES)] {
             assert_eq!(count((area * disc) as f32, density(&frame)), expected);
         }
     }

@@ -5,10 +5,10 @@
 
 use glam::{DVec2, DVec3};
 
-use super::ray::{Depths, FADING, GRAZING, LEAST_COSINE, MapPlaces, Ray};
+use super::ray::{Depths, MapPlaces, Ray};
 use crate::geometry::trace::{UNFINISHED, trace};
 use crate::layers::beneath::{optical_depth, phase};
-use crate::layout::Light;
+use crate::layout::{FADING, GRAZING, LEAST_COSINE, Light};
 use crate::light::irradiance::{arrival, reaches};
 use crate::state::{narrow, wide};
 

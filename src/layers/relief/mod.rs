@@ -21,12 +21,12 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::geometry::trace::UNFINISHED;
-use crate::layout::{Hit, Slot};
+pub use crate::layout::GRAZING;
+use crate::layout::{Hit, MAP_LAYERS, MAPPED_BY_ISLANDS, MAPPED_BY_UVS, MAPPED_NOT, NONE, Slot};
 use crate::state::{
     Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
 };
 pub use full::Kept;
-pub use ray::GRAZING;
 use ray::Ray;
 
 /// The table's entry.
@@ -86,9 +86,14 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let pixels = data.radiance.len();
     for (number, layering) in (0u32..).zip(&data.layerings) {
         let frame = &data.frame[layering.object as usize];
-        let mapped = if layering.first_island != u32::MAX { 2 } else { u32::from(layering.size != [1, 1]) };
+        let mapped = match layering.size {
+            _ if layering.first_island != NONE => MAPPED_BY_ISLANDS,
+            [1, 1] => MAPPED_NOT,
+            _ => MAPPED_BY_UVS,
+        };
         let shadows = u32::from(frame.shadow_words > 0);
-        let constants = [shadows, layering.layers.div_ceil(4), mapped, layering.henyey, layering.fresnel];
+        let constants =
+            [shadows, layering.layers.div_ceil(MAP_LAYERS as u32), mapped, layering.henyey, layering.fresnel];
         let kernel = if layering.paper != 0 { "paper" } else { "exact" };
         // With an interface crossed at every step there and back.
         let a_light = (layering.samples as usize + 1) * (layering.layers as usize + 1);

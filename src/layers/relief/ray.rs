@@ -3,23 +3,16 @@
 use glam::{DVec2, DVec3};
 
 use crate::layers::beneath::{optical_depth, phase, segment};
-use crate::layout::{Hit, Layer, Layering, Light};
+use crate::layout::{
+    ABOVE_INTERFACE, FADING, GRAZING, Hit, LEAST_COSINE, Layer, Layering, Light, MAP_LAYERS, MOST_LAYERS, NONE,
+};
 use crate::light::fresnel::transmittance;
 use crate::light::irradiance::{arrival, reaches};
 use crate::light::texture::texel;
 use crate::state::{State, wide};
 
-/// The least cosine between NS_P and the view ray that counts.
-pub const GRAZING: f64 = 0.05;
-/// A sample of the left rule at an interface counts as above it, whatever the rounding: its depth counts times this.
-const AT_LEAST: f64 = 0.99999;
-/// Cosine of light below which less and less comes in through a plane, down to nothing from behind it.
-pub(super) const FADING: f64 = 0.01;
-/// The least cosine between a plane and the light.
-pub(super) const LEAST_COSINE: f64 = 1e-6;
-
-/// Depths of up to 16 lower interfaces.
-pub type Depths = [f64; 16];
+/// Depths of the lower interfaces, without end beyond the last one.
+pub type Depths = [f64; MOST_LAYERS];
 
 /// Where a triangle's corners are in depth maps, and what bounds its island there; places in islands are texels.
 #[derive(Clone, Copy)]
@@ -32,7 +25,7 @@ impl MapPlaces {
     /// Nothing where depths do not vary.
     pub fn of(state: &State, layering: &Layering, face: usize) -> Option<Self> {
         let place = |[x, y]: [f32; 2]| DVec2::new(x.into(), y.into());
-        if layering.first_island != u32::MAX {
+        if layering.first_island != NONE {
             let first = state.data.frame[layering.object as usize].first_face;
             let own = &state.data.islands[face - first as usize + layering.first_island as usize];
             let limits = Some([own.low, own.high].map(place));
@@ -47,7 +40,7 @@ impl MapPlaces {
 pub struct Ray<'a> {
     pub(super) state: &'a State,
     pub(super) layering: &'a Layering,
-    pub(super) sigma_t: [DVec3; 16],
+    pub(super) sigma_t: [DVec3; MOST_LAYERS],
     pub(super) face: usize,
     pub(super) point: DVec3,
     pub(super) normal: DVec3,
@@ -98,7 +91,7 @@ impl<'a> Ray<'a> {
         let slope = (fitted * side).dot(eye).max(GRAZING);
         let length = (f64::from(layering.deepest) / slope).min(layering.reach.into());
         let layers = &data.beneath[layering.first_layer as usize..][..layering.layers as usize];
-        let mut sigma_t = [DVec3::ZERO; 16];
+        let mut sigma_t = [DVec3::ZERO; MOST_LAYERS];
         sigma_t.iter_mut().zip(layers).for_each(|(sigma, layer)| *sigma = wide(layer.sigma_t));
         Self {
             state,
@@ -142,10 +135,10 @@ impl<'a> Ray<'a> {
         let corners = corners.map(|(x, y)| self.layering.first_texel + row(y) + column(x));
         let [right, below] = [at.x - left, at.y - top];
         let weights = [(1.0 - right) * (1.0 - below), right * (1.0 - below), (1.0 - right) * below, right * below];
-        let mut depths = [f64::INFINITY; 16];
+        let mut depths = [f64::INFINITY; MOST_LAYERS];
         for (layer, depth) in depths.iter_mut().enumerate().take(self.layering.layers as usize) {
-            let map = layer as u32 / 4 * width * height;
-            let of = |corner: u32| f64::from(self.state.data.depths[(corner + map) as usize][layer % 4]);
+            let map = (layer / MAP_LAYERS) as u32 * width * height;
+            let of = |corner: u32| f64::from(self.state.data.depths[(corner + map) as usize][layer % MAP_LAYERS]);
             *depth = corners.iter().zip(weights).map(|(&corner, weight)| weight * of(corner)).sum();
         }
         depths
@@ -247,7 +240,7 @@ impl<'a> Ray<'a> {
         for i in 0..=self.layering.samples {
             let t = step * f64::from(i);
             let depths = self.depths_at(t);
-            let number = self.layer(AT_LEAST * t, &depths);
+            let number = self.layer(ABOVE_INTERFACE * t, &depths);
             let layer = &layers[number.min(layers.len() - 1)];
             if number < layers.len() {
                 let (arrives, depth, cosine) = self.light(light, t, &depths);

@@ -1,0 +1,31 @@
+// A prefix sum by one work group. Each invocation owns a run of the elements and contributes its sum. The includer
+// defines SUM, the type of the elements: integers, so that the order of additions does not matter.
+const uint SCAN_SIZE = 256;
+layout(local_size_x = SCAN_SIZE) in;
+
+shared SUM sums[SCAN_SIZE];
+
+// This invocation's run of `count` elements: the first, and the one after the last.
+uvec2 own_run(uint count) {
+    uint each = (count + SCAN_SIZE - 1) / SCAN_SIZE;
+    uint first = min(count, gl_LocalInvocationIndex * each);
+    return uvec2(first, min(count, first + each));
+}
+
+// The sum over the runs before this invocation's. All invocations must call it, and pass a barrier before they call it
+// again.
+SUM sum_before(SUM own) {
+    uint self = gl_LocalInvocationIndex;
+    sums[self] = own;
+    barrier();
+    for (uint step = 1; step < SCAN_SIZE; step *= 2) {
+        SUM other = self >= step ? sums[self - step] : SUM(0);
+        barrier();
+        sums[self] += other;
+        barrier();
+    }
+    return sums[self] - own;
+}
+
+// The sum over all runs, after `sum_before`.
+SUM sum_of_all() { return sums[SCAN_SIZE - 1]; }

@@ -1,0 +1,137 @@
+//! Sizes, limits and coefficients that host and device share.
+
+use super::{Constant, Shared};
+
+constants! {
+    /// Every shared size, limit and coefficient; each is used by some shader and by some Rust file.
+    numbers:
+
+    /// In place of an index: there is no such element.
+    NONE: u32 = u32::MAX;
+    /// In place of the triangle that a ray hits: the driver ended the walk early. lavapipe ends an invocation's loops,
+    /// silently, after 65,535 iterations in total.
+    UNFINISHED: u32 = u32::MAX - 1;
+
+    /// Invocations of a work group, unless a kernel declares another number.
+    GROUP_SIZE: u32 = 64;
+    /// Work groups in a row of a dispatch; more need a second dimension.
+    GROUPS_A_ROW: u32 = 32_768;
+
+    /// Coefficients of sin(2 pi x) / x in x^2, from the constant one: within 1e-9 up to a quarter of a turn.
+    SINE: [f32; 7] = [6.283_185_5, -41.341_7, 81.605_25, -76.705_86, 42.058_693, -15.094_643, 3.819_952_6];
+    /// Twice the rounding error of a point's height over a plane, as a share of the sum with every term positive: 16 x
+    /// 2^-24.
+    PLANE_ROUNDING: f32 = 1.0 / 1_048_576.0;
+
+    /// Parts along an edge of a triangle, at most, by which the texture's mean over the triangle is taken.
+    TEXTURE_PARTS: u32 = 16;
+    /// Pixels of the environment's image that one invocation sums, and partial sums that the next one adds up.
+    SKY_BLOCK: usize = 64;
+    /// Spherical harmonics of degree 0 to 2.
+    SKY_HARMONICS: usize = 9;
+
+    /// Pixels along a side of a tile.
+    TILE_SIDE: u32 = 4;
+    /// Receivers that a block has room for; those of a tile, too.
+    BLOCK_RECEIVERS: usize = 16;
+    /// Blocks that the receivers of a tile are divided into.
+    TILE_BLOCKS: u32 = 4;
+    /// Square of the largest distance between a receiver and the first one of its block in a tile, in half widths of a
+    /// pixel there.
+    TILE_REACH: f32 = 1024.0;
+    /// The spread of a block of a tile that is wider than that: nothing is expanded about its centre.
+    UNBOUNDED_SPREAD: f32 = 1e30;
+    /// Each coordinate of receivers and blocks that show nothing: farther from the object than any table of distances
+    /// reaches.
+    NOWHERE: f32 = 16.0;
+    /// The largest spread of each class of blocks, in units of a usual block's: an emitter has a distance for each
+    /// class. Blocks beyond the last class expand nothing.
+    BLOCK_CLASSES: [f32; 4] = [1.0, 4.0, 16.0, 64.0];
+
+    /// Receivers of the coarse solution: one half drawn evenly among the triangles, one half by the light that enters.
+    COARSE_SAMPLES: usize = 256;
+    /// chi below which the coarse solution takes a cluster as one.
+    COARSE_CHI: f64 = 0.3;
+
+    /// The smallest contrast that lists are made for.
+    CONTRAST_LEAST: f32 = 1.0 / 256.0;
+    /// Steps of a fourth of an octave from there: up to 2^20.
+    CONTRAST_STEPS: usize = 112;
+    /// The steps within an octave.
+    CONTRAST_ROOTS: [f32; 4] = [1.0, 1.189_207_1, std::f32::consts::SQRT_2, 1.681_792_8];
+    /// How often the light is doubled at most before it is squared.
+    CONTRAST_DOUBLINGS: u32 = 100;
+
+    /// The error laws; `LAW_MAGNITUDE` and those after it say which.
+    ERROR_LAWS: usize = 5;
+    /// Entries of each law's table of distances, after its largest value and its depth.
+    RANGE_ENTRIES: usize = 128;
+    /// Binary orders of magnitude that a table spans at most.
+    RANGE_DEPTH: f64 = 60.0;
+    /// The largest distance that matters in an object of unit extent.
+    FARTHEST: f64 = 4.0;
+    /// sigma s beyond which a channel no longer counts: e^-20 = 2e-9.
+    FAINTEST: f64 = 20.0;
+    /// Share of a link's allowed error below which an emitter's light is left out.
+    DROPPED_SHARE: f64 = 1e-3;
+    /// Share of a link's allowed error that the expansion about a block's centre may add.
+    EXPANDED_SHARE: f64 = 0.3;
+    /// Largest chi at which a triangle is taken by one sample.
+    SAMPLE_CHI: f64 = 1.4;
+    /// Largest chi at which a triangle is taken by 6 area points.
+    AREA_CHI: f64 = 1.4;
+
+    /// Direct emitters of a block at most. More would be more steps of `gather` than lavapipe's loops take: 65,535, a
+    /// ninth of them to load.
+    MOST_DIRECT: usize = 58_000;
+    /// Links of one receiver at most, and emitters that it hands down: more would be more than lavapipe's loops take.
+    MOST_PAIRS: usize = 65_000;
+    /// 2^40: keeps products of tiny areas and distances away from denormals, which a device may flush.
+    FAR_FROM_DENORMAL: f32 = 1_099_511_627_776.0;
+    /// Uniform samples of one triangle at most: more make a frame of a stiff object last for minutes.
+    MOST_SAMPLES: u32 = 4096;
+    /// Bits of a uniform sample's barycentric coordinate: exact in `f32`.
+    SAMPLE_BITS: u32 = 24;
+
+    /// The whole error estimate is this many times the root of the squares: neighbouring links err together in part.
+    /// Measured, the worst of 1000 receivers of a built-in scene errs by 3 to 7 times the root.
+    ESTIMATE_SAFETY: f64 = 6.5;
+    /// Rounding of profile and sums to `f32`, as a share of the radiosity.
+    ESTIMATE_ROUNDING: f64 = 2e-6;
+    /// The third order in the emitter's and the receiver's extent, squared, from the two sums that are kept.
+    ESTIMATE_BOTH: f64 = 4.0;
+    /// The logarithm up to which growth by nearness is followed: its square still fits `f32`.
+    ESTIMATE_STEEPEST: f64 = 16.0;
+
+    /// Gaussians that stand for the dipole's profile where light is blurred over a texture.
+    GAUSSIANS: usize = 6;
+    /// Texels on each side that a blur takes at least; at most eight times as many.
+    BLUR_REACH: u32 = 6;
+    /// The most that a texel spans: a triangle without an area in the texture is blurred nowhere.
+    LONGEST_STRETCH: f64 = 1e15;
+    /// The largest sigma of the CDRF's table; beyond it the last row serves, within 1.1e-3.
+    CDRF_WIDEST: f64 = 3.5;
+    /// The smallest number that the code of kappa holds, 1/length; the largest is 2^15, above any kappa.
+    KAPPA_LEAST: f32 = 1.0 / 131_072.0;
+    /// Square of twice a triangle's area up to which it has none; far above where a device may flush to 0.
+    FLAT_TRIANGLE: f32 = 1e-30;
+    /// The largest cotangent of a triangle's angle.
+    MOST_COTANGENT: f64 = 100.0;
+    /// The largest mean curvature.
+    MOST_CURVATURE: f64 = 1e4;
+    /// The mixed area up to which a vertex has no curvature of its own.
+    LEAST_MIXED_AREA: f64 = 1e-16;
+
+    /// Layers that a texel of a depth map holds.
+    MAP_LAYERS: usize = 4;
+    /// Layers of an object at most.
+    MOST_LAYERS: usize = 16;
+    /// The least cosine between the fitted plane's normal and the view ray.
+    GRAZING: f64 = 0.05;
+    /// A sample of the left rule at an interface counts as above it in spite of rounding: its depth counts times this.
+    ABOVE_INTERFACE: f64 = 0.99999;
+    /// Cosine of light below which less and less enters through a plane, down to nothing from behind it.
+    FADING: f64 = 0.01;
+    /// The least cosine between a plane and the light.
+    LEAST_COSINE: f64 = 1e-6;
+}
