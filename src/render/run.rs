@@ -167,11 +167,8 @@ impl Session {
         loop {
             change = self.links_anew(change);
             let steps = self.plan.steps(&self.prepared.state, change);
-            let last = if self.plan.runs_on_host(&HOST, &self.prepared.state, change) {
-                self.run_octree(&steps, change)?
-            } else {
-                self.run(&steps)?
-            };
+            let octree = self.plan.runs_on_host(&HOST, &self.prepared.state, change);
+            let last = if octree { self.run_octree(&steps, change)? } else { self.run(&steps)? };
             // A stage that runs again counts with its last run.
             times.retain(|before| last.iter().all(|now| now.name != before.name));
             times.extend(last);

@@ -2,10 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::pass::Pass;
-use super::{Place, State, Step};
+use super::{Place, State};
 use crate::error::Result;
-use crate::gpu::{Binding, Buffer, BufferRange, Device, Kernels, Recorder, Timing, Upload, Work, download, upload};
+use crate::gpu::{Binding, Buffer, BufferRange, Device, Kernels, Recorder, Upload, Work, download, upload};
 use crate::layout::{SLOTS, Slot};
 
 /// Bytes after the end of each buffer that no kernel may touch, when guarded.
@@ -101,16 +100,6 @@ impl DeviceState {
             found[part.range] |= part.bytes.iter().any(|&byte| byte != GUARD_BYTE);
         })?;
         Ok(slots.iter().zip(found).filter(|(_, found)| *found).map(|(slot, _)| slot.spec().name).collect())
-    }
-
-    /// Records and submits these steps as one frame; returns the time of each.
-    pub fn run(&self, state: &State, steps: &[Step]) -> Result<Vec<Timing>> {
-        let mut recorder = Recorder::new(&self.device, steps.len())?;
-        for step in steps {
-            recorder
-                .part(step.stage.name, |recorder| (step.stage.gpu)(&mut Pass::record(state, *step, self, recorder)))?;
-        }
-        recorder.submit()
     }
 
     /// The kernels made so far, and what they have done where they count.

@@ -3,7 +3,7 @@
 use super::device::{Call, DeviceState, Groups};
 use super::{Object, Place, State, Step};
 use crate::error::Result;
-use crate::gpu::{Access, Recorder, accesses};
+use crate::gpu::{Access, Recorder, Timing, accesses};
 use crate::layout::{Range, SLOTS, Slot};
 
 /// What a stage records its dispatches with.
@@ -77,6 +77,18 @@ pub fn dispatches(state: &State, steps: &[Step], subgroup: usize) -> Result<Vec<
         (step.stage.gpu)(&mut Pass { state, at: step.at, step: *step, sink })?;
     }
     Ok(found)
+}
+
+impl DeviceState {
+    /// Records and submits these steps as one frame; returns the time of each.
+    pub fn run(&self, state: &State, steps: &[Step]) -> Result<Vec<Timing>> {
+        let mut recorder = Recorder::new(self.device(), steps.len())?;
+        for step in steps {
+            recorder
+                .part(step.stage.name, |recorder| (step.stage.gpu)(&mut Pass::record(state, *step, self, recorder)))?;
+        }
+        recorder.submit()
+    }
 }
 
 impl<'s> Pass<'s> {
