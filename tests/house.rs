@@ -115,13 +115,11 @@ fn shaders_stand_beside_their_stages() {
     // But for those that measure a device, glsl/ROOM/NAME.comp or glsl/ROOM/NAME/*.comp belongs to the stage NAME of ROOM, and every stage has one.
     let mut owners = std::collections::BTreeSet::new();
     for path in files("glsl", "comp").into_iter().filter(|path| !path.starts_with("glsl/measure")) {
-        let parts: Vec<String> =
-            path.with_extension("").iter().skip(1).map(|part| part.to_string_lossy().into_owned()).collect();
-        let stage = milkglass::render::frame::stage(&parts[1]);
-        assert_eq!(stage.map(|stage| stage.room), Some(parts[0].as_str()), "{} has no stage", path.display());
-        let (file, folder) = (format!("src/{}/{}.rs", parts[0], parts[1]), format!("src/{}/{}", parts[0], parts[1]));
-        assert!(Path::new(&file).exists() || Path::new(&folder).is_dir(), "{file} is missing");
-        owners.insert(parts[1].clone());
+        let kernel = path.strip_prefix("glsl").unwrap().with_extension("").to_string_lossy().into_owned();
+        let stage = milkglass::render::frame::owner(&kernel).unwrap_or_else(|| panic!("{kernel} has no stage"));
+        let file = format!("src/{}/{}", stage.room, stage.name);
+        assert!(Path::new(&format!("{file}.rs")).exists() || Path::new(&file).is_dir(), "{file}.rs is missing");
+        owners.insert(stage.name);
     }
     for stage in milkglass::render::frame::STAGES {
         assert!(owners.contains(stage.name), "stage {} has no shader", stage.name);

@@ -6,12 +6,12 @@ use super::conform::{Row, conform_stages};
 use super::fixtures::Fixture;
 use crate::error::{Input, Result};
 use crate::gpu::Device;
+use crate::render::frame::owner;
 use crate::state::dispatches;
 
 /// The stages that a device's replaced kernels belong to.
 pub fn stages(device: &Device) -> Vec<String> {
-    let mut stages: Vec<String> =
-        device.replaced().filter_map(|name| name.split('/').nth(1)).map(String::from).collect();
+    let mut stages: Vec<String> = device.replaced().filter_map(|name| Some(owner(name)?.name.to_string())).collect();
     stages.dedup();
     stages
 }

@@ -2,11 +2,12 @@
 
 use super::conform::Row;
 use crate::gpu::Device;
-use crate::render::frame::stage;
+use crate::render::frame::{owner, stage};
 
 /// Where, on what, and what; `repeat` is the command that shows it again.
 pub fn verdict(device: &Device, row: &Row, repeat: &str) -> String {
-    let replaced: Vec<_> = device.replaced().filter(|name| name.split('/').nth(1) == Some(row.stage)).collect();
+    let replaced: Vec<_> =
+        device.replaced().filter(|name| owner(name).is_some_and(|stage| stage.name == row.stage)).collect();
     let own = if replaced.is_empty() { String::new() } else { format!(", with a replaced {}", replaced.join(", ")) };
     let limits = device.limits();
     let about = stage(row.stage).map_or("", |stage| stage.about);

@@ -180,6 +180,11 @@ pub fn stage(name: &str) -> Option<&'static Stage> {
     STAGES.iter().copied().find(|stage| stage.name == name)
 }
 
+/// The stage that a kernel belongs to: `ROOM/STAGE` or `ROOM/STAGE/PART`.
+pub fn owner(kernel: &str) -> Option<&'static Stage> {
+    STAGES.iter().copied().find(|stage| stage.owns(kernel))
+}
+
 /// The steps of the stages that run, in the order of the frame.
 pub fn steps(state: &State, runs: impl Fn(&Stage) -> bool) -> Vec<Step> {
     let mut steps = Vec::new();
@@ -238,8 +243,7 @@ mod tests {
 
     /// Buffers that a stage's kernels bind.
     fn bound(stage: &Stage) -> Vec<Slot> {
-        let (alone, folder) = (format!("{}/{}", stage.room, stage.name), format!("{}/{}/", stage.room, stage.name));
-        let own = sources().filter(|name| *name == alone || (name.starts_with(&folder) && !name.ends_with(".glsl")));
+        let own = sources().filter(|name| stage.owns(name) && !name.ends_with(".glsl"));
         own.flat_map(|name| accesses(name).unwrap()).map(|access| SLOTS[access.binding as usize]).collect()
     }
 

@@ -125,6 +125,13 @@ impl Stage {
         false
     }
 
+    /// Whether this kernel is one of its own: `ROOM/STAGE` or `ROOM/STAGE/PART`.
+    #[must_use]
+    pub fn owns(&self, kernel: &str) -> bool {
+        let inner = |whole: &'_ str, folder: &str| whole.strip_prefix(folder)?.strip_prefix('/').map(String::from);
+        inner(kernel, self.room).is_some_and(|rest| rest == self.name || inner(&rest, self.name).is_some())
+    }
+
     /// Whether this is that stage.
     #[must_use]
     pub fn is(&self, other: &Self) -> bool {

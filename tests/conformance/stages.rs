@@ -10,7 +10,7 @@ use milkglass::gpu::{sources, spirv};
 use milkglass::layout::{SLOTS, Slot};
 use milkglass::measure::conform::{Plant, Row, conform, conform_stages};
 use milkglass::measure::fixtures::{Fixture, covered, fixtures};
-use milkglass::render::frame::STAGES;
+use milkglass::render::frame::{STAGES, owner};
 use milkglass::render::plan::{Change, Goal, Mode, Options};
 use milkglass::render::run::{Room, Session};
 use milkglass::scene::Scene;
@@ -106,7 +106,7 @@ fn a_kernel_that_does_nothing_is_reported() {
     let unseen = Mutex::new(Vec::new());
     on_devices_each(&kernels.into_iter().collect::<Vec<_>>(), |device, (kernel, fixtures)| {
         let device = device.replacing(kernel, idle(kernel));
-        let stage = [kernel.split('/').nth(1).unwrap().to_string()];
+        let stage = [owner(kernel).unwrap().name.to_string()];
         let seen = |&k: &usize| {
             let rows = conform_stages(&device, &list[k], &stage).unwrap();
             // What the validation layer says of such a kernel is no matter.
@@ -167,7 +167,7 @@ fn kernels_write_what_their_stage_declares() {
         let kernels = Kernels::new(device);
         for stage in STAGES {
             let mut written = std::collections::BTreeSet::new();
-            for name in kernel_names().filter(|name| name.split('/').nth(1) == Some(stage.name)) {
+            for name in kernel_names().filter(|name| stage.owns(name)) {
                 let kernel = (0..6).find_map(|n| kernels.get(name, &vec![0; n]).ok()).expect(name);
                 let slots = kernel.accesses.iter().filter(|a| a.writes).map(|a| SLOTS[a.binding as usize]);
                 written.extend(slots);

@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::gpu::Device;
 use crate::gpu::count::{Tally, Traffic};
 use crate::layout::{SLOTS, Slot};
+use crate::render::frame::owner;
 use crate::render::needs::union;
 use crate::render::plan::Change;
 use crate::render::run::{Room, Session};
@@ -76,8 +77,7 @@ pub(super) fn of(
 fn tallies(session: &Session) -> Result<BTreeMap<&'static str, Tally>> {
     let mut stages: BTreeMap<&'static str, Tally> = BTreeMap::new();
     for (kernel, tally) in session.tallies()? {
-        let owner = session.plan().stages.iter().find(|stage| kernel.split('/').nth(1) == Some(stage.name));
-        if let Some(stage) = owner {
+        if let Some(stage) = owner(&kernel) {
             stages.entry(stage.name).or_default().add(&tally);
         }
     }
