@@ -9,13 +9,13 @@ use std::time::Instant;
 
 use milkglass::error::Result;
 use milkglass::gpu::Device;
-use milkglass::layout::Slot;
+use milkglass::layout::BufferId;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
-use milkglass::render::aov::links;
-use milkglass::render::plan::{Change, Goal, Mode, Options};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Goal, Mode, Options};
 use milkglass::scene::{Hierarchy, Scene};
+use milkglass::session::aov::links;
+use milkglass::session::run::{CapacityHints, Session};
 
 /// How the ball is made, and how it moves.
 const BALL: [&str; 3] = [
@@ -56,7 +56,7 @@ fn row(device: &Device, name: &str, hierarchy: Hierarchy, mesh: &[&str], toleran
     let options = Options { mode: Mode::Keep, goal: Goal::Radiosity, ..Options::default() };
     let start = Instant::now();
     let mut session =
-        Session::new(&scene(hierarchy, mesh, tolerance, FRAMES[0])?, Some(device), options, Room::default())?;
+        Session::new(&scene(hierarchy, mesh, tolerance, FRAMES[0])?, Some(device), options, CapacityHints::default())?;
     let build = start.elapsed().as_secs_f64() * 1e3;
     session.frame(Change::EVERYTHING)?;
     let (mut ms, mut host, mut count, mut error, mut built) = (0.0, 0.0, 0.0, 0f64, 0);
@@ -73,7 +73,7 @@ fn row(device: &Device, name: &str, hierarchy: Hierarchy, mesh: &[&str], toleran
         }
         times.sort_by(f64::total_cmp);
         ms += times[2];
-        session.fetch(&[Slot::runs, Slot::spans])?;
+        session.fetch(&[BufferId::runs, BufferId::spans])?;
         let lists = links(session.state());
         count += lists.iter().map(|&links| f64::from(links)).sum::<f64>() / lists.len() as f64;
         error = error.max(worst(&verify(&mut session, SAMPLES, 1)?).l2);

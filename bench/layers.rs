@@ -6,9 +6,9 @@
 use milkglass::error::{Error, Input, Result};
 use milkglass::gpu::Device;
 use milkglass::measure::layers::{Line, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules, uneven};
-use milkglass::render::plan::{Change, Options};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Options};
 use milkglass::scene::{Integration, Scene};
+use milkglass::session::run::{CapacityHints, Session};
 
 fn scene(name: &str, sets: &[&str]) -> Result<Scene> {
     Scene::load(name, &sets.iter().map(|set| (*set).to_string()).collect::<Vec<_>>())
@@ -101,7 +101,7 @@ fn run() -> Result<()> {
             for layers in scene.objects.iter_mut().filter_map(|object| object.material.layers.as_mut()) {
                 (layers.samples, layers.integration) = (samples, rule);
             }
-            let mut session = Session::new(&scene, device.as_ref(), Options::default(), Room::default())?;
+            let mut session = Session::new(&scene, device.as_ref(), Options::default(), CapacityHints::default())?;
             session.frame(Change::EVERYTHING)?;
             let path = std::path::Path::new(folder).join(format!("fish-{}-{samples}.png", name(rule)));
             session.picture()?.save(&path, &scene.camera)?;

@@ -9,11 +9,11 @@ use milkglass::gpu::Device;
 use milkglass::measure::conform::conform;
 use milkglass::measure::fixtures::Fixture;
 use milkglass::measure::norms::worst;
-use milkglass::measure::profile::{Settings, Spread, profile};
+use milkglass::measure::profile::{Quantiles, Settings, profile};
 use milkglass::measure::reference::verify;
-use milkglass::render::plan::{Change, Goal, Mode, Options, Transport};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
 
 /// Each stage of a picture on the device and on the CPU, after both have been compared.
 fn stages(scene: &Scene, device: &Device) -> Result<()> {
@@ -38,7 +38,7 @@ fn time(session: &mut Session, change: Change, frames: usize) -> Result<f64> {
     for _ in 0..frames {
         times.push(session.frame(change)?.iter().map(|part| part.milliseconds).sum::<f64>());
     }
-    Ok(Spread::of(times).median)
+    Ok(Quantiles::of(times).median)
 }
 
 fn run() -> Result<()> {
@@ -61,19 +61,19 @@ fn run() -> Result<()> {
     for scene in scenes {
         let mut baseline = 0.0;
         for (method, transport, mode, change) in [
-            ("brute force", Transport::Brute, Mode::OnTheFly, Change::EVERYTHING),
-            ("hierarchy, from scratch", Transport::Hierarchy, Mode::OnTheFly, Change::EVERYTHING),
-            ("hierarchy, render, new light", Transport::Hierarchy, Mode::Render, Change::LIGHT),
+            ("brute force", ShadingMethod::Brute, Mode::OnTheFly, Change::EVERYTHING),
+            ("hierarchy, from scratch", ShadingMethod::Hierarchy, Mode::OnTheFly, Change::EVERYTHING),
+            ("hierarchy, render, new light", ShadingMethod::Hierarchy, Mode::Render, Change::LIGHT),
         ] {
             let options = Options { transport, mode, goal: Goal::Radiosity, ..Options::default() };
-            let mut session = Session::new(&scene, Some(&device), options, Room::default())?;
+            let mut session = Session::new(&scene, Some(&device), options, CapacityHints::default())?;
             session.frame(Change::EVERYTHING)?;
             let error = worst(&verify(&mut session, 2000, 1)?);
             if !error.l2.is_finite() {
                 return Err(Error::Check(format!("{}, {method}: the error is {}", scene.name, error.l2)));
             }
-            let ms = time(&mut session, change, if transport == Transport::Brute { 1 } else { 5 })?;
-            if transport == Transport::Brute {
+            let ms = time(&mut session, change, if transport == ShadingMethod::Brute { 1 } else { 5 })?;
+            if transport == ShadingMethod::Brute {
                 baseline = ms;
             }
             let (l2, p99) = (error.l2, error.p99);

@@ -1,9 +1,11 @@
 //! The command line: arguments to one command, an error to one message and an exit code.
 
+mod cli;
+
 use std::io::Write;
 use std::process::ExitCode;
 
-use milkglass::command::{leave, remove_when_stopped, run};
+use cli::{leave, remove_when_stopped, run};
 
 fn main() -> ExitCode {
     remove_when_stopped();

@@ -12,11 +12,11 @@ use std::fmt::Write as _;
 use std::sync::Mutex;
 
 use milkglass::gpu::Device;
-use milkglass::layout::{SLOTS, Slot};
+use milkglass::layout::{BUFFER_IDS, BufferId};
 use milkglass::measure::fixtures::fixtures;
-use milkglass::render::plan::{Change, Goal, Mode, Options, Transport};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use milkglass::scene::{BUILTIN, Scene};
+use milkglass::session::run::{CapacityHints, Session};
 use milkglass::state::{State, Step};
 
 /// FNV-1a over words of eight bytes.
@@ -27,23 +27,23 @@ fn hash(bytes: &[u8]) -> u64 {
 }
 
 /// Buffers that a device writes all of, if anything: what lies between the parts of others may hold anything.
-const WHOLE: [Slot; 12] = [
-    Slot::lit,
-    Slot::reached,
-    Slot::positions,
-    Slot::bounds,
-    Slot::clusters,
-    Slot::normals,
-    Slot::curvature,
-    Slot::irradiance,
-    Slot::level,
-    Slot::cursor,
-    Slot::hits,
-    Slot::radiance,
+const WHOLE: [BufferId; 12] = [
+    BufferId::lit,
+    BufferId::pixel_lit,
+    BufferId::positions,
+    BufferId::bounds,
+    BufferId::clusters,
+    BufferId::normals,
+    BufferId::curvature,
+    BufferId::irradiance,
+    BufferId::reference_level,
+    BufferId::counters,
+    BufferId::hits,
+    BufferId::radiance,
 ];
 
 /// The hash of each of these buffers, by its binding.
-fn of_state(key: &str, state: &State, slots: &[Slot], found: &mut BTreeMap<String, String>) {
+fn of_state(key: &str, state: &State, slots: &[BufferId], found: &mut BTreeMap<String, String>) {
     for &slot in slots {
         let binding = slot as usize;
         let bytes = state.data.bytes(slot);
@@ -70,20 +70,20 @@ const CHANGES: [(&str, Change); 5] = [
 
 /// A scene's buffers after a frame, and after another one with the light changed; and what its frames would run.
 fn of_scene(key: &str, scene: &Scene, options: Options, device: Option<&Device>, found: &mut BTreeMap<String, String>) {
-    let mut session = Session::new(scene, device, options, Room::default()).unwrap();
+    let mut session = Session::new(scene, device, options, CapacityHints::default()).unwrap();
     for (name, change) in CHANGES {
         let steps = session.plan().steps(session.state(), change);
         found.insert(format!("{key} steps {name}"), names(&steps));
     }
-    let slots = if device.is_some() { &WHOLE } else { SLOTS };
+    let slots = if device.is_some() { &WHOLE } else { BUFFER_IDS };
     session.frame(Change::EVERYTHING).unwrap();
-    session.fetch(SLOTS).unwrap();
+    session.fetch(BUFFER_IDS).unwrap();
     of_state(&format!("{key} first"), session.state(), slots, found);
     let picture = session.picture().unwrap();
     found.insert(format!("{key} picture"), format!("{:016x}", hash(bytemuck::cast_slice(&picture.pixels))));
     session.set_lights(&scene.lights).unwrap();
     session.frame(Change::LIGHT).unwrap();
-    session.fetch(SLOTS).unwrap();
+    session.fetch(BUFFER_IDS).unwrap();
     of_state(&format!("{key} second"), session.state(), slots, found);
 }
 
@@ -96,7 +96,7 @@ fn ways() -> Vec<(String, Vec<&'static str>, Options)> {
             ways.push((format!("{scheme} {mode:?}"), vec![scheme], Options { mode, ..picture }));
         }
     }
-    for transport in [Transport::None, Transport::Cdrf, Transport::Lambert, Transport::TextureBlur] {
+    for transport in [ShadingMethod::None, ShadingMethod::Cdrf, ShadingMethod::Lambert, ShadingMethod::TextureBlur] {
         ways.push((format!("{transport:?}"), vec![], Options { transport, ..picture }));
     }
     for goal in [Goal::Layers, Goal::Radiosity] {
@@ -138,7 +138,7 @@ fn all(device: Option<&Device>) -> BTreeMap<String, String> {
             {
                 continue;
             }
-            if options.transport == Transport::TextureBlur
+            if options.transport == ShadingMethod::TextureBlur
                 && scene.objects.iter().any(|object| object.mesh.uvs.is_none())
             {
                 continue;
@@ -155,9 +155,9 @@ fn of_fixtures() -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for fixture in fixtures("").unwrap() {
         let mut state = fixture.state.clone();
-        of_state(&format!("fixture {} before", fixture.name), &state, SLOTS, &mut found);
+        of_state(&format!("fixture {} before", fixture.name), &state, BUFFER_IDS, &mut found);
         fixture.steps.iter().for_each(|step| step.reference(&mut state));
-        of_state(&format!("fixture {} after", fixture.name), &state, SLOTS, &mut found);
+        of_state(&format!("fixture {} after", fixture.name), &state, BUFFER_IDS, &mut found);
         found.insert(format!("fixture {} steps", fixture.name), names(&fixture.steps));
     }
     found

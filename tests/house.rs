@@ -9,12 +9,14 @@ mod cycles;
 /// The rooms from the top floor down; a room may use those below it, and its own floor only where one room is alone.
 const FLOORS: &[&[&str]] = &[
     &["main"],
-    &["command"],
+    &["cli"],
     &["measure"],
-    &["render"],
-    &["transport", "baseline", "layers", "local", "view"],
+    &["session"],
+    &["prepare"],
+    &["pipeline"],
+    &["layers", "shading", "transport", "view"],
     &["dipole"],
-    &["light"],
+    &["lighting"],
     &["geometry"],
     &["state"],
     &["gpu", "hierarchy", "scene"],
@@ -88,9 +90,9 @@ fn arrows_point_downward() {
 
 #[test]
 fn an_upward_arrow_is_seen() {
-    assert_eq!(upward("gpu", "use crate::render::plan;\n"), ["gpu uses render"]);
-    assert_eq!(upward("view", "use crate::transport::push;\n"), ["view uses transport"]);
-    assert!(upward("render", "use crate::transport::push;\nuse crate::render::plan;\n").is_empty());
+    assert_eq!(upward("gpu", "use crate::pipeline::plan;\n"), ["gpu uses pipeline"]);
+    assert_eq!(upward("view", "use crate::transport::blocks::push;\n"), ["view uses transport"]);
+    assert!(upward("session", "use crate::transport::blocks::push;\nuse crate::pipeline::plan;\n").is_empty());
 }
 
 /// Whether a source has this word, and not as the end of another one.
@@ -112,16 +114,16 @@ fn vulkan_and_unsafe_stay_in_their_room() {
 
 #[test]
 fn shaders_stand_beside_their_stages() {
-    // But for those that measure a device, glsl/ROOM/NAME.comp or glsl/ROOM/NAME/*.comp belongs to the stage NAME of ROOM, and every stage has one.
+    // But for those that measure a device, glsl/MODULE/NAME.comp or glsl/MODULE/NAME/*.comp belongs to the stage NAME of MODULE, and every stage has one.
     let mut owners = std::collections::BTreeSet::new();
     for path in files("glsl", "comp").into_iter().filter(|path| !path.starts_with("glsl/measure")) {
         let kernel = path.strip_prefix("glsl").unwrap().with_extension("").to_string_lossy().into_owned();
-        let stage = milkglass::render::frame::owner(&kernel).unwrap_or_else(|| panic!("{kernel} has no stage"));
-        let file = format!("src/{}/{}", stage.room, stage.name);
+        let stage = milkglass::pipeline::frame::owner(&kernel).unwrap_or_else(|| panic!("{kernel} has no stage"));
+        let file = format!("src/{}/{}", stage.module, stage.name);
         assert!(Path::new(&format!("{file}.rs")).exists() || Path::new(&file).is_dir(), "{file}.rs is missing");
         owners.insert(stage.name);
     }
-    for stage in milkglass::render::frame::STAGES {
+    for stage in milkglass::pipeline::frame::STAGES {
         assert!(owners.contains(stage.name), "stage {} has no shader", stage.name);
     }
 }
@@ -130,15 +132,15 @@ fn shaders_stand_beside_their_stages() {
 const ORDINARY: &[(&str, &str, &str)] = &[
     ("irradiance", "src/render/aov.rs", "a layer of an OpenEXR picture"),
     ("environment", "src/view/reflect.rs", "a kernel of another stage"),
-    ("level", "src/command/render.rs", "how deep a cluster lies in the tree"),
-    ("spread", "src/geometry/refit.rs", "an ordinary word"),
-    ("mean", "src/local/curvature.rs", "an ordinary word"),
+    ("coarse_solve", "src/command/render.rs", "how deep a cluster lies in the tree"),
+    ("push_links", "src/geometry/refit.rs", "an ordinary word"),
+    ("mean_irradiance", "src/shading/curvature.rs", "an ordinary word"),
     ("irradiance", "src/measure/stress/solve.rs", "an ordinary word"),
     ("push", "src/command/devices.rs", "bytes of push constants"),
-    ("spread", "src/command/profile.rs", "how far times are apart"),
-    ("spread", "src/command/pareto.rs", "how far times are apart"),
-    ("spread", "src/measure/report/speed.rs", "how far times are apart"),
-    ("points", "src/measure/pareto/plot.rs", "a method of a test"),
+    ("push_links", "src/command/profile.rs", "how far times are apart"),
+    ("push_links", "src/command/pareto.rs", "how far times are apart"),
+    ("push_links", "src/measure/report/speed.rs", "how far times are apart"),
+    ("pixel_receivers", "src/measure/pareto/plot.rs", "a method of a test"),
 ];
 
 #[test]
@@ -149,7 +151,7 @@ fn stages_are_named_in_their_own_files_only() {
         let source = fs::read_to_string(&path).unwrap();
         let code = source.split("#[cfg(test)]").next().unwrap_or_default();
         let code: Vec<&str> = code.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
-        for stage in milkglass::render::frame::STAGES {
+        for stage in milkglass::pipeline::frame::STAGES {
             let own = code.iter().any(|line| line.trim() == format!("name: \"{}\",", stage.name));
             let ordinary = ORDINARY.iter().any(|(word, file, _)| *word == stage.name && path.ends_with(file));
             let literal = format!("\"{}\"", stage.name);
@@ -162,7 +164,7 @@ fn stages_are_named_in_their_own_files_only() {
 #[test]
 fn the_readme_lists_every_stage() {
     let readme = fs::read_to_string("README.md").unwrap();
-    for stage in milkglass::render::frame::STAGES {
+    for stage in milkglass::pipeline::frame::STAGES {
         assert!(readme.contains(&format!("| `{}` |", stage.name)), "README's table lacks stage {}", stage.name);
     }
 }
@@ -200,7 +202,7 @@ fn device_structs_lie_as_the_host_has_them() {
                 let field = record.fields.iter().find(|(field, _, _)| *field == member.name);
                 assert_eq!(field.map(|f| f.2), Some(member.offset), "{kernel}: {name}.{}", member.name);
             }
-        } else if let Some(slot) = milkglass::layout::SLOTS.iter().find(|slot| slot.spec().name == name)
+        } else if let Some(slot) = milkglass::layout::BUFFER_IDS.iter().find(|slot| slot.spec().name == name)
             && let Some(stride) = found.stride
         {
             assert_eq!(stride, slot.spec().stride, "{kernel}: stride of {name}");

@@ -3,9 +3,9 @@
 //! 200 frames; 10,000 with `cargo test --release --test soak -- --ignored --nocapture`.
 
 use milkglass::gpu::Device;
-use milkglass::render::plan::{Change, Mode, Options};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Mode, Options};
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
 
 /// Frames after which memory is what it will be: every material and shape was there.
 const WARM: usize = 100;
@@ -44,7 +44,7 @@ fn soak(frames: usize) {
         return;
     };
     let options = Options { mode: Mode::Render, ..Options::default() };
-    let open = |scene: &Scene| Session::new(scene, Some(&device), options, Room::default()).unwrap();
+    let open = |scene: &Scene| Session::new(scene, Some(&device), options, CapacityHints::default()).unwrap();
     let mut session = open(&scene(0));
     let (mut warm, mut most, mut peak) = (None, 0, 0);
     for frame in 0..frames {

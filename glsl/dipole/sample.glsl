@@ -6,7 +6,7 @@
 // Form factor of `node` for a receiver at `d` from its centre.
 vec3 sample_center(uint node, Cluster emitter, uint face, vec3 d) {
     vec3 mean = emitter.area > 0.0 ? emitter.normal / emitter.area : vec3(0);
-    vec3 z_real = frame[0].z_real, z_virtual = frame[0].z_virtual, sigma = frame[0].sigma;
+    vec3 z_real = object_params[0].z_real, z_virtual = object_params[0].z_virtual, sigma = object_params[0].sigma;
 
     // A cluster's displaced sources hang on its mean normal, not normalised; a triangle's on its own.
     vec3 real2, virtual2;
@@ -27,10 +27,10 @@ vec3 sample_center(uint node, Cluster emitter, uint face, vec3 d) {
         uvec3 corner = triangles[face];
         vec3 a = positions[corner.x], b = positions[corner.y], c = positions[corner.z];
         vec3 dots = vec3(dot(b - a, d), dot(c - b, d), dot(a - c, d));
-        tau = emitter.spread;
+        tau = emitter.moment_trace;
         along = dot(dots, dots) / 36.0;
     }
     vec3 real = dipole_kernel(sigma, real2) * moment_correction(sigma, real2, tau, along);
     vec3 virt = dipole_kernel(sigma, virtual2) * moment_correction(sigma, virtual2, tau, along);
-    return emitter.area * frame[0].strength * (z_real * real + z_virtual * virt);
+    return emitter.area * object_params[0].strength * (z_real * real + z_virtual * virt);
 }

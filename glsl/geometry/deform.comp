@@ -5,7 +5,7 @@
 
 // An object's vertices, twisted, bent, raised by bumps and noise, morphed, from where they are at rest. Additions,
 // multiplications and comparisons only, sine and cosine too: the same bits on every device.
-READS(frame)
+READS(object_params)
 READS(rest)
 READS(rest_normals)
 READS(deforms)
@@ -108,10 +108,10 @@ vec3 bend(Deform d, vec3 p, vec3 from) {
 
 void main() {
     uint vertex = invocation();
-    if (vertex >= frame[0].vertices) return;
+    if (vertex >= object_params[0].vertices) return;
     vec3 p = rest[vertex], normal = rest_normals[vertex];
-    for (uint i = 0; i < frame[0].deforms; ++i) {
-        Deform d = deforms[frame[0].first_deform + i];
+    for (uint i = 0; i < object_params[0].deforms; ++i) {
+        Deform d = deforms[object_params[0].first_deform + i];
         precise vec3 from = p - d.origin;
         if (d.kind == DEFORM_TWIST) {
             p = twist(d, from);
@@ -133,5 +133,5 @@ void main() {
             p = place;
         }
     }
-    positions[frame[0].first_vertex + vertex] = p;
+    positions[object_params[0].first_vertex + vertex] = p;
 }

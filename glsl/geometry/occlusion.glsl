@@ -15,7 +15,7 @@ uint occlusion(vec3 origin, vec3 direction, bool far, vec3 light, uint self, Pla
                uvec2 spared, bool others) {
     Sight ray = sight(direction);
     Nearest limit = Nearest(far ? NONE : 0, vec3(0), ray.square, ray.scale); // the light: `along` / `scale`
-    uint end = frame[0].scene_nodes, node = wanted ? 0 : end;
+    uint end = object_params[0].scene_nodes, node = wanted ? 0 : end;
     while (node < end) {
         // On to the next triangle whose box the ray meets. Then that triangle.
         uint face = NONE;

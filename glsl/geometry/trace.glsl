@@ -74,7 +74,7 @@ bool meets(vec3 low, vec3 high, vec3 origin, Sight ray, Nearest nearest) {
 Nearest trace(vec3 origin, vec3 direction) {
     Nearest nearest = Nearest(NONE, vec3(0), 0.0, 1.0);
     Sight ray = sight(direction);
-    uint node = 0, end = frame[0].scene_nodes;
+    uint node = 0, end = object_params[0].scene_nodes;
     while (node < end) {
         Bounds box = bounds[node];
         bool met = meets(box.low, box.high, origin, ray, nearest), leaf = box.face != NONE;

@@ -6,7 +6,7 @@ layout(constant_id = 3) const uint HENYEY = 0;
 layout(constant_id = 4) const uint FRESNEL = 0;
 // The layering, and the lights and pixels of this dispatch.
 layout(push_constant, scalar) uniform push_block { uint number, first_beam, last_beam, first_pixel, last_pixel; };
-READS(frame)
+READS(object_params)
 READS(camera)
 READS(lit)
 READS(triangles)
@@ -16,15 +16,15 @@ READS(planes)
 READS(corner_uvs)
 READS(hits)
 READS(layerings)
-READS(beneath)
+READS(layer_media)
 READS(depths)
 READS(islands)
-READS(beams)
+READS(layer_lights)
 UPDATES(radiance)
 #include "geometry/blend.glsl"
-#include "light/arrival.glsl"
-#include "light/fresnel.glsl"
-#include "light/wrap.glsl"
+#include "lighting/arrival.glsl"
+#include "lighting/fresnel.glsl"
+#include "lighting/wrap.glsl"
 
 const uint MOST_MAPS = MOST_LAYERS / MAP_LAYERS;
 
@@ -61,7 +61,7 @@ March march(Layering own, Hit hit) {
     if (MAPPED != MAPPED_NOT) {
         CornerUvs uvs;
         if (MAPPED == MAPPED_BY_ISLANDS) {
-            Island island = islands[hit.face - frame[own.object].first_face + own.first_island];
+            Island island = islands[hit.face - object_params[own.object].first_face + own.first_island];
             uvs = CornerUvs(island.a, island.b, island.c);
             m.low = island.low;
             m.high = island.high;
@@ -163,17 +163,17 @@ Lit lit_at(Layering own, March m, uint object, Light light, uint face, float t, 
         for (uint k = 0; k < MAP_LAYERS; ++k) {
             uint layer = MAP_LAYERS * map + k;
             float bottom = layer + 1 < own.layers ? min(bottoms[k], depth) : depth;
-            sum += beneath[own.first_layer + min(layer, own.layers - 1)].sigma_t * (bottom - before);
+            sum += layer_media[own.first_layer + min(layer, own.layers - 1)].sigma_t * (bottom - before);
             before = bottom;
         }
     }
     vec3 arrives = vec3(falloff);
-    if (FRESNEL != 0) arrives *= transmittance(frame[object].eta, cosine);
+    if (FRESNEL != 0) arrives *= transmittance(object_params[object].eta, cosine);
     return Lit(arrives, sum * (1.0 / cosine), dot(toward, m.eye));
 }
 
 // Adds light to a pixel.
 void shine(uint pixel, uint object, March m, vec3 sum) {
-    if (FRESNEL != 0) sum *= transmittance(frame[object].eta, abs(dot(m.normal, m.eye)));
+    if (FRESNEL != 0) sum *= transmittance(object_params[object].eta, abs(dot(m.normal, m.eye)));
     radiance[pixel] += camera[0].radiance * sum;
 }

@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 
 // A vertex's radiosity: the area-weighted mean of the triangles around it.
-READS(frame)
+READS(object_params)
 READS(corner_starts)
 READS(corners)
 READS(leaves)
@@ -14,7 +14,7 @@ WRITES(vertex_radiosity)
 
 void main() {
     uint vertex = invocation();
-    if (vertex >= frame[0].vertices) return;
+    if (vertex >= object_params[0].vertices) return;
     vec3 sum = vec3(0);
     float area = 0.0;
     for (uint i = corner_starts[vertex]; i < corner_starts[vertex + 1]; ++i) {

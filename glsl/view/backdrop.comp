@@ -4,13 +4,13 @@
 #include "invocation.glsl"
 
 // The environment, if a pixel's ray hits nothing.
-READS(frame)
+READS(object_params)
 READS(camera)
 READS(hits)
 READS(sky)
 UPDATES(radiance)
 #include "view/ray.glsl"
-#include "light/sky.glsl"
+#include "lighting/sky.glsl"
 
 void main() {
     uint pixel = invocation();

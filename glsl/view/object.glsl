@@ -1,6 +1,6 @@
 // The object of a triangle.
 uint object_of(uint face) {
     uint object = 0;
-    for (uint k = 1; k < OBJECTS; ++k) object += uint(face >= frame[k].first_face);
+    for (uint k = 1; k < OBJECTS; ++k) object += uint(face >= object_params[k].first_face);
     return object;
 }

@@ -2,13 +2,13 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 #include "invocation.glsl"
-#include "light/fresnel.glsl"
+#include "lighting/fresnel.glsl"
 
-// Equation 3, times `exit`: the radiance that leaves the surface towards the eye, from the radiosity between
+// Equation 3, times `texture_out`: the radiance that leaves the surface towards the eye, from the radiosity between
 // the vertices, or at the very point.
 layout(constant_id = 0) const uint OBJECTS = 1;
 layout(constant_id = 1) const uint PIXELS = 0;
-READS(frame)
+READS(object_params)
 READS(camera)
 READS(triangles)
 READS(positions)
@@ -34,13 +34,13 @@ void main() {
         vec3 normal = BLEND_AT(weight, normals, corner);
         vec3 B = BLEND_AT(weight, vertex_radiosity, corner);
         if (PIXELS != 0) {
-            if (frame[object].by_pixel != 0) B = radiosity[frame[object].first_receiver + seen[pixel]];
+            if (object_params[object].by_pixel != 0) B = radiosity[object_params[object].first_receiver + seen[pixel]];
         }
         vec3 toward = camera[0].origin - point;
         float size = sqrt(dot(normal, normal) * dot(toward, toward));
         float cosine = size > 0.0 ? abs(dot(normal, toward)) / size : 0.0;
-        color = transmittance(frame[object].eta, cosine) * B * (camera[0].radiance / 3.14159265358979) *
-                frame[object].exit;
+        color = transmittance(object_params[object].eta, cosine) * B * (camera[0].radiance / 3.14159265358979) *
+                object_params[object].exit;
     }
     radiance[pixel] = color;
 }

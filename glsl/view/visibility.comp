@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 
 // The first triangle that each pixel's ray hits.
-READS(frame)
+READS(object_params)
 READS(camera)
 READS(positions)
 READS(triangles)

@@ -2,8 +2,8 @@
 //!
 //! Plain mathematics in `f64`, below every transport that uses it; the shaders' side is `glsl/dipole`.
 
+pub mod derivatives;
 pub mod form_factor;
-pub mod jet;
 pub mod profile;
 
 /// Squared distance, summed from x to z in `f32`: part of decisions, the same bits as `distance2` in `near.glsl`.

@@ -6,7 +6,7 @@
 
 use std::f64::consts::PI;
 
-use crate::layout::Frame;
+use crate::layout::ObjectParams;
 
 /// The dipole of one colour channel. Lengths share one unit, chosen by the caller.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,19 +24,19 @@ pub struct Dipole {
 impl Dipole {
     /// One channel of a frame's material, in internal units.
     #[must_use]
-    pub fn of(frame: &Frame, channel: usize) -> Self {
+    pub fn of(params: &ObjectParams, channel: usize) -> Self {
         Self {
-            strength: frame.strength[channel].into(),
-            sigma: frame.sigma[channel].into(),
-            z_real: frame.z_real[channel].into(),
-            z_virtual: frame.z_virtual[channel].into(),
+            strength: params.strength[channel].into(),
+            sigma: params.sigma[channel].into(),
+            z_real: params.z_real[channel].into(),
+            z_virtual: params.z_virtual[channel].into(),
         }
     }
 
     /// The dipole of a homogeneous medium.
     ///
     /// `sigma_s_prime`, `sigma_a`: reduced scattering and absorption, 1/length, at least 0 and not
-    /// both 0. `a_boundary`: the `A` of [`crate::light::fresnel::boundary`], at least 1.
+    /// both 0. `a_boundary`: the `A` of [`crate::lighting::fresnel::boundary`], at least 1.
     #[must_use]
     pub fn new(sigma_s_prime: f64, sigma_a: f64, a_boundary: f64) -> Self {
         let sigma_t_prime = sigma_s_prime + sigma_a;

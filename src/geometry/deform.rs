@@ -8,20 +8,20 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{
-    Buffers, DEFORM_BEND, DEFORM_BUMP_AXIS, DEFORM_BUMP_NORMAL, DEFORM_MORPH, DEFORM_TWIST, Deform, SINE, Slot,
+    BufferId, Buffers, DEFORM_BEND, DEFORM_BUMP_AXIS, DEFORM_BUMP_NORMAL, DEFORM_MORPH, DEFORM_TWIST, Deform, SINE,
 };
-use crate::state::{Carrier, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, stage::never};
+use crate::state::{Carrier, Granularity, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
     name: "deform",
-    room: "geometry",
+    module: "geometry",
     about: "vertices twisted, bent, raised by bumps and noise, morphed",
     equation: "twist: turned by rate h about the axis; bend: arc of radius 1 / rate; bump: height (1 - r^2 / R^2)^2; Perlin 2002; morph: weight times the way to the other mesh's vertex",
-    writes: &[(Slot::positions, Role::Update, Tolerance::Exact)],
+    writes: &[(BufferId::positions, Role::Update, Tolerance::Exact)],
     reason: "additions, multiplications and comparisons in f32, sine and cosine by a polynomial",
     sizes: &[],
-    unit: Unit::Object,
+    granularity: Granularity::Object,
     carriers: Carrier::ALL,
     needs: &[],
     serves: Serves { object: |object, _| object.deforms > 0, none: "nothing deforms an object" },
@@ -134,17 +134,17 @@ pub fn way(morphs: &[[f32; 3]], deform: &Deform, vertex: usize) -> [f32; 3] {
     if deform.kind == DEFORM_MORPH { morphs[deform.first as usize + vertex] } else { [0.0; 3] }
 }
 
-fn cpu(state: &mut State, _at: Place) {
+fn cpu(state: &mut State, _at: Scope) {
     deform(&mut state.data, 0);
 }
 
 /// Deforms the object of this frame.
 pub fn deform(data: &mut Buffers, object: usize) {
-    let frame = data.frame[object];
-    let own = &data.deforms[frame.first_deform as usize..(frame.first_deform + frame.deforms) as usize];
+    let params = data.object_params[object];
+    let own = &data.deforms[params.first_deform as usize..(params.first_deform + params.deforms) as usize];
     // Of one object alone the rest begins at 0, of all objects where the places do.
-    let (first, count) = (frame.first_vertex as usize, frame.vertices as usize);
-    let begin = if data.frame.len() == 1 { 0 } else { first };
+    let (first, count) = (params.first_vertex as usize, params.vertices as usize);
+    let begin = if data.object_params.len() == 1 { 0 } else { first };
     let (rest, normals) = (&data.rest[begin..], &data.rest_normals[begin..]);
     data.positions[first..first + count].par_iter_mut().enumerate().for_each(|(vertex, place)| {
         *place = own

@@ -7,9 +7,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Block, Bounds, Cluster, Frame, NONE, Slot, Sphere, Topology};
+use crate::layout::{Block, Bounds, BufferId, Cluster, NONE, ObjectParams, Sphere, Topology};
 use crate::state::{
-    Carrier, Field, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
+    Carrier, Field, Granularity, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, narrow,
+    stage::never, wide,
 };
 
 /// A centre within rounding of the extent; an area and a spread of their own size; a vector area of the area's size.
@@ -17,33 +18,33 @@ const CLUSTER: &[Field] = &[
     Field { name: "center", relative: 0.0, floor: 2e-6, of: "" },
     Field { name: "area", relative: 5e-5, floor: 0.0, of: "" },
     Field { name: "normal", relative: 0.0, floor: 2e-5, of: "area" },
-    Field { name: "spread", relative: 5e-5, floor: 0.0, of: "" },
+    Field { name: "moment_trace", relative: 5e-5, floor: 0.0, of: "" },
 ];
 
 /// A block's sphere within rounding of the extent.
 pub const SPHERE: &[Field] = &[
     Field { name: "center", relative: 0.0, floor: 4e-6, of: "" },
     Field { name: "radius", relative: 1e-5, floor: 4e-6, of: "" },
-    Field { name: "spread", relative: 1e-3, floor: 0.0, of: "" },
+    Field { name: "relative_moment", relative: 1e-3, floor: 0.0, of: "" },
 ];
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
     name: "refit",
-    room: "geometry",
+    module: "geometry",
     about: "boxes, centroids, vector areas and second moments of faces and clusters; vertex normals",
     equation: "Mertens et al. 2003, section 5.1.1: A' is the length of the vector area",
     writes: &[
-        (Slot::bounds, Role::Output, Tolerance::Exact),
-        (Slot::clusters, Role::Output, Tolerance::Fields(CLUSTER)),
-        (Slot::places, Role::Output, Tolerance::Float { relative: 0.0, floor: 4e-6 }),
-        (Slot::spheres, Role::Output, Tolerance::Fields(SPHERE)),
-        (Slot::normals, Role::Output, Tolerance::Float { relative: 1e-5, floor: 1e-5 }),
+        (BufferId::bounds, Role::Output, Tolerance::Exact),
+        (BufferId::clusters, Role::Output, Tolerance::Fields(CLUSTER)),
+        (BufferId::receiver_positions, Role::Output, Tolerance::Float { relative: 0.0, floor: 4e-6 }),
+        (BufferId::spheres, Role::Output, Tolerance::Fields(SPHERE)),
+        (BufferId::normals, Role::Output, Tolerance::Float { relative: 1e-5, floor: 1e-5 }),
     ],
     reason: "boxes are minima and maxima; sums climb some 40 levels of f32 rounding, 40 x 2^-24 = 2.4e-6 of the \
              extent; a sliver's area is a cross product that cancels",
-    sizes: &[(Slot::places, Size::Elements(places))],
-    unit: Unit::Object,
+    sizes: &[(BufferId::receiver_positions, Size::Elements(places))],
+    granularity: Granularity::Object,
     carriers: Carrier::ALL,
     needs: &[],
     serves: Serves::ALL,
@@ -60,9 +61,9 @@ fn places(state: &State) -> usize {
 }
 
 /// Where a ray goes from a node, on through the trees of all objects.
-fn way(frame: &Frame, place: Topology) -> Bounds {
-    let next = if place.skip == frame.nodes { frame.next_node } else { frame.first_node + place.skip };
-    let face = if place.face == NONE { NONE } else { frame.first_face + place.face };
+fn way(params: &ObjectParams, place: Topology) -> Bounds {
+    let next = if place.skip == params.nodes { params.next_node } else { params.first_node + place.skip };
+    let face = if place.face == NONE { NONE } else { params.first_face + place.face };
     Bounds { next, face, ..Bounds::default() }
 }
 
@@ -72,12 +73,12 @@ struct Sums {
     area: f64,
     center: DVec3,
     normal: DVec3,
-    spread: f64,
+    moment_trace: f64,
 }
 
-fn cpu(state: &mut State, _at: Place) {
+fn cpu(state: &mut State, _at: Scope) {
     let data = &mut state.data;
-    let (nodes, frame) = (data.topology.len(), &data.frame[0]);
+    let (nodes, params) = (data.topology.len(), &data.object_params[0]);
     let corner = |face: usize, k: usize| wide(data.positions[data.triangles[face][k] as usize]);
 
     // Children come after their parent, so one backward sweep sees them first.
@@ -90,8 +91,8 @@ fn cpu(state: &mut State, _at: Place) {
             let (a, b, c) = (corner(face, 0), corner(face, 1), corner(face, 2));
             let normal = 0.5 * (b - a).cross(c - a);
             let edges = (b - a).length_squared() + (c - b).length_squared() + (a - c).length_squared();
-            sums[node] = Sums { area: normal.length(), center: (a + b + c) / 3.0, normal, spread: edges / 36.0 };
-            bounds[node] = Bounds { low: narrow(a.min(b).min(c)), high: narrow(a.max(b).max(c)), ..way(frame, place) };
+            sums[node] = Sums { area: normal.length(), center: (a + b + c) / 3.0, normal, moment_trace: edges / 36.0 };
+            bounds[node] = Bounds { low: narrow(a.min(b).min(c)), high: narrow(a.max(b).max(c)), ..way(params, place) };
             continue;
         }
         let (l, r) = (node + 1, data.topology[node + 1].skip as usize);
@@ -99,14 +100,14 @@ fn cpu(state: &mut State, _at: Place) {
         let area = left.area + right.area;
         let half = if area > 0.0 { right.area / area } else { 0.5 };
         let center = left.center.lerp(right.center, half);
-        let about = |part: Sums| part.area * (part.spread + part.center.distance_squared(center));
-        let spread = if area > 0.0 { (about(left) + about(right)) / area } else { 0.0 };
-        sums[node] = Sums { area, center, normal: left.normal + right.normal, spread };
+        let about = |part: Sums| part.area * (part.moment_trace + part.center.distance_squared(center));
+        let moment_trace = if area > 0.0 { (about(left) + about(right)) / area } else { 0.0 };
+        sums[node] = Sums { area, center, normal: left.normal + right.normal, moment_trace };
         let merge = |f: fn(DVec3, DVec3) -> DVec3, p: [f32; 3], q: [f32; 3]| narrow(f(wide(p), wide(q)));
         bounds[node] = Bounds {
             low: merge(DVec3::min, bounds[l].low, bounds[r].low),
             high: merge(DVec3::max, bounds[l].high, bounds[r].high),
-            ..way(frame, place)
+            ..way(params, place)
         };
     }
     data.bounds = bounds;
@@ -116,15 +117,15 @@ fn cpu(state: &mut State, _at: Place) {
             center: narrow(s.center),
             area: s.area as f32,
             normal: narrow(s.normal),
-            spread: s.spread as f32,
+            moment_trace: s.moment_trace as f32,
         })
         .collect();
 
     // The spheres round the blocks' receivers.
-    let disc = disc(sums.first().map_or(0.0, |root| root.area), frame.usual_blocks);
-    if frame.by_pixel == 0 && frame.blocks > 0 {
+    let disc = disc(sums.first().map_or(0.0, |root| root.area), params.usual_blocks);
+    if params.by_pixel == 0 && params.blocks > 0 {
         let center = |&leaf: &u32| sums[leaf as usize].center;
-        data.places = data.leaves.iter().map(|leaf| narrow(center(leaf))).collect();
+        data.receiver_positions = data.leaves.iter().map(|leaf| narrow(center(leaf))).collect();
         let of_block = |block| sphere(block, disc, |face| center(&data.leaves[face]));
         data.spheres = data.blocks.iter().map(of_block).collect();
     }
@@ -152,9 +153,9 @@ pub fn sphere(block: &Block, disc: f64, center_of: impl Fn(usize) -> DVec3) -> S
     let high = points().fold(DVec3::NEG_INFINITY, DVec3::max);
     let center = 0.5 * (low + high);
     let squares = || points().map(|x| x.distance_squared(center));
-    let spread = squares().sum::<f64>() / f64::from(block.count);
+    let moment = squares().sum::<f64>() / f64::from(block.count);
     let radius = squares().fold(0.0, f64::max).sqrt();
-    Sphere { center: narrow(center), radius: radius as f32, spread: (spread / disc) as f32 }
+    Sphere { center: narrow(center), radius: radius as f32, relative_moment: (moment / disc) as f32 }
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {

@@ -42,7 +42,7 @@ pub fn watch<T>(failing: Option<usize>, body: impl FnOnce() -> T) -> (T, Vec<Cal
     (done, seen.unwrap_or_default())
 }
 
-/// Runs `body` while `alter` changes every adapter that is listed on this thread: lower limits, another name.
+/// Runs `body` while `mark_moved` changes every adapter that is listed on this thread: lower limits, another name.
 pub fn on_altered<T>(alter: fn(&mut Adapter), body: impl FnOnce() -> T) -> T {
     REQUEST.with_borrow_mut(|request| request.alter = Some(alter));
     let done = body();

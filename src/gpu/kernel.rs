@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 /// What identifies a kernel.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct KernelKey {
-    /// Its name, `transport/gather`.
+    /// Its name, `transport/blocks/gather`.
     pub name: String,
     /// Its specialization constants 0, 1, ...
     pub constants: Vec<u32>,
@@ -24,7 +24,7 @@ pub struct Kernel {
     pub(super) pipeline: vk::Pipeline,
     pub(super) layout: vk::PipelineLayout,
     pub(super) set_layout: vk::DescriptorSetLayout,
-    /// Its name, `transport/gather`.
+    /// Its name, `transport/blocks/gather`.
     pub name: String,
     /// The buffers it binds, by binding.
     pub accesses: Vec<Access>,

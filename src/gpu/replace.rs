@@ -6,9 +6,9 @@ use std::path::Path;
 
 use super::reflect::{Reflected, SOURCES, kernel_names, reflect, words_of};
 use crate::error::{Error, Input, Result};
-use crate::layout::{SLOTS, declarations};
+use crate::layout::{BUFFER_IDS, declarations};
 
-/// The GLSL of a kernel, `transport/push`, or of a file that kernels include, `dipole/jet.glsl`; `layout.glsl` declares
+/// The GLSL of a kernel, `transport/blocks/push`, or of a file that kernels include, `dipole/derivatives.glsl`; `layout.glsl` declares
 /// the records and buffers. None where there is no such source.
 pub fn source(name: &str) -> Option<Cow<'static, str>> {
     if name == "layout.glsl" {
@@ -52,11 +52,12 @@ pub fn replacement(kernel: &str, file: &Path) -> Result<Vec<u32>> {
 fn differs(own: &Reflected, right: &Reflected) -> Option<String> {
     for access in &own.accesses {
         let binding = access.binding;
-        let name =
-            SLOTS.get(binding as usize).map_or_else(|| format!("binding {binding}"), |slot| slot.spec().name.into());
+        let name = BUFFER_IDS
+            .get(binding as usize)
+            .map_or_else(|| format!("binding {binding}"), |slot| slot.spec().name.into());
         let Some(known) = right.accesses.iter().find(|known| known.binding == binding) else {
             let names: Vec<_> =
-                right.accesses.iter().filter_map(|a| Some(SLOTS.get(a.binding as usize)?.spec().name)).collect();
+                right.accesses.iter().filter_map(|a| Some(BUFFER_IDS.get(a.binding as usize)?.spec().name)).collect();
             return Some(format!("binds {name}; the built-in one binds {}", names.join(", ")));
         };
         for (does, may, word, other) in

@@ -12,7 +12,7 @@ const FEWEST: usize = 16;
 /// The mean over the clusters of at least 16 triangles, but for the whole, of their root mean square radius against that
 /// of a flat disc of their area: about 1 for round flat patches, more for long or folded ones. 1 where there are none.
 #[must_use]
-pub fn spread(tree: &Tree, positions: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
+pub fn relative_radius(tree: &Tree, positions: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
     // Of each node, children first: triangles, area, centroid and mean squared distance from it.
     let mut sums = vec![(0, 0.0, DVec3::ZERO, 0.0); tree.nodes()];
     let (mut sum, mut count) = (0.0, 0);
@@ -52,11 +52,11 @@ mod tests {
         let cell = |i: u32| [[i, i + 1, i + 17], [i + 1, i + 18, i + 17]];
         let triangles: Vec<[u32; 3]> = (0..16).flat_map(|y| (0..16).flat_map(move |x| cell(17 * y + x))).collect();
         let tree = median::build(&positions, &triangles, 16);
-        let flat = spread(&tree, &positions, &triangles);
+        let flat = relative_radius(&tree, &positions, &triangles);
         assert!((1.0..1.3).contains(&flat), "{flat}");
         let scaled: Vec<DVec3> = positions.iter().map(|p| 7.0 * *p).collect();
-        assert!((spread(&tree, &scaled, &triangles) / flat - 1.0).abs() < 1e-12);
+        assert!((relative_radius(&tree, &scaled, &triangles) / flat - 1.0).abs() < 1e-12);
         let long: Vec<DVec3> = positions.iter().map(|p| *p * DVec3::new(9.0, 1.0, 1.0)).collect();
-        assert!(spread(&tree, &long, &triangles) > 1.5 * flat);
+        assert!(relative_radius(&tree, &long, &triangles) > 1.5 * flat);
     }
 }

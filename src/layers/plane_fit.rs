@@ -1,5 +1,5 @@
 //! Stage `plane_fit`: round each vertex of an object with layers, the plane that its light comes in through (section 2.2):
-//! least squares over the vertices within `frame.fit_radius`, that is -ln(epsilon) / sigma_t of the first layer (equation 8).
+//! least squares over the vertices within `object_params.fit_radius`, that is -ln(epsilon) / sigma_t of the first layer (equation 8).
 //!
 //! A plane is a unit normal NS and the height d of the plane over the vertex V along it: V + d NS lies on it. (Equation 14
 //! goes along the vertex normal by a length, which has no sign and no end where the normals differ much.) Where the
@@ -11,26 +11,26 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Bounds, Crowd, NONE, Slot};
+use crate::layout::{Bounds, BufferId, NONE, VertexMoments};
 use crate::state::{
-    Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
+    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
 };
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
     name: "plane_fit",
-    room: "layers",
+    module: "layers",
     about: "the plane that fits the surface round each vertex of an object with layers",
     equation: "Francois et al. 2006, equations 7, 8, 14",
     writes: &[
-        (Slot::crowds, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-5 }),
-        (Slot::planes, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-4 }),
-        (Slot::cut_short, Role::Update, Tolerance::Exact),
+        (BufferId::vertex_moments, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-5 }),
+        (BufferId::planes, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-4 }),
+        (BufferId::cut_short, Role::Update, Tolerance::Exact),
     ],
     reason: "centroids are sums of places that are rounded to 6e-8 each; an axis turns by the moments' rounding, 1e-7, over \
              their difference, 0.005 of the largest at least",
     sizes: &[],
-    unit: Unit::Object,
+    granularity: Granularity::Object,
     carriers: Carrier::ALL,
     needs: &[Need::Light, Need::Picture],
     serves: Serves { object: |object, _| object.layered, none: "no material has layers" },
@@ -124,13 +124,13 @@ fn distances(place: [f32; 3], bounds: &Bounds) -> [f32; 2] {
     [each(|low, high| low.max(-high).max(0.0)), each(|low, high| low.abs().max(high.abs()))]
 }
 
-fn cpu(state: &mut State, _at: Place) {
+fn cpu(state: &mut State, _at: Scope) {
     let data = &state.data;
-    let frame = &data.frame[0];
+    let params = &data.object_params[0];
     let nodes = data.topology.len();
     let position = |vertex: u32| data.positions[vertex as usize];
     let owned = |face: u32| {
-        let own = move |v: &u32| data.corners[data.corner_starts[(v - frame.first_vertex) as usize] as usize] == face;
+        let own = move |v: &u32| data.corners[data.corner_starts[(v - params.first_vertex) as usize] as usize] == face;
         data.triangles[face as usize].into_iter().filter(own)
     };
 
@@ -145,7 +145,7 @@ fn cpu(state: &mut State, _at: Place) {
     }
 
     // Round each vertex.
-    let r2 = frame.fit_radius * frame.fit_radius;
+    let r2 = params.fit_radius * params.fit_radius;
     let around = |here: [f32; 3]| {
         let (mut sum, mut node) = (Sums::NONE, 0);
         while node < nodes {
@@ -169,22 +169,22 @@ fn cpu(state: &mut State, _at: Place) {
         sum
     };
     let fit = |vertex: usize| {
-        let here = position(frame.first_vertex + vertex as u32);
+        let here = position(params.first_vertex + vertex as u32);
         let (normal, height) = plane(&around(here), wide(data.normals[vertex]));
         let [x, y, z] = narrow(normal);
         [x, y, z, height as f32]
     };
-    let planes = (0..frame.vertices as usize).into_par_iter().map(fit).collect();
+    let planes = (0..params.vertices as usize).into_par_iter().map(fit).collect();
     let crowd = |sums: &Sums| {
         let (center, m) = sums.central();
-        Crowd {
+        VertexMoments {
             count: sums.count as f32,
             center: narrow(center),
             diagonal: [m.x_axis.x, m.y_axis.y, m.z_axis.z].map(|x| x as f32),
             mixed: [m.y_axis.z, m.z_axis.x, m.x_axis.y].map(|x| x as f32),
         }
     };
-    state.data.crowds = sums.iter().map(crowd).collect();
+    state.data.vertex_moments = sums.iter().map(crowd).collect();
     state.data.planes = planes;
 }
 

@@ -4,14 +4,14 @@ use super::*;
 
 buffers! {
     /// The numbers that hold for a whole frame of an object.
-    frame: Frame, object;
+    object_params: ObjectParams, object;
     /// The lights.
     lights: Light, light;
-    /// Whether each light reaches each triangle: a bit each, `frame.shadow_words` words a triangle.
+    /// Whether each light reaches each triangle: a bit each, `object_params.shadow_words` words a triangle.
     lit: u32, shadow;
-    /// Whether each light reaches the surface of an opaque object that a pixel shows: a bit each, `frame.shadow_words`
+    /// Whether each light reaches the surface of an opaque object that a pixel shows: a bit each, `object_params.shadow_words`
     /// words a pixel.
-    reached: u32, pixel;
+    pixel_lit: u32, pixel;
     /// Not 0 if a driver ended a shadow ray's loop early; one element.
     cut_short: u32, scene;
     /// The environment's image, rows from the top.
@@ -22,7 +22,7 @@ buffers! {
     sky_columns: SkyColumn, column;
     /// Directions in which the environment is reflected: of microfacets about the normal, or about the mirror
     /// direction.
-    lobe: [f32; 3], direction;
+    reflection_directions: [f32; 3], direction;
     /// Sums of image times harmonic, nine a block of pixels; the first nine are the environment's coefficients.
     harmonics: [f32; 3], patch;
     /// The camera; one element.
@@ -63,7 +63,7 @@ buffers! {
     /// The curvature of the surface at each vertex.
     curvature: Curvature, vertex;
     /// The attributes of a vertex that local shading reads: its unit normal, 16 bits a component, and 16 bits of kappa.
-    bends: [u32; 2], vertex;
+    packed_normals: [u32; 2], vertex;
     /// The CDRF over a grid: rows of rising sigma, in each the cosine from -1 to 1.
     cdrf_grid: f32, entry;
     /// Its cells: the value at a corner, and how it changes across, up and both, in 13, 6, 7 and 6 bits.
@@ -71,7 +71,7 @@ buffers! {
     /// The objects whose light is blurred over their texture coordinates.
     unwrappings: Unwrapping, unwrapping;
     /// What their texels show, rows from the top.
-    charts: Chart, texel;
+    texel_hits: TexelHit, texel;
     /// Lengths that a texel spans along the rows and down the columns.
     stretch: [f32; 2], texel;
     /// Each object's Gaussians, narrowest first: the weight of each channel, then the deviation, a length, by which the
@@ -79,9 +79,9 @@ buffers! {
     gaussians: [f32; 4], gaussian;
     /// A sheet of the light that enters at each texel, and one for each Gaussian: light, and 1 where there is a
     /// surface.
-    sheets: [f32; 4], texel;
+    irradiance_maps: [f32; 4], texel;
     /// A sheet blurred along its rows.
-    crossed: [f32; 4], texel;
+    blurred_rows: [f32; 4], texel;
     /// Irradiance that enters each triangle, E of equation 5, times a texture at the entry.
     irradiance: [f32; 3], face;
     /// Area-weighted mean irradiance of each cluster.
@@ -89,21 +89,21 @@ buffers! {
     /// The blocks of receivers.
     blocks: Block, block;
     /// The receivers: the triangles' centroids, or the places that pixels show, `BLOCK_RECEIVERS` a tile.
-    places: [f32; 3], receiver;
+    receiver_positions: [f32; 3], receiver;
     /// The blocks' bounding spheres.
     spheres: Sphere, block;
     /// Emitters' moments, a part a group of channels: one a node, rounded up.
     moments: Moment, group;
     /// Their second moments, likewise.
-    spreads: Spread, group;
+    second_moments: SecondMoments, group;
     /// The nodes as the walk over emitters sees them, a part a group of channels: one a node, rounded up.
     emitters: Emitter, group;
     /// Distances beyond which one expansion of a node serves a whole block, for each of the `BLOCK_CLASSES`.
-    expands: [f32; 4], group;
+    expansion_distances: [f32; 4], group;
     /// The receivers of the coarse solution.
     samples: Sample, sample;
     /// Root of the area-weighted mean of B^2, from the coarse solution; one element.
-    level: [f32; 3], scene;
+    reference_level: [f32; 3], scene;
     /// How far a link's error reaches: for each error law a table of distances over the logarithm of its value.
     ranges: f32, table;
     /// Where the lists of each block lie in its batch, a part a batch and group.
@@ -127,7 +127,7 @@ buffers! {
     /// Emitters that a receiver hands down to its children.
     handed: u32, hand;
     /// How full the lists of each object are.
-    cursor: Cursor, object;
+    counters: ListCounters, object;
     /// The links of a chunk, by receiver.
     links: Link, chunk;
     /// Form factor of each link, per channel.
@@ -141,25 +141,25 @@ buffers! {
     /// The clusters for which they were made.
     kept_clusters: Cluster, node;
     /// What has changed below each cluster since then: bits `ALTERED_`.
-    altered: u32, node;
-    /// Of each receiver: its part of `made` (link), of `undone` (area), of `due` or, before, the place that its links
+    change_flags: u32, node;
+    /// Of each receiver: its part of `added_links` (link), of `removed_links` (area), of `due_links` or, before, the place that its links
     /// move to (edge), and of `handed`.
     edits: Span, node;
     /// Receivers of a chunk that have something to do, from the place on that the chunk has in `order`: those whose
     /// links are merged, and after that those whose links are summed again.
-    busy: u32, node;
+    active_receivers: u32, node;
     /// Emitters of links that are new, or touch an altered cluster.
-    made: u32, edit;
+    added_links: u32, edit;
     /// Emitters of links that are removed.
-    undone: u32, edit;
+    removed_links: u32, edit;
     /// Not 0 if a link's form factor waits to be computed.
     stale: u32, chunk;
     /// Number of each receiver's links whose form factors wait.
-    waiting: u32, node;
+    stale_counts: u32, node;
     /// Links whose form factor is computed in this frame, by receiver.
-    due: u32, due;
+    due_links: u32, due;
     /// The same, sorted by rung.
-    ranked: u32, due;
+    ranked_links: u32, due;
     /// Work groups to dispatch for each rung, then those of `DUE_MERGED` and `DUE_SUMMED`.
     due_groups: [u32; 3], rank;
     /// Radiosity gathered at each node's own links.
@@ -177,16 +177,16 @@ buffers! {
     /// The objects that have layers beneath their surface.
     layerings: Layering, layering;
     /// Their layers.
-    beneath: Layer, layer;
+    layer_media: Layer, layer;
     /// Where their triangles are in depth maps laid out by islands: of those whose texture coordinates have seams.
     islands: Island, face;
     /// Depths of the layers' lower interfaces, four a texel, rows from the top.
     depths: [f32; 4], texel;
     /// The lights that shine into layers: those with a position or a direction, and the environment as directional
     /// lights.
-    beams: Light, beam;
+    layer_lights: Light, beam;
     /// The vertices of each cluster.
-    crowds: Crowd, node;
+    vertex_moments: VertexMoments, node;
     /// The plane fitted to the surface around each vertex: its unit normal, and its height over the vertex along that.
     planes: [f32; 4], vertex;
     /// Form factors to evaluate one by one.

@@ -18,7 +18,7 @@ pub fn declarations() -> String {
         }
         text.push_str(" };\n");
     }
-    for &slot in super::SLOTS {
+    for &slot in super::BUFFER_IDS {
         let (spec, binding) = (slot.spec(), slot as usize);
         for (word, qualifier) in [("READS", "readonly"), ("WRITES", "writeonly"), ("UPDATES", "")] {
             let _ = writeln!(

@@ -32,19 +32,19 @@ constants! {
     /// A morph towards another mesh.
     DEFORM_MORPH: u32 = 6;
 
-    /// `Frame.texture_wrap` and `Layering.wrap`: beyond its edges the texture repeats.
+    /// `ObjectParams.texture_wrap` and `Layering.wrap`: beyond its edges the texture repeats.
     WRAP_REPEAT: u32 = 0;
     /// Its outermost texels go on.
     WRAP_CLAMP: u32 = 1;
     /// It repeats, mirrored.
     WRAP_MIRROR: u32 = 2;
 
-    /// Bits of `Frame.texture_side`: light is multiplied by the texture where it enters.
+    /// Bits of `ObjectParams.texture_side`: light is multiplied by the texture where it enters.
     TEXTURE_ENTERS: u32 = 1;
     /// Where it leaves.
     TEXTURE_LEAVES: u32 = 2;
 
-    /// `Frame.opaque`: light enters the object.
+    /// `ObjectParams.opaque`: light enters the object.
     OPAQUE_NOT: u32 = 0;
     /// None does, and it is lit triangle by triangle.
     OPAQUE_BY_FACE: u32 = 1;
@@ -58,12 +58,12 @@ constants! {
     /// Those of pixels.
     SHADOWS_BY_PIXEL: u32 = 2;
 
-    /// `Frame.kappa`: sqrt((k1^2 + k2^2) / 2).
+    /// `ObjectParams.kappa`: sqrt((k1^2 + k2^2) / 2).
     KAPPA_RMS: u32 = 0;
     /// |k1 + k2| / 2.
     KAPPA_MEAN: u32 = 1;
 
-    /// `Frame.reflection`: the surface reflects nothing.
+    /// `ObjectParams.reflection`: the surface reflects nothing.
     REFLECTION_NONE: u32 = 0;
     /// By Phong's lobe.
     REFLECTION_PHONG: u32 = 1;
@@ -92,7 +92,7 @@ constants! {
     /// The number of these.
     LINK_KINDS: usize = 6;
 
-    /// The error laws of `radii`: the light itself.
+    /// The error laws of `acceptance_radii`: the light itself.
     LAW_MAGNITUDE: usize = 0;
     /// A cluster by its moments.
     LAW_MOMENTS: usize = 1;
@@ -131,7 +131,7 @@ constants! {
     /// Elements of `due_groups`.
     DUE_GROUPS: usize = 5;
 
-    /// Bits of `altered`: a triangle of the cluster has moved since links were made.
+    /// Bits of `change_flags`: a triangle of the cluster has moved since links were made.
     ALTERED_MOVED: u32 = 1;
     /// Another light enters one than was summed last.
     ALTERED_RELIT: u32 = 2;

@@ -32,7 +32,7 @@ records! { list_records:
         emitter: u32,
     }
     /// How full an object's lists are, and the room that they need; padded as its frame is.
-    Cursor {
+    ListCounters {
         /// Links of this chunk.
         links: u32,
         /// Links that take area points.
@@ -44,19 +44,19 @@ records! { list_records:
         /// Handed-down emitters of the top of the tree, kept for every chunk.
         kept: u32,
         /// Largest count of links met in a chunk.
-        need_links: u32,
+        required_links: u32,
         /// Largest count of links that take area points.
-        need_areas: u32,
+        required_areas: u32,
         /// Largest count of links that take the edge form.
-        need_edges: u32,
+        required_edges: u32,
         /// Largest count of handed-down emitters.
-        need_hands: u32,
+        required_hands: u32,
         /// Entries of this batch.
         entries: u32,
         /// Largest count of entries met in a batch.
-        need_entries: u32,
+        required_entries: u32,
         /// Most triangles that one block takes by area points or the edge form.
-        need_near: u32,
+        required_near: u32,
         /// Not 0 if a list did not fit: the results are void, and the frame must run again with more room.
         overflow: u32,
         /// Not 0 if a driver ended a loop early, or would: lavapipe does so after 65,535 iterations.
@@ -75,9 +75,9 @@ records! { list_records:
         /// Form factors that a frame computes over links that are kept, so far.
         computed: u32,
         /// Kept links whose form factors wait for a later frame, so far.
-        waiting: u32,
-        /// Receivers of this chunk that are listed in `busy`.
-        busy: u32,
+        stale: u32,
+        /// Receivers of this chunk that are listed in `active_receivers`.
+        receivers: u32,
         /// Receivers that a frame merges kept links of, so far.
         edited: u32,
         /// Receivers that a frame sums kept links of again, so far.
@@ -115,7 +115,7 @@ records! { list_records:
     }
 }
 
-impl Cursor {
+impl ListCounters {
     /// At the start of a frame's lists: empty, and for the contrast of now.
     #[must_use]
     pub fn opened(&self) -> Self {

@@ -62,7 +62,7 @@ plain! {
 }
 
 // A device may ask for up to 256 bytes between two places that are bound.
-const _: () = assert!(size_of::<Frame>().is_multiple_of(256) && size_of::<Cursor>().is_multiple_of(256));
+const _: () = assert!(size_of::<ObjectParams>().is_multiple_of(256) && size_of::<ListCounters>().is_multiple_of(256));
 
 /// A struct shared by host and device, as the build script and the layout test see it.
 pub struct Record {
@@ -126,12 +126,12 @@ pub struct BufferSpec {
     /// The words of an element.
     pub words: fn() -> Vec<Word>,
     /// The parts that it is divided into; a dispatch binds one.
-    pub cut: Cut,
+    pub partition: Partition,
 }
 
 /// The parts that a buffer is divided into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cut {
+pub enum Partition {
     /// It is bound whole.
     Whole,
     /// One element an object.
@@ -144,7 +144,7 @@ pub enum Cut {
     Face,
     /// Three a triangle.
     Corner,
-    /// `frame.shadow_words` a triangle.
+    /// `object_params.shadow_words` a triangle.
     Shadow,
     /// One a node of its tree.
     Node,
@@ -160,45 +160,45 @@ pub enum Cut {
     Batch,
 }
 
-macro_rules! cut {
+macro_rules! partition {
     (object) => {
-        Cut::Object
+        Partition::Object
     };
     (vertex) => {
-        Cut::Vertex
+        Partition::Vertex
     };
     (start) => {
-        Cut::Start
+        Partition::Start
     };
     (face) => {
-        Cut::Face
+        Partition::Face
     };
     (corner) => {
-        Cut::Corner
+        Partition::Corner
     };
     (shadow) => {
-        Cut::Shadow
+        Partition::Shadow
     };
     (node) => {
-        Cut::Node
+        Partition::Node
     };
     (block) => {
-        Cut::Block
+        Partition::Block
     };
     (receiver) => {
-        Cut::Receiver
+        Partition::Receiver
     };
     (chunk) => {
-        Cut::Chunk
+        Partition::Chunk
     };
     (group) => {
-        Cut::Group
+        Partition::Group
     };
     (batch) => {
-        Cut::Batch
+        Partition::Batch
     };
     ($other:ident) => {
-        Cut::Whole
+        Partition::Whole
     };
 }
 
@@ -212,37 +212,37 @@ macro_rules! buffers {
         #[allow(non_camel_case_types)]
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(usize)]
-        pub enum Slot { $($(#[doc = $about])* $name,)* }
+        pub enum BufferId { $($(#[doc = $about])* $name,)* }
 
         /// Every buffer's slot, in the order of their numbers.
-        pub const SLOTS: &[Slot] = &[$(Slot::$name,)*];
+        pub const BUFFER_IDS: &[BufferId] = &[$(BufferId::$name,)*];
 
-        impl Slot {
+        impl BufferId {
             /// What is known of this buffer but its content.
             pub fn spec(self) -> BufferSpec {
-                match self { $(Slot::$name => BufferSpec {
+                match self { $(BufferId::$name => BufferSpec {
                     name: stringify!($name),
                     per: stringify!($per),
                     glsl: <$kind as Element>::GLSL,
                     stride: size_of::<$kind>(),
                     words: <$kind as Element>::words,
-                    cut: cut!($per),
+                    partition: partition!($per),
                 },)* }
             }
         }
 
         impl Buffers {
             /// The bytes of a buffer.
-            pub fn bytes(&self, slot: Slot) -> &[u8] {
-                match slot { $(Slot::$name => bytemuck::cast_slice(&self.$name),)* }
+            pub fn bytes(&self, slot: BufferId) -> &[u8] {
+                match slot { $(BufferId::$name => bytemuck::cast_slice(&self.$name),)* }
             }
             /// Makes a buffer as long as this, with zeros where it grows.
-            pub fn resize(&mut self, slot: Slot, elements: usize) {
-                match slot { $(Slot::$name => self.$name.resize(elements, <$kind as bytemuck::Zeroable>::zeroed()),)* }
+            pub fn resize(&mut self, slot: BufferId, elements: usize) {
+                match slot { $(BufferId::$name => self.$name.resize(elements, <$kind as bytemuck::Zeroable>::zeroed()),)* }
             }
             /// The bytes of a buffer, to be overwritten.
-            pub fn bytes_mut(&mut self, slot: Slot) -> &mut [u8] {
-                match slot { $(Slot::$name => bytemuck::cast_slice_mut(&mut self.$name),)* }
+            pub fn bytes_mut(&mut self, slot: BufferId) -> &mut [u8] {
+                match slot { $(BufferId::$name => bytemuck::cast_slice_mut(&mut self.$name),)* }
             }
         }
     };
@@ -250,28 +250,28 @@ macro_rules! buffers {
 
 #[macro_use]
 mod constants;
-mod arriving;
-mod beneath;
 mod buffers;
 mod glsl;
 mod kinds;
+mod layers;
+mod lighting;
 mod lists;
-mod local;
 mod numbers;
 mod records;
-mod viewing;
+mod shading;
+mod view;
 
-pub use arriving::*;
-pub use beneath::*;
+pub use self::layers::*;
+pub use self::lighting::*;
+pub use self::shading::*;
+pub use self::view::*;
 pub use buffers::*;
 pub use constants::{Constant, Shared};
 pub use glsl::declarations;
 pub use kinds::*;
 pub use lists::*;
-pub use local::*;
 pub use numbers::*;
 pub use records::*;
-pub use viewing::*;
 
 /// Every record.
 pub fn records() -> Vec<Record> {

@@ -7,7 +7,7 @@ use super::{Element, Record, Word};
 records! { frame_records:
     /// What holds for an object in the whole frame, padded so that it can be bound by itself. Lengths are internal: the
     /// scene has unit extent.
-    Frame {
+    ObjectParams {
         /// Its first triangle among those of all objects.
         first_face: u32,
         /// Its first node likewise.
@@ -72,13 +72,13 @@ records! { frame_records:
         /// Square of the smallest planarity A'/A (section 5.1.1) of a cluster that may emit.
         planarity: f32,
         /// Room for links in one chunk.
-        link_room: u32,
+        link_capacity: u32,
         /// Room for links whose form factor takes area points, in one chunk.
-        area_room: u32,
+        area_capacity: u32,
         /// Room for links whose form factor takes the edge form, in one chunk.
-        edge_room: u32,
+        edge_capacity: u32,
         /// Room for emitters handed down from receiver to receiver.
-        hand_room: u32,
+        hand_capacity: u32,
         /// Dipole strength alpha' / (4 pi), per channel.
         strength: [f32; 3],
         /// Effective transport coefficient sigma_tr, per channel, 1/length.
@@ -96,9 +96,9 @@ records! { frame_records:
         /// Number of blocks that its area is divided by for the size of a usual one.
         usual_blocks: u32,
         /// Room for list entries in one batch.
-        entry_room: u32,
+        entry_capacity: u32,
         /// Room for triangles of one block that `gather` takes one by one, a multiple of what one dispatch takes.
-        near_room: u32,
+        near_capacity: u32,
         /// Largest error of one link, in units of the reference level.
         link_error: f32,
         /// Irradiance of each channel as a multiple of its group's lead channel.
@@ -114,11 +114,11 @@ records! { frame_records:
         /// Local shading: what kappa is, a `KAPPA_`.
         kappa: u32,
         /// Local shading: width and height of the map of sigma_0, in texels; 0 where there is none.
-        spread_size: [u32; 2],
+        sigma_0_size: [u32; 2],
         /// Its first texel.
-        spread_first: u32,
+        sigma_0_first: u32,
         /// The number of its texture coordinates' sheets, from 1; 0 where its light is not blurred over them.
-        sheet: u32,
+        irradiance_map: u32,
         /// Unused.
         padding: [u32; 32],
         /// Unused.
@@ -128,7 +128,7 @@ records! { frame_records:
         /// Most form factors that a frame may compute over links that are kept.
         budget: u32,
         /// Room for links that a frame makes or undoes in one chunk.
-        edit_room: u32,
+        edit_capacity: u32,
     }
     /// A deformation of an object's vertices.
     Deform {
@@ -168,7 +168,7 @@ records! { frame_records:
         /// Distance of the farthest receiver.
         radius: f32,
         /// Mean square of the receivers' distances, in units of a usual block's.
-        spread: f32,
+        relative_moment: f32,
     }
     /// Moments of the light that enters a cluster, by the irradiance of its group's lead channel.
     Moment {
@@ -178,7 +178,7 @@ records! { frame_records:
         weight: f32,
     }
     /// Second moments of that light, in a buffer of their own, so that millions of nodes fit a binding.
-    Spread {
+    SecondMoments {
         /// Second moments about the centre per weight: xx, yy, zz.
         diagonal: [f32; 3],
         /// Bound on the distance of any point of the cluster from the centre.
@@ -282,6 +282,6 @@ records! { frame_records:
         /// Vector area: the sum of A_k N_k; its length is the projected area A' of section 5.1.1.
         normal: [f32; 3],
         /// tau: trace of the second moment about the centroid, per area.
-        spread: f32,
+        moment_trace: f32,
     }
 }

@@ -4,15 +4,15 @@
 use crate::dipole::profile::Dipole;
 use crate::error::Result;
 use crate::gpu::Device;
-use crate::light::fresnel;
+use crate::lighting::fresnel;
 use crate::measure::balls::{ANGLES, angle, dipole as ball, walk as ball_walk};
 use crate::measure::flat::{Lighting, beyond, walk};
 use crate::measure::norms::worst;
 use crate::measure::reference::verify;
 use crate::measure::walk::{Estimate, Medium};
-use crate::render::plan::{Change, Goal, Options};
-use crate::render::run::{Room, Session};
+use crate::pipeline::plan::{Change, Goal, Options};
 use crate::scene::{Preset, Scene};
+use crate::session::run::{CapacityHints, Session};
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
@@ -105,7 +105,7 @@ pub fn numerical(preset: &Preset, device: Option<&Device>, effort: Effort) -> Re
         "camera.size=[1, 1]".into(),
     ];
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
-    let mut session = Session::new(&Scene::load("sphere", &sets)?, device, options, Room::default())?;
+    let mut session = Session::new(&Scene::load("sphere", &sets)?, device, options, CapacityHints::default())?;
     session.frame(Change::EVERYTHING)?;
     Ok(worst(&verify(&mut session, effort.samples, effort.seed)?).l2)
 }

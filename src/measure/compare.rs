@@ -1,6 +1,6 @@
 //! Two states word by word: what conformance says of a buffer.
 
-use crate::layout::{Number, Slot, Word};
+use crate::layout::{BufferId, Number, Word};
 use crate::state::{Field, State, Tolerance};
 
 /// The largest distance, in units in the last place, of each bin of a [`Comparison::histogram`] but the last.
@@ -37,7 +37,7 @@ fn ulp(a: f32, b: f32) -> u64 {
 
 /// Compares one buffer of two states; words and distances are told of `part`, a first element and their number.
 pub fn compare(
-    slot: Slot,
+    slot: BufferId,
     reference: &State,
     device: &State,
     tolerance: Tolerance,
@@ -171,22 +171,22 @@ mod tests {
         let reference = state(vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
         let device = state(vec![[1.0, 2.0, 3.0], [4.0, 5.001, 6.0]]);
         let tight = Tolerance::Float { relative: 1e-5, floor: 0.0 };
-        let found = compare(Slot::radiosity, &reference, &device, tight, (0, 2));
+        let found = compare(BufferId::radiosity, &reference, &device, tight, (0, 2));
         assert_eq!((found.words, found.failures), (6, 1));
         assert_eq!(found.histogram, [5, 0, 0, 0, 0, 0, 1, 0]);
         assert!(
             found.first.as_ref().is_some_and(|text| text.starts_with("radiosity[1].1: reference 5e0 (0x40a00000)"))
         );
         let loose = Tolerance::Float { relative: 1e-3, floor: 0.0 };
-        assert_eq!(compare(Slot::radiosity, &reference, &device, loose, (0, 2)).failures, 0);
-        assert_eq!(compare(Slot::radiosity, &reference, &device, Tolerance::Exact, (0, 2)).failures, 1);
+        assert_eq!(compare(BufferId::radiosity, &reference, &device, loose, (0, 2)).failures, 0);
+        assert_eq!(compare(BufferId::radiosity, &reference, &device, Tolerance::Exact, (0, 2)).failures, 1);
     }
 
     #[test]
     fn no_number_is_never_within_tolerance() {
         let tolerance = Tolerance::Float { relative: 1.0, floor: 1.0 };
         let found =
-            compare(Slot::radiosity, &state(vec![[1.0; 3]]), &state(vec![[1.0, f32::NAN, 1.0]]), tolerance, (0, 1));
+            compare(BufferId::radiosity, &state(vec![[1.0; 3]]), &state(vec![[1.0, f32::NAN, 1.0]]), tolerance, (0, 1));
         assert_eq!(found.failures, 1);
         assert_eq!(found.ulp, u64::MAX);
     }

@@ -8,7 +8,7 @@
 use crate::error::Result;
 use crate::geometry::deform;
 use crate::gpu::Device;
-use crate::layout::{SLOTS, Slot};
+use crate::layout::{BUFFER_IDS, BufferId};
 pub use crate::measure::compare::BINS;
 use crate::measure::compare::{Comparison, compare};
 use crate::measure::fixtures::Fixture;
@@ -44,7 +44,7 @@ pub struct Plant {
     /// After this stage ...
     pub stage: &'static str,
     /// ... in this buffer, one word is changed.
-    pub slot: Slot,
+    pub slot: BufferId,
 }
 
 /// Runs every step of a fixture; one row a stage. With planted errors, each is looked for alone, and only their stages run on
@@ -72,7 +72,7 @@ fn compared(
     for step in &fixture.steps[..end] {
         if !takes_part(step.stage.name) {
             step.reference(&mut pair.reference);
-            pair.stale = SLOTS.to_vec();
+            pair.stale = BUFFER_IDS.to_vec();
             continue;
         }
         for row in pair.one(*step, &fixture.name, plants)? {
@@ -112,43 +112,43 @@ fn poison(state: &mut State, step: Step) {
 
 /// Both sides of a comparison. States are large: each is made once, and only what may differ travels to the device.
 struct Pair {
-    twin: DeviceState,
+    device_state: DeviceState,
     /// The reference's state.
     reference: State,
     /// What the device gave back last.
     device: State,
     /// Where the device may hold something else than the reference.
-    stale: Vec<Slot>,
+    stale: Vec<BufferId>,
 }
 
 impl Pair {
     fn new(device: &Device, state: &State) -> Result<Self> {
-        let twin = DeviceState::new(device, true)?;
-        Ok(Self { twin, reference: state.clone(), device: state.clone(), stale: SLOTS.to_vec() })
+        let device_state = DeviceState::new(device, true)?;
+        Ok(Self { device_state, reference: state.clone(), device: state.clone(), stale: BUFFER_IDS.to_vec() })
     }
 
     /// Runs one step on both sides, and says what was found: with each error planted in it alone, where there are any.
     fn one(&mut self, step: Step, name: &str, plants: &[Plant]) -> Result<Vec<Row>> {
-        let written: Vec<Slot> = step.stage.writes.iter().map(|(slot, _, _)| *slot).collect();
+        let written: Vec<BufferId> = step.stage.writes.iter().map(|(slot, _, _)| *slot).collect();
         poison(&mut self.reference, step);
-        let size = |state: &State, slot: &Slot| state.data.bytes(*slot).len();
-        if SLOTS.iter().any(|slot| size(&self.reference, slot) != size(&self.device, slot)) {
+        let size = |state: &State, slot: &BufferId| state.data.bytes(*slot).len();
+        if BUFFER_IDS.iter().any(|slot| size(&self.reference, slot) != size(&self.device, slot)) {
             self.device = self.reference.clone();
         }
         self.stale.retain(|slot| !written.contains(slot));
         self.stale.extend(&written);
-        self.twin.upload(&self.reference, &self.stale)?;
+        self.device_state.upload(&self.reference, &self.stale)?;
 
         // Twice on the device, what it writes from the same bits; what the first run changed beside that shows after the second.
-        self.twin.run(&self.reference, &[step])?;
-        self.twin.download(&mut self.device, &written)?;
+        self.device_state.run(&self.reference, &[step])?;
+        self.device_state.download(&mut self.device, &written)?;
         let mut first: Vec<Vec<u8>> = written.iter().map(|slot| self.device.data.bytes(*slot).to_vec()).collect();
-        self.twin.upload(&self.reference, &written)?;
-        self.twin.run(&self.reference, &[step])?;
-        self.twin.download(&mut self.device, SLOTS)?;
-        let trespasses = self.twin.trespasses(&self.reference)?;
+        self.device_state.upload(&self.reference, &written)?;
+        self.device_state.run(&self.reference, &[step])?;
+        self.device_state.download(&mut self.device, BUFFER_IDS)?;
+        let trespasses = self.device_state.trespasses(&self.reference)?;
         if !trespasses.is_empty() {
-            self.twin = DeviceState::new(self.twin.device(), true)?;
+            self.device_state = DeviceState::new(self.device_state.device(), true)?;
         }
         step.reference(&mut self.reference);
         let mut rows = Vec::new();
@@ -160,13 +160,13 @@ impl Pair {
         if plants.is_empty() {
             rows.push(self.row(step, name, &first, &trespasses));
         }
-        let same = |slot: &Slot| self.reference.data.bytes(*slot) == self.device.data.bytes(*slot);
-        self.stale = SLOTS.iter().copied().filter(|slot| !trespasses.is_empty() || !same(slot)).collect();
+        let same = |slot: &BufferId| self.reference.data.bytes(*slot) == self.device.data.bytes(*slot);
+        self.stale = BUFFER_IDS.iter().copied().filter(|slot| !trespasses.is_empty() || !same(slot)).collect();
         Ok(rows)
     }
 
     /// Changes a bit in what the device gave back of this buffer, in both runs; or changes it back.
-    fn toggle(&mut self, slot: Slot, written: &[Slot], first: &mut [Vec<u8>]) {
+    fn toggle(&mut self, slot: BufferId, written: &[BufferId], first: &mut [Vec<u8>]) {
         if let [word, ..] = bytemuck::cast_slice_mut::<u8, u32>(self.device.data.bytes_mut(slot)) {
             *word ^= 0x4000_0000;
             if let Some(at) = written.iter().position(|known| *known == slot) {
@@ -187,7 +187,7 @@ impl Pair {
             relative: 0.0,
             faults: Vec::new(),
         };
-        for &slot in SLOTS {
+        for &slot in BUFFER_IDS {
             let written = step.stage.writes.iter().find(|(written, _, _)| *written == slot);
             let tolerance = written.map_or(Tolerance::Exact, |(_, _, tolerance)| *tolerance);
             let found: Comparison =
@@ -214,7 +214,7 @@ impl Pair {
             }
         }
         row.faults.extend(trespasses.iter().map(|name| format!("{step:?} wrote beyond the end of buffer {name}")));
-        row.faults.extend(self.twin.device().take_messages());
+        row.faults.extend(self.device_state.device().take_messages());
         row
     }
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::walk::{BATCHES, Body, Estimate, Medium, Random, batches, refracted, travel};
 use crate::dipole::profile::Dipole;
-use crate::light::fresnel;
+use crate::lighting::fresnel;
 
 /// How light falls on the upper side of a slab.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

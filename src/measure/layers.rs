@@ -6,9 +6,9 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::gpu::Device;
 use crate::layers::relief::{self, Kept, full};
-use crate::render::plan::{Change, Options, Transport};
-use crate::render::run::{Room, Session};
+use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::{Integration, Light, Scene, Surface};
+use crate::session::run::{CapacityHints, Session};
 use crate::state::State;
 
 /// Samples as in table 2 of Francois et al. 2006.
@@ -61,8 +61,8 @@ fn with(scene: &Scene, rule: Integration, samples: u32) -> Scene {
 }
 
 fn session(scene: &Scene, device: Option<&Device>) -> Result<Session> {
-    let options = Options { transport: Transport::None, ..Options::default() };
-    let mut session = Session::new(scene, device, options, Room::default())?;
+    let options = Options { transport: ShadingMethod::None, ..Options::default() };
+    let mut session = Session::new(scene, device, options, CapacityHints::default())?;
     session.frame(Change::EVERYTHING)?;
     Ok(session)
 }

@@ -5,17 +5,17 @@
 use crate::error::{Error, Input, Result};
 use crate::gpu::Device;
 use crate::layers::{plane_fit, relief};
-use crate::layout::Slot;
-use crate::local::reflectance;
-use crate::local::{blur, cdrf, curvature, lambert, pack, texture_blur, unwrap};
+use crate::layout::BufferId;
 use crate::measure::median;
-use crate::render::local::spread;
-use crate::render::plan::{Change, Options, Transport};
-use crate::render::prepare::dipoles;
-use crate::render::run::{Room, Session};
+use crate::pipeline::plan::{Change, Options, ShadingMethod};
+use crate::prepare::scene::dipoles;
+use crate::prepare::shading::default_sigma_0;
 use crate::scene::{Cdrf, Receivers, Scene, Surface};
+use crate::session::run::{CapacityHints, Session};
+use crate::shading::reflectance;
+use crate::shading::{bake_irradiance, blur, cdrf, curvature, lambert, pack_normals, texture_blur};
 use crate::state::{Stage, wide};
-use crate::view::{backdrop, exit, reflect, shade, visibility};
+use crate::view::{backdrop, reflect, shade, texture_out, visibility};
 
 /// One way to shade.
 #[derive(Clone, Debug)]
@@ -42,13 +42,13 @@ pub const PAPER: [(&str, f64, f64); 4] = [
 ];
 
 /// The stages that are the cost of a technique itself.
-const OWN: [&Stage; 5] = [&lambert::STAGE, &cdrf::STAGE, &unwrap::STAGE, &blur::STAGE, &texture_blur::STAGE];
+const OWN: [&Stage; 5] = [&lambert::STAGE, &cdrf::STAGE, &bake_irradiance::STAGE, &blur::STAGE, &texture_blur::STAGE];
 
 /// The stages that make a picture of radiosity.
 const SEEN: [&Stage; 7] = [
     &visibility::STAGE,
     &shade::STAGE,
-    &exit::STAGE,
+    &texture_out::STAGE,
     &reflect::STAGE,
     &backdrop::STAGE,
     &plane_fit::STAGE,
@@ -65,19 +65,19 @@ pub fn table_1(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
     let scene = &bare(scene);
     let carried = picture(scene, device, Options::default())?;
     let techniques = [
-        (PAPER[0].0, Transport::Lambert, Cdrf::Closed),
-        (PAPER[1].0, Transport::TextureBlur, Cdrf::Closed),
-        (PAPER[2].0, Transport::Cdrf, Cdrf::Closed),
-        (PAPER[3].0, Transport::Cdrf, Cdrf::Table),
+        (PAPER[0].0, ShadingMethod::Lambert, Cdrf::Closed),
+        (PAPER[1].0, ShadingMethod::TextureBlur, Cdrf::Closed),
+        (PAPER[2].0, ShadingMethod::Cdrf, Cdrf::Closed),
+        (PAPER[3].0, ShadingMethod::Cdrf, Cdrf::Table),
     ];
     let (mut sessions, mut errors) = (Vec::new(), Vec::new());
     for (name, transport, cdrf) in techniques {
         let mut scene = scene.clone();
         scene.transport.cdrf = cdrf;
         let options = Options { transport, ..Options::default() };
-        let mut session = match Session::new(&scene, device, options, Room::default()) {
+        let mut session = match Session::new(&scene, device, options, CapacityHints::default()) {
             // No texture coordinates, or such as lie over each other.
-            Err(Error::Input(_)) if transport == Transport::TextureBlur => continue,
+            Err(Error::Input(_)) if transport == ShadingMethod::TextureBlur => continue,
             session => session?,
         };
         session.frame(Change::EVERYTHING)?;
@@ -125,7 +125,7 @@ fn bare(scene: &Scene) -> Scene {
 
 /// The picture of a scene.
 fn picture(scene: &Scene, device: Option<&Device>, options: Options) -> Result<Vec<[f32; 3]>> {
-    let mut session = Session::new(scene, device, options, Room::default())?;
+    let mut session = Session::new(scene, device, options, CapacityHints::default())?;
     session.frame(Change::EVERYTHING)?;
     Ok(session.picture()?.pixels)
 }
@@ -133,7 +133,7 @@ fn picture(scene: &Scene, device: Option<&Device>, options: Options) -> Result<V
 /// Relative L2 of a session's picture against another one, where it shows what light enters; 0 where it shows none.
 fn error(session: &mut Session, other: &[[f32; 3]]) -> Result<f64> {
     let own = session.picture()?.pixels;
-    session.fetch(&[Slot::hits])?;
+    session.fetch(&[BufferId::hits])?;
     let state = session.state();
     let shows = |face: u32| {
         let known = (face as usize) < state.data.triangles.len();
@@ -153,7 +153,7 @@ fn error(session: &mut Session, other: &[[f32; 3]]) -> Result<f64> {
 pub struct Bending {
     /// Vertices of all objects.
     pub vertices: usize,
-    /// Milliseconds of stages `curvature` and `pack`: the median.
+    /// Milliseconds of stages `curvature` and `pack_normals`: the median.
     pub curvature: f64,
     /// Milliseconds of what the hierarchy does to know the radiosity of every triangle, all from scratch.
     pub solve: f64,
@@ -164,18 +164,21 @@ pub fn bending(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
     let mut scene = scene.clone();
     // The picture is no part of it.
     (scene.camera.size, scene.transport.receivers) = ([64, 64], Receivers::Faces);
-    let session = |transport: Transport| {
-        let mut session = Session::new(&scene, device, Options { transport, ..Options::default() }, Room::default())?;
+    let session = |transport: ShadingMethod| {
+        let mut session =
+            Session::new(&scene, device, Options { transport, ..Options::default() }, CapacityHints::default())?;
         session.frame(Change::EVERYTHING).map(|_| session)
     };
-    let (mut local, mut carried) = (session(Transport::Cdrf)?, session(Transport::Hierarchy)?);
+    let (mut local, mut carried) = (session(ShadingMethod::Cdrf)?, session(ShadingMethod::Hierarchy)?);
     let (mut bends, mut solves) = (Vec::new(), Vec::new());
     for _ in 0..frames.max(1) {
         let sum = |session: &mut Session, counts: &dyn Fn(&str) -> bool| -> Result<f64> {
             let steps = session.frame(Change::EVERYTHING)?;
             Ok(steps.iter().filter(|step| counts(&step.name)).map(|step| step.milliseconds).sum())
         };
-        bends.push(sum(&mut local, &|name| [&curvature::STAGE, &pack::STAGE].iter().any(|stage| stage.name == name))?);
+        bends.push(sum(&mut local, &|name| {
+            [&curvature::STAGE, &pack_normals::STAGE].iter().any(|stage| stage.name == name)
+        })?);
         // What makes a picture of radiosity is no part of it.
         let seen = |name: &str| SEEN.iter().any(|stage| stage.name == name);
         solves.push(sum(&mut carried, &|name| !seen(name))?);
@@ -209,7 +212,7 @@ pub fn balls(scene: &Scene, radii: &[f64], count: usize) -> Result<Vec<Ball>> {
     if material.opaque.is_some() {
         return Err(Input::new("no light enters the material").expected("scattering and absorption").into());
     }
-    let usual = dipoles(material, 1.0).each_ref().map(spread);
+    let usual = dipoles(material, 1.0).each_ref().map(default_sigma_0);
     let sigma_0 = material.sigma_0.unwrap_or(usual).map(|length| length * scene.unit_mm);
     let ball = |&radius: &f64| {
         let sigma = sigma_0.map(|length| length / radius);
@@ -230,7 +233,7 @@ pub struct Panel {
     /// The scene.
     pub scene: Scene,
     /// How it is shaded.
-    pub transport: Transport,
+    pub transport: ShadingMethod,
 }
 
 /// Figures 1, 7, 9 and 11: the bust at rising sigma_0, balls of skin without and with scattering, the bust by the CDRF and by
@@ -238,30 +241,30 @@ pub struct Panel {
 /// [`crate::measure::validity::places`].
 pub fn panels(size: [u32; 2]) -> Result<Vec<Panel>> {
     let mut all = Vec::new();
-    let mut add = |figure: u32, caption: &str, name: &str, sets: &[&str], transport: Transport| -> Result<()> {
+    let mut add = |figure: u32, caption: &str, name: &str, sets: &[&str], transport: ShadingMethod| -> Result<()> {
         let mut sets: Vec<String> = sets.iter().map(|set| (*set).to_string()).collect();
         sets.push(format!("camera.size=[{}, {}]", size[0], size[1]));
         all.push(Panel { figure, caption: caption.into(), scene: Scene::load(name, &sets)?, transport });
         Ok(())
     };
-    add(1, "Lambert", "bust", &[], Transport::Lambert)?;
+    add(1, "Lambert", "bust", &[], ShadingMethod::Lambert)?;
     for [r, g, b] in [[0.5, 0.4, 0.3], [2.0, 1.6, 1.2], [6.0, 4.8, 3.6]] {
         let sigma = format!("object.0.material.sigma_0=[{r}, {g}, {b}]");
-        add(1, &format!("sigma_0 = {r}, {g}, {b} mm"), "bust", &[&sigma], Transport::Cdrf)?;
+        add(1, &format!("sigma_0 = {r}, {g}, {b} mm"), "bust", &[&sigma], ShadingMethod::Cdrf)?;
     }
     let skin = "object.0.material.preset=skin1";
-    add(7, "Lambert", "sphere", &[skin, "object.0.size=40"], Transport::Lambert)?;
+    add(7, "Lambert", "sphere", &[skin, "object.0.size=40"], ShadingMethod::Lambert)?;
     for radius in [20, 5] {
         let ball = format!("object.0.size={}", 2 * radius);
-        add(7, &format!("radius {radius} mm"), "sphere", &[skin, &ball], Transport::Cdrf)?;
+        add(7, &format!("radius {radius} mm"), "sphere", &[skin, &ball], ShadingMethod::Cdrf)?;
     }
-    add(9, "CDRF", "bust", &[], Transport::Cdrf)?;
-    add(9, "hierarchical dipole", "bust", &[], Transport::Hierarchy)?;
+    add(9, "CDRF", "bust", &[], ShadingMethod::Cdrf)?;
+    add(9, "hierarchical dipole", "bust", &[], ShadingMethod::Hierarchy)?;
     for (side, light) in [("front", "light.0.position=[20, 40, 60]"), ("behind", "light.0.position=[-20, 30, -60]")] {
         let light = [light, "light.0.intensity=[6000, 6000, 6000]", "light.0.shadows=false"];
         let sigma = "object.0.material.sigma_0=[0.9, 1.3, 2.3]";
-        add(11, &format!("from {side}, Lambert"), "lotus", &light, Transport::Lambert)?;
-        add(11, &format!("from {side}, CDRF"), "lotus", &[&light[..], &[sigma]].concat(), Transport::Cdrf)?;
+        add(11, &format!("from {side}, Lambert"), "lotus", &light, ShadingMethod::Lambert)?;
+        add(11, &format!("from {side}, CDRF"), "lotus", &[&light[..], &[sigma]].concat(), ShadingMethod::Cdrf)?;
     }
     Ok(all)
 }

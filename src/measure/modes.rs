@@ -4,16 +4,16 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use crate::baseline::form_factor;
 use crate::error::Result;
 use crate::gpu::Device;
-use crate::layout::Slot;
+use crate::layout::BufferId;
 use crate::measure::norms::worst;
 use crate::measure::reference::verify;
-use crate::render::plan::{Change, Goal, Mode, Options};
-use crate::render::run::{Room, Session};
+use crate::pipeline::plan::{Change, Goal, Mode, Options};
 use crate::scene::{Deform, Scene, Scheme};
-use crate::transport::gather;
+use crate::session::run::{CapacityHints, Session};
+use crate::transport::blocks::gather;
+use crate::transport::links::form_factor;
 
 /// What has changed since the frame before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,7 +149,7 @@ pub fn rows(device: Option<&Device>, scene: &Scene, frames: usize, only: &str) -
 /// One row; scheme, mode and ratio are the caller's to tell.
 fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frames: usize) -> Result<Row> {
     let options = Options { mode, goal: Goal::Radiosity, ..Options::default() };
-    let mut session = Session::new(&moved(scene, what, 0), device, options, Room::default())?;
+    let mut session = Session::new(&moved(scene, what, 0), device, options, CapacityHints::default())?;
     session.frame(Change::EVERYTHING)?;
     let (start, mut times, mut names) = (Instant::now(), Vec::new(), Vec::new());
     for step in 1..=frames {
@@ -187,11 +187,11 @@ fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frame
 fn links(session: &mut Session, scene: &Scene, device: Option<&Device>) -> Result<u64> {
     let options = session.plan().options();
     if options.mode == Mode::OnTheFly {
-        let mut kept = Session::new(scene, device, Options { mode: Mode::Keep, ..options }, Room::default())?;
+        let mut kept = Session::new(scene, device, Options { mode: Mode::Keep, ..options }, CapacityHints::default())?;
         kept.frame(Change::EVERYTHING)?;
         return links(&mut kept, scene, device);
     }
-    session.fetch(&[Slot::runs, Slot::spans])?;
+    session.fetch(&[BufferId::runs, BufferId::spans])?;
     let (state, data) = (session.state(), &session.state().data);
     let entries = state.runs().map(|run| u64::from(run.expanded + run.direct + run.area + run.edge));
     Ok(entries.sum::<u64>() + data.spans.iter().map(|span| u64::from(span.links)).sum::<u64>())

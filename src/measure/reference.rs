@@ -9,11 +9,11 @@ use crate::dipole::form_factor::ladder::chi;
 use crate::dipole::form_factor::points::{SIX, TWELVE, midpoint_moment, sampled, trace};
 use crate::dipole::profile::Dipole;
 use crate::error::{Input, Result};
-use crate::layout::Slot;
+use crate::layout::BufferId;
 use crate::measure::estimate::Quality;
 use crate::measure::norms::{Norms, norms};
 use crate::measure::sample::Sample;
-use crate::render::run::Session;
+use crate::session::run::Session;
 use crate::state::{Distance, State, wide};
 
 /// chi below which one sample with its second moment, 6 points and 12 points are within about 5e-6 of the exact
@@ -41,7 +41,7 @@ pub fn by_object(state: &State, faces: &[usize], radiosity: fn(&State, &[usize])
         let own: Vec<usize> = (0..faces.len()).filter(mine).collect();
         let local: Vec<usize> = own.iter().map(|&k| faces[k] - object.first.faces).collect();
         let values = if object.opaque {
-            let albedo = state.data.frame[number].albedo;
+            let albedo = state.data.object_params[number].albedo;
             let value =
                 |&k: &usize| [0, 1, 2].map(|c| f64::from(albedo[c]) * f64::from(state.data.irradiance[faces[k]][c]));
             own.iter().map(value).collect()
@@ -67,7 +67,7 @@ fn alone(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
 /// Radiosity anywhere on the surface of a state of one object whose irradiance is known; places are internal.
 pub fn at(state: &State, places: &[DVec3]) -> Vec<[f64; 3]> {
     let data = &state.data;
-    let dipoles = [0, 1, 2].map(|channel| Dipole::of(&data.frame[0], channel));
+    let dipoles = [0, 1, 2].map(|channel| Dipole::of(&data.object_params[0], channel));
     let distance = match state.distance {
         Distance::Radial => crate::dipole::form_factor::Distance::Radial,
         Distance::Table1 => crate::dipole::form_factor::Distance::Table1 { clamp: true },
@@ -81,7 +81,7 @@ pub fn at(state: &State, places: &[DVec3]) -> Vec<[f64; 3]> {
             Distance::Radial => (d.length_squared() + dipole.z_real * dipole.z_real).sqrt(),
             Distance::Table1 => (d.length() - dipole.z_virtual).max(dipole.z_real),
         };
-        let chi = chi(emitter.spread, dipole.sigma, nearest);
+        let chi = chi(emitter.moment_trace, dipole.sigma, nearest);
         match RUNGS.iter().position(|&limit| chi < limit) {
             Some(0) if state.distance == Distance::Radial => emitter.far(d, dipole),
             Some(0) => midpoint_moment(&emitter.corners, x, dipole, distance),
@@ -114,7 +114,7 @@ struct Emitter {
     center: DVec3,
     area: f64,
     edges: [DVec3; 3],
-    spread: f64,
+    moment_trace: f64,
     /// Distance of the farthest corner from the centre.
     reach: f64,
 }
@@ -129,7 +129,7 @@ impl Emitter {
             reach: corners.into_iter().map(|corner| corner.distance(center)).fold(0.0, f64::max),
             area: 0.5 * (b - a).cross(c - a).length(),
             edges: [b - a, c - b, a - c],
-            spread: trace(&corners),
+            moment_trace: trace(&corners),
         }
     }
 
@@ -140,7 +140,7 @@ impl Emitter {
             let s2 = d.length_squared() + z * z;
             let s = s2.sqrt();
             let a = dipole.sigma * s;
-            let first = (3.0 + 3.0 * a + a * a) * self.spread;
+            let first = (3.0 + 3.0 * a + a * a) * self.moment_trace;
             let second = (15.0 + 15.0 * a + 6.0 * a * a + a * a * a) * along / s2;
             z * (-a).exp() / (s2 * s) * ((1.0 + a) + 0.5 * (second - first) / s2)
         };
@@ -159,7 +159,7 @@ pub struct Checked {
 /// The error of a session's last frame at `count` seeded receivers, and what its estimate of that error is worth.
 pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> {
     session.sharpen()?;
-    session.fetch(&[Slot::irradiance, Slot::radiosity, Slot::clusters, Slot::estimate])?;
+    session.fetch(&[BufferId::irradiance, BufferId::radiosity, BufferId::clusters, BufferId::estimate])?;
     let state = session.state();
     if state.objects.iter().all(|object| object.opaque) {
         let fault = Input::new("light enters no object, so there is nothing to verify").key("object");

@@ -6,7 +6,7 @@ use super::conform::{Row, conform_stages};
 use super::fixtures::Fixture;
 use crate::error::{Input, Result};
 use crate::gpu::Device;
-use crate::render::frame::owner;
+use crate::pipeline::frame::owner;
 use crate::state::dispatches;
 
 /// The stages that a device's replaced kernels belong to.

@@ -7,12 +7,12 @@ use rayon::prelude::*;
 use crate::error::{Input, Result};
 use crate::geometry::trace::trace;
 use crate::gpu::Device;
-use crate::layout::Slot;
-use crate::local::diffuse::{received, sigma_0};
-use crate::local::reflectance::cdrf;
-use crate::render::plan::{Change, Goal, Options, Transport};
-use crate::render::run::{Room, Session};
+use crate::layout::BufferId;
+use crate::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use crate::scene::{Receivers, Scene};
+use crate::session::run::{CapacityHints, Session};
+use crate::shading::diffuse::{received, sigma_0};
+use crate::shading::reflectance::cdrf;
 use crate::state::{State, wide};
 
 /// The error that a verdict asks for.
@@ -57,11 +57,11 @@ pub fn places(scene: &Scene, device: Option<&Device>) -> Result<Vec<Place>> {
     let clear = scene.objects.iter_mut().filter(|object| object.material.opaque.is_none());
     clear.for_each(|object| object.material.texture = None);
     let solve = Options { goal: Goal::Radiosity, ..Options::default() };
-    let mut dipole = Session::new(&scene, device, solve, Room::default())?;
+    let mut dipole = Session::new(&scene, device, solve, CapacityHints::default())?;
     dipole.frame(Change::EVERYTHING)?;
-    dipole.fetch(&[Slot::radiosity])?;
-    let local = Options { transport: Transport::Cdrf, ..Options::default() };
-    let mut session = Session::new(&scene, None, local, Room::default())?;
+    dipole.fetch(&[BufferId::radiosity])?;
+    let local = Options { transport: ShadingMethod::Cdrf, ..Options::default() };
+    let mut session = Session::new(&scene, None, local, CapacityHints::default())?;
     session.frame(Change::EVERYTHING)?;
     if session.state().data.curvature.is_empty() && session.state().objects.iter().any(|object| !object.opaque) {
         return Err(Input::new("no light shines: there is nothing to compare").expected("a [[light]]").into());
@@ -98,13 +98,13 @@ pub fn places(scene: &Scene, device: Option<&Device>) -> Result<Vec<Place>> {
 
 /// Radiosity of a triangle by the CDRF at its middle, its sigma and sigma_0, and the way straight through the object below it.
 fn at(state: &State, number: usize, face: usize) -> [DVec3; 4] {
-    let (data, frame) = (&state.data, &state.data.frame[number]);
+    let (data, params) = (&state.data, &state.data.object_params[number]);
     let corners = data.triangles[face].map(|v| v as usize);
     let mean = |of: &dyn Fn(usize) -> DVec3| corners.iter().map(|&v| of(v)).sum::<DVec3>() / 3.0;
     let point = mean(&|v| wide(data.positions[v]));
     let normal = mean(&|v| wide(data.normals[v])).normalize_or_zero();
     let kappa = corners.iter().map(|&v| f64::from(data.curvature[v].kappa)).sum::<f64>() / 3.0;
-    let spread = sigma_0(data, frame, face, [1.0 / 3.0; 3]);
+    let spread = sigma_0(data, params, face, [1.0 / 3.0; 3]);
     let sigma = spread * kappa;
     let light = received(state, face, [point, normal], sigma, &cdrf);
     let [a, b, c] = corners.map(|v| wide(data.positions[v]));
@@ -116,7 +116,7 @@ fn at(state: &State, number: usize, face: usize) -> [DVec3; 4] {
     let object = &state.objects[number];
     let own = (object.first.faces..object.first.faces + object.count.faces).contains(&(met.face as usize));
     let thickness = if own { through } else { f64::INFINITY };
-    [wide(frame.diffuse) * light, sigma, spread, DVec3::splat(thickness)]
+    [wide(params.diffuse) * light, sigma, spread, DVec3::splat(thickness)]
 }
 
 /// The error over the places that `of` chooses.

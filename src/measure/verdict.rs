@@ -2,7 +2,7 @@
 
 use super::conform::Row;
 use crate::gpu::Device;
-use crate::render::frame::{owner, stage};
+use crate::pipeline::frame::{owner, stage};
 
 /// Where, on what, and what; `repeat` is the command that shows it again.
 pub fn verdict(device: &Device, row: &Row, repeat: &str) -> String {

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::light::fresnel;
+use crate::lighting::fresnel;
 
 /// A medium: reduced scattering and absorption, 1/length, and index, inside over outside.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -50,7 +50,7 @@ pub struct Material {
     /// sigma_0 of the CDRF in scene units, r g b, at least 0; none where it follows from the coefficients.
     pub sigma_0: Option<[f64; 3]>,
     /// d of each place, if it is not 1 everywhere: sigma_0 is multiplied by its square.
-    pub spread: Option<Texture>,
+    pub sigma_0_texture: Option<Texture>,
     /// What light is multiplied by where it enters or leaves, if not by 1 everywhere.
     pub texture: Option<Texture>,
     /// What lies beneath the surface, if anything does; light scatters once in it.
@@ -143,7 +143,7 @@ impl Material {
             two_sided,
             surface,
             sigma_0,
-            spread: Texture::spread(file, key)?,
+            sigma_0_texture: Texture::sigma_0(file, key)?,
             texture,
             layers,
         };
@@ -190,7 +190,7 @@ impl Material {
             two_sided: false,
             surface,
             sigma_0: None,
-            spread: None,
+            sigma_0_texture: None,
             texture,
             layers: None,
         })
@@ -198,7 +198,7 @@ impl Material {
 
     /// A depth map and a texture share the places of the mesh's corners, whole periods taken off.
     fn check_wraps(&self, key: impl Fn(&str) -> String) -> Checked<()> {
-        match (&self.layers, self.texture.as_ref().or(self.spread.as_ref())) {
+        match (&self.layers, self.texture.as_ref().or(self.sigma_0_texture.as_ref())) {
             (Some(layers), Some(texture)) if layers.map.mapped && layers.map.wrap != texture.wrap => {
                 let fault = Input::new("texture and maps go on beyond their edges in different ways");
                 Err(fault.key(key("layers.wrap")).expected("the same as texture_wrap"))

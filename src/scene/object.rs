@@ -162,8 +162,8 @@ impl Draft {
         let mapped = self.material.layers.as_ref().is_some_and(|layers| layers.map.mapped);
         let textured = textured.or(mapped.then_some(maps.as_str()));
         let spread = format!("object.{index}.material.sigma_0_texture");
-        let textured = textured.or(self.material.spread.as_ref().map(|_| spread.as_str()));
-        if let Some(map) = &mut self.material.spread {
+        let textured = textured.or(self.material.sigma_0_texture.as_ref().map(|_| spread.as_str()));
+        if let Some(map) = &mut self.material.sigma_0_texture {
             map.load(files, folder, &self.source, &spread)?;
         }
         let unwrapped = transport.unwrap && self.material.opaque.is_none();

@@ -2,7 +2,7 @@
 
 use super::file::{Draft, SceneFile};
 use super::range::Checked;
-use super::{animate, locate, set};
+use super::{animate, locate, overrides};
 use crate::error::Input;
 use serde::Deserialize;
 use std::path::Path;
@@ -35,7 +35,7 @@ pub(super) fn place(fault: Input, text: &str, file: &Path, sets: &[String]) -> I
 fn changed(original: &Table, sets: &[String], frame: f64) -> Checked<Draft> {
     let mut table = original.clone();
     for setting in sets {
-        set::apply(&mut table, setting)?;
+        overrides::apply(&mut table, setting)?;
     }
     let (still, _) = animate::at(&table, frame)?;
     let scene = SceneFile::deserialize(still).map_err(|error| locate::in_words(error.message()))?;

@@ -85,7 +85,7 @@ impl Texture {
     }
 
     /// The same of the map of sigma_0.
-    pub(super) fn spread(file: &MaterialFile, key: impl Fn(&str) -> String) -> Checked<Option<Self>> {
+    pub(super) fn sigma_0(file: &MaterialFile, key: impl Fn(&str) -> String) -> Checked<Option<Self>> {
         let wrap = file.texture_wrap.unwrap_or_default();
         let of = |image: &String| Self::named(image, Side::default(), wrap, key("sigma_0_texture"));
         file.sigma_0_texture.as_ref().map(of).transpose()

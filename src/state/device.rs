@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::{Place, State};
+use super::{Scope, State};
 use crate::error::Result;
 use crate::gpu::{Binding, Buffer, BufferRange, Device, Kernels, Recorder, Upload, Work, download, upload};
-use crate::layout::{SLOTS, Slot};
+use crate::layout::{BUFFER_IDS, BufferId};
 
 /// Bytes after the end of each buffer that no kernel may touch, when guarded.
 const GUARD: u64 = 64;
@@ -16,7 +16,7 @@ const GUARD_BYTE: u8 = 0xA5;
 pub struct DeviceState {
     device: Device,
     kernels: Kernels,
-    buffers: BTreeMap<Slot, Buffer>,
+    buffers: BTreeMap<BufferId, Buffer>,
     /// Bound where a kernel names a buffer that this scene has no elements of.
     nothing: Box<Buffer>,
     guarded: bool,
@@ -38,7 +38,7 @@ impl DeviceState {
     /// buffer, unless guarded.
     pub fn resize(&mut self, state: &State) -> Result<()> {
         let mut made = Vec::new();
-        for &slot in SLOTS {
+        for &slot in BUFFER_IDS {
             let size = state.data.bytes(slot).len() as u64;
             if size == 0 && !self.guarded {
                 self.buffers.remove(&slot);
@@ -62,8 +62,8 @@ impl DeviceState {
     }
 
     /// The bytes after the end of these buffers, where they are guarded.
-    fn guards(&self, state: &State, slots: &[Slot]) -> Vec<BufferRange<'_>> {
-        let guard = |slot: &Slot| {
+    fn guards(&self, state: &State, slots: &[BufferId]) -> Vec<BufferRange<'_>> {
+        let guard = |slot: &BufferId| {
             let (buffer, used) = (self.buffers.get(slot)?, state.data.bytes(*slot).len() as u64);
             Some(BufferRange { buffer, offset: used, size: buffer.size().saturating_sub(used) })
         };
@@ -71,17 +71,18 @@ impl DeviceState {
     }
 
     /// Copies these buffers of the state to the device.
-    pub fn upload(&mut self, state: &State, slots: &[Slot]) -> Result<()> {
+    pub fn upload(&mut self, state: &State, slots: &[BufferId]) -> Result<()> {
         self.resize(state)?;
-        let fill =
-            |slot: &Slot| Some(Upload { buffer: self.buffers.get(slot)?, offset: 0, bytes: state.data.bytes(*slot) });
+        let fill = |slot: &BufferId| {
+            Some(Upload { buffer: self.buffers.get(slot)?, offset: 0, bytes: state.data.bytes(*slot) })
+        };
         upload(&self.device, &slots.iter().filter_map(fill).collect::<Vec<_>>())
     }
 
     /// Copies these buffers of the device to the state.
-    pub fn download(&self, state: &mut State, slots: &[Slot]) -> Result<()> {
-        let slots: Vec<Slot> = slots.iter().copied().filter(|slot| self.buffers.contains_key(slot)).collect();
-        let range = |slot: &Slot| {
+    pub fn download(&self, state: &mut State, slots: &[BufferId]) -> Result<()> {
+        let slots: Vec<BufferId> = slots.iter().copied().filter(|slot| self.buffers.contains_key(slot)).collect();
+        let range = |slot: &BufferId| {
             let size = state.data.bytes(*slot).len() as u64;
             BufferRange { buffer: &self.buffers[slot], offset: 0, size }
         };
@@ -94,7 +95,7 @@ impl DeviceState {
 
     /// The names of guarded buffers whose guard was overwritten.
     pub fn trespasses(&self, state: &State) -> Result<Vec<&'static str>> {
-        let slots: Vec<Slot> = self.buffers.keys().copied().collect();
+        let slots: Vec<BufferId> = self.buffers.keys().copied().collect();
         let mut found = vec![false; slots.len()];
         download(&self.device, &self.guards(state, &slots), |part| {
             found[part.range] |= part.bytes.iter().any(|&byte| byte != GUARD_BYTE);
@@ -108,7 +109,7 @@ impl DeviceState {
     }
 
     /// The buffers that are there, but for the one that stands for all empty ones, with their bytes.
-    pub fn buffers(&self) -> impl Iterator<Item = (Slot, u64)> + '_ {
+    pub fn buffers(&self) -> impl Iterator<Item = (BufferId, u64)> + '_ {
         self.buffers.iter().map(|(slot, buffer)| (*slot, buffer.size()))
     }
 
@@ -117,7 +118,7 @@ impl DeviceState {
         let kernel = self.kernels.get(call.kernel, call.constants)?;
         let mut bindings = Vec::with_capacity(kernel.accesses.len());
         for access in &kernel.accesses {
-            let Some(&slot) = SLOTS.get(access.binding as usize) else { continue };
+            let Some(&slot) = BUFFER_IDS.get(access.binding as usize) else { continue };
             let Some(buffer) = self.buffers.get(&slot) else {
                 bindings.push(Binding { number: access.binding, buffer: &self.nothing, offset: 0, size: 4 });
                 continue;
@@ -148,7 +149,7 @@ pub(super) struct Call<'a> {
     pub(super) kernel: &'a str,
     pub(super) constants: &'a [u32],
     pub(super) push: &'a [u8],
-    pub(super) at: Place,
+    pub(super) at: Scope,
     pub(super) groups: Groups,
 }
 
@@ -160,7 +161,7 @@ pub(super) enum Groups {
     /// As many groups as this element of this buffer's part says: three numbers, written earlier.
     Counted {
         /// The buffer.
-        slot: Slot,
+        slot: BufferId,
         /// The element of its part.
         element: usize,
     },

@@ -39,13 +39,13 @@ pub struct State {
 pub struct Group {
     /// Bit c is set for channel c.
     pub channels: u32,
-    /// The channel whose irradiance weighs the moments; the others' are that times `frame.tint`.
+    /// The channel whose irradiance weighs the moments; the others' are that times `object_params.tint`.
     pub lead: u32,
 }
 
 /// Which part of the work; the first by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Place {
+pub struct Scope {
     /// The object.
     pub object: usize,
     /// The chunk of the tree, or the batch of blocks.
@@ -54,14 +54,14 @@ pub struct Place {
     pub group: usize,
 }
 
-impl Place {
+impl Scope {
     /// All objects at once.
     pub const SCENE: Self = Self { object: usize::MAX, chunk: 0, group: 0 };
 }
 
 /// How often a stage runs in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
+pub enum Granularity {
     /// Once, for all objects.
     Scene,
     /// Once an object.

@@ -1,8 +1,8 @@
 //! Several objects in one state: each has a run of its own in every buffer, found by [`State::part`], and a state of its
 //! own can be made of it. Runs begin at multiples of 64 elements, so that a device can bind any of them.
 
-use super::{Group, Place, Schedule, State};
-use crate::layout::{Cut, Frame, SLOTS, Slot};
+use super::{Group, Schedule, Scope, State};
+use crate::layout::{BUFFER_IDS, BufferId, ObjectParams, Partition};
 
 /// How many an object has of what there is, or where its first ones lie.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -71,16 +71,16 @@ impl Object {
     }
 
     /// Elements of a buffer that it has, and where the first of them lies.
-    pub(super) fn run(&self, cut: Cut, words: usize) -> (usize, usize) {
+    pub(super) fn run(&self, partition: Partition, words: usize) -> (usize, usize) {
         let (first, count) = (self.first, self.count);
-        match cut {
-            Cut::Vertex => (first.vertices, count.vertices),
-            Cut::Start => (first.vertices, count.vertices + 1),
-            Cut::Face => (first.faces, count.faces),
-            Cut::Corner => (3 * first.faces, 3 * count.faces),
-            Cut::Shadow => (words * first.faces, words * count.faces),
-            Cut::Node => (first.nodes, count.nodes),
-            Cut::Receiver => (first.receivers, count.receivers),
+        match partition {
+            Partition::Vertex => (first.vertices, count.vertices),
+            Partition::Start => (first.vertices, count.vertices + 1),
+            Partition::Face => (first.faces, count.faces),
+            Partition::Corner => (3 * first.faces, 3 * count.faces),
+            Partition::Shadow => (words * first.faces, words * count.faces),
+            Partition::Node => (first.nodes, count.nodes),
+            Partition::Receiver => (first.receivers, count.receivers),
             _ => (first.blocks, count.blocks),
         }
     }
@@ -93,7 +93,7 @@ impl Object {
 
 impl State {
     /// The object that a part of the work is about.
-    pub fn object(&self, at: Place) -> &Object {
+    pub fn object(&self, at: Scope) -> &Object {
         &self.objects[at.object]
     }
 
@@ -152,17 +152,21 @@ impl State {
             joined.data.positions.extend(&state.data.positions);
             let texel = joined.data.texels.len() as u32;
             joined.data.texels.extend(&state.data.texels);
-            joined.data.frame.extend(state.data.frame.iter().map(|frame| {
-                let texture_first = frame.texture_first + if frame.texture_side > 0 { texel } else { 0 };
-                let spread_first = frame.spread_first + if frame.spread_size[0] > 0 { texel } else { 0 };
-                Frame { texture_first, spread_first, ..*frame }
+            joined.data.object_params.extend(state.data.object_params.iter().map(|params| {
+                let texture_first = params.texture_first + if params.texture_side > 0 { texel } else { 0 };
+                let sigma_0_first = params.sigma_0_first + if params.sigma_0_size[0] > 0 { texel } else { 0 };
+                ObjectParams { texture_first, sigma_0_first, ..*params }
             }));
-            for &slot in SLOTS {
-                let (cut, have) = (slot.spec().cut, state.data.bytes(slot));
-                if matches!(cut, Cut::Whole | Cut::Object | Cut::Group | Cut::Chunk | Cut::Batch) || have.is_empty() {
+            for &slot in BUFFER_IDS {
+                let (partition, have) = (slot.spec().partition, state.data.bytes(slot));
+                if matches!(
+                    partition,
+                    Partition::Whole | Partition::Object | Partition::Group | Partition::Chunk | Partition::Batch
+                ) || have.is_empty()
+                {
                     continue;
                 }
-                let (first, count) = object.run(cut, 0);
+                let (first, count) = object.run(partition, 0);
                 joined.data.resize(slot, first + count);
                 joined.data.bytes_mut(slot)[first * slot.spec().stride..].copy_from_slice(have);
             }
@@ -179,12 +183,12 @@ impl State {
             joined.objects.push(object);
         }
         let nodes = joined.extent().nodes as u32;
-        for (k, frame) in joined.data.frame.iter_mut().enumerate() {
+        for (k, params) in joined.data.object_params.iter_mut().enumerate() {
             let first = joined.objects[k].first;
-            [frame.first_vertex, frame.first_face, frame.first_node, frame.first_receiver] =
+            [params.first_vertex, params.first_face, params.first_node, params.first_receiver] =
                 [first.vertices, first.faces, first.nodes, first.receivers].map(|n| n as u32);
-            frame.next_node = joined.objects.get(k + 1).map_or(nodes, |next| next.first.nodes as u32);
-            frame.scene_nodes = nodes;
+            params.next_node = joined.objects.get(k + 1).map_or(nodes, |next| next.first.nodes as u32);
+            params.scene_nodes = nodes;
         }
         joined
     }
@@ -193,7 +197,7 @@ impl State {
     pub fn alone(&self, number: usize) -> Self {
         let object = Object { first: Extent::default(), ..self.objects[number].clone() };
         let mut one = Self { data: Default::default(), objects: vec![object], ..*self };
-        for &slot in SLOTS {
+        for &slot in BUFFER_IDS {
             let (stride, (first, count)) = (slot.spec().stride, self.parts(slot, number));
             one.data.resize(slot, count);
             one.data.bytes_mut(slot).copy_from_slice(&self.data.bytes(slot)[first * stride..(first + count) * stride]);
@@ -202,7 +206,7 @@ impl State {
     }
 
     /// Takes buffers over from such a state.
-    pub fn take(&mut self, number: usize, one: &Self, slots: impl IntoIterator<Item = Slot>) {
+    pub fn take(&mut self, number: usize, one: &Self, slots: impl IntoIterator<Item = BufferId>) {
         for slot in slots {
             let (stride, (first, count)) = (slot.spec().stride, self.parts(slot, number));
             self.data.bytes_mut(slot)[first * stride..(first + count) * stride].copy_from_slice(one.data.bytes(slot));

@@ -4,7 +4,7 @@ use crate::error::{Input, Result};
 
 /// How light gets from where it enters to where it leaves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Transport {
+pub enum ShadingMethod {
     /// The hierarchical method of Mertens et al. 2003.
     #[default]
     Hierarchy,
@@ -22,7 +22,7 @@ pub enum Transport {
     TextureBlur,
 }
 
-impl Transport {
+impl ShadingMethod {
     /// Whether no light is carried through the material: what a surface gives back depends on what arrives at the very
     /// place, or near it in its texture.
     #[must_use]
@@ -71,7 +71,7 @@ pub enum Goal {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// The transport.
-    pub transport: Transport,
+    pub transport: ShadingMethod,
     /// The mode.
     pub mode: Mode,
     /// The goal.

@@ -1,16 +1,16 @@
 //! The parts that buffers are cut into, of which a dispatch binds one: those of an object, a group of channels, a chunk of links
 //! or a batch of blocks.
 
-use super::{Object, Place, State};
-use crate::layout::{Cut, Runs, Slot};
+use super::{Object, Scope, State};
+use crate::layout::{BufferId, Partition, Runs};
 
 impl State {
     /// The batches of all objects and groups of channels, each with its blocks.
-    pub fn batches(&self) -> impl Iterator<Item = (Place, &std::ops::Range<u32>)> + '_ {
+    pub fn batches(&self) -> impl Iterator<Item = (Scope, &std::ops::Range<u32>)> + '_ {
         self.objects.iter().enumerate().flat_map(|(object, part)| {
             let batches = part.schedule.batches.iter().enumerate();
             let of_group =
-                move |group| batches.clone().map(move |(chunk, batch)| (Place { object, chunk, group }, batch));
+                move |group| batches.clone().map(move |(chunk, batch)| (Scope { object, chunk, group }, batch));
             (0..part.groups.len()).flat_map(of_group)
         })
     }
@@ -19,8 +19,8 @@ impl State {
     /// Between the batches' parts a device's buffer may hold anything.
     pub fn runs(&self) -> impl Iterator<Item = &Runs> + '_ {
         let there = if self.keep { 0 } else { self.batches().count().saturating_sub(1) };
-        let of_batch = |(at, batch): (Place, &std::ops::Range<u32>)| {
-            let first = self.part(Slot::runs, at).0;
+        let of_batch = |(at, batch): (Scope, &std::ops::Range<u32>)| {
+            let first = self.part(BufferId::runs, at).0;
             self.data.runs.get(first..first + batch.len()).unwrap_or_default()
         };
         self.batches().skip(there).flat_map(of_batch)
@@ -53,22 +53,24 @@ impl State {
     }
 
     /// The part of a buffer that a dispatch of this part of the work binds: first element and number of elements.
-    pub fn part(&self, slot: Slot, at: Place) -> (usize, usize) {
-        let (cut, all) = (slot.spec().cut, self.data.bytes(slot).len() / slot.spec().stride);
+    pub fn part(&self, slot: BufferId, at: Scope) -> (usize, usize) {
+        let (cut, all) = (slot.spec().partition, self.data.bytes(slot).len() / slot.spec().stride);
         let Some(object) = self.objects.get(at.object).filter(|_| all > 0) else { return (0, all) };
         let before = |of: fn(&Object) -> usize| self.objects[..at.object].iter().map(of).sum::<usize>();
         let (part, parts) = match cut {
-            Cut::Whole => return (0, all),
-            Cut::Object => return (at.object, 1),
-            Cut::Group => {
+            Partition::Whole => return (0, all),
+            Partition::Object => return (at.object, 1),
+            Partition::Group => {
                 let first = before(|object| object.groups.len() * object.of_group());
                 return (first + at.group * object.of_group(), object.of_group());
             }
-            Cut::Chunk => (before(chunks) + at.chunk, self.sum(chunks)),
-            Cut::Batch => (before(batches) + at.group * object.schedule.batches.len() + at.chunk, self.sum(batches)),
+            Partition::Chunk => (before(chunks) + at.chunk, self.sum(chunks)),
+            Partition::Batch => {
+                (before(batches) + at.group * object.schedule.batches.len() + at.chunk, self.sum(batches))
+            }
             // What no later object has ends before it would begin.
             _ => {
-                return Some(object.run(cut, self.data.frame[0].shadow_words as usize))
+                return Some(object.run(cut, self.data.object_params[0].shadow_words as usize))
                     .filter(|run| run.0 + run.1 <= all)
                     .unwrap_or_default();
             }
@@ -78,13 +80,13 @@ impl State {
     }
 
     /// All parts of one object in a buffer: first element and number of elements.
-    pub(super) fn parts(&self, slot: Slot, number: usize) -> (usize, usize) {
-        let (object, at) = (&self.objects[number], Place { object: number, ..Place::default() });
+    pub(super) fn parts(&self, slot: BufferId, number: usize) -> (usize, usize) {
+        let (object, at) = (&self.objects[number], Scope { object: number, ..Scope::default() });
         let (first, count) = self.part(slot, at);
-        match slot.spec().cut {
-            Cut::Group if count > 0 => (first, count * object.groups.len()),
-            Cut::Chunk if self.keep => (first, count * chunks(object)),
-            Cut::Batch if self.keep => (first, count * batches(object)),
+        match slot.spec().partition {
+            Partition::Group if count > 0 => (first, count * object.groups.len()),
+            Partition::Chunk if self.keep => (first, count * chunks(object)),
+            Partition::Batch if self.keep => (first, count * batches(object)),
             _ => (first, count),
         }
     }

@@ -1,17 +1,17 @@
 //! What a stage records its dispatches with: on a device, or as a list of what it would dispatch.
 
 use super::device::{Call, DeviceState, Groups};
-use super::{Object, Place, State, Step};
+use super::{Object, Scope, State, Step};
 use crate::error::Result;
 use crate::gpu::{Access, Recorder, Timing, accesses};
-use crate::layout::{Range, SLOTS, Slot};
+use crate::layout::{BUFFER_IDS, BufferId, Range};
 
 /// What a stage records its dispatches with.
 pub struct Pass<'a> {
     /// The host's state: sizes, schedule and settings only; its contents may be older than the device's.
     pub state: &'a State,
     /// The part of the work at hand.
-    pub at: Place,
+    pub at: Scope,
     step: Step,
     sink: Sink<'a>,
 }
@@ -27,12 +27,12 @@ enum Sink<'a> {
 pub struct Dispatch {
     /// The stage.
     pub stage: &'static str,
-    /// The kernel, `transport/gather/direct`.
+    /// The kernel, `transport/blocks/gather/direct`.
     pub kernel: String,
     /// Its specialization constants 0, 1, ...
     pub constants: Vec<u32>,
     /// The part of the work.
-    pub at: Place,
+    pub at: Scope,
     /// Invocations; none where the device counts them itself.
     pub invocations: Option<usize>,
 }
@@ -41,7 +41,7 @@ pub struct Dispatch {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
     /// The buffer.
-    pub slot: Slot,
+    pub slot: BufferId,
     /// Its bytes, begin and end.
     pub range: [u64; 2],
     /// Whether it is read.
@@ -53,13 +53,13 @@ pub struct Bound {
 impl Dispatch {
     /// The part of each buffer that it binds.
     pub fn bound(&self, state: &State) -> Result<Vec<Bound>> {
-        let range = |slot: Slot| {
+        let range = |slot: BufferId| {
             let (first, count) = state.part(slot, self.at);
             [first, first + count].map(|element| (element * slot.spec().stride) as u64)
         };
         let of = accesses(&self.kernel)?;
-        let known = of.iter().filter_map(|access| Some((*SLOTS.get(access.binding as usize)?, access)));
-        let bound = |(slot, access): (Slot, &Access)| Bound {
+        let known = of.iter().filter_map(|access| Some((*BUFFER_IDS.get(access.binding as usize)?, access)));
+        let bound = |(slot, access): (BufferId, &Access)| Bound {
             slot,
             range: range(slot),
             reads: access.reads,
@@ -93,8 +93,13 @@ impl DeviceState {
 
 impl<'s> Pass<'s> {
     /// For a step on a device.
-    pub(super) fn record(state: &'s State, step: Step, twin: &'s DeviceState, recorder: &'s mut Recorder) -> Self {
-        Self { state, at: step.at, step, sink: Sink::Device(twin, recorder) }
+    pub(super) fn record(
+        state: &'s State,
+        step: Step,
+        device_state: &'s DeviceState,
+        recorder: &'s mut Recorder,
+    ) -> Self {
+        Self { state, at: step.at, step, sink: Sink::Device(device_state, recorder) }
     }
 
     /// The object at hand.
@@ -105,7 +110,7 @@ impl<'s> Pass<'s> {
     /// Invocations that run in lockstep on the device.
     pub fn subgroup(&self) -> usize {
         match &self.sink {
-            Sink::Device(twin, _) => twin.device().limits().subgroup_size.max(1) as usize,
+            Sink::Device(device_state, _) => device_state.device().limits().subgroup_size.max(1) as usize,
             Sink::List(size, _) => *size,
         }
     }
@@ -121,21 +126,21 @@ impl<'s> Pass<'s> {
         part: &str,
         constants: &[u32],
         push: &[u8],
-        (slot, element): (Slot, usize),
+        (slot, element): (BufferId, usize),
     ) -> Result<()> {
         self.submit(Some(part), constants, push, Groups::Counted { slot, element })
     }
 
     fn submit(&mut self, part: Option<&str>, constants: &[u32], push: &[u8], groups: Groups) -> Result<()> {
-        let (room, stage) = (self.step.stage.room, self.step.stage.name);
+        let (module, stage) = (self.step.stage.module, self.step.stage.name);
         let kernel = match part {
-            Some(part) => format!("{room}/{stage}/{part}"),
-            None => format!("{room}/{stage}"),
+            Some(part) => format!("{module}/{stage}/{part}"),
+            None => format!("{module}/{stage}"),
         };
         match &mut self.sink {
-            Sink::Device(twin, recorder) => {
+            Sink::Device(device_state, recorder) => {
                 let call = Call { kernel: &kernel, constants, push, at: self.at, groups };
-                twin.submit(recorder, self.state, &call)?;
+                device_state.submit(recorder, self.state, &call)?;
             }
             Sink::List(_, found) => {
                 let invocations = match groups {

@@ -2,10 +2,10 @@
 //! in its own declaration.
 
 use crate::error::Result;
-use crate::layout::Slot;
+use crate::layout::BufferId;
 
-use super::{Method, Object, Pass, Place, Scheme, State, Unit, Update};
-use crate::state::options::Transport;
+use super::{Granularity, Method, Object, Pass, Scheme, Scope, State, Update};
+use crate::state::options::ShadingMethod;
 
 /// One piece of a frame: a stage, and the part of the work.
 #[derive(Clone, Copy)]
@@ -13,18 +13,18 @@ pub struct Step {
     /// The stage.
     pub stage: &'static Stage,
     /// The part of the work.
-    pub at: Place,
+    pub at: Scope,
 }
 
 impl Step {
     /// Runs the reference. It knows of one object only: of several, each becomes a state of its own.
     pub fn reference(&self, state: &mut State) {
         let (stage, at) = (self.stage, self.at);
-        if at == Place::SCENE || state.objects.len() < 2 {
+        if at == Scope::SCENE || state.objects.len() < 2 {
             return (stage.cpu)(state, at);
         }
         let mut one = state.alone(at.object);
-        (stage.cpu)(&mut one, Place { object: 0, ..at });
+        (stage.cpu)(&mut one, Scope { object: 0, ..at });
         state.take(at.object, &one, stage.writes.iter().map(|(slot, _, _)| *slot));
     }
 }
@@ -32,8 +32,8 @@ impl Step {
 impl std::fmt::Debug for Step {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.at {
-            Place::SCENE => out.write_str(self.stage.name),
-            Place { object, chunk, group } => write!(out, "{}[{object}.{group}.{chunk}]", self.stage.name),
+            Scope::SCENE => out.write_str(self.stage.name),
+            Scope { object, chunk, group } => write!(out, "{}[{object}.{group}.{chunk}]", self.stage.name),
         }
     }
 }
@@ -81,20 +81,20 @@ pub enum Role {
 pub struct Stage {
     /// Its one name: here, in GLSL, in the profile, in the conformance table, in the README.
     pub name: &'static str,
-    /// The room it lives in; its shaders are `glsl/ROOM/NAME.comp` or `glsl/ROOM/NAME/*.comp`.
-    pub room: &'static str,
+    /// The module it lives in; its shaders are `glsl/MODULE/NAME.comp` or `glsl/MODULE/NAME/*.comp`.
+    pub module: &'static str,
     /// What it does, in one sentence.
     pub about: &'static str,
     /// The equation or section it comes from.
     pub equation: &'static str,
     /// The buffers it writes, what becomes of their old contents, and how near the two sides have to be.
-    pub writes: &'static [(Slot, Role, Tolerance)],
+    pub writes: &'static [(BufferId, Role, Tolerance)],
     /// Why the tolerances are what they are.
     pub reason: &'static str,
     /// Elements of the buffers that it writes, where their partition does not say; one stage says so for each buffer.
-    pub sizes: &'static [(Slot, Size)],
+    pub sizes: &'static [(BufferId, Size)],
     /// How often it runs.
-    pub unit: Unit,
+    pub granularity: Granularity,
     /// Who has to carry the light for it to have a place in the frame.
     pub carriers: &'static [Carrier],
     /// What else a frame has to have.
@@ -106,7 +106,7 @@ pub struct Stage {
     /// Whether it runs in this frame.
     pub runs: fn(&Update) -> bool,
     /// The reference.
-    pub cpu: fn(&mut State, Place),
+    pub cpu: fn(&mut State, Scope),
     /// Records its dispatches.
     pub gpu: fn(&mut Pass<'_>) -> Result<()>,
 }
@@ -114,7 +114,7 @@ pub struct Stage {
 impl Stage {
     /// Whether it writes a buffer.
     #[must_use]
-    pub const fn writes(&self, slot: Slot) -> bool {
+    pub const fn writes(&self, slot: BufferId) -> bool {
         let mut k = 0;
         while k < self.writes.len() {
             if self.writes[k].0 as usize == slot as usize {
@@ -125,11 +125,11 @@ impl Stage {
         false
     }
 
-    /// Whether this kernel is one of its own: `ROOM/STAGE` or `ROOM/STAGE/PART`.
+    /// Whether this kernel is one of its own: `MODULE/STAGE` or `MODULE/STAGE/PART`.
     #[must_use]
     pub fn owns(&self, kernel: &str) -> bool {
         let inner = |whole: &'_ str, folder: &str| whole.strip_prefix(folder)?.strip_prefix('/').map(String::from);
-        inner(kernel, self.room).is_some_and(|rest| rest == self.name || inner(&rest, self.name).is_some())
+        inner(kernel, self.module).is_some_and(|rest| rest == self.name || inner(&rest, self.name).is_some())
     }
 
     /// Whether this is that stage.
@@ -141,7 +141,7 @@ impl Stage {
     /// Whether it fills lists that may turn out to be too short.
     #[must_use]
     pub fn fills_lists(&self) -> bool {
-        self.writes(Slot::cursor) && self.sizes.iter().any(|(_, size)| matches!(size, Size::Grows(_)))
+        self.writes(BufferId::counters) && self.sizes.iter().any(|(_, size)| matches!(size, Size::Grows(_)))
     }
 }
 
@@ -154,9 +154,9 @@ pub struct Host {
     /// Where it comes from.
     pub equation: &'static str,
     /// The buffer that it starts from.
-    pub reads: Slot,
+    pub reads: BufferId,
     /// The buffer that it writes.
-    pub writes: Slot,
+    pub writes: BufferId,
     /// Who carries the light where it has a place in the frame.
     pub carrier: Carrier,
 }
@@ -197,16 +197,16 @@ impl Carrier {
 
     /// Of a transport and a scheme.
     #[must_use]
-    pub fn new(transport: Transport, scheme: Scheme) -> Self {
+    pub fn new(transport: ShadingMethod, scheme: Scheme) -> Self {
         match (transport, scheme) {
-            (Transport::Hierarchy, Scheme::Blocks) => Self::Blocks,
-            (Transport::Hierarchy, Scheme::Links) => Self::Links,
-            (Transport::Octree, _) => Self::Octree,
-            (Transport::Brute, _) => Self::Brute,
-            (Transport::None, _) => Self::Nothing,
-            (Transport::Cdrf, _) => Self::Cdrf,
-            (Transport::Lambert, _) => Self::Lambert,
-            (Transport::TextureBlur, _) => Self::TextureBlur,
+            (ShadingMethod::Hierarchy, Scheme::Blocks) => Self::Blocks,
+            (ShadingMethod::Hierarchy, Scheme::Links) => Self::Links,
+            (ShadingMethod::Octree, _) => Self::Octree,
+            (ShadingMethod::Brute, _) => Self::Brute,
+            (ShadingMethod::None, _) => Self::Nothing,
+            (ShadingMethod::Cdrf, _) => Self::Cdrf,
+            (ShadingMethod::Lambert, _) => Self::Lambert,
+            (ShadingMethod::TextureBlur, _) => Self::TextureBlur,
         }
     }
 

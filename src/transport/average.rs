@@ -3,21 +3,21 @@
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::Slot;
+use crate::layout::BufferId;
 use crate::state::{
-    Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
+    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
 };
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
     name: "average",
-    room: "transport",
+    module: "transport",
     about: "radiosity of each vertex: the area-weighted mean of the faces round it",
     equation: "Mertens et al. 2003, section 3.2",
-    writes: &[(Slot::vertex_radiosity, Role::Output, Tolerance::Float { relative: 5e-6, floor: 1e-7 })],
+    writes: &[(BufferId::vertex_radiosity, Role::Output, Tolerance::Float { relative: 5e-6, floor: 1e-7 })],
     reason: "a short weighted mean of non-negative terms",
     sizes: &[],
-    unit: Unit::Object,
+    granularity: Granularity::Object,
     carriers: Carrier::ALL,
     needs: &[Need::Light, Need::Picture],
     serves: Serves {
@@ -30,7 +30,7 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-fn cpu(state: &mut State, _at: Place) {
+fn cpu(state: &mut State, _at: Scope) {
     let data = &mut state.data;
     data.vertex_radiosity = (0..data.corner_starts.len() - 1)
         .into_par_iter()

@@ -7,20 +7,20 @@ use crate::dipole::form_factor::Distance;
 use crate::dipole::form_factor::exact::edge_form_exact;
 use crate::dipole::profile::Dipole;
 use crate::error::Result;
-use crate::layout::Slot;
-use crate::state::{Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, stage::never, wide};
+use crate::layout::BufferId;
+use crate::state::{Granularity, Pass, Role, Scope, Serves, Stage, State, Tolerance, stage::never, wide};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
     name: "evaluate",
-    room: "transport",
+    module: "transport",
     about: "single form factors, radial and with displaced sources, and values of the profile",
     equation: "Mertens et al. 2003, Table 1 and equation 7",
-    writes: &[(Slot::answers, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-5 })],
+    writes: &[(BufferId::answers, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-5 })],
     reason: "twelve nodes an edge against graded quadrature in f64; edges of a thin triangle cancel, those of a far one \
              too, so that from there on one sample with its second moment is taken",
     sizes: &[],
-    unit: Unit::Scene,
+    granularity: Granularity::Scene,
     carriers: &[],
     needs: &[],
     serves: Serves::ALL,
@@ -30,7 +30,7 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-fn cpu(state: &mut State, _at: Place) {
+fn cpu(state: &mut State, _at: Scope) {
     let answer = |query: &crate::layout::Query| {
         let triangle = [query.a, query.b, query.c].map(wide);
         let dipole = Dipole {

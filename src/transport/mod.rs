@@ -1,18 +1,11 @@
-//! Mertens et al. 2003, made to meet an error: from the light that enters to the light that leaves, by a hierarchy of
-//! clusters with moments, and blocks of receivers.
+//! Mertens et al. 2003: from the light that enters to the light that leaves, by a hierarchy of clusters.
 //!
-//! The modules are the stages, in the order of a frame: `pull`, `level`, `contrast`, `radii`, `link`, `gather`, `push`, `average`;
-//! `evaluate` answers single questions. `estimate` has the laws by which `gather` and `push` estimate errors.
+//! [`blocks`]: made to meet an error; [`links`]: as published; [`brute`]: every face to every face; [`octree`]: an irradiance octree in
+//! native code. `average` brings radiosity to vertices; `evaluate` answers single questions.
 
 pub mod average;
-pub mod contrast;
-pub mod estimate;
+pub mod blocks;
+pub mod brute;
 pub mod evaluate;
-pub mod gather;
-pub mod level;
-pub mod link;
-pub mod pull;
-pub mod push;
-pub mod radii;
-
-pub use crate::layout::BLOCK_RECEIVERS as PLACES;
+pub mod links;
+pub mod octree;

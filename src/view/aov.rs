@@ -8,8 +8,8 @@ use exr::prelude::{
     SmallVec, WritableImage,
 };
 
+use super::atomic_file::encode_atomically;
 use super::picture::Picture;
-use super::whole::encode_whole;
 use crate::error::Result;
 
 /// The values of one channel, row by row from the top.
@@ -62,5 +62,5 @@ pub fn save(picture: &Picture, layers: &[Layer], path: &Path) -> Result<()> {
     };
     let all: Vec<_> = std::iter::once(&first).chain(layers).map(layer).collect();
     let image = Image::from_layers(ImageAttributes::with_size(size), all);
-    encode_whole(path, |file| image.write().to_buffered(file).map_err(|e| e.to_string()))
+    encode_atomically(path, |file| image.write().to_buffered(file).map_err(|e| e.to_string()))
 }

@@ -4,20 +4,22 @@ use rayon::prelude::*;
 
 use super::visibility::ray;
 use crate::error::Result;
-use crate::layout::Slot;
-use crate::light::sky;
-use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, wide};
+use crate::layout::BufferId;
+use crate::lighting::sky;
+use crate::state::{
+    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
     name: "backdrop",
-    room: "view",
+    module: "view",
     about: "radiance of pixels that show no object: the environment's image, linear between pixels",
     equation: "the image's latitude and longitude",
-    writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
+    writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a place in the image is an angle in f32, off by some 4e-7, times its pixels a radian and their contrast",
     sizes: &[],
-    unit: Unit::Scene,
+    granularity: Granularity::Scene,
     carriers: Carrier::ALL,
     needs: &[Need::Picture],
     serves: Serves::ALL,
@@ -34,7 +36,7 @@ fn skip(state: &State) -> Option<&'static str> {
     state.data.sky.is_empty().then_some("the environment is black")
 }
 
-fn cpu(state: &mut State, _at: Place) {
+fn cpu(state: &mut State, _at: Scope) {
     let data = &state.data;
     let camera = data.camera[0];
     let pixel = |(pixel, hit): (usize, &crate::layout::Hit)| match data.triangles.get(hit.face as usize) {

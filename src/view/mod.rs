@@ -1,13 +1,13 @@
 //! From radiosity to a picture.
 
 pub mod aov;
+pub mod atomic_file;
 pub mod backdrop;
-pub mod exit;
 pub mod picture;
-pub mod plain;
-pub mod points;
-pub mod reached;
+pub mod pixel_receivers;
+pub mod pixel_shadow;
 pub mod reflect;
 pub mod shade;
+pub mod shade_opaque;
+pub mod texture_out;
 pub mod visibility;
-pub mod whole;

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use exr::prelude::{Image, SpecificChannels, Vec2, WritableImage};
 
-use super::whole::encode_whole;
-pub use super::whole::write_whole;
+use super::atomic_file::encode_atomically;
+pub use super::atomic_file::write_atomically;
 use crate::error::{Input, Result};
 use crate::scene::{Camera, Tone};
 
@@ -44,12 +44,12 @@ impl Picture {
     /// Writes a `.png` as the camera has it or a linear `.exr`, by the name's ending.
     pub fn save(&self, path: &Path, camera: &Camera) -> Result<()> {
         match kind(path)? {
-            Kind::Png => encode_whole(path, |file| {
+            Kind::Png => encode_atomically(path, |file| {
                 let (bytes, width, height) = (self.bytes(camera), self.width as u32, self.height as u32);
                 let (color, format) = (image::ExtendedColorType::Rgb8, image::ImageFormat::Png);
                 image::write_buffer_with_format(file, &bytes, width, height, color, format).map_err(|e| e.to_string())
             }),
-            Kind::Exr => encode_whole(path, |file| {
+            Kind::Exr => encode_atomically(path, |file| {
                 let pixel = |at: Vec2<usize>| {
                     let [r, g, b] = self.pixels[at.y() * self.width + at.x()];
                     (r, g, b)

@@ -12,23 +12,25 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{
-    Frame, Hit, LIGHT_SKY_RAY, OPAQUE_BY_PIXEL, REFLECTION_GGX, REFLECTION_NONE, REFLECTION_PHONG, SHADOWS_BY_FACE,
-    SHADOWS_BY_PIXEL, SHADOWS_NOT, Slot,
+    BufferId, Hit, LIGHT_SKY_RAY, OPAQUE_BY_PIXEL, ObjectParams, REFLECTION_GGX, REFLECTION_NONE, REFLECTION_PHONG,
+    SHADOWS_BY_FACE, SHADOWS_BY_PIXEL, SHADOWS_NOT,
 };
-use crate::light::irradiance::{arrival, bit, reaches};
-use crate::light::{fresnel, sky};
-use crate::state::{Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, wide};
+use crate::lighting::irradiance::{arrival, bit, reaches};
+use crate::lighting::{fresnel, sky};
+use crate::state::{
+    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, wide,
+};
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
     name: "reflect",
-    room: "view",
+    module: "view",
     about: "what the surface reflects of lights and environment towards the eye: Phong's lobe, or GGX microfacets",
     equation: "Walter et al. 2007, equations 20, 33; Heitz 2014, equation 99; Lafortune and Willems 1994",
-    writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 5e-5, floor: 2e-5 })],
+    writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 5e-5, floor: 2e-5 })],
     reason: "a narrow lobe multiplies a cosine's rounding by its exponent or by 2 / alpha; the image as in backdrop",
     sizes: &[],
-    unit: Unit::Scene,
+    granularity: Granularity::Scene,
     carriers: Carrier::ALL,
     needs: &[Need::Light, Need::Picture],
     serves: Serves::ALL,
@@ -39,7 +41,7 @@ pub static STAGE: Stage = Stage {
 };
 
 fn skip(state: &State) -> Option<&'static str> {
-    let dull = state.data.frame.iter().all(|frame| frame.reflection == 0);
+    let dull = state.data.object_params.iter().all(|params| params.reflection == 0);
     dull.then_some("the material's surface reflects nothing")
 }
 
@@ -48,13 +50,13 @@ pub const DIRECTIONS: u32 = 32;
 
 /// Those directions, about the z axis; of use where the surface reflects.
 #[must_use]
-pub fn lobe(frame: &Frame) -> Vec<[f32; 3]> {
-    let shape = f64::from(frame.roughness);
+pub fn lobe(params: &ObjectParams) -> Vec<[f32; 3]> {
+    let shape = f64::from(params.roughness);
     let direction = |k: u32| {
         // A golden-ratio lattice in the square, bent so that it follows the lobe.
         let u = (f64::from(k) + 0.5) / f64::from(DIRECTIONS);
         let turn = TAU * (f64::from(k) * 0.618_033_988_749_894_9).fract();
-        let cosine = match frame.reflection {
+        let cosine = match params.reflection {
             REFLECTION_PHONG => (1.0 - u).powf(1.0 / (shape + 1.0)),
             _ => ((1.0 - u) / (1.0 + (shape * shape - 1.0) * u)).sqrt(),
         };
@@ -81,8 +83,8 @@ fn reflected(state: &State, pixel: usize, hit: &Hit) -> DVec3 {
     let (data, camera) = (&state.data, &state.data.camera[0]);
     let Some(corners) = data.triangles.get(hit.face as usize) else { return DVec3::ZERO };
     let object = state.object_of(hit.face as usize);
-    let frame = &data.frame[object];
-    if frame.reflection == REFLECTION_NONE {
+    let params = &data.object_params[object];
+    if params.reflection == REFLECTION_NONE {
         return DVec3::ZERO;
     }
     let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
@@ -93,17 +95,17 @@ fn reflected(state: &State, pixel: usize, hit: &Hit) -> DVec3 {
     let (point, toward) = (mix(&data.positions), wide(camera.origin) - mix(&data.positions));
     let side = if (b - a).cross(c - a).dot(toward) < 0.0 { -1.0 } else { 1.0 };
     let (normal, eye) = (mix(&data.normals).normalize_or_zero() * side, toward.normalize_or_zero());
-    let (seen, shape, ggx) = (normal.dot(eye).abs(), f64::from(frame.roughness), frame.reflection == REFLECTION_GGX);
+    let (seen, shape, ggx) = (normal.dot(eye).abs(), f64::from(params.roughness), params.reflection == REFLECTION_GGX);
     let mirror = 2.0 * normal.dot(eye) * normal - eye;
     let reflectance =
-        |cosine: f64| DVec3::from_array(frame.eta.map(|eta| 1.0 - fresnel::transmittance(eta.into(), cosine)));
+        |cosine: f64| DVec3::from_array(params.eta.map(|eta| 1.0 - fresnel::transmittance(eta.into(), cosine)));
 
     let mut sum = DVec3::ZERO;
     for light in data.lights.iter().filter(|light| light.kind != LIGHT_SKY_RAY) {
         let (toward, falloff) = arrival(light, point);
         let cosine = normal.dot(toward);
         let arrives = match state.objects[object].plain() {
-            true => bit(&data.reached, frame.shadow_words, light, pixel),
+            true => bit(&data.pixel_lit, params.shadow_words, light, pixel),
             false => reaches(data, light, hit.face as usize),
         };
         if cosine <= 0.0 || !arrives {
@@ -124,7 +126,7 @@ fn reflected(state: &State, pixel: usize, hit: &Hit) -> DVec3 {
     let right = flat(wide(camera.right).normalize_or_zero());
     let across = if right.length_squared() < 1e-6 { flat(wide(camera.up)) } else { right }.normalize_or_zero();
     let other = axis.cross(across);
-    for &local in data.lobe.iter().skip(object * DIRECTIONS as usize).take(DIRECTIONS as usize) {
+    for &local in data.reflection_directions.iter().skip(object * DIRECTIONS as usize).take(DIRECTIONS as usize) {
         let drawn = across * f64::from(local[0]) + other * f64::from(local[1]) + axis * f64::from(local[2]);
         let (direction, met, weight) = if ggx {
             let met = eye.dot(drawn).max(0.0);
@@ -140,7 +142,7 @@ fn reflected(state: &State, pixel: usize, hit: &Hit) -> DVec3 {
     sum
 }
 
-fn cpu(state: &mut State, _at: Place) {
+fn cpu(state: &mut State, _at: Scope) {
     let data = &state.data;
     let scale = f64::from(data.camera[0].radiance);
     let pixels = data.hits.par_iter().zip(&data.radiance).enumerate();
@@ -151,17 +153,18 @@ fn cpu(state: &mut State, _at: Place) {
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let data = &pass.state.data;
     let pixels = data.radiance.len();
-    for (object, frame) in (0u32..).zip(&data.frame).filter(|(_, frame)| frame.reflection != REFLECTION_NONE) {
-        let (ggx, push) = (u32::from(frame.reflection == REFLECTION_GGX), object.to_le_bytes());
+    for (object, params) in (0u32..).zip(&data.object_params).filter(|(_, params)| params.reflection != REFLECTION_NONE)
+    {
+        let (ggx, push) = (u32::from(params.reflection == REFLECTION_GGX), object.to_le_bytes());
         if data.lights.iter().any(|light| light.kind != LIGHT_SKY_RAY) {
-            let shadows = match frame.opaque {
-                _ if frame.shadow_words == 0 => SHADOWS_NOT,
+            let shadows = match params.opaque {
+                _ if params.shadow_words == 0 => SHADOWS_NOT,
                 OPAQUE_BY_PIXEL => SHADOWS_BY_PIXEL,
                 _ => SHADOWS_BY_FACE,
             };
             pass.dispatch(Some("lights"), &[shadows, ggx], &push, pixels)?;
         }
-        if !data.lobe.is_empty() {
+        if !data.reflection_directions.is_empty() {
             pass.dispatch(Some("environment"), &[ggx, DIRECTIONS], &push, pixels)?;
         }
     }

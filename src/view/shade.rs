@@ -6,23 +6,23 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::Slot;
-use crate::light::fresnel;
+use crate::layout::BufferId;
+use crate::lighting::fresnel;
 use crate::state::{
-    Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, narrow, wide,
+    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, narrow, wide,
 };
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
     name: "shade",
-    room: "view",
+    module: "view",
     about: "radiance of each pixel: Fresnel transmittance times radiosity over pi",
     equation: "Mertens et al. 2003, equation 3",
-    writes: &[(Slot::radiance, Role::Output, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
+    writes: &[(BufferId::radiance, Role::Output, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a short chain of f32 operations; near the critical angle (eta < 1) transmittance grows like a root, and one \
              rounding of the cosine, 1e-7, is worth 2e-5 where 1e-5 of the squares are left",
-    sizes: &[(Slot::radiance, Size::Elements(State::pixels))],
-    unit: Unit::Scene,
+    sizes: &[(BufferId::radiance, Size::Elements(State::pixels))],
+    granularity: Granularity::Scene,
     carriers: Carrier::ALL,
     needs: &[Need::Picture],
     serves: Serves::ALL,
@@ -39,7 +39,7 @@ fn skip(state: &State) -> Option<&'static str> {
     elsewhere.then_some("light is evaluated where the pixels are")
 }
 
-fn cpu(state: &mut State, _at: Place) {
+fn cpu(state: &mut State, _at: Scope) {
     let data = &state.data;
     let camera = data.camera[0];
     let radiance = data
@@ -54,13 +54,13 @@ fn cpu(state: &mut State, _at: Place) {
             };
             let toward = (wide(camera.origin) - mix(&data.positions)).normalize_or_zero();
             let normal = mix(&data.normals).normalize_or_zero();
-            let frame = &data.frame[state.object_of(hit.face as usize)];
-            let (eta, exit) = (frame.eta.map(f64::from), wide(frame.exit));
+            let params = &data.object_params[state.object_of(hit.face as usize)];
+            let (eta, exit) = (params.eta.map(f64::from), wide(params.exit));
             let leaves = eta.map(|eta| fresnel::transmittance(eta, normal.dot(toward).abs()));
             let scale = f64::from(camera.radiance) / std::f64::consts::PI;
-            let radiosity = match frame.by_pixel {
+            let radiosity = match params.by_pixel {
                 0 => mix(&data.vertex_radiosity),
-                _ => wide(data.radiosity[(frame.first_receiver + data.seen[pixel]) as usize]),
+                _ => wide(data.radiosity[(params.first_receiver + data.seen[pixel]) as usize]),
             };
             narrow(DVec3::from_array(leaves) * radiosity * scale * exit)
         })

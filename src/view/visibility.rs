@@ -4,21 +4,21 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::geometry::trace::trace;
-use crate::layout::{Camera, Hit, NONE, Slot};
+use crate::layout::{BufferId, Camera, Hit, NONE};
 use crate::state::{
-    Carrier, Need, Pass, Place, Role, Serves, Size, Stage, State, Tolerance, Unit, Update, stage::never,
+    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
 };
 
 /// The table's entry.
 pub static STAGE: Stage = Stage {
     name: "visibility",
-    room: "view",
+    module: "view",
     about: "primary rays through the tree: triangle, barycentric weights and depth of each pixel",
     equation: "sides of edges, seen along the ray; nearest by cross-multiplied fractions",
-    writes: &[(Slot::hits, Role::Output, Tolerance::Float { relative: 2e-6, floor: 1e-6 })],
+    writes: &[(BufferId::hits, Role::Output, Tolerance::Float { relative: 2e-6, floor: 1e-6 })],
     reason: "the triangle is a decision, bit for bit; weights and depth are one f32 division each",
-    sizes: &[(Slot::hits, Size::Elements(State::pixels))],
-    unit: Unit::Scene,
+    sizes: &[(BufferId::hits, Size::Elements(State::pixels))],
+    granularity: Granularity::Scene,
     carriers: Carrier::ALL,
     needs: &[Need::Picture],
     serves: Serves::ALL,
@@ -39,7 +39,7 @@ pub fn ray(camera: &Camera, pixel: u32) -> [f32; 3] {
     std::array::from_fn(|k| z * camera.forward[k] + x * camera.right[k] + y * camera.up[k])
 }
 
-fn cpu(state: &mut State, _at: Place) {
+fn cpu(state: &mut State, _at: Scope) {
     let data = &state.data;
     let camera = data.camera[0];
     let (w, h) = (camera.width as f32, camera.height as f32);

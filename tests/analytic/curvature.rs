@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use milkglass::layout::Curvature;
-use milkglass::local::fit;
-use milkglass::render::plan::{Change, Options, Transport};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Options, ShadingMethod};
 use milkglass::scene::{Mesh, Scene};
+use milkglass::session::run::{CapacityHints, Session};
+use milkglass::shading::fit;
 
 /// A scene of this mesh, shaded by curvature.
 fn session(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Session {
@@ -15,8 +15,8 @@ fn session(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Session {
     let mut scene = Scene::load("sphere", &sets).unwrap();
     let input_face = (0..triangles.len() as u32).collect();
     scene.objects[0].mesh = Mesh { positions, triangles, input_face, ..Mesh::default() };
-    let options = Options { transport: Transport::Cdrf, ..Options::default() };
-    let mut session = Session::new(&scene, None, options, Room::default()).unwrap();
+    let options = Options { transport: ShadingMethod::Cdrf, ..Options::default() };
+    let mut session = Session::new(&scene, None, options, CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }

@@ -2,7 +2,7 @@
 
 use crate::materials::MATERIALS;
 use milkglass::dipole::form_factor::gauss::legendre;
-use milkglass::light::fresnel::*;
+use milkglass::lighting::fresnel::*;
 
 /// `1 - 2 int T(mu) mu dmu`, the range cut at the critical angle and bent to tame its square root.
 fn diffuse_reflectance(eta: f64) -> f64 {

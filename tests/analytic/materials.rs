@@ -1,7 +1,7 @@
 //! The twelve materials of Jensen et al. 2001 (figure 5), with the diffuse reflectance they print.
 
 use milkglass::dipole::profile::Dipole;
-use milkglass::light::fresnel;
+use milkglass::lighting::fresnel;
 
 /// One row of the table, channels in the order red, green, blue.
 pub struct Material {

@@ -5,14 +5,14 @@ use glam::DVec3;
 use milkglass::layout::Buffers;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
-use milkglass::render::plan::{Change, Goal, Options, Transport};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
 
 fn solved(name: &str, sets: &[&str], options: Options) -> Session {
     let sets: Vec<String> = sets.iter().map(|set| set.to_string()).collect();
     let scene = Scene::load(name, &sets).unwrap();
-    let mut session = Session::new(&scene, None, options, Room::default()).unwrap();
+    let mut session = Session::new(&scene, None, options, CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -65,7 +65,7 @@ impl Refinement<'_> {
     fn refine(&mut self, receiver: u32, emitter: u32) {
         let data = self.data;
         let (r, e) = (&data.clusters[receiver as usize], &data.clusters[emitter as usize]);
-        let frame = &data.frame[0];
+        let params = &data.object_params[0];
         let children = |node: u32| [node + 1, data.topology[node as usize + 1].skip];
         let inner = |node: u32| data.topology[node as usize].face == u32::MAX;
         let angle = |from: DVec3| f64::from(e.area) / from.distance_squared(wide(e.center));
@@ -76,11 +76,11 @@ impl Refinement<'_> {
         };
         let deviation = |child: u32| (angle(wide(data.clusters[child as usize].center)) - angle(wide(r.center))).abs();
         let split_receiver =
-            inner(receiver) && children(receiver).iter().any(|&c| exceeds(deviation(c), frame.receiver_angle.into()));
+            inner(receiver) && children(receiver).iter().any(|&c| exceeds(deviation(c), params.receiver_angle.into()));
         let flatness = wide(e.normal).length() / f64::from(e.area);
         let split_emitter = inner(emitter)
-            && (exceeds(angle(wide(r.center)), frame.emitter_angle.into())
-                || exceeds(f64::from(frame.planarity).sqrt(), flatness));
+            && (exceeds(angle(wide(r.center)), params.emitter_angle.into())
+                || exceeds(f64::from(params.planarity).sqrt(), flatness));
         if tie {
             self.ties.push((receiver, emitter));
         } else if split_receiver {
@@ -225,7 +225,7 @@ fn the_answer_is_near_brute_force() {
             assert!(error.l2 <= l2 && error.p99 <= 0.05, "{name}, {distance}: {error:?}");
         }
     }
-    let brute = Options { transport: Transport::Brute, ..radiosity() };
+    let brute = Options { transport: ShadingMethod::Brute, ..radiosity() };
     let mut session = solved("sphere", &["object.0.detail=3"], brute);
     let error = worst(&verify(&mut session, 300, 5).unwrap());
     assert!(error.l2 < 2e-3, "brute force itself: {error:?}");
@@ -272,7 +272,7 @@ fn a_moved_camera_and_light_give_a_fresh_picture() {
     session.set_camera(&target.camera).unwrap();
     session.set_lights(&target.lights).unwrap();
     session.frame(Change::default()).unwrap();
-    let mut fresh = Session::new(&target, None, Options::default(), Room::default()).unwrap();
+    let mut fresh = Session::new(&target, None, Options::default(), CapacityHints::default()).unwrap();
     fresh.frame(Change::EVERYTHING).unwrap();
     assert_eq!(session.picture().unwrap().pixels, fresh.picture().unwrap().pixels);
 

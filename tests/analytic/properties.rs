@@ -3,10 +3,10 @@
 
 use glam::{DQuat, DVec3};
 use milkglass::dipole::profile::Dipole;
-use milkglass::light::fresnel;
-use milkglass::render::plan::{Change, Goal, Options};
-use milkglass::render::run::{Room, Session};
+use milkglass::lighting::fresnel;
+use milkglass::pipeline::plan::{Change, Goal, Options};
 use milkglass::scene::{Files, Memory, Scene};
+use milkglass::session::run::{CapacityHints, Session};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::fmt::Write as _;
@@ -51,7 +51,7 @@ fn frame(mesh: &Mesh, lights: &[String], rest: &str) -> Option<Session> {
     let files = Files::held([("m.obj".into(), mesh.obj().into_bytes())], Memory::USUAL);
     let scene = Scene::parse_from("property.toml", &text, &[], &files).ok()?;
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
-    let mut session = Session::new(&scene, None, options, Room::default()).ok()?;
+    let mut session = Session::new(&scene, None, options, CapacityHints::default()).ok()?;
     session.frame(Change::EVERYTHING).unwrap();
     Some(session)
 }

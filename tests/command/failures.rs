@@ -176,12 +176,12 @@ fn a_time_out_is_a_number() {
 #[test]
 fn a_shader_that_hangs_is_left() {
     let here = folder(&[]);
-    let (code, _) = good(&here, "shader light/irradiance");
+    let (code, _) = good(&here, "shader lighting/irradiance");
     let start = code.find("void main() {").expect("a shader has a beginning") + "void main() {".len();
     let hangs = "float x = 0.0; for (uint i = 0; i < 60000; ++i) x = exp(-0.5 * x) + 0.01 * float(i & 3u); if (x > 9.0) return;";
     std::fs::write(here.path().join("hang.comp"), format!("{}{hangs}{}", &code[..start], &code[start..])).unwrap();
     let scene = "sphere --set object.0.detail=4 --set camera.size=[64,48]";
-    let mut command = program(&here, &format!("profile {scene} --replace light/irradiance=hang.comp"));
+    let mut command = program(&here, &format!("profile {scene} --replace lighting/irradiance=hang.comp"));
     let begin = Instant::now();
     let output = command.env("MILKGLASS_TIMEOUT", "0.02").output().unwrap();
     if said(&output).1.contains("running on the CPU") {

@@ -4,11 +4,11 @@
 mod shell;
 
 mod aov;
+mod device_limits;
 mod eval;
 mod extremes;
 mod failures;
 mod fit;
-mod holds;
 mod lights;
 mod line;
 mod pareto;

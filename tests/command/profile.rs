@@ -33,8 +33,8 @@ fn a_profile_is_printed_and_written() {
     assert_eq!(frames.len(), 3);
     assert!(events.len() > 3 * stages.len());
     for event in &events {
-        let (frame, own) = (span(frames[event["args"]["frame"].as_u64().unwrap() as usize]), span(event));
-        assert!(own.0 >= frame.0 - 1.0 && own.0 + own.1 <= frame.0 + frame.1 + 1.0, "{event} in {frame:?}");
+        let (params, own) = (span(frames[event["args"]["frame"].as_u64().unwrap() as usize]), span(event));
+        assert!(own.0 >= params.0 - 1.0 && own.0 + own.1 <= params.0 + params.1 + 1.0, "{event} in {params:?}");
     }
 }
 
@@ -56,26 +56,28 @@ fn a_profile_on_the_cpu_has_times_only() {
 fn a_shader_is_printed_and_taken_back() {
     let here = folder(&[("a.toml", BALL)]);
     let (names, _) = good(&here, "shader");
-    assert!(names.lines().any(|name| name == "transport/gather/direct") && names.contains("layout.glsl"));
-    bad(&here, "shader transport/pus", 2, &["there is no such shader", "transport/push"]);
+    assert!(names.lines().any(|name| name == "transport/blocks/gather/direct") && names.contains("layout.glsl"));
+    bad(&here, "shader transport/blocks/pus", 2, &["there is no such shader", "transport/blocks/push"]);
     let (layout, _) = good(&here, "shader layout.glsl");
-    assert!(layout.contains("struct Frame {"));
-    for kernel in ["transport/push", "transport/gather/direct"] {
+    assert!(layout.contains("struct ObjectParams {"));
+    for kernel in ["transport/blocks/push", "transport/blocks/gather/direct"] {
         let (text, _) = good(&here, &format!("shader {kernel}"));
         std::fs::write(here.path().join("my.comp"), text).unwrap();
         let (out, err) = good(&here, &format!("profile a.toml --frames 2 --replace {kernel}=my.comp"));
         assert!(out.contains("ratio") && err.contains("conform to the reference"), "{out}{err}");
     }
-    good(&here, "conform a.toml --no-validation --replace transport/gather/direct=my.comp");
-    let (out, _) =
-        good(&here, "pareto a.toml --quick --methods blocks --samples 20 --replace transport/gather/direct=my.comp");
+    good(&here, "conform a.toml --no-validation --replace transport/blocks/gather/direct=my.comp");
+    let (out, _) = good(
+        &here,
+        "pareto a.toml --quick --methods blocks --samples 20 --replace transport/blocks/gather/direct=my.comp",
+    );
     assert!(out.contains("replaced ms"), "{out}");
 }
 
 #[test]
 fn a_bug_in_a_shader_is_caught_and_located() {
     let here = folder(&[("a.toml", BALL)]);
-    let (text, _) = good(&here, "shader transport/push");
+    let (text, _) = good(&here, "shader transport/blocks/push");
     // From receiver 40 on a hundredth too much.
     let wrong = text.replace("max(sum, vec3(0))", "max(sum, vec3(0)) * (self.face < 40 ? 1.0 : 1.01)");
     assert_ne!(text, wrong);
@@ -86,12 +88,12 @@ fn a_bug_in_a_shader_is_caught_and_located() {
             "radiosity[40].0: reference",
             "(0x",
             "repeat:  milkglass",
-            "--replace transport/push=my.comp",
+            "--replace transport/blocks/push=my.comp",
         ];
-        bad(&here, &format!("{line} --replace transport/push=my.comp"), 1, &words);
+        bad(&here, &format!("{line} --replace transport/blocks/push=my.comp"), 1, &words);
     }
     // The command to repeat, but for the device's name.
-    let output = program(&here, "conform a.toml --no-validation --stage push --replace transport/push=my.comp")
+    let output = program(&here, "conform a.toml --no-validation --stage push --replace transport/blocks/push=my.comp")
         .output()
         .unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", said(&output).1);
@@ -102,7 +104,7 @@ fn a_bug_in_a_shader_is_caught_and_located() {
 #[test]
 fn a_shader_that_does_not_fit_is_named() {
     let here = folder(&[("a.toml", BALL)]);
-    let (text, _) = good(&here, "shader transport/push");
+    let (text, _) = good(&here, "shader transport/blocks/push");
     let line = text.lines().position(|line| line.contains("max(sum, vec3(0))")).unwrap() + 1;
     let put = |name: &str, from: &str, to: &str| {
         assert!(text.contains(from), "{from}");
@@ -115,20 +117,23 @@ fn a_shader_that_does_not_fit_is_named() {
         .unwrap();
     put("include.comp", "#include \"layout.glsl\"", "#include \"layout.glsl\"\n#include \"mine.glsl\"");
     let cases = [
-        ("transport/push=syntax.comp", vec![format!("syntax.comp:{line}: error: 'maximum'")]),
-        ("transport/push=reads.comp", vec!["can't take the place of transport/push".into(), "binds irradiance".into()]),
-        ("transport/push=include.comp", vec!["mine.glsl".into(), "neither beside".into()]),
-        ("transport/push=none.comp", vec!["none.comp: the shader could not be read".into()]),
-        ("transport/pish=syntax.comp", vec!["no such kernel".into(), "transport/push".into()]),
-        ("transport/push", vec!["not a kernel and a file".into()]),
-        ("view/exit=exit.comp", vec!["a.toml does not run this kernel".into(), "transport/push".into()]),
+        ("transport/blocks/push=syntax.comp", vec![format!("syntax.comp:{line}: error: 'maximum'")]),
+        (
+            "transport/blocks/push=reads.comp",
+            vec!["can't take the place of transport/blocks/push".into(), "binds irradiance".into()],
+        ),
+        ("transport/blocks/push=include.comp", vec!["mine.glsl".into(), "neither beside".into()]),
+        ("transport/blocks/push=none.comp", vec!["none.comp: the shader could not be read".into()]),
+        ("transport/blocks/pish=syntax.comp", vec!["no such kernel".into(), "transport/blocks/push".into()]),
+        ("transport/blocks/push", vec!["not a kernel and a file".into()]),
+        ("view/texture_out=exit.comp", vec!["a.toml does not run this kernel".into(), "transport/blocks/push".into()]),
     ];
-    std::fs::write(here.path().join("exit.comp"), good(&here, "shader view/exit").0).unwrap();
+    std::fs::write(here.path().join("exit.comp"), good(&here, "shader view/texture_out").0).unwrap();
     for (pair, words) in cases {
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
         bad(&here, &format!("conform a.toml --no-validation --replace {pair}"), 2, &words);
     }
-    bad(&here, "profile a.toml --device cpu --replace view/exit=exit.comp", 2, &["Vulkan device only"]);
+    bad(&here, "profile a.toml --device cpu --replace view/texture_out=exit.comp", 2, &["Vulkan device only"]);
 }
 
 #[test]
@@ -164,23 +169,24 @@ fn conform_says_what_it_did_not_compare() {
 #[test]
 fn a_failure_is_repeated_by_its_own_words() {
     let here = folder(&[("my scene.toml", BALL)]);
-    let (text, _) = good(&here, "shader transport/push");
+    let (text, _) = good(&here, "shader transport/blocks/push");
     std::fs::write(here.path().join("my.comp"), text.replace("max(sum, vec3(0))", "(2.0 * sum)")).unwrap();
-    let arguments = ["profile", "my scene.toml", "--set", "object.0.detail=2", "--replace", "transport/push=my.comp"];
+    let arguments =
+        ["profile", "my scene.toml", "--set", "object.0.detail=2", "--replace", "transport/blocks/push=my.comp"];
     let (out, err) = said(&program(&here, "").args(arguments).output().unwrap());
     let line =
         err.lines().find_map(|line| line.strip_prefix("repeat:  milkglass ")).unwrap_or_else(|| panic!("{out}{err}"));
-    assert!(
-        line.starts_with("profile 'my scene.toml' --set object.0.detail=2 --replace transport/push=my.comp --device")
-    );
+    assert!(line.starts_with(
+        "profile 'my scene.toml' --set object.0.detail=2 --replace transport/blocks/push=my.comp --device"
+    ));
     let own = format!("exec \"$0\" {line}");
     let mut shell = std::process::Command::new("sh");
     let again = shell.current_dir(here.path()).args(["-c", &own, env!("CARGO_BIN_EXE_milkglass")]).output().unwrap();
     let differs = |text: &str| text.lines().find(|line| line.starts_with("differs:")).map(String::from);
     assert!(again.status.code() == Some(1) && differs(&said(&again).1) == differs(&err), "{err}");
     // Kernels that a picture does not run, but the methods of a sweep do.
-    std::fs::write(here.path().join("far.comp"), good(&here, "shader baseline/brute/far").0).unwrap();
-    let sweep = "pareto sphere --set object.0.detail=1 --quick --methods brute --replace baseline/brute/far=far.comp";
+    std::fs::write(here.path().join("far.comp"), good(&here, "shader transport/brute/far").0).unwrap();
+    let sweep = "pareto sphere --set object.0.detail=1 --quick --methods brute --replace transport/brute/far=far.comp";
     let (out, err) = good(&here, sweep);
     assert!(err.contains("brute: ") && err.contains("conform to the reference"), "{out}{err}");
 }
@@ -189,10 +195,10 @@ fn a_failure_is_repeated_by_its_own_words() {
 fn a_plan_tells_what_another_scene_needs_otherwise() {
     let here = folder(&[("a.toml", BALL)]);
     let (out, _) = good(&here, "plan a.toml --device cpu --set light.0.shadows=false --diff a.toml");
-    for words in ["light/shadow", "cut_short", "no light casts shadows"] {
+    for words in ["lighting/shadow", "cut_short", "no light casts shadows"] {
         assert!(out.contains(words), "{words}: {out}");
     }
-    assert!(!out.contains("transport/push"), "{out}");
+    assert!(!out.contains("transport/blocks/push"), "{out}");
     let (out, _) = good(&here, "plan a.toml --device cpu --diff a.toml");
     assert!(out.contains("need the same"), "{out}");
     let (out, _) = good(&here, "plan a.toml --device cpu --json a.json");

@@ -1,9 +1,9 @@
 //! Textures of files and material libraries: where they lie on a mesh, what is refused, and what a plan says.
 
 use crate::shell::{bad, folder, good, read};
-use milkglass::render::plan::{Change, Options};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Options};
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
 
 /// Two triangles with three textures across, from one before the first to one after it.
 const SHEET: &str = "mtllib a.mtl\nv 0 0 0\nv 9 0 0\nv 9 3 0\nv 0 3 0\nvt -1 0\nvt 2 0\nvt 2 1\nvt -1 1\nusemtl paint\n\
@@ -30,7 +30,8 @@ fn textures_of_files_and_libraries_go_on_as_they_are_told() {
     let path = here.path().join("a.toml").to_string_lossy().into_owned();
     let load = |sets: &[String]| {
         let mut session =
-            Session::new(&Scene::load(&path, sets).unwrap(), None, Options::default(), Room::default()).unwrap();
+            Session::new(&Scene::load(&path, sets).unwrap(), None, Options::default(), CapacityHints::default())
+                .unwrap();
         session.frame(Change::EVERYTHING).unwrap();
         session
     };
@@ -159,7 +160,13 @@ fn a_plan_has_no_texture_that_is_not_asked_for() {
         };
         let buffers = ["corner_uvs", "texels"].map(|name| has("buffers", "buffer", name));
         assert_eq!(buffers[0], buffers[1]);
-        (has("stages", "stage", "entry"), has("stages", "stage", "exit"), buffers[0], why("entry"), why("exit"))
+        (
+            has("stages", "stage", "texture_in"),
+            has("stages", "stage", "texture_out"),
+            buffers[0],
+            why("texture_in"),
+            why("texture_out"),
+        )
     };
     let none = || "no material has a texture".to_owned();
     assert_eq!(plan(""), (false, false, false, none(), none()));

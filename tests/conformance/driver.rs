@@ -4,12 +4,12 @@
 
 use crate::devices::on_devices;
 use milkglass::gpu::{Device, SingleKernel};
-use milkglass::layout::Slot;
+use milkglass::layout::BufferId;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
-use milkglass::render::plan::{Change, Goal, Options};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Goal, Options};
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
 
 static SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-loops.spv"));
 const LANES: usize = 64;
@@ -121,9 +121,9 @@ fn long_lists_of_near_triangles_are_taken_to_the_end() {
     let scene = Scene::load(file.to_str().unwrap(), &[]).unwrap();
     on_devices(|device| {
         let options = Options { goal: Goal::Radiosity, ..Options::default() };
-        let mut session = Session::new(&scene, Some(device), options, Room::default()).unwrap();
+        let mut session = Session::new(&scene, Some(device), options, CapacityHints::default()).unwrap();
         session.frame(Change::EVERYTHING).unwrap();
-        session.fetch(&[Slot::runs]).unwrap();
+        session.fetch(&[BufferId::runs]).unwrap();
         let longest = session.state().runs().map(|run| run.edge).max().unwrap();
         assert!(longest > 1400, "{longest} near triangles a block: a poor test");
         let error = worst(&verify(&mut session, 100, 1).unwrap());

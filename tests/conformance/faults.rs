@@ -5,14 +5,13 @@ use std::collections::BTreeSet;
 use std::time::Duration;
 
 use crate::devices;
-use milkglass::command;
 use milkglass::error::{Error, Result};
 use milkglass::gpu::faults::{Call, watch};
 use milkglass::gpu::{Adapter, Buffer, Device, Instance};
-use milkglass::layout::Slot;
-use milkglass::render::plan::{Change, Goal, Options};
-use milkglass::render::run::{Room, Session};
+use milkglass::layout::BufferId;
+use milkglass::pipeline::plan::{Change, Goal, Options};
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
 
 /// Calls whose failure does no harm: of names that tools show, and of a wait before the end.
 const HARMLESS: [&str; 3] =
@@ -61,7 +60,7 @@ fn frame(session: &mut Session) -> Result<Vec<[f32; 3]>> {
     if session.plan().options().goal == Goal::Picture {
         return Ok(session.picture()?.pixels);
     }
-    session.fetch(&[Slot::radiosity])?;
+    session.fetch(&[BufferId::radiosity])?;
     Ok(session.state().data.radiosity.clone())
 }
 
@@ -83,7 +82,7 @@ impl Run {
         let adapter = adapters.iter().find(|a| a.name == name).expect("the device is still there");
         let device = self.device.insert(Device::open(instance, adapter)?);
         let options = Options { goal, ..Options::default() };
-        let session = self.session.insert(Session::new(scene, Some(device), options, Room::default())?);
+        let session = self.session.insert(Session::new(scene, Some(device), options, CapacityHints::default())?);
         frame(session)
     }
 
@@ -159,7 +158,7 @@ fn a_session_survives() {
             let (first, second) = (scene(radiosity, "2"), scene(radiosity, "[3,0.5,0.25]"));
             let options =
                 Options { goal: if radiosity { Goal::Radiosity } else { Goal::Picture }, ..Options::default() };
-            let open = |scene| Session::new(scene, Some(device), options, Room::default()).unwrap();
+            let open = |scene| Session::new(scene, Some(device), options, CapacityHints::default()).unwrap();
             let right = [frame(&mut open(&first)).unwrap(), frame(&mut open(&second)).unwrap()];
             assert_ne!(right[0], right[1]);
 
@@ -167,7 +166,7 @@ fn a_session_survives() {
             let instance = Instance::open(true).unwrap();
             let adapter = instance.adapters().unwrap().into_iter().find(|a| a.name == device.name()).unwrap();
             let fresh = Device::open(&instance, &adapter).unwrap();
-            let mut session = Session::new(&first, Some(&fresh), options, Room::default()).unwrap();
+            let mut session = Session::new(&first, Some(&fresh), options, CapacityHints::default()).unwrap();
             let next = |session: &mut Session, turn: usize| {
                 session.show([&first, &second][turn % 2])?;
                 frame(session)
@@ -196,7 +195,7 @@ fn a_sequence_is_whole_as_far_as_it_goes() {
                 ["milkglass", "render", "noise", "--frames", "0..3", "--size", "12x8", "-o", output.to_str().unwrap()];
             let sets = ["--set", "object.0.detail=2", "--device", device.name()];
             let words = fixed.iter().chain(&sets).chain(more);
-            command::run(words.map(Into::into))
+            crate::cli::run(words.map(Into::into))
         };
         let read = |name: &str, k: usize| std::fs::read(here.path().join(format!("{name}{k}.png"))).ok();
         let (done, calls) = watch(None, || render("whole%d.png", &[]));
@@ -225,12 +224,12 @@ fn a_wait_ends() {
     devices::on_devices(|device| {
         device.wait_at_most(Duration::from_nanos(1));
         let scene = scene(false, "2");
-        let error = Session::new(&scene, Some(device), Options::default(), Room::default())
+        let error = Session::new(&scene, Some(device), Options::default(), CapacityHints::default())
             .and_then(|mut session| frame(&mut session));
         let text = error.unwrap_err().to_string();
         assert!(text.contains("not finished in time") && text.contains("MILKGLASS_TIMEOUT"), "{text}");
         device.wait_at_most(Duration::from_secs(600));
-        let mut session = Session::new(&scene, Some(device), Options::default(), Room::default()).unwrap();
+        let mut session = Session::new(&scene, Some(device), Options::default(), CapacityHints::default()).unwrap();
         assert!(frame(&mut session).unwrap().iter().flatten().any(|&x| x > 0.0));
         drop(session);
         assert_eq!(device.allocations(), [""; 0]);

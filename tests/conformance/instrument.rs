@@ -5,12 +5,12 @@ use std::collections::BTreeSet;
 use crate::devices::on_devices;
 use milkglass::gpu::count::Traffic;
 use milkglass::gpu::{Device, KernelKey, SingleKernel};
-use milkglass::layout::Slot;
+use milkglass::layout::BufferId;
 use milkglass::measure::profile::{Settings, against, profile};
-use milkglass::render::frame::{STAGES, stage};
-use milkglass::render::plan::{Change, Goal, Mode, Options, Transport};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::frame::{STAGES, stage};
+use milkglass::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use milkglass::scene::{Light, Receivers, Reflection, Scene};
+use milkglass::session::run::{CapacityHints, Session};
 
 static COUNT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-count.spv"));
 
@@ -90,11 +90,11 @@ fn a_device_against_itself_takes_every_stage() {
 }
 
 /// Kernels, buffers, and how often each stage dispatches.
-type Made = (BTreeSet<String>, BTreeSet<Slot>, Vec<(&'static str, usize)>);
+type Made = (BTreeSet<String>, BTreeSet<BufferId>, Vec<(&'static str, usize)>);
 
 /// What a frame made on a device: kernels and buffers; and what it dispatched. It has to be what the plan lists.
 fn made(device: &Device, scene: &Scene, options: Options) -> Made {
-    let mut session = Session::new(scene, Some(device), options, Room::default()).unwrap();
+    let mut session = Session::new(scene, Some(device), options, CapacityHints::default()).unwrap();
     let mut needs = Vec::new();
     // Links that are kept are made in the first frame, and revised in the second.
     for revises in 0..1 + u32::from(options.mode == Mode::Incremental) {
@@ -134,12 +134,12 @@ fn changed(mut scene: Scene, change: impl Fn(&mut Scene)) -> Case {
     with(scene)
 }
 
-fn carried(transport: Transport) -> Case {
+fn carried(transport: ShadingMethod) -> Case {
     (ball(&[]), Options { transport, ..Options::default() })
 }
 
 /// Stages, buffers, with, without.
-type Feature = (&'static [&'static str], &'static [Slot], Case, Case);
+type Feature = (&'static [&'static str], &'static [BufferId], Case, Case);
 
 /// Each feature: the stages and buffers that are its own, a frame with it, and the same without.
 fn features() -> Vec<Feature> {
@@ -165,75 +165,98 @@ fn features() -> Vec<Feature> {
     };
     let local = |cdrf: &str| {
         let scene = ball(&[&format!("transport.cdrf={cdrf}"), "transport.cdrf_table=16"]);
-        (scene, Options { transport: Transport::Cdrf, ..Options::default() })
+        (scene, Options { transport: ShadingMethod::Cdrf, ..Options::default() })
     };
     vec![
-        (&["shadow"], &[Slot::lit, Slot::cut_short], with(ball(&[])), with(ball(&["light.0.shadows=false"]))),
-        (&["environment"], &[Slot::sky, Slot::harmonics], with(sky(false)), with(ball(&[]))),
+        (&["shadow"], &[BufferId::lit, BufferId::cut_short], with(ball(&[])), with(ball(&["light.0.shadows=false"]))),
+        (&["environment"], &[BufferId::sky, BufferId::harmonics], with(sky(false)), with(ball(&[]))),
         (&["backdrop"], &[], with(sky(true)), with(sky(false))),
-        (&["entry"], &[Slot::texels, Slot::corner_uvs], with(tiles("entry")), with(ball(&[]))),
-        (&["exit"], &[Slot::texels, Slot::corner_uvs], with(tiles("exit")), with(ball(&[]))),
+        (&["texture_in"], &[BufferId::texels, BufferId::corner_uvs], with(tiles("entry")), with(ball(&[]))),
+        (&["texture_out"], &[BufferId::texels, BufferId::corner_uvs], with(tiles("exit")), with(ball(&[]))),
         (
             &["plane_fit", "relief"],
-            &[Slot::layerings, Slot::beneath, Slot::planes, Slot::crowds, Slot::beams],
+            &[
+                BufferId::layerings,
+                BufferId::layer_media,
+                BufferId::planes,
+                BufferId::vertex_moments,
+                BufferId::layer_lights,
+            ],
             with(layered()),
             changed(layered(), |scene| scene.objects[0].material.layers = None),
         ),
-        (&["deform"], &[Slot::rest, Slot::deforms], with(twisted), with(ball(&[]))),
+        (&["deform"], &[BufferId::rest, BufferId::deforms], with(twisted), with(ball(&[]))),
         (&["reflect"], &[], reflects(Reflection::Phong { shininess: 9 }), reflects(Reflection::None)),
-        (&["opaque"], &[], with(on_a_table("faces")), alone(on_a_table("faces"))),
-        (&["plain", "reached"], &[Slot::reached], with(on_a_table("pixels")), alone(on_a_table("pixels"))),
-        (&[], &[Slot::estimate], options(Options { estimate: true, ..Options::default() }), with(ball(&[]))),
+        (&["opaque_faces"], &[], with(on_a_table("faces")), alone(on_a_table("faces"))),
         (
-            &["points"],
-            &[Slot::seen],
+            &["shade_opaque", "pixel_shadow"],
+            &[BufferId::pixel_lit],
+            with(on_a_table("pixels")),
+            alone(on_a_table("pixels")),
+        ),
+        (&[], &[BufferId::estimate], options(Options { estimate: true, ..Options::default() }), with(ball(&[]))),
+        (
+            &["pixel_receivers"],
+            &[BufferId::seen],
             changed(ball(&[]), |scene| scene.transport.receivers = Receivers::Pixels),
             with(ball(&[])),
         ),
         (&["average"], &[], with(ball(&[])), changed(ball(&[]), |scene| scene.transport.receivers = Receivers::Pixels)),
         (
             &["visibility", "shade"],
-            &[Slot::hits, Slot::radiance],
+            &[BufferId::hits, BufferId::radiance],
             with(ball(&[])),
             options(Options { goal: Goal::Radiosity, ..Options::default() }),
         ),
-        (&["contrast"], &[], options(Options { mode: Mode::Render, ..Options::default() }), with(ball(&[]))),
+        (&["irradiance_ratio"], &[], options(Options { mode: Mode::Render, ..Options::default() }), with(ball(&[]))),
         (
-            &["pull", "level", "radii", "link", "gather", "push"],
-            &[Slot::moments, Slot::emitters, Slot::entries, Slot::expansions, Slot::runs],
+            &["pull", "coarse_solve", "acceptance_radii", "link", "gather", "push"],
+            &[BufferId::moments, BufferId::emitters, BufferId::entries, BufferId::expansions, BufferId::runs],
             with(ball(&[])),
             links(),
         ),
         (
-            &["reach", "mean", "refine", "form_factor", "collect", "spread"],
-            &[Slot::links, Slot::factors, Slot::spans, Slot::gathered, Slot::cluster_irradiance],
+            &["reach", "mean_irradiance", "refine", "form_factor", "sum_links", "push_links"],
+            &[BufferId::links, BufferId::factors, BufferId::spans, BufferId::gathered, BufferId::cluster_irradiance],
             links(),
             with(ball(&[])),
         ),
         (
-            &["alter", "relit", "revise", "renew", "recollect", "keep"],
-            &[Slot::kept_clusters, Slot::altered, Slot::edits, Slot::stale, Slot::waiting],
+            &["mark_moved", "mark_relit", "update_links", "update_form_factors", "resum_links", "snapshot"],
+            &[
+                BufferId::kept_clusters,
+                BufferId::change_flags,
+                BufferId::edits,
+                BufferId::stale,
+                BufferId::stale_counts,
+            ],
             (incremental(), Options { mode: Mode::Incremental, ..Options::default() }),
             (incremental(), Options { mode: Mode::Render, ..Options::default() }),
         ),
         (
-            &["unwrap", "blur", "texture_blur"],
-            &[Slot::charts, Slot::gaussians, Slot::sheets, Slot::stretch, Slot::crossed],
-            blurred(Transport::TextureBlur),
-            blurred(Transport::Lambert),
+            &["bake_irradiance", "blur", "texture_blur"],
+            &[
+                BufferId::texel_hits,
+                BufferId::gaussians,
+                BufferId::irradiance_maps,
+                BufferId::stretch,
+                BufferId::blurred_rows,
+            ],
+            blurred(ShadingMethod::TextureBlur),
+            blurred(ShadingMethod::Lambert),
         ),
-        (&["brute"], &[], carried(Transport::Brute), with(ball(&[]))),
-        (&["pull", "gather", "push"], &[Slot::moments], with(ball(&[])), carried(Transport::Octree)),
-        (&["irradiance"], &[Slot::lit], with(ball(&[])), changed(ball(&[]), |scene| scene.lights.clear())),
-        (&["curvature", "cdrf"], &[Slot::curvature], carried(Transport::Cdrf), carried(Transport::Lambert)),
-        (&["pack"], &[Slot::bends], carried(Transport::Lambert), with(ball(&[]))),
-        (&["cdrf_table", "cdrf_cells"], &[Slot::cdrf_grid, Slot::cdrf_cells], local("table"), local("closed")),
-        (&["lambert"], &[], carried(Transport::Lambert), with(ball(&[]))),
+        (&["brute"], &[], carried(ShadingMethod::Brute), with(ball(&[]))),
+        (&["pull", "gather", "push"], &[BufferId::moments], with(ball(&[])), carried(ShadingMethod::Octree)),
+        (&["irradiance"], &[BufferId::lit], with(ball(&[])), changed(ball(&[]), |scene| scene.lights.clear())),
+        (&["curvature", "cdrf"], &[BufferId::curvature], carried(ShadingMethod::Cdrf), carried(ShadingMethod::Lambert)),
+        (&["pack_normals"], &[BufferId::packed_normals], carried(ShadingMethod::Lambert), with(ball(&[]))),
+        (&["cdrf_table", "cdrf_cells"], &[BufferId::cdrf_grid, BufferId::cdrf_cells], local("table"), local("closed")),
+        (&["lambert"], &[], carried(ShadingMethod::Lambert), with(ball(&[]))),
         (
             &["irradiance"],
-            &[Slot::irradiance],
+            &[BufferId::irradiance],
             changed(ball(&[]), |scene| scene.lights.push(Light::point(glam::DVec3::new(0.0, 40.0, 0.0), [9.0; 3]))),
-            carried(Transport::Lambert),
+            carried(ShadingMethod::Lambert),
         ),
     ]
 }
@@ -249,7 +272,7 @@ fn what_is_turned_off_is_not_there() {
         for (stages, slots, on, off) in &list {
             let (with, without) = (made(device, &on.0, on.1), made(device, &off.0, off.1));
             for name in *stages {
-                let folder = format!("{}/{name}", stage(name).unwrap().room);
+                let folder = format!("{}/{name}", stage(name).unwrap().module);
                 let own = |kernels: &BTreeSet<String>| {
                     kernels
                         .iter()

@@ -3,13 +3,12 @@
 
 use crate::devices::on_devices;
 use crate::shell;
-use milkglass::command;
 use milkglass::gpu::faults::on_altered;
 use milkglass::gpu::{Adapter, Device, Instance, Limits};
-use milkglass::layout::Slot;
-use milkglass::render::plan::{Change, Goal, Mode, Options};
-use milkglass::render::run::{Room, Session};
+use milkglass::layout::BufferId;
+use milkglass::pipeline::plan::{Change, Goal, Mode, Options};
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
 
 fn scene(scheme: &str) -> Scene {
     let sets = ["object.0.detail=3".into(), "camera.size=[48,32]".into(), format!("transport.scheme='{scheme}'")];
@@ -26,7 +25,7 @@ fn lowered(device: &Device, instance: &Instance, lower: impl Fn(&mut Limits)) ->
 /// A picture and a session after it.
 fn render(scene: &Scene, device: &Device, mode: Mode) -> Result<(Session, Vec<[f32; 3]>), String> {
     let options = Options { mode, goal: Goal::Picture, ..Options::default() };
-    let shown = Session::new(scene, Some(device), options, Room::default()).and_then(|mut session| {
+    let shown = Session::new(scene, Some(device), options, CapacityHints::default()).and_then(|mut session| {
         session.frame(Change::EVERYTHING)?;
         let pixels = session.picture()?.pixels;
         Ok((session, pixels))
@@ -53,7 +52,14 @@ fn a_smaller_binding_cuts_the_lists() {
             scene.transport.tolerance = 1e-5;
             let (whole, picture) = render(&scene, device, Mode::OnTheFly).unwrap();
             // As little as the buffers need that can't be cut.
-            let lists = [Slot::entries, Slot::links, Slot::factors, Slot::area_links, Slot::edge_links, Slot::handed];
+            let lists = [
+                BufferId::entries,
+                BufferId::links,
+                BufferId::factors,
+                BufferId::area_links,
+                BufferId::edge_links,
+                BufferId::handed,
+            ];
             let other = whole.buffers().into_iter().filter(|(slot, _)| !lists.contains(slot));
             let most = other.map(|(_, bytes)| bytes).max().unwrap();
             let small = lowered(device, instance, |limits| limits.binding_bytes = most);
@@ -96,7 +102,8 @@ fn fewer_groups_make_more_rows() {
 fn what_is_kept_fits_the_memory_of_the_scene() {
     let mut scene = scene("links");
     let options = Options { mode: Mode::Render, goal: Goal::Radiosity, ..Options::default() };
-    let kept = |scene: &Scene| Session::new(scene, None, options, Room::default()).unwrap().not_kept().is_none();
+    let kept =
+        |scene: &Scene| Session::new(scene, None, options, CapacityHints::default()).unwrap().not_kept().is_none();
     assert!(kept(&scene));
     scene.memory.limit = scene.memory.taken + 3_000_000;
     assert!(!kept(&scene));
@@ -109,13 +116,14 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
             let scene = scene(scheme);
             let (_, picture) = render(&scene, device, Mode::OnTheFly).unwrap();
             // With little room to begin with, so that what lists need is found out in the frame.
-            let little = Room { links: 40, ..Room::default() };
+            let little = CapacityHints { links: 40, ..CapacityHints::default() };
             let options = Options { mode: Mode::Render, goal: Goal::Picture, ..Options::default() };
             let mut kept = Session::new(&scene, Some(device), options, little).unwrap();
             kept.frame(Change::EVERYTHING).unwrap();
             assert!(kept.not_kept().is_none() && kept.retries() > 0);
-            let bytes = |slot: Slot| kept.buffers().into_iter().find(|(known, _)| *known == slot).map_or(0, |b| b.1);
-            let lists = bytes(Slot::entries).max(bytes(Slot::links));
+            let bytes =
+                |slot: BufferId| kept.buffers().into_iter().find(|(known, _)| *known == slot).map_or(0, |b| b.1);
+            let lists = bytes(BufferId::entries).max(bytes(BufferId::links));
             // Known beforehand, found out in the frame, and for want of memory.
             let all: u64 = kept.buffers().iter().map(|(_, bytes)| bytes).sum();
             // Known beforehand, found out in the frame, and for want of memory: there on-the-fly needs less with blocks only.
@@ -125,7 +133,7 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
                 let small = lowered(device, instance, |limits| limits.heap_bytes = heap.min(limits.heap_bytes));
                 for mode in [Mode::Render, Mode::Incremental] {
                     let options = Options { mode, goal: Goal::Picture, ..Options::default() };
-                    let room = Room { kept: most, ..little };
+                    let room = CapacityHints { kept: most, ..little };
                     let mut session = Session::new(&scene, Some(&small), options, room).unwrap();
                     assert_eq!(session.not_kept().is_some(), name == "few", "{scheme} {name}");
                     session.frame(Change::EVERYTHING).unwrap();
@@ -139,7 +147,7 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
                 }
             }
             // A layer that tells of links can't do without them.
-            let room = Room { kept: 64, ..Room::default() };
+            let room = CapacityHints { kept: 64, ..CapacityHints::default() };
             let options = Options { mode: Mode::Keep, ..Options::default() };
             let said = Session::new(&scene, Some(device), options, room).err().unwrap().to_string();
             assert!(said.contains("keeping lists") && said.contains("--aov"), "{said}");
@@ -150,7 +158,7 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
 /// What a command says where every device is altered.
 fn altered(device: &Device, line: &str, alter: fn(&mut Adapter)) -> Result<(), (u8, String)> {
     let words = line.split_whitespace().chain(["--device", device.name()]).map(Into::into);
-    on_altered(alter, || command::run(words)).map_err(|error| (error.exit_code(), error.to_string()))
+    on_altered(alter, || crate::cli::run(words)).map_err(|error| (error.exit_code(), error.to_string()))
 }
 
 #[test]

@@ -1,5 +1,8 @@
 //! Every device against the reference, and what a device, its driver and its limits may do.
 
+#[allow(dead_code, unused_imports, unreachable_pub)]
+#[path = "../../src/cli/mod.rs"]
+mod cli;
 #[path = "../devices/mod.rs"]
 mod devices;
 #[path = "../shell/mod.rs"]

@@ -7,9 +7,9 @@ use std::path::Path;
 
 use crate::devices;
 use milkglass::gpu::Device;
-use milkglass::render::plan::{Change, Options, Transport};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Options, ShadingMethod};
 use milkglass::scene::{BUILTIN, Scene};
+use milkglass::session::run::{CapacityHints, Session};
 use rayon::prelude::*;
 
 /// Colour differences that no one notices: on average, and in the worst hundredth of the picture.
@@ -67,8 +67,8 @@ fn reference(name: &str) -> (Vec<u8>, usize, usize) {
 }
 
 /// What is rendered besides: the picture's name, the scene, settings, the transport.
-const MORE: [(&str, &str, &[&str], Transport); 1] =
-    [("bust-cdrf", "bust", &["object.0.material.sigma_0=[1.5, 0.8, 0.4]", "light.0.occlusion=8"], Transport::Cdrf)];
+const MORE: [(&str, &str, &[&str], ShadingMethod); 1] =
+    [("bust-cdrf", "bust", &["object.0.material.sigma_0=[1.5, 0.8, 0.4]", "light.0.occlusion=8"], ShadingMethod::Cdrf)];
 
 /// Scenes that take the CPU long. What is kept of them is the CPU's own picture, which devices have to show: made with
 /// `--device cpu --set camera.samples=1`, and anew after any change that moves a bit of it.
@@ -76,12 +76,12 @@ const LARGE: [&str; 4] = ["bump", "bust", "twist", "veins"];
 
 fn render(name: &str, width: usize, height: usize, device: Option<&Device>) -> Vec<u8> {
     let more = MORE.iter().find(|(file, ..)| *file == name);
-    let (scene, transport) = more.map_or((name, Transport::Hierarchy), |more| (more.1, more.3));
+    let (scene, transport) = more.map_or((name, ShadingMethod::Hierarchy), |more| (more.1, more.3));
     let sets: Vec<String> = more.iter().flat_map(|more| more.2).map(|set| set.to_string()).collect();
     let camera = [format!("camera.size=[{width}, {height}]"), "camera.samples=1".into()];
     let scene = Scene::load(scene, &[&camera, &sets[..]].concat()).unwrap();
     let options = Options { transport, ..Options::default() };
-    let mut session = Session::new(&scene, device, options, Room::default()).unwrap();
+    let mut session = Session::new(&scene, device, options, CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session.picture().unwrap().bytes(&scene.camera)
 }

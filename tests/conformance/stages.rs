@@ -7,13 +7,13 @@ use std::sync::{Mutex, OnceLock};
 
 use crate::devices::{on_devices, on_devices_each};
 use milkglass::gpu::{sources, spirv};
-use milkglass::layout::{SLOTS, Slot};
+use milkglass::layout::{BUFFER_IDS, BufferId};
 use milkglass::measure::conform::{Plant, Row, conform, conform_stages};
 use milkglass::measure::fixtures::{Fixture, covered, fixtures};
-use milkglass::render::frame::{STAGES, owner};
-use milkglass::render::plan::{Change, Goal, Mode, Options};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::frame::{STAGES, owner};
+use milkglass::pipeline::plan::{Change, Goal, Mode, Options};
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
 use milkglass::state::dispatches;
 use spirq::spirv::Op;
 
@@ -76,12 +76,12 @@ fn the_overflowing_fixtures_overflow() {
         let fixture = all().iter().find(|fixture| fixture.name == name).unwrap();
         let mut state = fixture.state.clone();
         fixture.steps.iter().for_each(|step| step.reference(&mut state));
-        (state.data.cursor[0], state.data.frame[0])
+        (state.data.counters[0], state.data.object_params[0])
     };
-    let (cursor, frame) = after("links that overflow");
-    assert!(cursor.overflow == 1 && cursor.need_links > frame.link_room, "{cursor:?}");
-    let (cursor, frame) = after("hand-downs that overflow");
-    assert!(cursor.overflow == 1 && cursor.need_hands > frame.hand_room, "{cursor:?}");
+    let (counters, params) = after("links that overflow");
+    assert!(counters.overflow == 1 && counters.required_links > params.link_capacity, "{counters:?}");
+    let (counters, params) = after("hand-downs that overflow");
+    assert!(counters.overflow == 1 && counters.required_hands > params.hand_capacity, "{counters:?}");
 }
 
 /// Proves that every kernel does something, in some fixture, that memory shows.
@@ -149,7 +149,7 @@ fn a_planted_error_is_reported_by_name() {
 
         // And in a buffer that the stage has no business with.
         let fixture = list.iter().find(|fixture| fixture.name == "sphere with holes").unwrap();
-        let plant = Plant { stage: "push", slot: Slot::positions };
+        let plant = Plant { stage: "push", slot: BufferId::positions };
         let rows = conform(device, fixture, &[plant]).unwrap();
         let seen = |row: &Row| {
             row.faults
@@ -169,10 +169,11 @@ fn kernels_write_what_their_stage_declares() {
             let mut written = std::collections::BTreeSet::new();
             for name in kernel_names().filter(|name| stage.owns(name)) {
                 let kernel = (0..6).find_map(|n| kernels.get(name, &vec![0; n]).ok()).expect(name);
-                let slots = kernel.accesses.iter().filter(|a| a.writes).map(|a| SLOTS[a.binding as usize]);
+                let slots = kernel.accesses.iter().filter(|a| a.writes).map(|a| BUFFER_IDS[a.binding as usize]);
                 written.extend(slots);
             }
-            let declared: std::collections::BTreeSet<Slot> = stage.writes.iter().map(|(slot, _, _)| *slot).collect();
+            let declared: std::collections::BTreeSet<BufferId> =
+                stage.writes.iter().map(|(slot, _, _)| *slot).collect();
             assert_eq!(written, declared, "stage {}", stage.name);
         }
     });
@@ -182,7 +183,7 @@ fn scene(sets: &[&str]) -> Scene {
     Scene::load("sphere", &sets.iter().map(|s| s.to_string()).collect::<Vec<_>>()).unwrap()
 }
 
-fn bits(session: &mut Session, slot: Slot) -> Vec<u8> {
+fn bits(session: &mut Session, slot: BufferId) -> Vec<u8> {
     session.fetch(&[slot]).unwrap();
     session.state().data.bytes(slot).to_vec()
 }
@@ -200,24 +201,30 @@ fn overflow_and_chunks_change_no_bit() {
 
 fn overflow_changes_no_bit(scene: &Scene) {
     on_devices(|device| {
-        let tight = Room { chunk_faces: 700, links: 1, batch_blocks: 60, binding: 1 << 18, ..Room::default() };
+        let tight = CapacityHints {
+            chunk_faces: 700,
+            links: 1,
+            batch_blocks: 60,
+            binding: 1 << 18,
+            ..CapacityHints::default()
+        };
         for (mode, like) in
             [(Mode::OnTheFly, Mode::OnTheFly), (Mode::Keep, Mode::OnTheFly), (Mode::Render, Mode::Render)]
         {
             let options = Options { mode: like, ..Options::default() };
-            let mut plain = Session::new(scene, Some(device), options, Room::default()).unwrap();
+            let mut plain = Session::new(scene, Some(device), options, CapacityHints::default()).unwrap();
             plain.frame(Change::EVERYTHING).unwrap();
-            let expected = bits(&mut plain, Slot::radiosity);
+            let expected = bits(&mut plain, BufferId::radiosity);
             let options = Options { mode, ..Options::default() };
             let mut cut = Session::new(scene, Some(device), options, tight).unwrap();
             cut.frame(Change::EVERYTHING).unwrap();
             assert!(cut.retries() > 0, "nothing overflowed");
             let schedule = &cut.state().objects[0].schedule;
             assert!(schedule.chunks.len().max(schedule.batches.len()) > 4);
-            assert_eq!(bits(&mut cut, Slot::radiosity), expected);
+            assert_eq!(bits(&mut cut, BufferId::radiosity), expected);
             // And once more, from whatever the buffers hold now.
             cut.frame(Change::EVERYTHING).unwrap();
-            assert_eq!(bits(&mut cut, Slot::radiosity), expected);
+            assert_eq!(bits(&mut cut, BufferId::radiosity), expected);
         }
     });
 }
@@ -230,19 +237,19 @@ fn render_mode_follows_the_light_bit_for_bit() {
     on_devices(|device| {
         for backend in [Some(device), None] {
             let options = Options { mode: Mode::Render, goal: Goal::Picture, ..Options::default() };
-            let mut kept = Session::new(&first, backend, options, Room::default()).unwrap();
+            let mut kept = Session::new(&first, backend, options, CapacityHints::default()).unwrap();
             kept.frame(Change::EVERYTHING).unwrap();
-            let before = bits(&mut kept, Slot::radiance);
+            let before = bits(&mut kept, BufferId::radiance);
             kept.set_lights(&second.lights).unwrap();
             let steps = kept.frame(Change::LIGHT).unwrap();
             assert!(
                 !steps.iter().any(|step| ["refine", "form_factor", "refit", "reach"].contains(&step.name.as_str()))
             );
-            let after = bits(&mut kept, Slot::radiance);
+            let after = bits(&mut kept, BufferId::radiance);
             assert_ne!(before, after);
-            let mut fresh = Session::new(&second, backend, Options::default(), Room::default()).unwrap();
+            let mut fresh = Session::new(&second, backend, Options::default(), CapacityHints::default()).unwrap();
             fresh.frame(Change::EVERYTHING).unwrap();
-            assert_eq!(bits(&mut fresh, Slot::radiance), after);
+            assert_eq!(bits(&mut fresh, BufferId::radiance), after);
         }
     });
 }

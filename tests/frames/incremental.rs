@@ -3,15 +3,15 @@
 use crate::devices;
 use crate::shell::{bad, folder, good};
 use milkglass::gpu::Device;
-use milkglass::layout::Slot;
+use milkglass::layout::BufferId;
 use milkglass::measure::modes::{What, moved};
-use milkglass::render::plan::{Change, Goal, Mode, Options, Transport};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use milkglass::scene::Scene;
-use milkglass::state::Place;
+use milkglass::session::run::{CapacityHints, Session};
+use milkglass::state::Scope;
 
 const INCREMENTAL: Options =
-    Options { transport: Transport::Hierarchy, mode: Mode::Incremental, goal: Goal::Radiosity, estimate: false };
+    Options { transport: ShadingMethod::Hierarchy, mode: Mode::Incremental, goal: Goal::Radiosity, estimate: false };
 
 fn at(name: &str, sets: &[&str], frame: f64) -> Scene {
     let mut all = vec!["transport.scheme=links".to_string()];
@@ -19,7 +19,7 @@ fn at(name: &str, sets: &[&str], frame: f64) -> Scene {
     Scene::load_at(name, &all, frame).unwrap()
 }
 
-fn open(scene: &Scene, device: Option<&Device>, mode: Mode, room: Room) -> Session {
+fn open(scene: &Scene, device: Option<&Device>, mode: Mode, room: CapacityHints) -> Session {
     let mut session = Session::new(scene, device, Options { mode, ..INCREMENTAL }, room).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
@@ -31,18 +31,18 @@ fn step(session: &mut Session, scene: &Scene) -> Vec<String> {
 }
 
 fn radiosity(session: &mut Session) -> Vec<[f32; 3]> {
-    session.fetch(&[Slot::radiosity]).unwrap();
+    session.fetch(&[BufferId::radiosity]).unwrap();
     session.state().data.radiosity.clone()
 }
 
 /// Every link of every receiver, with the bits of its form factor.
 fn links(session: &mut Session) -> Vec<Vec<(u32, [u32; 3])>> {
-    session.fetch(&[Slot::spans, Slot::links, Slot::factors]).unwrap();
+    session.fetch(&[BufferId::spans, BufferId::links, BufferId::factors]).unwrap();
     let (state, data) = (session.state(), &session.state().data);
     let mut all = vec![Vec::new(); data.spans.len()];
     for (object, part) in state.objects.iter().enumerate() {
         for (chunk, nodes) in part.schedule.chunks.iter().map(|chunk| chunk.nodes.clone()).enumerate() {
-            let base = state.part(Slot::links, Place { object, chunk, group: 0 }).0;
+            let base = state.part(BufferId::links, Scope { object, chunk, group: 0 }).0;
             for &node in &data.order[part.first.nodes..][nodes.start as usize..nodes.end as usize] {
                 let span = data.spans[part.first.nodes + node as usize];
                 let own = base + span.link as usize..base + (span.link + span.links) as usize;
@@ -58,8 +58,8 @@ fn links(session: &mut Session) -> Vec<Vec<(u32, [u32; 3])>> {
 /// Links that touch what the last frame altered, and all links.
 fn touched(session: &mut Session) -> (u64, u64) {
     let all = links(session);
-    session.fetch(&[Slot::altered]).unwrap();
-    let altered = &session.state().data.altered;
+    session.fetch(&[BufferId::change_flags]).unwrap();
+    let altered = &session.state().data.change_flags;
     let touches = |(receiver, own): (usize, &Vec<(u32, [u32; 3])>)| {
         own.iter().filter(|(emitter, _)| (altered[receiver] | altered[*emitter as usize]) & 1 != 0).count() as u64
     };
@@ -67,13 +67,13 @@ fn touched(session: &mut Session) -> (u64, u64) {
 }
 
 /// Runs a hundred frames; one in `stride` is compared with one from scratch, to the last bit.
-fn hundred(name: &str, sets: &[&str], device: Option<&Device>, room: Room, stride: usize) {
+fn hundred(name: &str, sets: &[&str], device: Option<&Device>, room: CapacityHints, stride: usize) {
     let frame = |k: usize| at(name, sets, 10.0 + 0.3 * k as f64);
     let mut session = open(&frame(0), device, Mode::Incremental, room);
     let (mut revised, mut compared) = (0, 0);
     for k in 1..=100 {
         let ran = step(&mut session, &frame(k));
-        revised += usize::from(ran.iter().any(|name| name == "revise"));
+        revised += usize::from(ran.iter().any(|name| name == "update_links"));
         assert_eq!(session.waiting(), 0);
         if k % stride == 1 {
             let mut fresh = open(&frame(k), device, Mode::Keep, room);
@@ -97,18 +97,18 @@ const BUMP: &[&str] = &["object.0.detail=3", "transport.budget=4000000000"];
 #[test]
 fn links_after_a_hundred_frames_are_those_of_a_frame_from_scratch() {
     for (name, sets) in [("twist", TWIST), ("noise", NOISE), ("bump", BUMP)] {
-        hundred(name, sets, None, Room::default(), 33);
+        hundred(name, sets, None, CapacityHints::default(), 33);
     }
 }
 
 #[test]
 fn so_they_are_on_devices() {
-    devices::on_devices(|device| hundred("noise", NOISE, Some(device), Room::default(), 33));
+    devices::on_devices(|device| hundred("noise", NOISE, Some(device), CapacityHints::default(), 33));
 }
 
 #[test]
 fn so_they_are_where_many_chunks_have_rooms_that_grow() {
-    let tight = Room { chunk_faces: 200, links: 40, ..Room::default() };
+    let tight = CapacityHints { chunk_faces: 200, links: 40, ..CapacityHints::default() };
     devices::on_devices(|device| hundred("bump", &["object.0.detail=4"], Some(device), tight, 33));
 }
 
@@ -116,12 +116,15 @@ fn so_they_are_where_many_chunks_have_rooms_that_grow() {
 fn a_local_bump_computes_form_factors_of_what_it_touches() {
     let scene = at("sphere", &["object.0.detail=3"], 0.0);
     let check = |device: Option<&Device>| {
-        let mut session = open(&moved(&scene, What::Bump, 0), device, Mode::Incremental, Room::default());
+        let mut session = open(&moved(&scene, What::Bump, 0), device, Mode::Incremental, CapacityHints::default());
         let (before, retries) = (links(&mut session), session.retries());
         let ran = step(&mut session, &moved(&scene, What::Bump, 1));
-        assert!(ran.iter().any(|name| name == "renew") && !ran.iter().any(|name| name == "form_factor"), "{ran:?}");
+        assert!(
+            ran.iter().any(|name| name == "update_form_factors") && !ran.iter().any(|name| name == "form_factor"),
+            "{ran:?}"
+        );
         let (touched, all) = touched(&mut session);
-        let altered = session.state().data.altered.clone();
+        let altered = session.state().data.change_flags.clone();
         let faces = session.state().data.leaves.iter().filter(|leaf| altered[**leaf as usize] & 1 != 0).count();
         let share = faces as f64 / session.state().data.leaves.len() as f64;
         println!("{:.2} % of the triangles altered: {} of {all} form factors", 100.0 * share, session.renewed());
@@ -140,8 +143,8 @@ fn a_local_bump_computes_form_factors_of_what_it_touches() {
             touches || before[*receiver].iter().any(|(emitter, _)| !has(&after[*receiver], *emitter))
         };
         let receivers = (0..after.len()).filter(busy).count();
-        let cursor = session.state().data.cursor[0];
-        assert_eq!([cursor.edited, cursor.summed].map(|n| n as usize), [receivers; 2]);
+        let counters = session.state().data.counters[0];
+        assert_eq!([counters.edited, counters.summed].map(|n| n as usize), [receivers; 2]);
         assert!(0 < receivers && receivers < after.len() / 2, "{receivers} of {}", after.len());
     };
     check(None);
@@ -157,12 +160,12 @@ fn a_shadow_that_moves_over_what_does_not_is_summed_again() {
         at("slab", &["object.0.detail=12", light, &bump], 0.0)
     };
     let check = |device: Option<&Device>| {
-        let mut session = open(&frame(1.5), device, Mode::Incremental, Room::default());
+        let mut session = open(&frame(1.5), device, Mode::Incremental, CapacityHints::default());
         let ran = step(&mut session, &frame(2.0));
-        assert!(ran.iter().any(|name| name == "recollect") && !ran.iter().any(|name| name == "collect"), "{ran:?}");
-        session.fetch(&[Slot::altered]).unwrap();
-        assert!(session.state().data.altered.contains(&2), "no shadow moved over what did not");
-        let mut fresh = open(&frame(2.0), device, Mode::Keep, Room::default());
+        assert!(ran.iter().any(|name| name == "resum_links") && !ran.iter().any(|name| name == "sum_links"), "{ran:?}");
+        session.fetch(&[BufferId::change_flags]).unwrap();
+        assert!(session.state().data.change_flags.contains(&2), "no shadow moved over what did not");
+        let mut fresh = open(&frame(2.0), device, Mode::Keep, CapacityHints::default());
         assert!(links(&mut session) == links(&mut fresh), "other links or form factors");
         assert!(radiosity(&mut session) == radiosity(&mut fresh), "another radiosity");
     };
@@ -176,12 +179,12 @@ fn a_budget_is_kept_and_what_waits_is_made_up_for() {
         let budget = 2000;
         let sets = ["object.0.detail=16", "transport.budget=2000"];
         let frame = |k: usize| at("bump", &sets, 20.0 + k as f64);
-        let mut session = open(&frame(0), device, Mode::Incremental, Room::default());
+        let mut session = open(&frame(0), device, Mode::Incremental, CapacityHints::default());
         for k in 1..=5 {
             step(&mut session, &frame(k));
             assert!(session.renewed() <= budget, "{} form factors", session.renewed());
         }
-        let mut fresh = open(&frame(5), device, Mode::Keep, Room::default());
+        let mut fresh = open(&frame(5), device, Mode::Keep, CapacityHints::default());
         let wanted = radiosity(&mut fresh);
         let error = |session: &mut Session| {
             let has = radiosity(session);
@@ -212,25 +215,42 @@ fn a_budget_is_kept_and_what_waits_is_made_up_for() {
 fn a_static_frame_dispatches_nothing_and_a_new_light_no_link() {
     devices::on_devices(|device| {
         let scene = at("bump", &["object.0.detail=12"], 20.0);
-        let mut session = open(&scene, Some(device), Mode::Incremental, Room::default());
+        let mut session = open(&scene, Some(device), Mode::Incremental, CapacityHints::default());
         assert!(session.frame(Change::default()).unwrap().is_empty());
         let ran: Vec<_> = session.frame(Change::LIGHT).unwrap().into_iter().map(|part| part.name).collect();
-        for idle in ["deform", "refit", "reach", "alter", "refine", "revise", "renew", "form_factor", "keep"] {
+        for idle in [
+            "deform",
+            "refit",
+            "reach",
+            "mark_moved",
+            "refine",
+            "update_links",
+            "update_form_factors",
+            "form_factor",
+            "snapshot",
+        ] {
             assert!(!ran.iter().any(|name| name == idle), "{idle} ran: {ran:?}");
         }
-        assert!(ran.iter().any(|name| name == "collect"));
+        assert!(ran.iter().any(|name| name == "sum_links"));
     });
 }
 
 #[test]
 fn what_other_scenes_have_is_not_used() {
     let scene = at("bump", &["object.0.detail=12"], 20.0);
-    let session = open(&scene, None, Mode::Render, Room::default());
-    for slot in [Slot::kept_clusters, Slot::kept_positions, Slot::stale, Slot::made, Slot::edits, Slot::altered] {
+    let session = open(&scene, None, Mode::Render, CapacityHints::default());
+    for slot in [
+        BufferId::kept_clusters,
+        BufferId::kept_positions,
+        BufferId::stale,
+        BufferId::added_links,
+        BufferId::edits,
+        BufferId::change_flags,
+    ] {
         assert!(session.state().data.bytes(slot).is_empty(), "{slot:?}");
     }
     let why = |name: &str| session.plan().left_out.iter().find(|(left, _)| *left == name).map(|(_, why)| why.clone());
-    for name in ["alter", "revise", "renew", "keep"] {
+    for name in ["mark_moved", "update_links", "update_form_factors", "snapshot"] {
         assert!(why(name).unwrap().contains("--mode incremental"), "{name}");
     }
 }
@@ -239,16 +259,18 @@ fn what_other_scenes_have_is_not_used() {
 fn the_fixtures_revise_and_the_tight_ones_overflow() {
     let fixtures = milkglass::measure::fixtures::fixtures("kept links").unwrap();
     let mut tight = 0;
-    for fixture in fixtures.into_iter().filter(|fixture| fixture.steps.iter().any(|step| step.stage.name == "revise")) {
+    for fixture in
+        fixtures.into_iter().filter(|fixture| fixture.steps.iter().any(|step| step.stage.name == "update_links"))
+    {
         let mut state = fixture.state.clone();
         fixture.steps.iter().for_each(|step| step.reference(&mut state));
-        let (cursor, name) = (state.data.cursor[0], &fixture.name);
+        let (counters, name) = (state.data.counters[0], &fixture.name);
         if name.contains("too") {
-            assert!(cursor.overflow == 1 && cursor.computed == 0, "{name}: {cursor:?}");
+            assert!(counters.overflow == 1 && counters.computed == 0, "{name}: {counters:?}");
             tight += 1;
         } else {
-            assert!(cursor.overflow == 0 && cursor.computed > 0, "{name}: {cursor:?}");
-            assert_eq!(cursor.waiting > 0, name.contains("budget"), "{name}: {cursor:?}");
+            assert!(counters.overflow == 0 && counters.computed > 0, "{name}: {counters:?}");
+            assert_eq!(counters.stale > 0, name.contains("budget"), "{name}: {counters:?}");
         }
     }
     assert_eq!(tight, 2);

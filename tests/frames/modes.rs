@@ -3,15 +3,15 @@
 use crate::devices;
 use crate::shell::{bytes, folder, good};
 use milkglass::gpu::Device;
-use milkglass::layout::Slot;
+use milkglass::layout::BufferId;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
-use milkglass::render::plan::{Change, Goal, Mode, Options};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Goal, Mode, Options};
 use milkglass::scene::{Light, Scene};
+use milkglass::session::run::{CapacityHints, Session};
 
 const RENDER: Options = Options {
-    transport: milkglass::render::plan::Transport::Hierarchy,
+    transport: milkglass::pipeline::plan::ShadingMethod::Hierarchy,
     mode: Mode::Render,
     goal: Goal::Radiosity,
     estimate: false,
@@ -32,7 +32,7 @@ fn turned(scene: &Scene, turn: f64) -> Vec<Light> {
 }
 
 fn radiosity(session: &mut Session) -> Vec<[f32; 3]> {
-    session.fetch(&[Slot::radiosity]).unwrap();
+    session.fetch(&[BufferId::radiosity]).unwrap();
     session.state().data.radiosity.clone()
 }
 
@@ -43,7 +43,7 @@ fn names(session: &mut Session, change: Change) -> Vec<String> {
 /// Round a lotus goes a light: whether lists were made anew, stages of the frame, and errors.
 fn round(device: Option<&Device>) {
     let scene = scene("lotus", &["object.0.detail=32", "transport.tolerance=1e-2"]);
-    let mut session = Session::new(&scene, device, RENDER, Room::default()).unwrap();
+    let mut session = Session::new(&scene, device, RENDER, CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     let (mut kept, mut fresh_bits) = (0, 0);
     for step in 0..8 {
@@ -53,7 +53,7 @@ fn round(device: Option<&Device>) {
         let ran = names(&mut session, Change::default());
         if session.relinks() == before && step > 0 {
             kept += 1;
-            for idle in ["deform", "refit", "radii", "link"] {
+            for idle in ["deform", "refit", "acceptance_radii", "link"] {
                 assert!(!ran.iter().any(|name| name == idle), "{idle} ran though the lists serve: {ran:?}");
             }
         }
@@ -63,7 +63,7 @@ fn round(device: Option<&Device>) {
             // Nothing is left of the frames before.
             let mut alone = scene.clone();
             alone.lights = lights;
-            let mut alone = Session::new(&alone, device, RENDER, Room::default()).unwrap();
+            let mut alone = Session::new(&alone, device, RENDER, CapacityHints::default()).unwrap();
             alone.frame(Change::EVERYTHING).unwrap();
             assert!(radiosity(&mut alone) == radiosity(&mut session), "turn {step}");
             fresh_bits += 1;
@@ -91,13 +91,13 @@ fn a_light_of_another_contrast_has_lists_made_anew() {
         scene
     };
     let (wide, narrow) = (spot(60), spot(6));
-    let mut session = Session::new(&wide, None, RENDER, Room::default()).unwrap();
+    let mut session = Session::new(&wide, None, RENDER, CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
-    let before = session.state().data.cursor[0];
+    let before = session.state().data.counters[0];
     assert!(before.serves() && session.relinks() == 0);
     session.set_lights(&narrow.lights).unwrap();
     session.frame(Change::default()).unwrap();
-    let after = session.state().data.cursor[0];
+    let after = session.state().data.counters[0];
     assert!(
         after.serves() && session.relinks() == 1,
         "{} {:?} {:?}",
@@ -134,16 +134,18 @@ fn frames_of_a_sequence_are_those_of_a_new_session() {
     let options = Options { mode: Mode::Render, goal: Goal::Picture, ..RENDER };
     devices::on_devices(|device| {
         for receivers in ["pixels", "faces"] {
-            let mut session = Session::new(&at(0.0, receivers), Some(device), options, Room::default()).unwrap();
+            let mut session =
+                Session::new(&at(0.0, receivers), Some(device), options, CapacityHints::default()).unwrap();
             session.frame(Change::EVERYTHING).unwrap();
             let mut contrasts = Vec::new();
             for turn in [0.1, 0.35, 0.5, 0.75] {
                 session.show(&at(turn, receivers)).unwrap();
                 session.frame(Change::default()).unwrap();
-                let mut fresh = Session::new(&at(turn, receivers), Some(device), options, Room::default()).unwrap();
+                let mut fresh =
+                    Session::new(&at(turn, receivers), Some(device), options, CapacityHints::default()).unwrap();
                 fresh.frame(Change::EVERYTHING).unwrap();
                 assert!(session.picture().unwrap().pixels == fresh.picture().unwrap().pixels, "{receivers} at {turn}");
-                contrasts.push(session.state().data.cursor[0].contrast);
+                contrasts.push(session.state().data.counters[0].contrast);
             }
             contrasts.dedup();
             assert!(contrasts.len() > 1, "nothing to follow: {contrasts:?}");
@@ -157,7 +159,8 @@ fn a_frame_without_a_change_dispatches_nothing() {
         for (scheme, mode) in [("blocks", Mode::Render), ("blocks", Mode::OnTheFly), ("links", Mode::Render)] {
             let sets = ["object.0.detail=2", "camera.size=[32, 32]", &format!("transport.scheme={scheme}")];
             let options = Options { mode, goal: Goal::Picture, ..RENDER };
-            let mut session = Session::new(&scene("sphere", &sets), Some(device), options, Room::default()).unwrap();
+            let mut session =
+                Session::new(&scene("sphere", &sets), Some(device), options, CapacityHints::default()).unwrap();
             assert!(!names(&mut session, Change::EVERYTHING).is_empty());
             assert_eq!(names(&mut session, Change::default()), [""; 0], "{scheme} {mode:?}");
             // Another view of it carries no light.
@@ -171,8 +174,8 @@ fn a_frame_without_a_change_dispatches_nothing() {
 fn the_plan_says_what_lists_serve() {
     let scene = scene("sphere", &["object.0.detail=2"]);
     let why = |options: Options| {
-        let session = Session::new(&scene, None, options, Room::default()).unwrap();
-        session.plan().left_out.iter().find(|(name, _)| *name == "contrast").map(|(_, why)| why.clone())
+        let session = Session::new(&scene, None, options, CapacityHints::default()).unwrap();
+        session.plan().left_out.iter().find(|(name, _)| *name == "irradiance_ratio").map(|(_, why)| why.clone())
     };
     assert_eq!(why(RENDER), None);
     assert!(why(Options { mode: Mode::OnTheFly, ..RENDER }).unwrap().contains("light of their frame"));

@@ -1,13 +1,13 @@
 //! Shapes that move: deformations, keyframes, sequences.
 
 use crate::shell::{bad, bytes, folder, good, names, numbers, read};
-use milkglass::layout::Slot;
+use milkglass::layout::BufferId;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
-use milkglass::render::plan::{Change, Options};
-use milkglass::render::run::{Room, Session};
-use milkglass::render::shape::turned;
+use milkglass::pipeline::plan::{Change, Options};
+use milkglass::prepare::shape::turned;
 use milkglass::scene::{Deform, Scene};
+use milkglass::session::run::{CapacityHints, Session};
 
 const SCENE: &str = "[camera]\nposition = [0, 9, 30]\nsize = [40, 30]\nfov = 40\n\n\
     [[light]]\ntype = 'point'\nposition = [0, 20, { keyframes = [[0, 9], [3, -9]] }]\n\
@@ -22,7 +22,7 @@ fn at(frame: f64) -> Scene {
 }
 
 fn open(scene: &Scene) -> Session {
-    let mut session = Session::new(scene, None, Options::default(), Room::default()).unwrap();
+    let mut session = Session::new(scene, None, Options::default(), CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -40,7 +40,9 @@ fn a_session_that_moves_on_is_a_new_one() {
         moving.show(&scene).unwrap();
         moving.frame(Change::default()).unwrap();
         let fresh = open(&scene);
-        for slot in [Slot::positions, Slot::bounds, Slot::irradiance, Slot::radiosity, Slot::radiance] {
+        for slot in
+            [BufferId::positions, BufferId::bounds, BufferId::irradiance, BufferId::radiosity, BufferId::radiance]
+        {
             let [a, b] = [&moving, &fresh].map(|session| session.state().data.bytes(slot).to_vec());
             assert!(a == b, "{slot:?}");
         }

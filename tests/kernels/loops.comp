@@ -38,7 +38,7 @@ uint unconditional() {
     return sum;
 }
 
-// 1: the inner loop changes what outlives it under a condition only, as in glsl/baseline/brute/near.comp.
+// 1: the inner loop changes what outlives it under a condition only, as in glsl/transport/brute/near.comp.
 uint sentinel() {
     uint i = 0, sum = 0;
     while (i < rows) {

@@ -1,9 +1,9 @@
 //! Plans with and without layers, and what is done again when something changes.
 
-use milkglass::layout::Slot;
-use milkglass::render::plan::{Change, Options, Transport};
-use milkglass::render::run::{Room, Session};
+use milkglass::layout::BufferId;
+use milkglass::pipeline::plan::{Change, Options, ShadingMethod};
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
 
 use super::{scene, session};
 
@@ -11,7 +11,14 @@ const LAYERS: &str = "object.0.material.layers={ samples = 5, layer = [\
     { sigma_s = [2, 1, 1], sigma_t = [2.6, 1.6, 1.6], g = 0.25, thickness = 0.5 }, \
     { sigma_s = 1, sigma_t = 1.5, g = 0.5, thickness = 2 }] }";
 const SMALL: [&str; 2] = ["object.0.detail=3", "camera.size=[40, 40]"];
-const OWN: [Slot; 6] = [Slot::layerings, Slot::beneath, Slot::depths, Slot::beams, Slot::crowds, Slot::planes];
+const OWN: [BufferId; 6] = [
+    BufferId::layerings,
+    BufferId::layer_media,
+    BufferId::depths,
+    BufferId::layer_lights,
+    BufferId::vertex_moments,
+    BufferId::planes,
+];
 
 fn picture(session: &mut Session) -> Vec<[f32; 3]> {
     session.picture().unwrap().pixels
@@ -29,7 +36,7 @@ fn a_scene_without_layers_has_no_trace_of_them() {
     let layered = session(&scene("sphere", &[&SMALL[..], &[LAYERS]].concat()), Options::default());
     assert!(OWN.iter().all(|&slot| !layered.state().data.bytes(slot).is_empty()));
     // Nor has one whose radiosity alone is wanted.
-    let options = Options { goal: milkglass::render::plan::Goal::Radiosity, ..Options::default() };
+    let options = Options { goal: milkglass::pipeline::plan::Goal::Radiosity, ..Options::default() };
     let solved = session(&scene("sphere", &[&SMALL[..], &[LAYERS]].concat()), options);
     assert!(OWN.iter().all(|&slot| solved.state().data.bytes(slot).is_empty()));
 }
@@ -38,9 +45,9 @@ fn a_scene_without_layers_has_no_trace_of_them() {
 fn light_beneath_the_surface_is_added_to_what_any_transport_gives() {
     let layered = scene("sphere", &[&SMALL[..], &[LAYERS]].concat());
     let with = |transport| Options { transport, ..Options::default() };
-    let alone = picture(&mut session(&layered, with(Transport::None)));
+    let alone = picture(&mut session(&layered, with(ShadingMethod::None)));
     assert!(alone.iter().flatten().any(|&x| x > 0.01));
-    for transport in [Transport::Hierarchy, Transport::Octree, Transport::Brute] {
+    for transport in [ShadingMethod::Hierarchy, ShadingMethod::Octree, ShadingMethod::Brute] {
         let both = picture(&mut session(&layered, with(transport)));
         let without = picture(&mut session(&scene("sphere", &SMALL), with(transport)));
         for ((both, without), alone) in both.iter().zip(&without).zip(&alone) {
@@ -50,7 +57,7 @@ fn light_beneath_the_surface_is_added_to_what_any_transport_gives() {
             assert!(!shown || fits, "{transport:?}: {both:?} {without:?} {alone:?}");
         }
     }
-    let none = session(&scene("sphere", &SMALL), with(Transport::None));
+    let none = session(&scene("sphere", &SMALL), with(ShadingMethod::None));
     let why = none.plan().left_out.iter().find(|(name, _)| *name == "gather");
     assert_eq!(why, Some(&("gather", "no light is to be carried".to_string())));
 }
@@ -116,7 +123,7 @@ fn light_from_behind_does_not_come_in() {
                 format!("light.0={{ type = 'directional', direction = {direction}, irradiance = 3, shadows = false }}");
             let sets = [&SMALL[..], &[&layers, &light, "camera.background=0"]].concat();
             let mut session =
-                session(&scene("sphere", &sets), Options { transport: Transport::None, ..Options::default() });
+                session(&scene("sphere", &sets), Options { transport: ShadingMethod::None, ..Options::default() });
             picture(&mut session).iter().map(|pixel| f64::from(pixel[0])).sum::<f64>()
         };
         let camera = scene("sphere", &SMALL).camera;
@@ -158,7 +165,7 @@ fn an_environment_shines_as_so_many_suns() {
     // Even light from all around: E on a plane is pi times the radiance, and all suns together give 4 pi.
     let sky = "light.0={ type = 'environment', radiance = [0.5, 1.0, 2.0] }";
     let session = session(&scene("sphere", &[&SMALL[..], &[LAYERS, sky]].concat()), Options::default());
-    let (beams, unit) = (&session.state().data.beams, session.units().light);
+    let (beams, unit) = (&session.state().data.layer_lights, session.units().light);
     assert_eq!(beams.len(), 32);
     let sum: f64 = beams.iter().map(|beam| f64::from(beam.color[2]) * unit).sum();
     assert!((sum / (8.0 * std::f64::consts::PI) - 1.0).abs() < 1e-4, "{sum}");
@@ -176,7 +183,7 @@ fn an_environment_shines_from_where_it_is_bright() {
         exr::prelude::write_rgb_file(&path, 8, 4, pixel).unwrap();
         let sky = format!("light.0={{ type = 'environment', image = '{}' }}", path.display());
         let lit = session(&scene("sphere", &[&SMALL[..], &[LAYERS, &sky]].concat()), Options::default());
-        let beams = &lit.state().data.beams;
+        let beams = &lit.state().data.layer_lights;
         assert!(!beams.is_empty() && beams.len() < 32, "{}: black suns do not march", beams.len());
         let along = |k: usize| beams.iter().map(|beam| f64::from(beam.place[k] * beam.color[0])).sum::<f64>();
         let (x, z) = (along(0), along(2));
@@ -190,7 +197,7 @@ fn a_black_light_does_not_march() {
     let black = "light.1={ type = 'point', position = [0, 30, 0], intensity = 0 }";
     let of = |more: &[&str]| session(&scene("sphere", &[&SMALL[..], &[LAYERS], more].concat()), Options::default());
     let (mut one, mut two) = (of(&[]), of(&[black]));
-    assert_eq!((one.state().data.beams.len(), two.state().data.beams.len()), (1, 1));
+    assert_eq!((one.state().data.layer_lights.len(), two.state().data.layer_lights.len()), (1, 1));
     assert!(picture(&mut one) == picture(&mut two));
 }
 
@@ -218,12 +225,12 @@ fn fish_and_gecko_are_closed_and_as_fine_as_the_papers() {
 fn no_pixel_is_lit_twice_where_dispatches_meet() {
     let sets = ["camera.size=[130, 138]", "camera.target=[0, 20, 0]", "object.0.material.layers.samples=990"];
     let scene = scene("slab-layers", &sets);
-    let options = || Options { transport: Transport::None, ..Options::default() };
+    let options = || Options { transport: ShadingMethod::None, ..Options::default() };
     let expected = picture(&mut session(&scene, options()));
     let (sky, row) = (scene.camera.background.map(|x| x as f32), 130 * 130..131 * 130);
     assert!(expected[row].iter().filter(|&&seen| seen != sky).count() > 60, "a poor test");
     crate::devices::on_devices(|device| {
-        let mut session = Session::new(&scene, Some(device), options(), Room::default()).unwrap();
+        let mut session = Session::new(&scene, Some(device), options(), CapacityHints::default()).unwrap();
         session.frame(Change::EVERYTHING).unwrap();
         for (at, (found, expected)) in picture(&mut session).iter().zip(&expected).enumerate() {
             let near = (0..3).all(|c| (found[c] - expected[c]).abs() <= 2e-3 * expected[c] + 1e-4);

@@ -1,6 +1,6 @@
 //! Bad layers, and those with a fallback.
 
-use milkglass::render::plan::Options;
+use milkglass::pipeline::plan::Options;
 
 use super::shell::{bad, folder, good};
 use super::{scene, session};

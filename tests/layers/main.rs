@@ -13,9 +13,9 @@ mod measured;
 mod seams;
 mod slab;
 
-use milkglass::render::plan::{Change, Options};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Options};
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
 
 /// A built-in scene with these settings.
 fn scene(name: &str, sets: &[&str]) -> Scene {
@@ -24,7 +24,7 @@ fn scene(name: &str, sets: &[&str]) -> Scene {
 
 /// A session on the CPU after its first frame.
 fn session(scene: &Scene, options: Options) -> Session {
-    let mut session = Session::new(scene, None, options, Room::default()).unwrap();
+    let mut session = Session::new(scene, None, options, CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }

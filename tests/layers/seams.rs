@@ -4,10 +4,10 @@ use glam::DVec3;
 use milkglass::layers::islands::{Whole, atlas};
 use milkglass::layers::relief;
 use milkglass::layout::Hit;
-use milkglass::render::plan::{Options, Transport};
-use milkglass::render::run::Session;
+use milkglass::pipeline::plan::{Options, ShadingMethod};
 use milkglass::scene::{DepthMap, Mesh, Scene, Wrap};
-use milkglass::state::Place;
+use milkglass::session::run::Session;
+use milkglass::state::Scope;
 
 use super::{scene, session};
 
@@ -66,7 +66,7 @@ fn square(whole: bool, of: impl Fn(f64, f64) -> f64) -> Scene {
 }
 
 fn taken(scene: &Scene) -> Session {
-    session(scene, Options { transport: Transport::None, ..Options::default() })
+    session(scene, Options { transport: ShadingMethod::None, ..Options::default() })
 }
 
 /// Radiance of the pixels that show places within 2.5 mm of the square's middle, so that no ray comes near its edges; with
@@ -83,7 +83,7 @@ fn seen(scene: &Scene, ignored: bool) -> Vec<f64> {
         state.data.depths = map.texels.iter().map(|texel| texel.map(inside)).collect();
     }
     state.data.radiance.iter_mut().for_each(|pixel| *pixel = [0.0; 3]);
-    (relief::STAGE.cpu)(&mut state, Place::default());
+    (relief::STAGE.cpu)(&mut state, Scope::default());
     let middle = |hit: &Hit| {
         let corners = state.data.triangles.get(hit.face as usize)?.map(|v| state.data.positions[v as usize]);
         let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];

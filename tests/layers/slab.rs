@@ -3,8 +3,8 @@
 use glam::DVec3;
 use milkglass::layers::beneath::phase;
 use milkglass::layers::slab::{Lamp, SlabLayer, radiance};
-use milkglass::render::plan::Options;
-use milkglass::render::run::Session;
+use milkglass::pipeline::plan::Options;
+use milkglass::session::run::Session;
 
 use super::{scene, session};
 

@@ -5,9 +5,9 @@ mod kinds;
 mod shadow;
 
 use glam::DVec3;
-use milkglass::render::plan::{Goal, Options};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Goal, Options};
 use milkglass::scene::{Light, Mesh, Scene};
+use milkglass::session::run::{CapacityHints, Session};
 
 /// A built-in scene with these settings.
 pub fn scene(name: &str, sets: &[&str]) -> Scene {
@@ -20,7 +20,7 @@ pub const CLEAR: &str = "object.0.material.eta=1";
 /// What enters each face of the mesh, in its order and in the scene's units, by the reference.
 pub fn irradiance(scene: &Scene) -> Vec<DVec3> {
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
-    let mut session = Session::new(scene, None, options, Room::default()).unwrap();
+    let mut session = Session::new(scene, None, options, CapacityHints::default()).unwrap();
     session.prepare_light();
     let (irradiance, light) = (&session.state().data.irradiance, session.units().light);
     let value = |face: usize| DVec3::from_array(irradiance[face].map(f64::from)) * light;

@@ -2,17 +2,17 @@
 
 use crate::devices::on_devices;
 use crate::shell::{bad, folder, good};
-use milkglass::layout::{SLOTS, Slot};
-use milkglass::local::reflectance::zonal;
-use milkglass::render::plan::{Change, Options, Transport};
-use milkglass::render::run::{Room, Session};
+use milkglass::layout::{BUFFER_IDS, BufferId};
+use milkglass::pipeline::plan::{Change, Options, ShadingMethod};
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
+use milkglass::shading::reflectance::zonal;
 
-const CDRF: Options = options(Transport::Cdrf);
-const LAMBERT: Options = options(Transport::Lambert);
+const CDRF: Options = options(ShadingMethod::Cdrf);
+const LAMBERT: Options = options(ShadingMethod::Lambert);
 
-const fn options(transport: Transport) -> Options {
-    use milkglass::render::plan::{Goal, Mode};
+const fn options(transport: ShadingMethod) -> Options {
+    use milkglass::pipeline::plan::{Goal, Mode};
     Options { transport, mode: Mode::OnTheFly, goal: Goal::Picture, estimate: false }
 }
 
@@ -22,7 +22,7 @@ fn scene(name: &str, sets: &[&str], frame: f64) -> Scene {
 }
 
 fn run(scene: &Scene, options: Options) -> Session {
-    let mut session = Session::new(scene, None, options, Room::default()).unwrap();
+    let mut session = Session::new(scene, None, options, CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -35,14 +35,14 @@ fn names(session: &Session) -> Vec<&'static str> {
 fn nothing_of_transport_has_a_stage_or_a_buffer() {
     let ball = scene("sphere", &["object.0.detail=2"], 0.0);
     let session = run(&ball, CDRF);
-    assert_eq!(names(&session), ["refit", "curvature", "pack", "visibility", "cdrf"]);
-    let used: Vec<&str> = SLOTS
+    assert_eq!(names(&session), ["refit", "curvature", "pack_normals", "visibility", "cdrf"]);
+    let used: Vec<&str> = BUFFER_IDS
         .iter()
         .filter(|slot| !session.state().data.bytes(**slot).is_empty())
         .map(|slot| slot.spec().name)
         .collect();
     let expected = [
-        "frame",
+        "object_params",
         "lights",
         "camera",
         "positions",
@@ -56,8 +56,8 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
         "clusters",
         "normals",
         "curvature",
-        "bends",
-        "cursor",
+        "packed_normals",
+        "counters",
         "hits",
         "radiance",
     ];
@@ -68,10 +68,13 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
         assert!(session.plan().left_out.iter().any(|(name, why)| *name == stage && why.contains(word)), "{stage}");
     }
 
-    assert_eq!(names(&run(&ball, LAMBERT)), ["refit", "pack", "visibility", "lambert"]);
+    assert_eq!(names(&run(&ball, LAMBERT)), ["refit", "pack_normals", "visibility", "lambert"]);
     let table = scene("sphere", &["object.0.detail=2", "transport.cdrf=table", "transport.cdrf_table=9"], 0.0);
     let session = run(&table, CDRF);
-    assert_eq!(names(&session), ["refit", "curvature", "pack", "visibility", "cdrf_table", "cdrf_cells", "cdrf"]);
+    assert_eq!(
+        names(&session),
+        ["refit", "curvature", "pack_normals", "visibility", "cdrf_table", "cdrf_cells", "cdrf"]
+    );
     assert_eq!(session.state().data.cdrf_cells.len(), 64);
     let dark = scene("sphere", &["object.0.detail=2", "light.0.irradiance=0"], 0.0);
     let mut session = run(&dark, CDRF);
@@ -80,8 +83,17 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
 
     // And where light is carried, none of these.
     let session = run(&ball, Options::default());
-    for stage in ["curvature", "pack", "cdrf_table", "cdrf_cells", "cdrf", "lambert", "unwrap", "blur", "texture_blur"]
-    {
+    for stage in [
+        "curvature",
+        "pack_normals",
+        "cdrf_table",
+        "cdrf_cells",
+        "cdrf",
+        "lambert",
+        "bake_irradiance",
+        "blur",
+        "texture_blur",
+    ] {
         assert!(
             session.plan().left_out.iter().any(|(name, why)| *name == stage && why.contains("light is carried")),
             "{stage}"
@@ -95,18 +107,18 @@ fn curvature_follows_the_shape_and_nothing_else() {
     let deformed = |frame: f64| scene("twist", &["object.0.detail=8", "object.0.material.sigma_0=3"], frame);
     on_devices(|device| {
         for backend in [None, Some(device)] {
-            let mut moving = Session::new(&deformed(0.0), backend, CDRF, Room::default()).unwrap();
+            let mut moving = Session::new(&deformed(0.0), backend, CDRF, CapacityHints::default()).unwrap();
             moving.frame(Change::EVERYTHING).unwrap();
             let ran = |times: &[milkglass::gpu::Timing]| {
-                times.iter().any(|time| time.name == "curvature" || time.name == "pack")
+                times.iter().any(|time| time.name == "curvature" || time.name == "pack_normals")
             };
             assert!(!ran(&moving.frame(Change::LIGHT).unwrap()) && !ran(&moving.frame(Change::VIEW).unwrap()));
             for frame in [4.0, 30.0, 2.0] {
                 moving.show(&deformed(frame)).unwrap();
                 assert!(ran(&moving.frame(Change::default()).unwrap()));
-                let mut fresh = Session::new(&deformed(frame), backend, CDRF, Room::default()).unwrap();
+                let mut fresh = Session::new(&deformed(frame), backend, CDRF, CapacityHints::default()).unwrap();
                 fresh.frame(Change::EVERYTHING).unwrap();
-                for slot in [Slot::curvature, Slot::bends, Slot::radiance] {
+                for slot in [BufferId::curvature, BufferId::packed_normals, BufferId::radiance] {
                     let [a, b] = [&mut moving, &mut fresh].map(|session| {
                         session.fetch(&[slot]).unwrap();
                         session.state().data.bytes(slot).to_vec()
@@ -148,13 +160,14 @@ fn opaque_objects_are_shaded_as_ever() {
         "camera.background=0",
     ];
     let bust = scene("bust", &sets, 0.0);
-    let picture = |transport: Transport| run(&bust, options(transport)).picture().unwrap().pixels;
-    let [carried, local, lambert] = [Transport::Hierarchy, Transport::Cdrf, Transport::Lambert].map(picture);
+    let picture = |transport: ShadingMethod| run(&bust, options(transport)).picture().unwrap().pixels;
+    let [carried, local, lambert] =
+        [ShadingMethod::Hierarchy, ShadingMethod::Cdrf, ShadingMethod::Lambert].map(picture);
     assert!(carried == local && carried == lambert);
     let session = run(&bust, CDRF);
     assert!(
-        names(&session).contains(&"reached")
-            && !names(&session).iter().any(|name| ["cdrf", "curvature", "pack"].contains(name))
+        names(&session).contains(&"pixel_shadow")
+            && !names(&session).iter().any(|name| ["cdrf", "curvature", "pack_normals"].contains(name))
     );
 }
 
@@ -205,7 +218,7 @@ fn an_environment_counts_by_its_own_factors() {
         ["object.0.detail=5", "object.0.size=20", "object.0.material.eta=1", "object.0.material.sigma_0=[9, 2, 0]"];
     let mut session = run(&scene("sphere", &[&ball[..], &[sky, "camera.background=0"]].concat(), 0.0), CDRF);
     let picture = session.picture().unwrap();
-    let frame = session.state().data.frame[0];
+    let frame = session.state().data.object_params[0];
     let seen: Vec<_> = picture.pixels.iter().filter(|pixel| **pixel != [0.0; 3]).collect();
     assert!(seen.len() > 100);
     for (c, sigma) in [(0, 0.9), (1, 0.2), (2, 0.0)] {
@@ -220,10 +233,10 @@ fn an_environment_counts_by_its_own_factors() {
 fn between_its_points_the_table_is_near_and_the_closed_form_everywhere() {
     use milkglass::layout::CDRF_WIDEST;
     use milkglass::layout::Query;
-    use milkglass::local::cdrf_cells::lookup;
-    use milkglass::local::reflectance::cdrf;
-    use milkglass::render::frame::stage;
-    use milkglass::state::{DeviceState, Place, State, Step};
+    use milkglass::pipeline::frame::stage;
+    use milkglass::shading::cdrf_cells::lookup;
+    use milkglass::shading::reflectance::cdrf;
+    use milkglass::state::{DeviceState, Scope, State, Step};
     let table = scene("sphere", &["object.0.detail=1", "transport.cdrf=table"], 0.0);
     let cells = run(&table, CDRF).state().data.cdrf_cells.clone();
     // Additive recurrences: no place is on the grid. Then the terminator as sigma tends to 0, where the table is worst.
@@ -239,10 +252,10 @@ fn between_its_points_the_table_is_near_and_the_closed_form_everywhere() {
         let query = |&(c, s): &(f64, f64)| Query { a: [c as f32, s as f32, 0.0], ..Query::default() };
         state.data.queries = places.iter().map(query).collect();
         state.data.answers = vec![[0.0; 3]; places.len()];
-        let mut twin = DeviceState::new(device, false).unwrap();
-        twin.upload(&state, SLOTS).unwrap();
-        twin.run(&state, &[Step { stage: stage("cdrf_values").unwrap(), at: Place::SCENE }]).unwrap();
-        twin.download(&mut state, &[Slot::answers]).unwrap();
+        let mut device_state = DeviceState::new(device, false).unwrap();
+        device_state.upload(&state, BUFFER_IDS).unwrap();
+        device_state.run(&state, &[Step { stage: stage("cdrf_values").unwrap(), at: Scope::SCENE }]).unwrap();
+        device_state.download(&mut state, &[BufferId::answers]).unwrap();
         let apart = |(query, answer): (&Query, &[f32; 3])| {
             (f64::from(answer[0]) - cdrf(query.a[0].into(), query.a[1].into())).abs()
         };

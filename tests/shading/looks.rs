@@ -3,17 +3,18 @@
 use std::f64::consts::PI;
 
 use crate::shell::{bad, bytes, folder, good, read};
-use milkglass::light::fresnel::transmittance;
-use milkglass::render::plan::{Change, Options};
-use milkglass::render::run::{Room, Session};
-use milkglass::render::samples::picture;
+use milkglass::lighting::fresnel::transmittance;
+use milkglass::pipeline::plan::{Change, Options};
 use milkglass::scene::Scene;
+use milkglass::session::antialiasing::picture;
+use milkglass::session::run::{CapacityHints, Session};
 
 /// A small ball with these settings, drawn by the reference.
 fn session(sets: &[&str]) -> Session {
     let small = ["object.0.detail=2", "camera.size=[48, 40]"];
     let sets: Vec<_> = small.iter().chain(sets).map(ToString::to_string).collect();
-    let mut session = Session::new(&Scene::load("sphere", &sets).unwrap(), None, Options::default(), Room::default());
+    let mut session =
+        Session::new(&Scene::load("sphere", &sets).unwrap(), None, Options::default(), CapacityHints::default());
     session.as_mut().unwrap().frame(Change::EVERYTHING).unwrap();
     session.unwrap()
 }
@@ -22,7 +23,7 @@ fn session(sets: &[&str]) -> Session {
 fn all_light_leaves_where_the_exit_is_normalised() {
     const ETA: &str = "object.0.material.eta=[0.8, 1.3, 2.0]";
     let (mut paper, mut whole) = (session(&[ETA]), session(&[ETA, "object.0.material.normalize_exit=true"]));
-    let exit = whole.state().data.frame[0].exit.map(f64::from);
+    let exit = whole.state().data.object_params[0].exit.map(f64::from);
     for (eta, exit) in [0.8, 1.3, 2.0].into_iter().zip(exit) {
         // L cos over the hemisphere, for B = 1.
         let steps = 20_000;
@@ -62,8 +63,8 @@ fn a_mirror_in_a_white_sky_reflects_its_fresnel_share() {
             // Towards silhouettes the lobe's width counts.
             if cosine > 0.3 {
                 // Phong's lobe keeps the cosine that a mirror loses.
-                let mirror = 1.0 - transmittance(data.frame[0].eta[0].into(), cosine);
-                let expected = if data.frame[0].reflection == 1 { mirror * cosine } else { mirror };
+                let mirror = 1.0 - transmittance(data.object_params[0].eta[0].into(), cosine);
+                let expected = if data.object_params[0].reflection == 1 { mirror * cosine } else { mirror };
                 let found = f64::from(pixels[pixel][0] - bare[pixel][0]);
                 assert!((found - expected).abs() < slack * expected, "{cosine}: {found} {expected}");
                 seen += 1;
@@ -150,7 +151,12 @@ fn a_plan_has_no_look_that_is_not_asked_for() {
         let plan: serde_json::Value = serde_json::from_str(&read(&here, "a.json")).unwrap();
         let has = |list: &str, key: &str, name: &str| plan[list].as_array().unwrap().iter().any(|row| row[key] == name);
         let stage = |name: &str| has("stages", "stage", name);
-        [stage("reflect"), stage("backdrop"), has("buffers", "buffer", "lobe"), has("buffers", "buffer", "sky")]
+        [
+            stage("reflect"),
+            stage("backdrop"),
+            has("buffers", "buffer", "reflection_directions"),
+            has("buffers", "buffer", "sky"),
+        ]
     };
     let sky = "--set light.1={type='environment',radiance=1}";
     let (ggx, seen) = ("--set object.0.material.reflection=ggx", "--set camera.background=environment");

@@ -8,7 +8,7 @@ mod shell;
 mod local;
 mod looks;
 mod objects;
+mod opaque;
 mod pixels;
-mod plain;
 mod texture_blur;
 mod textures;

@@ -1,10 +1,10 @@
 //! Several objects in one scene: no light is carried from one to another, but each may hide light from the others.
 
-use milkglass::layout::Slot;
+use milkglass::layout::BufferId;
 use milkglass::measure::reference::verify;
-use milkglass::render::plan::{Change, Goal, Mode, Options, Transport};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
 
 fn scene(sets: &[&str]) -> Scene {
     let mut all = vec!["object.0.detail=3".to_string(), "camera.size=[40, 30]".to_string()];
@@ -12,17 +12,17 @@ fn scene(sets: &[&str]) -> Scene {
     Scene::load("sphere", &all).unwrap()
 }
 
-fn run(scene: &Scene, transport: Transport, mode: Mode) -> Session {
+fn run(scene: &Scene, transport: ShadingMethod, mode: Mode) -> Session {
     let options = Options { transport, mode, goal: Goal::Radiosity, estimate: false };
-    let mut session = Session::new(scene, None, options, Room::default()).unwrap();
+    let mut session = Session::new(scene, None, options, CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
 
 /// A value of each face of an object, scene units, in the order of its mesh.
-fn of(session: &Session, object: usize, slot: Slot) -> Vec<[f64; 3]> {
+fn of(session: &Session, object: usize, slot: BufferId) -> Vec<[f64; 3]> {
     let data = &session.state().data;
-    let values = if slot == Slot::irradiance { &data.irradiance } else { &data.radiosity };
+    let values = if slot == BufferId::irradiance { &data.irradiance } else { &data.radiosity };
     let light = session.units().light;
     session.prepared().places(object).into_iter().map(|face| values[face].map(|x| f64::from(x) * light)).collect()
 }
@@ -43,10 +43,10 @@ const GROUND: &str = "object.2={ shape = 'slab', detail = 8, size = 90, position
 fn each_object_is_lit_as_if_it_were_alone() {
     let three = scene(&[SECOND, GROUND]);
     for (transport, scheme) in [
-        (Transport::Hierarchy, "transport.scheme=blocks"),
-        (Transport::Hierarchy, "transport.scheme=links"),
-        (Transport::Brute, "transport.scheme=blocks"),
-        (Transport::Octree, "transport.scheme=blocks"),
+        (ShadingMethod::Hierarchy, "transport.scheme=blocks"),
+        (ShadingMethod::Hierarchy, "transport.scheme=links"),
+        (ShadingMethod::Brute, "transport.scheme=blocks"),
+        (ShadingMethod::Octree, "transport.scheme=blocks"),
     ] {
         let mut three = scene(&[SECOND, GROUND, scheme]);
         // The sun is high: nobody stands in another's shadow.
@@ -56,12 +56,12 @@ fn each_object_is_lit_as_if_it_were_alone() {
             let mut alone = three.clone();
             alone.objects = vec![three.objects[object].clone()];
             let alone = run(&alone, transport, Mode::OnTheFly);
-            let [a, b] = [of(&together, object, Slot::radiosity), of(&alone, 0, Slot::radiosity)];
+            let [a, b] = [of(&together, object, BufferId::radiosity), of(&alone, 0, BufferId::radiosity)];
             let far = apart(&a, &b);
             assert!(far < 2e-3, "{transport:?}, {scheme}, object {object}: {far}");
         }
     }
-    let mut session = run(&three, Transport::Hierarchy, Mode::OnTheFly);
+    let mut session = run(&three, ShadingMethod::Hierarchy, Mode::OnTheFly);
     let worst = verify(&mut session, 300, 1).unwrap().iter().map(|n| n.l2).fold(0.0, f64::max);
     assert!(worst > 0.0 && worst < 1e-3, "{worst}");
 }
@@ -72,7 +72,7 @@ fn each_object_is_seen_as_if_it_were_alone() {
     let mut three = scene(&[SECOND, GROUND, "transport.receivers=faces", "camera.size=[160, 120]"]);
     three.lights[0].shadows = false;
     let shown = |scene: &Scene| {
-        let mut session = Session::new(scene, None, Options::default(), Room::default()).unwrap();
+        let mut session = Session::new(scene, None, Options::default(), CapacityHints::default()).unwrap();
         session.frame(Change::EVERYTHING).unwrap();
         let (data, light) = (&session.state().data, session.units().light);
         let objects: Vec<_> = data.hits.iter().map(|hit| session.state().object_of(hit.face as usize)).collect();
@@ -94,8 +94,8 @@ fn each_object_is_seen_as_if_it_were_alone() {
 
 #[test]
 fn what_is_opaque_gives_back_its_albedo() {
-    let session = run(&scene(&[SECOND, GROUND]), Transport::Hierarchy, Mode::OnTheFly);
-    let [light, given] = [Slot::irradiance, Slot::radiosity].map(|slot| of(&session, 2, slot));
+    let session = run(&scene(&[SECOND, GROUND]), ShadingMethod::Hierarchy, Mode::OnTheFly);
+    let [light, given] = [BufferId::irradiance, BufferId::radiosity].map(|slot| of(&session, 2, slot));
     assert!(light.iter().any(|e| e[0] > 1.0));
     for (e, b) in light.iter().zip(&given) {
         for (c, albedo) in [0.5, 0.25, 0.0].into_iter().enumerate() {
@@ -113,7 +113,7 @@ fn an_object_shades_another() {
              material = {{ opaque = true }} }}"
         )
     };
-    let lit = |sets: &[&str]| of(&run(&scene(sets), Transport::Hierarchy, Mode::OnTheFly), 0, Slot::irradiance);
+    let lit = |sets: &[&str]| of(&run(&scene(sets), ShadingMethod::Hierarchy, Mode::OnTheFly), 0, BufferId::irradiance);
     let (before, beside) = (plate("[12, 14, 8]"), plate("[-60, 0, 0]"));
     let (alone, shaded, free) = (lit(&[]), lit(&[&before]), lit(&[&beside]));
     assert!(apart(&free, &alone) < 1e-5);
@@ -127,12 +127,12 @@ fn light_that_moves_and_lists_that_are_kept() {
     for scheme in ["transport.scheme=blocks", "transport.scheme=links"] {
         let first = scene(&[sets[0], sets[1], scheme]);
         let second = scene(&[sets[0], sets[1], scheme, "light.0.direction=[-1, 0.4, 0.1]"]);
-        let mut session = run(&first, Transport::Hierarchy, Mode::Render);
+        let mut session = run(&first, ShadingMethod::Hierarchy, Mode::Render);
         session.set_lights(&second.lights).unwrap();
         session.frame(Change::default()).unwrap();
-        let fresh = run(&second, Transport::Hierarchy, Mode::Render);
+        let fresh = run(&second, ShadingMethod::Hierarchy, Mode::Render);
         for object in 0..3 {
-            assert_eq!(of(&session, object, Slot::radiosity), of(&fresh, object, Slot::radiosity), "{scheme}");
+            assert_eq!(of(&session, object, BufferId::radiosity), of(&fresh, object, BufferId::radiosity), "{scheme}");
         }
     }
 }
@@ -140,7 +140,7 @@ fn light_that_moves_and_lists_that_are_kept() {
 #[test]
 fn without_opaque_objects_nothing_is_there_for_them() {
     let left = |sets: &[&str]| {
-        let session = run(&scene(sets), Transport::Hierarchy, Mode::OnTheFly);
+        let session = run(&scene(sets), ShadingMethod::Hierarchy, Mode::OnTheFly);
         session.plan().left_out.iter().map(|(name, why)| format!("{name}: {why}")).collect::<Vec<_>>().join("\n")
     };
     assert!(left(&[SECOND]).contains("opaque: no object is opaque"));

@@ -1,11 +1,11 @@
 //! Receivers at the places that pixels show: as near to brute force as asked, chosen by count, and gone where unused.
 
-use milkglass::layout::Slot;
+use milkglass::layout::BufferId;
 use milkglass::measure::reference::at;
-use milkglass::render::plan::{Change, Goal, Options, Transport};
-use milkglass::render::receivers::by_pixel;
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Goal, Options, ShadingMethod};
+use milkglass::prepare::receivers::by_pixel;
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
 use milkglass::state::wide;
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
@@ -14,7 +14,7 @@ fn scene(name: &str, sets: &[&str]) -> Scene {
 }
 
 fn drawn(scene: &Scene, options: Options) -> Session {
-    let mut session = Session::new(scene, None, options, Room::default()).unwrap();
+    let mut session = Session::new(scene, None, options, CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -31,7 +31,7 @@ fn radiosity_is_that_of_the_place_itself() {
         let shown: Vec<usize> = (0..data.hits.len()).filter(|&pixel| data.hits[pixel].face != u32::MAX).collect();
         assert!(shown.len() > 500);
         let receivers: Vec<usize> = shown.iter().step_by(5).map(|&pixel| data.seen[pixel] as usize).collect();
-        let places: Vec<_> = receivers.iter().map(|&receiver| wide(data.places[receiver])).collect();
+        let places: Vec<_> = receivers.iter().map(|&receiver| wide(data.receiver_positions[receiver])).collect();
         let exact = at(session.state(), &places);
         for c in 0..3 {
             let (mut error, mut power) = (0.0, 0.0);
@@ -83,7 +83,7 @@ fn whichever_are_fewer() {
     let many = scene("sphere", &["object.0.detail=5", "camera.size=[100, 100]", "camera.samples=3"]);
     assert!(!by_pixel(&many, Options::default()).0);
     let solve = Options { goal: Goal::Radiosity, ..Options::default() };
-    let octree = Options { transport: Transport::Octree, ..Options::default() };
+    let octree = Options { transport: ShadingMethod::Octree, ..Options::default() };
     assert!(!by_pixel(&fine, solve).0 && !by_pixel(&fine, octree).0);
     assert!(!by_pixel(&scene("sphere", &["transport.scheme=links", "camera.size=[9, 9]"]), Options::default()).0);
 }
@@ -93,15 +93,15 @@ fn what_is_not_wanted_is_not_there() {
     let of = |receivers: &str| drawn(&scene("sphere", &[SMALL[0], "object.0.detail=2", receivers]), Options::default());
     let (pixels, faces) = (of("transport.receivers=pixels"), of("transport.receivers=faces"));
     let has = |session: &Session, name: &str| session.plan().stages.iter().any(|stage| stage.name == name);
-    assert!(has(&pixels, "points") && !has(&pixels, "average"));
-    assert!(!has(&faces, "points") && has(&faces, "average"));
-    assert!(faces.state().data.bytes(Slot::seen).is_empty());
+    assert!(has(&pixels, "pixel_receivers") && !has(&pixels, "average"));
+    assert!(!has(&faces, "pixel_receivers") && has(&faces, "average"));
+    assert!(faces.state().data.bytes(BufferId::seen).is_empty());
     let why = |session: &Session, what: &str| {
         session.plan().left_out.iter().find(|(name, _)| *name == what).map(|(_, why)| why.clone()).unwrap_or_default()
     };
     assert_eq!(why(&faces, "receivers at pixels"), "transport.receivers is faces");
     assert_eq!(why(&pixels, "receivers at triangles"), "transport.receivers is pixels");
-    assert_eq!(why(&faces, "points"), "the receivers are triangles");
+    assert_eq!(why(&faces, "pixel_receivers"), "the receivers are triangles");
 
     let sets = ["transport.receivers=pixels", "transport.scheme=links"].map(String::from);
     let error = Scene::load("sphere", &sets).unwrap_err().to_string();
@@ -111,15 +111,15 @@ fn what_is_not_wanted_is_not_there() {
 #[test]
 fn every_transport_gives_nearly_the_same_picture() {
     let scene = scene("sphere", &["camera.size=[24, 20]", "object.0.detail=2"]);
-    let mean = |transport: Transport| {
+    let mean = |transport: ShadingMethod| {
         let mut session = drawn(&scene, Options { transport, ..Options::default() });
         let pixels = session.picture().unwrap().pixels;
         pixels.iter().flatten().map(|&x| f64::from(x)).sum::<f64>() / pixels.len() as f64
     };
-    let hierarchy = mean(Transport::Hierarchy);
+    let hierarchy = mean(ShadingMethod::Hierarchy);
     assert!(hierarchy > 0.01);
     // The octree takes triangles of this size for points.
-    for (transport, most) in [(Transport::Brute, 0.05), (Transport::Octree, 0.5)] {
+    for (transport, most) in [(ShadingMethod::Brute, 0.05), (ShadingMethod::Octree, 0.5)] {
         let other = mean(transport);
         assert!((other / hierarchy - 1.0).abs() < most, "{transport:?}: {other} instead of {hierarchy}");
     }

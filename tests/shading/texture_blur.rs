@@ -1,24 +1,24 @@
 //! Light blurred over texture coordinates: what runs for it, what it gives back, and what it asks of a mesh.
 
 use crate::shell::{bad, folder, good};
-use milkglass::layout::{SLOTS, Slot};
-use milkglass::light::fresnel::transmittance;
-use milkglass::render::plan::{Change, Options, Transport};
-use milkglass::render::prepare::dipoles;
-use milkglass::render::run::{Room, Session};
+use milkglass::layout::{BUFFER_IDS, BufferId};
+use milkglass::lighting::fresnel::transmittance;
+use milkglass::pipeline::plan::{Change, Options, ShadingMethod};
+use milkglass::prepare::scene::dipoles;
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
 
-const BLUR: Transport = Transport::TextureBlur;
-const STAGES: [&str; 3] = ["unwrap", "blur", "texture_blur"];
+const BLUR: ShadingMethod = ShadingMethod::TextureBlur;
+const STAGES: [&str; 3] = ["bake_irradiance", "blur", "texture_blur"];
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
     let usual = ["camera.size=[40, 30]", "transport.unwrap=true", "transport.blur_texture=64"];
     Scene::load(name, &usual.iter().chain(sets).map(|set| set.to_string()).collect::<Vec<_>>()).unwrap()
 }
 
-fn run(scene: &Scene, transport: Transport) -> Session {
+fn run(scene: &Scene, transport: ShadingMethod) -> Session {
     let options = Options { transport, ..Options::default() };
-    let mut session = Session::new(scene, None, options, Room::default()).unwrap();
+    let mut session = Session::new(scene, None, options, CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -72,7 +72,7 @@ fn a_smooth_ball_is_near_the_dipole() {
         "sphere",
         &["object.0.detail=4", "object.0.size=20", "transport.blur_texture=128", "camera.background=0"],
     );
-    let [blurred, carried, lambert] = [BLUR, Transport::Hierarchy, Transport::Lambert]
+    let [blurred, carried, lambert] = [BLUR, ShadingMethod::Hierarchy, ShadingMethod::Lambert]
         .map(|transport| run(&ball, transport).picture().unwrap().pixels);
     let apart = |a: &[[f32; 3]]| {
         let of = |f: &dyn Fn(f64, f64) -> f64| {
@@ -89,15 +89,22 @@ fn a_smooth_ball_is_near_the_dipole() {
 fn what_it_needs_is_there_and_elsewhere_nothing_of_it() {
     let ball = scene("sphere", &["object.0.detail=2", "light.0.shadows=false"]);
     let mut session = run(&ball, BLUR);
-    assert_eq!(names(&session), ["refit", "visibility", "unwrap", "blur", "texture_blur"]);
+    assert_eq!(names(&session), ["refit", "visibility", "bake_irradiance", "blur", "texture_blur"]);
     let ran = |times: Vec<milkglass::gpu::Timing>| times.into_iter().map(|time| time.name).collect::<Vec<_>>();
     assert_eq!(ran(session.frame(Change::VIEW).unwrap()), ["visibility", "texture_blur"]);
     assert_eq!(ran(session.frame(Change::LIGHT).unwrap()), STAGES);
-    for transport in [Transport::Hierarchy, Transport::Cdrf, Transport::Lambert, Transport::None] {
+    for transport in [ShadingMethod::Hierarchy, ShadingMethod::Cdrf, ShadingMethod::Lambert, ShadingMethod::None] {
         let session = run(&ball, transport);
         assert!(STAGES.iter().all(|stage| !names(&session).contains(stage)));
-        let own = [Slot::unwrappings, Slot::charts, Slot::stretch, Slot::gaussians, Slot::sheets, Slot::crossed];
-        let held: Vec<_> = SLOTS.iter().filter(|slot| own.contains(slot)).collect();
+        let own = [
+            BufferId::unwrappings,
+            BufferId::texel_hits,
+            BufferId::stretch,
+            BufferId::gaussians,
+            BufferId::irradiance_maps,
+            BufferId::blurred_rows,
+        ];
+        let held: Vec<_> = BUFFER_IDS.iter().filter(|slot| own.contains(slot)).collect();
         assert!(held.len() == 6 && held.iter().all(|slot| session.state().data.bytes(**slot).is_empty()));
         for stage in STAGES {
             assert!(session.plan().left_out.iter().any(|(name, why)| *name == stage && !why.is_empty()), "{stage}");
@@ -132,7 +139,7 @@ fn it_asks_for_texture_coordinates_that_are_one_to_one() {
     bad(&here, &line("slab"), 2, &["lie over each other"]);
     let plain = Scene::load("sphere", &["object.0.detail=1".into()]).unwrap();
     let options = Options { transport: BLUR, ..Options::default() };
-    let error = Session::new(&plain, None, options, Room::default()).err().unwrap().to_string();
+    let error = Session::new(&plain, None, options, CapacityHints::default()).err().unwrap().to_string();
     assert!(error.contains("the mesh has none") && error.contains("transport.unwrap"), "{error}");
 }
 
@@ -142,7 +149,7 @@ fn a_map_gives_sigma_0_by_the_square_of_what_it_holds() {
     let shade = |sigma: &str, more: &[&str]| {
         let sigma = format!("object.0.material.sigma_0={sigma}");
         let sets = [&["object.0.detail=3", "camera.size=[80, 60]", sigma.as_str()], more].concat();
-        run(&scene("sphere", &sets), Transport::Cdrf).picture().unwrap().pixels
+        run(&scene("sphere", &sets), ShadingMethod::Cdrf).picture().unwrap().pixels
     };
     let mapped = shade("4", &["object.0.material.sigma_0_texture=builtin:checker"]);
     let (whole, part) = (shade("4", &[]), shade("0.25", &[]));

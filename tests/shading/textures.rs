@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use milkglass::layout::Slot;
-use milkglass::render::plan::{Change, Goal, Mode, Options, Transport};
-use milkglass::render::run::{Room, Session};
+use milkglass::layout::BufferId;
+use milkglass::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use milkglass::scene::{Scene, Side, Texture, Wrap};
+use milkglass::session::run::{CapacityHints, Session};
 
 /// A small ball that may have a texture, and its settings.
 fn ball(sets: &[&str]) -> Scene {
@@ -23,7 +23,7 @@ fn painted(texture: Option<Texture>) -> Scene {
 
 /// A scene after one frame of the reference.
 fn drawn(scene: &Scene, options: Options) -> Session {
-    let mut session = Session::new(scene, None, options, Room::default()).unwrap();
+    let mut session = Session::new(scene, None, options, CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -60,7 +60,7 @@ fn what_enters_through_a_texture_and_its_complement_adds_up() {
         let texels = tiles.texels.iter().map(|texel| texel.map(turn)).collect();
         Some(Texture::new(tiles.size, texels, Side::Entry, Wrap::Repeat))
     };
-    for transport in [Transport::Hierarchy, Transport::Brute, Transport::Octree] {
+    for transport in [ShadingMethod::Hierarchy, ShadingMethod::Brute, ShadingMethod::Octree] {
         let run = |texture| drawn(&painted(texture), Options { transport, ..Options::default() });
         let [all, some, rest] =
             [None, of(|x| x), of(|x| 1.0 - x)].map(|texture| run(texture).state().data.radiosity.clone());
@@ -70,7 +70,7 @@ fn what_enters_through_a_texture_and_its_complement_adds_up() {
             size += all * all;
         }
         // The octree errs by its angle each time.
-        let slack = if transport == Transport::Octree { 0.05 } else { 2e-3 };
+        let slack = if transport == ShadingMethod::Octree { 0.05 } else { 2e-3 };
         assert!((error / size).sqrt() < slack, "{transport:?}: {}", (error / size).sqrt());
     }
 }
@@ -82,10 +82,16 @@ fn light_is_coloured_once_however_often_it_changes() {
     let mut kept = drawn(&scene, options);
     let (light, picture) = (kept.state().data.irradiance.clone(), kept.picture().unwrap().pixels);
     let names = |change, session: &mut Session| -> Vec<String> {
-        session.frame(change).unwrap().into_iter().map(|step| step.name).filter(|name| name.starts_with('e')).collect()
+        session
+            .frame(change)
+            .unwrap()
+            .into_iter()
+            .map(|step| step.name)
+            .filter(|name| name.starts_with("texture_"))
+            .collect()
     };
-    assert_eq!(names(Change::VIEW, &mut kept), ["exit"]);
-    assert_eq!(names(Change::RESUM, &mut kept), ["exit"]);
+    assert_eq!(names(Change::VIEW, &mut kept), ["texture_out"]);
+    assert_eq!(names(Change::RESUM, &mut kept), ["texture_out"]);
     for lights in [vec![], scene.lights.clone(), scene.lights.clone()] {
         kept.set_lights(&lights).unwrap();
         assert_eq!(names(Change::LIGHT, &mut kept).len(), if lights.is_empty() { 0 } else { 2 });
@@ -158,8 +164,8 @@ fn numbers_alone_have_no_texture_for_light_that_leaves() {
     let numbers = |side: &str| {
         let scene = ball(&[&format!("object.0.material.texture_on={side}")]);
         let session = drawn(&scene, Options { goal: Goal::Radiosity, ..Options::default() });
-        let sizes = [Slot::texels, Slot::corner_uvs].map(|slot| session.state().data.bytes(slot).len());
-        (session.plan().stages.iter().any(|stage| stage.name == "entry"), sizes.iter().all(|&bytes| bytes > 0))
+        let sizes = [BufferId::texels, BufferId::corner_uvs].map(|slot| session.state().data.bytes(slot).len());
+        (session.plan().stages.iter().any(|stage| stage.name == "texture_in"), sizes.iter().all(|&bytes| bytes > 0))
     };
     assert_eq!((numbers("exit"), numbers("entry"), numbers("both")), ((false, false), (true, true), (true, true)));
 }

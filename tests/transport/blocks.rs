@@ -7,15 +7,15 @@ use milkglass::layout::BLOCK_CLASSES;
 use milkglass::layout::Buffers;
 use milkglass::measure::norms::{norms, worst};
 use milkglass::measure::reference::{radiosity, receivers};
-use milkglass::render::plan::{Change, Goal, Options};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Goal, Options};
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
 
 fn solved(name: &str, sets: &[&str]) -> Session {
     let sets: Vec<String> = sets.iter().map(|set| set.to_string()).collect();
     let scene = Scene::load(name, &sets).unwrap();
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
-    let mut session = Session::new(&scene, None, options, Room::default()).unwrap();
+    let mut session = Session::new(&scene, None, options, CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -35,7 +35,7 @@ fn every_emitter_is_settled_at_most_once_and_what_is_missing_is_dark_or_faint() 
     for tolerance in ["transport.tolerance=0.1", "transport.tolerance=1e-4"] {
         let session = solved("sphere", &["object.0.detail=3", "object.0.size=100", tolerance]);
         let data = &session.state().data;
-        let frame = &data.frame[0];
+        let params = &data.object_params[0];
         let mut missing = 0;
         for (block, run) in data.blocks.iter().zip(&data.runs) {
             let mut settled = vec![0; data.triangles.len()];
@@ -49,7 +49,7 @@ fn every_emitter_is_settled_at_most_once_and_what_is_missing_is_dark_or_faint() 
             for receiver in block.first..block.first + block.count {
                 let x = wide(data.clusters[data.leaves[receiver as usize] as usize].center);
                 for c in 0..3 {
-                    let dipole = Dipole::of(frame, c);
+                    let dipole = Dipole::of(params, c);
                     let lost: f64 = (0..data.triangles.len())
                         .filter(|&face| left(face))
                         .map(|face| {
@@ -58,7 +58,7 @@ fn every_emitter_is_settled_at_most_once_and_what_is_missing_is_dark_or_faint() 
                             light * dipole.radial(x.distance_squared(wide(leaf.center)))
                         })
                         .sum();
-                    let allowed = 0.01 * frame.link_error * data.level[0][c] * run.dropped as f32;
+                    let allowed = 0.01 * params.link_error * data.reference_level[0][c] * run.dropped as f32;
                     assert!(lost <= 1.01 * f64::from(allowed), "{lost} left out, {allowed} allowed");
                 }
             }
@@ -92,8 +92,9 @@ fn lists_are_those_of_double_precision() {
                 let d =
                     wide(sphere.center).distance(DVec3::new(e.place[0].into(), e.place[1].into(), e.place[2].into()));
                 let reach = |r: f32| f64::from(r) + f64::from(sphere.radius);
-                let class = BLOCK_CLASSES.iter().position(|&most| sphere.spread <= most);
-                let expand = class.map_or(f64::INFINITY, |class| reach(data.expands[base + node as usize][class]));
+                let class = BLOCK_CLASSES.iter().position(|&most| sphere.relative_moment <= most);
+                let expand =
+                    class.map_or(f64::INFINITY, |class| reach(data.expansion_distances[base + node as usize][class]));
                 let rules = [reach(e.place[3]), expand, reach(e.accept), reach(e.area)];
                 if rules.iter().any(|rule| (rule - d).abs() < 1e-5 * d) {
                     ties += 1;
@@ -119,7 +120,7 @@ fn moments_are_sums_over_faces() {
     let room = data.moments.len() / state.objects[0].groups.len();
     for (k, group) in state.objects[0].groups.iter().enumerate() {
         for node in (0..data.topology.len()).step_by(7) {
-            let (m, s) = (&data.moments[k * room + node], &data.spreads[k * room + node]);
+            let (m, s) = (&data.moments[k * room + node], &data.second_moments[k * room + node]);
             let (mut weight, mut first) = (0.0, DVec3::ZERO);
             let light = |face: usize| {
                 let leaf = &data.clusters[data.leaves[face] as usize];
@@ -139,7 +140,7 @@ fn moments_are_sums_over_faces() {
             for face in faces(data, node as u32) {
                 let (w, x) = light(face);
                 let leaf = &data.clusters[data.leaves[face] as usize];
-                trace += w * (x.distance_squared(center) + f64::from(leaf.spread)) / weight;
+                trace += w * (x.distance_squared(center) + f64::from(leaf.moment_trace)) / weight;
                 for v in data.triangles[face] {
                     let far = wide(data.positions[v as usize]).distance(wide(m.center));
                     assert!(far <= f64::from(s.radius) * 1.00001, "radius of node {node}");

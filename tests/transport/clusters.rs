@@ -1,10 +1,10 @@
 //! `render --view clusters`: the emitters of one receiver settle every triangle that shines, once.
 
 use crate::shell::{bad, folder, good};
-use milkglass::render::clusters::clusters;
-use milkglass::render::plan::{Change, Mode, Options};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Mode, Options};
 use milkglass::scene::Scene;
+use milkglass::session::cluster_view::clusters;
+use milkglass::session::run::{CapacityHints, Session};
 
 #[test]
 fn emitters_settle_every_lit_triangle_once() {
@@ -13,7 +13,7 @@ fn emitters_settle_every_lit_triangle_once() {
         let sets = ["object.0.detail=4", "camera.size=[40, 30]", set].map(String::from);
         let scene = Scene::load("sphere", &sets).unwrap();
         let options = Options { mode: Mode::Render, ..Options::default() };
-        let mut session = Session::new(&scene, None, options, Room::default()).unwrap();
+        let mut session = Session::new(&scene, None, options, CapacityHints::default()).unwrap();
         session.frame(Change::EVERYTHING).unwrap();
         let (picture, emitters) = clusters(&mut session, middle).unwrap();
 

@@ -3,17 +3,17 @@
 
 use crate::devices;
 use milkglass::gpu::{Device, Instance, faults::watch};
-use milkglass::layout::Slot;
+use milkglass::layout::BufferId;
 use milkglass::measure::estimate::Quality;
 use milkglass::measure::reference::{check, radiosity, receivers};
 use milkglass::measure::sample::Sample;
-use milkglass::render::plan::{Change, Goal, Options, Transport};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
 
 const OPTIONS: Options = Options {
-    transport: Transport::Hierarchy,
-    mode: milkglass::render::plan::Mode::OnTheFly,
+    transport: ShadingMethod::Hierarchy,
+    mode: milkglass::pipeline::plan::Mode::OnTheFly,
     goal: Goal::Radiosity,
     estimate: true,
 };
@@ -36,7 +36,7 @@ fn scene(name: &str, sets: &[&str]) -> Scene {
 }
 
 fn solved(scene: &Scene, device: Option<&Device>, options: Options) -> Session {
-    let mut session = Session::new(scene, device, options, Room::default()).unwrap();
+    let mut session = Session::new(scene, device, options, CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -73,7 +73,7 @@ type Known = (Sample, Vec<[f32; 3]>, Vec<[f64; 3]>);
 /// As [`check`] judges it, with the reference of an earlier session where that had the same light.
 fn quality(session: &mut Session, known: &mut Option<Known>, count: usize) -> Quality {
     session.sharpen().unwrap();
-    session.fetch(&[Slot::irradiance, Slot::radiosity, Slot::clusters, Slot::estimate]).unwrap();
+    session.fetch(&[BufferId::irradiance, BufferId::radiosity, BufferId::clusters, BufferId::estimate]).unwrap();
     let (state, data) = (session.state(), &session.state().data);
     // Another tolerance may cut triangles elsewhere, at borders of shadows.
     let same = known.take().filter(|(_, irradiance, _)| data.irradiance == *irradiance);
@@ -134,7 +134,7 @@ fn an_estimate_changes_no_bit_of_the_radiosity() {
         let mut with = solved(&scene, device, OPTIONS);
         let mut without = solved(&scene, device, Options { estimate: false, ..OPTIONS });
         for session in [&mut with, &mut without] {
-            session.fetch(&[Slot::radiosity, Slot::estimate]).unwrap();
+            session.fetch(&[BufferId::radiosity, BufferId::estimate]).unwrap();
         }
         let (with, without) = (&with.state().data, &without.state().data);
         assert_eq!(with.radiosity, without.radiosity);
@@ -151,7 +151,7 @@ fn it_stays_finite_at_the_extremes() {
         let scene = scene("sphere", &["object.0.detail=2", set]);
         for device in [None, found.as_ref()].into_iter().take(1 + usize::from(found.is_some())) {
             let mut session = solved(&scene, device, OPTIONS);
-            session.fetch(&[Slot::estimate]).unwrap();
+            session.fetch(&[BufferId::estimate]).unwrap();
             let estimate = &session.state().data.estimate;
             assert!(
                 estimate.iter().flatten().all(|x| x.is_finite() && *x >= 0.0),
@@ -165,8 +165,12 @@ fn it_stays_finite_at_the_extremes() {
 #[test]
 fn the_plan_says_why_there_is_none() {
     let why = |sets: &[&str], options: Options| {
-        let session =
-            Session::new(&scene("sphere", &[&["object.0.detail=2"], sets].concat()), None, options, Room::default());
+        let session = Session::new(
+            &scene("sphere", &[&["object.0.detail=2"], sets].concat()),
+            None,
+            options,
+            CapacityHints::default(),
+        );
         let session = session.unwrap();
         let reasons = session.plan().left_out.iter().filter(|(what, _)| *what == "error estimate");
         (session.state().method.estimate, reasons.map(|(_, why)| why.clone()).collect::<Vec<_>>())
@@ -176,7 +180,7 @@ fn the_plan_says_why_there_is_none() {
     assert!(!off.0 && off.1.len() == 1 && off.1[0].contains("nobody reads it"), "{off:?}");
     let links = why(&["transport.scheme=links"], OPTIONS);
     assert!(!links.0 && links.1[0].contains("links"), "{links:?}");
-    let brute = why(&[], Options { transport: Transport::Brute, ..OPTIONS });
+    let brute = why(&[], Options { transport: ShadingMethod::Brute, ..OPTIONS });
     assert!(!brute.0 && brute.1[0].contains("brute force"), "{brute:?}");
     // A dark scene errs nowhere.
     let mut dark = scene("sphere", &["object.0.detail=2"]);
@@ -190,7 +194,7 @@ fn an_estimate_that_cannot_be_sharpened_is_the_carried_one_and_says_why() {
     let Some(device) = device() else { return };
     let scene = scene("sphere", &["object.0.detail=2"]);
     let carried = |session: &mut Session| {
-        session.fetch(&[Slot::estimate]).unwrap();
+        session.fetch(&[BufferId::estimate]).unwrap();
         session.state().data.estimate.clone()
     };
     let mut session = solved(&scene, Some(&device), OPTIONS);
@@ -214,7 +218,7 @@ fn an_estimate_that_cannot_be_sharpened_is_the_carried_one_and_says_why() {
 fn the_second_solve_makes_no_picture() {
     let layers = Options::default().with_layers();
     let stages = |name: &str, sets: &[&str]| -> Option<Vec<&str>> {
-        let session = Session::new(&scene(name, sets), None, layers, Room::default()).unwrap();
+        let session = Session::new(&scene(name, sets), None, layers, CapacityHints::default()).unwrap();
         let other = session.sharper().unwrap()?;
         Some(other.plan().stages.iter().map(|stage| stage.name).collect())
     };

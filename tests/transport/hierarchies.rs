@@ -1,12 +1,12 @@
 //! Hierarchies of 4-to-1 splits: butterfly subdivision and shrink-wrapping, and what their trees are good for.
 
 use crate::shell::{bad, bytes, folder, good, numbers, read};
-use milkglass::layout::Slot;
+use milkglass::layout::BufferId;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
-use milkglass::render::plan::{Change, Options};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Options};
 use milkglass::scene::{Hierarchy, Scene};
+use milkglass::session::run::{CapacityHints, Session};
 
 const MOVED: &str = "object.0.deform=[{ type = 'noise', amplitude = 1, scale = 5 }, { type = 'twist', angle = 150 }]";
 const BUTTERFLY: [&str; 4] = [MOVED, "object.0.detail=1", "transport.hierarchy=butterfly", "transport.levels=2"];
@@ -18,7 +18,7 @@ fn load(sets: &[&str], more: &[&str]) -> Scene {
 }
 
 fn solved(scene: &Scene) -> Session {
-    let mut session = Session::new(scene, None, Options::default(), Room::default()).unwrap();
+    let mut session = Session::new(scene, None, Options::default(), CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -79,7 +79,7 @@ fn such_a_tree_stays_whatever_deforms_it() {
     moving.frame(Change::default()).unwrap();
     let fresh = solved(&at(500.0));
     assert!(moving.prepared().trees == before && fresh.prepared().trees == before);
-    for slot in [Slot::bounds, Slot::radiosity, Slot::radiance] {
+    for slot in [BufferId::bounds, BufferId::radiosity, BufferId::radiance] {
         assert!(moving.state().data.bytes(slot) == fresh.state().data.bytes(slot), "{slot:?}");
     }
     // Where the median tree of the same triangles would be built anew.

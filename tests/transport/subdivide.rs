@@ -1,12 +1,12 @@
 //! Triangles cut finer where a shadow's border crosses them.
 
-use milkglass::layout::Slot;
+use milkglass::layout::BufferId;
 use milkglass::measure::estimate::Quality;
 use milkglass::measure::reference::at;
-use milkglass::render::plan::{Change, Goal, Options};
-use milkglass::render::run::{Room, Session};
-use milkglass::render::subdivide::subdivide;
+use milkglass::pipeline::plan::{Change, Goal, Options};
 use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
+use milkglass::session::subdivide::subdivide;
 use milkglass::state::wide;
 
 fn scene(sets: &[&str]) -> Scene {
@@ -28,9 +28,9 @@ fn options() -> Options {
 
 /// Radiosity at the centres of the slab's triangles, their areas, and how many triangles it took.
 fn solved(scene: &Scene) -> (Vec<[f64; 3]>, usize) {
-    let mut session = Session::new(scene, None, options(), Room::default()).unwrap();
+    let mut session = Session::new(scene, None, options(), CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
-    session.fetch(&[Slot::radiosity]).unwrap();
+    session.fetch(&[BufferId::radiosity]).unwrap();
     let (places, light) = (session.prepared().places(0), session.units().light);
     let at = |part: usize| session.state().data.radiosity[places[part]].map(|x| f64::from(x) * light);
     let values = match session.parts().first() {
@@ -47,7 +47,7 @@ fn exact(scene: &Scene) -> Vec<[f64; 3]> {
     for _ in 0..2 {
         fine.objects[0].mesh = fine.objects[0].mesh.split(|_| true).0;
     }
-    let mut session = Session::new(&fine, None, options(), Room::default()).unwrap();
+    let mut session = Session::new(&fine, None, options(), CapacityHints::default()).unwrap();
     session.prepare_light();
     let alone = session.state().alone(0);
     // Part 15 of 16 is the middle of the middle.
@@ -93,7 +93,7 @@ fn the_estimate_knows_what_a_border_still_misses() {
     for cuts in [1, 2] {
         let scene = scene(&["transport.tolerance=1e-2", &format!("transport.subdivide={cuts}")]);
         let options = Options { estimate: true, ..options() };
-        let mut session = Session::new(&scene, None, options, Room::default()).unwrap();
+        let mut session = Session::new(&scene, None, options, CapacityHints::default()).unwrap();
         session.frame(Change::EVERYTHING).unwrap();
         let (places, light) = (session.prepared().places(0), session.units().light);
         let (data, parts) = (&session.state().data, &session.parts()[0]);
@@ -140,11 +140,11 @@ fn only_what_needs_it_is_cut() {
 fn a_moved_light_moves_the_cuts() {
     let first = scene(&["transport.subdivide=1"]);
     let second = scene(&["transport.subdivide=1", "light.0.direction=[-0.3, 0.2, 1]"]);
-    let mut session = Session::new(&first, None, options(), Room::default()).unwrap();
+    let mut session = Session::new(&first, None, options(), CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     let before = session.parts()[0].of.clone();
     session.set_lights(&second.lights).unwrap();
     session.frame(Change::default()).unwrap();
-    let fresh = Session::new(&second, None, options(), Room::default()).unwrap();
+    let fresh = Session::new(&second, None, options(), CapacityHints::default()).unwrap();
     assert!(session.parts()[0].of == fresh.parts()[0].of && session.parts()[0].of != before);
 }

@@ -4,16 +4,16 @@
 #include "invocation.glsl"
 
 // The sphere around each block's receivers.
-READS(frame)
+READS(object_params)
 READS(blocks)
 READS(clusters)
-READS(places)
+READS(receiver_positions)
 WRITES(spheres)
 #include "geometry/sphere.glsl"
 
 void main() {
     uint i = invocation();
-    if (i >= frame[0].blocks) return;
+    if (i >= object_params[0].blocks) return;
     Block block = blocks[i];
     spheres[i] = sphere_of(block.first, block.count);
 }

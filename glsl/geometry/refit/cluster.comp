@@ -5,7 +5,7 @@
 
 // A cluster's box, centroid, vector area and second moment, from its two children; one level a dispatch.
 layout(push_constant, scalar) uniform push_block { Range range; };
-READS(frame)
+READS(object_params)
 READS(topology)
 READS(order)
 UPDATES(bounds)
@@ -28,6 +28,6 @@ void main() {
     float area = l.area + r.area;
     vec3 center = l.center + share(r.area, area) * (r.center - l.center);
     vec3 to_l = l.center - center, to_r = r.center - center;
-    float moment = l.area * (l.spread + dot(to_l, to_l)) + r.area * (r.spread + dot(to_r, to_r));
+    float moment = l.area * (l.moment_trace + dot(to_l, to_l)) + r.area * (r.moment_trace + dot(to_r, to_r));
     clusters[node] = Cluster(center, area, l.normal + r.normal, area > 0.0 ? moment / area : 0.0);
 }

@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 
 // A vertex normal: the direction of the summed vector areas of the triangles around it.
-READS(frame)
+READS(object_params)
 READS(corner_starts)
 READS(corners)
 READS(leaves)
@@ -13,7 +13,7 @@ WRITES(normals)
 
 void main() {
     uint vertex = invocation();
-    if (vertex >= frame[0].vertices) return;
+    if (vertex >= object_params[0].vertices) return;
     vec3 sum = vec3(0);
     for (uint i = corner_starts[vertex]; i < corner_starts[vertex + 1]; ++i) sum += clusters[leaves[corners[i]]].normal;
     float size = length(sum);

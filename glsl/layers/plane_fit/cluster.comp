@@ -7,13 +7,13 @@
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(topology)
 READS(order)
-UPDATES(crowds)
-#include "layers/crowd.glsl"
+UPDATES(vertex_moments)
+#include "layers/vertex_moments.glsl"
 
 void main() {
     uint i = invocation();
     if (i >= range.count) return;
     uint node = order[range.first + i];
     if (topology[node].face != NONE) return;
-    crowds[node] = joined(crowds[node + 1], crowds[topology[node + 1].skip]);
+    vertex_moments[node] = joined(vertex_moments[node + 1], vertex_moments[topology[node + 1].skip]);
 }

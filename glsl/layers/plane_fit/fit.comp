@@ -5,7 +5,7 @@
 
 // The plane of least squares through the vertices within `fit_radius` of a vertex: a walk over the tree takes clusters
 // that lie inside as one, and the vertices of triangles on the border one by one.
-READS(frame)
+READS(object_params)
 READS(positions)
 READS(normals)
 READS(triangles)
@@ -13,10 +13,10 @@ READS(corner_starts)
 READS(corners)
 READS(topology)
 READS(bounds)
-READS(crowds)
+READS(vertex_moments)
 WRITES(planes)
 UPDATES(cut_short)
-#include "layers/crowd.glsl"
+#include "layers/vertex_moments.glsl"
 
 float square(vec3 d) {
     precise float sum = d.x * d.x + d.y * d.y + d.z * d.z;
@@ -36,17 +36,17 @@ vec2 rotation(float pp, float qq, float pq) {
 
 void main() {
     uint vertex = invocation();
-    if (vertex >= frame[0].vertices) return;
-    vec3 here = positions[frame[0].first_vertex + vertex], normal = normals[vertex];
-    precise float r2 = frame[0].fit_radius * frame[0].fit_radius;
-    Crowd sum = Crowd(0.0, vec3(0), vec3(0), vec3(0));
+    if (vertex >= object_params[0].vertices) return;
+    vec3 here = positions[object_params[0].first_vertex + vertex], normal = normals[vertex];
+    precise float r2 = object_params[0].fit_radius * object_params[0].fit_radius;
+    VertexMoments sum = VertexMoments(0.0, vec3(0), vec3(0), vec3(0));
     uint node = 0;
-    while (node < frame[0].nodes) {
+    while (node < object_params[0].nodes) {
         Bounds box = bounds[node];
         precise vec3 low = box.low - here, high = box.high - here;
         float nearest = square(max(max(low, -high), vec3(0))), farthest = square(max(abs(low), abs(high)));
         bool meets = nearest <= r2, inside = farthest <= r2, leaf = topology[node].face != NONE;
-        Crowd own = crowds[node];
+        VertexMoments own = vertex_moments[node];
         own.center -= here;
         if (!inside) own.count = 0.0;
         own.diagonal *= inside ? 1.0 : 0.0;
@@ -56,15 +56,15 @@ void main() {
             for (uint k = 0; k < 3; ++k) {
                 uint other = triangles[face][k];
                 precise vec3 d = positions[other] - here;
-                bool counts = corners[corner_starts[other - frame[0].first_vertex]] == face && square(d) <= r2;
-                own = joined(own, Crowd(counts ? 1.0 : 0.0, d, vec3(0), vec3(0)));
+                bool counts = corners[corner_starts[other - object_params[0].first_vertex]] == face && square(d) <= r2;
+                own = joined(own, VertexMoments(counts ? 1.0 : 0.0, d, vec3(0), vec3(0)));
             }
         }
         if (meets) sum = joined(sum, own);
         node = meets && !inside && !leaf ? node + 1 : topology[node].skip;
     }
 
-    if (node < frame[0].nodes) cut_short[0] = 1;
+    if (node < object_params[0].nodes) cut_short[0] = 1;
 
     // The axes of their second moments, by rotating pair after pair of axes.
     float trace = sum.diagonal.x + sum.diagonal.y + sum.diagonal.z;

@@ -25,7 +25,7 @@ void main() {
     Hit hit = hits[pixel];
     Layering own = layerings[number];
     uint object = own.object;
-    if (hit.face < frame[object].first_face || hit.face >= frame[object].first_face + frame[object].faces) return;
+    if (hit.face < object_params[object].first_face || hit.face >= object_params[object].first_face + object_params[object].faces) return;
     March m = march(own, hit);
     if (m.reach <= 0.0) return;
     float pace = m.reach / float(own.samples);
@@ -80,8 +80,8 @@ void main() {
         }
 
         // The light there, and between the last place and this.
-        Layer layer = beneath[own.first_layer + min(now, own.layers - 1)];
-        Light light = beams[beam];
+        Layer layer = layer_media[own.first_layer + min(now, own.layers - 1)];
+        Light light = layer_lights[beam];
         Lit lights = lit_at(own, m, object, light, hit.face, t, here);
         dimmed += layer.sigma_t * walked;
         vec3 tau_here = dimmed + lights.dimmed, end = exp(-tau_here);

@@ -13,7 +13,7 @@ void main() {
     Hit hit = hits[pixel];
     Layering own = layerings[number];
     uint object = own.object;
-    if (hit.face < frame[object].first_face || hit.face >= frame[object].first_face + frame[object].faces) return;
+    if (hit.face < object_params[object].first_face || hit.face >= object_params[object].first_face + object_params[object].faces) return;
     March m = march(own, hit);
     if (m.reach <= 0.0) return;
     float pace = m.reach / float(own.samples);
@@ -30,8 +30,8 @@ void main() {
             here[map] = depths_of(own, there, map);
             now += above(here[map], ABOVE_INTERFACE * m.slope * t);
         }
-        Layer layer = beneath[own.first_layer + min(now, own.layers - 1)];
-        Light light = beams[beam];
+        Layer layer = layer_media[own.first_layer + min(now, own.layers - 1)];
+        Light light = layer_lights[beam];
         Lit lights = lit_at(own, m, object, light, hit.face, t, here);
         vec3 scattered = layer.sigma_s * lights.arrives * exp(-dimmed - lights.dimmed) *
                          phase(layer.g, vec2(lights.cosine)).x;

@@ -2,17 +2,17 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 #include "invocation.glsl"
-#include "light/fresnel.glsl"
+#include "lighting/fresnel.glsl"
 
 // The reflections of lights that have a position or a direction, if they reach the point.
 layout(constant_id = 0) const uint SHADOWS = SHADOWS_NOT; // whose bits of shadow are read
 layout(constant_id = 1) const uint GGX = 0;
 layout(push_constant, scalar) uniform push_block { uint object; }; // whose pixels this dispatch shades
-READS(frame)
+READS(object_params)
 READS(camera)
 READS(lights)
 READS(lit)
-READS(reached)
+READS(pixel_lit)
 READS(triangles)
 READS(positions)
 READS(normals)
@@ -20,12 +20,12 @@ READS(hits)
 UPDATES(radiance)
 uint shadow_bits(uint word) {
     uint bits = 0;
-    if (SHADOWS == SHADOWS_BY_PIXEL) bits = reached[word];
+    if (SHADOWS == SHADOWS_BY_PIXEL) bits = pixel_lit[word];
     else bits = lit[word];
     return bits;
 }
 #define LIT(word) shadow_bits(word)
-#include "light/arrival.glsl"
+#include "lighting/arrival.glsl"
 #include "view/surface.glsl"
 
 // A cosine to the power of a whole number up to 1023.
@@ -42,12 +42,12 @@ void main() {
     uint pixel = invocation();
     if (pixel >= camera[0].width * camera[0].height) return;
     Hit hit = hits[pixel];
-    if (hit.face < frame[object].first_face || hit.face >= frame[object].first_face + frame[object].faces) return;
+    if (hit.face < object_params[object].first_face || hit.face >= object_params[object].first_face + object_params[object].faces) return;
     Surface s = surface(hit);
-    float signed_seen = dot(s.normal, s.toward), seen = abs(signed_seen), alpha = frame[object].roughness;
+    float signed_seen = dot(s.normal, s.toward), seen = abs(signed_seen), alpha = object_params[object].roughness;
     vec3 sum = vec3(0);
     uint index = SHADOWS == SHADOWS_BY_PIXEL ? pixel : hit.face;
-    for (uint i = 0; i < frame[0].lights; ++i) {
+    for (uint i = 0; i < object_params[0].lights; ++i) {
         Light light = lights[i];
         vec3 toward;
         float falloff = arrival(light, s.point, toward) * reaches(light, index);
@@ -65,7 +65,7 @@ void main() {
             lobe = (alpha + 2.0) / (2.0 * 3.14159265358979) * power(dot(mirror, toward), uint(alpha));
         }
         float counts = light.kind == LIGHT_SKY_RAY || cosine <= 0.0 ? 0.0 : falloff * cosine * lobe;
-        sum += light.color * counts * (1.0 - transmittance(frame[object].eta, met));
+        sum += light.color * counts * (1.0 - transmittance(object_params[object].eta, met));
     }
     radiance[pixel] += camera[0].radiance * sum;
 }

@@ -8,12 +8,12 @@
 use std::f64::consts::PI;
 
 use super::points::Sample;
-use crate::layout::{Frame, MOST_SAMPLES, SAMPLE_BITS};
+use crate::layout::{MOST_SAMPLES, ObjectParams, SAMPLE_BITS};
 
 /// Samples per squared internal length: by the shortest mean free path of the channels.
 #[must_use]
-pub fn density(frame: &Frame) -> f32 {
-    let shortest = frame.z_real.iter().copied().map(f64::from).fold(f64::INFINITY, f64::min);
+pub fn density(params: &ObjectParams) -> f32 {
+    let shortest = params.z_real.iter().copied().map(f64::from).fold(f64::INFINITY, f64::min);
     (1.0 / (PI * shortest * shortest)) as f32
 }
 
@@ -75,10 +75,10 @@ mod tests {
 
     #[test]
     fn one_for_each_disc_of_a_mean_free_path() {
-        let frame = Frame { z_real: [0.5, 0.1, 0.3], ..Frame::default() };
+        let params = ObjectParams { z_real: [0.5, 0.1, 0.3], ..ObjectParams::default() };
         let disc = PI * 0.01;
         for (area, expected) in [(0.0, 1), (0.5, 1), (1.5, 2), (99.5, 100), (1e9, MOST_SAMPLES)] {
-            assert_eq!(count((area * disc) as f32, density(&frame)), expected);
+            assert_eq!(count((area * disc) as f32, density(&params)), expected);
         }
     }
 }

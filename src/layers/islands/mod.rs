@@ -13,7 +13,7 @@ use std::collections::VecDeque;
 use glam::DVec2;
 
 use crate::layout::Island;
-use crate::light::texture::texel;
+use crate::lighting::texture::texel;
 use crate::scene::{DepthMap, Mesh, Wrap};
 use margin::Sheet;
 use walk::Faces;

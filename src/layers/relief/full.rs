@@ -9,7 +9,7 @@ use super::ray::{Depths, MapPlaces, Ray};
 use crate::geometry::trace::{UNFINISHED, trace};
 use crate::layers::beneath::{optical_depth, phase};
 use crate::layout::{FADING, GRAZING, LEAST_COSINE, Light};
-use crate::light::irradiance::{arrival, reaches};
+use crate::lighting::irradiance::{arrival, reaches};
 use crate::state::{narrow, wide};
 
 /// What of the march is kept instead of the truth.
@@ -27,7 +27,7 @@ impl Ray<'_> {
     /// Light towards the eye, internal units, by `steps` midpoints along the view ray and `legs` along each way of light.
     pub fn full(&self, kept: Kept, steps: u32, legs: u32) -> DVec3 {
         let (data, layers) = (&self.state.data, self.layers());
-        let lights: Vec<&Light> = data.beams.iter().filter(|light| reaches(data, light, self.face)).collect();
+        let lights: Vec<&Light> = data.layer_lights.iter().filter(|light| reaches(data, light, self.face)).collect();
         let leaves = self.distance(self.point - self.eye * 1e-4, -self.eye).map_or(f64::INFINITY, |far| far + 1e-4);
         let length = if kept.tangent_space { self.length } else { leaves.min(self.layering.reach.into()) };
         let step = length / f64::from(steps);
@@ -100,8 +100,8 @@ impl Ray<'_> {
     /// How deep a place lies, and the depths of the interfaces there: those of the nearest point of the surface.
     fn beneath(&self, at: DVec3) -> (f64, Depths) {
         let data = &self.state.data;
-        let frame = &data.frame[self.layering.object as usize];
-        let (first, count) = (frame.first_node as usize, frame.nodes as usize);
+        let params = &data.object_params[self.layering.object as usize];
+        let (first, count) = (params.first_node as usize, params.nodes as usize);
         let (mut best, mut found) = (f64::INFINITY, (0usize, DVec2::ZERO));
         let mut node = first;
         while node < first + count {

@@ -22,9 +22,9 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::geometry::trace::UNFINISHED;
 pub use crate::layout::GRAZING;
-use crate::layout::{Hit, MAP_LAYERS, MAPPED_BY_ISLANDS, MAPPED_BY_UVS, MAPPED_NOT, NONE, Slot};
+use crate::layout::{BufferId, Hit, MAP_LAYERS, MAPPED_BY_ISLANDS, MAPPED_BY_UVS, MAPPED_NOT, NONE};
 use crate::state::{
-    Carrier, Need, Pass, Place, Role, Serves, Stage, State, Tolerance, Unit, Update, narrow, stage::never, wide,
+    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
 };
 pub use full::Kept;
 use ray::Ray;
@@ -32,14 +32,14 @@ use ray::Ray;
 /// The table's entry.
 pub static STAGE: Stage = Stage {
     name: "relief",
-    room: "layers",
+    module: "layers",
     about: "light scattered once in the layers beneath each visible point",
     equation: "Francois et al. 2006, equations 1 to 5, 9 to 13, 15, corrected",
-    writes: &[(Slot::radiance, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-5 })],
+    writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-5 })],
     reason: "an exponential's depth is off by some roundings of its own size, and a place in the maps by 1e-7 times their \
              texels and contrast",
     sizes: &[],
-    unit: Unit::Scene,
+    granularity: Granularity::Scene,
     carriers: Carrier::ALL,
     needs: &[Need::Light, Need::Picture],
     serves: Serves { object: |object, _| object.layered, none: "no material has layers" },
@@ -49,7 +49,7 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-fn cpu(state: &mut State, _at: Place) {
+fn cpu(state: &mut State, _at: Scope) {
     let data = &state.data;
     let scale = f64::from(data.camera[0].radiance);
     let of_pixel = |(hit, &before): (&Hit, &[f32; 3])| {
@@ -85,19 +85,19 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let data = &pass.state.data;
     let pixels = data.radiance.len();
     for (number, layering) in (0u32..).zip(&data.layerings) {
-        let frame = &data.frame[layering.object as usize];
+        let params = &data.object_params[layering.object as usize];
         let mapped = match layering.size {
             _ if layering.first_island != NONE => MAPPED_BY_ISLANDS,
             [1, 1] => MAPPED_NOT,
             _ => MAPPED_BY_UVS,
         };
-        let shadows = u32::from(frame.shadow_words > 0);
+        let shadows = u32::from(params.shadow_words > 0);
         let constants =
             [shadows, layering.layers.div_ceil(MAP_LAYERS as u32), mapped, layering.henyey, layering.fresnel];
         let kernel = if layering.paper != 0 { "paper" } else { "exact" };
         // With an interface crossed at every step there and back.
         let a_light = (layering.samples as usize + 1) * (layering.layers as usize + 1);
-        let (count, most) = (data.beams.len(), (STEPS / a_light).max(1));
+        let (count, most) = (data.layer_lights.len(), (STEPS / a_light).max(1));
         for first in (0..count).step_by(most) {
             let last = count.min(first + most);
             let each = (DISPATCH / (a_light * (last - first))).max(64);

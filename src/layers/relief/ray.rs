@@ -6,9 +6,9 @@ use crate::layers::beneath::{optical_depth, phase, segment};
 use crate::layout::{
     ABOVE_INTERFACE, FADING, GRAZING, Hit, LEAST_COSINE, Layer, Layering, Light, MAP_LAYERS, MOST_LAYERS, NONE,
 };
-use crate::light::fresnel::transmittance;
-use crate::light::irradiance::{arrival, reaches};
-use crate::light::texture::texel;
+use crate::lighting::fresnel::transmittance;
+use crate::lighting::irradiance::{arrival, reaches};
+use crate::lighting::texture::texel;
 use crate::state::{State, wide};
 
 /// Depths of the lower interfaces, without end beyond the last one.
@@ -26,7 +26,7 @@ impl MapPlaces {
     pub fn of(state: &State, layering: &Layering, face: usize) -> Option<Self> {
         let place = |[x, y]: [f32; 2]| DVec2::new(x.into(), y.into());
         if layering.first_island != NONE {
-            let first = state.data.frame[layering.object as usize].first_face;
+            let first = state.data.object_params[layering.object as usize].first_face;
             let own = &state.data.islands[face - first as usize + layering.first_island as usize];
             let limits = Some([own.low, own.high].map(place));
             return Some(Self { corners: [own.a, own.b, own.c].map(place), limits });
@@ -90,7 +90,7 @@ impl<'a> Ray<'a> {
         }
         let slope = (fitted * side).dot(eye).max(GRAZING);
         let length = (f64::from(layering.deepest) / slope).min(layering.reach.into());
-        let layers = &data.beneath[layering.first_layer as usize..][..layering.layers as usize];
+        let layers = &data.layer_media[layering.first_layer as usize..][..layering.layers as usize];
         let mut sigma_t = [DVec3::ZERO; MOST_LAYERS];
         sigma_t.iter_mut().zip(layers).for_each(|(sigma, layer)| *sigma = wide(layer.sigma_t));
         Self {
@@ -112,7 +112,7 @@ impl<'a> Ray<'a> {
     }
 
     pub(super) fn layers(&self) -> &[Layer] {
-        &self.state.data.beneath[self.layering.first_layer as usize..][..self.layering.layers as usize]
+        &self.state.data.layer_media[self.layering.first_layer as usize..][..self.layering.layers as usize]
     }
 
     /// Depths of the lower interfaces below a place that lies off P by `offset`; without end beyond the last one.
@@ -168,7 +168,7 @@ impl<'a> Ray<'a> {
         if self.layering.fresnel == 0 {
             return DVec3::ONE;
         }
-        let eta = self.state.data.frame[self.layering.object as usize].eta;
+        let eta = self.state.data.object_params[self.layering.object as usize].eta;
         DVec3::from_array(eta.map(|eta| transmittance(eta.into(), cosine)))
     }
 
@@ -258,7 +258,7 @@ impl<'a> Ray<'a> {
             return DVec3::ZERO;
         }
         let data = &self.state.data;
-        let lights = data.beams.iter().filter(|light| reaches(data, light, self.face));
+        let lights = data.layer_lights.iter().filter(|light| reaches(data, light, self.face));
         let parts = if self.layering.paper == 0 { self.parts() } else { Vec::new() };
         let one = |light| if self.layering.paper == 0 { self.exact(light, &parts) } else { self.paper(light) };
         let sum: DVec3 = lights.map(|light| one(light) * wide(light.color)).sum();

@@ -1,7 +1,7 @@
 //! The sigma_0 whose f comes nearest to what leaves balls of several radii, each part of their surface alike.
 
 use super::{Curve, angle};
-use crate::local::reflectance::cdrf;
+use crate::shading::reflectance::cdrf;
 
 /// A fit.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use plotters::prelude::*;
 
 use super::{ANGLES, Curve, angle};
 use crate::error::{Error, Result};
-use crate::local::reflectance::cdrf;
+use crate::shading::reflectance::cdrf;
 
 /// What was found of one channel.
 pub struct Panel<'a> {

@@ -3,10 +3,10 @@
 use super::{Opened, Solver};
 use crate::error::{Error, Result};
 use crate::gpu::Device;
-use crate::layout::Slot;
-use crate::render::plan::{Change, Options, Transport};
-use crate::render::run::{Room, Session};
+use crate::layout::BufferId;
+use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::{Scene, Scheme};
+use crate::session::run::{CapacityHints, Session};
 use crate::state::State;
 
 /// A session, and what changes before each frame.
@@ -18,7 +18,7 @@ pub(super) struct Frames {
 impl Frames {
     /// At its first frame; before each later one, `change` happens.
     pub(super) fn open(scene: &Scene, device: Option<&Device>, options: Options, change: Change) -> Result<Opened> {
-        let mut session = Session::new(scene, device, options, Room::default())?;
+        let mut session = Session::new(scene, device, options, CapacityHints::default())?;
         match session.frame(Change::EVERYTHING) {
             Err(Error::TooMuchToKeep { what, .. }) => Ok(Opened::NotOffered(format!("too much to keep: {what}"))),
             Err(error) => Err(error),
@@ -33,13 +33,14 @@ impl Frames {
 impl Solver for Frames {
     fn frame(&mut self) -> Result<Option<f64>> {
         let milliseconds = self.session.frame(self.change)?.iter().map(|part| part.milliseconds).sum::<f64>();
-        let on_device = self.session.device().is_some() && self.session.plan().options().transport != Transport::Octree;
+        let on_device =
+            self.session.device().is_some() && self.session.plan().options().transport != ShadingMethod::Octree;
         let timed = on_device && milliseconds.is_finite();
         Ok(timed.then_some(milliseconds))
     }
 
     fn radiosity(&mut self) -> Result<Vec<[f64; 3]>> {
-        self.session.fetch(&[Slot::radiosity])?;
+        self.session.fetch(&[BufferId::radiosity])?;
         let light = self.session.units().light;
         let radiosity = &self.session.state().data.radiosity;
         let places = self.session.prepared().all_places();
@@ -47,10 +48,10 @@ impl Solver for Frames {
     }
 
     fn links_per_face(&mut self) -> Result<Option<f64>> {
-        if self.session.plan().options().transport != Transport::Hierarchy {
+        if self.session.plan().options().transport != ShadingMethod::Hierarchy {
             return Ok(None);
         }
-        self.session.fetch(&[Slot::spans, Slot::runs])?;
+        self.session.fetch(&[BufferId::spans, BufferId::runs])?;
         let state = self.session.state();
         let links: u64 = match state.method.scheme {
             Scheme::Blocks => entries(state),
@@ -65,7 +66,7 @@ impl Solver for Frames {
 fn entries(state: &State) -> u64 {
     let mut sum = 0;
     for (at, batch) in state.batches() {
-        let (first, _) = state.part(Slot::runs, at);
+        let (first, _) = state.part(BufferId::runs, at);
         let blocks = &state.data.blocks[state.object(at).first.blocks..][batch.start as usize..batch.end as usize];
         for (block, run) in blocks.iter().zip(&state.data.runs[first..]) {
             let each = [run.direct, run.area, run.edge].map(u64::from).iter().sum::<u64>();

@@ -6,7 +6,7 @@ use super::frames::Frames;
 use super::{Leaves, Lighting};
 use crate::error::Result;
 use crate::gpu::Device;
-use crate::render::plan::{Change, Goal, Mode, Options, Transport};
+use crate::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use crate::scene::{Distance, Hierarchy, Scene, Scheme};
 
 /// What is solved, and where.
@@ -143,7 +143,7 @@ fn blocks_in(bench: &Bench<'_>, mode: Mode, lighting: Lighting, tolerance: f64) 
     let mut scene = bench.scene.clone();
     (scene.transport.scheme, scene.transport.hierarchy) = (Scheme::Blocks, Hierarchy::Median);
     scene.transport.tolerance = tolerance;
-    let options = Options { transport: Transport::Hierarchy, mode, goal: Goal::Radiosity, estimate: false };
+    let options = Options { transport: ShadingMethod::Hierarchy, mode, goal: Goal::Radiosity, estimate: false };
     Frames::open(&scene, bench.device, options, change(lighting))
 }
 
@@ -160,7 +160,7 @@ fn links(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opened> {
         Lighting::Moves => Mode::OnTheFly,
         Lighting::Rests => Mode::Keep,
     };
-    let options = Options { transport: Transport::Hierarchy, mode, goal: Goal::Radiosity, estimate: false };
+    let options = Options { transport: ShadingMethod::Hierarchy, mode, goal: Goal::Radiosity, estimate: false };
     Frames::open(&at_angle(bench.scene, angle), bench.device, options, change(lighting))
 }
 
@@ -169,7 +169,7 @@ fn links_kept(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opene
         return Ok(Opened::NotOffered("the same as links".into()));
     }
     let options =
-        Options { transport: Transport::Hierarchy, mode: Mode::Render, goal: Goal::Radiosity, estimate: false };
+        Options { transport: ShadingMethod::Hierarchy, mode: Mode::Render, goal: Goal::Radiosity, estimate: false };
     Frames::open(&at_angle(bench.scene, angle), bench.device, options, Change::LIGHT)
 }
 
@@ -180,13 +180,15 @@ fn octree(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opened> {
     }
     let mut scene = bench.scene.clone();
     scene.transport.octree_angle = angle;
-    let options = Options { transport: Transport::Octree, mode: Mode::Render, goal: Goal::Radiosity, estimate: false };
+    let options =
+        Options { transport: ShadingMethod::Octree, mode: Mode::Render, goal: Goal::Radiosity, estimate: false };
     Frames::open(&scene, bench.device, options, change(lighting))
 }
 
 /// Every face to every face.
 pub(super) fn brute(bench: &Bench<'_>, lighting: Lighting, _: f64) -> Result<Opened> {
-    let options = Options { transport: Transport::Brute, mode: Mode::OnTheFly, goal: Goal::Radiosity, estimate: false };
+    let options =
+        Options { transport: ShadingMethod::Brute, mode: Mode::OnTheFly, goal: Goal::Radiosity, estimate: false };
     Frames::open(bench.scene, bench.device, options, change(lighting))
 }
 

@@ -10,9 +10,9 @@ use crate::error::{Input, Result};
 use crate::measure::norms::{Norms, norms, worst};
 use crate::measure::reference::{by_object, radiosity, receivers};
 use crate::measure::sample::Sample;
-use crate::render::plan::{Change, Goal, Options, Transport};
-use crate::render::run::{Room, Session};
+use crate::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use crate::scene::{Hierarchy, Near, Scene, Scheme};
+use crate::session::run::{CapacityHints, Session};
 use crate::state::{Distance, State, wide};
 
 /// How a method treats a single triangle, at its finest.
@@ -50,8 +50,8 @@ pub struct Yardstick {
 impl Yardstick {
     /// For `count` seeded faces of a scene; a dark one is an error, because nothing can be measured in it.
     pub fn new(scene: &Scene, count: usize, seed: u64) -> Result<Self> {
-        let options = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
-        let mut session = Session::new(scene, None, options, Room::default())?;
+        let options = Options { transport: ShadingMethod::Brute, goal: Goal::Radiosity, ..Options::default() };
+        let mut session = Session::new(scene, None, options, CapacityHints::default())?;
         if !session.state().lit() {
             let fault = Input::new("no light shines, so there is no error to measure").key("light");
             return Err(fault.expected("at least one [[light]] that is not black").into());
@@ -62,7 +62,7 @@ impl Yardstick {
         let keys = &mut rough.transport;
         (keys.scheme, keys.hierarchy, keys.distance, keys.near) = usual;
         let options = Options { goal: Goal::Radiosity, ..Options::default() };
-        let mut rough = Session::new(&rough, None, options, Room::default())?;
+        let mut rough = Session::new(&rough, None, options, CapacityHints::default())?;
         rough.frame(Change::EVERYTHING)?;
         let sample = receivers(rough.state(), count, seed);
 
@@ -110,7 +110,7 @@ fn midpoint(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
 
 fn midpoint_alone(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
     let data = &state.data;
-    let dipoles = [0, 1, 2].map(|channel| Dipole::of(&data.frame[0], channel));
+    let dipoles = [0, 1, 2].map(|channel| Dipole::of(&data.object_params[0], channel));
     let distance = match state.distance {
         Distance::Radial => Sources::Radial,
         Distance::Table1 => Sources::Table1 { clamp: true },

@@ -3,24 +3,24 @@
 //! Times are those of whole frames, each stage between two timestamps. What a stage does is not estimated: one more frame
 //! runs with kernels whose blocks count how often they are run (`gpu::count`), and has to give the same bits.
 
+mod quantiles;
 mod rates;
 mod sheet;
-mod spread;
 mod work;
 
 use std::time::Instant;
 
+pub use self::quantiles::Quantiles;
 pub use rates::{Rates, rates};
-pub use spread::Spread;
 pub use work::Work;
 
-use crate::baseline::octree::HOST;
 use crate::error::Result;
 use crate::gpu::{Device, Timing};
-use crate::layout::Slot;
-use crate::render::plan::{Change, Options, Transport};
-use crate::render::run::{Room, Session};
+use crate::layout::BufferId;
+use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::Scene;
+use crate::session::run::{CapacityHints, Session};
+use crate::transport::octree::HOST;
 
 /// What is to be measured.
 #[derive(Clone, Copy, Debug)]
@@ -51,9 +51,9 @@ pub struct Row {
     /// Dispatches of a frame; 0 on the CPU.
     pub dispatches: usize,
     /// Milliseconds of a frame by the device's timestamps; none where there are none, and of what runs on the host.
-    pub device: Option<Spread>,
+    pub device: Option<Quantiles>,
     /// Milliseconds by the host's clock: on a device submitted and waited for by itself, step by step.
-    pub wall: Spread,
+    pub wall: Quantiles,
     /// What its kernels do in a frame; none on the CPU, and where the device takes no kernel that counts.
     pub work: Option<Work>,
 }
@@ -74,9 +74,9 @@ pub struct Profile {
     /// The stages, in the order of the frame.
     pub rows: Vec<Row>,
     /// Milliseconds of a frame from call to result.
-    pub wall: Spread,
+    pub wall: Quantiles,
     /// The sum of the stages by the device's timestamps.
-    pub on_device: Option<Spread>,
+    pub on_device: Option<Quantiles>,
     /// Most bytes of device memory at once, the first frame and copies included; of the CPU the buffers' bytes.
     pub peak: u64,
     /// What there is to say besides: why something was not measured.
@@ -128,7 +128,7 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
         _ => {}
     }
     notes.extend(session.rebuilt());
-    if settings.options.transport == Transport::Octree {
+    if settings.options.transport == ShadingMethod::Octree {
         notes.push("the octree runs on the host".into());
     }
     let mut rows = rows(&mut session, &found[0], settings)?;
@@ -150,8 +150,8 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
         frames: found[0].len(),
         rates,
         rows,
-        wall: Spread::of(found[0].iter().map(|frame| frame.1).collect()),
-        on_device: device.is_some().then(|| Spread::of(sums)).filter(|spread| spread.median.is_finite()),
+        wall: Quantiles::of(found[0].iter().map(|frame| frame.1).collect()),
+        on_device: device.is_some().then(|| Quantiles::of(sums)).filter(|spread| spread.median.is_finite()),
         peak,
         notes,
         trace: found.into_iter().next().unwrap_or_default(),
@@ -164,7 +164,7 @@ pub struct Against {
     /// The stage, `stages` for the sum of all, or `frame` from call to result.
     pub what: String,
     /// Milliseconds before and after.
-    pub times: [Spread; 2],
+    pub times: [Quantiles; 2],
     /// The ratio of the medians, after to before.
     pub ratio: f64,
 }
@@ -175,7 +175,7 @@ pub fn against(scene: &Scene, devices: [&Device; 2], settings: &Settings) -> Res
         [ready(scene, Some(devices[0]), settings)?, ready(scene, Some(devices[1]), settings)?];
     let found = timed(&mut [&mut before, &mut after], settings)?;
     let row = |what: &str, values: [Vec<f64>; 2]| {
-        let times = values.map(Spread::of);
+        let times = values.map(Quantiles::of);
         Against { what: what.to_string(), times, ratio: times[1].median / times[0].median }
     };
     let both = |of: &dyn Fn(&Frames) -> Vec<f64>| [of(&found[0]), of(&found[1])];
@@ -194,7 +194,7 @@ pub fn against(scene: &Scene, devices: [&Device; 2], settings: &Settings) -> Res
 
 /// A session whose next frames are all alike: lists have their room, pipelines are made.
 pub(super) fn ready(scene: &Scene, device: Option<&Device>, settings: &Settings) -> Result<Session> {
-    let mut session = Session::new(scene, device, settings.options, Room::default())?;
+    let mut session = Session::new(scene, device, settings.options, CapacityHints::default())?;
     session.frame(Change::EVERYTHING)?;
     if device.is_some() {
         session.frame(settings.change)?;
@@ -242,14 +242,14 @@ fn rows(session: &mut Session, frames: &Frames, settings: &Settings) -> Result<V
             row.steps += 1;
             continue;
         }
-        let own = Spread::of(of_stage(frames, &time.name));
+        let own = Quantiles::of(of_stage(frames, &time.name));
         let stage = on_device && time.name != HOST.name;
         rows.push(Row {
             stage: time.name.clone(),
             steps: 1,
             dispatches: dispatches.iter().filter(|dispatch| dispatch.stage == time.name).count(),
             device: (stage && own.median.is_finite()).then_some(own),
-            wall: if stage { Spread::of(of_stage(&apart, &time.name)) } else { own },
+            wall: if stage { Quantiles::of(of_stage(&apart, &time.name)) } else { own },
             work: None,
         });
     }
@@ -260,7 +260,7 @@ fn rows(session: &mut Session, frames: &Frames, settings: &Settings) -> Result<V
 /// of places that no pixel shows is never written.
 pub(super) fn result(session: &mut Session) -> Result<Vec<u8>> {
     let pictured = !session.state().data.radiance.is_empty();
-    let slot = if pictured { Slot::radiance } else { Slot::radiosity };
+    let slot = if pictured { BufferId::radiance } else { BufferId::radiosity };
     session.fetch(&[slot])?;
     Ok(session.state().data.bytes(slot).to_vec())
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{Profile, Row, Spread};
+use super::{Profile, Quantiles, Row};
 use crate::error::{Error, Input, Result};
 
 /// The columns of the CSV.
@@ -56,8 +56,9 @@ impl Profile {
                 row.dispatches.to_string(),
             ]);
             for spread in [row.device, Some(row.wall)] {
-                let show =
-                    |of: fn(&Spread) -> f64| spread.as_ref().map_or_else(String::new, |spread| of(spread).to_string());
+                let show = |of: fn(&Quantiles) -> f64| {
+                    spread.as_ref().map_or_else(String::new, |spread| of(spread).to_string())
+                };
                 cells.extend([show(|s| s.median), show(|s| s.low), show(|s| s.high)]);
             }
             let counts =
@@ -72,7 +73,8 @@ impl Profile {
 
     /// Everything; `null` where nothing was measured.
     pub fn json(&self) -> Value {
-        let spread = |spread: Option<Spread>| spread.map(|s| json!({"median": s.median, "p10": s.low, "p90": s.high}));
+        let spread =
+            |spread: Option<Quantiles>| spread.map(|s| json!({"median": s.median, "p10": s.low, "p90": s.high}));
         let row = |row: &Row| {
             let [copy, fma, exp] = self.shares(row);
             let work = row.work.map(|w| {

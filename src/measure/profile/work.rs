@@ -6,12 +6,12 @@ use super::{Settings, result};
 use crate::error::{Error, Result};
 use crate::gpu::Device;
 use crate::gpu::count::{Tally, Traffic};
-use crate::layout::{SLOTS, Slot};
-use crate::render::frame::owner;
-use crate::render::needs::union;
-use crate::render::plan::Change;
-use crate::render::run::{Room, Session};
+use crate::layout::{BUFFER_IDS, BufferId};
+use crate::pipeline::frame::owner;
+use crate::pipeline::plan::Change;
 use crate::scene::Scene;
+use crate::session::requirements::union;
+use crate::session::run::{CapacityHints, Session};
 
 /// What a stage does in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,7 +42,7 @@ pub(super) fn of(
     plain: &mut Session,
 ) -> Result<BTreeMap<&'static str, Work>> {
     // A kernel that counts takes its time: where the first frame is as the others are, it serves.
-    let mut session = Session::new(scene, Some(device), settings.options, Room::default())?;
+    let mut session = Session::new(scene, Some(device), settings.options, CapacityHints::default())?;
     session.frame(Change::EVERYTHING)?;
     let mut counted = tallies(&session)?;
     if settings.change != Change::EVERYTHING || session.retries() + session.relinks() > 0 {
@@ -62,7 +62,7 @@ pub(super) fn of(
         (work.invocations, work.flops, work.roots, work.exps) =
             (tally.invocations, tally.flops, tally.roots, tally.exps);
         for (binding, Traffic { loaded, stored }) in tally.moved {
-            let Some(&slot) = SLOTS.get(binding as usize) else { continue };
+            let Some(&slot) = BUFFER_IDS.get(binding as usize) else { continue };
             let most = bound.get(&(stage, slot)).copied().unwrap_or_default();
             work.loaded += loaded;
             work.stored += stored;
@@ -85,8 +85,8 @@ fn tallies(session: &Session) -> Result<BTreeMap<&'static str, Tally>> {
 }
 
 /// Bytes of each buffer that a stage binds in a frame, each counted once.
-fn bound(session: &Session, settings: &Settings) -> Result<BTreeMap<(&'static str, Slot), u64>> {
-    let mut ranges: BTreeMap<(&'static str, Slot), BTreeSet<[u64; 2]>> = BTreeMap::new();
+fn bound(session: &Session, settings: &Settings) -> Result<BTreeMap<(&'static str, BufferId), u64>> {
+    let mut ranges: BTreeMap<(&'static str, BufferId), BTreeSet<[u64; 2]>> = BTreeMap::new();
     for dispatch in session.dispatches(settings.change)? {
         for bound in dispatch.bound(session.state())? {
             ranges.entry((dispatch.stage, bound.slot)).or_default().insert(bound.range);

@@ -139,7 +139,7 @@ pub fn stress(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::frame::STAGES;
+    use crate::pipeline::frame::STAGES;
 
     #[test]
     fn a_quick_report_compares_every_stage() {

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Input, Result};
-use crate::view::whole::Part;
+use crate::view::atomic_file::Part;
 
 /// The page's name.
 pub const PAGE: &str = "index.html";

@@ -6,7 +6,7 @@ use super::{Bench, Page, Tone};
 use crate::error::Result;
 use crate::measure::layers::{Line as Measured, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules, uneven};
 use crate::measure::median;
-use crate::render::plan::Transport;
+use crate::pipeline::plan::ShadingMethod;
 use crate::scene::Integration;
 
 const RULES: [(Integration, &str); 2] = [(Integration::Paper, "paper's rule"), (Integration::Exact, "ours")];
@@ -129,7 +129,7 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
             for layers in scene.objects.iter_mut().filter_map(|object| object.material.layers.as_mut()) {
                 (layers.samples, layers.integration) = (samples, rule);
             }
-            Shot::take(&scene, bench.device, Transport::Hierarchy)
+            Shot::take(&scene, bench.device, ShadingMethod::Hierarchy)
         };
         let [paper, ours] = [shoot(RULES[0])?, shoot(RULES[1])?];
         let (mean, map) = ours.apart(&paper)?;

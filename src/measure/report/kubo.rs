@@ -5,18 +5,18 @@ use super::pictures::{Shot, scene};
 use super::{Bench, Page, Tone};
 use crate::dipole::profile::Dipole;
 use crate::error::Result;
-use crate::light::fresnel;
+use crate::lighting::fresnel;
 use crate::measure::balls::fit::fit;
 use crate::measure::balls::plot::{Panel, svg};
 use crate::measure::balls::{dipole::curve as solve, walk::curve as walk};
 use crate::measure::local::{PAPER, balls, bending, curve, panels, table_1};
 use crate::measure::validity::{ASKED, Place, places, share, verdict};
 use crate::measure::walk::Medium;
-use crate::render::bends::bends;
-use crate::render::local::spread;
-use crate::render::plan::{Change, Options, Transport};
-use crate::render::run::{Room, Session};
+use crate::pipeline::plan::{Change, Options, ShadingMethod};
+use crate::prepare::shading::default_sigma_0;
 use crate::scene::{Camera, PRESETS, Preset, Scene, Tone as Curve};
+use crate::session::curvature_view::curvature_view;
+use crate::session::run::{CapacityHints, Session};
 
 /// Everything of this paper.
 pub fn kubo(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
@@ -167,7 +167,8 @@ fn fitted(bench: &Bench<'_>, page: &mut Page, preset: &Preset) -> Result<()> {
         let by_dipole: Vec<_> = radii.iter().map(|paths| solve(&dipole, paths * mean)).collect();
         let walked: Vec<_> =
             radii.iter().zip(1..).map(|(paths, k)| walk(medium, paths * mean, dipole.total(), photons, k)).collect();
-        let (model, truth) = (fit(&by_dipole, spread(&dipole), false), fit(&walked, spread(&dipole), true));
+        let (model, truth) =
+            (fit(&by_dipole, default_sigma_0(&dipole), false), fit(&walked, default_sigma_0(&dipole), true));
         let mut row = vec![(*name).to_string()];
         row.extend([model.sigma_0, model.residual, truth.sigma_0, truth.residual].map(|x| format!("{x:.4}")));
         row.push(format!("{:.3}", truth.scale));
@@ -189,11 +190,11 @@ fn compared(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let mut rows = Vec::new();
     for name in bench.either(&["bust"][..], &["bust", "lotus", "torus"]) {
         let scene = scene(name, [side; 2], coarser(bench))?;
-        let dipole = Shot::take(&scene, bench.device, Transport::Hierarchy)?;
+        let dipole = Shot::take(&scene, bench.device, ShadingMethod::Hierarchy)?;
         let mut shown = vec![dipole.show(format!("{name}: dipole"))?];
         let mut row = vec![(*name).to_string(), format!("{:.1}", dipole.ms)];
         let mut flips = Vec::new();
-        for (transport, called) in [(Transport::Cdrf, "CDRF"), (Transport::Lambert, "Lambert")] {
+        for (transport, called) in [(ShadingMethod::Cdrf, "CDRF"), (ShadingMethod::Lambert, "Lambert")] {
             let shot = Shot::take(&scene, bench.device, transport)?;
             let (mean, map) = shot.apart(&dipole)?;
             shown.extend([shot.show(called)?, map.show(format!("{called} against dipole, FLIP {mean:.3}"))?]);
@@ -202,10 +203,10 @@ fn compared(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         }
         rows.push(row);
 
-        let options = Options { transport: Transport::Cdrf, ..Options::default() };
-        let mut session = Session::new(&scene, bench.device, options, Room::default())?;
+        let options = Options { transport: ShadingMethod::Cdrf, ..Options::default() };
+        let mut session = Session::new(&scene, bench.device, options, CapacityHints::default())?;
         session.frame(Change::EVERYTHING)?;
-        let (picture, found) = bends(&mut session)?;
+        let (picture, found) = curvature_view(&mut session)?;
         let plain = Camera { exposure: 1.0, tone: Curve::default(), ..scene.camera.clone() };
         let [low, high] = found.ends.map(|kappa| kappa / scene.unit_mm);
         let label = format!("{name}: curvature, blue {low:.2e} to red {high:.2e} per mm (figure 10a)");
@@ -224,7 +225,7 @@ fn compared(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     // Those of the dipole take long, and stand above.
     let side = bench.either(144, 360);
     let mut shown = Vec::new();
-    for panel in panels([side; 2])?.into_iter().filter(|p| !bench.quick || p.transport != Transport::Hierarchy) {
+    for panel in panels([side; 2])?.into_iter().filter(|p| !bench.quick || p.transport != ShadingMethod::Hierarchy) {
         let scene = Scene { camera: Camera { samples: 1, ..panel.scene.camera.clone() }, ..panel.scene.clone() };
         shown.push(
             Shot::take(&scene, bench.device, panel.transport)?

@@ -7,9 +7,9 @@ use super::html::Shown;
 use super::{Bench, Page, Tone};
 use crate::error::{Error, Result};
 use crate::gpu::Device;
-use crate::render::plan::{Change, Options, Transport};
-use crate::render::run::{Room, Session};
+use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::{BUILTIN, Camera, Scene};
+use crate::session::run::{CapacityHints, Session};
 use crate::view::picture::Picture;
 
 /// A picture as it is shown.
@@ -29,9 +29,9 @@ impl Shot {
     }
 
     /// A scene on a device, none being the CPU.
-    pub fn take(scene: &Scene, device: Option<&Device>, transport: Transport) -> Result<Self> {
+    pub fn take(scene: &Scene, device: Option<&Device>, transport: ShadingMethod) -> Result<Self> {
         let options = Options { transport, ..Options::default() };
-        let mut session = Session::new(scene, device, options, Room::default())?;
+        let mut session = Session::new(scene, device, options, CapacityHints::default())?;
         let times = session.frame(Change::EVERYTHING)?;
         let picture = session.picture()?;
         Ok(Self::of(&picture, &scene.camera, times.iter().map(|time| time.milliseconds).sum()))
@@ -94,13 +94,13 @@ pub fn scenes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
             left.push(*name);
             continue;
         }
-        let reference = Shot::take(&scene, None, Transport::Hierarchy)?;
+        let reference = Shot::take(&scene, None, ShadingMethod::Hierarchy)?;
         page.head(&format!("{name}: {about}"));
         let Some(device) = bench.device else {
             page.pictures(&[reference.show("CPU reference, f64")?]);
             continue;
         };
-        let found = Shot::take(&scene, Some(device), Transport::Hierarchy)?;
+        let found = Shot::take(&scene, Some(device), ShadingMethod::Hierarchy)?;
         let (mean, map) = found.apart(&reference)?;
         worst = worst.max(mean);
         let steps = found.bytes.iter().zip(&reference.bytes).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);

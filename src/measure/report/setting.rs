@@ -3,10 +3,10 @@
 use super::{Bench, Page};
 use crate::error::Result;
 use crate::gpu::{Adapter, Device, Instance};
-use crate::layout::SLOTS;
-use crate::render::plan::Options;
-use crate::render::run::{Room, Session};
+use crate::layout::BUFFER_IDS;
+use crate::pipeline::plan::Options;
 use crate::scene::{BUILTIN, Scene};
+use crate::session::run::{CapacityHints, Session};
 
 /// The device's name.
 pub fn name(bench: &Bench<'_>) -> String {
@@ -82,10 +82,10 @@ pub fn plans(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let mut reasons = Vec::new();
     for (name, ..) in BUILTIN {
         let scene = Scene::load(name, &[])?;
-        let session = Session::new(&scene, bench.device, Options::default(), Room::default())?;
+        let session = Session::new(&scene, bench.device, Options::default(), CapacityHints::default())?;
         let (state, plan) = (session.state(), session.plan());
-        let bytes: usize = SLOTS.iter().map(|slot| state.data.bytes(*slot).len()).sum();
-        let buffers = SLOTS.iter().filter(|slot| !state.data.bytes(**slot).is_empty()).count();
+        let bytes: usize = BUFFER_IDS.iter().map(|slot| state.data.bytes(*slot).len()).sum();
+        let buffers = BUFFER_IDS.iter().filter(|slot| !state.data.bytes(**slot).is_empty()).count();
         let stages: Vec<_> = plan.stages.iter().map(|stage| stage.name).collect();
         rows.push(vec![
             (*name).to_string(),

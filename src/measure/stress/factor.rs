@@ -9,12 +9,12 @@ use crate::dipole::form_factor::{Distance, vector_area};
 use crate::dipole::profile::Dipole;
 use crate::error::Result;
 use crate::gpu::Device;
-use crate::layout::{Query, SLOTS, Slot};
-use crate::light::fresnel::{boundary, diffuse_internal_exact};
-use crate::render::plan::{Change, Goal, Options, Transport};
-use crate::render::run::{Room, Session};
+use crate::layout::{BUFFER_IDS, BufferId, Query};
+use crate::lighting::fresnel::{boundary, diffuse_internal_exact};
+use crate::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use crate::scene::{Fresnel, Light, Material, Mesh, Scene, Surface};
-use crate::state::{DeviceState, Place, State, Step};
+use crate::session::run::{CapacityHints, Session};
+use crate::state::{DeviceState, Scope, State, Step};
 use crate::transport::evaluate;
 
 /// Three media, one a channel: reduced scattering and absorption, 1/length, and the index of refraction.
@@ -93,7 +93,7 @@ impl Pair {
             two_sided: false,
             surface: Surface::default(),
             sigma_0: None,
-            spread: None,
+            sigma_0_texture: None,
             texture: None,
             layers: None,
         };
@@ -106,12 +106,12 @@ impl Pair {
 /// The form factors of these pairs by `evaluate` and by brute force.
 pub(super) fn run(pairs: &[Pair], device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 2]> {
     // One twin for all: its kernels are made once.
-    let mut twin = device.map(|device| DeviceState::new(device, false)).transpose()?;
-    let mut evaluated = evaluate(pairs, twin.as_mut())?;
+    let mut device_state = device.map(|device| DeviceState::new(device, false)).transpose()?;
+    let mut evaluated = evaluate(pairs, device_state.as_mut())?;
     if let Some(plant) = plant {
         plant.apply(&mut evaluated);
     }
-    let brute = pairs.iter().map(|pair| brute(pair, twin.as_mut())).collect::<Result<Vec<_>>>()?;
+    let brute = pairs.iter().map(|pair| brute(pair, device_state.as_mut())).collect::<Result<Vec<_>>>()?;
     let exact: Vec<_> = pairs.par_iter().map(Pair::exact).collect();
     Ok([judge(pairs, &exact, &evaluated), judge(pairs, &exact, &brute)])
 }
@@ -146,34 +146,39 @@ pub fn evaluated(pairs: &[Pair], device: Option<&Device>) -> Result<Vec<[f32; 3]
     evaluate(pairs, device.map(|device| DeviceState::new(device, false)).transpose()?.as_mut())
 }
 
-fn evaluate(pairs: &[Pair], twin: Option<&mut DeviceState>) -> Result<Vec<[f32; 3]>> {
+fn evaluate(pairs: &[Pair], device_state: Option<&mut DeviceState>) -> Result<Vec<[f32; 3]>> {
     let mut state = State::default();
     state.data.queries = pairs.iter().flat_map(Pair::queries).collect();
     state.data.answers = vec![[0.0; 3]; state.data.queries.len()];
-    let steps = [Step { stage: &evaluate::STAGE, at: Place::SCENE }];
-    steps_on(&mut state, &steps, twin, &[Slot::answers])?;
+    let steps = [Step { stage: &evaluate::STAGE, at: Scope::SCENE }];
+    steps_on(&mut state, &steps, device_state, &[BufferId::answers])?;
     let radial = |answers: &[[f32; 3]]| [answers[0][0], answers[1][0], answers[2][0]];
     Ok(state.data.answers.chunks_exact(3).map(radial).collect())
 }
 
 /// Runs these steps on the device or on the CPU, and brings back these buffers.
-fn steps_on(state: &mut State, steps: &[Step], twin: Option<&mut DeviceState>, slots: &[Slot]) -> Result<()> {
-    let Some(twin) = twin else {
+fn steps_on(
+    state: &mut State,
+    steps: &[Step],
+    device_state: Option<&mut DeviceState>,
+    slots: &[BufferId],
+) -> Result<()> {
+    let Some(device_state) = device_state else {
         steps.iter().for_each(|step| step.reference(state));
         return Ok(());
     };
-    twin.upload(state, SLOTS)?;
-    twin.run(state, steps)?;
-    twin.download(state, slots)
+    device_state.upload(state, BUFFER_IDS)?;
+    device_state.run(state, steps)?;
+    device_state.download(state, slots)
 }
 
 /// Brute force over the two triangles: what the point receives, per irradiance of the lit one.
-fn brute(pair: &Pair, twin: Option<&mut DeviceState>) -> Result<[f32; 3]> {
-    let options = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
-    let session = Session::new(&pair.scene()?, None, options, Room::default())?;
+fn brute(pair: &Pair, device_state: Option<&mut DeviceState>) -> Result<[f32; 3]> {
+    let options = Options { transport: ShadingMethod::Brute, goal: Goal::Radiosity, ..Options::default() };
+    let session = Session::new(&pair.scene()?, None, options, CapacityHints::default())?;
     let steps = session.plan().steps(session.state(), Change::EVERYTHING);
     let mut state = session.state().clone();
-    steps_on(&mut state, &steps, twin, &[Slot::irradiance, Slot::radiosity])?;
+    steps_on(&mut state, &steps, device_state, &[BufferId::irradiance, BufferId::radiosity])?;
     let places = session.prepared().places(0);
     let data = &state.data;
     let (light, received) = (data.irradiance[places[0]], data.radiosity[places[1]]);

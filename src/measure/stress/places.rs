@@ -6,7 +6,7 @@ use super::meshes::{both, doubled, even, mesh, reversed, sheet, turn, turned};
 use super::solve::{Setup, scene};
 use super::{Case, Kind, SHEET, SHEET_REASON, USUAL, USUAL_REASON, ZERO, within};
 use crate::error::Result;
-use crate::light::fresnel::transmittance;
+use crate::lighting::fresnel::transmittance;
 use crate::scene::{Light, Source};
 
 /// The base scene, larger by this factor, the material thinner by it.

@@ -9,17 +9,17 @@ use super::solve::scene;
 use super::{Bound, Case, Found, Kind, Plant, Worst, within};
 use crate::error::{Error, Result};
 use crate::gpu::Device;
-use crate::layout::Slot;
-use crate::render::plan::{Change, Options, Transport};
-use crate::render::run::{Room, Session};
+use crate::layout::BufferId;
+use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::{Cdrf, Mesh, Scene};
+use crate::session::run::{CapacityHints, Session};
 
 /// What a picture may err by.
 const SHADED: Bound = within(3e-6, 1e-5);
 const SHADED_REASON: &str = "some ten roundings; curvature of slivers is off by 1e-4, and f changes by at most sigma / sqrt(2 pi); the \
                              closed form is within 6e-6 of the convolution";
 
-/// Where normals point anywhere, some lie between two of the numbers that stage `pack` has, and roundings decide which one.
+/// Where normals point anywhere, some lie between two of the numbers that stage `pack_normals` has, and roundings decide which one.
 const STEPPED: Bound = within(1.5e-5, 1e-4);
 const STEPPED_REASON: &str = "a vertex's normal and kappa may be coded a step apart, 3e-5 and 5e-4 of kappa; that happens at few vertices, and \
                               two drivers stay within half of the bounds or a little more; errors are shares of what is seen";
@@ -82,11 +82,11 @@ pub(super) fn run(scene: &Scene, device: Option<&Device>, plant: Option<Plant>) 
 }
 
 fn method(scene: &Scene, device: Option<&Device>, plant: Option<Plant>) -> Result<Found> {
-    let options = Options { transport: Transport::Cdrf, ..Options::default() };
+    let options = Options { transport: ShadingMethod::Cdrf, ..Options::default() };
     let picture = |device: Option<&Device>| {
-        let mut session = Session::new(scene, device, options, Room::default())?;
+        let mut session = Session::new(scene, device, options, CapacityHints::default())?;
         session.frame(Change::EVERYTHING)?;
-        session.fetch(&[Slot::curvature, Slot::radiance])?;
+        session.fetch(&[BufferId::curvature, BufferId::radiance])?;
         Ok::<_, Error>((session.state().data.curvature.clone(), session.state().data.radiance.clone()))
     };
     let (_, expected) = picture(None)?;

@@ -3,14 +3,14 @@
 use super::{Found, Plant};
 use crate::error::Result;
 use crate::gpu::Device;
-use crate::layout::Slot;
+use crate::layout::BufferId;
 use crate::measure::norms::{norms, worst};
 use crate::measure::reference::radiosity;
 use crate::measure::sample::Sample;
-use crate::render::plan::{Change, Goal, Options, Transport};
-use crate::render::receivers::by_pixel;
-use crate::render::run::{Room, Session};
+use crate::pipeline::plan::{Change, Goal, Options, ShadingMethod};
+use crate::prepare::receivers::by_pixel;
 use crate::scene::{Mesh, Receivers, Scene};
+use crate::session::run::{CapacityHints, Session};
 
 /// A scene, and what its radiosity has to be.
 pub(super) struct Setup {
@@ -85,8 +85,8 @@ impl Setup {
 /// The radiosity of a scene at these faces of its mesh, in scene units: irradiance in `f64` on the CPU, rounded once,
 /// then every face's near-exact form factor.
 fn reference(scene: &Scene, faces: &[usize]) -> Result<Vec<[f64; 3]>> {
-    let options = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
-    let mut session = Session::new(scene, None, options, Room::default())?;
+    let options = Options { transport: ShadingMethod::Brute, goal: Goal::Radiosity, ..Options::default() };
+    let mut session = Session::new(scene, None, options, CapacityHints::default())?;
     session.prepare_light();
     let place = session.prepared().places(0);
     let places: Vec<usize> = faces.iter().map(|&face| place[face]).collect();
@@ -110,8 +110,8 @@ pub(super) fn run(setup: &Setup, device: Option<&Device>, plant: Option<Plant>) 
         }
     };
     let picture = Options { goal: Goal::Picture, ..Options::default() };
-    let brute = Options { transport: Transport::Brute, goal: Goal::Radiosity, ..Options::default() };
-    let octree = Options { transport: Transport::Octree, ..brute };
+    let brute = Options { transport: ShadingMethod::Brute, goal: Goal::Radiosity, ..Options::default() };
+    let octree = Options { transport: ShadingMethod::Octree, ..brute };
     Ok([
         method(setup, device, picture, plant, &sample, &expected)?,
         method(setup, device, brute, None, &sample, &expected)?,
@@ -130,9 +130,9 @@ fn method(
     // The faces' own values are wanted, so they are the receivers; the pixels come after them.
     let mut scene = setup.scene.clone();
     scene.transport.receivers = Receivers::Faces;
-    let mut session = Session::new(&scene, device, options, Room::default())?;
+    let mut session = Session::new(&scene, device, options, CapacityHints::default())?;
     session.frame(Change::EVERYTHING)?;
-    session.fetch(&[Slot::irradiance, Slot::radiosity, Slot::vertex_radiosity, Slot::radiance])?;
+    session.fetch(&[BufferId::irradiance, BufferId::radiosity, BufferId::vertex_radiosity, BufferId::radiance])?;
     let mut radiosity = session.state().data.radiosity.clone();
     if let Some(plant) = plant {
         plant.apply(&mut radiosity);
@@ -146,9 +146,9 @@ fn method(
     found.look("vertex radiosity", &data.vertex_radiosity);
     found.look("radiance", &data.radiance);
     if by_pixel(&setup.scene, options).0 {
-        let mut session = Session::new(&setup.scene, device, options, Room::default())?;
+        let mut session = Session::new(&setup.scene, device, options, CapacityHints::default())?;
         session.frame(Change::EVERYTHING)?;
-        session.fetch(&[Slot::hits, Slot::seen, Slot::radiosity, Slot::radiance])?;
+        session.fetch(&[BufferId::hits, BufferId::seen, BufferId::radiosity, BufferId::radiance])?;
         // Receivers that no pixel shows are never written.
         let data = &session.state().data;
         let shown = data.hits.iter().zip(&data.seen).filter(|(hit, _)| hit.face != u32::MAX);

@@ -5,15 +5,15 @@
 use glam::DVec3;
 
 use super::segments::{Segmented, form_factor};
-use crate::baseline::reach::reach2;
 use crate::dipole::form_factor::edge::edge_form;
 use crate::dipole::form_factor::exact::edge_form_exact;
 use crate::dipole::form_factor::ladder::Ladder;
 use crate::dipole::form_factor::points::{SIX, THREE, TWELVE, midpoint_moment, sampled, trace};
 use crate::dipole::form_factor::{Distance, gauss, vector_area};
 use crate::dipole::profile::Dipole;
-use crate::render::prepare::dipoles;
+use crate::prepare::scene::dipoles;
 use crate::scene::{Fresnel, Material, PRESETS, Preset, Surface};
+use crate::transport::links::reach::reach2;
 
 /// Tolerances of our ladder that the figures show: the default, and the finest.
 pub const TOLERANCES: [f64; 2] = [1e-2, 1e-4];
@@ -68,7 +68,7 @@ fn material(name: &str) -> [Dipole; 3] {
             two_sided: false,
             surface: Surface::default(),
             sigma_0: None,
-            spread: None,
+            sigma_0_texture: None,
             texture: None,
             layers: None,
         },
@@ -115,9 +115,9 @@ fn point(channel: usize, place: f64, triangle: &[DVec3; 3], media: &[Dipole; 3])
 fn ours(triangle: &[DVec3; 3], x: DVec3, media: &[Dipole; 3], dipole: &Dipole, tolerance: f64) -> (usize, f64) {
     let d2 = (triangle.iter().sum::<DVec3>() / 3.0).distance_squared(x);
     let far = |chi: f64| media.iter().map(|m| reach2(trace(triangle), m, chi, false)).fold(0.0, f64::max);
-    let rung = Ladder::new(tolerance).chi.iter().position(|&chi| d2 >= far(chi));
+    let rule = Ladder::new(tolerance).chi.iter().position(|&chi| d2 >= far(chi));
     let points = |rule: &[_]| (rule.len(), sampled(triangle, x, dipole, Distance::Radial, rule));
-    match rung {
+    match rule {
         Some(0) => (1, midpoint_moment(triangle, x, dipole, Distance::Radial)),
         Some(1) => points(&THREE),
         Some(2) => points(&SIX),

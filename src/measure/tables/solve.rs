@@ -1,16 +1,16 @@
 //! One model solved by the scheme as published: links, times, error against brute force in `f64`.
 
-use crate::baseline::form_factor;
 use crate::error::{Error, Result};
 use crate::gpu::Device;
-use crate::layout::Slot;
+use crate::layout::BufferId;
 use crate::measure::median;
 use crate::measure::norms::{Norms, norms, worst};
 use crate::measure::reference::{radiosity, receivers};
 use crate::measure::sample::Sample;
-use crate::render::plan::{Change, Goal, Mode, Options};
-use crate::render::run::{Room, Session};
+use crate::pipeline::plan::{Change, Goal, Mode, Options};
 use crate::scene::Scene;
+use crate::session::run::{CapacityHints, Session};
+use crate::transport::links::form_factor;
 
 /// Frames timed at most, and milliseconds together after which no further one is.
 const FRAMES: usize = 5;
@@ -45,9 +45,9 @@ impl Solved {
             Kept::Links => (Mode::Render, Change::LIGHT),
         };
         let options = Options { mode, goal: Goal::Radiosity, ..Options::default() };
-        let mut session = Session::new(scene, device, options, Room::default())?;
+        let mut session = Session::new(scene, device, options, CapacityHints::default())?;
         session.frame(Change::EVERYTHING)?;
-        session.fetch(&[Slot::spans, Slot::irradiance, Slot::radiosity, Slot::clusters])?;
+        session.fetch(&[BufferId::spans, BufferId::irradiance, BufferId::radiosity, BufferId::clusters])?;
         Ok(Self { session, change })
     }
 
@@ -161,7 +161,8 @@ impl Solved {
     pub fn samples(&self) -> f64 {
         use crate::dipole::form_factor::uniform::{count, density};
         let data = &self.session.state().data;
-        let each = data.leaves.iter().map(|&leaf| count(data.clusters[leaf as usize].area, density(&data.frame[0])));
+        let each =
+            data.leaves.iter().map(|&leaf| count(data.clusters[leaf as usize].area, density(&data.object_params[0])));
         each.map(f64::from).sum::<f64>() / data.leaves.len().max(1) as f64
     }
 }

@@ -108,7 +108,7 @@ impl Mesh {
     /// For each half-edge the one of the only other triangle at this edge, or `u32::MAX`; `3 t + k` runs from corner `k` of
     /// triangle `t` to the next one.
     pub fn twins(&self) -> Vec<u32> {
-        edges::Edges::of(&self.triangles).twin
+        edges::Edges::of(&self.triangles).device_state
     }
 
     /// The enclosed volume in cubic scene units, negative when the mesh is inside out; for an open

@@ -1,8 +1,8 @@
 //! What the targets share: a limit on memory that holds for every allocation, and scenes of files in memory.
 
 use cap::Cap;
-use milkglass::render::plan::{Change, Options};
-use milkglass::render::run::{Room, Session};
+use milkglass::pipeline::plan::{Change, Options};
+use milkglass::session::run::{CapacityHints, Session};
 use milkglass::scene::{Files, Scene};
 
 /// What `--limit-memory` would be.
@@ -21,7 +21,7 @@ pub fn load(text: &str, files: &[(&str, &[u8])]) {
     if faces > 64 || pixels > 256 || scene.transport.subdivide > 0 {
         return;
     }
-    let Ok(mut session) = Session::new(&scene, None, Options::default(), Room::default()) else { return };
+    let Ok(mut session) = Session::new(&scene, None, Options::default(), CapacityHints::default()) else { return };
     if session.frame(Change::EVERYTHING).is_ok() {
         let light = &session.state().data.radiosity;
         assert!(light.iter().flatten().all(|x| *x >= 0.0 && x.is_finite()), "radiosity {light:?}");

@@ -1,5 +1,0 @@
-#version 460
-#extension GL_GOOGLE_include_directive : require
-#include "layout.glsl"
-#include "invocation.glsl"
-#include "baseline/refine/open.glsl"

@@ -1,0 +1,20 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// Along the rows of a sheet.
+READS(irradiance_maps)
+WRITES(blurred_rows)
+#define AXIS 0
+#define FETCH(k) irradiance_maps[from + (k)]
+uint from;
+#include "shading/blur/weighted_mean.glsl"
+
+void main() {
+    uint k = invocation();
+    Unwrapping own = unwrappings[number];
+    if (k >= own.side * own.side) return;
+    from = level * texel_hits.length() + own.first;
+    blurred_rows[own.first + k] = mean(own, k);
+}

@@ -1,0 +1,24 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// The attributes of a vertex that local shading reads, in two words. BENT is 0 if kappa is not needed.
+layout(constant_id = 0) const uint BENT = 0;
+READS(object_params)
+READS(normals)
+READS(curvature)
+WRITES(packed_normals)
+
+void main() {
+    uint vertex = invocation();
+    if (vertex >= object_params[0].vertices) return;
+    precise vec3 scaled = floor(normals[vertex] * 32767.0 + 0.5);
+    ivec3 normal = ivec3(scaled) & 0xffff;
+    uint code = 0;
+    if (BENT != 0) {
+        precise float above = curvature[vertex].kappa + KAPPA_LEAST;
+        code = min(floatBitsToUint(above) - floatBitsToUint(KAPPA_LEAST) + 0x800u >> 12, 0xffffu);
+    }
+    packed_normals[vertex] = uvec2(normal.x | normal.y << 16, uint(normal.z) | code << 16);
+}

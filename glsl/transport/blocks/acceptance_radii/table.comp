@@ -1,0 +1,61 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// For each error law the distances at which it takes evenly spaced values, in the logarithm: the inverse of a falling
+// function by bisection. A law is the largest over the channels of
+//   strength sum_j z_j p(s_j) (q2(sigma s_j) / (2 s_j^2))^n / level,  s_j^2 = u^2 + z_j^2,
+// or, for any light of a contrast, of that times strength sum_j ...
+layout(constant_id = 0) const uint CHANNELS = 7;
+layout(constant_id = 1) const uint ORDER = 2;
+layout(constant_id = 2) const uint ANY_LIGHT = 0;
+READS(object_params)
+READS(reference_level)
+READS(counters)
+WRITES(ranges)
+#include "transport/blocks/channels.glsl"
+#include "transport/blocks/acceptance_radii/laws.glsl"
+
+float source(float sigma, float z, float u, float power) {
+    float s2 = u * u + z * z, a = sigma * sqrt(s2);
+    float q2 = (15.0 + a * (15.0 + a * (6.0 + a))) / (1.0 + a);
+    return log2(z * (1.0 + a)) - 1.44269504 * a - 1.5 * log2(s2) + power * (log2(0.5 * q2) - log2(s2));
+}
+
+float law(float u, float power) {
+    float largest = -1e30;
+    EACH_CHANNEL({
+        float real = source(object_params[0].sigma[c], object_params[0].z_real[c], u, power);
+        float virt = source(object_params[0].sigma[c], object_params[0].z_virtual[c], u, power);
+        float both = max(real, virt) + log2(1.0 + exp2(min(real, virt) - max(real, virt)));
+        float strength = max(object_params[0].strength[c] * (ANY_LIGHT != 0 ? 1.0 : object_params[0].tint[c]), 1e-37);
+        largest = max(largest, both + log2(strength) +
+                               log2(ANY_LIGHT != 0 ? counters[0].contrast[c] : 1.0 / reference_level[0][c]));
+    })
+    return largest;
+}
+
+void main() {
+    uint i = invocation();
+    if (i >= ERROR_LAWS * RANGE_ENTRIES) return;
+    uint which = i / RANGE_ENTRIES, entry = i % RANGE_ENTRIES;
+    float power = power_of(which);
+    float top = law(0.0, power), depth = min(RANGE_DEPTH, top - law(FARTHEST, power));
+    float wanted = top - depth * float(entry) / float(RANGE_ENTRIES - 1);
+    // In the fourth root of the distance: small ones matter as much as large ones.
+    float low = 0.0, high = 1.41421356;
+    for (uint k = 0; k < 30; ++k) {
+        float middle = 0.5 * (low + high), squared = middle * middle;
+        bool beyond = law(squared * squared, power) <= wanted;
+        high = beyond ? middle : high;
+        low = beyond ? low : middle;
+    }
+    float u = entry == 0 ? 0.0 : high * high * high * high;
+    uint base = which * (RANGE_ENTRIES + 2);
+    ranges[base + 2 + entry] = u;
+    if (entry == 0) {
+        ranges[base] = top;
+        ranges[base + 1] = depth;
+    }
+}

@@ -1,0 +1,37 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+
+// Root of the area-weighted mean of B^2 over the samples, each by its chance.
+layout(local_size_x = GROUP_SIZE) in;
+layout(constant_id = 0) const uint CHANNELS = 7;
+READS(object_params)
+READS(leaves)
+READS(clusters)
+READS(samples)
+UPDATES(reference_level)
+#include "transport/blocks/channels.glsl"
+
+shared vec3 sums[GROUP_SIZE];
+
+void main() {
+    uint self = gl_LocalInvocationIndex;
+    // Relative to the largest value and the mean area, so that squares neither overflow nor underflow.
+    vec3 most = vec3(1e-30);
+    for (uint k = 0; k < COARSE_SAMPLES; ++k) most = max(most, samples[k].value);
+    float mean = clusters[0].area / float(object_params[0].faces);
+    vec3 sum = vec3(0);
+    for (uint k = self; k < COARSE_SAMPLES; k += GROUP_SIZE) {
+        Sample one = samples[k];
+        vec3 value = one.value / most;
+        float share = mean > 0.0 ? clusters[leaves[one.face]].area / mean : 0.0;
+        sum += value * value * (share / (one.chance * float(object_params[0].faces)));
+    }
+    sums[self] = sum;
+    barrier();
+    for (uint step = GROUP_SIZE / 2; step > 0; step /= 2) {
+        if (self < step) sums[self] += sums[self + step];
+        barrier();
+    }
+    if (self == 0) reference_level[0] = only_group(max(most * sqrt(sums[0] / float(COARSE_SAMPLES)), vec3(1e-30)), reference_level[0]);
+}

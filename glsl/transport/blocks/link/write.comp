@@ -1,0 +1,29 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+
+// Writes each block's lists where the scan placed them.
+READS(runs)
+READS(counters)
+WRITES(entries)
+#include "transport/blocks/link/walk.glsl"
+
+uint at[LINK_KINDS];
+void on_emitter(uint kind, uint node) {
+    uint place = 0;
+    for (uint k = LINK_EXPANDED; k <= LINK_EDGE; ++k) place = kind == k ? at[k] : place;
+    if (kind != LINK_DROPPED && kind != LINK_OPENED) entries[place] = node;
+    for (uint k = LINK_EXPANDED; k <= LINK_EDGE; ++k) at[k] += uint(kind == k);
+}
+
+void main() {
+    uint i = invocation();
+    if (i >= range.count || counters[0].entries > object_params[0].entry_capacity) return;
+    Runs one = runs[i];
+    at[LINK_EXPANDED] = one.first;
+    at[LINK_DIRECT] = one.first + one.expanded;
+    at[LINK_AREA] = at[LINK_DIRECT] + one.direct;
+    at[LINK_EDGE] = at[LINK_AREA] + one.area;
+    walk(range.first + i);
+}

@@ -1,0 +1,39 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+
+// B of a receiver: what it received itself, and its block's expansion at its position. A negative sum is clamped, and
+// counts as error. Channels of no group are black.
+layout(local_size_x = GROUP_SIZE) in;
+layout(constant_id = 0) const uint ALIVE = 7;
+layout(constant_id = 1) const uint ESTIMATE = 0;
+layout(push_constant, scalar) uniform push_block { Range range; };
+READS(object_params)
+READS(blocks)
+READS(spheres)
+READS(receiver_positions)
+READS(expansions)
+READS(received)
+UPDATES(estimate)
+WRITES(radiosity)
+#include "transport/blocks/estimate.glsl"
+#include "transport/blocks/gather/receiver.glsl"
+
+void main() {
+    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    Receiver self = receiver_at(group * gl_WorkGroupSize.x + gl_LocalInvocationIndex);
+    if (!self.present) return;
+    Expansion e = expansions[range.first + self.run];
+    vec3 d = self.x - spheres[range.first + self.run].center;
+    vec3 value = e.value + d.x * e.x + d.y * e.y + d.z * e.z;
+    value += 0.5 * (d.x * d.x * e.xx + d.y * d.y * e.yy + d.z * d.z * e.zz) +
+             d.y * d.z * e.yz + d.z * d.x * e.zx + d.x * d.y * e.xy;
+    vec3 sum = received[self.face] + value;
+    bvec3 alive = bvec3((ALIVE & 1u) != 0, (ALIVE & 2u) != 0, (ALIVE & 4u) != 0);
+    radiosity[self.face] = mix(vec3(0), max(sum, vec3(0)), alive);
+    if (ESTIMATE != 0) {
+        float radius = spheres[range.first + self.run].radius;
+        vec3 whole = close_estimate(object_params[0].sigma, estimate[self.face], e.error, e.bend, length(d), radius, sum);
+        estimate[self.face] = mix(vec3(0), whole, alive);
+    }
+}

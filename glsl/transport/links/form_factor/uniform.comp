@@ -1,0 +1,15 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+#include "transport/links/form_factor/uniform.glsl"
+
+READS(counters)
+READS(edge_links)
+UPDATES(factors)
+
+void main() {
+    uint i = invocation();
+    if (i >= counters[0].edges || counters[0].overflow != 0) return;
+    factors[edge_links[i]] = uniform_factor(edge_links[i]);
+}

@@ -1,0 +1,17 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+#include "invocation.glsl"
+#include "transport/links/form_factor/area.glsl"
+
+// The due links that take area points: they follow those that take one sample.
+READS(counters)
+READS(ranked_links)
+UPDATES(factors)
+
+void main() {
+    uint i = invocation();
+    if (i >= counters[0].due_areas) return;
+    uint at = ranked_links[counters[0].due - counters[0].due_edges - counters[0].due_areas + i];
+    factors[at] = area_factor(at);
+}

@@ -1,0 +1,222 @@
+//! `milkglass conform`: every stage of a device against the CPU reference.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use super::device::{opened, pick};
+use super::replace::{ReplaceArgument, replaced};
+use super::run_args::{OptionArguments, quoted, repeated};
+use super::{MemoryArgument, print, table};
+use milkglass::error::{Error, Input, Result};
+use milkglass::gpu::{Adapter, Device, Instance};
+use milkglass::measure::conform::{BINS, Row, conform, conform_stages};
+use milkglass::measure::fixtures::{Fixture, fixtures};
+use milkglass::measure::replace;
+use milkglass::measure::verdict::verdict;
+use milkglass::pipeline::frame::{STAGES, stage};
+use milkglass::scene::Scene;
+use milkglass::session::run::CapacityHints;
+use milkglass::view::atomic_file::{ready, write_atomically};
+
+/// Arguments of `conform`.
+#[derive(Args)]
+#[command(
+    after_help = "Example: milkglass conform --device llvmpipe\n         milkglass conform bunny.obj lotus\n         \
+                        milkglass conform sphere --replace transport/blocks/push=my.comp"
+)]
+pub struct Arguments {
+    /// Scenes to compare on; without any, the built-in fixtures.
+    scenes: Vec<String>,
+    /// Change a value of the scenes: `object.0.material.preset=ketchup`.
+    #[arg(long = "set", value_name = "KEY=VALUE", requires = "scenes")]
+    sets: Vec<String>,
+    /// The frame, where values of the scenes have keyframes.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, requires = "scenes")]
+    frame: f64,
+    #[command(flatten)]
+    option_args: OptionArguments,
+    /// A device's number in `milkglass devices`, or a part of its name [default: every Vulkan device].
+    #[arg(long, value_name = "DEVICE")]
+    device: Option<String>,
+    /// Run without the validation layer.
+    #[arg(long)]
+    no_validation: bool,
+    /// Only fixtures whose name contains this.
+    #[arg(long, value_name = "TEXT", default_value = "", conflicts_with = "scenes")]
+    only: String,
+    #[command(flatten)]
+    memory: MemoryArgument,
+    /// Only these stages, by commas; the reference runs the others.
+    #[arg(long, value_name = "STAGES", value_delimiter = ',')]
+    stage: Vec<String>,
+    #[command(flatten)]
+    replace: ReplaceArgument,
+    /// Also write the table to this file.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// Runs the fixtures on every device asked for; fails on any difference beyond tolerance.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    ready([("--json", arguments.json.as_ref())])?;
+    if let Some(name) = arguments.stage.iter().find(|name| stage(name).is_none()) {
+        let names: Vec<_> = STAGES.iter().map(|stage| stage.name).collect();
+        return Err(Input::new("there is no such stage").key("--stage").found(name).expected(names.join(", ")).into());
+    }
+    let kernels = arguments.replace.load()?;
+    let instance = Instance::open(!arguments.no_validation)?;
+    let adapters = instance.adapters()?;
+    let chosen: Vec<&Adapter> = match arguments.device.as_deref() {
+        Some(wish) if wish.eq_ignore_ascii_case("cpu") => {
+            let fault = Input::new("the CPU is the reference itself").key("--device").found("cpu");
+            return Err(fault.expected("a Vulkan device").into());
+        }
+        Some(wish) => vec![pick(&adapters, wish)?],
+        None => {
+            for adapter in &adapters {
+                if let Some(why) = &adapter.unusable {
+                    tell!("{} is left out: {why}", adapter.name);
+                }
+            }
+            adapters.iter().filter(|adapter| adapter.unusable.is_none()).collect()
+        }
+    };
+    if chosen.is_empty() {
+        return Err(Error::device("comparing devices with the CPU", "there is no usable Vulkan device"));
+    }
+    let mut list: Vec<Fixture> = Vec::new();
+    if arguments.scenes.is_empty() {
+        list.extend(fixtures(&arguments.only)?);
+    }
+    let files = arguments.memory.files();
+    for name in &arguments.scenes {
+        let scene = Scene::load_from(name, &arguments.option_args.of(&arguments.sets), arguments.frame, &files)?;
+        let options = arguments.option_args.options();
+        list.push(Fixture::new(name, &scene, options, CapacityHints::default()).map_err(|error| scene.placed(error))?);
+    }
+
+    let mut rows: Vec<(Device, Row)> = Vec::new();
+    for adapter in chosen {
+        let device = replaced(&opened(&instance, adapter)?, &kernels);
+        if !adapter.limits.round_to_nearest {
+            tell!("{}: rounding to nearest can't be requested; decisions rely on its default", adapter.name);
+        }
+        for row in on_device(arguments, &device, &list)? {
+            rows.push((device.clone(), row));
+        }
+    }
+    print(&text(&rows))?;
+    if let Some(path) = &arguments.json {
+        let value: Vec<_> = rows
+            .iter()
+            .map(|(device, row)| {
+                // Null, as `relative` is then, where one is no number.
+                let ulp = (row.ulp < u64::MAX).then_some(row.ulp);
+                json!({"device": device.name(), "driver": device.driver(), "fixture": row.fixture, "stage": row.stage,
+                       "words": row.words, "ulp": ulp, "histogram": row.histogram, "most_ulp_of_bins": BINS,
+                       "relative": row.relative, "faults": row.faults})
+            })
+            .collect();
+        let text = format!("{:#}\n", serde_json::Value::from(value));
+        write_atomically(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))?;
+    }
+    let wrong: Vec<_> = rows.iter().filter(|(_, row)| !row.faults.is_empty()).collect();
+    for (device, row) in &wrong {
+        tell!("\n{}", verdict(device, row, &again(arguments, device, row)));
+    }
+    let idle = |name: &&String| rows.iter().all(|(_, row)| row.stage != **name);
+    if let Some(name) = arguments.stage.iter().find(idle) {
+        let what = if arguments.scenes.is_empty() { "fixture that was chosen" } else { "scene" };
+        let fault = Input::new(format!("no {what} runs this stage, so it was not compared")).key("--stage").found(name);
+        return Err(fault.expected("a stage that `milkglass plan` lists for the scene, or other fixtures").into());
+    }
+    if rows.is_empty() {
+        return Err(Error::Check("nothing was compared".into()));
+    }
+    if !wrong.is_empty() {
+        let faults: usize = wrong.iter().map(|(_, row)| row.faults.len()).sum();
+        return Err(Error::Check(format!("{faults} differences beyond tolerance")));
+    }
+    print(&format!("{} comparisons, all conform\n", rows.len()))
+}
+
+/// All rows of a device: of every stage, of those asked for, or of those whose kernels are replaced.
+fn on_device(arguments: &Arguments, device: &Device, list: &[Fixture]) -> Result<Vec<Row>> {
+    let mut stages = arguments.stage.clone();
+    let mut rows = Vec::new();
+    if device.replaced().next().is_some() {
+        rows.extend(replace::check(device, list)?);
+        stages.retain(|stage| !replace::stages(device).contains(stage));
+        if stages.is_empty() {
+            return Ok(rows);
+        }
+    }
+    for fixture in list {
+        match stages.is_empty() {
+            true => rows.extend(conform(device, fixture, &[])?),
+            false => rows.extend(conform_stages(device, fixture, &stages)?),
+        }
+    }
+    Ok(rows)
+}
+
+/// The command that shows this row again.
+fn again(arguments: &Arguments, device: &Device, row: &Row) -> String {
+    let (name, stage, own) = (device.name(), row.stage, arguments.replace.again());
+    if !arguments.scenes.is_empty() {
+        return repeated(device);
+    }
+    let validation = if arguments.no_validation { " --no-validation" } else { "" };
+    let (fixture, name) = (quoted(&row.fixture), quoted(name));
+    format!("milkglass conform --only {fixture} --device {name} --stage {stage}{own}{validation}")
+}
+
+/// The table of comparisons, and that of distances.
+fn text(rows: &[(Device, Row)]) -> String {
+    let cells: Vec<_> = rows
+        .iter()
+        .map(|(device, row)| {
+            // Near zero the distance in units in the last place says nothing.
+            let ulp = match row.ulp {
+                u64::MAX => "NaN".to_string(),
+                1_000_001.. => "-".to_string(),
+                ulp => ulp.to_string(),
+            };
+            let verdict = if row.faults.is_empty() { "conforms".to_string() } else { "DIFFERS".to_string() };
+            let (words, relative) = (row.words.to_string(), format!("{:.1e}", row.relative));
+            vec![device.name().to_string(), row.fixture.clone(), row.stage.to_string(), words, ulp, relative, verdict]
+        })
+        .collect();
+    let mut text = table(&["device", "fixture", "stage", "words", "ulp", "relative", "verdict"], &[3, 4, 5], &cells);
+
+    // Floats of all fixtures together.
+    let mut sums: Vec<(String, &str, [u64; 8])> = Vec::new();
+    for (device, row) in rows {
+        match sums.iter_mut().find(|sum| sum.0 == device.name() && sum.1 == row.stage) {
+            Some(sum) => sum.2.iter_mut().zip(row.histogram).for_each(|(sum, count)| *sum += count),
+            None => sums.push((device.name().to_string(), row.stage, row.histogram)),
+        }
+    }
+    let share = |count: u64, all: u64| match 100.0 * count as f64 / all as f64 {
+        _ if count == 0 => ".".to_string(),
+        percent if percent < 0.01 => "<0.01".to_string(),
+        percent => format!("{percent:.2}"),
+    };
+    let row = |(device, stage, counts): &(String, &str, [u64; 8])| {
+        let all: u64 = counts.iter().sum();
+        let shares = counts.iter().map(|&count| share(count, all));
+        [device.clone(), (*stage).to_string(), all.to_string()].into_iter().chain(shares).collect()
+    };
+    let cells: Vec<Vec<String>> = sums.iter().filter(|sum| sum.2.iter().any(|&count| count > 0)).map(row).collect();
+    let up_to = BINS.map(|most| format!("<={most}"));
+    let beyond = format!(">{}", BINS[BINS.len() - 1]);
+    let header: Vec<&str> = ["device", "stage", "floats"]
+        .into_iter()
+        .chain(up_to.iter().map(String::as_str))
+        .chain([beyond.as_str()])
+        .collect();
+    text += "\nfloats by their distance from the reference in units in the last place, per cent of all\n";
+    text + &table(&header, &[2, 3, 4, 5, 6, 7, 8, 9, 10], &cells) + "\n"
+}

@@ -1,0 +1,161 @@
+//! `milkglass fit-cdrf`: the sigma_0 of a material.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{print, table};
+use milkglass::dipole::profile::Dipole;
+use milkglass::error::{Input, Result};
+use milkglass::lighting::fresnel;
+use milkglass::measure::balls::fit::{Fit, fit};
+use milkglass::measure::balls::plot::{Panel, svg};
+use milkglass::measure::balls::walk::curve as walk;
+use milkglass::measure::balls::{ANGLES, Curve, angle, dipole::curve as solve};
+use milkglass::measure::walk::Medium;
+use milkglass::prepare::shading::default_sigma_0;
+use milkglass::scene::Preset;
+use milkglass::view::atomic_file::{ready, write_atomically};
+
+/// Arguments of `fit-cdrf`.
+#[derive(Args)]
+#[command(after_help = "Example: milkglass fit-cdrf skin1 --svg skin1.svg")]
+pub struct Arguments {
+    /// A preset: see `milkglass materials`.
+    material: String,
+    /// Radii of the balls, mm [default: 2, 5, 10, 20, 50 and 100 mean free paths, of the channels' mean].
+    #[arg(long, value_name = "R,R,...")]
+    radii: Option<String>,
+    /// Photons of each ball's random walk.
+    #[arg(long, default_value_t = 100_000)]
+    photons: u64,
+    /// Seed of the random walks.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Draw the curves to this file.
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+}
+
+/// Most radii, and photons a ball.
+const MOST: (usize, u64) = (64, 1 << 32);
+
+/// One channel's balls.
+struct Channel {
+    dipole: Vec<Curve>,
+    walk: Vec<Curve>,
+    usual: f64,
+}
+
+/// Fits and prints.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    ready([("--svg", arguments.svg.as_ref())])?;
+    let preset = Preset::named(&arguments.material).ok_or_else(|| {
+        let fault = Input::new("no material of this name is built in").key("MATERIAL").found(&arguments.material);
+        fault.expected("one of `milkglass materials`")
+    })?;
+    if !(1..=MOST.1).contains(&arguments.photons) {
+        let fault = Input::new("out of range").key("--photons").found(arguments.photons);
+        return Err(fault.expected(format!("1 to {}", MOST.1)).into());
+    }
+    let mean_path = [0, 1, 2].map(|c| 1.0 / (preset.sigma_s_prime[c] + preset.sigma_a[c])).iter().sum::<f64>() / 3.0;
+    let radii = match &arguments.radii {
+        Some(text) => parse(text)?,
+        None => [2.0, 5.0, 10.0, 20.0, 50.0, 100.0].map(|paths| paths * mean_path).to_vec(),
+    };
+    let inner = fresnel::diffuse_internal_exact(preset.eta);
+    let channels = [0, 1, 2].map(|c| {
+        let (scattering, absorption) = (preset.sigma_s_prime[c], preset.sigma_a[c]);
+        let dipole = Dipole::new(scattering, absorption, fresnel::boundary(inner));
+        let medium = Medium { scattering, absorption, eta: preset.eta };
+        let seed = |k: usize| arguments.seed.wrapping_mul(1000).wrapping_add((100 * c + k) as u64);
+        let walked = |(k, &radius): (usize, &f64)| walk(medium, radius, dipole.total(), arguments.photons, seed(k));
+        Channel {
+            dipole: radii.iter().map(|&radius| solve(&dipole, radius)).collect(),
+            walk: radii.iter().enumerate().map(walked).collect(),
+            usual: default_sigma_0(&dipole),
+        }
+    });
+    report(preset, &channels)?;
+    if let Some(path) = &arguments.svg {
+        let fits = channels.each_ref().map(|channel| fit(&channel.dipole, channel.usual, false).sigma_0);
+        let panels: Vec<_> = (0..3)
+            .map(|c| Panel { name: NAMES[c], dipole: &channels[c].dipole, walk: &channels[c].walk, sigma_0: fits[c] })
+            .collect();
+        let title =
+            format!("{}: balls in parallel light; lines: the CDRF, dots: the dipole, bars: a random walk", preset.name);
+        let picture = svg(&title, &panels)?;
+        write_atomically(path, |beside| std::fs::write(beside, picture).map_err(|e| e.to_string()))?;
+    }
+    Ok(())
+}
+
+const NAMES: [&str; 3] = ["red", "green", "blue"];
+
+/// Prints the fits of all radii together, then of each.
+fn report(preset: &Preset, channels: &[Channel; 3]) -> Result<()> {
+    let cells =
+        |found: Fit| [format!("{:.4}", found.sigma_0), format!("{:.4}", found.residual), format!("{:.3}", found.worst)];
+    // Weighed as the residual is.
+    let error = |curves: &[Curve]| {
+        let part = |(k, error): (usize, &f64)| [angle(k).sin() * error * error, angle(k).sin()];
+        let all = curves.iter().flat_map(|curve| curve.errors.iter().enumerate().map(part));
+        let [squares, whole] = all.fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
+        format!("{:.4}", f64::sqrt(squares / whole))
+    };
+    let mut rows = Vec::new();
+    let (mut dipole_fit, mut walk_fit) = ([0.0; 3], [0.0; 3]);
+    for (c, channel) in channels.iter().enumerate() {
+        let all = [(&channel.dipole, false), (&channel.walk, true)];
+        let all = all.map(|(curves, free)| fit(curves, channel.usual, free));
+        (dipole_fit[c], walk_fit[c]) = (all[0].sigma_0, all[1].sigma_0);
+        let row = |radius: String, fits: [Fit; 2], walk: &[Curve]| {
+            let mut row = vec![NAMES[c].to_string(), radius];
+            row.extend(fits.iter().copied().flat_map(cells));
+            row.extend([format!("{:.3}", fits[1].scale), error(walk)]);
+            row
+        };
+        rows.push(row("all".into(), all, &channel.walk));
+        for (dipole, walk) in channel.dipole.iter().zip(&channel.walk) {
+            let own = [(dipole, false), (walk, true)];
+            let own = own.map(|(curve, free)| fit(std::slice::from_ref(curve), channel.usual, free));
+            rows.push(row(format!("{:.3}", dipole.radius), own, std::slice::from_ref(walk)));
+        }
+    }
+    let header = [
+        "channel",
+        "radius, mm",
+        "dipole: sigma_0",
+        "residual",
+        "worst",
+        "walk: sigma_0",
+        "residual",
+        "worst",
+        "times",
+        "its error",
+    ];
+    let list = |values: [f64; 3]| values.map(|x| format!("{x:.4}")).join(", ");
+    let text = format!(
+        "{}: residuals are root mean squares over a ball, at {} angles, of what leaves a plane in full light; \
+         the walk is fitted by f times a number, since the dipole is off by some in a plane already\n\n{}\n\
+         fitted to the dipole:      sigma_0 = [{}]\nfitted to the random walk: sigma_0 = [{}]\n\
+         without material.sigma_0:  sigma_0 = [{}]\n",
+        preset.name,
+        ANGLES,
+        table(&header, &[1, 2, 3, 4, 5, 6, 7, 8, 9], &rows),
+        list(dipole_fit),
+        list(walk_fit),
+        list(channels.each_ref().map(|channel| channel.usual)),
+    );
+    print(&text)
+}
+
+/// `1,5,20`, mm.
+fn parse(text: &str) -> Result<Vec<f64>> {
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|r| (1e-6..=1e6).contains(r));
+    let radii: Option<Vec<f64>> = text.split(',').map(number).collect();
+    radii.filter(|radii| radii.len() <= MOST.0).ok_or_else(|| {
+        let fault = Input::new("no radii").key("--radii").found(text);
+        fault.expected(format!("up to {} numbers from 1e-6 to 1e6, mm: 1,5,20", MOST.0)).into()
+    })
+}

@@ -1,0 +1,227 @@
+//! One thin file per subcommand, and the arguments they share.
+
+#[macro_use]
+mod text;
+
+mod bake;
+mod conform;
+mod device;
+mod devices;
+pub mod eval;
+mod faces;
+mod fit_cdrf;
+mod lists;
+mod memory;
+mod pareto;
+mod plan;
+mod profile;
+mod render;
+mod replace;
+mod report;
+mod run_args;
+mod sequence;
+mod shader;
+mod solve;
+mod stop;
+mod stress;
+mod validity;
+
+use std::ffi::OsString;
+
+use clap::{Args, Parser, Subcommand};
+
+use self::device::DeviceArgument;
+use self::memory::MemoryArgument;
+use self::run_args::OptionArguments;
+pub use self::stop::{leave, remove_when_stopped};
+use self::text::{print, size, table};
+use milkglass::error::{Error, Input, Result};
+use milkglass::gpu::{Device, Timing};
+use milkglass::hierarchy::face_cluster::Method;
+use milkglass::pipeline::plan::{Change, Options};
+use milkglass::scene::Scene;
+use milkglass::session::run::{CapacityHints, Session};
+
+#[derive(Parser)]
+#[command(name = "milkglass", version, about = "Renders translucent things in Vulkan compute, proved against the CPU")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Render a picture of a scene.
+    Render(render::Arguments),
+    /// Solve light transport only: irradiance and radiosity of every face.
+    Solve(solve::Arguments),
+    /// Show what a scene needs: stages, buffers, and what is left out and why.
+    Plan(plan::Arguments),
+    /// Time each stage, count what it does, and compare that with what the device can do.
+    Profile(profile::Arguments),
+    /// Compare every stage on a device with the CPU reference.
+    Conform(conform::Arguments),
+    /// Print a built-in shader's GLSL, to start one of your own from: see `--replace`.
+    Shader(shader::Arguments),
+    /// Run the table of extreme cases: fallback, finite or not, worst error against f64.
+    Stress(stress::Arguments),
+    /// Measure error against run time: methods, settings, and the Pareto front.
+    Pareto(pareto::Arguments),
+    /// Measure everything and write it on one page, with plots and pictures.
+    Report(report::Arguments),
+    /// Evaluate form factors, profiles, layered slabs or the CDRF, one a row of a CSV file.
+    Eval(eval::Arguments),
+    /// Bake a depth map from surfaces that lie in one another.
+    BakeLayers(bake::Arguments),
+    /// Fit the sigma_0 of `--transport cdrf` to a material: to the dipole, and to a random walk.
+    FitCdrf(fit_cdrf::Arguments),
+    /// Tell where shading by curvature is a good stand-in for the dipole, and where not.
+    Validity(validity::Arguments),
+    /// List the Vulkan devices and the CPU back end.
+    #[command(after_help = "Example: milkglass devices")]
+    Devices,
+    /// List the built-in scenes, or print one.
+    Scenes(lists::Scenes),
+    /// List the built-in materials.
+    #[command(after_help = "Example: milkglass materials")]
+    Materials,
+}
+
+/// The scene, and changes to it.
+#[derive(Args, Clone)]
+struct SceneArguments {
+    /// A scene file (TOML), a built-in scene's name, or a mesh (OBJ).
+    scene: String,
+    /// Change a value of the scene: `object.0.material.preset=ketchup`, `'light.0.intensity=[9,9,9]'`.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// The frame, where values have keyframes.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    frame: f64,
+    #[command(flatten)]
+    memory: MemoryArgument,
+}
+
+impl SceneArguments {
+    /// Loads the scene and reports what was repaired.
+    fn load(&self) -> Result<Scene> {
+        let scene = self.at(self.frame)?;
+        for line in &scene.report {
+            tell!("{line}");
+        }
+        Ok(scene)
+    }
+
+    /// Whether a frame's values are what they may be.
+    fn check(&self, frame: f64) -> Result<()> {
+        Scene::check_at(&self.scene, &self.sets, frame)
+    }
+
+    /// Another scene within the same memory.
+    fn other(&self, name: &str) -> Result<Scene> {
+        Scene::load_from(name, &[], 0.0, &self.memory.files())
+    }
+
+    /// The scene at a frame; nothing is reported.
+    fn at(&self, frame: f64) -> Result<Scene> {
+        if !frame.is_finite() {
+            return Err(Input::new("not a frame").key("--frame").found(frame).expected("a finite number").into());
+        }
+        Scene::load_from(&self.scene, &self.sets, frame, &self.memory.files())
+    }
+}
+
+/// Where and how to run.
+#[derive(Args)]
+struct RunArguments {
+    #[command(flatten)]
+    device: DeviceArgument,
+    #[command(flatten)]
+    option_args: OptionArguments,
+}
+
+impl RunArguments {
+    fn of(&self, scene: &SceneArguments) -> SceneArguments {
+        SceneArguments { sets: self.option_args.of(&scene.sets), ..scene.clone() }
+    }
+
+    fn options(&self) -> Options {
+        self.option_args.options()
+    }
+}
+
+/// A session on this device; what there is to say of it goes to standard error.
+fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Result<Session> {
+    let session =
+        Session::new(scene, device, options, CapacityHints::default()).map_err(|error| scene.placed(error))?;
+    match session.prepared().method {
+        Method::Merged => {}
+        Method::TooDeep => tell!("tree: merging neighbours made it too deep; split at medians instead"),
+        Method::TooEntangled => tell!("tree: clusters have too many neighbours to merge; split at medians instead"),
+    }
+    sequence::warn_of_shape(&session, "");
+    if let Some(why) = session.not_kept() {
+        tell!("{why}");
+    }
+    Ok(session)
+}
+
+/// A frame; that links turned out to be too many to keep is said once.
+fn run_frame(session: &mut Session, change: Change) -> Result<Vec<Timing>> {
+    let before = session.not_kept().is_some();
+    let times = session.frame(change)?;
+    if let Some(why) = session.not_kept().filter(|_| !before) {
+        tell!("{why}");
+    }
+    Ok(times)
+}
+
+/// Whether the environment asks for the validation layer.
+fn validation() -> bool {
+    std::env::var_os("MILKGLASS_VALIDATION").is_some_and(|value| value != "0")
+}
+
+/// Reports each validation message; one is enough to fail.
+fn check_messages(device: Option<&Device>) -> Result<()> {
+    let messages = device.map(Device::take_messages).unwrap_or_default();
+    for message in &messages {
+        tell!("{message}");
+    }
+    if messages.is_empty() {
+        return Ok(());
+    }
+    Err(Error::Check(format!("the validation layer has {} messages", messages.len())))
+}
+
+/// Parses the arguments and runs the command they name.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) if error.use_stderr() => {
+            let text = error.render().to_string();
+            return Err(Input::new(text.trim_start_matches("error: ").trim_end()).into());
+        }
+        Err(error) => {
+            print(&error.render().to_string())?;
+            return Ok(());
+        }
+    };
+    match cli.command {
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Solve(arguments) => solve::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
+        Command::Profile(arguments) => profile::run(&arguments),
+        Command::Conform(arguments) => conform::run(&arguments),
+        Command::Shader(arguments) => shader::run(&arguments),
+        Command::Stress(arguments) => stress::run(&arguments),
+        Command::Pareto(arguments) => pareto::run(&arguments),
+        Command::Report(arguments) => report::run(&arguments),
+        Command::Eval(arguments) => eval::run(&arguments),
+        Command::BakeLayers(arguments) => bake::run(&arguments),
+        Command::FitCdrf(arguments) => fit_cdrf::run(&arguments),
+        Command::Validity(arguments) => validity::run(&arguments),
+        Command::Devices => devices::run(),
+        Command::Scenes(arguments) => lists::scenes(&arguments),
+        Command::Materials => lists::materials(),
+    }
+}

@@ -1,0 +1,296 @@
+//! `milkglass pareto`: error against run time.
+
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::replace::ReplaceArgument;
+use super::{DeviceArgument, SceneArguments, check_messages, print, table, validation};
+use milkglass::error::{Input, Result};
+use milkglass::measure::norms::Norms;
+use milkglass::measure::pareto::{
+    Against, Bench, Leaves, Lighting, METHODS, Method, Norm, Origin, Settings, Sweep, csv, mark, ratios, svg, sweep,
+};
+use milkglass::pipeline::plan::{Goal, Mode, Options, ShadingMethod};
+use milkglass::scene::{Material, Scene};
+use milkglass::state::Scheme;
+use milkglass::view::atomic_file::{ready, write_atomically};
+
+/// Arguments of `pareto`.
+#[derive(Args)]
+#[command(after_help = "Example: milkglass pareto bunny.obj --csv bunny.csv --svg bunny.svg\n         \
+                        milkglass pareto sphere --quick --methods links,brute")]
+pub struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    #[command(flatten)]
+    device: DeviceArgument,
+    #[command(flatten)]
+    replace: ReplaceArgument,
+    /// Also write every point to this file.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Also draw error against time in this file.
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+    /// The methods, by commas [default: all].
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    methods: Vec<String>,
+    /// Seeded faces that errors are taken at [default: 500, with --quick 100].
+    #[arg(long, value_name = "FACES", allow_negative_numbers = true)]
+    samples: Option<NonZeroUsize>,
+    /// Seed of those faces.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Timed frames of each point, after one that warms up; at least 5.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(5..=1000))]
+    repeat: u32,
+    /// Leave out points that would take more seconds [default: 60, with --quick 5].
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    budget: Option<f64>,
+    /// The two coarsest settings of each method only, and less of everything.
+    #[arg(long)]
+    quick: bool,
+}
+
+/// From here on a point's time says more about the machine than about the method.
+const BUSY: f64 = 1.3;
+
+/// Measures, prints, and writes what is asked for.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let settings = settings(arguments)?;
+    for (option, path, ending) in [("--csv", &arguments.csv, "csv"), ("--svg", &arguments.svg, "svg")] {
+        if let Some(path) = path {
+            check(option, path, ending)?;
+        }
+    }
+    ready([("--csv", arguments.csv.as_ref()), ("--svg", arguments.svg.as_ref())])?;
+    let scene = arguments.scene.load()?;
+    let device = arguments.device.open(validation())?;
+    // What methods of the sweep run and a picture does not.
+    let mut links = scene.clone();
+    links.transport.scheme = Scheme::Links;
+    let radiosity = Options { goal: Goal::Radiosity, ..Options::default() };
+    let setups = [
+        (&scene, Options::default()),
+        (&scene, Options { mode: Mode::Render, ..radiosity }),
+        (&links, radiosity),
+        (&scene, Options { transport: ShadingMethod::Brute, ..radiosity }),
+    ];
+    let own = arguments.replace.on(device.as_ref(), &setups)?;
+    let bench = Bench { scene: &scene, device: device.as_ref() };
+    let mut found = sweep(&bench, &settings)?;
+    if own.is_some() {
+        let after = sweep(&Bench { scene: &scene, device: own.as_ref() }, &settings)?;
+        print(&replaced(&found, &after))?;
+        found = after;
+    }
+    check_messages(device.as_ref())?;
+    let origin = Origin {
+        device: device.as_ref().map_or("cpu", |device| device.name()).to_string(),
+        driver: device.as_ref().map_or("the f64 reference", |device| device.driver()).to_string(),
+        scene: scene.name.clone(),
+        faces: scene.objects.iter().map(|object| object.mesh.triangles.len()).sum(),
+        extent_mm: extent(&scene),
+        material: material(&scene),
+        repeat: settings.repeat,
+    };
+    print(&text(&found, &origin))?;
+    let write = |path: &Path, text: String| {
+        write_atomically(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))
+    };
+    if let Some(path) = &arguments.csv {
+        write(path, csv(&found, &origin)?)?;
+    }
+    if let Some(path) = &arguments.svg {
+        write(path, svg(&found, &origin)?)?;
+    }
+    Ok(())
+}
+
+/// Wall times with the built-in shaders and with the user's, point by point.
+fn replaced(before: &Sweep, after: &Sweep) -> String {
+    let pairs = before.points.iter().zip(&after.points);
+    let rows: Vec<_> = pairs
+        .filter_map(|(point, other)| {
+            let (before, after) = (point.run.as_ref().ok()?, other.run.as_ref().ok()?);
+            let cells =
+                [point.lighting.name(), point.method.name].map(String::from).into_iter().chain([point.setting()]);
+            let times = [before.wall_ms, after.wall_ms].map(|ms| format!("{ms:.2}"));
+            Some(cells.chain(times).chain([format!("{:.3}", after.wall_ms / before.wall_ms)]).collect())
+        })
+        .collect();
+    let header = ["", "method", "setting", "built-in ms", "replaced ms", "ratio"];
+    format!("one sweep after the other; what follows is the replaced one's\n{}\n", table(&header, &[3, 4, 5], &rows))
+}
+
+/// A name that says another format is a slip.
+fn check(option: &str, path: &Path, ending: &str) -> Result<()> {
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending)) {
+        return Ok(());
+    }
+    let fault = Input::new("the name says the format").key(option).found(path.display());
+    Err(fault.expected(format!("a name that ends in .{ending}")).into())
+}
+
+fn settings(arguments: &Arguments) -> Result<Settings> {
+    let quick = arguments.quick;
+    let budget = arguments.budget.unwrap_or(if quick { 5.0 } else { 60.0 });
+    if !(budget.is_finite() && budget > 0.0) {
+        return Err(Input::new("out of range").key("--budget").found(budget).expected("seconds, above 0").into());
+    }
+    let mut methods: Vec<&'static Method> = Vec::new();
+    for name in &arguments.methods {
+        let known = METHODS.iter().find(|method| method.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
+            let names: Vec<_> = METHODS.iter().map(|method| method.name).collect();
+            Input::new("unknown method").key("--methods").found(name).expected(names.join(", "))
+        })?;
+        if !methods.iter().any(|method| method.name == known.name) {
+            methods.push(known);
+        }
+    }
+    Ok(Settings {
+        methods: if methods.is_empty() { METHODS.iter().collect() } else { methods },
+        values: if quick { 2 } else { usize::MAX },
+        repeat: arguments.repeat as usize,
+        samples: arguments.samples.map_or(if quick { 100 } else { 500 }, NonZeroUsize::get),
+        seed: arguments.seed,
+        budget,
+    })
+}
+
+/// The largest extent, millimetres, to six digits.
+fn extent(scene: &Scene) -> f64 {
+    let (low, high) = scene.bounds();
+    let extent = (high - low).max_element() * scene.unit_mm;
+    format!("{extent:.5e}").parse().unwrap_or(extent)
+}
+
+/// Name and coefficients per millimetre.
+fn material(scene: &Scene) -> String {
+    scene.objects.iter().map(|object| of_object(scene, &object.material)).collect::<Vec<_>>().join("; ")
+}
+
+fn of_object(scene: &Scene, material: &Material) -> String {
+    if let Some(albedo) = material.opaque {
+        return format!("opaque, albedo {albedo:?}");
+    }
+    let show = |values: [f64; 3]| values.map(|x| format!("{x:.4}")).join(" ");
+    let per_mm = |values: [f64; 3]| show(values.map(|x| x / scene.unit_mm));
+    let (scattering, absorption) = (per_mm(material.sigma_s_prime), per_mm(material.sigma_a));
+    format!("{}: sigma_s' {scattering} /mm, sigma_a {absorption} /mm, eta {}", material.name, show(material.eta))
+}
+
+/// The whole report.
+fn text(found: &Sweep, origin: &Origin) -> String {
+    let Origin { device, driver, scene, faces, extent_mm, material, repeat } = origin;
+    let mut text = format!(
+        "{scene}: {faces} faces, {extent_mm} mm across, {material}\non {device}, {driver}\n\n\
+         times: median of {repeat} frames after a first one, milliseconds; `device` by its timestamps, `wall` from \
+         call to result,\n       spread from the fastest to the slowest frame as a share of the median, `busy` a fixed small job beside it as \
+         a\n       multiple of its fastest\n\
+         errors: of B at {} seeded faces, worst channel; `own` against brute force in f64 over the method's own leaf \
+         sums, `total`\n        against the area integral over the same faces; `leaves` is the L2 of the one against \
+         the other\n        (midpoint sums without clusters: {:.1e}); * on the front of wall time and L2\n\n",
+        found.samples, found.midpoint.l2,
+    );
+    for lighting in Lighting::ALL {
+        text += &points(found, lighting);
+        text.push('\n');
+    }
+    let busy = Lighting::ALL.iter().flat_map(|&light| found.measured(light)).filter(|(_, run)| run.busy > BUSY).count();
+    if busy > 0 {
+        text +=
+            &format!("busy: {busy} points were timed while something else slowed the device; repeat them to compare\n");
+    }
+    text += &left_out(found);
+    text + "\n" + &ratio_table(found)
+}
+
+/// What was not measured and why, settings of the same fate in one line.
+fn left_out(found: &Sweep) -> String {
+    let mut lines: Vec<(String, String, &str)> = Vec::new();
+    for point in &found.points {
+        let Err(why) = &point.run else { continue };
+        let about = format!("{}, {}", point.method.name, point.lighting.name());
+        match lines.iter_mut().find(|line| line.0 == about && line.2 == why) {
+            Some((_, settings, _)) => *settings += &format!(" {}", point.value),
+            None => lines.push((about, point.setting(), why)),
+        }
+    }
+    let line = |(about, settings, why): &(String, String, &str)| {
+        let gap = if settings.is_empty() { "" } else { ", " };
+        format!("n/a: {about}{gap}{settings}: {why}\n")
+    };
+    lines.iter().map(line).collect()
+}
+
+/// The points under one lighting.
+fn points(found: &Sweep, lighting: Lighting) -> String {
+    let fronts = [Against::Own, Against::Total].map(|against| mark(found, against));
+    let mut rows = Vec::new();
+    for (k, point) in found.points.iter().enumerate().filter(|(_, point)| point.lighting == lighting) {
+        let Ok(run) = &point.run else { continue };
+        let errors = |norms: Norms, front: bool| {
+            let star = if front { "*" } else { "" };
+            [norms.l2, norms.p99, norms.max].map(|x| format!("{x:.1e}")).into_iter().chain([star.to_string()])
+        };
+        let leaves = if point.method.leaves == Leaves::Exact { 0.0 } else { found.midpoint.l2 };
+        let spread = (run.range_ms[1] - run.range_ms[0]) / run.wall_ms;
+        let mut cells = vec![
+            point.method.name.to_string(),
+            point.setting(),
+            run.device_ms.map_or("n/a".into(), |ms| format!("{ms:.2}")),
+            format!("{:.2}", run.wall_ms),
+            format!("{:.0} %", 100.0 * spread),
+            format!("{:.1}", run.busy),
+        ];
+        cells.extend(errors(run.own, fronts[0][k]));
+        cells.push(if leaves > 0.0 { format!("{leaves:.1e}") } else { "0".into() });
+        cells.extend(errors(run.total, fronts[1][k]));
+        cells.push(run.links_per_face.map_or("-".into(), |links| format!("{links:.1}")));
+        rows.push(cells);
+    }
+    let header = [
+        lighting.name(),
+        "setting",
+        "device",
+        "wall",
+        "spread",
+        "busy",
+        "own L2",
+        "p99",
+        "max",
+        "",
+        "leaves",
+        "total L2",
+        "p99",
+        "max",
+        "",
+        "links/face",
+    ];
+    table(&header, &[2, 3, 4, 5, 6, 7, 8, 10, 11, 12, 13, 15], &rows)
+}
+
+/// Times at equal error.
+fn ratio_table(found: &Sweep) -> String {
+    let base = &METHODS[0];
+    let rows: Vec<Vec<String>> = ratios(found, base)
+        .iter()
+        .map(|ratio| {
+            let norm = match ratio.norm {
+                Norm::L2 => "L2",
+                Norm::P99 => "p99",
+            };
+            let error = format!("{norm} {}", ratio.against.name());
+            let (light, method) = (ratio.lighting.name().to_string(), ratio.method.name.to_string());
+            vec![light, error, method, ratio.cell(0), ratio.cell(1), ratio.cell(2)]
+        })
+        .collect();
+    let about = format!(
+        "wall time at equal error, and its ratio to that of {} (above 1: slower); read between points, never beyond\n",
+        base.name
+    );
+    about + &table(&["", "error", "method", "1e-2", "1e-3", "1e-4"], &[3, 4, 5], &rows)
+}

@@ -1,0 +1,200 @@
+//! `milkglass render`: a picture of a scene.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::{Args, ValueEnum};
+
+use super::{
+    RunArguments, SceneArguments, check_messages, open_session, print, run_frame, sequence, table, validation,
+};
+use milkglass::error::{Input, Result};
+use milkglass::pipeline::plan::{Change, Mode, ShadingMethod};
+use milkglass::scene::{Camera, Tone};
+use milkglass::session::cluster_view::{Emitters, clusters, color};
+use milkglass::session::curvature_view::{CurvatureView, curvature_view, flat};
+use milkglass::view::atomic_file::ready;
+use milkglass::view::picture::{check, encode};
+
+/// Arguments of `render`.
+#[derive(Args)]
+#[command(after_help = "Example: milkglass render lotus -o lotus.png --size 800x600 --set camera.exposure=1.5")]
+pub struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    #[command(flatten)]
+    run: RunArguments,
+    /// The picture: `.png` (exposed, toned, sRGB) or `.exr` (linear).
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Width and height in pixels; overrides the scene's.
+    #[arg(long, value_name = "WxH")]
+    size: Option<String>,
+    /// Add layers to an `.exr`: irradiance, radiosity, normal, error_estimate, depth, object, triangle, links.
+    #[arg(long)]
+    aov: bool,
+    /// Show something else than light.
+    #[arg(long, value_enum, conflicts_with = "aov")]
+    view: Option<View>,
+    /// Render these frames, both ends included, each to a file of its own: `-o frame-%04d.png`. No frame depends on another.
+    #[arg(long, value_name = "A..B", conflicts_with_all = ["view", "frame", "times"], allow_hyphen_values = true)]
+    frames: Option<String>,
+    /// With --frames: leave out frames whose file is there.
+    #[arg(long, requires = "frames")]
+    skip_existing: bool,
+    /// The pixel for `--view clusters`, from the upper left.
+    #[arg(long, value_name = "X,Y", requires = "view")]
+    pick: Option<String>,
+    /// Print each stage's time.
+    #[arg(long)]
+    times: bool,
+}
+
+/// What can be shown instead of light.
+#[derive(Clone, Copy, ValueEnum)]
+enum View {
+    /// The clusters that light what `--pick` names: blue the largest, red the smallest, white the receivers, grey what gives
+    /// nothing. Of the first group of channels (`plan` lists them).
+    Clusters,
+    /// How much the surface bends (kappa of `--transport cdrf`): red much, blue little.
+    Curvature,
+}
+
+/// Renders and writes the picture.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let start = Instant::now();
+    check(&arguments.output)?;
+    let aov = arguments.aov;
+    if aov && !arguments.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
+        let found = arguments.output.display();
+        return Err(Input::new("only OpenEXR has layers").key("--aov").found(found).expected("-o FILE.exr").into());
+    }
+    if aov {
+        arguments.run.options().carries("--aov")?;
+    }
+    if arguments.frames.is_none() {
+        ready([("-o", Some(&arguments.output))])?;
+    }
+    let frames = arguments.frames.as_deref().map(|text| sequence::parse(text, &arguments.output)).transpose()?;
+    let size = arguments.size.as_deref().map(parse_size).transpose()?;
+    let pick = arguments.pick.as_deref().map(parse_pick).transpose()?;
+    let device = arguments.run.device.open(validation())?;
+    let mut options = arguments.run.options();
+    if aov {
+        options = options.with_layers();
+    }
+    let clustered = matches!(arguments.view, Some(View::Clusters));
+    if clustered != pick.is_some() {
+        let fault = Input::new("--view clusters and --pick X,Y go together").key("--pick");
+        return Err(fault.expected("both or neither").into());
+    }
+    if matches!(arguments.view, Some(View::Curvature)) {
+        options.transport = ShadingMethod::Cdrf;
+    }
+    if clustered {
+        if options.transport != ShadingMethod::Hierarchy {
+            let found = "another --transport";
+            return Err(Input::new("only the hierarchy has links").key("--view clusters").found(found).into());
+        }
+        options.mode = Mode::Keep;
+    }
+    if let Some(frames) = frames {
+        let (scenes, output, skip) = (&arguments.run.of(&arguments.scene), &arguments.output, arguments.skip_existing);
+        let job = sequence::Job { scenes, frames, size, options, output, aov, skip };
+        return job.run(device.as_ref());
+    }
+    let mut scene = arguments.run.of(&arguments.scene).load()?;
+    scene.camera = scene.camera.clone().sized(size.unwrap_or(scene.camera.size))?;
+    let mut session = open_session(&scene, device.as_ref(), options)?;
+    let times = run_frame(&mut session, Change::EVERYTHING)?;
+    if arguments.times {
+        super::solve::print_times(&mut session, &times)?;
+    }
+    if let Some(pick) = pick {
+        let (picture, emitters) = clusters(&mut session, pick)?;
+        check_messages(device.as_ref())?;
+        picture.save(&arguments.output, &plain(&scene.camera))?;
+        return print_levels(&emitters);
+    }
+    if arguments.view.is_some() {
+        let (picture, curvature_view) = curvature_view(&mut session)?;
+        check_messages(device.as_ref())?;
+        picture.save(&arguments.output, &plain(&scene.camera))?;
+        return print_curvature(&curvature_view, scene.unit_mm);
+    }
+    let picture = sequence::shoot(&mut session, aov, &arguments.output)?;
+    check_messages(device.as_ref())?;
+    let place = device.as_ref().map_or("the CPU", |device| device.name());
+    let seconds = start.elapsed().as_secs_f64();
+    let (file, width, height) = (arguments.output.display(), picture.width, picture.height);
+    tell!("{file}: {width} x {height}, on {place}, {seconds:.1} s");
+    let share = if options.transport == ShadingMethod::Cdrf { flat(&mut session)? } else { 0.0 };
+    if share > 0.25 {
+        tell!(
+            "note: sigma_0 kappa is above 1 on {:.0} % of the vertices, where the CDRF hardly depends on the light: \
+             smaller material.sigma_0 (`fit-cdrf`), or --transport hierarchy",
+            100.0 * share
+        );
+    }
+    Ok(())
+}
+
+/// A camera that shows colours as they are.
+fn plain(camera: &Camera) -> Camera {
+    Camera { exposure: 1.0, tone: Tone::default(), ..camera.clone() }
+}
+
+/// How many emitters there are of each level.
+fn print_levels(emitters: &Emitters) -> Result<()> {
+    let row = |(&level, &(clusters, triangles)): (&usize, &(usize, usize))| {
+        let [r, g, b] = color(emitters, level).map(|x| (encode(x.into()) * 255.0).round() as u8);
+        vec![level.to_string(), clusters.to_string(), triangles.to_string(), format!("#{r:02x}{g:02x}{b:02x}")]
+    };
+    let rows: Vec<_> = emitters.levels.iter().map(row).collect();
+    print(&table(&["level", "emitters", "triangles in them", "colour"], &[0, 1, 2], &rows))
+}
+
+/// What the colours of a picture of curvature mean.
+fn print_curvature(curvature_view: &CurvatureView, unit_mm: f64) -> Result<()> {
+    let [low, high] = curvature_view.ends;
+    let row = |k: i32| {
+        let kappa = if low > 0.0 { low * (high / low).powf(f64::from(k) / 4.0) } else { high * f64::from(k) / 4.0 };
+        let [r, g, b] = curvature_view.color(kappa).map(|x| (encode(x.into()) * 255.0).round() as u8);
+        let radius = if kappa > 0.0 { format!("{:.3e}", unit_mm / kappa) } else { "flat".into() };
+        vec![format!("{:.3e}", kappa / unit_mm), radius, format!("#{r:02x}{g:02x}{b:02x}")]
+    };
+    let rows: Vec<_> = (0..5).map(row).collect();
+    print(&table(&["kappa, 1/mm", "1 / kappa, mm", "colour"], &[0, 1], &rows))?;
+    let [median, most] = curvature_view.apart.map(|share| 100.0 * share);
+    print(&format!("a cubic fit differs by {median:.1} % of the sum of both (median), {most:.0} % (95th percentile)\n"))
+}
+
+/// `120,80`, counted from the upper left.
+fn parse_pick(text: &str) -> Result<[u32; 2]> {
+    let number = |text: &str| text.trim().parse::<u32>().ok();
+    text.split_once(',').and_then(|(x, y)| Some([number(x)?, number(y)?])).ok_or_else(|| {
+        Input::new("not a pixel").key("--pick").found(text).expected("X,Y, counted from the upper left").into()
+    })
+}
+
+/// `800x600`, each side from 1 to 16384.
+fn parse_size(text: &str) -> Result<[u32; 2]> {
+    let side = |text: &str| text.trim().parse::<u32>().ok().filter(|n| (1..=16384).contains(n));
+    text.split_once(['x', 'X']).and_then(|(w, h)| Some([side(w)?, side(h)?])).ok_or_else(|| {
+        Input::new("not a picture size").key("--size").found(text).expected("WxH, each 1 to 16384").into()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parse_size;
+
+    #[test]
+    fn sizes() {
+        assert_eq!(parse_size("800x600").unwrap(), [800, 600]);
+        assert_eq!(parse_size("1X1").unwrap(), [1, 1]);
+        for bad in ["800", "0x5", "5x99999", "axb", "", "1x2x3", "-1x4"] {
+            assert!(parse_size(bad).is_err(), "{bad}");
+        }
+    }
+}

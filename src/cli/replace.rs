@@ -1,0 +1,91 @@
+//! `--replace KERNEL=FILE`: shaders of the user's, checked before anything else is done with them.
+
+use std::path::Path;
+
+use clap::Args;
+
+use super::run_args::{quoted, repeated};
+use milkglass::error::{Error, Input, Result};
+use milkglass::gpu::{Device, replacement};
+use milkglass::measure::fixtures::Fixture;
+use milkglass::measure::replace::{check, unused};
+use milkglass::measure::verdict::verdict;
+use milkglass::pipeline::plan::Options;
+use milkglass::scene::Scene;
+use milkglass::session::run::CapacityHints;
+
+/// Shaders that take the place of built-in ones.
+#[derive(Args)]
+pub(super) struct ReplaceArgument {
+    /// Let a shader of yours take a kernel's place: `transport/blocks/gather/direct=my.comp`; `milkglass shader` prints ours.
+    #[arg(long, value_name = "KERNEL=FILE")]
+    replace: Vec<String>,
+}
+
+impl ReplaceArgument {
+    /// The arguments again, for a command to repeat.
+    pub(super) fn again(&self) -> String {
+        self.replace.iter().map(|pair| format!(" --replace {}", quoted(pair))).collect()
+    }
+
+    /// The kernels and files, as they were given.
+    pub(super) fn pairs(&self) -> &[String] {
+        &self.replace
+    }
+
+    /// The kernels' names and SPIR-V.
+    pub(super) fn load(&self) -> Result<Vec<(String, Vec<u32>)>> {
+        let mut loaded: Vec<(String, Vec<u32>)> = Vec::new();
+        for pair in &self.replace {
+            let Some((kernel, file)) = pair.split_once('=').filter(|(_, file)| !file.is_empty()) else {
+                let fault = Input::new("not a kernel and a file").key("--replace").found(pair);
+                return Err(fault.expected("transport/blocks/gather/direct=my.comp, for example").into());
+            };
+            if loaded.iter().any(|(known, _)| known == kernel) {
+                return Err(Input::new("this kernel is replaced twice").key("--replace").found(kernel).into());
+            }
+            loaded.push((kernel.to_string(), replacement(kernel, Path::new(file))?));
+        }
+        Ok(loaded)
+    }
+
+    /// The device with these shaders, their values checked on the first of these scenes that run them; none where none are
+    /// given.
+    pub(super) fn on(&self, device: Option<&Device>, setups: &[(&Scene, Options)]) -> Result<Option<Device>> {
+        let loaded = self.load()?;
+        if loaded.is_empty() {
+            return Ok(None);
+        }
+        let Some(device) = device else {
+            let fault = Input::new("shaders run on a Vulkan device only").key("--replace").found("the CPU");
+            return Err(fault.expected("a device that `milkglass devices` lists").into());
+        };
+        let device = replaced(device, &loaded);
+        let mut fixtures = Vec::new();
+        for (scene, options) in setups {
+            fixtures.push(Fixture::new(&scene.name, scene, *options, CapacityHints::default())?);
+            if unused(&device, &fixtures)?.is_none() {
+                break;
+            }
+        }
+        let rows = check(&device, &fixtures)?;
+        let (good, bad): (Vec<_>, Vec<_>) = rows.iter().partition(|row| row.faults.is_empty());
+        for row in good {
+            tell!("{}: {} words conform to the reference", row.stage, row.words);
+        }
+        for row in &bad {
+            tell!("\n{}", verdict(&device, row, &repeated(&device)));
+        }
+        match bad.as_slice() {
+            [] => Ok(Some(device)),
+            [row, ..] => {
+                Err(Error::Check(format!("the replaced stage {} gives other values than the reference", row.stage)))
+            }
+        }
+    }
+}
+
+/// A device with these kernels.
+pub(super) fn replaced(device: &Device, kernels: &[(String, Vec<u32>)]) -> Device {
+    kernels.iter().fold(device.clone(), |device, (name, words)| device.replacing(name, words.clone()))
+}

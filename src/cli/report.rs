@@ -1,0 +1,55 @@
+//! `milkglass report`: everything that is measured, on one page.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{DeviceArgument, print, validation};
+use milkglass::error::{Error, Input, Result};
+use milkglass::measure::report::{Bench, Folder, PAGE, SECTIONS, Section, report};
+
+/// Arguments of `report`.
+#[derive(Args)]
+#[command(after_help = "Example: milkglass report -o report --quick\n         \
+                        milkglass report -o layers --only pictures,layers --device cpu\n\n\
+                        DIR must be new, empty, or hold an earlier report, whose files of the same names are replaced.")]
+pub struct Arguments {
+    #[command(flatten)]
+    device: DeviceArgument,
+    /// The folder for index.html and the CSV files.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Small scenes and few settings: minutes.
+    #[arg(long)]
+    quick: bool,
+    /// Only these sections, by commas [default: all].
+    #[arg(long, value_name = "SECTIONS", value_delimiter = ',')]
+    only: Vec<String>,
+}
+
+/// Measures, writes, and fails if a section does.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    for name in &arguments.only {
+        if !SECTIONS.iter().any(|section| section.name == name) {
+            let names: Vec<_> = SECTIONS.iter().map(|section| section.name).collect();
+            return Err(Input::new("no such section").key("--only").found(name).expected(names.join(", ")).into());
+        }
+    }
+    let wanted = |section: &&Section| arguments.only.is_empty() || arguments.only.iter().any(|n| n == section.name);
+    let sections: Vec<&Section> = SECTIONS.iter().filter(wanted).collect();
+    let folder = Folder::open(&arguments.output)?;
+    let device = arguments.device.open(validation())?;
+    let bench = Bench { device: device.as_ref(), quick: arguments.quick };
+    let mut number = 0;
+    let mut tell = |name: &str| {
+        number += 1;
+        tell!("{number}/{} {name}", sections.len());
+    };
+    let made = report(&bench, &sections, &mut tell);
+    folder.fill(&made.page, &made.files)?;
+    print(&format!("{}\n", arguments.output.join(PAGE).display()))?;
+    if made.faults.is_empty() {
+        return Ok(());
+    }
+    Err(Error::Check(format!("the report has {} failures:\n{}", made.faults.len(), made.faults.join("\n"))))
+}

@@ -1,0 +1,158 @@
+//! `milkglass render --frames`: a picture a frame, each as if it were rendered alone.
+
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::{SceneArguments, check_messages, open_session, run_frame};
+use milkglass::error::{Error, Input, Result};
+use milkglass::gpu::Device;
+use milkglass::pipeline::plan::{Change, Options};
+use milkglass::prepare::shape::turned;
+use milkglass::session::antialiasing::picture;
+use milkglass::session::aov::layers;
+use milkglass::session::run::Session;
+use milkglass::view::aov::save;
+use milkglass::view::picture::Picture;
+
+/// Most frames of one call.
+const MOST: i64 = 1_000_000;
+
+/// The frames of one call.
+pub struct Job<'a> {
+    /// What is shown.
+    pub scenes: &'a SceneArguments,
+    /// Their numbers.
+    pub frames: RangeInclusive<i32>,
+    /// Width and height of the pictures, where they are not the scene's.
+    pub size: Option<[u32; 2]>,
+    /// How they are run.
+    pub options: Options,
+    /// Where they go, with a place for the number.
+    pub output: &'a Path,
+    /// Whether they have layers.
+    pub aov: bool,
+    /// Whether those that are there are left out.
+    pub skip: bool,
+}
+
+impl Job<'_> {
+    /// Renders what is to be rendered, and says so.
+    pub fn run(self, device: Option<&Device>) -> Result<()> {
+        let scene = &self.scenes.scene;
+        if Path::new(scene).metadata().is_ok_and(|known| !known.is_file() && !known.is_dir()) {
+            let fault = Input::new("the scene is read anew for every frame").key("--frames").found(scene);
+            return Err(fault.expected("a plain file").into());
+        }
+        let start = Instant::now();
+        let output = |frame: i32| numbered(self.output, frame).unwrap_or_default();
+        // Only a file that has something in it is a picture.
+        let whole = |path: &Path| path.metadata().is_ok_and(|known| known.is_file() && known.len() > 0);
+        let skips = |frame: &i32| self.skip && whole(&output(*frame));
+        let (left_out, wanted): (Vec<i32>, Vec<i32>) = self.frames.clone().partition(skips);
+        wanted.iter().try_for_each(|&frame| {
+            let told = |_: &Error| tell!("frame {frame} is no scene; nothing was rendered");
+            self.scenes.check(f64::from(frame)).inspect_err(told)
+        })?;
+        let bar = ProgressBar::new(wanted.len() as u64);
+        if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len} frames, {eta} left") {
+            bar.set_style(style);
+        }
+        let mut session = None;
+        let mut one = |frame: i32| -> Result<()> {
+            let mut scene = self.scenes.at(f64::from(frame))?;
+            scene.camera = scene.camera.clone().sized(self.size.unwrap_or(scene.camera.size))?;
+            let session = match &mut session {
+                None => {
+                    scene.report.iter().for_each(|line| tell!("{line}"));
+                    session.insert(open_session(&scene, device, self.options)?)
+                }
+                Some(session) => {
+                    session.show(&scene).map_err(|error| scene.placed(error))?;
+                    bar.suspend(|| warn_of_shape(session, &format!("frame {frame}: ")));
+                    session
+                }
+            };
+            run_frame(session, Change::default())?;
+            check_messages(device)?;
+            shoot(session, self.aov, &output(frame))?;
+            check_messages(device)?;
+            bar.inc(1);
+            Ok(())
+        };
+        for (done, &frame) in wanted.iter().enumerate() {
+            one(frame).inspect_err(|_| {
+                bar.finish_and_clear();
+                tell!("frame {frame} failed; {done} before it are whole, and --skip-existing goes on from here");
+            })?;
+        }
+        bar.finish_and_clear();
+        let place = device.map_or("the CPU", |device| device.name());
+        let (count, there) = (wanted.len(), left_out.len());
+        let there = if there > 0 { format!(", {there} were there") } else { String::new() };
+        let seconds = start.elapsed().as_secs_f64();
+        tell!("{count} frames{there}, on {place}, {seconds:.1} s");
+        Ok(())
+    }
+}
+
+/// Says which trees deformations have spoilt, and where they turn triangles inside out: there the picture is wrong.
+pub fn warn_of_shape(session: &Session, frame: &str) {
+    session.rebuilt().iter().for_each(|line| tell!("{frame}{line}"));
+    for (object, count) in turned(session.state()).into_iter().enumerate().filter(|(_, count)| *count > 0) {
+        let all = session.state().objects[object].count.faces;
+        tell!(
+            "{frame}object {object}: its deformations turn {count} of {all} triangles inside out or leave them without an area"
+        );
+    }
+}
+
+/// Writes the picture of the last frame, with its layers or without.
+pub fn shoot(session: &mut Session, aov: bool, output: &Path) -> Result<Picture> {
+    // Layers are those of the pixels' centres.
+    let layers = if aov { Some(layers(session)?) } else { None };
+    super::solve::tell_blunt(session);
+    let picture = picture(session)?;
+    match layers {
+        Some(layers) => save(&picture, &layers, output)?,
+        None => picture.save(output, &session.scene().camera)?,
+    }
+    Ok(picture)
+}
+
+/// `0..59`, both ends included; the output has to have a place for the number.
+pub fn parse(text: &str, output: &Path) -> Result<RangeInclusive<i32>> {
+    let ends = text.split_once("..").and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)));
+    let Some((first, last)) = ends.filter(|(a, b): &(i32, i32)| a <= b && i64::from(*b) - i64::from(*a) < MOST) else {
+        let expected = "A..B, whole numbers, A at most B, both included, at most 1000000 frames";
+        return Err(Input::new("not a range of frames").key("--frames").found(text).expected(expected).into());
+    };
+    if numbered(output, 0).is_none() {
+        let fault = Input::new("every frame needs a file of its own").key("--output").found(output.display());
+        return Err(fault.expected("the place of the frame's number, once: frame-%04d.png").into());
+    }
+    Ok(first..=last)
+}
+
+/// The file of a frame; none where its name has no place for the number.
+fn numbered(output: &Path, frame: i32) -> Option<PathBuf> {
+    milkglass::scene::numbered(output.to_str()?, frame.into()).map(PathBuf::from)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::cli::sequence::*;
+
+    #[test]
+    fn ranges_include_both_ends() {
+        let output = Path::new("%d.png");
+        assert_eq!(parse("0..59", output).unwrap(), 0..=59);
+        assert_eq!(parse("-3..-3", output).unwrap(), -3..=-3);
+        for bad in ["5", "5..", "..5", "5..4", "a..b", "0..99999999", "1..2.5"] {
+            assert!(parse(bad, output).is_err(), "{bad}");
+        }
+        assert!(parse("0..1", Path::new("a.png")).is_err());
+    }
+}

@@ -1,0 +1,163 @@
+//! `milkglass solve`: light transport only, one row a face.
+
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::faces::{csv, ply};
+use super::{RunArguments, SceneArguments, check_messages, open_session, print, run_frame, table, validation};
+use milkglass::error::{Error, Input, Result};
+use milkglass::gpu::Timing;
+use milkglass::layout::BufferId;
+use milkglass::measure::estimate::Quality;
+use milkglass::measure::norms::worst;
+use milkglass::measure::reference::check;
+use milkglass::pipeline::plan::{Change, Goal, Options, ShadingMethod};
+use milkglass::session::run::Session;
+use milkglass::state::Scheme;
+use milkglass::view::atomic_file::{ready, write_atomically};
+
+/// Arguments of `solve`.
+#[derive(Args)]
+#[command(after_help = "Example: milkglass solve bunny.obj -o bunny.csv --verify 2000")]
+pub struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    #[command(flatten)]
+    run: RunArguments,
+    /// `.csv`: one row a face; `.ply`: the mesh with radiosity as colours and properties.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Compare with brute force in f64 at this many seeded faces, and print the error per channel.
+    #[arg(long, value_name = "FACES", allow_negative_numbers = true)]
+    verify: Option<NonZeroUsize>,
+    /// Seed of the faces that `--verify` takes.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print each stage's time.
+    #[arg(long)]
+    times: bool,
+}
+
+enum Format {
+    Csv,
+    Ply,
+}
+
+fn format(path: &Path) -> Result<Format> {
+    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("csv") => Ok(Format::Csv),
+        Some("ply") => Ok(Format::Ply),
+        _ => Err(Input::new("the name says the format")
+            .key("-o")
+            .found(path.display())
+            .expected("a name that ends in .csv or .ply")
+            .into()),
+    }
+}
+
+/// Solves, writes, and verifies if asked.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let output = match &arguments.output {
+        Some(path) => Some((path, format(path)?)),
+        None => None,
+    };
+    if output.is_none() && arguments.verify.is_none() && !arguments.times {
+        return Err(Input::new("nothing to do").expected("-o FILE, --verify FACES or --times").into());
+    }
+    ready([("-o", arguments.output.as_ref())])?;
+    arguments.run.options().carries("solve")?;
+    let scene = arguments.scene.load()?;
+    let device = arguments.run.device.open(validation())?;
+    // Times alone are those of a frame that estimates nothing.
+    let estimate = output.is_some() || arguments.verify.is_some();
+    let options = Options { goal: Goal::Radiosity, estimate, ..arguments.run.options() };
+    let mut session = open_session(&scene, device.as_ref(), options)?;
+    let times = run_frame(&mut session, Change::EVERYTHING)?;
+    session.sharpen()?;
+    tell_blunt(&session);
+    session.fetch(&[BufferId::clusters, BufferId::irradiance, BufferId::radiosity, BufferId::estimate])?;
+    check_messages(device.as_ref())?;
+    if let Some((path, format)) = output {
+        let text = match format {
+            Format::Csv => csv(&session),
+            Format::Ply => ply(&session),
+        };
+        write_atomically(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))?;
+    }
+    if arguments.times {
+        print_times(&mut session, &times)?;
+    }
+    if let Some(count) = arguments.verify {
+        let checked = check(&mut session, count.get(), arguments.seed)?;
+        let norms = checked.norms;
+        let all = worst(&norms);
+        let row = |name: &str, n: &milkglass::measure::norms::Norms| {
+            vec![name.to_string(), format!("{:.3e}", n.l2), format!("{:.3e}", n.p99), format!("{:.3e}", n.max)]
+        };
+        let rows = [row("r", &norms[0]), row("g", &norms[1]), row("b", &norms[2]), row("worst", &all)];
+        print(&table(&["channel", "L2", "p99", "max"], &[1, 2, 3], &rows))?;
+        if let Some(Quality { covered, ratio, rank }) = checked.estimate {
+            let share = 100.0 * covered;
+            print(&format!(
+                "the estimate is above the error at {share:.2} % of the faces; its p99 is {ratio:.1} times the error's; \
+                 rank correlation {rank:.2}\n"
+            ))?;
+        }
+        // The tolerance is this L2's, of the method that has one.
+        let tolerance = scene.transport.tolerance;
+        let bounded = options.transport == ShadingMethod::Hierarchy && scene.transport.scheme == Scheme::Blocks;
+        if all.l2.is_nan() || bounded && all.l2 > tolerance {
+            return Err(Error::Check(format!("L2 is {:.3e}, above transport.tolerance, {tolerance:e}", all.l2)));
+        }
+    }
+    Ok(())
+}
+
+/// Says so where the estimate is the one carried along with the light, which is larger.
+pub fn tell_blunt(session: &Session) {
+    if let Some(why) = session.blunt() {
+        tell!("the error estimate is a looser one, since the second solve that sharpens it failed: {why}");
+    }
+}
+
+/// Prints the time of each stage, its chunks together, and the number of links.
+pub fn print_times(session: &mut Session, times: &[Timing]) -> Result<()> {
+    session.fetch(&[BufferId::spans, BufferId::runs])?;
+    let mut rows: Vec<(String, f64)> = Vec::new();
+    for time in times {
+        match rows.iter_mut().find(|(name, _)| *name == time.name) {
+            Some((_, sum)) => *sum += time.milliseconds,
+            None => rows.push((time.name.clone(), time.milliseconds)),
+        }
+    }
+    let total: f64 = rows.iter().map(|(_, ms)| ms).sum();
+    rows.push(("total".into(), total));
+    let rows: Vec<_> = rows.into_iter().map(|(name, ms)| vec![name, format!("{ms:.3}")]).collect();
+    let data = &session.state().data;
+    let links: u64 = data.spans.iter().map(|span| u64::from(span.links)).sum();
+    print(&table(&["stage", "ms"], &[1], &rows))?;
+    let count =
+        |of: fn(&milkglass::layout::Runs) -> u32| session.state().runs().map(|run| u64::from(of(run))).sum::<u64>();
+    let lists = [
+        ("expanded", count(|run| run.expanded)),
+        ("direct", count(|run| run.direct)),
+        ("area points", count(|run| run.area)),
+        ("edge form", count(|run| run.edge)),
+        ("dropped", count(|run| run.dropped)),
+    ];
+    if session.state().runs().next().is_some() {
+        let per = |(name, n): &(&str, u64)| {
+            format!("{:.1} {name}", *n as f64 / session.state().sum(|object| object.count.blocks) as f64)
+        };
+        print(&format!("a block: {}\n", lists.iter().map(per).collect::<Vec<_>>().join(", ")))?;
+    }
+    if links > 0 {
+        print(&format!(
+            "{links} links, {:.1} a triangle\n",
+            links as f64 / session.state().sum(|object| object.count.faces) as f64
+        ))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,41 @@
+//! Stage `opaque_faces`: what an object that no light enters gives back, in all directions alike.
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::layout::BufferId;
+use crate::state::{
+    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
+};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "opaque_faces",
+    module: "lighting",
+    about: "radiosity of opaque objects: albedo times irradiance",
+    equation: "Lambert: B = albedo E",
+    writes: &[(BufferId::radiosity, Role::Output, Tolerance::Float { relative: 2e-7, floor: 0.0 })],
+    reason: "one product",
+    sizes: &[],
+    granularity: Granularity::Object,
+    carriers: Carrier::ALL,
+    needs: &[Need::Light],
+    serves: Serves {
+        object: |object, _| object.opaque && object.lit_by_face(),
+        none: "no opaque object is lit by triangle",
+    },
+    skip: never,
+    runs: Update::sums,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _at: Scope) {
+    let data = &state.data;
+    let albedo = wide(data.object_params[0].albedo);
+    state.data.radiosity = data.irradiance.par_iter().map(|&light| narrow(albedo * wide(light))).collect();
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    pass.dispatch(None, &[], &[], pass.object().count.faces)
+}

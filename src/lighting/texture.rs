@@ -1,0 +1,103 @@
+//! A texture at one place: its texels, linear between the centres of four of them.
+
+use glam::{DVec2, DVec3};
+
+use crate::layout::{Buffers, ObjectParams, TEXTURE_LEAVES, WRAP_CLAMP, WRAP_REPEAT};
+use crate::state::{State, wide};
+
+/// Why no light is multiplied by a texture on this side, if none is.
+#[must_use]
+pub fn untextured(state: &State, side: u32) -> Option<&'static str> {
+    let sides = state.data.object_params.iter().fold(0, |sides, params| sides | params.texture_side);
+    match sides {
+        0 => Some("no material has a texture"),
+        sides if sides & side != 0 => None,
+        TEXTURE_LEAVES => Some("the texture is for light that leaves"),
+        _ => Some("the texture is for light that enters"),
+    }
+}
+
+/// Which of `count` texels in a row stands at place `i`; `wrap` as in `object_params.texture_wrap`.
+#[must_use]
+pub fn texel(i: i64, count: u32, wrap: u32) -> u32 {
+    let last = i64::from(count) - 1;
+    let k = match wrap {
+        WRAP_REPEAT => i.rem_euclid(last + 1),
+        WRAP_CLAMP => i.clamp(0, last),
+        _ => {
+            let k = i.rem_euclid(2 * last + 2);
+            k.min(2 * last + 1 - k)
+        }
+    };
+    k as u32
+}
+
+/// Factors of an object's texture at a place: (0, 0) is the upper left corner of the texture, (1, 1) the lower right one.
+#[must_use]
+pub fn factor(params: &ObjectParams, texels: &[[f32; 3]], place: DVec2) -> DVec3 {
+    look(texels, params.texture_first, params.texture_size, params.texture_wrap, place)
+}
+
+/// The same of a texture of this size whose first texel is there, and which goes on like this beyond its edges.
+#[must_use]
+pub fn look(texels: &[[f32; 3]], first: u32, [width, height]: [u32; 2], wrap: u32, place: DVec2) -> DVec3 {
+    let at = place * DVec2::new(width.into(), height.into()) - 0.5;
+    let (left, top) = (at.x.floor(), at.y.floor());
+    let row = |row: i64| {
+        let first = first + texel(row, height, wrap) * width;
+        let of = |column: i64| wide(texels[(first + texel(column, width, wrap)) as usize]);
+        of(left as i64).lerp(of(left as i64 + 1), at.x - left)
+    };
+    row(top as i64).lerp(row(top as i64 + 1), at.y - top)
+}
+
+/// Where a triangle has this place, `u` and `v` the weights of its second and third corner.
+#[must_use]
+pub fn place(data: &Buffers, face: usize, u: f64, v: f64) -> DVec2 {
+    let corners = &data.corner_uvs[face];
+    let [a, b, c] = [corners.a, corners.b, corners.c].map(|[x, y]| DVec2::new(x.into(), y.into()));
+    (1.0 - u - v) * a + u * b + v * c
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::layout::WRAP_MIRROR;
+    use crate::lighting::texture::*;
+
+    #[test]
+    fn texels_go_on_beyond_the_edges() {
+        let row = |wrap: u32| (-4..7).map(|i| texel(i, 3, wrap)).collect::<Vec<_>>();
+        assert_eq!(row(WRAP_REPEAT), [2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0]);
+        assert_eq!(row(WRAP_CLAMP), [0, 0, 0, 0, 0, 1, 2, 2, 2, 2, 2]);
+        assert_eq!(row(WRAP_MIRROR), [2, 2, 1, 0, 0, 1, 2, 2, 1, 0, 0]);
+    }
+
+    #[test]
+    fn between_centres_a_texture_is_linear() {
+        let params = ObjectParams { texture_size: [2, 2], texture_first: 1, ..ObjectParams::default() };
+        let texels = [0.9, 0.0, 0.4, 0.8, 1.0].map(|x| [x; 3]).to_vec();
+        let mut data = Buffers { object_params: vec![params], texels, ..Buffers::default() };
+        let mut at = |x: f64, y: f64, wrap: u32| {
+            data.object_params[0].texture_wrap = wrap;
+            factor(&data.object_params[0], &data.texels, DVec2::new(x, y)).x
+        };
+        // Centres; three quarters of the first and one of the second in each direction; over the edge.
+        let cases = [
+            (0.25, 0.25, 0, 0.0),
+            (0.75, 0.25, 0, 0.4),
+            (0.25, 0.75, 0, 0.8),
+            (0.375, 0.375, 0, 0.5625 * 0.0 + 0.1875 * (0.4 + 0.8) + 0.0625),
+            (0.0, 0.25, 0, 0.2),
+            (0.0, 0.25, 1, 0.0),
+            (0.0, 0.25, 2, 0.0),
+            (1.25, 0.25, 0, 0.0),
+            (1.25, 0.25, 1, 0.4),
+            (1.25, 0.25, 2, 0.4),
+            (1.5, -0.25, 2, 0.2),
+        ];
+        for (x, y, wrap, expected) in cases {
+            let found = at(x, y, wrap);
+            assert!((found - expected).abs() < 1e-7, "({x}, {y}), {wrap}: {found}, not {expected}");
+        }
+    }
+}

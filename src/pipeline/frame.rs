@@ -1,0 +1,301 @@
+//! The frame: every stage in its order, with the loops that it runs in. Conformance, profile, plan and the guide go by it; a new
+//! stage adds a line here.
+
+use crate::geometry::{deform, refit};
+use crate::layers::{plane_fit, relief};
+use crate::lighting::{environment, irradiance, opaque_faces, shadow, texture_in};
+use crate::shading::{
+    bake_irradiance, blur, cdrf, cdrf_cells, cdrf_table, cdrf_values, curvature, lambert, pack_normals, texture_blur,
+};
+use crate::state::{Granularity, Host, Scope, Stage, State, Step};
+use crate::transport::blocks::{acceptance_radii, coarse_solve, gather, irradiance_ratio, link, pull, push};
+use crate::transport::links::{
+    form_factor, mark_moved, mark_relit, mean_irradiance, push_links, reach, refine, resum_links, snapshot, sum_links,
+    update_form_factors, update_links,
+};
+use crate::transport::{average, evaluate};
+use crate::transport::{brute, octree};
+use crate::view::{backdrop, pixel_receivers, pixel_shadow, reflect, shade, shade_opaque, texture_out, visibility};
+
+/// The frame. A loop runs all of its stages for one object, chunk, group or batch before the next, because those share
+/// their lists where none are kept.
+pub static FRAME: &[Section] = &[
+    section(
+        "The shape of this frame",
+        &[per_object(&[&deform::STAGE, &refit::STAGE, &curvature::STAGE, &pack_normals::STAGE])],
+    ),
+    section("What each pixel sees", &[once(&[&visibility::STAGE])]),
+    section(
+        "The light that enters each face (equation 5)",
+        &[once(&[&shadow::STAGE, &environment::STAGE]), per_object(&[&irradiance::STAGE, &texture_in::STAGE])],
+    ),
+    section("Transport by an irradiance octree", &[on_host(&octree::HOST)]),
+    section(
+        "Transport by links between clusters, as published",
+        &[
+            per_object(&[&reach::STAGE, &mark_moved::STAGE, &mark_relit::STAGE, &mean_irradiance::STAGE]),
+            per_chunk(&[
+                &refine::STAGE,
+                &form_factor::STAGE,
+                &update_links::STAGE,
+                &update_form_factors::STAGE,
+                &sum_links::STAGE,
+                &resum_links::STAGE,
+            ]),
+            per_object(&[&push_links::STAGE, &snapshot::STAGE]),
+        ],
+    ),
+    section(
+        "Transport to blocks of receivers, to meet an error",
+        &[
+            per_group(&[&pull::STAGE, &coarse_solve::STAGE, &irradiance_ratio::STAGE, &acceptance_radii::STAGE]),
+            per_object(&[&pixel_receivers::STAGE]),
+            per_batch(&[&link::STAGE, &gather::STAGE]),
+            per_object(&[&push::STAGE]),
+        ],
+    ),
+    section("Transport by brute force", &[per_object(&[&brute::STAGE])]),
+    section(
+        "Radiosity where pictures need it",
+        &[per_object(&[&opaque_faces::STAGE, &average::STAGE, &plane_fit::STAGE])],
+    ),
+    section("Light that leaves towards the eye (equation 3)", &[once(&[&shade::STAGE])]),
+    section(
+        "Shading without transport",
+        &[once(&[
+            &cdrf_table::STAGE,
+            &cdrf_cells::STAGE,
+            &cdrf::STAGE,
+            &lambert::STAGE,
+            &bake_irradiance::STAGE,
+            &blur::STAGE,
+            &texture_blur::STAGE,
+        ])],
+    ),
+    section(
+        "Opaque objects, textures, layers",
+        &[once(&[&pixel_shadow::STAGE, &shade_opaque::STAGE, &texture_out::STAGE, &relief::STAGE])],
+    ),
+    section("Reflections, and what is behind the objects", &[once(&[&reflect::STAGE, &backdrop::STAGE])]),
+];
+
+/// Stages that are no part of a frame: they answer `milkglass eval`.
+pub static QUERIES: &[&Stage] = &[&evaluate::STAGE, &cdrf_values::STAGE];
+
+/// A part of the frame under a heading.
+pub struct Section {
+    /// The heading.
+    pub title: &'static str,
+    /// What runs, in order.
+    pub parts: &'static [Part],
+}
+
+/// What runs in one go.
+pub enum Part {
+    /// These stages, one after the other, for each of these.
+    Loop(Granularity, &'static [&'static Stage]),
+    /// A step on the host.
+    Host(&'static Host),
+}
+
+const fn section(title: &'static str, parts: &'static [Part]) -> Section {
+    Section { title, parts }
+}
+
+/// A loop; a stage that runs in another one does not compile here.
+const fn each(granularity: Granularity, stages: &'static [&'static Stage]) -> Part {
+    let mut k = 0;
+    while k < stages.len() {
+        assert!(stages[k].granularity as u8 == granularity as u8, "a stage runs in the loop of its own granularity");
+        k += 1;
+    }
+    Part::Loop(granularity, stages)
+}
+
+const fn once(stages: &'static [&'static Stage]) -> Part {
+    each(Granularity::Scene, stages)
+}
+
+const fn per_object(stages: &'static [&'static Stage]) -> Part {
+    each(Granularity::Object, stages)
+}
+
+const fn per_chunk(stages: &'static [&'static Stage]) -> Part {
+    each(Granularity::Chunk, stages)
+}
+
+const fn per_group(stages: &'static [&'static Stage]) -> Part {
+    each(Granularity::Group, stages)
+}
+
+const fn per_batch(stages: &'static [&'static Stage]) -> Part {
+    each(Granularity::Batch, stages)
+}
+
+const fn on_host(host: &'static Host) -> Part {
+    Part::Host(host)
+}
+
+/// Every part of the frame, in order.
+pub fn parts() -> impl Iterator<Item = &'static Part> {
+    FRAME.iter().flat_map(|section| section.parts)
+}
+
+/// Number of stages of the frame.
+const COUNT: usize = {
+    let (mut count, mut s) = (0, 0);
+    while s < FRAME.len() {
+        let mut p = 0;
+        while p < FRAME[s].parts.len() {
+            if let Part::Loop(_, stages) = &FRAME[s].parts[p] {
+                count += stages.len();
+            }
+            p += 1;
+        }
+        s += 1;
+    }
+    count
+};
+
+/// Every stage in the order of the frame, then those that are no part of one.
+pub static STAGES: &[&Stage] = &{
+    let mut all = [QUERIES[0]; COUNT + QUERIES.len()];
+    let (mut count, mut s) = (0, 0);
+    while s < FRAME.len() {
+        let mut p = 0;
+        while p < FRAME[s].parts.len() {
+            if let Part::Loop(_, stages) = &FRAME[s].parts[p] {
+                let mut k = 0;
+                while k < stages.len() {
+                    all[count] = stages[k];
+                    (count, k) = (count + 1, k + 1);
+                }
+            }
+            p += 1;
+        }
+        s += 1;
+    }
+    let mut k = 0;
+    while k < QUERIES.len() {
+        all[count + k] = QUERIES[k];
+        k += 1;
+    }
+    all
+};
+
+/// A stage by its name.
+pub fn stage(name: &str) -> Option<&'static Stage> {
+    STAGES.iter().copied().find(|stage| stage.name == name)
+}
+
+/// The stage that a kernel belongs to: `MODULE/STAGE` or `MODULE/STAGE/PART`.
+pub fn owner(kernel: &str) -> Option<&'static Stage> {
+    STAGES.iter().copied().find(|stage| stage.owns(kernel))
+}
+
+/// The steps of the stages that run, in the order of the frame.
+pub fn steps(state: &State, runs: impl Fn(&Stage) -> bool) -> Vec<Step> {
+    let mut steps = Vec::new();
+    for part in parts() {
+        let Part::Loop(granularity, stages) = part else { continue };
+        let run: Vec<&'static Stage> = stages.iter().copied().filter(|stage| runs(stage)).collect();
+        if *granularity == Granularity::Scene {
+            steps.extend(run.iter().map(|&stage| Step { stage, at: Scope::SCENE }));
+            continue;
+        }
+        for (object, part) in state.objects.iter().enumerate() {
+            let (groups, chunks) = match granularity {
+                Granularity::Scene => (0, 0),
+                Granularity::Object => (1, 1),
+                Granularity::Chunk => (1, part.schedule.chunks.len()),
+                Granularity::Group => (part.groups.len(), 1),
+                Granularity::Batch => (part.groups.len(), part.schedule.batches.len()),
+            };
+            for (group, chunk) in (0..groups).flat_map(|group| (0..chunks).map(move |chunk| (group, chunk))) {
+                let at = Scope { object, chunk, group };
+                let served = run.iter().filter(|stage| (stage.serves.object)(part, &state.method));
+                steps.extend(served.map(|&stage| Step { stage, at }));
+            }
+        }
+    }
+    steps
+}
+
+/// How many of these steps come before what runs on the host, in a frame whose transport does.
+pub fn before_host(steps: &[Step]) -> usize {
+    steps.iter().take_while(|step| precedes_transport(step.stage)).count()
+}
+
+/// Whether a stage comes before the light is carried through the material, whatever carries it.
+pub fn precedes_transport(stage: &Stage) -> bool {
+    let before = parts().take_while(|part| matches!(part, Part::Loop(..)));
+    before.flat_map(Part::stages).any(|known| known.is(stage))
+}
+
+impl Part {
+    /// Its stages; none where the host is at work.
+    pub fn stages(&self) -> impl Iterator<Item = &'static Stage> + use<> {
+        match self {
+            Self::Loop(_, stages) => stages.iter().copied(),
+            Self::Host(_) => [].iter().copied(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::gpu::{accesses, sources};
+    use crate::layout::{BUFFER_IDS, BufferId, Partition};
+    use crate::pipeline::frame::*;
+    use crate::session::buffer_sizes::grows;
+
+    /// Buffers that a stage's kernels bind.
+    fn bound(stage: &Stage) -> Vec<BufferId> {
+        let own = sources().filter(|name| stage.owns(name) && !name.ends_with(".glsl"));
+        own.flat_map(|name| accesses(name).unwrap()).map(|access| BUFFER_IDS[access.binding as usize]).collect()
+    }
+
+    /// Lists that all turns of a loop share where none are kept, but that are bound in several of these loops.
+    fn strays(loops: &[&[&'static Stage]]) -> Vec<BufferId> {
+        let binds =
+            |slot: BufferId| loops.iter().filter(move |stages| stages.iter().any(|stage| bound(stage).contains(&slot)));
+        let shared =
+            |slot: &BufferId| matches!(slot.spec().partition, Partition::Chunk | Partition::Batch) || grows(*slot);
+        BUFFER_IDS.iter().copied().filter(|slot| shared(slot) && binds(*slot).count() > 1).collect()
+    }
+
+    #[test]
+    fn what_turns_of_a_loop_share_stays_in_that_loop() {
+        let loops: Vec<Vec<&'static Stage>> = parts().map(|part| part.stages().collect()).collect();
+        assert_eq!(strays(&loops.iter().map(Vec::as_slice).collect::<Vec<_>>()), []);
+
+        // A stage of another loop between two that share lists.
+        let found = strays(&[&[&link::STAGE], &[&push::STAGE], &[&gather::STAGE]]);
+        assert!(found.contains(&BufferId::entries) && found.contains(&BufferId::runs), "{found:?}");
+    }
+
+    #[test]
+    fn every_buffer_has_its_size_from_one_place() {
+        for &slot in BUFFER_IDS {
+            let said = STAGES.iter().filter(|stage| stage.sizes.iter().any(|(sized, _)| *sized == slot));
+            let said: Vec<&str> = said.map(|stage| stage.name).collect();
+            let writers: Vec<&str> = STAGES.iter().filter(|stage| stage.writes(slot)).map(|stage| stage.name).collect();
+            let queried = QUERIES.iter().any(|stage| stage.writes(slot));
+            assert!(said.len() <= 1, "{slot:?} has its size from {said:?}");
+            assert!(said.iter().all(|stage| writers.contains(stage)), "{slot:?} is not written by {said:?}");
+            let unsized_cut = matches!(slot.spec().partition, Partition::Whole | Partition::Chunk | Partition::Batch);
+            let needed = unsized_cut && !writers.is_empty() && !queried;
+            assert!(!needed || said.len() == 1, "none of {writers:?} says how large {slot:?} is");
+        }
+    }
+
+    #[test]
+    fn every_stage_has_its_place_once_and_its_name_alone() {
+        for stage in STAGES {
+            assert_eq!(STAGES.iter().filter(|other| other.is(stage)).count(), 1, "{}", stage.name);
+            let query = QUERIES.iter().any(|query| query.is(stage));
+            assert_eq!(stage.carriers.is_empty(), query, "{}: who carries the light?", stage.name);
+            assert!(!stage.about.is_empty() && !stage.reason.is_empty() && !stage.serves.none.is_empty());
+        }
+    }
+}

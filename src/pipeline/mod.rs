@@ -1,0 +1,7 @@
+//! The frame as data: options, the plan, the table of stages, and why a stage is skipped.
+
+pub mod frame;
+pub mod plan;
+pub(crate) mod skip_reasons;
+
+pub use skip_reasons::about_mode;

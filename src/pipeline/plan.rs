@@ -1,0 +1,155 @@
+//! What a scene needs: the stages of its frame, and each one left out with the reason.
+
+pub use crate::state::Change;
+pub use crate::state::options::{Goal, Mode, Options, ShadingMethod};
+
+use super::frame::{STAGES, steps};
+use super::skip_reasons::{reason, unestimated, unkept};
+use crate::layout::{BUFFER_IDS, BufferId};
+use crate::state::{Carrier, Host, Stage, State, Step, Update};
+
+/// The stages of a frame and those left out.
+pub struct Plan {
+    /// The stages that run, in order.
+    pub stages: Vec<&'static Stage>,
+    /// The stages that do not, and what else is left out, each with the reason.
+    pub left_out: Vec<(&'static str, String)>,
+    options: Options,
+}
+
+impl Plan {
+    /// Decides for this state and these options.
+    pub fn new(state: &State, options: Options) -> Self {
+        let mut plan = Self { stages: Vec::new(), left_out: Vec::new(), options };
+        for &stage in STAGES {
+            match reason(stage, state, options) {
+                None => plan.stages.push(stage),
+                Some(why) => plan.left_out.push((stage.name, why.into())),
+            }
+        }
+        if let Some(why) = unestimated(state, options) {
+            plan.left_out.push(("error estimate", why.into()));
+        }
+        if let Some(why) = unkept(state, options) {
+            plan.left_out.push(("incremental links", why.into()));
+        }
+        plan
+    }
+
+    /// With something else that is left out, and the reason.
+    #[must_use]
+    pub fn without(mut self, what: (&'static str, String)) -> Self {
+        self.left_out.push(what);
+        self
+    }
+
+    /// The options it was made for.
+    pub fn options(&self) -> Options {
+        self.options
+    }
+
+    /// Whether it has this stage.
+    pub fn has(&self, stage: &Stage) -> bool {
+        self.stages.iter().any(|known| known.is(stage))
+    }
+
+    /// Whether a stage of it writes a buffer.
+    pub fn writes(&self, slot: BufferId) -> bool {
+        self.stages.iter().any(|stage| stage.writes(slot))
+    }
+
+    /// The steps of a frame after this change.
+    pub fn steps(&self, state: &State, change: Change) -> Vec<Step> {
+        let update = self.update(state, change);
+        steps(state, |stage| self.has(stage) && (stage.runs)(&update))
+    }
+
+    /// A frame after this change.
+    fn update(&self, state: &State, change: Change) -> Update {
+        let keeps = self.options.mode != Mode::OnTheFly && self.options.transport == ShadingMethod::Hierarchy;
+        Update {
+            change,
+            keeps,
+            any_light: keeps && state.method.any_light,
+            incremental: state.method.incremental,
+            by_pixel: state.objects.iter().any(|object| object.by_pixel),
+        }
+    }
+
+    /// Whether a step on the host takes its turn in a frame after this change.
+    pub fn runs_on_host(&self, host: &Host, state: &State, change: Change) -> bool {
+        let carrier = Carrier::new(self.options.transport, state.method.scheme);
+        carrier == host.carrier && self.writes(host.reads) && self.update(state, change).sums()
+    }
+
+    /// Buffers that are inputs: no stage writes them, or not always.
+    pub fn inputs() -> impl Iterator<Item = BufferId> {
+        // Blocks are made anew only where they are of pixels, positions only where something deforms the object.
+        let sent = [BufferId::blocks, BufferId::positions];
+        let made = |slot: &BufferId| STAGES.iter().any(|stage| stage.writes(*slot));
+        BUFFER_IDS.iter().copied().filter(move |slot| sent.contains(slot) || !made(slot))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::pipeline::plan::*;
+    use crate::state::Scheme;
+    use crate::transport::octree::HOST;
+
+    fn plan(scheme: Scheme, transport: ShadingMethod, mode: Mode) -> (State, Plan) {
+        let mut state = State::default();
+        state.method.scheme = scheme;
+        state.method.any_light = scheme == Scheme::Blocks && mode == Mode::Render;
+        let mut object = crate::state::Object::default();
+        object.schedule.chunks.push(crate::state::Chunk::default());
+        object.schedule.batches.push(0..1);
+        object.groups.push(crate::state::Group { channels: 7, lead: 0 });
+        state.objects.push(object);
+        state.data.lights.push(crate::layout::Light { color: [1.0; 3], ..Default::default() });
+        let plan = Plan::new(&state, Options { transport, mode, goal: Goal::Radiosity, ..Options::default() });
+        (state, plan)
+    }
+
+    fn names(scheme: Scheme, mode: Mode, change: Change) -> Vec<&'static str> {
+        let (state, plan) = plan(scheme, ShadingMethod::Hierarchy, mode);
+        plan.steps(&state, change).iter().map(|step| step.stage.name).collect()
+    }
+
+    #[test]
+    fn a_resum_leaves_the_light_alone() {
+        assert_eq!(names(Scheme::Blocks, Mode::Render, Change::RESUM), ["gather", "push"]);
+        assert_eq!(names(Scheme::Blocks, Mode::OnTheFly, Change::RESUM), ["link", "gather", "push"]);
+        assert_eq!(names(Scheme::Links, Mode::Render, Change::RESUM), ["sum_links", "push_links"]);
+        let anew = ["refine", "form_factor", "sum_links", "push_links"];
+        assert_eq!(names(Scheme::Links, Mode::OnTheFly, Change::RESUM), anew);
+        let (state, plan) = plan(Scheme::Blocks, ShadingMethod::Brute, Mode::Render);
+        assert_eq!(plan.steps(&state, Change::RESUM).iter().map(|s| s.stage.name).collect::<Vec<_>>(), ["brute"]);
+    }
+
+    #[test]
+    fn a_new_light_leaves_the_shape_alone() {
+        let blocks = ["irradiance", "pull", "coarse_solve", "acceptance_radii", "link", "gather", "push"];
+        assert_eq!(names(Scheme::Blocks, Mode::OnTheFly, Change::LIGHT), blocks);
+        assert_eq!(names(Scheme::Blocks, Mode::Keep, Change::LIGHT), blocks);
+        let served = ["irradiance", "pull", "coarse_solve", "irradiance_ratio", "gather", "push"];
+        assert_eq!(names(Scheme::Blocks, Mode::Render, Change::LIGHT), served);
+        assert_eq!(names(Scheme::Blocks, Mode::Render, Change::RELINK), ["acceptance_radii", "link", "gather", "push"]);
+        assert_eq!(
+            names(Scheme::Links, Mode::Render, Change::LIGHT),
+            ["irradiance", "mean_irradiance", "sum_links", "push_links"]
+        );
+        assert_eq!(names(Scheme::Blocks, Mode::Render, Change::VIEW), [""; 0]);
+    }
+
+    #[test]
+    fn the_octree_takes_the_place_of_every_other_transport() {
+        let (state, plan) = plan(Scheme::Links, ShadingMethod::Octree, Mode::OnTheFly);
+        assert_eq!(plan.stages.iter().map(|stage| stage.name).collect::<Vec<_>>(), ["refit", "irradiance"]);
+        assert!(plan.left_out.iter().any(|(stage, why)| *stage == "refine" && why.contains("on the host")));
+        for (change, runs) in [(Change::LIGHT, true), (Change::RESUM, true), (Change::VIEW, false)] {
+            assert_eq!(plan.runs_on_host(&HOST, &state, change), runs, "{change:?}");
+        }
+        assert_eq!(plan.steps(&state, Change::LIGHT).len(), 1);
+    }
+}

@@ -1,0 +1,72 @@
+//! Why a stage has no place in the frame of a scene, and what else a frame does without.
+
+use super::frame::QUERIES;
+use crate::state::options::{Goal, Mode, Options, ShadingMethod};
+use crate::state::{Carrier, Need, Scheme, Stage, State};
+
+/// Why this stage has no place in the frame, if it has none.
+pub(crate) fn reason(stage: &Stage, state: &State, options: Options) -> Option<&'static str> {
+    let carrier = Carrier::new(options.transport, state.method.scheme);
+    let lacks = |need: &Need| match need {
+        Need::Picture => (options.goal == Goal::Radiosity).then_some("no picture is asked for"),
+        Need::Light => (!state.lit()).then_some("no light shines: every radiosity is zero"),
+    };
+    let nobody = || !state.objects.iter().any(|object| (stage.serves.object)(object, &state.method));
+    let query = QUERIES.iter().any(|query| query.is(stage));
+    let stranger = || (!stage.carriers.contains(&carrier)).then_some(carrier.instead());
+    (query.then_some("answers `milkglass eval` only"))
+        .or_else(|| stage.needs.iter().find_map(lacks))
+        .or_else(stranger)
+        .or_else(|| (stage.skip)(state))
+        .or_else(|| nobody().then_some(stage.serves.none))
+}
+
+/// Why no error estimate is carried along, if none is.
+pub(crate) fn unestimated(state: &State, options: Options) -> Option<&'static str> {
+    match options.transport {
+        _ if state.method.estimate => None,
+        ShadingMethod::Octree => Some("the octree estimates nothing"),
+        ShadingMethod::None => Some("no light is carried"),
+        ShadingMethod::Cdrf | ShadingMethod::Lambert | ShadingMethod::TextureBlur => {
+            Some("no light is carried whose error could be estimated")
+        }
+        ShadingMethod::Brute => Some("brute force takes every pair of faces by itself, and estimates nothing"),
+        ShadingMethod::Hierarchy if state.method.scheme == Scheme::Links => Some("scheme links has none"),
+        ShadingMethod::Hierarchy => Some("not requested; use `solve -o`, `--verify` or `render --aov`"),
+    }
+}
+
+/// Why links are not revised where mode `incremental` was asked for, if they are not.
+pub(crate) fn unkept(state: &State, options: Options) -> Option<&'static str> {
+    match options.transport {
+        _ if options.mode != Mode::Incremental => None,
+        ShadingMethod::Hierarchy if state.method.scheme == Scheme::Links => None,
+        ShadingMethod::Hierarchy => Some(
+            "lists of blocks depend on how bright the whole object is, so that any change of shape may alter all of them: they are \
+             kept as mode render keeps them; scheme links has incremental ones",
+        ),
+        _ => Some("there are no links"),
+    }
+}
+
+/// What the mode keeps from frame to frame.
+pub fn about_mode(state: &State, options: Options) -> String {
+    let links = state.method.scheme == Scheme::Links;
+    let budget = state.data.object_params.iter().map(|params| u64::from(params.budget)).sum::<u64>();
+    match options.mode {
+        _ if options.transport != ShadingMethod::Hierarchy => "no links to keep".into(),
+        Mode::OnTheFly => "on-the-fly: links are made for each frame".into(),
+        Mode::Keep => "keep: links are kept until something changes".into(),
+        Mode::Render if links => "render: links and form factors are kept until the shape changes".into(),
+        Mode::Incremental if links && budget >= u64::from(u32::MAX) => {
+            "incremental: links are kept, and revised where the shape changes; no budget".into()
+        }
+        Mode::Incremental if links => format!(
+            "incremental: links are kept, and revised where the shape changes; at most {budget} form factors a frame once all \
+             links are made"
+        ),
+        Mode::Render | Mode::Incremental => {
+            "render: lists serve any light, and are kept until the shape changes".into()
+        }
+    }
+}

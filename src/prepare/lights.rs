@@ -1,0 +1,204 @@
+//! From the scene's lights to the records, rays and tables that the stages of room `light` read.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::blocks::group;
+use super::layers::beams;
+use super::units::Units;
+use crate::layout::{Light as Record, SkyColumn, SkyRow};
+use crate::scene::{Light, Object, Sky, Source};
+use crate::state::{Local, State, narrow};
+use crate::view::reflect::lobe;
+
+/// Puts the lights in place, scaled to the brightest irradiance they give anywhere on the objects.
+pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &[Object]) {
+    let brightest: f64 = lights.iter().map(|light| brightest(light, *units, objects)).sum();
+    units.light = if brightest > 0.0 && brightest.is_finite() { brightest.log2().ceil().exp2() } else { 1.0 };
+    state.data.lights = lights.iter().flat_map(|light| records(light, *units)).collect();
+
+    // Each record that casts shadows gets a bit.
+    let mut bits = 0;
+    let alone =
+        state.method.local.is_some_and(Local::spares_itself) && state.objects.len() == 1 && !state.objects[0].opaque;
+    for record in state.data.lights.iter_mut().filter(|record| record.shadow != u32::MAX) {
+        if alone {
+            // In local shading an object does not shadow itself.
+            record.shadow = u32::MAX;
+            continue;
+        }
+        record.shadow = bits;
+        bits += 1;
+    }
+    for params in &mut state.data.object_params {
+        params.lights = state.data.lights.len() as u32;
+        params.shadow_words = bits.div_ceil(32);
+        params.sky = [0; 2];
+    }
+    (state.data.sky, state.data.sky_rows, state.data.sky_columns, state.data.reflection_directions) =
+        Default::default();
+    for light in lights {
+        if let Source::Environment { sky, .. } = &light.source
+            && sky.brightest() != [0.0; 3]
+        {
+            tables(state, sky, units.light);
+        }
+    }
+    beams(state, lights, units.light);
+    for (object, params) in state.objects.iter_mut().zip(&mut state.data.object_params) {
+        object.groups = group(params, &state.data.texels, lights);
+    }
+    if let Some(camera) = state.data.camera.first_mut() {
+        camera.radiance = units.radiance();
+    }
+}
+
+fn largest(channels: [f64; 3]) -> f64 {
+    channels.into_iter().fold(0.0, f64::max)
+}
+
+/// Squared distance of the origin to a triangle, length^2.
+fn distance2(corners: [DVec3; 3]) -> f64 {
+    // To the three edges, and to the plane where the origin is over the inside.
+    let [a, b, c] = corners;
+    let edge = |p: DVec3, q: DVec3| {
+        let along = q - p;
+        let t = (-p.dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        (p + t * along).length_squared()
+    };
+    let nearest = edge(a, b).min(edge(b, c)).min(edge(c, a));
+    let normal = (b - a).cross(c - a);
+    let inside = [(a, b), (b, c), (c, a)].into_iter().all(|(p, q)| p.cross(q).dot(normal) > 0.0);
+    if inside { nearest.min(a.dot(normal).powi(2) / normal.length_squared()) } else { nearest }
+}
+
+/// About the largest irradiance of a light anywhere on the objects, in the scene's units.
+fn brightest(light: &Light, units: Units, objects: &[Object]) -> f64 {
+    let color = largest(light.color());
+    let near = |place: &DVec3| {
+        let nearest = |object: &Object| {
+            let corners = |face| Some(object.mesh.corners(face)?.map(|corner| corner - *place));
+            let faces = (0..object.mesh.triangles.len()).into_par_iter().filter_map(corners);
+            faces.map(distance2).reduce(|| f64::INFINITY, f64::min)
+        };
+        let d2 = objects.iter().map(nearest).fold(f64::INFINITY, f64::min);
+        color / d2.max(1e-12 / units.length.powi(2))
+    };
+    match &light.source {
+        Source::Directional { .. } => color,
+        Source::Point { position, .. } | Source::Spot { position, .. } => near(position),
+        Source::Area { position, edge_u, edge_v, .. } => {
+            let flux = near(position) * edge_u.cross(*edge_v).length();
+            flux.min(std::f64::consts::PI * color)
+        }
+        Source::Environment { sky, .. } => std::f64::consts::PI * sky.mean().max_element(),
+    }
+}
+
+/// The records of a light. One that casts shadows has bit 0 for now, the others none.
+fn records(light: &Light, units: Units) -> Vec<Record> {
+    let black = light.color() == [0.0; 3];
+    let shadow = if light.shadows && !black { 0 } else { u32::MAX };
+    let scaled = |color: [f64; 3], factor: f64| color.map(|x| (x * factor / units.light) as f32);
+    let square = units.length * units.length;
+    match &light.source {
+        Source::Directional { direction, irradiance } => {
+            let color = scaled(*irradiance, 1.0);
+            vec![Record { kind: 0, place: narrow(*direction), color, shadow, ..Record::default() }]
+        }
+        Source::Point { position, intensity } => {
+            let (place, color) = (narrow(units.inside(*position)), scaled(*intensity, square));
+            vec![Record { kind: 1, place, color, shadow, ..Record::default() }]
+        }
+        Source::Spot { position, direction, intensity, inner, outer } => {
+            // 1 - cos without cancellation.
+            let narrowness = |degrees: f64| (2.0 * (0.5 * degrees.to_radians()).sin().powi(2)) as f32;
+            let (place, color) = (narrow(units.inside(*position)), scaled(*intensity, square));
+            let (axis, inner, outer) = (narrow(*direction), narrowness(*inner), narrowness(*outer));
+            vec![Record { kind: 2, place, color, axis, inner, outer, shadow }]
+        }
+        Source::Area { edge_u, edge_v, radiance, two_sided, .. } => {
+            let normal = edge_u.cross(*edge_v);
+            let color = scaled(*radiance, square * normal.length() / light.samples() as f64);
+            let (axis, kind) = (narrow(normal.normalize()), 3 + u32::from(*two_sided));
+            let record = Record { kind, color, axis, shadow, ..Record::default() };
+            light.places().iter().map(|&place| Record { place: narrow(units.inside(place)), ..record }).collect()
+        }
+        Source::Environment { occlusion, .. } => {
+            let ray = |k| Record {
+                kind: 5,
+                place: narrow(fibonacci_direction(k, *occlusion)),
+                shadow: 0,
+                ..Record::default()
+            };
+            (0..if black { 0 } else { *occlusion }).map(ray).collect()
+        }
+    }
+}
+
+/// The direction of ray `k` of `count`, evenly spread over the sphere: a Fibonacci lattice.
+pub(crate) fn fibonacci_direction(k: u32, count: u32) -> DVec3 {
+    let y = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(count);
+    let turn = f64::from(k) * std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    let across = (1.0 - y * y).sqrt();
+    DVec3::new(across * turn.cos(), y, across * turn.sin())
+}
+
+/// The image of an environment, and the integrals over its rows and columns that the harmonics are products of.
+fn tables(state: &mut State, sky: &Sky, unit: f64) {
+    let data = &mut state.data;
+    for params in &mut data.object_params {
+        params.sky = sky.size;
+        params.sky_turn = (0.5 + sky.rotation / 360.0).rem_euclid(1.0) as f32;
+    }
+    if data.object_params.iter().any(|params| params.reflection != 0) {
+        data.reflection_directions = data.object_params.iter().flat_map(lobe).collect();
+    }
+    let factor = sky.factor.map(|x| x / unit);
+    let scale = |pixel: &[f32; 3]| std::array::from_fn(|c| (f64::from(pixel[c]) * factor[c]) as f32);
+    data.sky = sky.pixels.iter().map(scale).collect();
+    let difference = |f: fn(f64) -> f64, from: f64, to: f64| (f(to) - f(from)) as f32;
+    let row = |row: u32| {
+        // Antiderivatives of sin t times 1, cos t, sin t; cos^2 t, sin t cos t, sin^2 t.
+        let of = |f| difference(f, sky.polar(row), sky.polar(row + 1));
+        SkyRow {
+            first: [of(|t| -t.cos()), of(|t| 0.5 * t.sin().powi(2)), of(|t| 0.5 * (t - t.sin() * t.cos()))],
+            second: [
+                of(|t| -t.cos().powi(3) / 3.0),
+                of(|t| t.sin().powi(3) / 3.0),
+                of(|t| t.cos().powi(3) / 3.0 - t.cos()),
+            ],
+        }
+    };
+    let column = |column: u32| {
+        // Of 1, sin a, -cos a; -sin a cos a, sin^2 a - cos^2 a.
+        let of = |f| difference(f, sky.azimuth(column), sky.azimuth(column + 1));
+        SkyColumn {
+            first: [of(|a| a), of(|a| -a.cos()), of(|a| -a.sin())],
+            second: [of(|a| -0.5 * a.sin().powi(2)), of(|a| -0.5 * (2.0 * a).sin())],
+        }
+    };
+    data.sky_rows = (0..sky.size[1]).map(row).collect();
+    data.sky_columns = (0..sky.size[0]).map(column).collect();
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::prepare::lights::*;
+
+    #[test]
+    fn the_nearest_place_of_a_triangle_may_be_inside_on_an_edge_or_a_corner() {
+        let from = |x: f64, y: f64, z: f64| {
+            let [a, b, c] = [[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]].map(|[u, v]| DVec3::new(u - x, v - y, -z));
+            assert_eq!(distance2([a, b, c]), distance2([a, c, b]), "both sides alike");
+            distance2([a, b, c])
+        };
+        assert!((from(0.5, 0.5, 0.1) - 0.01).abs() < 1e-15);
+        assert!((from(1.0, -3.0, 4.0) - 25.0).abs() < 1e-12);
+        assert!((from(-3.0, 0.0, -4.0) - 25.0).abs() < 1e-12);
+        // Without area it is a line, and a point.
+        let line = [DVec3::new(-1.0, 1.0, 0.0), DVec3::new(3.0, 1.0, 0.0), DVec3::new(1.0, 1.0, 0.0)];
+        assert!((distance2(line) - 1.0).abs() < 1e-15);
+        assert_eq!(distance2([DVec3::new(0.0, 3.0, 4.0); 3]), 25.0);
+    }
+}

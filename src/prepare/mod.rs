@@ -1,0 +1,12 @@
+//! From a scene to the state that a frame works on.
+
+pub(crate) mod blocks;
+pub(crate) mod layers;
+pub mod lights;
+pub mod receivers;
+pub mod scene;
+pub mod shading;
+pub mod shape;
+pub(crate) mod texture_charts;
+pub(crate) mod textures;
+pub mod units;

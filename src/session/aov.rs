@@ -1,0 +1,127 @@
+//! What a picture's layers hold (arbitrary output variables): of each pixel the triangle it shows, and what is known of
+//! it. A triangle's own values are not blended with its neighbours'.
+
+use glam::DVec3;
+
+use super::run::Session;
+use crate::error::Result;
+use crate::layout::{BufferId, Hit};
+use crate::state::{State, narrow, wide};
+use crate::view::aov::{Layer, Samples};
+
+/// The layers of a session's last picture. Numbers of links are right where lists are kept (`Mode::Keep`; in `Mode::Render` dark emitters count, too), or where
+/// one list holds them all.
+pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
+    let known = [
+        BufferId::hits,
+        BufferId::seen,
+        BufferId::blocks,
+        BufferId::irradiance,
+        BufferId::radiosity,
+        BufferId::vertex_radiosity,
+        BufferId::estimate,
+        BufferId::normals,
+    ];
+    session.sharpen()?;
+    session.fetch(&known)?;
+    session.fetch(&[BufferId::runs, BufferId::spans])?;
+    let (state, units) = (session.state(), *session.units());
+    let data = &state.data;
+    // As bright as `f32` allows.
+    let light = |value: DVec3| narrow((value * units.light).min(DVec3::splat(f32::MAX.into())));
+
+    let links = links(state);
+    let shown: Vec<Option<&Hit>> =
+        data.hits.iter().map(|hit| ((hit.face as usize) < data.triangles.len()).then_some(hit)).collect();
+    let own = |values: &[[f32; 3]]| -> Vec<[f32; 3]> {
+        shown.iter().map(|hit| hit.map_or([0.0; 3], |hit| light(wide(values[hit.face as usize])))).collect()
+    };
+    // Between the triangle's corners, as the picture has it.
+    let blend = |values: &[[f32; 3]], done: &dyn Fn(DVec3) -> [f32; 3]| -> Vec<[f32; 3]> {
+        let mixed = |hit: &Hit| {
+            let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
+            let corners = data.triangles[hit.face as usize].iter().zip(weight);
+            done(corners.map(|(&v, weight)| weight * wide(values[v as usize])).sum())
+        };
+        shown.iter().map(|hit| hit.map_or([0.0; 3], mixed)).collect()
+    };
+    // Of the pixels' receivers, or blended as well.
+    let receiver = |pixel: usize, face: usize| {
+        let object = &state.objects[state.object_of(face)];
+        let own = if object.by_pixel { data.seen[pixel] as usize } else { face - object.first.faces };
+        (object.by_pixel, object.first.receivers + own)
+    };
+    let received = |values: &[[f32; 3]]| -> Vec<[f32; 3]> {
+        let of = |(pixel, hit): (usize, &Option<&Hit>)| {
+            hit.map_or([0.0; 3], |hit| light(wide(values[receiver(pixel, hit.face as usize).1])))
+        };
+        shown.iter().enumerate().map(of).collect()
+    };
+    let mut radiosity = blend(&data.vertex_radiosity, &light);
+    let exact = received(&data.radiosity);
+    for (pixel, hit) in shown.iter().enumerate() {
+        if hit.is_some_and(|hit| receiver(pixel, hit.face as usize).0) {
+            radiosity[pixel] = exact[pixel];
+        }
+    }
+    let number = |nothing: u32, of: &dyn Fn(usize) -> u32| {
+        Samples::Whole(shown.iter().map(|hit| hit.map_or(nothing, |hit| of(hit.face as usize))).collect())
+    };
+
+    let of_link =
+        |(pixel, hit): (usize, &Option<&Hit>)| hit.map_or(0, |hit| links[receiver(pixel, hit.face as usize).1]);
+    let of_links = Samples::Whole(shown.iter().enumerate().map(of_link).collect());
+    let rgb = ["R", "G", "B"];
+    let normals = blend(&data.normals, &|normal| narrow(normal.normalize_or_zero()));
+    let mut layers = vec![
+        Layer::vector("irradiance", rgb, &own(&data.irradiance)),
+        Layer::vector("radiosity", rgb, &radiosity),
+        Layer::vector("normal", ["X", "Y", "Z"], &normals),
+    ];
+    if state.method.estimate {
+        let mut estimate = received(&data.estimate);
+        for (estimate, hit) in estimate.iter_mut().zip(&shown) {
+            let missed = hit.map_or([0.0; 3], |hit| session.missed(hit.face as usize));
+            *estimate = [0, 1, 2].map(|c| f64::from(estimate[c]).hypot(missed[c]).min(f32::MAX.into()) as f32);
+        }
+        layers.push(Layer::vector("error_estimate", rgb, &estimate));
+    }
+    // The rays' directions have a component of 1 along the view.
+    let depth = |hit: &Option<&Hit>| hit.map_or(f32::INFINITY, |hit| (f64::from(hit.depth) / units.length) as f32);
+    layers.push(Layer::single("depth", "Z", Samples::Float(shown.iter().map(depth).collect())));
+    layers.push(Layer::single("object", "id", number(u32::MAX, &|face| state.object_of(face) as u32)));
+    layers.push(Layer::single("triangle", "id", number(u32::MAX, &|face| session.triangle(face))));
+    layers.push(Layer::single("links", "count", of_links));
+    Ok(layers)
+}
+
+/// How many emitters, clusters or triangles, each receiver's radiosity was summed from; of brute force nothing is known.
+pub fn links(state: &State) -> Vec<u32> {
+    let data = &state.data;
+    let mut count = vec![0; data.radiosity.len()];
+    if !data.spans.is_empty() {
+        for (face, leaf) in state.faces() {
+            let object = &state.objects[state.object_of(face)];
+            let first = object.first.nodes;
+            let mut node = leaf;
+            while let Some(place) = data.topology.get(node) {
+                count[object.first.receivers + face - object.first.faces] += data.spans[node].links;
+                node = first.saturating_add(place.parent as usize);
+            }
+        }
+    }
+    if data.runs.is_empty() {
+        return count;
+    }
+    for (at, batch) in state.batches() {
+        let (base, first) = (state.part(BufferId::runs, at).0, state.object(at).first);
+        for block in batch.clone() {
+            let run = data.runs[base + (block - batch.start) as usize];
+            let faces = data.blocks[first.blocks + block as usize];
+            for count in &mut count[first.receivers + faces.first as usize..][..faces.count as usize] {
+                *count += run.expanded + run.direct + run.area + run.edge;
+            }
+        }
+    }
+    count
+}

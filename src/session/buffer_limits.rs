@@ -1,0 +1,41 @@
+//! Checks that buffers fit the device's bindings, and kept ones its memory.
+
+use super::run::Session;
+use crate::error::{Error, KeepLimit, Result};
+use crate::layout::{BUFFER_IDS, BufferId};
+use crate::pipeline::plan::Mode;
+
+impl Session {
+    /// Buffers that grow with the scene's settings have to fit one binding. Where links are kept, all buffers together
+    /// have to fit the device's memory.
+    pub(crate) fn check_bindings(&self) -> Result<()> {
+        let Some(limits) = self.limits() else { return Ok(()) };
+        let data = &self.state().data;
+        let most = limits.binding_bytes;
+        let (faces, samples) = (self.state().sum(|object| object.count.faces), 32 * data.object_params[0].shadow_words);
+        let bits = |of: String| format!("a bit for each of {of} and {samples} samples of lights");
+        let fewer = "use fewer samples, or shadows = false";
+        for (slot, what, advice) in [
+            (BufferId::lit, bits(format!("{faces} faces")), fewer),
+            (BufferId::pixel_lit, bits(format!("{} pixels", data.hits.len())), fewer),
+            (
+                BufferId::irradiance_maps,
+                format!("the light of {} texels", data.texel_hits.len()),
+                "use a smaller transport.blur_texture",
+            ),
+        ] {
+            let bytes = data.bytes(slot).len() as u64;
+            if bytes > most {
+                let what = format!("{what} takes {bytes} bytes, a binding of the device takes {most}; {advice}");
+                return Err(Error::device(format!("making room for buffer {}", slot.spec().name), what));
+            }
+        }
+        // Without kept links every buffer is necessary; the driver reports whether they fit.
+        let all: u64 = BUFFER_IDS.iter().map(|slot| data.bytes(*slot).len() as u64).sum();
+        if self.plan.options().mode != Mode::OnTheFly && all > limits.heap_bytes {
+            let what = format!("all buffers take {all} bytes, the device's memory holds {}", limits.heap_bytes);
+            return Err(Error::TooMuchToKeep { what, limited_by: KeepLimit::Device });
+        }
+        Ok(())
+    }
+}

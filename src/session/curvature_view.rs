@@ -1,0 +1,113 @@
+//! The picture of a scene's curvature, as in figure 10a of Kubo et al. 2010: hot colours where the surface bends much.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::run::Session;
+use crate::error::{Input, Result};
+use crate::layout::{BufferId, Hit};
+use crate::scene::Kappa;
+use crate::shading::fit;
+use crate::state::{narrow, wide};
+use crate::view::picture::Picture;
+
+/// Colours from the least curvature to the largest, linear.
+const RAMP: [DVec3; 5] = [
+    DVec3::new(0.02, 0.05, 0.55),
+    DVec3::new(0.02, 0.45, 0.6),
+    DVec3::new(0.15, 0.6, 0.1),
+    DVec3::new(0.85, 0.6, 0.03),
+    DVec3::new(0.85, 0.06, 0.02),
+];
+
+/// How curvature is spread over the vertices of all objects that light enters.
+#[derive(Clone, Debug, Default)]
+pub struct CurvatureView {
+    /// kappa at the ramp's ends, 1 / scene unit: its 5th and 95th percentile.
+    pub ends: [f64; 2],
+    /// How far the cubic fit's kappa is from the stage's, over the sum of both: median and 95th percentile; 0 where nothing
+    /// can be fitted.
+    pub apart: [f64; 2],
+}
+
+impl CurvatureView {
+    /// A colour by kappa, 1 / scene unit, on a logarithmic scale.
+    #[must_use]
+    pub fn color(&self, kappa: f64) -> [f32; 3] {
+        let [low, high] = self.ends.map(|end| end.max(f64::MIN_POSITIVE).ln());
+        let t = if high > low { (kappa.max(f64::MIN_POSITIVE).ln() - low) / (high - low) } else { 0.5 };
+        let at = t.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
+        let k = (at as usize).min(RAMP.len() - 2);
+        narrow(RAMP[k].lerp(RAMP[k + 1], at - k as f64))
+    }
+}
+
+/// The value below which a share of these lies; 0 of none.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    sorted.get(((sorted.len() as f64 - 1.0).max(0.0) * share).round() as usize).copied().unwrap_or(0.0)
+}
+
+/// The share of the vertices that light enters where sigma is above 1 in every channel: f hardly depends on the light there.
+pub fn flat(session: &mut Session) -> Result<f64> {
+    session.fetch(&[BufferId::curvature])?;
+    let data = &session.state().data;
+    let objects = session.state().objects.iter().zip(&data.object_params).filter(|(object, _)| !object.opaque);
+    let sigmas = objects.flat_map(|(object, params)| {
+        let least = params.sigma_0.into_iter().fold(f32::INFINITY, f32::min);
+        let own = data.curvature.iter().skip(params.first_vertex as usize).take(object.count.vertices);
+        own.map(move |vertex| least * vertex.kappa)
+    });
+    let (flat, all) =
+        sigmas.fold((0.0, 0.0), |(flat, all), sigma| (flat + f64::from(u8::from(sigma > 1.0)), all + 1.0));
+    Ok(if all > 0.0 { flat / all } else { 0.0 })
+}
+
+/// The picture of a session that shades by curvature, after its frame, and what its colours mean.
+pub fn curvature_view(session: &mut Session) -> Result<(Picture, CurvatureView)> {
+    session.fetch(&[BufferId::hits, BufferId::normals, BufferId::curvature, BufferId::positions])?;
+    let (state, length) = (session.state(), session.units().length);
+    let mean = session.scene().transport.curvature == Kappa::Mean;
+    if state.data.curvature.is_empty() && state.objects.iter().any(|object| !object.opaque) {
+        let fault = Input::new("no light shines: no curvature is computed").key("--view curvature");
+        return Err(fault.expected("a [[light]]").into());
+    }
+
+    // kappa of all vertices, and what the fit has instead.
+    let (mut all, mut apart) = (Vec::new(), Vec::new());
+    for (number, object) in state.objects.iter().enumerate().filter(|(_, object)| !object.opaque) {
+        let one = state.alone(number);
+        let kappa = |vertex: usize| f64::from(one.data.curvature[vertex].kappa);
+        all.extend((0..object.count.vertices).map(|vertex| kappa(vertex) * length));
+        let difference = |vertex: usize| {
+            let [k1, k2] = fit::at(&one.data, vertex).filter(|_| one.data.curvature[vertex].known > 0.0)?;
+            let fitted = if mean { 0.5 * (k1 + k2).abs() } else { (0.5 * (k1 * k1 + k2 * k2)).sqrt() };
+            Some((fitted - kappa(vertex)).abs() / (fitted + kappa(vertex)).max(f64::MIN_POSITIVE))
+        };
+        apart.par_extend((0..object.count.vertices).into_par_iter().filter_map(difference));
+    }
+    all.sort_by(f64::total_cmp);
+    apart.sort_by(f64::total_cmp);
+    let curvature_view = CurvatureView {
+        ends: [0.05, 0.95].map(|share| quantile(&all, share)),
+        apart: [0.5, 0.95].map(|share| quantile(&apart, share)),
+    };
+
+    // Lit from the eye; what light does not enter is grey.
+    let data = &state.data;
+    let camera = &data.camera[0];
+    let pixel = |hit: &Hit| {
+        let Some(corner) = data.triangles.get(hit.face as usize) else { return [0.0; 3] };
+        let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
+        let mix =
+            |values: &[[f32; 3]]| corner.iter().zip(weight).map(|(&v, w)| w * wide(values[v as usize])).sum::<DVec3>();
+        let toward = (wide(camera.origin) - mix(&data.positions)).normalize_or_zero();
+        let facing = 0.35 + 0.65 * mix(&data.normals).normalize_or_zero().dot(toward).abs();
+        let opaque = data.object_params[state.object_of(hit.face as usize)].opaque != 0;
+        let kappa =
+            || corner.iter().zip(weight).map(|(&v, w)| w * f64::from(data.curvature[v as usize].kappa)).sum::<f64>();
+        let color = if opaque { DVec3::splat(0.05) } else { wide(curvature_view.color(kappa() * length)) };
+        narrow(facing * color)
+    };
+    let pixels = data.hits.iter().map(pixel).collect();
+    Ok((Picture { width: camera.width as usize, height: camera.height as usize, pixels }, curvature_view))
+}

@@ -1,0 +1,47 @@
+//! A frame whose steps are submitted one by one and timed by the host's clock, and the dispatches of a frame.
+
+use std::time::Instant;
+
+use super::run::Session;
+use crate::error::Result;
+use crate::gpu::Timing;
+use crate::layout::BUFFER_IDS;
+use crate::pipeline::frame::precedes_transport;
+use crate::pipeline::plan::Change;
+use crate::state::{Dispatch, dispatches};
+
+/// The subgroup size assumed where there is no device.
+const SUBGROUP: usize = 32;
+
+impl Session {
+    /// Runs the stages before transport on the CPU reference, whatever the session's back end.
+    pub fn prepare_light(&mut self) {
+        let steps = self.plan.steps(&self.prepared.state, Change::EVERYTHING);
+        let early = steps.iter().filter(|step| precedes_transport(step.stage));
+        early.for_each(|step| step.reference(&mut self.prepared.state));
+    }
+
+    /// Runs the steps of a frame after this change, each submitted and waited for by itself, so that the host's clock
+    /// times each one. Requires a whole frame before, which gives the lists their capacity. Leaves out the octree.
+    pub fn apart(&mut self, change: Change) -> Result<Vec<Timing>> {
+        let (begin, mut times) = (Instant::now(), Vec::new());
+        for step in self.plan.steps(&self.prepared.state, change) {
+            let start = begin.elapsed().as_secs_f64() * 1e3;
+            self.run(&[step])?;
+            let milliseconds = begin.elapsed().as_secs_f64() * 1e3 - start;
+            times.push(Timing { name: step.stage.name.to_string(), milliseconds, start });
+        }
+        Ok(times)
+    }
+
+    /// The dispatches of a frame after this change; on the CPU, those of a device with subgroups of 32.
+    pub fn dispatches(&self, change: Change) -> Result<Vec<Dispatch>> {
+        let lanes = self.limits().map_or(SUBGROUP, |limits| limits.subgroup_size.max(1) as usize);
+        dispatches(self.state(), &self.plan.steps(self.state(), change), lanes)
+    }
+
+    /// Bytes of all buffers of the state.
+    pub fn bytes(&self) -> u64 {
+        BUFFER_IDS.iter().map(|&slot| self.state().data.bytes(slot).len() as u64).sum()
+    }
+}

@@ -1,0 +1,64 @@
+//! The irradiance octree as a transport: what a frame needs of it, from the state's irradiance to its radiosity.
+//!
+//! It is no stage: it runs on the host in native code, wherever the stages run.
+
+use std::time::Instant;
+
+use crate::dipole::profile::Dipole;
+use crate::error::{Input, Result};
+use crate::gpu::Timing;
+use crate::scene::{Distance, Transport};
+use crate::state::{Object, State};
+use crate::transport::octree::{HOST, Octree, Sample};
+
+/// The octree of a session, kept from frame to frame.
+#[derive(Default)]
+pub struct OctreeTransport {
+    trees: Vec<Octree>,
+    /// The centroids of each object's faces, internal length.
+    centers: Vec<Vec<[f32; 3]>>,
+    /// Solid angle from which on a cell is opened, steradian.
+    angle: f32,
+}
+
+impl OctreeTransport {
+    /// For these settings, or the fault in them.
+    pub fn new(transport: &Transport) -> Result<Self> {
+        if transport.distance != Distance::Radial {
+            let fault = Input::new("the octree serves radial distances only").key("transport.distance");
+            return Err(fault.found("table1").expected("radial, or another --transport than octree").into());
+        }
+        Ok(Self { angle: transport.octree_angle as f32, ..Self::default() })
+    }
+
+    /// Sums radiosity from the state's irradiance, both internal; builds the trees anew if `light` has changed.
+    pub fn run(&mut self, state: &mut State, light: bool) -> Timing {
+        let start = Instant::now();
+        if light {
+            let samples = state.objects.iter().map(|object| samples(state, object));
+            let (trees, centers) = samples.map(|all| (Octree::new(&all), places(&all))).unzip();
+            (self.trees, self.centers) = (trees, centers);
+        }
+        let sources = state.objects.iter().zip(&state.data.object_params).zip(self.trees.iter().zip(&self.centers));
+        for ((object, params), (tree, centers)) in sources.filter(|((object, _), _)| !object.opaque) {
+            let dipoles = [0, 1, 2].map(|channel| Dipole::of(params, channel));
+            let sums = tree.gather(&dipoles, self.angle, centers);
+            state.data.radiosity[object.first.receivers..][..sums.len()].copy_from_slice(&sums);
+        }
+        Timing { name: HOST.name.into(), milliseconds: start.elapsed().as_secs_f64() * 1e3, start: f64::NAN }
+    }
+}
+
+/// What enters an object's faces, each at its centroid; none where light does not enter.
+fn samples(state: &State, object: &Object) -> Vec<Sample> {
+    let (first, count, data) = (object.first, if object.opaque { 0 } else { object.count.faces }, &state.data);
+    let sample = |face: usize| {
+        let leaf = &data.clusters[first.nodes + data.leaves[face] as usize];
+        Sample { position: leaf.center, area: leaf.area, irradiance: data.irradiance[face] }
+    };
+    (first.faces..first.faces + count).map(sample).collect()
+}
+
+fn places(samples: &[Sample]) -> Vec<[f32; 3]> {
+    samples.iter().map(|sample| sample.position).collect()
+}

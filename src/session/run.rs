@@ -1,0 +1,297 @@
+//! Runs a plan on the CPU or a device: one submit a frame, and another one with longer lists after an overflow.
+
+use std::time::Instant;
+
+pub use super::capacity::CapacityHints;
+use super::capacity::Lists;
+use super::device_limits::holds;
+use super::incremental::share_budget;
+use super::memory_estimate;
+use super::octree::OctreeTransport;
+use super::subdivide::{Parts, subdivide};
+use crate::error::{Error, Result};
+use crate::geometry::trace::UNFINISHED;
+use crate::gpu::{Device, Timing};
+use crate::layout::{BufferId, ListCounters};
+use crate::pipeline::frame::before_host;
+use crate::pipeline::plan::{Change, Mode, Options, Plan, ShadingMethod};
+use crate::prepare::layers::drop_unlooked;
+use crate::prepare::receivers::{by_pixel, lit_at};
+use crate::prepare::scene::{Prepared, prepare};
+use crate::prepare::shading::local;
+use crate::prepare::shape::reach;
+use crate::prepare::texture_charts::{blur, unwrap};
+use crate::prepare::textures::drop_unseen;
+use crate::prepare::units::Units;
+use crate::scene::Scene;
+use crate::state::{DeviceState, Scheme, Stage, Step};
+use crate::transport::blocks::irradiance_ratio;
+use crate::transport::links::{refine, update_links};
+use crate::transport::octree::HOST;
+use crate::view::picture::Picture;
+
+/// What runs the stages.
+pub(crate) enum Backend {
+    /// The CPU reference.
+    Cpu,
+    /// A Vulkan device.
+    Gpu(DeviceState),
+}
+
+/// Renders a scene frame after frame.
+pub struct Session {
+    /// The state, its units and the order of its faces.
+    pub(crate) prepared: Prepared,
+    /// The stages that run.
+    pub(crate) plan: Plan,
+    /// Where they run.
+    pub(crate) backend: Backend,
+    /// How often a frame ran again because a list overflowed.
+    pub(crate) retries: usize,
+    /// How often a frame ran again because the kept lists did not serve the contrast of its light.
+    pub(crate) relinks: usize,
+    /// Whether there are links that a change of shape can revise.
+    pub(crate) linked: bool,
+    /// Form factors computed by runs of this frame whose lists overflowed.
+    pub(crate) spent: u64,
+    /// Whether the host has refined the last frame's error estimate, or why that failed.
+    pub(crate) sharp: Option<std::result::Result<(), String>>,
+    /// What became of each object's triangles, where `transport.subdivide` asks for subdivision.
+    pub(crate) parts: Vec<Parts>,
+    /// Why lists are made for each frame, where the mode should keep them.
+    pub(crate) not_kept: Option<String>,
+    /// Whether the last frame, or a change before it, failed halfway.
+    pub(crate) failed: bool,
+    /// The scene, after subdivision.
+    pub(crate) scene: Scene,
+    /// How the lists are cut up and how long they are.
+    pub(crate) lists: Lists,
+    /// What has changed since the last frame.
+    pub(crate) pending: Change,
+    /// The octree, where it carries the light.
+    octree: Option<OctreeTransport>,
+    pub(crate) fixed: Fixed,
+}
+
+/// What a session is made from, and rebuilt from where its layout changes.
+pub(crate) struct Fixed {
+    /// The scene before subdivision, where there was one.
+    pub asked: Option<Scene>,
+    /// First capacities of the lists.
+    pub room: CapacityHints,
+    /// The kind of receivers that the plan does without, and why.
+    pub receivers: (&'static str, String),
+}
+
+impl Session {
+    /// Prepares a scene for a device, or for the CPU where there is none.
+    pub fn new(scene: &Scene, device: Option<&Device>, options: Options, room: CapacityHints) -> Result<Self> {
+        memory_estimate::check(scene, options)?;
+        let octree = match options.transport {
+            ShadingMethod::Octree => Some(OctreeTransport::new(&scene.transport)?),
+            _ => None,
+        };
+        let local = local(&scene.transport, options.transport);
+        device.map_or(Ok(()), |_| holds(scene))?;
+        reach(&scene.objects, Units::of(scene.objects.iter().map(|object| &object.mesh)))?;
+        // Subdivide where lighting needs it; code below sees only that scene.
+        let asked = (scene.transport.subdivide > 0 && local.is_none()).then(|| scene.clone());
+        let blocks = scene.transport.scheme == Scheme::Blocks && options.transport == ShadingMethod::Hierarchy;
+        let (scene, parts) = match &asked {
+            Some(asked) => subdivide(asked, options.estimate && blocks)?,
+            None => (scene.clone(), Vec::new()),
+        };
+        let (by_pixel, why) = by_pixel(&scene, options);
+        let mut prepared = prepare(&scene, (by_pixel, lit_at(&scene, options)), local);
+        blur(&mut prepared, &scene, unwrap(&scene, local)?);
+        drop_unseen(&mut prepared.state, options);
+        drop_unlooked(&mut prepared.state, options);
+        prepared.state.keep = options.mode != Mode::OnTheFly;
+        prepared.state.method.estimate = options.estimate && blocks;
+        prepared.state.method.any_light = matches!(options.mode, Mode::Render | Mode::Incremental) && blocks;
+        prepared.state.method.incremental =
+            options.mode == Mode::Incremental && options.transport == ShadingMethod::Hierarchy && !blocks;
+        share_budget(&mut prepared.state, scene.transport.budget)?;
+        let receivers = (if by_pixel { "receivers at triangles" } else { "receivers at pixels" }, why);
+        let plan = Plan::new(&prepared.state, options).without(receivers.clone());
+        // Links and form factors are lists of their own, and everything else needs memory as well.
+        let room = CapacityHints { kept: room.kept.min(scene.memory.left() / 4), ..room };
+        let lists = Lists::new(room, device.map(Device::limits));
+        lists.cut(&mut prepared);
+        let gpu = device.map(|device| DeviceState::new(device, false)).transpose()?;
+        let backend = gpu.map_or(Backend::Cpu, Backend::Gpu);
+        let (retries, relinks, pending) = (0, 0, Change::EVERYTHING);
+        let fixed = Fixed { asked, room, receivers };
+        let mut session = Self {
+            prepared,
+            plan,
+            backend,
+            retries,
+            relinks,
+            linked: false,
+            spent: 0,
+            sharp: None,
+            parts,
+            not_kept: None,
+            failed: false,
+            scene,
+            lists,
+            pending,
+            octree,
+            fixed,
+        };
+        let fits = match options.transport {
+            ShadingMethod::Hierarchy => session.lists.too_much(&session.prepared.state),
+            _ => Ok(()),
+        };
+        let sized = fits.and_then(|()| session.resize());
+        session.unless_too_much(sized)?;
+        Ok(session)
+    }
+
+    /// Runs one frame: the stages that depend on what has changed since the last one, or on `change`. Returns each
+    /// step's time: the device's, or the host's for the CPU and the octree.
+    pub fn frame(&mut self, change: Change) -> Result<Vec<Timing>> {
+        self.recover()?;
+        self.failed = true;
+        let times = self.run_frame(change)?;
+        self.failed = false;
+        Ok(times)
+    }
+
+    fn run_frame(&mut self, change: Change) -> Result<Vec<Timing>> {
+        let mut change = self.pending.and(change).and(self.waiting_change());
+        self.sharp = None;
+        self.open_budget()?;
+        let mut times: Vec<Timing> = Vec::new();
+        loop {
+            change = self.links_anew(change);
+            let steps = self.plan.steps(&self.prepared.state, change);
+            let octree = self.plan.runs_on_host(&HOST, &self.prepared.state, change);
+            let last = if octree { self.run_octree(&steps, change)? } else { self.run(&steps)? };
+            // A stage that runs again counts with its last run.
+            times.retain(|before| last.iter().all(|now| now.name != before.name));
+            times.extend(last);
+            if steps.iter().any(|step| step.stage.writes(BufferId::cut_short)) {
+                self.fetch(&[BufferId::cut_short])?;
+                if self.prepared.state.data.cut_short != [0] {
+                    let doing = "following a shadow ray, or fitting a plane to a vertex";
+                    return Err(unfinished(doing, "use a mesh with fewer overlapping parts"));
+                }
+            }
+            let ran = |stage: &Stage| steps.iter().any(|step| step.stage.is(stage));
+            let filled = steps.iter().any(|step| step.stage.fills_lists());
+            if ran(&irradiance_ratio::STAGE) && !filled {
+                self.fetch(&[BufferId::counters])?;
+                if !self.prepared.state.data.counters.iter().all(ListCounters::serves) {
+                    self.relinks += 1;
+                    change = Change::RELINK;
+                    continue;
+                }
+            }
+            if !filled {
+                self.pending = Change::default();
+                return Ok(times);
+            }
+            self.fetch(&[BufferId::counters])?;
+            let cursors = &self.prepared.state.data.counters;
+            if cursors.iter().any(|counters| counters.unfinished != 0) {
+                self.linked = false;
+                let advice =
+                    "use transport.receivers = \"faces\", or raise receiver_angle and emitter_angle of scheme links";
+                return Err(unfinished("linking", advice));
+            }
+            if cursors.iter().all(|counters| counters.overflow == 0) {
+                self.pending = Change::default();
+                self.linked = self.linked || ran(&refine::STAGE);
+                return Ok(times);
+            }
+            self.retries += 1;
+            if ran(&update_links::STAGE) {
+                self.make_room()?;
+                // Sum all links: the light of the previous frame has been overwritten.
+                change = Change::EVERYTHING.and(Change::LIGHT);
+                continue;
+            }
+            change = self.grow()?;
+        }
+    }
+
+    /// Runs these steps on the session's back end.
+    pub(crate) fn run(&mut self, steps: &[Step]) -> Result<Vec<Timing>> {
+        match &mut self.backend {
+            Backend::Gpu(_) if steps.is_empty() => Ok(Vec::new()),
+            Backend::Gpu(gpu) => gpu.run(&self.prepared.state, steps),
+            Backend::Cpu => {
+                let state = &mut self.prepared.state;
+                let begin = Instant::now();
+                let mut time = |step: &Step| {
+                    let start = begin.elapsed().as_secs_f64() * 1e3;
+                    step.reference(state);
+                    let milliseconds = begin.elapsed().as_secs_f64() * 1e3 - start;
+                    Timing { name: step.stage.name.to_string(), milliseconds, start }
+                };
+                Ok(steps.iter().map(&mut time).collect())
+            }
+        }
+    }
+
+    /// The same, with the octree between the stages before transport and those after. The host sends the octree's
+    /// radiosity to a device only if later stages read it.
+    fn run_octree(&mut self, steps: &[Step], change: Change) -> Result<Vec<Timing>> {
+        let (before, after) = steps.split_at(before_host(steps));
+        let mut times = self.run(before)?;
+        if change.everything {
+            self.fetch(&[BufferId::clusters])?;
+        }
+        let light = change.everything || change.light;
+        if light {
+            self.fetch(&[BufferId::irradiance])?;
+        }
+        if let Some(octree) = &mut self.octree {
+            times.push(octree.run(&mut self.prepared.state, light));
+        }
+        if !after.is_empty() {
+            self.send(&[BufferId::radiosity])?;
+        }
+        times.extend(self.run(after)?);
+        Ok(times)
+    }
+
+    /// Downloads these buffers to the host, except what the host itself computed: the octree's radiosity where no
+    /// object is opaque, and a refined estimate.
+    pub fn fetch(&mut self, slots: &[BufferId]) -> Result<()> {
+        let octree = self.octree.is_some() && !self.state().objects.iter().any(|object| object.opaque);
+        let there =
+            |slot: &BufferId| octree && *slot == BufferId::radiosity || self.sharpened() && *slot == BufferId::estimate;
+        let slots: Vec<BufferId> = slots.iter().copied().filter(|slot| !there(slot)).collect();
+        match &self.backend {
+            Backend::Gpu(gpu) => gpu.download(&mut self.prepared.state, &slots),
+            Backend::Cpu => Ok(()),
+        }
+    }
+
+    /// The picture of the last frame: linear radiance, row by row.
+    pub fn picture(&mut self) -> Result<Picture> {
+        self.fetch(&[BufferId::hits, BufferId::radiance])?;
+        let data = &self.prepared.state.data;
+        if data.hits.iter().any(|hit| hit.face == UNFINISHED) {
+            return Err(unfinished("tracing a ray through the tree", "use a mesh with fewer overlapping parts"));
+        }
+        let [width, height] = self.scene.camera.size.map(|n| n as usize);
+        Ok(Picture { width, height, pixels: data.radiance.clone() })
+    }
+
+    /// Uploads these buffers from the host.
+    pub(crate) fn send(&mut self, slots: &[BufferId]) -> Result<()> {
+        match &mut self.backend {
+            Backend::Gpu(gpu) => gpu.upload(&self.prepared.state, slots).inspect_err(|_| self.failed = true),
+            Backend::Cpu => Ok(()),
+        }
+    }
+}
+
+/// The error where a driver may have ended a loop early.
+fn unfinished(doing: &str, advice: &str) -> Error {
+    Error::device(doing, format!("it takes more than 65,000 steps, where some drivers end a loop; {advice}"))
+}

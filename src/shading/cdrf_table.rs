@@ -1,0 +1,55 @@
+//! Stage `cdrf_table`: the CDRF over a grid of cosines from -1 to 1 and sigmas from 0 to [`CDRF_WIDEST`] (figure 8).
+
+use rayon::prelude::*;
+
+use super::reflectance::cdrf;
+use crate::error::Result;
+use crate::layout::{BufferId, CDRF_WIDEST};
+use crate::state::{
+    Carrier, Granularity, Local, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update,
+};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "cdrf_table",
+    module: "shading",
+    about: "the CDRF over a grid of cosine and sigma",
+    equation: "Kubo et al. 2010, figure 8",
+    writes: &[(BufferId::cdrf_grid, Role::Output, Tolerance::Float { relative: 0.0, floor: 1e-5 })],
+    reason: "the device's closed form is within 6e-6 of the convolution, and rounds",
+    sizes: &[(BufferId::cdrf_grid, Size::Elements(|state| (side(state) as usize).pow(2)))],
+    granularity: Granularity::Scene,
+    carriers: &[Carrier::Cdrf],
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves::TRANSLUCENT,
+    skip: untabled,
+    runs: Update::shape,
+    cpu,
+    gpu,
+};
+
+/// Why nothing is looked up in a table.
+pub(super) fn untabled(state: &State) -> Option<&'static str> {
+    let closed = !matches!(state.method.local, Some(Local::Table(_)));
+    closed.then_some("transport.cdrf is closed: nothing is looked up")
+}
+
+/// Rows and columns of the table; what is there where there is none is of no use.
+pub(super) fn side(state: &State) -> u32 {
+    match state.method.local {
+        Some(Local::Table(side)) => side,
+        _ => 2,
+    }
+}
+
+fn cpu(state: &mut State, _at: Scope) {
+    let side = side(state);
+    let share = |k: u32| f64::from(k) / f64::from(side - 1);
+    let at = |k: u32| cdrf(2.0 * share(k % side) - 1.0, CDRF_WIDEST * share(k / side)) as f32;
+    state.data.cdrf_grid = (0..side * side).into_par_iter().map(at).collect();
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let side = side(pass.state);
+    pass.dispatch(None, &[side], &[], (side * side) as usize)
+}

@@ -1,0 +1,106 @@
+//! Light that comes back from where it arrives, at each pixel that shows an object that light enters: the reference of the
+//! stages `cdrf` and `lambert`, which differ by one function of cosine and sigma.
+//!
+//! L = F_t(w_o) k_d / pi times the sum over the lights of f(cos, sigma) E, E the irradiance on a plane that faces the light
+//! (equation 5 of Kubo et al. 2010, with the 1 / pi that it lacks). k_d is the share of light that comes back from a flat
+//! surface, (1 - F_ext) times the dipole's total reflectance; with an index of 1 it is the paper's.
+//!
+//! An object does not shadow itself: its shadow would cut off the very glow that f has beyond 90 degrees. Other objects
+//! shadow it. Light from all around comes by nine harmonics, each degree times f's own factor.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::pack_normals::unpack;
+use super::reflectance;
+use crate::error::Result;
+use crate::layout::{Buffers, Hit, LIGHT_SKY_RAY, OPAQUE_NOT, ObjectParams};
+use crate::lighting::irradiance::{arrival, reaches};
+use crate::lighting::texture::{look, place};
+use crate::lighting::{fresnel, harmonics};
+use crate::state::{Pass, State, narrow, wide};
+
+/// The share of the arriving light that goes on to the eye, by the cosine at the surface and sigma.
+pub type Response<'a> = dyn Fn(f64, f64) -> f64 + Sync + 'a;
+
+/// Everything that light gives a place and normal on a triangle, before k_d and what leaves.
+#[must_use]
+pub fn received(state: &State, face: usize, at: [DVec3; 2], sigma: DVec3, response: &Response<'_>) -> DVec3 {
+    let data = &state.data;
+    let [point, normal] = at;
+    let of = |cosine: f64| DVec3::from_array([0, 1, 2].map(|c| response(cosine, sigma[c])));
+    let sky: Vec<DVec3> = data.harmonics.iter().take(9).map(|&c| wide(c)).collect();
+    let (mut sum, mut all, mut free) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+    for light in &data.lights {
+        let (toward, falloff) = arrival(light, point);
+        let arrives = reaches(data, light, face);
+        if light.kind == LIGHT_SKY_RAY {
+            let weight = harmonics::radiance(&sky, toward) * of(normal.dot(toward));
+            all += weight;
+            free += if arrives { weight } else { DVec3::ZERO };
+        } else if arrives {
+            sum += wide(light.color) * of(normal.dot(toward)) * falloff;
+        }
+    }
+    if sky.is_empty() {
+        return sum;
+    }
+    // By degree, each channel its own.
+    let zonal = [0, 1, 2].map(|c| reflectance::zonal(sigma[c]));
+    let factors = [0, 1, 2].map(|degree| DVec3::from_array([0, 1, 2].map(|c| zonal[c][degree])));
+    let share = |k: usize| if free[k] == all[k] { 1.0 } else { free[k] / all[k] };
+    sum + harmonics::irradiance(&sky, factors, normal) * DVec3::new(share(0), share(1), share(2))
+}
+
+/// sigma_0 at a place of an object's triangle, by the weights of its corners: where a map gives d, times its square (equation
+/// 6, which leaves the factor out).
+#[must_use]
+pub fn sigma_0(data: &Buffers, params: &ObjectParams, face: usize, weight: [f64; 3]) -> DVec3 {
+    let whole = wide(params.sigma_0);
+    if params.sigma_0_size == [0; 2] {
+        return whole;
+    }
+    let at = place(data, face, weight[1], weight[2]);
+    let d = look(&data.texels, params.sigma_0_first, params.sigma_0_size, params.texture_wrap, at);
+    whole * d * d
+}
+
+/// Radiance of one pixel.
+fn pixel(state: &State, hit: &Hit, before: [f32; 3], response: &Response<'_>, bends: bool) -> [f32; 3] {
+    let (data, camera) = (&state.data, &state.data.camera[0]);
+    let Some(corners) = data.triangles.get(hit.face as usize) else { return camera.background };
+    let params: &ObjectParams = &data.object_params[state.object_of(hit.face as usize)];
+    if params.opaque != OPAQUE_NOT {
+        return before;
+    }
+    let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
+    let (mut point, mut normal, mut kappa) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+    for (&vertex, weight) in corners.iter().zip(weight) {
+        let (own, bend) = unpack(data.packed_normals[vertex as usize]);
+        point += weight * wide(data.positions[vertex as usize]);
+        normal += weight * own;
+        kappa += weight * bend;
+    }
+    let normal = normal.normalize_or_zero();
+    let sigma = if bends { kappa * sigma_0(data, params, hit.face as usize, weight) } else { DVec3::ZERO };
+    let sum = received(state, hit.face as usize, [point, normal], sigma, response);
+    let toward = (wide(camera.origin) - point).normalize_or_zero();
+    let leaves = params.eta.map(|eta| fresnel::transmittance(eta.into(), normal.dot(toward).abs()));
+    let scale = f64::from(camera.radiance) / std::f64::consts::PI;
+    narrow(DVec3::from_array(leaves) * wide(params.exit) * wide(params.diffuse) * sum * scale)
+}
+
+/// Radiance of each pixel that shows no opaque object, by this function; `packed_normals` where curvature counts.
+pub fn shade(state: &mut State, response: &Response<'_>, bends: bool) {
+    let pixels = state.data.hits.par_iter().zip(&state.data.radiance);
+    let radiance = pixels.map(|(hit, &before)| pixel(state, hit, before, response, bends)).collect();
+    state.data.radiance = radiance;
+}
+
+/// Records the kernel `part`, with constants of its own after those that all have.
+pub fn record(pass: &mut Pass<'_>, part: Option<&str>, own: &[u32]) -> Result<()> {
+    let data = &pass.state.data;
+    let shadows = u32::from(data.object_params.iter().any(|params| params.shadow_words > 0));
+    let all = [pass.state.objects.len() as u32, shadows, u32::from(!data.sky.is_empty())];
+    pass.dispatch(part, &[&all, own].concat(), &[], data.radiance.len())
+}

@@ -1,0 +1,17 @@
+//! Kubo et al. 2010, "Curvature-Dependent Reflectance Function for Interactive Rendering of Subsurface Scattering": no light
+//! is carried; what a place gives back depends on the light, the normal and the curvature there.
+
+pub mod bake_irradiance;
+pub mod blur;
+pub mod cdrf;
+pub mod cdrf_cells;
+pub mod cdrf_table;
+pub mod cdrf_values;
+pub mod curvature;
+pub mod diffuse;
+pub mod fit;
+pub mod gaussians;
+pub mod lambert;
+pub mod pack_normals;
+pub mod reflectance;
+pub mod texture_blur;

@@ -1,0 +1,192 @@
+//! Stage `acceptance_radii`: the oracle, folded into distances. How much of the light of a link is lost falls with distance
+//! whatever the law, so each threshold becomes one distance a node; the walk then only adds, multiplies and compares.
+//!
+//! A law `factor W tau^n sum_j z_j p(s_j) (q2 / (2 s_j^2))^n` separates into the node's strength `W tau^n` and a function
+//! of distance alone, the same for all nodes. Its inverse is tabled once a frame: a node takes a look at a table.
+//!
+//! Where lists have to serve any light of some contrast (mode `render`), W is the node's area, tau the second moment of its
+//! area, about the area's centroid.
+
+use rayon::prelude::*;
+
+use crate::dipole::derivatives::GroupProfile;
+use crate::dipole::form_factor::ladder::{chi_distance, q2};
+use crate::error::Result;
+use crate::layout::{
+    AREA_CHI, BLOCK_CLASSES, BufferId, DROPPED_SHARE, ERROR_LAWS, EXPANDED_SHARE, Emitter, FARTHEST, LAW_AREA,
+    LAW_EXPANSION, LAW_MAGNITUDE, LAW_MOMENTS, LAW_SAMPLE, RANGE_DEPTH, RANGE_ENTRIES, SAMPLE_CHI,
+};
+use crate::state::{
+    Carrier, Field, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
+    wide,
+};
+
+/// A logarithm's rounding, 60 x 2^-24, moves the argument by that share of the table's depth.
+const EMITTER: &[Field] = &[
+    Field { name: "place.3", relative: 5e-4, floor: 1e-6, of: "" },
+    Field { name: "accept", relative: 5e-4, floor: 1e-6, of: "" },
+    Field { name: "area", relative: 5e-4, floor: 1e-6, of: "" },
+];
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "acceptance_radii",
+    module: "transport/blocks",
+    about: "the oracle as distances: from where on a node is dropped, expanded, linked, or takes area points",
+    equation: "factor W tau^n strength sum_j z_j p(s_j) (q2/(2 s_j^2))^n <= error x level, solved for the distance",
+    writes: &[
+        (BufferId::ranges, Role::Output, Tolerance::Float { relative: 1e-3, floor: 1e-6 }),
+        (BufferId::emitters, Role::Output, Tolerance::Fields(EMITTER)),
+        (BufferId::expansion_distances, Role::Output, Tolerance::Float { relative: 5e-4, floor: 1e-6 }),
+    ],
+    reason: "logarithms of up to 60 binary orders and a bisection: rounding moves the argument by up to 1e-5",
+    sizes: &[(BufferId::ranges, Size::Elements(|_| ERROR_LAWS * (RANGE_ENTRIES + 2)))],
+    granularity: Granularity::Group,
+    carriers: &[Carrier::Blocks],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs,
+    cpu,
+    gpu,
+};
+
+fn runs(update: &Update) -> bool {
+    match update.any_light {
+        // Lists that are made anew anyway, for other pixels, are made for the light of now.
+        true => update.shape() || update.change.relink || (update.other_receivers() && update.change.light),
+        false => update.light(),
+    }
+}
+
+/// Exponent n and factor of each law for the moments' order.
+fn laws(order: u32) -> ([f64; ERROR_LAWS], [f64; ERROR_LAWS]) {
+    let cluster = 0.5 + 0.5 * f64::from(order);
+    let (triangle, sample) = if order == 2 { (2.0, 1.5) } else { (1.0, 0.55) };
+    ([0.0, cluster, 1.5, triangle, 3.0], [1.0, if order == 2 { 0.5 } else { 1.0 }, 0.5, sample, 0.045])
+}
+
+/// The binary logarithm of a law at a distance: the largest over the channels, each times its scale.
+fn law(jets: &GroupProfile, scale: [f64; 3], u: f64, power: f64) -> f64 {
+    let channel = |c: usize| {
+        let dipole = jets.dipole(c);
+        let source = |z: f64| {
+            let s2 = u * u + z * z;
+            let a = dipole.sigma * s2.sqrt();
+            (z * (1.0 + a)).log2() - a * std::f64::consts::LOG2_E - 1.5 * s2.log2()
+                + power * ((0.5 * q2(a)).log2() - s2.log2())
+        };
+        let [real, virt] = dipole.depths().map(source);
+        let both = real.max(virt) + (1.0 + (real.min(virt) - real.max(virt)).exp2()).log2();
+        both + dipole.strength.max(1e-37).log2() + scale[c].log2()
+    };
+    jets.channels().map(channel).fold(-1e30, f64::max)
+}
+
+/// One law's table: its logarithm at distance 0, how far it falls, and the distances of evenly spaced values.
+fn table(jets: &GroupProfile, scale: [f64; 3], power: f64) -> Vec<f32> {
+    let top = law(jets, scale, 0.0, power);
+    let depth = RANGE_DEPTH.min(top - law(jets, scale, FARTHEST, power));
+    let solve = |entry: usize| {
+        let wanted = top - depth * entry as f64 / (RANGE_ENTRIES - 1) as f64;
+        let (mut low, mut high) = (0.0, std::f64::consts::SQRT_2);
+        for _ in 0..30 {
+            let middle: f64 = 0.5 * (low + high);
+            if law(jets, scale, middle.powi(4), power) <= wanted { high = middle } else { low = middle }
+        }
+        if entry == 0 { 0.0 } else { high.powi(4) as f32 }
+    };
+    [top as f32, depth as f32].into_iter().chain((0..RANGE_ENTRIES).map(solve)).collect()
+}
+
+fn cpu(state: &mut State, at: Scope) {
+    let (base, _) = state.part(BufferId::moments, at);
+    let (group, order, any_light) = (state.object(at).groups[at.group], state.method.order, state.method.any_light);
+    let data = &mut state.data;
+    let params = data.object_params[0];
+    let jets = GroupProfile::new(&params, group.channels);
+    let (power, factor) = laws(order);
+    // Of what enters as light, or of areas where lists have to serve any light.
+    let scale = [0, 1, 2].map(|c| {
+        let tint = f64::from(params.tint[c]).max(1e-37);
+        if any_light {
+            f64::from(data.counters[0].contrast[c]) / tint
+        } else {
+            1.0 / f64::from(data.reference_level[0][c])
+        }
+    });
+    data.ranges = power.into_par_iter().flat_map(|power| table(&jets, scale, power)).collect();
+
+    let range = |law: usize, strength: f64, allowed: f64| {
+        let table = &data.ranges[law * (RANGE_ENTRIES + 2)..];
+        let (top, depth) = (f64::from(table[0]), f64::from(table[1]));
+        let at =
+            (top - (allowed.log2() - strength - factor[law].log2())) / depth.max(1e-6) * (RANGE_ENTRIES - 1) as f64;
+        if at <= 0.0 || at.is_nan() {
+            return 0.0;
+        }
+        if at >= (RANGE_ENTRIES - 1) as f64 {
+            return FARTHEST;
+        }
+        let entry = at as usize;
+        let (low, high) = (f64::from(table[2 + entry]), f64::from(table[3 + entry]));
+        low + (high - low) * (at - entry as f64)
+    };
+    let error = f64::from(params.link_error);
+    let disc = f64::from(data.clusters[0].area) / (std::f64::consts::TAU * f64::from(params.usual_blocks));
+    let sigma = params.sigma.map(f64::from);
+    let nearest = params.z_real.iter().copied().map(f64::from).fold(f64::INFINITY, f64::min);
+    let emitter = |node: usize| {
+        let (m, s, cluster) = (&data.moments[base + node], &data.second_moments[base + node], &data.clusters[node]);
+        let skip = data.topology[node].skip;
+        let of_light =
+            (m.center, m.weight, s.diagonal.iter().copied().map(f64::from).sum::<f64>(), f64::from(s.radius));
+        let (center, strength, trace, radius) = if any_light {
+            let [low, high, center] = [data.bounds[node].low, data.bounds[node].high, cluster.center].map(wide);
+            (cluster.center, cluster.area, f64::from(cluster.moment_trace), (center - low).max(high - center).length())
+        } else {
+            of_light
+        };
+        let [x, y, z] = center;
+        let mut emitter = Emitter { place: [x, y, z, -1e9], accept: 0.0, area: 0.0, skip };
+        let mut expands = [0.0; 4];
+        if strength > 0.0 {
+            let (weight, tau) = (f64::from(strength).log2(), trace.max(1e-30).log2());
+            let leaf = skip as usize == node + 1;
+            let rule = if leaf { LAW_SAMPLE } else { LAW_MOMENTS };
+            let valid = |chi: f64| {
+                let s = chi_distance(tau.exp2(), sigma, chi);
+                (s * s - nearest * nearest).max(0.0).sqrt()
+            };
+            let accept = range(rule, weight + power[rule] * tau, error);
+            let accept = if leaf { accept.max(valid(SAMPLE_CHI)) } else { accept };
+            // The laws hold at a cluster's nearest point, a triangle's at its centroid; at distance 0 they hold everywhere.
+            let reach = |radius: f64, range: f64| if range > 0.0 { (radius + range) as f32 } else { -1e9 };
+            let edge = if leaf { 0.0 } else { radius };
+            emitter.place[3] = reach(radius, range(LAW_MAGNITUDE, weight, DROPPED_SHARE * error));
+            emitter.accept = reach(edge, accept);
+            expands = BLOCK_CLASSES.map(|moment| {
+                let moment = (disc * f64::from(moment)).max(1e-30).log2();
+                reach(
+                    edge,
+                    accept.max(range(LAW_EXPANSION, weight + power[LAW_EXPANSION] * moment, EXPANDED_SHARE * error)),
+                )
+            });
+            if leaf {
+                emitter.area = reach(edge, valid(AREA_CHI).max(range(LAW_AREA, weight + power[LAW_AREA] * tau, error)));
+            }
+        }
+        (emitter, expands)
+    };
+    let (emitters, expands): (Vec<Emitter>, Vec<[f32; 4]>) =
+        (0..data.topology.len()).into_par_iter().map(emitter).unzip();
+    data.emitters[base..base + emitters.len()].copy_from_slice(&emitters);
+    data.expansion_distances[base..base + expands.len()].copy_from_slice(&expands);
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let (group, method) = (pass.object().groups[pass.at.group], pass.state.method);
+    let any_light = u32::from(method.any_light);
+    pass.dispatch(Some("table"), &[group.channels, method.order, any_light], &[], ERROR_LAWS * RANGE_ENTRIES)?;
+    pass.dispatch(Some("node"), &[method.order, any_light], &[], pass.object().count.nodes)
+}

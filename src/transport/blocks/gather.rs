@@ -1,0 +1,253 @@
+//! Stage `gather`: what each block's emitters give its receivers: distant ones expanded once about the block's centre,
+//! nearer ones at each receiver, triangles too near for one sample by area points or the edge form.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::estimate;
+use super::link::{Kind, batch, walk};
+use crate::dipole::derivatives::{ClusterMoments, GroupProfile};
+use crate::dipole::form_factor::Distance;
+use crate::dipole::form_factor::edge::edge_form;
+use crate::dipole::form_factor::gauss::{Node, legendre};
+use crate::dipole::form_factor::points::{SIX, sampled};
+use crate::error::Result;
+use crate::layout::{BLOCK_RECEIVERS, BufferId, Buffers, Emitter, Expansion, Range, Runs, Sphere};
+use crate::state::{
+    Carrier, Granularity, Group, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
+    wide,
+};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "gather",
+    module: "transport/blocks",
+    about: "light of each block's lists: expanded once a block, or evaluated at each receiver",
+    equation: "B += W [p0 + (p1 tr Q + p2 d.Q.d)/2] (C.1); near triangles: equation 6 by area points or the edge form",
+    writes: &[
+        (BufferId::expansions, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-6 }),
+        (BufferId::received, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-6 }),
+        (BufferId::estimate, Role::Update, Tolerance::Float { relative: 1e-2, floor: 1e-6 }),
+    ],
+    reason: "sums of some hundred terms whose quadrupoles cancel in part, e^-a with the rounding of a; an estimate is a \
+             ratio of such terms",
+    sizes: &[(
+        BufferId::estimate,
+        Size::Elements(|state| if state.method.estimate { state.extent().receivers } else { 0 }),
+    )],
+    granularity: Granularity::Batch,
+    carriers: &[Carrier::Blocks],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::sums_receivers,
+    cpu,
+    gpu,
+};
+
+/// Near triangles that a block takes in one dispatch: lavapipe ends an invocation's loops, silently, after 65,535
+/// iterations all together, and the edge form takes up to 85.
+pub const NEAR_PART: u32 = 512;
+
+/// The distant emitters of a block, about its centre.
+fn expand(
+    jets: &GroupProfile,
+    order: u32,
+    estimated: bool,
+    sphere: &Sphere,
+    cloud: &(dyn Fn(u32) -> ClusterMoments + Sync),
+    list: &[u32],
+    out: &mut Expansion,
+) {
+    let center = wide(sphere.center);
+    for c in jets.channels() {
+        let mut sum = [0.0; 12];
+        for &node in list {
+            let m = &cloud(node);
+            let d = center - m.center;
+            let d2 = d.length_squared();
+            let jet = jets.at(c, d2);
+            let w = m.weight;
+            let (first, second) = (w * jet.first, w * jet.second);
+            let (gradient, diagonal) = (first * d, first + second * d * d);
+            let mixed = second * DVec3::new(d.y * d.z, d.z * d.x, d.x * d.y);
+            let terms = [
+                jets.link(c, m, center, order),
+                gradient.x,
+                gradient.y,
+                gradient.z,
+                diagonal.x,
+                diagonal.y,
+                diagonal.z,
+                mixed.x,
+                mixed.y,
+                mixed.z,
+                if estimated { estimate::moments(jets, c, m, d2, order) } else { 0.0 },
+                if estimated { estimate::bend(jets, c, m, d2, f64::from(sphere.radius)) } else { 0.0 },
+            ];
+            for (sum, term) in sum.iter_mut().zip(terms) {
+                *sum += term;
+            }
+        }
+        let fields = [
+            &mut out.value,
+            &mut out.x,
+            &mut out.y,
+            &mut out.z,
+            &mut out.xx,
+            &mut out.yy,
+            &mut out.zz,
+            &mut out.yz,
+            &mut out.zx,
+            &mut out.xy,
+            &mut out.error,
+            &mut out.bend,
+        ];
+        for (field, sum) in fields.into_iter().zip(sum) {
+            field[c] = sum as f32;
+        }
+    }
+}
+
+/// What one receiver gets from the other lists, and the squared estimate of what it misses.
+struct Near<'a> {
+    data: &'a Buffers,
+    cloud: &'a (dyn Fn(u32) -> ClusterMoments + Sync),
+    jets: GroupProfile,
+    order: u32,
+    nodes: Vec<Node>,
+}
+
+impl Near<'_> {
+    fn receive(&self, x: DVec3, run: &Runs, entries: &[u32], c: usize) -> (f64, f64) {
+        let (direct, rest) = entries[run.expanded as usize..].split_at(run.direct as usize);
+        let (area, rest) = rest.split_at(run.area as usize);
+        let edge = &rest[..run.edge as usize];
+        let (mut sum, mut error) = (0.0, 0.0);
+        for &node in direct {
+            let m = &(self.cloud)(node);
+            sum += self.jets.link(c, m, x, self.order);
+            error += estimate::moments(&self.jets, c, m, x.distance_squared(m.center), self.order);
+        }
+        let dipole = self.jets.dipole(c);
+        let corners = |node: u32| {
+            let face = self.data.topology[node as usize].face as usize;
+            (face, self.data.triangles[face], self.data.triangles[face].map(|v| wide(self.data.positions[v as usize])))
+        };
+        for &node in area {
+            let m = &(self.cloud)(node);
+            let (face, _, triangle) = corners(node);
+            let area = f64::from(self.data.clusters[self.data.leaves[face] as usize].area).max(1e-37);
+            sum += m.weight / area * sampled(&triangle, x, dipole, Distance::Radial, &SIX);
+            error += estimate::points(&self.jets, c, m, x.distance_squared(m.center));
+        }
+        let tint = f64::from(self.data.object_params[0].tint[c]).max(1e-37);
+        for &node in edge {
+            let (face, corner, triangle) = corners(node);
+            let factor = edge_form(&triangle, corner, x, dipole, Distance::Radial, &self.nodes);
+            let value = f64::from(self.data.irradiance[face][c]) / tint * factor;
+            sum += value;
+            error += estimate::edge(dipole.sigma, &(self.cloud)(node), self.nodes.len() as u32, value);
+        }
+        (sum, error)
+    }
+}
+
+impl Near<'_> {
+    /// What the emitters that a block left out would have given at its centre, per channel.
+    fn dropped(&self, sphere: &Sphere, emitters: &[Emitter], expands: &[[f32; 4]]) -> Vec<(usize, f64)> {
+        let center = wide(sphere.center);
+        let mut sums: Vec<(usize, f64)> = self.jets.channels().map(|c| (c, 0.0)).collect();
+        walk(sphere, emitters, expands, |kind, node| {
+            let m = &(self.cloud)(node);
+            let d2 = center.distance_squared(m.center);
+            for (c, sum) in sums.iter_mut().filter(|_| kind == Kind::Dropped) {
+                *sum += estimate::dropped(&self.jets, *c, m, d2);
+            }
+        });
+        sums
+    }
+}
+
+fn cpu(state: &mut State, at: Scope) {
+    let (blocks, run_base, entry_base) = batch(state, at);
+    let (base, _) = state.part(BufferId::moments, at);
+    let Group { channels, .. } = state.object(at).groups[at.group];
+    let method = state.method;
+    let data = &state.data;
+    let emitters = &data.emitters[base..base + data.topology.len()];
+    let expands = &data.expansion_distances[base..base + data.topology.len()];
+    let cloud = |node: u32| {
+        ClusterMoments::new(&data.moments[base + node as usize], &data.second_moments[base + node as usize])
+    };
+    let near = Near {
+        data,
+        cloud: &cloud,
+        jets: GroupProfile::new(&data.object_params[0], channels),
+        order: method.order,
+        nodes: legendre(method.nodes as usize),
+    };
+    let results: Vec<_> = blocks
+        .clone()
+        .into_par_iter()
+        .map(|number| {
+            let run = data.runs[run_base + number - blocks.start];
+            let list = &data.entries[entry_base + run.first as usize..];
+            let mut expansion = data.expansions[number];
+            let far = &list[..run.expanded as usize];
+            expand(&near.jets, method.order, method.estimate, &data.spheres[number], near.cloud, far, &mut expansion);
+            if method.estimate {
+                for (c, sum) in near.dropped(&data.spheres[number], emitters, expands) {
+                    expansion.error[c] += (sum * sum) as f32;
+                }
+            }
+            let block = data.blocks[number];
+            let receive = |face: usize| {
+                let x = wide(data.receiver_positions[face]);
+                let (mut sum, mut error) = (data.received[face], data.estimate.get(face).copied().unwrap_or_default());
+                for c in near.jets.channels() {
+                    let (value, squared) = near.receive(x, &run, list, c);
+                    sum[c] = value as f32;
+                    if method.estimate {
+                        error[c] = squared as f32;
+                    }
+                }
+                (face, sum, error)
+            };
+            let faces = block.first as usize..(block.first + block.count) as usize;
+            (number, expansion, faces.map(receive).collect::<Vec<_>>())
+        })
+        .collect();
+    for (number, expansion, faces) in results {
+        state.data.expansions[number] = expansion;
+        for (face, sum, error) in faces {
+            state.data.received[face] = sum;
+            if method.estimate {
+                state.data.estimate[face] = error;
+            }
+        }
+    }
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let blocks = pass.object().schedule.batches[pass.at.chunk].clone();
+    let range = Range { first: blocks.start, count: blocks.end - blocks.start };
+    let push = bytemuck::bytes_of(&range);
+    let (group, method) = (pass.object().groups[pass.at.group], pass.state.method);
+    let (count, estimate) = (range.count as usize, u32::from(method.estimate));
+    let (alone, any_light) = (u32::from(pass.object().groups.len() == 1), u32::from(method.any_light));
+    pass.dispatch(Some("expand"), &[group.channels, method.order, estimate, alone, any_light], push, count)?;
+    if method.estimate {
+        pass.dispatch(Some("dropped"), &[group.channels], push, count)?;
+    }
+    let places = count * BLOCK_RECEIVERS;
+    pass.dispatch(Some("direct"), &[group.channels, method.order, estimate, any_light], push, places)?;
+    for first in (0..pass.state.data.object_params[0].near_capacity).step_by(NEAR_PART as usize) {
+        let push = [range, Range { first, count: NEAR_PART }];
+        let push = bytemuck::bytes_of(&push);
+        pass.dispatch_counted("area", &[group.channels, estimate, any_light], push, (BufferId::near_groups, 0))?;
+        let edge = [group.channels, method.nodes, estimate, any_light];
+        pass.dispatch_counted("edge", &edge, push, (BufferId::near_groups, 0))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,166 @@
+//! Stage `form_factor`: F of every link, by one sample, by area points, or for the nearest triangles by the edge form;
+//! instead of the last, by uniform point samples, if `transport.near` asks for what the paper compares with.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::refine::rule;
+use crate::dipole::distance2;
+use crate::dipole::form_factor::edge::edge_form;
+use crate::dipole::form_factor::gauss;
+use crate::dipole::form_factor::points::{SIX, THREE, TWELVE, midpoint_moment, sampled};
+use crate::dipole::form_factor::uniform;
+use crate::dipole::profile::{Dipole, kernel};
+use crate::error::Result;
+use crate::layout::{BufferId, Buffers, RUNG_AREA, RUNG_SAMPLE};
+use crate::state::{
+    Carrier, Distance, Granularity, Near, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update,
+    narrow, stage::never, wide,
+};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "form_factor",
+    module: "transport/links",
+    about: "form factor of every link: one sample, area points, or the edge form",
+    equation: "Mertens et al. 2003, equations 7 to 13, free of cancellation",
+    writes: &[(BufferId::factors, Role::Output, Tolerance::Float { relative: 1e-4, floor: 2e-7 })],
+    reason: "e^{-a} carries the rounding of a, up to 100 x 2^-24; an edge's integral is rounded at 2^-24 of itself, and \
+             the edges of a sliver cancel down to a small share of it, hence the floor of some 3 x 2^-24",
+    sizes: &[(
+        BufferId::factors,
+        Size::Grows(|state| state.chunk_parts() * state.data.object_params[0].link_capacity as usize),
+    )],
+    granularity: Granularity::Chunk,
+    carriers: &[Carrier::Links],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: Update::makes_links,
+    cpu,
+    gpu,
+};
+
+/// How a form factor is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum QuadratureRule {
+    /// One sample at the centre, with the second moment of a triangle.
+    Center,
+    /// An area rule: 0, 1, 2 for 3, 6, 12 points.
+    Points(usize),
+    /// The edge form.
+    Edges,
+    /// So many uniform point samples.
+    Uniform(u32),
+}
+
+/// Everything the form factor of a node depends on.
+pub struct Emitters<'a> {
+    data: &'a Buffers,
+    distance: crate::dipole::form_factor::Distance,
+    near: Near,
+    dipoles: [Dipole; 3],
+}
+
+impl<'a> Emitters<'a> {
+    /// Over the tree and material of `data`.
+    pub fn new(data: &'a Buffers, distance: Distance, near: Near) -> Self {
+        let distance = match distance {
+            Distance::Radial => crate::dipole::form_factor::Distance::Radial,
+            Distance::Table1 => crate::dipole::form_factor::Distance::Table1 { clamp: true },
+        };
+        Self { data, distance, near, dipoles: [0, 1, 2].map(|channel| Dipole::of(&data.object_params[0], channel)) }
+    }
+
+    /// The rung of a link of this node to a receiver at `center`: the shader's decision.
+    pub fn rule(&self, node: u32, center: [f32; 3]) -> QuadratureRule {
+        let Some(&reach) = self.data.reach.get(self.data.topology[node as usize].face as usize) else {
+            return QuadratureRule::Center;
+        };
+        let d2 = distance2(center, self.data.clusters[node as usize].center);
+        match rule(d2, reach) {
+            RUNG_SAMPLE => QuadratureRule::Center,
+            RUNG_AREA if d2 >= reach[1] => QuadratureRule::Points(0),
+            RUNG_AREA if d2 >= reach[2] => QuadratureRule::Points(1),
+            RUNG_AREA => QuadratureRule::Points(2),
+            _ if self.near == Near::PointSampling => {
+                let area = self.data.clusters[node as usize].area;
+                QuadratureRule::Uniform(uniform::count(area, uniform::density(&self.data.object_params[0])))
+            }
+            _ => QuadratureRule::Edges,
+        }
+    }
+
+    /// The form factor per channel of a node for a receiver at `x`.
+    pub fn factor(&self, node: u32, x: DVec3, rule: QuadratureRule) -> DVec3 {
+        let face = self.data.topology[node as usize].face;
+        let Some(corner) = self.data.triangles.get(face as usize) else {
+            return self.cluster(node, x);
+        };
+        let cloud = if let QuadratureRule::Uniform(count) = rule { uniform::samples(face, count) } else { Vec::new() };
+        let triangle = corner.map(|v| wide(self.data.positions[v as usize]));
+        let channel = |dipole: &Dipole| match rule {
+            QuadratureRule::Center => midpoint_moment(&triangle, x, dipole, self.distance),
+            QuadratureRule::Points(rule) => {
+                let rule: &[_] = [&THREE[..], &SIX[..], &TWELVE[..]][rule.min(2)];
+                sampled(&triangle, x, dipole, self.distance, rule)
+            }
+            QuadratureRule::Uniform(_) => sampled(&triangle, x, dipole, self.distance, &cloud),
+            QuadratureRule::Edges => edge_form(&triangle, *corner, x, dipole, self.distance, &gauss::SIX),
+        };
+        DVec3::from_array(self.dipoles.each_ref().map(channel))
+    }
+
+    /// One sample at a cluster's centre; displaced sources hang on its mean normal, which is shorter than 1.
+    fn cluster(&self, node: u32, x: DVec3) -> DVec3 {
+        let cluster = &self.data.clusters[node as usize];
+        let (center, area) = (wide(cluster.center), f64::from(cluster.area));
+        let mean = wide(cluster.normal) / area;
+        let channel = |dipole: &Dipole| {
+            let source = |z: f64, side: f64| {
+                let s2 = match self.distance {
+                    crate::dipole::form_factor::Distance::Radial => x.distance_squared(center) + z * z,
+                    crate::dipole::form_factor::Distance::Table1 { .. } => {
+                        x.distance_squared(center - side * z * mean).max(z * z)
+                    }
+                };
+                z * kernel(dipole.sigma, s2.sqrt())
+            };
+            area * dipole.strength * (source(dipole.z_real, 1.0) + source(dipole.z_virtual, -1.0))
+        };
+        DVec3::from_array(self.dipoles.each_ref().map(channel))
+    }
+}
+
+fn cpu(state: &mut State, at: Scope) {
+    let (base, _) = state.part(BufferId::links, at);
+    let data = &state.data;
+    if data.counters[0].overflow != 0 {
+        return;
+    }
+    let links = &data.links[base..base + data.counters[0].links as usize];
+    let emitters = Emitters::new(data, state.distance, state.method.near);
+    let factors: Vec<[f32; 3]> = links
+        .par_iter()
+        .map(|link| {
+            let center = data.clusters[link.receiver as usize].center;
+            narrow(emitters.factor(link.emitter, wide(center), emitters.rule(link.emitter, center)))
+        })
+        .collect();
+    state.data.factors[base..base + factors.len()].copy_from_slice(&factors);
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let displaced = u32::from(pass.state.distance == Distance::Table1);
+    let params = pass.state.data.object_params[0];
+    for (part, room) in [("far", params.link_capacity), ("area", params.area_capacity)] {
+        pass.dispatch(Some(part), &[displaced], &[], room as usize)?;
+    }
+    let room = params.edge_capacity as usize;
+    match pass.state.method.near {
+        Near::Exact => pass.dispatch(Some("edge"), &[displaced], &[], room),
+        Near::PointSampling => {
+            pass.dispatch(Some("uniform"), &[displaced], &uniform::density(&params).to_le_bytes(), room)
+        }
+    }
+}

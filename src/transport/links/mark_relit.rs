@@ -1,0 +1,45 @@
+//! Stage `mark_relit`: which clusters have a triangle that another light enters than the one whose radiosity was summed last.
+
+use super::not_incremental;
+use crate::error::Result;
+use crate::layout::{ALTERED_RELIT, BufferId};
+use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "mark_relit",
+    module: "transport/links",
+    about: "clusters with a triangle that another light enters than was summed last",
+    equation: "Mertens et al. 2003, section 5.5",
+    writes: &[(BufferId::change_flags, Role::Update, Tolerance::Exact)],
+    reason: "comparisons of f32 for equality",
+    sizes: &[],
+    granularity: Granularity::Object,
+    carriers: &[Carrier::Links],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: not_incremental,
+    runs: |update| update.updates_links() && !update.sums_all_links(),
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _at: Scope) {
+    let data = &mut state.data;
+    for (&leaf, light) in data.leaves.iter().zip(&data.irradiance) {
+        if *light == data.cluster_irradiance[leaf as usize] {
+            continue;
+        }
+        // Every cluster above it.
+        let mut node = leaf;
+        while let Some(altered) = data.change_flags.get_mut(node as usize) {
+            *altered |= ALTERED_RELIT;
+            node = data.topology[node as usize].parent;
+        }
+    }
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    pass.dispatch(Some("leaf"), &[], &[], pass.object().count.faces)?;
+    pass.climb("cluster", &[])
+}

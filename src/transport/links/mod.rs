@@ -1,0 +1,26 @@
+//! The method as Mertens et al. 2003 published it: links chosen by solid angles, one sample a link.
+//!
+//! The stages, in the order of a frame: `reach`, `mark_moved`, `mark_relit`, `mean_irradiance`, `refine`, `form_factor`,
+//! `update_links`, `update_form_factors`, `sum_links`, `resum_links`, `push_links`, `snapshot`. Those with `mark`, `update`, `resum` and
+//! `snapshot` in their names run where links are kept while the shape changes.
+
+pub mod form_factor;
+pub mod mark_moved;
+pub mod mark_relit;
+pub mod mean_irradiance;
+pub mod push_links;
+pub mod reach;
+pub mod refine;
+pub mod resum_links;
+pub mod snapshot;
+pub mod sum_links;
+pub mod update_form_factors;
+pub mod update_links;
+
+use crate::state::State;
+
+/// Why the stages that update kept links have no place in a frame that keeps none.
+fn not_incremental(state: &State) -> Option<&'static str> {
+    let why = "links are made anew when the shape changes; --mode incremental revises them";
+    (!state.method.incremental).then_some(why)
+}

@@ -1,0 +1,125 @@
+//! The oracle of section 5.2 as a walk over emitters: decisions, so `f32` additions, multiplications and comparisons
+//! only, in the order of `glsl/transport/links/refine/walk.glsl`, and the two agree bit for bit.
+
+use crate::dipole::distance2;
+use crate::layout::{
+    Buffers, Cluster, FAR_FROM_DENORMAL, NONE, ObjectParams, PAIR_HANDED, PAIR_LINKED, PAIR_SPLIT, RUNG_AREA,
+    RUNG_EDGE, RUNG_SAMPLE, Topology,
+};
+
+/// What becomes of an emitter at a receiver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decision {
+    /// The receiver's children settle it.
+    HandDown,
+    /// It is linked.
+    Link {
+        /// How its form factor is evaluated: a `RUNG_`.
+        rule: u32,
+    },
+}
+
+/// What the walk looks at.
+pub struct Walk<'a> {
+    params: ObjectParams,
+    topology: &'a [Topology],
+    clusters: &'a [Cluster],
+    reach: &'a [[f32; 4]],
+}
+
+/// Which evaluation serves at this squared distance, for a triangle with these radii.
+pub fn rule(d2: f32, radii: [f32; 4]) -> u32 {
+    if d2 >= radii[0] {
+        RUNG_SAMPLE
+    } else if d2 >= radii[1].min(radii[2].min(radii[3])) {
+        RUNG_AREA
+    } else {
+        RUNG_EDGE
+    }
+}
+
+/// What becomes of a pair of clusters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Choice {
+    /// It is linked.
+    Linked = PAIR_LINKED,
+    /// The receiver's children settle it.
+    Handed = PAIR_HANDED,
+    /// The emitter's children settle it.
+    Split = PAIR_SPLIT,
+}
+
+/// Whether |A/d_child^2 - A/d^2| exceeds epsilon_1.
+fn deviates(params: &ObjectParams, area: f32, d2: f32, child2: f32) -> bool {
+    let change = (area * FAR_FROM_DENORMAL) * (d2 - child2).abs();
+    let allowed = (params.receiver_angle * FAR_FROM_DENORMAL) * (d2 * child2);
+    change > allowed
+}
+
+/// Whether A'/A falls short.
+fn bent(params: &ObjectParams, emitter: &Cluster) -> bool {
+    let n = emitter.normal.map(|x| x * FAR_FROM_DENORMAL);
+    let area = emitter.area * FAR_FROM_DENORMAL;
+    n[0] * n[0] + n[1] * n[1] + n[2] * n[2] < params.planarity * (area * area)
+}
+
+/// The oracle on one pair: the receiver by its centre and those of its children, if it has any.
+pub fn choose(
+    params: &ObjectParams,
+    emitter: &Cluster,
+    leaf: bool,
+    center: [f32; 3],
+    children: Option<[[f32; 3]; 2]>,
+) -> Choice {
+    let d2 = distance2(center, emitter.center);
+    let far = |child: [f32; 3]| deviates(params, emitter.area, d2, distance2(child, emitter.center));
+    if children.is_some_and(|children| children.into_iter().any(far)) {
+        Choice::Handed
+    } else if !leaf && (emitter.area > params.emitter_angle * d2 || bent(params, emitter)) {
+        Choice::Split
+    } else {
+        Choice::Linked
+    }
+}
+
+/// Centres of a node's children; none of a leaf.
+pub fn children(topology: &[Topology], clusters: &[Cluster], node: usize) -> Option<[[f32; 3]; 2]> {
+    (topology[node].face == NONE)
+        .then(|| [node + 1, topology[node + 1].skip as usize].map(|child| clusters[child].center))
+}
+
+impl<'a> Walk<'a> {
+    /// Over the tree and radii of `data`.
+    pub fn new(data: &'a Buffers) -> Self {
+        Self { params: data.object_params[0], topology: &data.topology, clusters: &data.clusters, reach: &data.reach }
+    }
+
+    /// Goes through the emitters handed to this receiver and tells each decision, with the emitter, in order.
+    pub fn walk(&self, receiver: u32, handed: &[u32], mut tell: impl FnMut(Decision, u32)) {
+        let receiver = receiver as usize;
+        let center = self.clusters[receiver].center;
+        let children = children(self.topology, self.clusters, receiver);
+        for &start in handed {
+            let mut node = start;
+            let end = self.topology[start as usize].skip;
+            while node < end {
+                let emitter = &self.clusters[node as usize];
+                let place = self.topology[node as usize];
+                node = match choose(&self.params, emitter, place.face != NONE, center, children) {
+                    Choice::Handed => {
+                        tell(Decision::HandDown, node);
+                        place.skip
+                    }
+                    Choice::Split => node + 1,
+                    Choice::Linked => {
+                        let d2 = distance2(center, emitter.center);
+                        let rule = self.reach.get(place.face as usize).map_or(RUNG_SAMPLE, |&radii| rule(d2, radii));
+                        tell(Decision::Link { rule }, node);
+                        place.skip
+                    }
+                };
+            }
+        }
+    }
+}

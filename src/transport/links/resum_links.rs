@@ -1,0 +1,39 @@
+//! Stage `resum_links`: what `sum_links` does, for those receivers alone whose links, form factors or emitters are not what they
+//! were; what the others received before, they would receive again to the last bit.
+
+use super::not_incremental;
+use super::sum_links::sum;
+use crate::error::Result;
+use crate::layout::{BufferId, DUE_SUMMED, Range};
+use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "resum_links",
+    module: "transport/links",
+    about: "the same for nodes whose links, form factors or emitters have changed",
+    equation: "Mertens et al. 2003, equation 6",
+    writes: &[(BufferId::gathered, Role::Update, Tolerance::Float { relative: 3e-5, floor: 1e-7 })],
+    reason: "that of collect",
+    sizes: &[],
+    granularity: Granularity::Chunk,
+    carriers: &[Carrier::Links],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: not_incremental,
+    runs: |update| !update.sums_all_links() && (update.shape() || update.resums()),
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, at: Scope) {
+    let first = state.object(at).schedule.chunks[at.chunk].nodes.start as usize;
+    let receivers = state.data.active_receivers[first..first + state.data.counters[0].receivers as usize].to_vec();
+    sum(state, at, &receivers);
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let nodes = pass.object().schedule.chunks[pass.at.chunk].nodes.clone();
+    let range = Range { first: nodes.start, count: nodes.end - nodes.start };
+    pass.dispatch_counted("receiver", &[], bytemuck::bytes_of(&range), (BufferId::due_groups, DUE_SUMMED))
+}

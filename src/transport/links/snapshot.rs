@@ -1,0 +1,44 @@
+//! Stage `snapshot`: places and clusters that the links are made for, so that the next frame knows what it alters.
+
+use super::not_incremental;
+use crate::error::Result;
+use crate::layout::BufferId;
+use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "snapshot",
+    module: "transport/links",
+    about: "vertices and clusters that the links are made for, for the next frame to compare with",
+    equation: "Mertens et al. 2003, section 5.5",
+    writes: &[
+        (BufferId::kept_positions, Role::Update, Tolerance::Exact),
+        (BufferId::kept_clusters, Role::Update, Tolerance::Exact),
+    ],
+    reason: "a copy",
+    sizes: &[(BufferId::kept_positions, Size::Elements(|state| state.data.positions.len()))],
+    granularity: Granularity::Object,
+    carriers: &[Carrier::Links],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: not_incremental,
+    runs: Update::shape,
+    cpu,
+    gpu,
+};
+
+fn cpu(state: &mut State, _at: Scope) {
+    let data = &mut state.data;
+    if data.counters[0].void() {
+        return;
+    }
+    let own = data.object_params[0].first_vertex as usize
+        ..(data.object_params[0].first_vertex + data.object_params[0].vertices) as usize;
+    data.kept_positions[own.clone()].copy_from_slice(&data.positions[own]);
+    data.kept_clusters.copy_from_slice(&data.clusters);
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let count = pass.object().count;
+    pass.dispatch(None, &[], &[], count.nodes.max(count.vertices))
+}

@@ -1,0 +1,165 @@
+//! Files that appear whole or not at all: written beside their place, then moved there.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Mutex, MutexGuard};
+
+use crate::error::{Input, Result};
+use crate::scene::was_read;
+
+/// What is being written now, and is to be removed if the program is stopped.
+static PARTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
+    PARTS.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+/// A file or folder that is not where it belongs yet; removed when dropped.
+#[derive(Debug)]
+pub struct Part(PathBuf);
+
+impl Part {
+    /// At this path, at which nothing is yet.
+    pub fn new(path: PathBuf) -> Self {
+        parts().push(path.clone());
+        Self(path)
+    }
+
+    /// Its path.
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+}
+
+impl Drop for Part {
+    fn drop(&mut self) {
+        let mut parts = parts();
+        remove(&self.0);
+        parts.retain(|part| *part != self.0);
+    }
+}
+
+fn remove(path: &Path) {
+    let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+}
+
+/// Removes all parts and runs `last`, which does not return; nothing new is begun meanwhile.
+pub fn abandon(last: impl FnOnce()) {
+    let parts = parts();
+    parts.iter().for_each(|part| remove(part));
+    last();
+}
+
+/// Lets `write` fill a file beside `path`, then moves it there: a reader never sees half of it. What is no ordinary file,
+/// as a device or a pipe, is written as it is.
+pub fn write_atomically(path: &Path, write: impl FnOnce(&Path) -> std::result::Result<(), String>) -> Result<()> {
+    let fault = |what: String| Input::new(format!("could not be written: {what}")).file(path).into();
+    match std::fs::metadata(path) {
+        Ok(known) if known.is_dir() => return Err(fault("it is a folder".into())),
+        Ok(known) if !known.is_file() => return write(path).map_err(fault),
+        _ => {}
+    }
+    // Through a link, to what it names.
+    let path = &path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    if was_read(path) {
+        return Err(fault("it was read to make this; give the output another name".into()));
+    }
+    let part = beside(path);
+    write(part.path()).and_then(|()| std::fs::rename(part.path(), path).map_err(|e| e.to_string())).map_err(fault)
+}
+
+/// A part beside a path, of a short name: that of the path may be as long as names can be. Processes of other machines
+/// may have the same number, and write other files of this folder: so it depends on the name.
+fn beside(path: &Path) -> Part {
+    static NEXT: AtomicU32 = AtomicU32::new(0);
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    let mut name = DefaultHasher::new();
+    path.file_name().hash(&mut name);
+    Part::new(path.with_file_name(format!(".{:016x}.{}-{number}.part", name.finish(), std::process::id())))
+}
+
+/// An error where one of these files could not be written, or is another one of them, before there is work that would be
+/// lost. Each goes with the argument that names it.
+pub fn ready<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>)>) -> Result<()> {
+    let mut before: Vec<(&str, PathBuf)> = Vec::new();
+    for (key, path) in paths.into_iter().filter_map(|(key, path)| Some((key, path?))) {
+        let fault = |what: String| Input::new(format!("could not be written: {what}")).file(path);
+        match std::fs::metadata(path) {
+            Ok(known) if known.is_dir() => return Err(fault("it is a folder".into()).into()),
+            Ok(known) if !known.is_file() => continue,
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(fault(error.to_string()).into()),
+            _ => {}
+        }
+        let part = beside(path);
+        std::fs::write(part.path(), "").map_err(|error| fault(error.to_string()))?;
+        // The folder is there; an empty name is this one's.
+        let folder = part.path().parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = folder.canonicalize().unwrap_or_default();
+        let place = path.canonicalize().unwrap_or_else(|_| folder.join(path.file_name().unwrap_or_default()));
+        if let Some((other, _)) = before.iter().find(|(_, known)| *known == place) {
+            return Err(Input::new(format!("the same file as {other}")).key(key).found(path.display()).into());
+        }
+        before.push((key, place));
+    }
+    Ok(())
+}
+
+/// The same for what a library encodes: it writes to memory, because a file's last bytes may fail where it does not look.
+pub fn encode_atomically(
+    path: &Path,
+    encode: impl FnOnce(&mut Cursor<Vec<u8>>) -> std::result::Result<(), String>,
+) -> Result<()> {
+    let mut bytes = Cursor::default();
+    let done = encode(&mut bytes);
+    write_atomically(path, |beside| {
+        done.and_then(|()| std::fs::write(beside, bytes.into_inner()).map_err(|e| e.to_string()))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::view::atomic_file::*;
+
+    #[test]
+    fn a_failed_write_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let failed = write_atomically(&path, |beside| {
+            std::fs::write(beside, "half").unwrap();
+            Err("full".into())
+        });
+        assert!(failed.unwrap_err().to_string().contains("a.png: could not be written: full"));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+        write_atomically(&path, |beside| std::fs::write(beside, "whole").map_err(|e| e.to_string())).unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "whole");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        let folded = write_atomically(folder.path(), |_| Ok(())).unwrap_err();
+        assert!(folded.to_string().contains("it is a folder"), "{folded}");
+    }
+
+    #[test]
+    fn parts_of_other_files_have_other_names_whoever_writes_them() {
+        let name = |path: &str| {
+            let part = beside(Path::new(path));
+            let name = part.path().file_name().and_then(|name| name.to_str()).map(str::to_owned).unwrap();
+            name.split('.').nth(1).map(str::to_owned).unwrap()
+        };
+        assert_eq!(name("a/frame-1.png"), name("b/frame-1.png"));
+        assert_ne!(name("a/frame-1.png"), name("a/frame-2.png"));
+    }
+
+    #[test]
+    fn a_device_is_written_and_not_replaced() {
+        let null = Path::new("/dev/null");
+        if null.exists() {
+            write_atomically(null, |same| {
+                assert_eq!(same, null);
+                std::fs::write(same, "text").map_err(|e| e.to_string())
+            })
+            .unwrap();
+            assert!(!null.metadata().unwrap().is_file());
+        }
+    }
+}

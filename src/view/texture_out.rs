@@ -1,0 +1,49 @@
+//! Stage `texture_out`: light that leaves towards the eye is multiplied by the texture at the place that is seen.
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::layout::{BufferId, Hit, TEXTURE_LEAVES};
+use crate::lighting::texture::{factor, place, untextured};
+use crate::state::{
+    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, wide,
+};
+
+/// The table's entry.
+pub static STAGE: Stage = Stage {
+    name: "texture_out",
+    module: "view",
+    about: "radiance of each pixel that shows the object times the texture there, linear between texels",
+    equation: "d'Eon et al. 2007, post-scatter texturing",
+    writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
+    reason: "a place in the texture is off by some 1e-7, times its texels a unit and their contrast",
+    sizes: &[],
+    granularity: Granularity::Scene,
+    carriers: Carrier::ALL,
+    needs: &[Need::Light, Need::Picture],
+    serves: Serves::ALL,
+    skip: |state| untextured(state, TEXTURE_LEAVES),
+    runs: Update::picture,
+    cpu,
+    gpu,
+};
+
+/// Radiance of a pixel after the texture.
+fn left(state: &State, hit: &Hit, before: [f32; 3]) -> [f32; 3] {
+    let (data, face) = (&state.data, hit.face as usize);
+    let params = &data.object_params[state.object_of(face)];
+    if face >= data.triangles.len() || params.texture_side & TEXTURE_LEAVES == 0 {
+        return before;
+    }
+    narrow(wide(before) * factor(params, &data.texels, place(data, face, hit.u.into(), hit.v.into())))
+}
+
+fn cpu(state: &mut State, _at: Scope) {
+    let data = &state.data;
+    let pixels = data.hits.par_iter().zip(&data.radiance);
+    state.data.radiance = pixels.map(|(hit, &before)| left(state, hit, before)).collect();
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    pass.dispatch(None, &[pass.state.objects.len() as u32], &[], pass.state.data.radiance.len())
+}
