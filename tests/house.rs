@@ -130,17 +130,10 @@ fn shaders_stand_beside_their_stages() {
 
 /// Stage names that are ordinary words elsewhere: in what files, and what they mean there.
 const ORDINARY: &[(&str, &str, &str)] = &[
-    ("irradiance", "src/render/aov.rs", "a layer of an OpenEXR picture"),
+    ("irradiance", "src/session/aov.rs", "a layer of an OpenEXR picture"),
     ("environment", "src/view/reflect.rs", "a kernel of another stage"),
-    ("coarse_solve", "src/command/render.rs", "how deep a cluster lies in the tree"),
-    ("push_links", "src/geometry/refit.rs", "an ordinary word"),
-    ("mean_irradiance", "src/shading/curvature.rs", "an ordinary word"),
     ("irradiance", "src/measure/stress/solve.rs", "an ordinary word"),
-    ("push", "src/command/devices.rs", "bytes of push constants"),
-    ("push_links", "src/command/profile.rs", "how far times are apart"),
-    ("push_links", "src/command/pareto.rs", "how far times are apart"),
-    ("push_links", "src/measure/report/speed.rs", "how far times are apart"),
-    ("pixel_receivers", "src/measure/pareto/plot.rs", "a method of a test"),
+    ("push", "src/cli/devices.rs", "bytes of push constants"),
 ];
 
 #[test]

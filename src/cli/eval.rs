@@ -1,25 +1,12 @@
 //! `milkglass eval`: one number a row, to check the kernels from outside.
 
-mod layered;
-
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use csv::StringRecord;
-use glam::DVec3;
 
 use super::{DeviceArgument, MemoryArgument, check_messages, validation};
-use milkglass::dipole::form_factor::Distance;
-use milkglass::dipole::form_factor::exact::edge_form_exact;
-use milkglass::dipole::profile::Dipole;
-use milkglass::error::{Error, Input, Result};
-use milkglass::gpu::Device;
-use milkglass::layout::{BufferId, Query};
-use milkglass::lighting::fresnel;
-use milkglass::shading::cdrf_values;
-use milkglass::shading::reflectance::cdrf;
-use milkglass::state::{DeviceState, Scope, State, Step};
-use milkglass::transport::evaluate;
+use milkglass::error::{Input, Result};
+use milkglass::measure::eval::{self, answers};
 use milkglass::view::atomic_file::{ready, write_atomically};
 
 /// Arguments of `eval`.
@@ -51,8 +38,8 @@ pub struct Arguments {
 const COPIES: u64 = 128;
 
 /// What is evaluated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Kind {
+#[derive(Clone, Copy, ValueEnum)]
+enum Kind {
     /// Form factor of a triangle and a point.
     FormFactor,
     /// The diffuse reflectance profile.
@@ -63,37 +50,15 @@ pub enum Kind {
     Cdrf,
 }
 
-impl Kind {
-    /// The columns that it takes.
-    fn columns(self) -> Vec<&'static str> {
-        let medium = ["sigma_s_prime", "sigma_a", "eta"];
-        match self {
-            Self::FormFactor => [&CORNERS[..], &medium].concat(),
-            Self::Profile => [&["r"][..], &medium].concat(),
-            Self::Layered => layered::COLUMNS.to_vec(),
-            Self::Cdrf => vec!["cos_theta", "sigma"],
-        }
-    }
-}
-
 /// The diffuse Fresnel reflectance in the boundary condition.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Formula {
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum Formula {
     /// The published polynomial.
     #[default]
     Paper,
     /// The closed form.
     Exact,
 }
-
-/// A row, made dimensionless: lengths in units of `unit`.
-struct Row {
-    triangle: [DVec3; 3],
-    dipole: Dipole,
-    unit: f64,
-}
-
-const CORNERS: [&str; 12] = ["v0x", "v0y", "v0z", "v1x", "v1y", "v1z", "v2x", "v2y", "v2z", "xox", "xoy", "xoz"];
 
 /// Evaluates every row and writes the results beside the input's columns.
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -103,194 +68,19 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     ready([("-o", Some(&arguments.output))])?;
     let text = arguments.memory.files().stream(file, COPIES).map_err(|e| Input::new(e.to_string()).file(file))?;
-    let open = || arguments.device.open(validation());
-    let bytes = answers(arguments.kind, arguments.fresnel, file, &text, open)?;
+    let kind = match arguments.kind {
+        Kind::FormFactor => eval::Kind::FormFactor,
+        Kind::Profile => eval::Kind::Profile,
+        Kind::Layered => eval::Kind::Layered,
+        Kind::Cdrf => eval::Kind::Cdrf,
+    };
+    let formula = match arguments.fresnel {
+        Formula::Paper => eval::Formula::Paper,
+        Formula::Exact => eval::Formula::Exact,
+    };
+    let mut opened = None;
+    let open = || arguments.device.open(validation()).inspect(|device| opened.clone_from(device));
+    let bytes = answers(kind, formula, file, &text, open)?;
+    check_messages(opened.as_ref())?;
     write_atomically(&arguments.output, |beside| std::fs::write(beside, bytes).map_err(|e| e.to_string()))
-}
-
-/// The rows of a table, called `file` in messages, with the values beside them, as CSV; `open` gives the device to evaluate
-/// them on, none is the CPU. A fault names the line and the column.
-pub fn answers(
-    kind: Kind,
-    formula: Formula,
-    file: &Path,
-    text: &[u8],
-    open: impl FnOnce() -> Result<Option<Device>>,
-) -> Result<Vec<u8>> {
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text);
-    let header = reader.headers().map_err(|e| bad_row(file, &e))?.clone();
-    if let Some(key) = kind.columns().into_iter().find(|key| !header.iter().any(|name| name == *key)) {
-        let fault = Input::new("this column is missing").file(file).line(1).key(key);
-        return Err(fault.expected("a column of this name").into());
-    }
-    let records = reader.into_records().collect::<std::result::Result<Vec<_>, _>>().map_err(|e| bad_row(file, &e))?;
-    let cells = records.iter().map(|record| Cells { file, header: &header, record });
-    let values = if kind == Kind::Layered {
-        let rows = cells.map(|cells| layered::row(&cells)).collect::<std::result::Result<Vec<_>, Input>>()?;
-        layered::evaluate(&rows, open()?.as_ref())?
-    } else {
-        let rows = cells.map(|cells| row(kind, formula, &cells)).collect::<std::result::Result<Vec<_>, Input>>()?;
-        evaluate(kind, open()?, &rows)?
-    };
-
-    // The input's columns, then the values.
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let names: &[&str] = if kind == Kind::FormFactor { &["value", "value_radial"] } else { &["value"] };
-    let write = |e: csv::Error| Error::from(Input::new(e.to_string()).file(file));
-    writer.write_record(header.iter().chain(names.iter().copied())).map_err(write)?;
-    for (record, value) in records.iter().zip(values) {
-        if let Some(value) = value[..names.len()].iter().find(|x| !x.is_finite()) {
-            let cells = Cells { file, header: &header, record };
-            let fault = cells.fault("value", "these numbers are beyond what can be evaluated").found(value);
-            return Err(fault.expected("a row whose value is a finite number").into());
-        }
-        let cells: Vec<String> = value.iter().take(names.len()).map(|x| format!("{x:e}")).collect();
-        writer.write_record(record.iter().chain(cells.iter().map(String::as_str))).map_err(write)?;
-    }
-    writer.into_inner().map_err(|e| Input::new(e.to_string()).file(file).into())
-}
-
-fn bad_row(file: &Path, error: &csv::Error) -> Input {
-    let input = Input::new(error.to_string()).file(file);
-    match error.position() {
-        Some(position) => input.line(position.line() as usize),
-        None => input,
-    }
-}
-
-/// The cells of a row, by the names of their columns.
-struct Cells<'a> {
-    file: &'a Path,
-    header: &'a StringRecord,
-    record: &'a StringRecord,
-}
-
-impl Cells<'_> {
-    fn fault(&self, key: &str, what: &str) -> Input {
-        let line = self.record.position().map_or(0, |position| position.line() as usize);
-        Input::new(what).file(self.file).line(line).key(key)
-    }
-
-    fn text(&self, key: &str) -> &str {
-        let column = self.header.iter().position(|name| name == key);
-        column.and_then(|column| self.record.get(column)).unwrap_or("")
-    }
-
-    fn number(&self, key: &str) -> std::result::Result<f64, Input> {
-        let cell = self.text(key);
-        let value = cell.parse::<f64>().ok().filter(|x| x.is_finite());
-        value.ok_or_else(|| self.fault(key, "not a finite number").found(format!("{cell:?}")).expected("a number"))
-    }
-
-    fn at_least(&self, key: &str, least: f64) -> std::result::Result<f64, Input> {
-        let value = self.number(key)?;
-        if value >= least {
-            return Ok(value);
-        }
-        Err(self.fault(key, "out of range").found(value).expected(format!("at least {least}")))
-    }
-}
-
-/// Reads one record.
-fn row(kind: Kind, formula: Formula, cells: &Cells<'_>) -> std::result::Result<Row, Input> {
-    let fault = |key: &str, what: &str| cells.fault(key, what);
-    let at_least = |key: &str, least: f64| cells.at_least(key, least);
-
-    if kind == Kind::Cdrf {
-        let cosine = cells.number("cos_theta")?;
-        if cosine.abs() > 1.0 {
-            return Err(fault("cos_theta", "out of range").found(cosine).expected("-1 to 1"));
-        }
-        // No medium: cosine and sigma in the place of a corner.
-        let triangle = [DVec3::new(cosine, at_least("sigma", 0.0)?, 0.0), DVec3::ZERO, DVec3::ZERO];
-        return Ok(Row { triangle, dipole: Dipole::new(1.0, 0.0, 1.0), unit: 1.0 });
-    }
-
-    // The medium; the row's unit of length is its mean free path.
-    let (scattering, absorption) = (at_least("sigma_s_prime", 0.0)?, at_least("sigma_a", 0.0)?);
-    let eta = at_least("eta", 0.5)?;
-    let unit = 1.0 / (scattering + absorption);
-    if !(unit.is_finite() && unit > 0.0) {
-        let what =
-            if unit > 0.0 { "the medium neither scatters nor absorbs" } else { "coefficients beyond all numbers" };
-        let found = format!("{scattering:e} and {absorption:e}");
-        return Err(fault("sigma_s_prime", what).found(found).expected("a mean free path above 0 that is a number"));
-    }
-    let inner = match formula {
-        Formula::Paper => fresnel::diffuse_internal_polynomial(eta),
-        Formula::Exact => fresnel::diffuse_internal_exact(eta),
-    };
-    if inner >= 1.0 {
-        let what = "the polynomial F_dr reaches 1 here and means nothing";
-        return Err(fault("eta", what).found(eta).expected("an eta below 3.8, or --fresnel exact"));
-    }
-    let dipole = Dipole::new(scattering * unit, absorption * unit, fresnel::boundary(inner));
-    let mut triangle = [DVec3::ZERO; 3];
-    if kind == Kind::Profile {
-        triangle[0].x = at_least("r", 0.0)? / unit;
-    } else {
-        let mut v = [0.0; 12];
-        for (value, key) in v.iter_mut().zip(CORNERS) {
-            *value = cells.number(key)?;
-        }
-        let point = |k: usize| DVec3::new(v[k], v[k + 1], v[k + 2]);
-        triangle = [0, 3, 6].map(|k| (point(k) - point(9)) / unit);
-        let area = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).length_squared();
-        if area == 0.0 {
-            return Err(fault("v0x", "the triangle has no area, or one too small to tell"));
-        }
-        if !area.is_finite() {
-            let expected = "at most 1e70 mean free paths";
-            return Err(fault("v0x", "the triangle is too large or too far away").expected(expected));
-        }
-    }
-    Ok(Row { triangle, dipole, unit })
-}
-
-/// The values: on a device by its kernels in `f32`, on the CPU in `f64`.
-fn evaluate(kind: Kind, device: Option<Device>, rows: &[Row]) -> Result<Vec<[f64; 2]>> {
-    let (profile, local) = (kind == Kind::Profile, kind == Kind::Cdrf);
-    let Some(device) = device else {
-        let value = |row: &Row| {
-            if local {
-                return [cdrf(row.triangle[0].x, row.triangle[0].y), 0.0];
-            }
-            if profile {
-                return [row.dipole.radial(row.triangle[0].length_squared()) / (row.unit * row.unit), 0.0];
-            }
-            let form = |distance| edge_form_exact(&row.triangle, [0, 1, 2], DVec3::ZERO, &row.dipole, distance);
-            [form(Distance::Table1 { clamp: false }), form(Distance::Radial)]
-        };
-        return Ok(rows.iter().map(value).collect());
-    };
-    let mut state = State::default();
-    let narrow = |v: DVec3| v.to_array().map(|x| x as f32);
-    state.data.queries = rows
-        .iter()
-        .map(|row| Query {
-            a: narrow(row.triangle[0]),
-            b: narrow(row.triangle[1]),
-            c: narrow(row.triangle[2]),
-            strength: row.dipole.strength as f32,
-            sigma: row.dipole.sigma as f32,
-            z_real: row.dipole.z_real as f32,
-            z_virtual: row.dipole.z_virtual as f32,
-        })
-        .collect();
-    state.data.answers = vec![[0.0; 3]; rows.len()];
-    let mut device_state = DeviceState::new(&device, false)?;
-    let stage = if local { &cdrf_values::STAGE } else { &evaluate::STAGE };
-    let steps = [Step { stage, at: Scope::default() }];
-    device_state.upload(&state, &[BufferId::queries])?;
-    device_state.run(&state, &steps)?;
-    device_state.download(&mut state, &[BufferId::answers])?;
-    check_messages(Some(&device))?;
-    let value = |(row, answer): (&Row, &[f32; 3])| {
-        let [radial, displaced, reflectance] = answer.map(f64::from);
-        if local {
-            return [radial, 0.0];
-        }
-        if profile { [reflectance / (row.unit * row.unit), 0.0] } else { [displaced, radial] }
-    };
-    Ok(rows.iter().zip(&state.data.answers).map(value).collect())
 }

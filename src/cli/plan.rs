@@ -11,9 +11,9 @@ use super::{RunArguments, SceneArguments, open_session, print, size, table, vali
 use milkglass::error::{Input, Result};
 use milkglass::gpu::constants;
 use milkglass::pipeline::about_mode;
+use milkglass::pipeline::buffer_sizes::grows;
 use milkglass::pipeline::frame::precedes_transport;
 use milkglass::pipeline::plan::{Change, Options};
-use milkglass::session::buffer_sizes::grows;
 use milkglass::session::requirements::{KernelRequirements, StageRequirements};
 use milkglass::session::run::Session;
 use milkglass::state::Extent;

@@ -6,6 +6,7 @@ pub mod balls;
 pub mod compare;
 pub mod conform;
 pub mod estimate;
+pub mod eval;
 pub mod fixtures;
 pub mod flat;
 pub mod layers;

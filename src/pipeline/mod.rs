@@ -1,5 +1,6 @@
 //! The frame as data: options, the plan, the table of stages, and why a stage is skipped.
 
+pub mod buffer_sizes;
 pub mod frame;
 pub mod plan;
 pub(crate) mod skip_reasons;

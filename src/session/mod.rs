@@ -5,7 +5,7 @@ pub mod antialiasing;
 pub mod aov;
 pub mod bake;
 pub(crate) mod buffer_limits;
-pub mod buffer_sizes;
+mod buffer_sizes;
 pub mod capacity;
 pub(crate) mod changes;
 pub mod cluster_view;

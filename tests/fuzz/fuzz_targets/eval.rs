@@ -1,7 +1,7 @@
 //! A table for `milkglass eval`; the first byte says which.
 #![no_main]
 
-use milkglass::cli::eval::{Formula, Kind, answers};
+use milkglass::measure::eval::{Formula, Kind, answers};
 use std::path::Path;
 
 #[global_allocator]

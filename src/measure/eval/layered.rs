@@ -4,13 +4,13 @@ use std::result::Result as Check;
 
 use glam::DVec3;
 
-use super::{Cells, check_messages};
-use milkglass::error::{Input, Result};
-use milkglass::gpu::Device;
-use milkglass::layers::relief;
-use milkglass::layers::slab::{Lamp, SlabLayer, radiance};
-use milkglass::layout::{BufferId, Camera, Hit, Layer, Layering, Light, ObjectParams};
-use milkglass::state::{DeviceState, Scope, State, Step, narrow};
+use super::Cells;
+use crate::error::{Input, Result};
+use crate::gpu::Device;
+use crate::layers::relief;
+use crate::layers::slab::{Lamp, SlabLayer, radiance};
+use crate::layout::{BufferId, Camera, Hit, Layer, Layering, Light, ObjectParams};
+use crate::state::{DeviceState, Scope, State, Step, narrow};
 
 /// The columns that every row needs; those of layers are asked for as far as a row uses them.
 pub(super) const COLUMNS: [&str; 9] = ["light", "layers", "lx", "ly", "lz", "intensity", "wox", "woy", "woz"];
@@ -112,12 +112,11 @@ pub(super) fn evaluate(rows: &[Row], device: Option<&Device>) -> Result<Vec<[f64
     let mut values = Vec::with_capacity(rows.len());
     for row in rows {
         let mut state = state(row);
-        device_state.upload(&state, milkglass::layout::BUFFER_IDS)?;
+        device_state.upload(&state, crate::layout::BUFFER_IDS)?;
         device_state.run(&state, &steps)?;
         device_state.download(&mut state, &[BufferId::radiance])?;
         values.push([f64::from(state.data.radiance[0][0]), 0.0]);
     }
-    check_messages(Some(device))?;
     Ok(values)
 }
 

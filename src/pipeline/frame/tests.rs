@@ -1,0 +1,55 @@
+//! The frame keeps its promises: shared lists, sizes, names.
+
+use crate::gpu::{accesses, sources};
+use crate::layout::{BUFFER_IDS, BufferId, Partition};
+use crate::pipeline::buffer_sizes::grows;
+use crate::pipeline::frame::*;
+
+/// Buffers that a stage's kernels bind.
+fn bound(stage: &Stage) -> Vec<BufferId> {
+    let own = sources().filter(|name| stage.owns(name) && !name.ends_with(".glsl"));
+    own.flat_map(|name| accesses(name).unwrap()).map(|access| BUFFER_IDS[access.binding as usize]).collect()
+}
+
+/// Lists that all turns of a loop share where none are kept, but that are bound in several of these loops.
+fn strays(loops: &[&[&'static Stage]]) -> Vec<BufferId> {
+    let binds =
+        |slot: BufferId| loops.iter().filter(move |stages| stages.iter().any(|stage| bound(stage).contains(&slot)));
+    let shared = |slot: &BufferId| matches!(slot.spec().partition, Partition::Chunk | Partition::Batch) || grows(*slot);
+    BUFFER_IDS.iter().copied().filter(|slot| shared(slot) && binds(*slot).count() > 1).collect()
+}
+
+#[test]
+fn what_turns_of_a_loop_share_stays_in_that_loop() {
+    let loops: Vec<Vec<&'static Stage>> = parts().map(|part| part.stages().collect()).collect();
+    assert_eq!(strays(&loops.iter().map(Vec::as_slice).collect::<Vec<_>>()), []);
+
+    // A stage of another loop between two that share lists.
+    let found = strays(&[&[&link::STAGE], &[&push::STAGE], &[&gather::STAGE]]);
+    assert!(found.contains(&BufferId::entries) && found.contains(&BufferId::runs), "{found:?}");
+}
+
+#[test]
+fn every_buffer_has_its_size_from_one_place() {
+    for &slot in BUFFER_IDS {
+        let said = STAGES.iter().filter(|stage| stage.sizes.iter().any(|(sized, _)| *sized == slot));
+        let said: Vec<&str> = said.map(|stage| stage.name).collect();
+        let writers: Vec<&str> = STAGES.iter().filter(|stage| stage.writes(slot)).map(|stage| stage.name).collect();
+        let queried = QUERIES.iter().any(|stage| stage.writes(slot));
+        assert!(said.len() <= 1, "{slot:?} has its size from {said:?}");
+        assert!(said.iter().all(|stage| writers.contains(stage)), "{slot:?} is not written by {said:?}");
+        let unsized_cut = matches!(slot.spec().partition, Partition::Whole | Partition::Chunk | Partition::Batch);
+        let needed = unsized_cut && !writers.is_empty() && !queried;
+        assert!(!needed || said.len() == 1, "none of {writers:?} says how large {slot:?} is");
+    }
+}
+
+#[test]
+fn every_stage_has_its_place_once_and_its_name_alone() {
+    for stage in STAGES {
+        assert_eq!(STAGES.iter().filter(|other| other.is(stage)).count(), 1, "{}", stage.name);
+        let query = QUERIES.iter().any(|query| query.is(stage));
+        assert_eq!(stage.carriers.is_empty(), query, "{}: who carries the light?", stage.name);
+        assert!(!stage.about.is_empty() && !stage.reason.is_empty() && !stage.serves.none.is_empty());
+    }
+}
