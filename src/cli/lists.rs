@@ -1,10 +1,12 @@
-//! `milkglass scenes` and `milkglass materials`: what is built in.
+//! `milkglass scenes`, `materials` and `stages`: what is built in.
 
 use clap::Args;
 
 use super::{print, table};
 use milkglass::error::{Input, Result};
+use milkglass::pipeline::frame::{FRAME, Part, QUERIES};
 use milkglass::scene::{BUILTIN, PRESETS};
+use milkglass::state::{Change, Stage, Update};
 
 /// Arguments of `scenes`.
 #[derive(Args)]
@@ -31,6 +33,36 @@ pub fn scenes(arguments: &Scenes) -> Result<()> {
             Err(Input::new("no built-in scene has this name").found(name).expected(known.join(", ")).into())
         }
     }
+}
+
+/// Lists the stages in the order of a frame, under its headings.
+pub fn stages() -> Result<()> {
+    let mut text = String::new();
+    let header = ["stage", "module", "runs again for another", "does", "from"];
+    for section in FRAME {
+        text += &format!("{}\n", section.title);
+        let rows: Vec<_> = section.parts.iter().flat_map(rows).collect();
+        text += &format!("{}\n", table(&header, &[], &rows));
+    }
+    text += "No part of a frame: what `milkglass eval` answers\n";
+    text += &table(&header, &[], &QUERIES.iter().map(|stage| row(stage)).collect::<Vec<_>>());
+    print(&text)
+}
+
+fn rows(part: &Part) -> Vec<Vec<String>> {
+    match part {
+        Part::Loop(_, stages) => stages.iter().map(|stage| row(stage)).collect(),
+        Part::Host(host) => {
+            vec![[host.name, "on the host", "shape, light", host.about, host.equation].map(String::from).to_vec()]
+        }
+    }
+}
+
+fn row(stage: &Stage) -> Vec<String> {
+    let changes = [("shape", Change::EVERYTHING), ("light", Change::LIGHT), ("view", Change::VIEW)];
+    let again = |change: &&(&str, Change)| (stage.runs)(&Update { change: change.1, ..Update::default() });
+    let again: Vec<&str> = changes.iter().filter(again).map(|(name, _)| *name).collect();
+    [stage.name, stage.module, &again.join(", "), stage.about, stage.equation].map(String::from).to_vec()
 }
 
 /// Lists the presets of Jensen et al. 2001.

@@ -85,6 +85,9 @@ enum Command {
     /// List the built-in materials.
     #[command(after_help = "Example: milkglass materials")]
     Materials,
+    /// List the stages in the order of a frame: what each does, where it is from, what makes it run again.
+    #[command(after_help = "Example: milkglass stages")]
+    Stages,
 }
 
 /// The scene, and changes to it.
@@ -223,5 +226,6 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
         Command::Devices => devices::run(),
         Command::Scenes(arguments) => lists::scenes(&arguments),
         Command::Materials => lists::materials(),
+        Command::Stages => lists::stages(),
     }
 }

@@ -24,6 +24,16 @@ fn exr(path: &Path) -> (usize, usize, Vec<[f32; 3]>) {
 }
 
 #[test]
+fn every_stage_is_listed() {
+    let here = folder(&[]);
+    let text = good(&here, "stages").0;
+    for stage in milkglass::pipeline::frame::STAGES {
+        let row = text.lines().find(|line| line.split_whitespace().next() == Some(stage.name));
+        assert!(row.is_some_and(|row| row.contains(stage.about)), "{}", stage.name);
+    }
+}
+
+#[test]
 fn every_help_has_an_example() {
     let here = folder(&[]);
     for command in [
@@ -39,6 +49,7 @@ fn every_help_has_an_example() {
         "devices",
         "scenes",
         "materials",
+        "stages",
     ] {
         let (out, err) = good(&here, &format!("{command} --help"));
         assert!(out.contains(&format!("Example: milkglass {command}")), "{command}: {out}");
@@ -50,7 +61,9 @@ fn every_help_has_an_example() {
 #[test]
 fn lists_name_what_is_built_in() {
     let here = folder(&[]);
-    for (list, name) in [("devices", "CPU reference"), ("materials", "Ketchup"), ("scenes", "lotus")] {
+    for (list, name) in
+        [("devices", "CPU reference"), ("materials", "Ketchup"), ("scenes", "lotus"), ("stages", "gather")]
+    {
         assert!(good(&here, list).0.contains(name), "{list}");
     }
 }
