@@ -164,6 +164,7 @@ fn of_fixtures() -> BTreeMap<String, String> {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn every_run_has_the_same_bits() {
     let mut found = of_fixtures();
     found.extend(all(None));

@@ -24,7 +24,7 @@ impl Plan {
         for &stage in STAGES {
             match reason(stage, state, options) {
                 None => plan.stages.push(stage),
-                Some(why) => plan.left_out.push((stage.name, why.into())),
+                Some(why) => plan.left_out.push((stage.name, why)),
             }
         }
         if let Some(why) = unestimated(state, options) {

@@ -5,20 +5,24 @@ use crate::state::options::{Goal, Mode, Options, ShadingMethod};
 use crate::state::{Carrier, Need, Scheme, Stage, State};
 
 /// Why this stage has no place in the frame, if it has none.
-pub(crate) fn reason(stage: &Stage, state: &State, options: Options) -> Option<&'static str> {
+pub(super) fn reason(stage: &Stage, state: &State, options: Options) -> Option<String> {
+    if QUERIES.iter().any(|query| query.is(stage)) {
+        return Some("answers `milkglass eval` only".into());
+    }
     let carrier = Carrier::new(options.transport, state.method.scheme);
     let lacks = |need: &Need| match need {
         Need::Picture => (options.goal == Goal::Radiosity).then_some("no picture is asked for"),
         Need::Light => (!state.lit()).then_some("no light shines: every radiosity is zero"),
     };
+    if let Some(why) = stage.needs.iter().find_map(lacks) {
+        return Some(why.into());
+    }
+    if !stage.carriers.contains(&carrier) {
+        let own: Vec<&str> = stage.carriers.iter().map(|carrier| carrier.name()).collect();
+        return Some(format!("{}; part of {}", carrier.instead(), own.join(" and ")));
+    }
     let nobody = || !state.objects.iter().any(|object| (stage.serves.object)(object, &state.method));
-    let query = QUERIES.iter().any(|query| query.is(stage));
-    let stranger = || (!stage.carriers.contains(&carrier)).then_some(carrier.instead());
-    (query.then_some("answers `milkglass eval` only"))
-        .or_else(|| stage.needs.iter().find_map(lacks))
-        .or_else(stranger)
-        .or_else(|| (stage.skip)(state))
-        .or_else(|| nobody().then_some(stage.serves.none))
+    (stage.skip)(state).or_else(|| nobody().then_some(stage.serves.none)).map(String::from)
 }
 
 /// Why no error estimate is carried along, if none is.

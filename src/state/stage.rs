@@ -210,6 +210,21 @@ impl Carrier {
         }
     }
 
+    /// How the user asks for it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Blocks => "scheme blocks",
+            Self::Links => "scheme links",
+            Self::Octree => "--transport octree",
+            Self::Brute => "--transport brute",
+            Self::Nothing => "--transport none",
+            Self::Cdrf => "--transport cdrf",
+            Self::Lambert => "--transport lambert",
+            Self::TextureBlur => "--transport texture-blur",
+        }
+    }
+
     /// Why the stages of other carriers have no place in the frame.
     #[must_use]
     pub fn instead(self) -> &'static str {

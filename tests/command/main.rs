@@ -11,6 +11,7 @@ mod failures;
 mod fit;
 mod lights;
 mod line;
+mod lists;
 mod pareto;
 mod profile;
 mod report;

@@ -53,6 +53,7 @@ fn table_csv_and_svg_appear() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn all_methods_are_measured_side_by_side() {
     for device in ["", "--device cpu"] {
         let here = folder(&[]);

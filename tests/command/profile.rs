@@ -53,6 +53,7 @@ fn a_profile_on_the_cpu_has_times_only() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_shader_is_printed_and_taken_back() {
     let here = folder(&[("a.toml", BALL)]);
     let (names, _) = good(&here, "shader");

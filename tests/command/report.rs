@@ -30,6 +30,7 @@ fn values<'a>(page: &'a str, attribute: &str) -> Vec<&'a str> {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_page_that_needs_nothing_else() {
     let here = folder(&[]);
     let (out, err) = good(&here, "report -o r --quick --only devices,plan,layers");

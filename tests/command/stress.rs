@@ -62,6 +62,7 @@ fn the_table_passes_on_the_default_device() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn the_table_passes_on_the_cpu() {
     assert!(table("--device cpu").len() > 30);
 }

@@ -105,6 +105,7 @@ fn each_once(calls: &[Call]) -> Vec<usize> {
 
 /// Proves that whatever fails, the error names call and remedy, and that nothing is left of what was begun.
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn every_call_may_fail() {
     devices::on_devices(|device| {
         let (mut known, mut tried) = (BTreeSet::new(), BTreeSet::new());
@@ -152,6 +153,7 @@ fn every_call_may_fail() {
 
 /// Proves that a session goes on after a frame, or a change before it, that failed: its next frame is right to the last bit.
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_session_survives() {
     devices::on_devices(|device| {
         for radiosity in [false, true] {
@@ -186,6 +188,7 @@ fn a_session_survives() {
 
 /// Proves that frames before one that fails are whole, that nothing half-written stays, and that a second call goes on.
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_sequence_is_whole_as_far_as_it_goes() {
     let here = tempfile::tempdir().unwrap();
     devices::on_devices(|device| {

@@ -262,6 +262,7 @@ fn features() -> Vec<Feature> {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn what_is_turned_off_is_not_there() {
     let list = features();
     // Every stage of a frame is some feature's, but the one that nothing does without.

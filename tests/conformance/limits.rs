@@ -110,6 +110,7 @@ fn what_is_kept_fits_the_memory_of_the_scene() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn links_too_many_to_keep_are_made_for_each_frame() {
     with(|device, instance| {
         for scheme in ["blocks", "links"] {

@@ -87,6 +87,7 @@ fn render(name: &str, width: usize, height: usize, device: Option<&Device>) -> V
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn the_built_in_scenes_look_as_they_did() {
     let names: Vec<&str> = BUILTIN.iter().map(|(name, ..)| *name).chain(MORE.map(|(name, ..)| name)).collect();
     let on_cpu = |name: &str| {

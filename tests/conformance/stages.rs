@@ -86,6 +86,7 @@ fn the_overflowing_fixtures_overflow() {
 
 /// Proves that every kernel does something, in some fixture, that memory shows.
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_kernel_that_does_nothing_is_reported() {
     let list = all();
     // Of each kernel the fixtures that run it, small ones first.
@@ -121,6 +122,7 @@ fn a_kernel_that_does_nothing_is_reported() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_planted_error_is_reported_by_name() {
     let list = all();
     on_devices(|device| {
@@ -189,6 +191,7 @@ fn bits(session: &mut Session, slot: BufferId) -> Vec<u8> {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn overflow_and_chunks_change_no_bit() {
     for scheme in ["blocks", "links"] {
         overflow_changes_no_bit(&scene(&[

@@ -95,6 +95,7 @@ const NOISE: &[&str] = &["object.0.detail=1", "transport.budget=4000000000"];
 const BUMP: &[&str] = &["object.0.detail=3", "transport.budget=4000000000"];
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn links_after_a_hundred_frames_are_those_of_a_frame_from_scratch() {
     for (name, sets) in [("twist", TWIST), ("noise", NOISE), ("bump", BUMP)] {
         hundred(name, sets, None, CapacityHints::default(), 33);
@@ -102,11 +103,13 @@ fn links_after_a_hundred_frames_are_those_of_a_frame_from_scratch() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn so_they_are_on_devices() {
     devices::on_devices(|device| hundred("noise", NOISE, Some(device), CapacityHints::default(), 33));
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn so_they_are_where_many_chunks_have_rooms_that_grow() {
     let tight = CapacityHints { chunk_faces: 200, links: 40, ..CapacityHints::default() };
     devices::on_devices(|device| hundred("bump", &["object.0.detail=4"], Some(device), tight, 33));

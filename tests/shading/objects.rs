@@ -143,8 +143,8 @@ fn without_opaque_objects_nothing_is_there_for_them() {
         let session = run(&scene(sets), ShadingMethod::Hierarchy, Mode::OnTheFly);
         session.plan().left_out.iter().map(|(name, why)| format!("{name}: {why}")).collect::<Vec<_>>().join("\n")
     };
-    assert!(left(&[SECOND]).contains("opaque: no object is opaque"));
-    assert!(!left(&[SECOND, GROUND]).contains("opaque: "));
+    assert!(left(&[SECOND]).contains("opaque_faces: no opaque object is lit by triangle"));
+    assert!(!left(&[SECOND, GROUND]).contains("opaque_faces: "));
     let all = left(&["object.0.material={ opaque = true }"]);
     assert!(all.contains("gather: every object is opaque") && all.contains("pull: every object is opaque"), "{all}");
 }
