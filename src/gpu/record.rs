@@ -14,9 +14,7 @@ use super::kernel::Kernel;
 use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
 use crate::error::{Error, Result};
-
-/// Most groups along the first dimension of a dispatch.
-const ROW: u64 = 32768;
+use crate::layout::GROUPS_A_ROW;
 
 /// How long one labelled part of a frame took.
 #[derive(Clone, Debug)]
@@ -170,7 +168,7 @@ impl Recorder {
             Work::Groups { .. } => 0,
         };
         let most = self.device.limits().groups.map(u64::from);
-        let row = ROW.min(most[0]).max(1);
+        let row = u64::from(GROUPS_A_ROW).min(most[0]).max(1);
         let (across, down) = (groups.min(row), groups.div_ceil(row));
         if down > most[1] {
             let what = format!("it takes {groups} groups, the device dispatches at most {} x {}", most[0], most[1]);

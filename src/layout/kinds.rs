@@ -118,13 +118,13 @@ constants! {
     PAIR_BOTH: u32 = 3;
 
     /// How a link's form factor is evaluated: by one sample.
-    RUNG_SAMPLE: u32 = 0;
+    RULE_SAMPLE: u32 = 0;
     /// By area points.
-    RUNG_AREA: u32 = 1;
+    RULE_AREA: u32 = 1;
     /// By the edge form.
-    RUNG_EDGE: u32 = 2;
+    RULE_EDGE: u32 = 2;
 
-    /// In `due_groups`, after one element a rung: receivers whose links are merged.
+    /// In `due_groups`, after one element a rule: receivers whose links are merged.
     DUE_MERGED: usize = 3;
     /// Receivers whose links are summed again.
     DUE_SUMMED: usize = 4;

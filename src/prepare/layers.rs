@@ -8,8 +8,8 @@ use super::units::Units;
 use crate::layers::beneath::parameter;
 use crate::layers::islands::{Atlas, Whole, atlas};
 use crate::layers::relief::GRAZING;
-use crate::layout::{Layer, Layering, Light};
-use crate::scene::{Integration, Layers, Object, Phase, Sky, Source, Wrap};
+use crate::layout::{LIGHT_SKY_RAY, Layer, Layering, Light};
+use crate::scene::{Integration, Layers, Object, Phase, Sky, Source};
 use crate::state::options::{Goal, Options};
 use crate::state::{State, narrow};
 
@@ -56,11 +56,7 @@ pub(crate) fn layers(state: &mut State, objects: &[Object], faces: &[Vec<u32>], 
             first_island: islands.as_ref().map_or(u32::MAX, |_| data.islands.len() as u32),
             first_texel: data.depths.len() as u32,
             size: islands.as_ref().map_or(layers.map.size, |islands| islands.size),
-            wrap: match layers.map.wrap {
-                Wrap::Repeat => 0,
-                Wrap::Clamp => 1,
-                Wrap::Mirror => 2,
-            },
+            wrap: layers.map.wrap.code(),
             samples: steps(layers),
             deepest: (layers.map.deepest * units.length) as f32,
             reach: reach as f32,
@@ -120,7 +116,7 @@ pub(crate) fn beams(state: &mut State, lights: &[crate::scene::Light], unit: f64
     if state.data.layerings.is_empty() {
         return;
     }
-    let shines = |light: &Light| light.kind != 5 && light.color != [0.0; 3];
+    let shines = |light: &Light| light.kind != LIGHT_SKY_RAY && light.color != [0.0; 3];
     state.data.layer_lights = state.data.lights.iter().filter(|light| shines(light)).copied().collect();
     for light in lights {
         if let Source::Environment { sky, .. } = &light.source {

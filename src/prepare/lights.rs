@@ -6,7 +6,10 @@ use rayon::prelude::*;
 use super::blocks::group;
 use super::layers::beams;
 use super::units::Units;
-use crate::layout::{Light as Record, SkyColumn, SkyRow};
+use crate::layout::{
+    LIGHT_AREA, LIGHT_AREA_BOTH, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SKY_RAY, LIGHT_SPOT, Light as Record,
+    REFLECTION_NONE, SkyColumn, SkyRow,
+};
 use crate::scene::{Light, Object, Sky, Source};
 use crate::state::{Local, State, narrow};
 use crate::view::reflect::lobe;
@@ -104,29 +107,30 @@ fn records(light: &Light, units: Units) -> Vec<Record> {
     match &light.source {
         Source::Directional { direction, irradiance } => {
             let color = scaled(*irradiance, 1.0);
-            vec![Record { kind: 0, place: narrow(*direction), color, shadow, ..Record::default() }]
+            vec![Record { kind: LIGHT_DIRECTIONAL, place: narrow(*direction), color, shadow, ..Record::default() }]
         }
         Source::Point { position, intensity } => {
             let (place, color) = (narrow(units.inside(*position)), scaled(*intensity, square));
-            vec![Record { kind: 1, place, color, shadow, ..Record::default() }]
+            vec![Record { kind: LIGHT_POINT, place, color, shadow, ..Record::default() }]
         }
         Source::Spot { position, direction, intensity, inner, outer } => {
             // 1 - cos without cancellation.
             let narrowness = |degrees: f64| (2.0 * (0.5 * degrees.to_radians()).sin().powi(2)) as f32;
             let (place, color) = (narrow(units.inside(*position)), scaled(*intensity, square));
             let (axis, inner, outer) = (narrow(*direction), narrowness(*inner), narrowness(*outer));
-            vec![Record { kind: 2, place, color, axis, inner, outer, shadow }]
+            vec![Record { kind: LIGHT_SPOT, place, color, axis, inner, outer, shadow }]
         }
         Source::Area { edge_u, edge_v, radiance, two_sided, .. } => {
             let normal = edge_u.cross(*edge_v);
             let color = scaled(*radiance, square * normal.length() / light.samples() as f64);
-            let (axis, kind) = (narrow(normal.normalize()), 3 + u32::from(*two_sided));
+            let kind = if *two_sided { LIGHT_AREA_BOTH } else { LIGHT_AREA };
+            let axis = narrow(normal.normalize());
             let record = Record { kind, color, axis, shadow, ..Record::default() };
             light.places().iter().map(|&place| Record { place: narrow(units.inside(place)), ..record }).collect()
         }
         Source::Environment { occlusion, .. } => {
             let ray = |k| Record {
-                kind: 5,
+                kind: LIGHT_SKY_RAY,
                 place: narrow(fibonacci_direction(k, *occlusion)),
                 shadow: 0,
                 ..Record::default()
@@ -151,7 +155,7 @@ fn tables(state: &mut State, sky: &Sky, unit: f64) {
         params.sky = sky.size;
         params.sky_turn = (0.5 + sky.rotation / 360.0).rem_euclid(1.0) as f32;
     }
-    if data.object_params.iter().any(|params| params.reflection != 0) {
+    if data.object_params.iter().any(|params| params.reflection != REFLECTION_NONE) {
         data.reflection_directions = data.object_params.iter().flat_map(lobe).collect();
     }
     let factor = sky.factor.map(|x| x / unit);

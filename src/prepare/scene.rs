@@ -13,7 +13,10 @@ use crate::dipole::form_factor::ladder::Ladder;
 use crate::dipole::profile::Dipole;
 use crate::hierarchy::face_cluster::{self, Method};
 use crate::hierarchy::{Tree, median, split};
-use crate::layout::{Camera as CameraRecord, ObjectParams, Topology};
+use crate::layout::{
+    Camera as CameraRecord, KAPPA_MEAN, KAPPA_RMS, OPAQUE_BY_FACE, OPAQUE_BY_PIXEL, OPAQUE_NOT, ObjectParams,
+    REFLECTION_GGX, REFLECTION_NONE, REFLECTION_PHONG, Topology,
+};
 use crate::lighting::{fresnel, harmonics};
 use crate::scene::{
     self, Camera, DENSEST, Fresnel, Hierarchy, Kappa, Material, Mesh, Reflection, Scene, Side, Transport,
@@ -151,7 +154,9 @@ fn one(
     let lit_at = if material.layers.is_some() { LitAt::Faces } else { lit_at };
     let opaque = material.opaque.is_some();
     let plain = opaque && lit_at != LitAt::Faces;
-    state.data.object_params[0].opaque += u32::from(plain);
+    if plain {
+        state.data.object_params[0].opaque = OPAQUE_BY_PIXEL;
+    }
     let at_pixels = local.is_some_and(|local| local != Local::Blur);
     if let (Some(texture), true) = (&mut material.texture, plain || (at_pixels && !opaque)) {
         texture.side = Side::Exit;
@@ -225,9 +230,9 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
     let dipoles = material.opaque.is_none().then(|| dipoles(material, units.length));
     let of = |f: fn(&Dipole) -> f64| dipoles.as_ref().map_or([0.0; 3], |d| d.each_ref().map(|dipole| f(dipole) as f32));
     let reflection = match material.surface.reflection {
-        Reflection::None => (0, 0.0),
-        Reflection::Phong { shininess } => (1, shininess as f32),
-        Reflection::Ggx { roughness } => (2, roughness as f32),
+        Reflection::None => (REFLECTION_NONE, 0.0),
+        Reflection::Phong { shininess } => (REFLECTION_PHONG, shininess as f32),
+        Reflection::Ggx { roughness } => (REFLECTION_GGX, roughness as f32),
     };
     let (sigma_0, diffuse) = shading::coefficients(material, dipoles.as_ref());
     let zonal = material.eta.map(harmonics::zonal);
@@ -235,7 +240,7 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
     state.data.object_params = vec![ObjectParams {
         next_node: state.data.topology.len() as u32,
         scene_nodes: state.data.topology.len() as u32,
-        opaque: u32::from(material.opaque.is_some()),
+        opaque: if material.opaque.is_some() { OPAQUE_BY_FACE } else { OPAQUE_NOT },
         albedo: material.opaque.unwrap_or_default().map(|share| share as f32),
         vertices: state.data.positions.len() as u32,
         faces: state.data.triangles.len() as u32,
@@ -259,7 +264,7 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
         sigma_0: sigma_0
             .map(|sigma| (sigma * if material.sigma_0.is_some() { units.length } else { 1.0 }).min(1e30) as f32),
         diffuse: diffuse.map(|share| share as f32),
-        kappa: u32::from(transport.curvature == Kappa::Mean),
+        kappa: if transport.curvature == Kappa::Mean { KAPPA_MEAN } else { KAPPA_RMS },
         link_error: link_error(transport.tolerance) as f32,
         ladder: Ladder::new(transport.form_factor_tolerance).chi.map(|chi| chi as f32),
         ..ObjectParams::default()

@@ -10,6 +10,7 @@ use crate::geometry::deform::{deform, displace, way};
 use crate::hierarchy::Tree;
 use crate::hierarchy::compact::relative_radius;
 use crate::layout::Deform as Record;
+use crate::layout::{DEFORM_BEND, DEFORM_BUMP_AXIS, DEFORM_BUMP_NORMAL, DEFORM_MORPH, DEFORM_NOISE, DEFORM_TWIST};
 use crate::scene::{Deform, Hierarchy, Object};
 use crate::state::{State, narrow, wide};
 
@@ -149,7 +150,7 @@ fn record(deform: &Deform, units: Units) -> Option<Record> {
     let place = |p: DVec3| narrow(units.inside(p));
     match *deform {
         Deform::Twist { span, angle } => (angle != 0.0).then(|| Record {
-            kind: 1,
+            kind: DEFORM_TWIST,
             origin: place(span.center),
             axis: narrow(span.axis),
             low: long(span.low),
@@ -158,7 +159,7 @@ fn record(deform: &Deform, units: Units) -> Option<Record> {
             ..Record::default()
         }),
         Deform::Bend { span, toward, angle } => (angle != 0.0).then(|| Record {
-            kind: 2,
+            kind: DEFORM_BEND,
             origin: place(span.center),
             axis: narrow(span.axis),
             toward: narrow(toward),
@@ -169,7 +170,7 @@ fn record(deform: &Deform, units: Units) -> Option<Record> {
             ..Record::default()
         }),
         Deform::Bump { position, radius, height, direction } => (height != 0.0).then(|| Record {
-            kind: if direction.is_some() { 3 } else { 4 },
+            kind: if direction.is_some() { DEFORM_BUMP_AXIS } else { DEFORM_BUMP_NORMAL },
             origin: place(position),
             axis: narrow(direction.unwrap_or_default()),
             rate: (1.0 / (radius * units.length).powi(2)) as f32,
@@ -177,14 +178,14 @@ fn record(deform: &Deform, units: Units) -> Option<Record> {
             ..Record::default()
         }),
         Deform::Noise { amplitude, scale, offset } => (amplitude != 0.0).then(|| Record {
-            kind: 5,
+            kind: DEFORM_NOISE,
             origin: place(offset),
             rate: (1.0 / (scale * units.length)) as f32,
             amount: long(amplitude),
             ..Record::default()
         }),
         Deform::Morph { weight, .. } => {
-            (weight != 0.0).then(|| Record { kind: 6, amount: weight as f32, ..Record::default() })
+            (weight != 0.0).then(|| Record { kind: DEFORM_MORPH, amount: weight as f32, ..Record::default() })
         }
     }
 }
@@ -200,7 +201,7 @@ pub fn turned(state: &State) -> Vec<usize> {
         if own.is_empty() {
             return 0;
         }
-        if own.iter().any(|deform| deform.kind == 6) {
+        if own.iter().any(|deform| deform.kind == DEFORM_MORPH) {
             return folded(state, part.first.vertices, part.count.vertices, triangles);
         }
         let moved =

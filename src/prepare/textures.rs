@@ -18,16 +18,11 @@ pub(crate) fn texture(state: &mut State, material: &Material, mesh: &Mesh, faces
     let wrap = wrap.or((state.method.local == Some(Local::Blur)).then_some(Wrap::Repeat));
     let (Some(wrap), Some(uvs)) = (wrap, &mesh.uvs) else { return };
     let data = &mut state.data;
-    // A period, where there is one.
-    let (wrap, period) = match wrap {
-        Wrap::Repeat => (0, Some(1.0)),
-        Wrap::Clamp => (1, None),
-        Wrap::Mirror => (2, Some(2.0)),
-    };
+    let period = wrap.period();
     let places = faces.iter().map(|&face| uvs.get(face as usize).map_or(CornerUvs::default(), |uvs| near(uvs, period)));
     data.corner_uvs = places.collect();
     let frame = &mut data.object_params[0];
-    frame.texture_wrap = wrap;
+    frame.texture_wrap = wrap.code();
     if let Some(spread) = spread {
         (frame.sigma_0_size, frame.sigma_0_first) = (spread.size, data.texels.len() as u32);
         data.texels.extend(spread.texels.iter());

@@ -8,6 +8,7 @@ use super::mesh::map_kd;
 use super::object::Source;
 use super::range::Checked;
 use crate::error::Input;
+use crate::layout::{WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT};
 use serde::Deserialize;
 use std::path::Path;
 use std::sync::Arc;
@@ -61,6 +62,28 @@ pub enum Wrap {
     Clamp,
     /// The same, mirrored every other time.
     Mirror,
+}
+
+impl Wrap {
+    /// As shaders know it.
+    #[must_use]
+    pub fn code(self) -> u32 {
+        match self {
+            Self::Repeat => WRAP_REPEAT,
+            Self::Clamp => WRAP_CLAMP,
+            Self::Mirror => WRAP_MIRROR,
+        }
+    }
+
+    /// After what length it is the same again, in sides of the texture; none where it is not.
+    #[must_use]
+    pub fn period(self) -> Option<f64> {
+        match self {
+            Self::Repeat => Some(1.0),
+            Self::Clamp => None,
+            Self::Mirror => Some(2.0),
+        }
+    }
 }
 
 impl Texture {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::run::Session;
 use crate::error::{Input, Result};
-use crate::layout::{BufferId, Hit};
+use crate::layout::{BufferId, Hit, OPAQUE_NOT};
 use crate::scene::Kappa;
 use crate::shading::fit;
 use crate::state::{narrow, wide};
@@ -102,7 +102,7 @@ pub fn curvature_view(session: &mut Session) -> Result<(Picture, CurvatureView)>
             |values: &[[f32; 3]]| corner.iter().zip(weight).map(|(&v, w)| w * wide(values[v as usize])).sum::<DVec3>();
         let toward = (wide(camera.origin) - mix(&data.positions)).normalize_or_zero();
         let facing = 0.35 + 0.65 * mix(&data.normals).normalize_or_zero().dot(toward).abs();
-        let opaque = data.object_params[state.object_of(hit.face as usize)].opaque != 0;
+        let opaque = data.object_params[state.object_of(hit.face as usize)].opaque != OPAQUE_NOT;
         let kappa =
             || corner.iter().zip(weight).map(|(&v, w)| w * f64::from(data.curvature[v as usize].kappa)).sum::<f64>();
         let color = if opaque { DVec3::splat(0.05) } else { wide(curvature_view.color(kappa() * length)) };

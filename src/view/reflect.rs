@@ -41,7 +41,7 @@ pub static STAGE: Stage = Stage {
 };
 
 fn skip(state: &State) -> Option<&'static str> {
-    let dull = state.data.object_params.iter().all(|params| params.reflection == 0);
+    let dull = state.data.object_params.iter().all(|params| params.reflection == REFLECTION_NONE);
     dull.then_some("the material's surface reflects nothing")
 }
 

@@ -14,7 +14,7 @@ use glam::DVec2;
 
 use crate::layout::Island;
 use crate::lighting::texture::texel;
-use crate::scene::{DepthMap, Mesh, Wrap};
+use crate::scene::{DepthMap, Mesh};
 use margin::Sheet;
 use walk::Faces;
 
@@ -68,11 +68,7 @@ pub fn atlas(mesh: &Mesh, map: &DepthMap, reach: f64) -> Result<Atlas, Whole> {
     let size = DVec2::new(map.size[0].into(), map.size[1].into());
     let place = |[u, v]: [f64; 2]| DVec2::new(u, 1.0 - v) * size - 0.5;
     let mut faces = Faces { mesh, twins: mesh.twins(), places: uvs.iter().map(|uvs| uvs.map(place)).collect() };
-    let (wrap, period) = match map.wrap {
-        Wrap::Repeat => (0, Some(size)),
-        Wrap::Clamp => (1, None),
-        Wrap::Mirror => (2, Some(2.0 * size)),
-    };
+    let (wrap, period) = (map.wrap.code(), map.wrap.period().map(|sides| sides * size));
 
     // Which edges are seams, and which go on after a move by whole periods.
     let whole = |d: DVec2| period.map_or(DVec2::ZERO, |period| (d / period).round() * period);

@@ -9,7 +9,7 @@ use crate::error::{Input, Result};
 use crate::gpu::Device;
 use crate::layers::relief;
 use crate::layers::slab::{Lamp, SlabLayer, radiance};
-use crate::layout::{BufferId, Camera, Hit, Layer, Layering, Light, ObjectParams};
+use crate::layout::{BufferId, Camera, Hit, LIGHT_POINT, Layer, Layering, Light, ObjectParams};
 use crate::state::{DeviceState, Scope, State, Step, narrow};
 
 /// The columns that every row needs; those of layers are asked for as far as a row uses them.
@@ -141,7 +141,7 @@ fn state(row: &Row) -> State {
         }
         Lamp::Point(place, intensity) => {
             let color = [(intensity / (unit * unit)) as f32; 3];
-            Light { kind: 1, place: narrow(place / unit), color, shadow: u32::MAX, ..Light::default() }
+            Light { kind: LIGHT_POINT, place: narrow(place / unit), color, shadow: u32::MAX, ..Light::default() }
         }
     }];
     let least = row.layers.iter().map(|layer| layer.sigma_t).fold(f64::INFINITY, f64::min) * unit;

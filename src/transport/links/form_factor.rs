@@ -12,7 +12,7 @@ use crate::dipole::form_factor::points::{SIX, THREE, TWELVE, midpoint_moment, sa
 use crate::dipole::form_factor::uniform;
 use crate::dipole::profile::{Dipole, kernel};
 use crate::error::Result;
-use crate::layout::{BufferId, Buffers, RUNG_AREA, RUNG_SAMPLE};
+use crate::layout::{BufferId, Buffers, RULE_AREA, RULE_SAMPLE};
 use crate::state::{
     Carrier, Distance, Granularity, Near, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update,
     narrow, stage::never, wide,
@@ -79,10 +79,10 @@ impl<'a> Emitters<'a> {
         };
         let d2 = distance2(center, self.data.clusters[node as usize].center);
         match rule(d2, reach) {
-            RUNG_SAMPLE => QuadratureRule::Center,
-            RUNG_AREA if d2 >= reach[1] => QuadratureRule::Points(0),
-            RUNG_AREA if d2 >= reach[2] => QuadratureRule::Points(1),
-            RUNG_AREA => QuadratureRule::Points(2),
+            RULE_SAMPLE => QuadratureRule::Center,
+            RULE_AREA if d2 >= reach[1] => QuadratureRule::Points(0),
+            RULE_AREA if d2 >= reach[2] => QuadratureRule::Points(1),
+            RULE_AREA => QuadratureRule::Points(2),
             _ if self.near == Near::PointSampling => {
                 let area = self.data.clusters[node as usize].area;
                 QuadratureRule::Uniform(uniform::count(area, uniform::density(&self.data.object_params[0])))

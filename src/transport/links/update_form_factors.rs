@@ -7,7 +7,7 @@ use super::not_incremental;
 use super::update_links::has_edits;
 use crate::dipole::form_factor::uniform;
 use crate::error::Result;
-use crate::layout::{BufferId, GROUP_SIZE, GROUPS_A_ROW, RUNG_AREA, RUNG_EDGE, RUNG_SAMPLE, Range};
+use crate::layout::{BufferId, GROUP_SIZE, GROUPS_A_ROW, RULE_AREA, RULE_EDGE, RULE_SAMPLE, Range};
 use crate::state::{
     Carrier, Distance, Granularity, Near, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, narrow, wide,
 };
@@ -98,13 +98,13 @@ fn cpu(state: &mut State, at: Scope) {
     let emitter = |k: u32| state.data.links[base + k as usize].emitter;
     let rule = |k: u32| emitters.rule(emitter(k), center(k));
     let kind = |&k: &u32| match rule(k) {
-        QuadratureRule::Center => RUNG_SAMPLE,
-        QuadratureRule::Points(_) => RUNG_AREA,
-        QuadratureRule::Edges | QuadratureRule::Uniform(_) => RUNG_EDGE,
+        QuadratureRule::Center => RULE_SAMPLE,
+        QuadratureRule::Points(_) => RULE_AREA,
+        QuadratureRule::Edges | QuadratureRule::Uniform(_) => RULE_EDGE,
     };
     let mut ranked = due.clone();
     ranked.sort_by_key(kind);
-    let counts = [RUNG_SAMPLE, RUNG_AREA, RUNG_EDGE].map(|own| ranked.iter().filter(|k| kind(k) == own).count() as u32);
+    let counts = [RULE_SAMPLE, RULE_AREA, RULE_EDGE].map(|own| ranked.iter().filter(|k| kind(k) == own).count() as u32);
     let factors: Vec<[f32; 3]> =
         due.par_iter().map(|&k| narrow(emitters.factor(emitter(k), wide(center(k)), rule(k)))).collect();
     let data = &mut state.data;
@@ -126,13 +126,13 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     pass.dispatch_counted("pick", &[], bytemuck::bytes_of(&range), (BufferId::due_groups, SUMMED))?;
     pass.dispatch(Some("sort"), &[], &[], 1)?;
     let displaced = u32::from(pass.state.distance == Distance::Table1);
-    pass.dispatch_counted("far", &[displaced], &[], (BufferId::due_groups, RUNG_SAMPLE as usize))?;
-    pass.dispatch_counted("area", &[displaced], &[], (BufferId::due_groups, RUNG_AREA as usize))?;
+    pass.dispatch_counted("far", &[displaced], &[], (BufferId::due_groups, RULE_SAMPLE as usize))?;
+    pass.dispatch_counted("area", &[displaced], &[], (BufferId::due_groups, RULE_AREA as usize))?;
     let density = uniform::density(&pass.state.data.object_params[0]).to_le_bytes();
     match pass.state.method.near {
-        Near::Exact => pass.dispatch_counted("edge", &[displaced], &[], (BufferId::due_groups, RUNG_EDGE as usize)),
+        Near::Exact => pass.dispatch_counted("edge", &[displaced], &[], (BufferId::due_groups, RULE_EDGE as usize)),
         Near::PointSampling => {
-            pass.dispatch_counted("uniform", &[displaced], &density, (BufferId::due_groups, RUNG_EDGE as usize))
+            pass.dispatch_counted("uniform", &[displaced], &density, (BufferId::due_groups, RULE_EDGE as usize))
         }
     }
 }

@@ -12,8 +12,8 @@ READS(handed)
 uint links = 0, areas = 0, edges = 0, hands = 0;
 void on_link(uint receiver, uint emitter, uint rule) {
     links++;
-    areas += uint(rule == RUNG_AREA);
-    edges += uint(rule == RUNG_EDGE);
+    areas += uint(rule == RULE_AREA);
+    edges += uint(rule == RULE_EDGE);
 }
 void on_hand(uint emitter) { hands++; }
 

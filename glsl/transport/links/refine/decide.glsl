@@ -20,8 +20,8 @@ bool bent(Cluster emitter) {
 
 // The cheapest evaluation that serves at this distance.
 uint rule_of(float d2, vec4 radii) {
-    if (d2 >= radii.x) return RUNG_SAMPLE;
-    return d2 >= min(radii.y, min(radii.z, radii.w)) ? RUNG_AREA : RUNG_EDGE;
+    if (d2 >= radii.x) return RULE_SAMPLE;
+    return d2 >= min(radii.y, min(radii.z, radii.w)) ? RULE_AREA : RULE_EDGE;
 }
 
 // `left` and `right` are the centres of the receiver's children, if it is an inner node.

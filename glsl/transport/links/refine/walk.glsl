@@ -37,7 +37,7 @@ bool walk(uint receiver, uint hand, uint hands) {
         uint choice = decide(emitter, face != NONE, inner, center, left, right);
         if (choice == PAIR_HANDED) on_hand(node);
         float d2 = distance2(center, emitter.center);
-        uint rule = face == NONE ? RUNG_SAMPLE : rule_of(d2, reach[min(face, object_params[0].faces - 1)]);
+        uint rule = face == NONE ? RULE_SAMPLE : rule_of(d2, reach[min(face, object_params[0].faces - 1)]);
         if (choice == PAIR_LINKED) on_link(receiver, node, rule);
         node = choice == PAIR_SPLIT ? node + 1 : topology[node].skip;
     }

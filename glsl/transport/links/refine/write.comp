@@ -15,11 +15,11 @@ Span span;
 uint at_link = 0, at_area = 0, at_edge = 0, at_hand = 0;
 void on_link(uint receiver, uint emitter, uint rule) {
     if (at_link < span.links) links[span.link + at_link] = Link(receiver, emitter);
-    if (rule == RUNG_AREA) {
+    if (rule == RULE_AREA) {
         if (at_area < span.areas) area_links[span.area + at_area] = span.link + at_link;
         at_area++;
     }
-    if (rule == RUNG_EDGE) {
+    if (rule == RULE_EDGE) {
         if (at_edge < span.edges) edge_links[span.edge + at_edge] = span.link + at_link;
         at_edge++;
     }

@@ -22,7 +22,7 @@ uint kind_of(uint at) {
     Link link = links[at];
     uint face = topology[link.emitter].face;
     float d2 = distance2(clusters[link.receiver].center, clusters[link.emitter].center);
-    return face == NONE ? RUNG_SAMPLE : rule_of(d2, reach[min(face, object_params[0].faces - 1)]);
+    return face == NONE ? RULE_SAMPLE : rule_of(d2, reach[min(face, object_params[0].faces - 1)]);
 }
 
 void main() {
@@ -30,20 +30,20 @@ void main() {
     uvec3 sum = uvec3(0);
     for (uint i = run.x; i < run.y; ++i) {
         uint kind = kind_of(due_links[i]);
-        sum += uvec3(kind == RUNG_SAMPLE, kind == RUNG_AREA, kind == RUNG_EDGE);
+        sum += uvec3(kind == RULE_SAMPLE, kind == RULE_AREA, kind == RULE_EDGE);
     }
     uvec3 before = sum_before(sum), all = sum_of_all();
     uvec3 at = uvec3(0, all.x, all.x + all.y) + before;
     for (uint i = run.x; i < run.y; ++i) {
         uint kind = kind_of(due_links[i]);
-        ranked_links[kind == RUNG_SAMPLE ? at.x : kind == RUNG_AREA ? at.y : at.z] = due_links[i];
-        at += uvec3(kind == RUNG_SAMPLE, kind == RUNG_AREA, kind == RUNG_EDGE);
+        ranked_links[kind == RULE_SAMPLE ? at.x : kind == RULE_AREA ? at.y : at.z] = due_links[i];
+        at += uvec3(kind == RULE_SAMPLE, kind == RULE_AREA, kind == RULE_EDGE);
     }
     if (gl_LocalInvocationIndex == 0) {
         counters[0].due_areas = all.y;
         counters[0].due_edges = all.z;
-        due_groups[RUNG_SAMPLE] = groups(all.x);
-        due_groups[RUNG_AREA] = groups(all.y);
-        due_groups[RUNG_EDGE] = groups(all.z);
+        due_groups[RULE_SAMPLE] = groups(all.x);
+        due_groups[RULE_AREA] = groups(all.y);
+        due_groups[RULE_EDGE] = groups(all.z);
     }
 }

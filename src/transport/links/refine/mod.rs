@@ -11,7 +11,7 @@ pub use self::walk::{Choice, Walk, children, choose, rule};
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{BufferId, Link, ListCounters, MOST_PAIRS, RUNG_AREA, RUNG_SAMPLE, Range, Span};
+use crate::layout::{BufferId, Link, ListCounters, MOST_PAIRS, RULE_AREA, RULE_SAMPLE, Range, Span};
 use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
 };
@@ -163,8 +163,8 @@ fn decide(walk: &Walk<'_>, data: &crate::layout::Buffers, receiver: u32) -> List
         walk::Decision::Link { rule } => {
             let index = lists.links.len() as u32;
             match rule {
-                RUNG_SAMPLE => {}
-                RUNG_AREA => lists.areas.push(index),
+                RULE_SAMPLE => {}
+                RULE_AREA => lists.areas.push(index),
                 _ => lists.edges.push(index),
             }
             lists.links.push(emitter);

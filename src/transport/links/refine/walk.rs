@@ -3,8 +3,8 @@
 
 use crate::dipole::distance2;
 use crate::layout::{
-    Buffers, Cluster, FAR_FROM_DENORMAL, NONE, ObjectParams, PAIR_HANDED, PAIR_LINKED, PAIR_SPLIT, RUNG_AREA,
-    RUNG_EDGE, RUNG_SAMPLE, Topology,
+    Buffers, Cluster, FAR_FROM_DENORMAL, NONE, ObjectParams, PAIR_HANDED, PAIR_LINKED, PAIR_SPLIT, RULE_AREA,
+    RULE_EDGE, RULE_SAMPLE, Topology,
 };
 
 /// What becomes of an emitter at a receiver.
@@ -14,7 +14,7 @@ pub enum Decision {
     HandDown,
     /// It is linked.
     Link {
-        /// How its form factor is evaluated: a `RUNG_`.
+        /// How its form factor is evaluated: a `RULE_`.
         rule: u32,
     },
 }
@@ -30,11 +30,11 @@ pub struct Walk<'a> {
 /// Which evaluation serves at this squared distance, for a triangle with these radii.
 pub fn rule(d2: f32, radii: [f32; 4]) -> u32 {
     if d2 >= radii[0] {
-        RUNG_SAMPLE
+        RULE_SAMPLE
     } else if d2 >= radii[1].min(radii[2].min(radii[3])) {
-        RUNG_AREA
+        RULE_AREA
     } else {
-        RUNG_EDGE
+        RULE_EDGE
     }
 }
 
@@ -114,7 +114,7 @@ impl<'a> Walk<'a> {
                     Choice::Split => node + 1,
                     Choice::Linked => {
                         let d2 = distance2(center, emitter.center);
-                        let rule = self.reach.get(place.face as usize).map_or(RUNG_SAMPLE, |&radii| rule(d2, radii));
+                        let rule = self.reach.get(place.face as usize).map_or(RULE_SAMPLE, |&radii| rule(d2, radii));
                         tell(Decision::Link { rule }, node);
                         place.skip
                     }
