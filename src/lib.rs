@@ -3,73 +3,69 @@
 //!
 //! # A frame
 //!
-//! 1. `deform`: the shape of this frame; `refit`: positions to faces, clusters and vertex normals; `visibility`: what each pixel sees;
-//! 2. `shadow`: which lights reach which faces; `environment`: harmonics of the light from all around; `irradiance`: the
-//!    light that enters each face (equation 5); `texture_in`: times a texture;
-//! 3. `pull`: moments of the light that enters every cluster;
-//! 4. `coarse_solve`: how bright the object will be, roughly; `irradiance_ratio`: against the light, where lists serve any;
-//! 5. `acceptance_radii`: how far from a cluster what may be done with it, so that the tolerance is met;
-//! 6. `pixel_receivers`: the places that pixels show, where those receive; `link`: which emitters each block of receivers expands, links, or takes triangle by triangle;
-//! 7. `gather`: what they give the block;
-//! 8. `push`: from blocks to receivers; `opaque_faces`: what opaque objects give back, by triangle; `average`: to vertices;
-//! 9. `shade`: with which radiance each pixel shines (equation 3); `pixel_shadow` and `shade_opaque`: opaque objects, lit where the pixels
-//!    show them; `texture_out`: times a texture; `plane_fit` and `relief`: plus
-//!    what scatters once in layers beneath the surface (Francois et al. 2006); `reflect`:
-//!    what the surface itself reflects, and `backdrop`: the environment behind the object.
+//! [`pipeline::frame::FRAME`] is the whole of it on one page: every stage in its order, under headings, with the loops
+//! that it runs in. In short:
 //!
-//! With `--transport cdrf` or `lambert` steps 3 to 8 have no place: `pack_normals` follows `refit`, after `curvature` where that counts, and `cdrf`, perhaps by
-//! `cdrf_table` and `cdrf_cells`, or `lambert` takes the place of `shade`. With `texture-blur` those are `bake_irradiance`, `blur` and `texture_blur`.
+//! 1. The shape: `deform` moves vertices, `refit` fits triangles, clusters and vertex normals to them. `visibility` finds
+//!    what each pixel sees.
+//! 2. The light that enters each face (equation 5): `shadow`, `environment`, `irradiance`, `texture_in`.
+//! 3. Transport to blocks of receivers: `pull` sums moments of that light up the tree of clusters; `coarse_solve` finds how
+//!    bright the object will be; `acceptance_radii` turn the tolerance into a distance per cluster; `link` lists the
+//!    emitters of each block; `gather` sums over the lists; `push` hands the sums to the receivers. Transport by links, as
+//!    published, by brute force or by an octree takes the place of these.
+//! 4. Light that leaves (equation 3): `shade`, for opaque objects `pixel_shadow` and `shade_opaque`, `texture_out`; `relief`
+//!    adds single scattering in layers (Francois et al. 2006); `reflect` adds reflections, `backdrop` the environment.
+//!
+//! With `--transport cdrf`, `lambert` or `texture-blur` no light is carried: stages of [`shading`] take the place of 3.
+//!
+//! A stage is one file: its equation, its `f64` reference, its dispatches, its tolerance, and all that a plan needs to
+//! know of it ([`state::Stage`]). To add one takes that file, its shader, a `mod` line and a line of the frame; what a
+//! declaration leaves out does not compile.
 //!
 //! Equations and sections are those of Mertens et al. 2003, "Interactive Rendering of Translucent Deformable Objects".
 //!
 //! # The modules, from the top floor down; arrows point downward only
 //!
-//! - `cli`, in the binary: one thin file a subcommand.
-//! - [`measure`]: conformance, profiles, shaders of the user's, error norms, the brute-force reference, error against run
-//!   time, the extreme cases, the tables of the papers beside ours, numerical error beside the model's, and a report of it all.
-//! - [`session`]: frame after frame on the CPU or a device, and what is read out of one. [`prepare`]: from a scene to a state.
-//!   [`pipeline`]: the stages that a state needs, and the table of stages.
+//! - `cli`, in the binary: one thin file per subcommand.
+//! - [`measure`]: conformance, profiles, users' own shaders, error norms, the brute-force reference, error against run
+//!   time, extreme cases, the tables of the papers beside ours, numerical error beside the model's, and a report of it all.
+//! - [`session`]: frame after frame on the CPU or a device, and what is read out of one.
+//! - [`prepare`]: from a scene to a state.
+//! - [`pipeline`]: the frame, the plan (the stages that a state needs, and why each other one is skipped), buffer sizes.
 //! - [`transport`]: Mertens et al.: [`transport::blocks`], made to meet an error; [`transport::links`], as published; brute
-//!   force; an octree.
-//!   [`layers`]: Francois et al., subsurface texture mapping. [`shading`]: shading by the place alone, Kubo et al., or by what is
-//!   near it in the texture, d'Eon et al.
-//!   [`view`]: from radiosity to a picture.
-//! - [`dipole`]: the profile, its derivatives, form factors: the mathematics of both.
-//! - [`lighting`]: light arriving, and Fresnel's formulas.
+//!   force; an octree. [`layers`]: Francois et al., subsurface texture mapping. [`shading`]: shading by curvature, Kubo et
+//!   al., and its rivals. [`view`]: from radiosity to a picture.
+//! - [`dipole`]: the diffusion profile, its derivatives, form factors.
+//! - [`lighting`]: light that arrives, and Fresnel's formulas.
 //! - [`geometry`]: from positions to clusters; rays through the same trees.
-//! - [`state`]: what a frame works on, what a stage is, and the state's twin on a device.
+//! - [`state`]: what a frame works on, what a stage is, and the state's copy on a device.
 //! - [`scene`]: what the user wrote, checked. [`hierarchy`]: from a mesh to a tree. [`gpu`]: the only home of `ash`.
-//! - [`layout`]: the one source of truth for records and buffers, shared with the build script and the shaders.
-//! - [`error`]: one error, by whose fault it is.
+//! - [`layout`]: the one source of truth for records, buffers and constants, shared with the build script and the shaders.
+//! - [`error`]: one error type, by whose fault it is.
 //!
-//! `glsl/measure` measures devices and belongs to no stage; else `glsl/` has the same modules and the same stems: `glsl/transport/blocks/push.comp` is `src/transport/blocks/push.rs`.
+//! `glsl/` has the same modules and file names: `glsl/transport/blocks/push.comp` is `src/transport/blocks/push.rs`.
+//! `glsl/measure` measures devices and belongs to no stage.
 //!
 //! # Words
 //!
 //! - *stage*: a step of the frame, with a CPU reference and GPU kernels of the same name; *kernel*: one shader;
-//!   *step*: a stage, run for one chunk, group or batch.
+//!   *step*: a stage, run for one object, chunk, group or batch (its *scope*).
 //! - *buffer id*: the name of a buffer; its number is its binding. *Record*: a struct shared by host and device.
-//! - *cluster*, *node*: a subtree of faces; a leaf is one triangle. *Link*: a node that receives from another.
+//! - *cluster*, *node*: a subtree of faces; a leaf is one triangle. *Link*: a transfer of light from one node to another.
 //! - *irradiance* E: light that enters, after Fresnel; *radiosity* B: light that leaves, before Fresnel.
-//! - *rule*: how a form factor is evaluated: one sample, 3, 6 or 12 area points, or the edge form.
-//! - *block*: a maximal node of at most 16 faces, or nearby places that a tile of pixels shows: receivers that share their
-//!   lists; *batch*: blocks linked in one go;
-//!   *group*: channels whose irradiances are proportional, carried together.
+//! - *quadrature rule* of a form factor: one sample, 3, 6 or 12 area points, or the edge form.
+//! - *block*: up to 16 receivers that share lists: a subtree's faces, or neighbouring places that a tile of pixels shows.
+//!   *Batch*: blocks linked in one go. *Chunk*: the subtree that scheme `links` links in one go. *Group*: colour channels
+//!   whose irradiances are proportional, carried together.
 //! - *moments*: sum W, centroid and second moments Q of a cluster's light; *expansion*: a quadratic about a block's centre.
-//! - *interface*: the lower end of a layer, given by its depth; *leg*: light's way from where it enters to where it scatters.
-//! - *island*: triangles whose texture coordinates go on from one to the next; *seam*: an edge where they do not; *margin*: texels
-//!   round an island that have what lies across its seams.
-//! - *altered*: with a triangle that has moved since kept links were made; *relit*: with one that another light enters than was
-//!   summed last; a link is *stale* while its form factor waits; a receiver is *busy* if its links are merged or summed again.
-//! - *chunk*: the receivers linked in one go; *capacity*: how much fits a list; *hand down*: leave an emitter to the
-//!   receiver's children.
-//! - *base*: a coarse mesh whose triangles are cut in four, *split*, again and again: butterfly subdivision and shrink-wrapping.
-//! - *kappa*: the curvature that counts for scattering; *sigma_0*: how far light spreads along a surface; *CDRF*: the
-//!   function of the cosine at the surface and sigma = sigma_0 kappa.
-//! - *tally*: what a kernel has done, counted by itself; *rate*: what a device can do at best.
-//! - *irradiance map*: light over all texels of a mesh's texture coordinates, as it enters or blurred by a Gaussian; *texel hit*: what a
-//!   texel shows; *stretch*: the lengths that it spans.
-//! - *internal units*: the object has unit extent, the brightest light about unit irradiance; both by powers of two.
+//! - *hand down*: leave an emitter to the receiver's children. A link is *stale* while its form factor waits.
+//! - *interface*: the lower end of a layer, given by its depth; *leg*: the light's way from entry to scattering.
+//! - *island*: triangles that are connected in texture space; *seam*: an edge where two islands meet; *margin*: texels
+//!   around an island that repeat what lies across its seams.
+//! - *kappa*: the curvature that matters for scattering; *sigma_0*: how far light spreads along a surface; *CDRF*:
+//!   curvature-dependent reflectance function, of the cosine and sigma = sigma_0 kappa.
+//! - *tally*: what a kernel counted of its own work; *rate*: the most that a device does per second.
+//! - *internal units*: the scene has unit extent, the brightest light about unit irradiance; both by powers of two.
 
 #![deny(missing_docs)]
 

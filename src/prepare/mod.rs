@@ -1,6 +1,7 @@
 //! From a scene to the state that a frame works on.
 
 pub(crate) mod blocks;
+pub(crate) mod camera;
 pub(crate) mod layers;
 pub mod lights;
 pub mod receivers;

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::blocks::{blocks, edge_nodes, link_error, of_picture, triangle_size};
+use super::camera::camera;
 use super::layers::layers;
 use super::lights::lights;
 use super::shading;
@@ -14,13 +15,11 @@ use crate::dipole::profile::Dipole;
 use crate::hierarchy::face_cluster::{self, Method};
 use crate::hierarchy::{Tree, median, split};
 use crate::layout::{
-    Camera as CameraRecord, KAPPA_MEAN, KAPPA_RMS, OPAQUE_BY_FACE, OPAQUE_BY_PIXEL, OPAQUE_NOT, ObjectParams,
-    REFLECTION_GGX, REFLECTION_NONE, REFLECTION_PHONG, Topology,
+    KAPPA_MEAN, KAPPA_RMS, OPAQUE_BY_FACE, OPAQUE_BY_PIXEL, OPAQUE_NOT, ObjectParams, REFLECTION_GGX, REFLECTION_NONE,
+    REFLECTION_PHONG, Topology,
 };
 use crate::lighting::{fresnel, harmonics};
-use crate::scene::{
-    self, Camera, DENSEST, Fresnel, Hierarchy, Kappa, Material, Mesh, Reflection, Scene, Side, Transport,
-};
+use crate::scene::{self, DENSEST, Fresnel, Hierarchy, Kappa, Material, Mesh, Reflection, Scene, Side, Transport};
 use crate::state::{Extent, LitAt, Local, Method as Switches, Object, Schedule, Scheme, State, narrow};
 use crate::transport::blocks::BLOCK_RECEIVERS;
 use crate::view::pixel_receivers::LAYERS;
@@ -268,26 +267,6 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
         link_error: link_error(transport.tolerance) as f32,
         ladder: Ladder::new(transport.form_factor_tolerance).chi.map(|chi| chi as f32),
         ..ObjectParams::default()
-    }];
-}
-
-/// Puts the camera in place.
-pub fn camera(state: &mut State, camera: &Camera, units: Units) {
-    let (right, up, forward) = camera.basis();
-    let [width, height] = camera.size;
-    let half = f64::tan(0.5 * camera.fov.to_radians());
-    state.data.camera = vec![CameraRecord {
-        origin: narrow(units.inside(camera.position)),
-        right: narrow(right * half * f64::from(width) / f64::from(height)),
-        up: narrow(up * half),
-        forward: narrow(forward),
-        width,
-        height,
-        shift_x: 0.0,
-        shift_y: 0.0,
-        background: camera.background.map(|x| x as f32),
-        environment: u32::from(camera.environment),
-        radiance: units.radiance(),
     }];
 }
 
