@@ -24,3 +24,12 @@ pub fn radiance(data: &Buffers, direction: DVec3) -> DVec3 {
     };
     row(top).lerp(row(top + 1), y - y.floor())
 }
+
+/// The direction of ray `k` of `count`, evenly spread over the sphere: a Fibonacci lattice.
+#[must_use]
+pub fn fibonacci_direction(k: u32, count: u32) -> DVec3 {
+    let y = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(count);
+    let turn = f64::from(k) * PI * (3.0 - 5f64.sqrt());
+    let across = (1.0 - y * y).sqrt();
+    DVec3::new(across * turn.cos(), y, across * turn.sin())
+}

@@ -3,12 +3,12 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::lights::fibonacci_direction;
 use super::units::Units;
 use crate::layers::beneath::parameter;
 use crate::layers::islands::{Atlas, Whole, atlas};
 use crate::layers::relief::GRAZING;
 use crate::layout::{LIGHT_SKY_RAY, Layer, Layering, Light};
+use crate::lighting::sky::fibonacci_direction;
 use crate::scene::{Integration, Layers, Object, Phase, Sky, Source};
 use crate::state::options::{Goal, Options};
 use crate::state::{State, narrow};

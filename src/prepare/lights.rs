@@ -10,6 +10,7 @@ use crate::layout::{
     LIGHT_AREA, LIGHT_AREA_BOTH, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SKY_RAY, LIGHT_SPOT, Light as Record,
     REFLECTION_NONE, SkyColumn, SkyRow,
 };
+use crate::lighting::sky::fibonacci_direction;
 use crate::scene::{Light, Object, Sky, Source};
 use crate::state::{Local, State, narrow};
 use crate::view::reflect::lobe;
@@ -138,14 +139,6 @@ fn records(light: &Light, units: Units) -> Vec<Record> {
             (0..if black { 0 } else { *occlusion }).map(ray).collect()
         }
     }
-}
-
-/// The direction of ray `k` of `count`, evenly spread over the sphere: a Fibonacci lattice.
-pub(crate) fn fibonacci_direction(k: u32, count: u32) -> DVec3 {
-    let y = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(count);
-    let turn = f64::from(k) * std::f64::consts::PI * (3.0 - 5f64.sqrt());
-    let across = (1.0 - y * y).sqrt();
-    DVec3::new(across * turn.cos(), y, across * turn.sin())
 }
 
 /// The image of an environment, and the integrals over its rows and columns that the harmonics are products of.
