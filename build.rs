@@ -1,5 +1,5 @@
-//! Compiles every `glsl/**/*.comp` to SPIR-V, with the GLSL form of `src/layout` for them to include, and puts their sources
-//! into the program. Kernels of tests and benches are compiled only: `OUT_DIR/tests-kernels-NAME.spv`.
+//! Compiles every `glsl/**/*.comp` to SPIR-V, with the GLSL form of `src/layout` for them to include, and puts their
+//! sources into the program. Kernels of tests and benches are compiled only: `OUT_DIR/tests-kernels-NAME.spv`.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
-//! `cargo bench --bench form_factor`: what a pair of triangle and receiver costs by one sample and by the edge form with
-//! 3, 6 and 12 nodes an edge, and how wrong each is, on every device.
+//! `cargo bench --bench form_factor`: what a pair of triangle and receiver costs by one sample and by the edge form
+//! with 3, 6 and 12 nodes an edge, and how wrong each is, on every device.
 //!
 //! Times are the device's own, the median of several runs; each ratio is against one sample in the same run. Errors are
 //! scaled, |F - F_ref| / R_full, where the nearer source is more than 1e-4 of the longest edge over the triangle. The

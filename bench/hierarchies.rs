@@ -1,9 +1,10 @@
-//! `cargo bench --bench hierarchies`: the four hierarchies on one thing that deforms, time and links beside the error, in one
-//! run on the default device.
+//! `cargo bench --bench hierarchies`: the four hierarchies on one thing that deforms, time and links beside the error,
+//! in one run on the default device.
 //!
-//! A ball of 20,480 triangles, moved by noise and wrung by up to 240 degrees. Face clusters, median and butterfly have the
-//! same triangles (an icosahedron of 320 faces, cut in four three times); shrink-wrap has those that it makes of the same
-//! ball. Every frame is one of `render --frames`: all stages anew, and the tree where the deformation spoils it.
+//! A ball of 20,480 triangles, moved by noise and wrung by up to 240 degrees. Face clusters, median and butterfly have
+//! the same triangles (an icosahedron of 320 faces, cut in four three times); shrink-wrap has those that it makes of
+//! the same ball. Every frame is one of `render --frames`: all stages from scratch, and the tree where the deformation
+//! spoils it.
 
 use std::time::Instant;
 

@@ -1,5 +1,5 @@
-//! `cargo bench`: the hierarchy against brute force on the default device, error beside time, and each stage on the device
-//! and on the CPU, in one run.
+//! `cargo bench`: the hierarchy against brute force on the default device, error beside time, and each stage on the
+//! device and on the CPU, in one run.
 //!
 //! `cargo bench -- bunny.obj lotus` takes other scenes. Times are the device's own, the median of several frames;
 //! each ratio is against brute force of the same scene. Stages are compared with the reference before they are timed.

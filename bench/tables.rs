@@ -1,7 +1,7 @@
 //! `cargo bench --bench tables`: tables 3, 4, 5 and figures 3, 4, 5 of Mertens et al. 2003, the paper's beside ours.
 //!
-//! `cargo bench --bench tables -- horse.obj curve.csv` measures meshes too and compares curves of figures 3 and 4 with a
-//! file's. `--only TEXT` picks tables by name, `--cpu` runs on the CPU, `--most-faces N` leaves out larger models,
+//! `cargo bench --bench tables -- horse.obj curve.csv` measures meshes too and compares curves of figures 3 and 4 with
+//! a file's. `--only TEXT` picks tables by name, `--cpu` runs on the CPU, `--most-faces N` leaves out larger models,
 //! `--samples N` sets the faces at which errors are measured (200).
 
 use std::path::Path;

@@ -6,15 +6,16 @@
 //! [`pipeline::frame::FRAME`] is the whole of it on one page: every stage in its order, under headings, with the loops
 //! that it runs in. In short:
 //!
-//! 1. The shape: `deform` moves vertices, `refit` fits triangles, clusters and vertex normals to them. `visibility` finds
-//!    what each pixel sees.
+//! 1. The shape: `deform` moves vertices, `refit` fits triangles, clusters and vertex normals to them. `visibility`
+//!    finds what each pixel sees.
 //! 2. The light that enters each face (equation 5): `shadow`, `environment`, `irradiance`, `texture_in`.
-//! 3. Transport to blocks of receivers: `pull` sums moments of that light up the tree of clusters; `coarse_solve` finds how
-//!    bright the object will be; `acceptance_radii` turn the tolerance into a distance per cluster; `link` lists the
-//!    emitters of each block; `gather` sums over the lists; `push` hands the sums to the receivers. Transport by links, as
-//!    published, by brute force or by an octree takes the place of these.
-//! 4. Light that leaves (equation 3): `shade`, for opaque objects `pixel_shadow` and `shade_opaque`, `texture_out`; `relief`
-//!    adds single scattering in layers (Francois et al. 2006); `reflect` adds reflections, `backdrop` the environment.
+//! 3. Transport to blocks of receivers: `pull` sums moments of that light up the tree of clusters; `coarse_solve` finds
+//!    how bright the object will be; `acceptance_radii` turn the tolerance into a distance per cluster; `link` lists
+//!    the emitters of each block; `gather` sums over the lists; `push` hands the sums to the receivers. Transport by
+//!    links, as published, by brute force or by an octree takes the place of these.
+//! 4. Light that leaves (equation 3): `shade`, for opaque objects `pixel_shadow` and `shade_opaque`, `texture_out`;
+//!    `relief` adds single scattering in layers (Francois et al. 2006); `reflect` adds reflections, `backdrop` the
+//!    environment.
 //!
 //! With `--transport cdrf`, `lambert` or `texture-blur` no light is carried: stages of [`shading`] take the place of 3.
 //!
@@ -28,19 +29,22 @@
 //!
 //! - `cli`, in the binary: one thin file per subcommand.
 //! - [`measure`]: conformance, profiles, users' own shaders, error norms, the brute-force reference, error against run
-//!   time, extreme cases, the tables of the papers beside ours, numerical error beside the model's, and a report of it all.
+//!   time, extreme cases, the tables of the papers beside ours, numerical error beside the model's, and a report of it
+//!   all.
 //! - [`session`]: frame after frame on the CPU or a device, and what is read out of one.
 //! - [`prepare`]: from a scene to a state.
-//! - [`pipeline`]: the frame, the plan (the stages that a state needs, and why each other one is skipped), buffer sizes.
-//! - [`transport`]: Mertens et al.: [`transport::blocks`], made to meet an error; [`transport::links`], as published; brute
-//!   force; an octree. [`layers`]: Francois et al., subsurface texture mapping. [`shading`]: shading by curvature, Kubo et
-//!   al., and its rivals. [`view`]: from radiosity to a picture.
+//! - [`pipeline`]: the frame, the plan (the stages that a state needs, and why each other one is skipped), buffer
+//!   sizes.
+//! - [`transport`]: Mertens et al.: [`transport::blocks`], made to meet an error; [`transport::links`], as published;
+//!   brute force; an octree. [`layers`]: Francois et al., subsurface texture mapping. [`shading`]: shading by
+//!   curvature, Kubo et al., and its rivals. [`view`]: from radiosity to a picture.
 //! - [`dipole`]: the diffusion profile, its derivatives, form factors.
 //! - [`lighting`]: light that arrives, and Fresnel's formulas.
 //! - [`geometry`]: from positions to clusters; rays through the same trees.
 //! - [`state`]: what a frame works on, what a stage is, and the state's copy on a device.
 //! - [`scene`]: what the user wrote, checked. [`hierarchy`]: from a mesh to a tree. [`gpu`]: the only home of `ash`.
-//! - [`layout`]: the one source of truth for records, buffers and constants, shared with the build script and the shaders.
+//! - [`layout`]: the one source of truth for records, buffers and constants, shared with the build script and the
+//!   shaders.
 //! - [`error`]: one error type, by whose fault it is.
 //!
 //! `glsl/` has the same modules and file names: `glsl/transport/blocks/push.comp` is `src/transport/blocks/push.rs`.
@@ -51,13 +55,15 @@
 //! - *stage*: a step of the frame, with a CPU reference and GPU kernels of the same name; *kernel*: one shader;
 //!   *step*: a stage, run for one object, chunk, group or batch (its *scope*).
 //! - *buffer id*: the name of a buffer; its number is its binding. *Record*: a struct shared by host and device.
-//! - *cluster*, *node*: a subtree of faces; a leaf is one triangle. *Link*: a transfer of light from one node to another.
+//! - *cluster*, *node*: a subtree of faces; a leaf is one triangle. *Link*: a transfer of light from one node to
+//!   another.
 //! - *irradiance* E: light that enters, after Fresnel; *radiosity* B: light that leaves, before Fresnel.
 //! - *quadrature rule* of a form factor: one sample, 3, 6 or 12 area points, or the edge form.
-//! - *block*: up to 16 receivers that share lists: a subtree's faces, or neighbouring places that a tile of pixels shows.
-//!   *Batch*: blocks linked in one go. *Chunk*: the subtree that scheme `links` links in one go. *Group*: colour channels
-//!   whose irradiances are proportional, carried together.
-//! - *moments*: sum W, centroid and second moments Q of a cluster's light; *expansion*: a quadratic about a block's centre.
+//! - *block*: up to 16 receivers that share lists: a subtree's faces, or neighbouring places that a tile of pixels
+//!   shows. *Batch*: blocks linked in one go. *Chunk*: the subtree that scheme `links` links in one go. *Group*: colour
+//!   channels whose irradiances are proportional, carried together.
+//! - *moments*: sum W, centroid and second moments Q of a cluster's light; *expansion*: a quadratic about a block's
+//!   centre.
 //! - *hand down*: leave an emitter to the receiver's children. A link is *stale* while its form factor waits.
 //! - *interface*: the lower end of a layer, given by its depth; *leg*: the light's way from entry to scattering.
 //! - *island*: triangles that are connected in texture space; *seam*: an edge where two islands meet; *margin*: texels

@@ -1,8 +1,8 @@
-//! The same bits every run: every buffer of every fixture and built-in scene has the same hash twice over, on the CPU and on
-//! each device, and the same steps are planned.
+//! The same bits every run: every buffer of every fixture and built-in scene has the same hash twice over, on the CPU
+//! and on each device, and the same steps are planned.
 //!
-//! With `MILKGLASS_FINGERPRINTS=FILE` the hashes are compared with those of FILE, or written there if there is no such file:
-//! so a change that is to compute the same can be held to that.
+//! With `MILKGLASS_FINGERPRINTS=FILE` the hashes are compared with those of FILE, or written there if there is no such
+//! file: so a change that is to compute the same can be checked for that.
 
 #[path = "devices/mod.rs"]
 mod devices;

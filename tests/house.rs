@@ -1,4 +1,5 @@
-//! The house rules, read from the sources: who may use whom, where `ash` and `unsafe` live, shaders beside their stages.
+//! The house rules, read from the sources: who may use whom, where `ash` and `unsafe` live, shaders beside their
+//! stages.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,7 +7,7 @@ use std::path::{Path, PathBuf};
 #[path = "house/cycles.rs"]
 mod cycles;
 
-/// The rooms from the top floor down; a room may use those below it, and its own floor only where one room is alone.
+/// The modules from the top floor down; a module may use those below it.
 const FLOORS: &[&[&str]] = &[
     &["main"],
     &["cli"],
@@ -47,7 +48,7 @@ fn floor(room: &str) -> Option<usize> {
     FLOORS.iter().position(|rooms| rooms.contains(&room))
 }
 
-/// The rooms named by `crate::ROOM` (or `milkglass::ROOM`) in a source, comments left out.
+/// The modules named by `crate::MODULE` (or `milkglass::MODULE`) in a source, comments left out.
 fn uses(source: &str) -> Vec<String> {
     let mut found = Vec::new();
     for line in source.lines().filter(|line| !line.trim_start().starts_with("//")) {
@@ -114,7 +115,8 @@ fn vulkan_and_unsafe_stay_in_their_room() {
 
 #[test]
 fn shaders_stand_beside_their_stages() {
-    // But for those that measure a device, glsl/MODULE/NAME.comp or glsl/MODULE/NAME/*.comp belongs to the stage NAME of MODULE, and every stage has one.
+    // But for those that measure a device, glsl/MODULE/NAME.comp or glsl/MODULE/NAME/*.comp belongs to the stage NAME
+    // of MODULE, and every stage has one.
     let mut owners = std::collections::BTreeSet::new();
     for path in files("glsl", "comp").into_iter().filter(|path| !path.starts_with("glsl/measure")) {
         let kernel = path.strip_prefix("glsl").unwrap().with_extension("").to_string_lossy().into_owned();
@@ -163,11 +165,15 @@ fn the_readme_lists_every_method() {
 }
 
 #[test]
-fn files_are_short() {
+fn files_are_short_and_comments_are_wrapped() {
     for (folder, ending) in [("src", "rs"), ("glsl", "comp"), ("glsl", "glsl"), ("tests", "rs"), ("bench", "rs")] {
         for path in files(folder, ending) {
-            let lines = fs::read_to_string(&path).unwrap().lines().count();
+            let source = fs::read_to_string(&path).unwrap();
+            let lines = source.lines().count();
             assert!(lines <= 300, "{} has {lines} lines", path.display());
+            let wide = |line: &&str| line.trim_start().starts_with("//") && line.chars().count() > 120;
+            let found = source.lines().find(wide);
+            assert!(found.is_none(), "{}: a comment beyond column 120: {found:?}", path.display());
         }
     }
 }

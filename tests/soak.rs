@@ -30,7 +30,7 @@ fn scene(frame: usize) -> Scene {
     Scene::load("sphere", &sets).unwrap()
 }
 
-/// Memory of the process, bytes; none where the system does not tell.
+/// Memory of the process, bytes; none where the system does not say.
 fn resident() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/self/statm").ok()?;
     text.split_whitespace().nth(1)?.parse::<u64>().ok().map(|pages| pages * 4096)

@@ -3,7 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Whether one light reaches the points of opaque objects that some pixels show: a bit of `pixel_shadow`. Decisions only.
+// Whether one light reaches the points of opaque objects that some pixels show: a bit of `pixel_lit`. Decisions
+// only.
 layout(constant_id = 0) const uint OBJECTS = 1;
 layout(push_constant, scalar) uniform push_block { Rays rays; };
 READS(object_params)

@@ -8,8 +8,8 @@ use milkglass::scene::Object;
 use milkglass::session::run::Session;
 use milkglass::session::subdivide::Parts;
 
-/// One row of results per input face, object after object, in the input's order: centroid, area, irradiance, radiosity, and the
-/// estimate of its error where there is one.
+/// One row of results per input face, object after object, in the input's order: centroid, area, irradiance, radiosity,
+/// and the estimate of its error where there is one.
 struct Row {
     object: usize,
     input_face: u32,
@@ -62,7 +62,8 @@ fn rows(session: &Session) -> Vec<Row> {
     session.scene().objects.iter().enumerate().flat_map(of_object).collect()
 }
 
-/// The rows of the triangles that these are parts of: with their irradiance on the whole, and the radiosity at the centre.
+/// The rows of the triangles that these are parts of: with their irradiance on the whole, and the radiosity at the
+/// centre.
 fn put_together(parts: Vec<Row>, made: &Parts, before: u32) -> Vec<Row> {
     let mut sums = vec![(0.0, DVec3::ZERO, DVec3::ZERO); made.whole.len()];
     for (row, &whole) in parts.iter().zip(&made.of) {

@@ -7,7 +7,8 @@ use milkglass::scene::{Files, Memory};
 /// The limit, as an option of every command that loads something.
 #[derive(Args, Clone)]
 pub(super) struct MemoryArgument {
-    /// The most memory that may be asked for, such as 500M, 16G or a number of bytes: more is refused before it is taken.
+    /// The most memory that may be asked for, such as 500M, 16G or a number of bytes: more is refused before it is
+    /// taken.
     #[arg(long, value_name = "SIZE", default_value_t = Size(Memory::USUAL), value_parser = parse)]
     limit_memory: Size,
 }

@@ -113,7 +113,7 @@ fn ratios(rows: &[Against], replaced: &[String]) -> String {
     let cells: Vec<_> = rows.iter().map(row).collect();
     let header = ["ms", "built-in", "spread", "replaced", "spread", "ratio"];
     let text = format!("built-in and replaced, frame by frame in turn\n{}\n", table(&header, &[1, 2, 3, 4, 5], &cells));
-    // Stages that are the same on both sides tell what a ratio is worth.
+    // Stages that are the same on both sides show what a ratio is worth.
     let same =
         rows.iter().filter(|row| !replaced.contains(&row.what) && !["stages", "frame"].contains(&row.what.as_str()));
     let (low, high) =

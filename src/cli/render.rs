@@ -36,7 +36,8 @@ pub struct Arguments {
     /// Show something else than light.
     #[arg(long, value_enum, conflicts_with = "aov")]
     view: Option<View>,
-    /// Render these frames, both ends included, each to a file of its own: `-o frame-%04d.png`. No frame depends on another.
+    /// Render these frames, both ends included, each to a file of its own: `-o frame-%04d.png`. No frame depends on
+    /// another.
     #[arg(long, value_name = "A..B", conflicts_with_all = ["view", "frame", "times"], allow_hyphen_values = true)]
     frames: Option<String>,
     /// With --frames: leave out frames whose file is there.
@@ -53,8 +54,8 @@ pub struct Arguments {
 /// What can be shown instead of light.
 #[derive(Clone, Copy, ValueEnum)]
 enum View {
-    /// The clusters that light what `--pick` names: blue the largest, red the smallest, white the receivers, grey what gives
-    /// nothing. Of the first group of channels (`plan` lists them).
+    /// The clusters that light what `--pick` names: blue the largest, red the smallest, white the receivers, grey what
+    /// gives nothing. Of the first group of channels (`plan` lists them).
     Clusters,
     /// How much the surface bends (kappa of `--transport cdrf`): red much, blue little.
     Curvature,

@@ -17,7 +17,8 @@ use milkglass::session::run::CapacityHints;
 /// Shaders that take the place of built-in ones.
 #[derive(Args)]
 pub(super) struct ReplaceArgument {
-    /// Let a shader of yours take a kernel's place: `transport/blocks/gather/direct=my.comp`; `milkglass shader` prints ours.
+    /// Let a shader of yours take a kernel's place: `transport/blocks/gather/direct=my.comp`; `milkglass shader` prints
+    /// ours.
     #[arg(long, value_name = "KERNEL=FILE")]
     replace: Vec<String>,
 }
@@ -49,8 +50,8 @@ impl ReplaceArgument {
         Ok(loaded)
     }
 
-    /// The device with these shaders, their values checked on the first of these scenes that run them; none where none are
-    /// given.
+    /// The device with these shaders, their values checked on the first of these scenes that run them; none where none
+    /// are given.
     pub(super) fn on(&self, device: Option<&Device>, setups: &[(&Scene, Options)]) -> Result<Option<Device>> {
         let loaded = self.load()?;
         if loaded.is_empty() {

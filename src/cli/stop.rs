@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
-/// Ctrl-C, and being asked to end, remove what is half written before they stop the program: exit code 130, or 128 and the
-/// signal's number. A file that grows beyond what the system allows is an error like any other.
+/// Ctrl-C, and being asked to end, remove what is half written before they stop the program: exit code 130, or 128 and
+/// the signal's number. A file that grows beyond what the system allows is an error like any other.
 #[cfg(unix)]
 pub fn remove_when_stopped() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};

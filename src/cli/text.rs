@@ -1,4 +1,4 @@
-//! What commands print: plain text, tables, sizes; and what they tell on the side.
+//! What commands print: plain text, tables, sizes; and what they report on stderr.
 
 use std::io::Write;
 

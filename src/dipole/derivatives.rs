@@ -106,7 +106,7 @@ impl GroupProfile {
         &self.dipoles[channel]
     }
 
-    /// The jet of a channel at a squared distance.
+    /// The derivatives of a channel at a squared distance.
     #[must_use]
     pub fn at(&self, channel: usize, d2: f64) -> ProfileDerivatives {
         ProfileDerivatives::of(&self.dipoles[channel], d2)
@@ -124,8 +124,8 @@ impl GroupProfile {
         m.weight * value
     }
 
-    /// `chi = tau q2 / (2 s^2)` of the channel as the kernels take it, for tau = 1: from the jet itself, with the real
-    /// source's distance.
+    /// `chi = tau q2 / (2 s^2)` of the channel as the kernels take it, for tau = 1: from the derivatives themselves,
+    /// with the real source's distance.
     #[must_use]
     pub fn unit_chi(&self, channel: usize, d2: f64) -> f64 {
         let jet = self.at(channel, d2);

@@ -1,8 +1,9 @@
-//! Stage `deform`: an object's vertices, twisted, bent, raised by bumps and noise, morphed, from where they are at rest.
+//! Stage `deform`: an object's vertices, twisted, bent, raised by bumps and noise, morphed, from where they are at
+//! rest.
 //!
 //! All of it is `f32` additions, multiplications and comparisons in the order of `glsl/geometry/deform.comp`, sine and
-//! cosine too, so that every device has the same shape to the last bit, and whatever is decided by it. Normals are those
-//! at rest, whatever deforms come before: bumps and noise belong before twists and bends.
+//! cosine too, so that every device has the same shape to the last bit, and whatever is decided by it. Normals are
+//! those at rest, whatever deforms come before: bumps and noise belong before twists and bends.
 
 use rayon::prelude::*;
 

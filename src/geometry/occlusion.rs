@@ -2,15 +2,17 @@
 //!
 //! A triangle blocks when the ray passes through it by [`trace`](super::trace)'s test, and
 //! - it is not the one that the ray starts from;
-//! - one of its corners lies in front of the plane of that one, for certain ([`Plane::beyond`]). Light that arrives from
-//!   the front never goes below that plane, so this leaves out no triangle that could block, but every one that rounding
-//!   might put in the way: flat and convex neighbours, however fine, and coincident sheets. A convex object never shadows
-//!   itself, at any light and any scale;
-//! - where an object does not shadow itself, it is none of that object's; what the corners are in front of counts no more then;
-//! - a light that has a place lies beyond the triangle, for certain: a light in a surface is not blocked by that surface.
+//! - one of its corners lies in front of the plane of that one, for certain ([`Plane::beyond`]). Light that arrives
+//!   from the front never goes below that plane, so this leaves out no triangle that could block, but every one that
+//!   rounding might put in the way: flat and convex neighbours, however fine, and coincident sheets. A convex object
+//!   never shadows itself, at any light and any scale;
+//! - where an object does not shadow itself, it is none of that object's; what the corners are in front of counts no
+//!   more then;
+//! - a light that has a place lies beyond the triangle, for certain: a light in a surface is not blocked by that
+//!   surface.
 //!
-//! What is left to rounding is which side of an edge a ray passes, as for any ray; a ray through a shared edge or corner
-//! meets at least one of the triangles.
+//! What is left to rounding is which side of an edge a ray passes, as for any ray; a ray through a shared edge or
+//! corner meets at least one of the triangles.
 
 use std::ops::Range;
 

@@ -29,7 +29,8 @@ impl Plane {
         Self { corner: a, normal: cross(e1, e2), size }
     }
 
-    /// Whether a point lies beyond the plane for certain, on the side that the normal points to (`side` 1) or the other (-1).
+    /// Whether a point lies beyond the plane for certain, on the side that the normal points to (`side` 1) or the other
+    /// (-1).
     pub fn beyond(&self, point: [f32; 3], side: f32) -> bool {
         let a = minus(point, self.corner);
         let height = side * dot(a, self.normal);

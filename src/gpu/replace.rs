@@ -8,8 +8,8 @@ use super::reflect::{Reflected, SOURCES, kernel_names, reflect, words_of};
 use crate::error::{Error, Input, Result};
 use crate::layout::{BUFFER_IDS, declarations};
 
-/// The GLSL of a kernel, `transport/blocks/push`, or of a file that kernels include, `dipole/derivatives.glsl`; `layout.glsl` declares
-/// the records and buffers. None where there is no such source.
+/// The GLSL of a kernel, `transport/blocks/push`, or of a file that kernels include, `dipole/derivatives.glsl`;
+/// `layout.glsl` declares the records and buffers. None where there is no such source.
 pub fn source(name: &str) -> Option<Cow<'static, str>> {
     if name == "layout.glsl" {
         return Some(declarations().into());

@@ -9,8 +9,9 @@ use super::Tree;
 /// Clusters of fewer triangles don't count: lists are made of larger ones, or of triangles.
 const FEWEST: usize = 16;
 
-/// The mean over the clusters of at least 16 triangles, but for the whole, of their root mean square radius against that
-/// of a flat disc of their area: about 1 for round flat patches, more for long or folded ones. 1 where there are none.
+/// The mean over the clusters of at least 16 triangles, but for the whole, of their root mean square radius against
+/// that of a flat disc of their area: about 1 for round flat patches, more for long or folded ones. 1 where there are
+/// none.
 #[must_use]
 pub fn relative_radius(tree: &Tree, positions: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
     // Of each node, children first: triangles, area, centroid and mean squared distance from it.

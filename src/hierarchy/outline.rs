@@ -34,9 +34,9 @@ impl Outline {
         self.merge([a, b], 0.5 * (p + q))
     }
 
-    /// Join these clusters under one root, halving them at the median centroid along the longest
-    /// axis of their centroids' bounds; ties go by id. Ranges of more than `block` members are cut at multiples of it, so
-    /// that whole blocks are clusters. `members` must not be empty.
+    /// Join these clusters under one root, halving them at the median centroid along the longest axis of their
+    /// centroids' bounds; ties go by id. Ranges of more than `block` members are cut at multiples of it, so that whole
+    /// blocks are clusters. `members` must not be empty.
     pub fn split_at_medians(&mut self, members: &mut [u32], block: usize) -> u32 {
         // Ranges still to halve; those halved, in order, so that parts come after their whole.
         let mut cuts = vec![(0, members.len())];

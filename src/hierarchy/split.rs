@@ -1,16 +1,16 @@
 //! The tree that 4-to-1 splits leave: every triangle that was cut is a cluster of its four parts.
 //!
-//! Section 5.1.2 of Mertens et al. 2003. Nodes are binary, so that a cut takes two levels: the part in the middle with the
-//! first corner's, the other two corners', and both. The triangles of the base are joined as face clusters are.
+//! Section 5.1.2 of Mertens et al. 2003. Nodes are binary, so that a cut takes two levels: the part in the middle with
+//! the first corner's, the other two corners', and both. The triangles of the base are joined as face clusters are.
 
 use super::outline::Outline;
 use super::{Tree, face_area_and_centroid, face_cluster};
 use face_cluster::Method;
 use glam::DVec3;
 
-/// The tree over `triangles` (indices into `positions`, all in range, fewer than 2^31 triangles), each cut `splits` times,
-/// the parts of one after each other, the one in the middle last; and how that of the base came about. Where splits do not
-/// tell of such parts, all triangles are the base.
+/// The tree over `triangles` (indices into `positions`, all in range, fewer than 2^31 triangles), each cut `splits`
+/// times, the parts of one after each other, the one in the middle last; and how that of the base came about. Where
+/// splits do not describe such parts, all triangles are the base.
 #[must_use]
 pub fn build(positions: &[DVec3], triangles: &[[u32; 3]], splits: &[u8]) -> (Tree, Method) {
     let centroid = triangles.iter().map(|t| face_area_and_centroid(positions, *t).1).collect();

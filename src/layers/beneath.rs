@@ -6,10 +6,11 @@ use glam::DVec3;
 
 use crate::scene::Phase;
 
-/// Share of light scattered per steradian; `cosine` between the directions *towards* the light and *towards* the eye, so
-/// that light which goes straight on has -1. With `g` above 0 that is where most of it goes.
+/// Share of light scattered per steradian; `cosine` between the directions *towards* the light and *towards* the eye,
+/// so that light which goes straight on has -1. With `g` above 0 that is where most of it goes.
 ///
-/// Schlick's k (equation of section 3), or Henyey's and Greenstein's mean cosine; the integral over all directions is 1.
+/// Schlick's k (equation of section 3), or Henyey's and Greenstein's mean cosine; the integral over all directions is
+/// 1.
 #[must_use]
 pub fn phase(henyey: bool, g: f64, cosine: f64) -> f64 {
     let base = if henyey { 1.0 + g * g + 2.0 * g * cosine } else { 1.0 + g * cosine };
@@ -26,7 +27,8 @@ pub fn schlick_mean(k: f64) -> f64 {
     (2.0 * k - (1.0 - k * k) * ((1.0 + k) / (1.0 - k)).ln()) / (2.0 * k * k)
 }
 
-/// The parameter that the phase functions take: for [`Phase::SchlickMean`] the k whose mean cosine is `g`, by bisection.
+/// The parameter that the phase functions take: for [`Phase::SchlickMean`] the k whose mean cosine is `g`, by
+/// bisection.
 #[must_use]
 pub fn parameter(kind: Phase, g: f64) -> f64 {
     if kind != Phase::SchlickMean {
@@ -40,8 +42,8 @@ pub fn parameter(kind: Phase, g: f64) -> f64 {
     low.copysign(g)
 }
 
-/// The integral over s from 0 to 1 of (a + (b - a) s) exp(-(from + (to - from) s)): light that grows evenly from `a` to `b`
-/// and is dimmed by depths that grow evenly.
+/// The integral over s from 0 to 1 of (a + (b - a) s) exp(-(from + (to - from) s)): light that grows evenly from `a` to
+/// `b` and is dimmed by depths that grow evenly.
 #[must_use]
 pub fn segment(a: f64, b: f64, from: f64, to: f64) -> f64 {
     let d = to - from;
@@ -57,8 +59,8 @@ pub fn segment(a: f64, b: f64, from: f64, to: f64) -> f64 {
     a * (start - end) / d + (b - a) * (start - (1.0 + d) * end) / (d * d)
 }
 
-/// Optical depth between the surface and a depth below it, over the cosine at which it is crossed, where interfaces lie at
-/// `depths` and the last layer goes on below its own (equations 11 and 12, clamped).
+/// Optical depth between the surface and a depth below it, over the cosine at which it is crossed, where interfaces lie
+/// at `depths` and the last layer goes on below its own (equations 11 and 12, clamped).
 #[must_use]
 pub fn optical_depth(sigma_t: &[DVec3], depths: impl Fn(usize) -> f64, depth: f64, cosine: f64) -> DVec3 {
     let (mut sum, mut before) = (DVec3::ZERO, 0.0);

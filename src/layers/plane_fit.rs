@@ -1,11 +1,12 @@
-//! Stage `plane_fit`: round each vertex of an object with layers, the plane that its light comes in through (section 2.2):
-//! least squares over the vertices within `object_params.fit_radius`, that is -ln(epsilon) / sigma_t of the first layer (equation 8).
+//! Stage `plane_fit`: round each vertex of an object with layers, the plane that its light comes in through (section
+//! 2.2): least squares over the vertices within `object_params.fit_radius`, that is -ln(epsilon) / sigma_t of the first
+//! layer (equation 8).
 //!
-//! A plane is a unit normal NS and the height d of the plane over the vertex V along it: V + d NS lies on it. (Equation 14
-//! goes along the vertex normal by a length, which has no sign and no end where the normals differ much.) Where the
-//! vertices tell no plane, it is the tangent plane: fewer than three of them, or nearly on a line (middle moment below 1 to
-//! 5 % of the largest), or as thick as wide (least moment above 25 to 50 % of the middle one), or far from the tangent plane
-//! (cosine below 0.5 to 0.8); in between it is a mixture, so that nothing jumps.
+//! A plane is a unit normal NS and the height d of the plane over the vertex V along it: V + d NS lies on it. (Equation
+//! 14 goes along the vertex normal by a length, which has no sign and no end where the normals differ much.) Where the
+//! vertices define no plane, it is the tangent plane: fewer than three of them, or nearly on a line (middle moment
+//! below 1 to 5 % of the largest), or as thick as wide (least moment above 25 to 50 % of the middle one), or far from
+//! the tangent plane (cosine below 0.5 to 0.8); in between it is a mixture, so that nothing jumps.
 
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -74,8 +75,8 @@ impl Sums {
     }
 }
 
-/// Axis of least moment, and the three moments from the least up: eigenvalues by Cardano's formula, the axis across the two
-/// longest rows of what is left.
+/// Axis of least moment, and the three moments from the least up: eigenvalues by Cardano's formula, the axis across the
+/// two longest rows of what is left.
 fn least_axis(moments: DMat3) -> (DVec3, [f64; 3]) {
     let mean = (moments.x_axis.x + moments.y_axis.y + moments.z_axis.z) / 3.0;
     let rest = moments - DMat3::from_diagonal(DVec3::splat(mean));
@@ -115,7 +116,8 @@ fn plane(sums: &Sums, normal: DVec3) -> (DVec3, f64) {
     (fitted, trust * center.dot(fitted))
 }
 
-/// Squares of the least and largest distance of a place from a box; `f32`, so that host and device count the same vertices.
+/// Squares of the least and largest distance of a place from a box; `f32`, so that host and device count the same
+/// vertices.
 fn distances(place: [f32; 3], bounds: &Bounds) -> [f32; 2] {
     let each = |f: fn(f32, f32) -> f32| -> f32 {
         let d: [f32; 3] = std::array::from_fn(|k| f(bounds.low[k] - place[k], bounds.high[k] - place[k]));

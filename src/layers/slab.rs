@@ -28,8 +28,8 @@ pub enum Lamp {
 
 /// Radiance at the origin along the unit direction `eye`, z above 0: no refraction, no Fresnel terms.
 ///
-/// Of a directional light, layer by layer, e being all above it: sigma_s p E e^(-tau (1/mu_i + 1/mu_o))
-/// (1 - e^(-sigma_t D (1/mu_i + 1/mu_o))) / (sigma_t (1/mu_i + 1/mu_o) mu_o). Of a point light the same integral over the
+/// Of a directional light, layer by layer, e being all above it: sigma_s p E e^(-tau (1/mu_i + 1/mu_o)) (1 -
+/// e^(-sigma_t D (1/mu_i + 1/mu_o))) / (sigma_t (1/mu_i + 1/mu_o) mu_o). Of a point light the same integral over the
 /// depth, by Gauss-Legendre quadrature of 20 points on parts of at most a quarter of a mean free path or of the lamp's
 /// height, to about 1e-12.
 #[must_use]
@@ -78,8 +78,8 @@ const GAUSS: [[f64; 2]; 10] = [
     [0.993_128_599_185_094_9, 0.017_614_007_139_152_118],
 ];
 
-/// The integral of `f` from `low` to `high`, in parts that grow from `scale` twofold up to 40 of them: what lies deeper than
-/// 700 mean free paths counts for nothing.
+/// The integral of `f` from `low` to `high`, in parts that grow from `scale` twofold up to 40 of them: what lies deeper
+/// than 700 mean free paths counts for nothing.
 fn integral(f: impl Fn(f64) -> f64, low: f64, high: f64, scale: f64) -> f64 {
     let (mut sum, mut from) = (0.0, low);
     let end = high.min(low + 3000.0 * scale);

@@ -9,8 +9,8 @@ buffers! {
     lights: Light, light;
     /// Whether each light reaches each triangle: a bit each, `object_params.shadow_words` words a triangle.
     lit: u32, shadow;
-    /// Whether each light reaches the surface of an opaque object that a pixel shows: a bit each, `object_params.shadow_words`
-    /// words a pixel.
+    /// Whether each light reaches the surface of an opaque object that a pixel shows: a bit each,
+    /// `object_params.shadow_words` words a pixel.
     pixel_lit: u32, pixel;
     /// Not 0 if a driver ended a shadow ray's loop early; one element.
     cut_short: u32, scene;
@@ -142,8 +142,8 @@ buffers! {
     kept_clusters: Cluster, node;
     /// What has changed below each cluster since then: bits `ALTERED_`.
     change_flags: u32, node;
-    /// Of each receiver: its part of `added_links` (link), of `removed_links` (area), of `due_links` or, before, the place that its links
-    /// move to (edge), and of `handed`.
+    /// Of each receiver: its part of `added_links` (link), of `removed_links` (area), of `due_links` or, before, the
+    /// place that its links move to (edge), and of `handed`.
     edits: Span, node;
     /// Receivers of a chunk that have something to do, from the place on that the chunk has in `order`: those whose
     /// links are merged, and after that those whose links are summed again.
@@ -158,9 +158,9 @@ buffers! {
     stale_counts: u32, node;
     /// Links whose form factor is computed in this frame, by receiver.
     due_links: u32, due;
-    /// The same, sorted by rung.
+    /// The same, sorted by quadrature rule.
     ranked_links: u32, due;
-    /// Work groups to dispatch for each rung, then those of `DUE_MERGED` and `DUE_SUMMED`.
+    /// Work groups to dispatch for each rule, then those of `DUE_MERGED` and `DUE_SUMMED`.
     due_groups: [u32; 3], rank;
     /// Radiosity gathered at each node's own links.
     gathered: [f32; 3], node;

@@ -31,7 +31,7 @@ records! { list_records:
         /// The node that emits.
         emitter: u32,
     }
-    /// How full an object's lists are, and the room that they need; padded as its frame is.
+    /// How full an object's lists are, and the capacity that they need; padded as its frame is.
     ListCounters {
         /// Links of this chunk.
         links: u32,
@@ -57,7 +57,7 @@ records! { list_records:
         required_entries: u32,
         /// Most triangles that one block takes by area points or the edge form.
         required_near: u32,
-        /// Not 0 if a list did not fit: the results are void, and the frame must run again with more room.
+        /// Not 0 if a list did not fit: the results are void, and the frame must run again with more capacity.
         overflow: u32,
         /// Not 0 if a driver ended a loop early, or would: lavapipe does so after 65,535 iterations.
         unfinished: u32,

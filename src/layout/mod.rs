@@ -214,7 +214,7 @@ macro_rules! buffers {
         #[repr(usize)]
         pub enum BufferId { $($(#[doc = $about])* $name,)* }
 
-        /// Every buffer's slot, in the order of their numbers.
+        /// Every buffer id, in the order of their numbers.
         pub const BUFFER_IDS: &[BufferId] = &[$(BufferId::$name,)*];
 
         impl BufferId {

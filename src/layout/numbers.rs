@@ -32,7 +32,7 @@ constants! {
 
     /// Pixels along a side of a tile.
     TILE_SIDE: u32 = 4;
-    /// Receivers that a block has room for; those of a tile, too.
+    /// Receivers that fit a block; those of a tile, too.
     BLOCK_RECEIVERS: usize = 16;
     /// Blocks that the receivers of a tile are divided into.
     TILE_BLOCKS: u32 = 4;

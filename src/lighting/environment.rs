@@ -1,4 +1,5 @@
-//! Stage `environment`: the nine spherical-harmonic coefficients of the environment's image, a reduction over its pixels.
+//! Stage `environment`: the nine spherical-harmonic coefficients of the environment's image, a reduction over its
+//! pixels.
 //!
 //! A pixel is as bright all over; integrals of the harmonics over it are products of one over its row and one over its
 //! column, which the host has tables of, so that a constant image of any size has no error.

@@ -2,8 +2,8 @@
 //! environment.
 //!
 //! Below an index of 1 transmittance rises from the critical angle as a square root, so that the rounding of a cosine
-//! counts: where the squared cosine is within 0.01 of the critical one, a device in `f32` may miss the stage's tolerance,
-//! by up to 2e-3 of the light right at it. The fixture of such indices has no face there.
+//! counts: where the squared cosine is within 0.01 of the critical one, a device in `f32` may miss the stage's
+//! tolerance, by up to 2e-3 of the light right at it. The fixture of such indices has no face there.
 
 use glam::DVec3;
 use rayon::prelude::*;

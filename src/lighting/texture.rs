@@ -32,7 +32,8 @@ pub fn texel(i: i64, count: u32, wrap: u32) -> u32 {
     k as u32
 }
 
-/// Factors of an object's texture at a place: (0, 0) is the upper left corner of the texture, (1, 1) the lower right one.
+/// Factors of an object's texture at a place: (0, 0) is the upper left corner of the texture, (1, 1) the lower right
+/// one.
 #[must_use]
 pub fn factor(params: &ObjectParams, texels: &[[f32; 3]], place: DVec2) -> DVec3 {
     look(texels, params.texture_first, params.texture_size, params.texture_wrap, place)

@@ -1,7 +1,7 @@
 //! Stage `texture_in`: light that enters a face is multiplied by the texture's mean over the face.
 //!
-//! The mean is taken at the centroids of n x n equal triangles that the face is cut into, n its longest edge along either
-//! side of the texture in texels, from 1 to [`TEXTURE_PARTS`]: of larger faces a sample, no longer every texel.
+//! The mean is taken at the centroids of n x n equal triangles that the face is cut into, n its longest edge along
+//! either side of the texture in texels, from 1 to [`TEXTURE_PARTS`]: of larger faces a sample, no longer every texel.
 
 use rayon::prelude::*;
 

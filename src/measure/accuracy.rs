@@ -1,5 +1,6 @@
-//! Two errors that are not to be confused, material by material: the numerical one, of our radiosity against brute force
-//! over the same triangles, and the model's, of the dipole against a random walk that has none of its approximations.
+//! Two errors that are not to be confused, material by material: the numerical one, of our radiosity against brute
+//! force over the same triangles, and the model's, of the dipole against a random walk that has none of its
+//! approximations.
 
 use crate::dipole::profile::Dipole;
 use crate::error::Result;
@@ -93,8 +94,8 @@ pub fn model(preset: &Preset, channel: usize, effort: Effort) -> Model {
     }
 }
 
-/// The numerical error for a preset: L2 of the radiosity of a ball of [`PATHS`] mean free paths (of the channels' mean) in
-/// the sun, worst channel, at the default tolerance.
+/// The numerical error for a preset: L2 of the radiosity of a ball of [`PATHS`] mean free paths (of the channels' mean)
+/// in the sun, worst channel, at the default tolerance.
 pub fn numerical(preset: &Preset, device: Option<&Device>, effort: Effort) -> Result<f64> {
     let paths = [0, 1, 2].map(|c| 1.0 / (preset.sigma_s_prime[c] + preset.sigma_a[c]));
     let size = 2.0 * PATHS * paths.iter().sum::<f64>() / 3.0;

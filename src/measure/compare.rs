@@ -35,7 +35,7 @@ fn ulp(a: f32, b: f32) -> u64 {
     order(a).abs_diff(order(b))
 }
 
-/// Compares one buffer of two states; words and distances are told of `part`, a first element and their number.
+/// Compares one buffer of two states; words and distances refer to `part`, a first element and their number.
 pub fn compare(
     slot: BufferId,
     reference: &State,

@@ -1,9 +1,9 @@
 //! Conformance: every stage of a frame on the CPU and on a device, from the same state, and all memory compared.
 //!
-//! For each step what the stage overwrites is poisoned on both sides; the CPU runs on the reference's state, the device on its
-//! own, which starts from the same bits. Every buffer is then compared: written ones within the stage's
-//! tolerance, all others bit for bit. The device runs twice and must give the same bits; guard bytes after each
-//! buffer must be untouched; the validation layer must be silent.
+//! For each step what the stage overwrites is poisoned on both sides; the CPU runs on the reference's state, the device
+//! on its own, which starts from the same bits. Every buffer is then compared: written ones within the stage's
+//! tolerance, all others bit for bit. The device runs twice and must give the same bits; guard bytes after each buffer
+//! must be untouched; the validation layer must be silent.
 
 use crate::error::Result;
 use crate::geometry::deform;
@@ -47,8 +47,8 @@ pub struct Plant {
     pub slot: BufferId,
 }
 
-/// Runs every step of a fixture; one row a stage. With planted errors, each is looked for alone, and only their stages run on
-/// the device.
+/// Runs every step of a fixture; one row a stage. With planted errors, each is looked for alone, and only their stages
+/// run on the device.
 pub fn conform(device: &Device, fixture: &Fixture, plants: &[Plant]) -> Result<Vec<Row>> {
     compared(device, fixture, plants, &|stage| plants.is_empty() || plants.iter().any(|plant| plant.stage == stage))
 }
@@ -139,7 +139,8 @@ impl Pair {
         self.stale.extend(&written);
         self.device_state.upload(&self.reference, &self.stale)?;
 
-        // Twice on the device, what it writes from the same bits; what the first run changed beside that shows after the second.
+        // Twice on the device, what it writes from the same bits; what the first run changed beside that shows after
+        // the second.
         self.device_state.run(&self.reference, &[step])?;
         self.device_state.download(&mut self.device, &written)?;
         let mut first: Vec<Vec<u8>> = written.iter().map(|slot| self.device.data.bytes(*slot).to_vec()).collect();

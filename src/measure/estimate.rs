@@ -1,4 +1,5 @@
-//! How good an error estimate is: how often it lies above the error, by how much, and whether it knows where the errors are.
+//! How good an error estimate is: how often it lies above the error, by how much, and whether it knows where the errors
+//! are.
 
 use super::norms::percentile;
 
@@ -47,9 +48,9 @@ fn correlation(a: &[f64], b: &[f64], counts: &[f64]) -> f64 {
 }
 
 impl Quality {
-    /// Of these estimates for these errors, one of each a receiver, three channels each; a receiver stands for a count of
-    /// faces. A receiver is covered if it is in every channel; sizes and ranks are those of the three together, the root of
-    /// their squares.
+    /// Of these estimates for these errors, one of each a receiver, three channels each; a receiver stands for a count
+    /// of faces. A receiver is covered if it is in every channel; sizes and ranks are those of the three together, the
+    /// root of their squares.
     #[must_use]
     pub fn of(counts: &[f64], estimates: &[[f64; 3]], errors: &[[f64; 3]]) -> Self {
         let within = |(estimate, error): &(&[f64; 3], &[f64; 3])| (0..3).all(|c| error[c] <= estimate[c]);

@@ -1,4 +1,5 @@
-//! Slabs and half-spaces by a random walk, under collimated and under constant light, beside what the dipole says of them.
+//! Slabs and half-spaces by a random walk, under collimated and under constant light, beside what the dipole says of
+//! them.
 
 use std::f64::consts::{PI, TAU};
 
@@ -83,8 +84,8 @@ mod tests {
         Medium { scattering: albedo, absorption: 1.0 - albedo, eta }
     }
 
-    /// Chandrasekhar's H of even scattering, by 1/H(mu) = sqrt(1 - w) + w/2 integral of m H(m) / (mu + m): at 1, and the
-    /// integral of mu H(mu).
+    /// Chandrasekhar's H of even scattering, by 1/H(mu) = sqrt(1 - w) + w/2 integral of m H(m) / (mu + m): at 1, and
+    /// the integral of mu H(mu).
     fn chandrasekhar(albedo: f64) -> (f64, f64) {
         let nodes: Vec<_> = legendre(48).iter().map(|node| (0.5 + 0.5 * node.x, 0.5 * node.weight)).collect();
         let mut h = vec![1.0; nodes.len()];

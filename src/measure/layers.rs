@@ -1,4 +1,5 @@
-//! What the march through layers costs and errs: both rules of integration, by their samples, and each approximation alone.
+//! What the march through layers costs and errs: both rules of integration, by their samples, and each approximation
+//! alone.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -92,8 +93,8 @@ fn reference(state: &State, pixels: &[usize], kept: Kept) -> Vec<[f64; 3]> {
     pixels.par_iter().filter_map(|&pixel| full(state, pixel, kept, STEPS, LEGS)).collect()
 }
 
-/// Both rules with each of these numbers of samples, the paper's first: errors at up to `pixels` pixels, times over `repeat`
-/// frames.
+/// Both rules with each of these numbers of samples, the paper's first: errors at up to `pixels` pixels, times over
+/// `repeat` frames.
 pub fn rules(
     scene: &Scene,
     device: Option<&Device>,
@@ -106,7 +107,7 @@ pub fn rules(
     let pixels = shown(host.state(), pixels);
     let truth = reference(host.state(), &pixels, Kept::default());
     let converged = at(&mut session(&with(&scene, Integration::Exact, CONVERGED), device)?, &pixels)?;
-    // Both rules by turns, so that what else runs slows both.
+    // The two rules alternate, so that what else runs slows both.
     let mut lines = [Vec::new(), Vec::new()];
     for &samples in samples {
         let rules = [Integration::Paper, Integration::Exact];
@@ -132,8 +133,8 @@ pub fn rules(
     Ok(lines.concat())
 }
 
-/// What more lights cost: milliseconds of stage `relief` for each of these numbers of point lights round the scene's first
-/// object, by turns, the least of `repeat` frames.
+/// What more lights cost: milliseconds of stage `relief` for each of these numbers of point lights round the scene's
+/// first object, alternating, the least of `repeat` frames.
 pub fn by_lights(scene: &Scene, device: Option<&Device>, counts: &[u32], repeat: usize) -> Result<Vec<(u32, f64)>> {
     let (low, high) = scene.objects[0].mesh.bounds();
     let (middle, radius) = ((low + high) / 2.0, 2.0 * (high - low).length());
@@ -157,8 +158,8 @@ pub fn by_lights(scene: &Scene, device: Option<&Device>, counts: &[u32], repeat:
     Ok(counts.iter().copied().zip(least).collect())
 }
 
-/// How far times are from growing evenly with a number, 0 where they do: the largest share that a time is off the straight line
-/// through all, by least squares of those shares.
+/// How far times are from growing evenly with a number, 0 where they do: the largest share that a time is off the
+/// straight line through all, by least squares of those shares.
 #[must_use]
 pub fn uneven(times: &[(u32, f64)]) -> f64 {
     // time = a + b n, each equation over its time.
@@ -172,8 +173,8 @@ pub fn uneven(times: &[(u32, f64)]) -> f64 {
     times.iter().map(|&(n, time)| ((a + b * f64::from(n)) / time - 1.0).abs()).fold(0.0, f64::max)
 }
 
-/// Each approximation of the march by itself, all together, and the march itself, which has all of them: its name, and its relative L2 error against the layered
-/// volume at up to `pixels` pixels.
+/// Each approximation of the march by itself, all together, and the march itself, which has all of them: its name, and
+/// its relative L2 error against the layered volume at up to `pixels` pixels.
 pub fn approximations(scene: &Scene, pixels: usize) -> Result<Vec<(&'static str, f64)>> {
     let host = session(&with(&bare(scene), Integration::Exact, 1), None)?;
     let pixels = shown(host.state(), pixels);

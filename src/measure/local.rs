@@ -1,5 +1,5 @@
-//! What shading by curvature costs and errs beside Lambert's cosine, and what its paper shows: table 1 and figures 1, 4, 7,
-//! 9 and 11 of Kubo et al. 2010 as rows and scenes. Figure 6 is [`crate::measure::balls`], how far to trust it
+//! What shading by curvature costs and errs beside Lambert's cosine, and what its paper shows: table 1 and figures 1,
+//! 4, 7, 9 and 11 of Kubo et al. 2010 as rows and scenes. Figure 6 is [`crate::measure::balls`], how far to trust it
 //! [`crate::measure::validity`].
 
 use crate::error::{Error, Input, Result};
@@ -58,9 +58,9 @@ const SEEN: [&Stage; 7] = [
 /// How many frames of the others the texture blur has one of: it takes about a hundred times as long.
 const BLURS: usize = 20;
 
-/// The paper's techniques on a scene, in the order of its table, timed by turns over `frames` frames each, so that what else the
-/// machine does hits all alike; the texture blur over fewer. Without texture coordinates that are one to one
-/// (`transport.unwrap`) there is no texture blur.
+/// The paper's techniques on a scene, in the order of its table, timed alternately over `frames` frames each, so that
+/// what else the machine does hits all alike; the texture blur over fewer. Without texture coordinates that are one to
+/// one (`transport.unwrap`) there is no texture blur.
 pub fn table_1(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<Vec<Row>> {
     let scene = &bare(scene);
     let carried = picture(scene, device, Options::default())?;
@@ -187,8 +187,8 @@ pub fn bending(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
     Ok(Bending { vertices, curvature: median(bends), solve: median(solves) })
 }
 
-/// f over the angle from the light (figures 4 and 8): `count` pairs of degrees, from 0 to 180, and f, at a sigma of at least 0,
-/// radian.
+/// f over the angle from the light (figures 4 and 8): `count` pairs of degrees, from 0 to 180, and f, at a sigma of at
+/// least 0, radian.
 #[must_use]
 pub fn curve(sigma: f64, count: usize) -> Vec<[f64; 2]> {
     let degrees = |k: usize| 180.0 * k as f64 / (count.max(2) - 1) as f64;
@@ -236,9 +236,9 @@ pub struct Panel {
     pub transport: ShadingMethod,
 }
 
-/// Figures 1, 7, 9 and 11: the bust at rising sigma_0, balls of skin without and with scattering, the bust by the CDRF and by
-/// the dipole, the lotus without and with scattering, lit from the front and from behind. Figure 9's numbers are those of
-/// [`crate::measure::validity::places`].
+/// Figures 1, 7, 9 and 11: the bust at rising sigma_0, balls of skin without and with scattering, the bust by the CDRF
+/// and by the dipole, the lotus without and with scattering, lit from the front and from behind. Figure 9's numbers are
+/// those of [`crate::measure::validity::places`].
 pub fn panels(size: [u32; 2]) -> Result<Vec<Panel>> {
     let mut all = Vec::new();
     let mut add = |figure: u32, caption: &str, name: &str, sets: &[&str], transport: ShadingMethod| -> Result<()> {

@@ -1,5 +1,6 @@
-//! The measuring: conformance, profiles, error norms, the worth of an error estimate, references, error against time, extreme
-//! cases, the papers' tables, layers, local shading, modes, numerical error beside the model's; and the report of it all.
+//! The measuring: conformance, profiles, error norms, the worth of an error estimate, references, error against time,
+//! extreme cases, the papers' tables, layers, local shading, modes, numerical error beside the model's; and the report
+//! of it all.
 
 pub mod accuracy;
 pub mod balls;

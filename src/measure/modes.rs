@@ -1,4 +1,5 @@
-//! What each mode costs after each change, against a frame from scratch of the same scheme: time, links, form factors, error.
+//! What each mode costs after each change, against a frame from scratch of the same scheme: time, links, form factors,
+//! error.
 
 use std::time::Instant;
 
@@ -121,8 +122,9 @@ pub fn moved(scene: &Scene, what: What, step: usize) -> Scene {
 /// Three frames that have taken so many seconds are enough.
 const ENOUGH: f64 = 5.0;
 
-/// The rows of one scene on a device or the CPU, each over so many frames, or fewer slow ones: both schemes, every mode, every change, as far as
-/// `only` has no word but scheme, mode and change of the row. The first row of a scheme is what the others are compared with.
+/// The rows of one scene on a device or the CPU, each over so many frames, or fewer slow ones: both schemes, every
+/// mode, every change, as far as `only` has no word but scheme, mode and change of the row. The first row of a scheme
+/// is what the others are compared with.
 pub fn rows(device: Option<&Device>, scene: &Scene, frames: usize, only: &str) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for (scheme, called) in [(Scheme::Blocks, "blocks"), (Scheme::Links, "links")] {
@@ -146,7 +148,7 @@ pub fn rows(device: Option<&Device>, scene: &Scene, frames: usize, only: &str) -
     Ok(rows)
 }
 
-/// One row; scheme, mode and ratio are the caller's to tell.
+/// One row; scheme, mode and ratio are filled in by the caller.
 fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frames: usize) -> Result<Row> {
     let options = Options { mode, goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(&moved(scene, what, 0), device, options, CapacityHints::default())?;
@@ -182,8 +184,8 @@ fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frame
     })
 }
 
-/// Entries of all lists of a session that has had its frame. On-the-fly lists are scratch, overwritten part by part; those of
-/// mode `keep` are the same.
+/// Entries of all lists of a session that has had its frame. On-the-fly lists are scratch, overwritten part by part;
+/// those of mode `keep` are the same.
 fn links(session: &mut Session, scene: &Scene, device: Option<&Device>) -> Result<u64> {
     let options = session.plan().options();
     if options.mode == Mode::OnTheFly {

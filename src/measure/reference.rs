@@ -19,8 +19,8 @@ use crate::state::{Distance, State, wide};
 /// chi below which one sample with its second moment, 6 points and 12 points are within about 5e-6 of the exact
 /// form factor; above the last, graded quadrature along the edges.
 const RUNGS: [f64; 3] = [2e-3, 2e-2, 0.2];
-/// sigma s beyond which a triangle adds no digit beside what is near (e^-40 = 4e-18): there 12 points do, for any chi. Where
-/// all the light is that far away, so faint a sum is right to a few digits only.
+/// sigma s beyond which a triangle adds no digit beside what is near (e^-40 = 4e-18): there 12 points do, for any chi.
+/// Where all the light is that far away, so faint a sum is right to a few digits only.
 const FAINT: f64 = 40.0;
 
 /// Radiosity at the centroids of these faces of a state whose irradiance is known.

@@ -34,7 +34,8 @@ pub fn unused(device: &Device, fixtures: &[Fixture]) -> Result<Option<Input>> {
     }))
 }
 
-/// Compares the stages of replaced kernels with the reference on these fixtures; an error where they run one of them nowhere.
+/// Compares the stages of replaced kernels with the reference on these fixtures; an error where they run one of them
+/// nowhere.
 pub fn check(device: &Device, fixtures: &[Fixture]) -> Result<Vec<Row>> {
     if let Some(fault) = unused(device, fixtures)? {
         return Err(fault.into());

@@ -13,8 +13,8 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// About `count` of the faces with these areas, or all there are, by systematic sampling in the order of the faces: a
-    /// face's chance follows its count and its area (a quarter each) and the power `A B^2` of its channels (the other
+    /// About `count` of the faces with these areas, or all there are, by systematic sampling in the order of the faces:
+    /// a face's chance follows its count and its area (a quarter each) and the power `A B^2` of its channels (the other
     /// half) in `light`, a rough idea of the radiosity. Sums over the sample are unbiased whatever `light` says.
     #[must_use]
     pub fn seeded(areas: &[f64], light: &[[f64; 3]], count: usize, seed: u64) -> Self {

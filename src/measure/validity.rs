@@ -96,7 +96,8 @@ pub fn places(scene: &Scene, device: Option<&Device>) -> Result<Vec<Place>> {
     Ok(all)
 }
 
-/// Radiosity of a triangle by the CDRF at its middle, its sigma and sigma_0, and the way straight through the object below it.
+/// Radiosity of a triangle by the CDRF at its middle, its sigma and sigma_0, and the way straight through the object
+/// below it.
 fn at(state: &State, number: usize, face: usize) -> [DVec3; 4] {
     let (data, params) = (&state.data, &state.data.object_params[number]);
     let corners = data.triangles[face].map(|v| v as usize);
@@ -134,8 +135,8 @@ pub const THICK: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
 /// Borders of sigma.
 pub const BENT: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
 
-/// In one line: from which thickness on, and up to which sigma, the error is within [`ASKED`], for the largest part of the
-/// surface that this can be said of.
+/// In one line: from which thickness on, and up to which sigma, the error is within [`ASKED`], for the largest part of
+/// the surface that this can be said of.
 #[must_use]
 pub fn verdict(places: &[Place]) -> String {
     let all = share(places, |_| true);

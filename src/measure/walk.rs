@@ -1,5 +1,6 @@
 //! Monte Carlo: a random walk of light in a body, without the dipole's approximations. Light scatters evenly in all
-//! directions with the reduced coefficient, is absorbed, and is reflected at the surface from inside by Fresnel's formulas.
+//! directions with the reduced coefficient, is absorbed, and is reflected at the surface from inside by Fresnel's
+//! formulas.
 
 use std::f64::consts::TAU;
 
@@ -55,7 +56,7 @@ impl Body {
     }
 }
 
-/// Independent parts of a walk, whose spread tells the standard error.
+/// Independent parts of a walk, whose spread gives the standard error.
 pub const BATCHES: u64 = 32;
 /// Steps after which a photon is given up: what is left of it would be lost anyway.
 const STEPS: usize = 1_000_000;

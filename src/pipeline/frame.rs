@@ -1,5 +1,5 @@
-//! The frame: every stage in its order, with the loops that it runs in. Conformance, profile, plan and the guide go by it; a new
-//! stage adds a line here.
+//! The frame: every stage in its order, with the loops that it runs in. Conformance, profile, plan and the guide go by
+//! it; a new stage adds a line here.
 
 use crate::geometry::{deform, refit};
 use crate::layers::{plane_fit, relief};

@@ -84,7 +84,7 @@ impl Plan {
 
     /// Buffers that are inputs: no stage writes them, or not always.
     pub fn inputs() -> impl Iterator<Item = BufferId> {
-        // Blocks are made anew only where they are of pixels, positions only where something deforms the object.
+        // Blocks are rebuilt only where they are of pixels, positions only where something deforms the object.
         let sent = [BufferId::blocks, BufferId::positions];
         let made = |slot: &BufferId| STAGES.iter().any(|stage| stage.writes(*slot));
         BUFFER_IDS.iter().copied().filter(move |slot| sent.contains(slot) || !made(slot))

@@ -41,8 +41,8 @@ pub(crate) fn triangle_size(state: &State) -> f64 {
     data.object_params[0].sigma.map(f64::from).into_iter().fold(0.0, f64::max) * mean.sqrt()
 }
 
-/// Nodes an edge of the edge form: errors of neighbours cancel in part, so that few are enough for a loose tolerance. Of a
-/// large triangle most of the light is its own, and nothing cancels.
+/// Nodes an edge of the edge form: errors of neighbours cancel in part, so that few are enough for a loose tolerance.
+/// Of a large triangle most of the light is its own, and nothing cancels.
 pub(crate) fn edge_nodes(tolerance: f64, triangle_size: f64) -> u32 {
     match tolerance {
         t if t >= 5e-3 * triangle_size.clamp(1.0, 4.0) => 3,
@@ -54,8 +54,8 @@ pub(crate) fn edge_nodes(tolerance: f64, triangle_size: f64) -> u32 {
 /// The largest error of a link, in units of the reference level, for a tolerance.
 ///
 /// The error of a solution falls more slowly than that of a link: links' errors cancel in part. The values met their
-/// tolerance on the built-in scenes and five other meshes, from 1 to 1000 mm, ketchup to whole milk; a coarse lotus of 1 mm
-/// came nearest to it. In between by the logarithm.
+/// tolerance on the built-in scenes and five other meshes, from 1 to 1000 mm, ketchup to whole milk; a coarse lotus of
+/// 1 mm came nearest to it. In between by the logarithm.
 pub(crate) fn link_error(tolerance: f64) -> f64 {
     const MET: [(f64, f64); 5] = [(1e-5, 1.5e-6), (1e-4, 8e-5), (1e-3, 2.6e-3), (1e-2, 0.09), (0.1, 1.2)];
     let row = MET.windows(2).find(|pair| tolerance <= pair[1].0).unwrap_or(&MET[3..]);
@@ -64,8 +64,8 @@ pub(crate) fn link_error(tolerance: f64) -> f64 {
     at_low * (at_high / at_low).powf(part)
 }
 
-/// Which channels of an object are carried together: those whose lights, refraction and texture at the entry differ by a
-/// factor alone. Black ones, without light or without scattering, are in no group.
+/// Which channels of an object are carried together: those whose lights, refraction and texture at the entry differ by
+/// a factor alone. Black ones, without light or without scattering, are in no group.
 pub(crate) fn group(params: &mut ObjectParams, texels: &[[f32; 3]], lights: &[Light]) -> Vec<Group> {
     let texture = brightest_entry(params, texels);
     let colors: Vec<[f64; 3]> = lights.iter().map(Light::color).collect();

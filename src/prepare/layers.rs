@@ -13,15 +13,15 @@ use crate::scene::{Integration, Layers, Object, Phase, Sky, Source};
 use crate::state::options::{Goal, Options};
 use crate::state::{State, narrow};
 
-/// The densest layer, per unit of the frame: light goes no farther in it than `f32` tells places apart.
+/// The densest layer, per unit of the frame: light goes no farther in it than `f32` distinguishes positions.
 const DENSEST: f64 = 1e8;
 /// Light dimmed to this share is followed no farther.
 const FAINTEST: f64 = 1e-4;
 /// As how many lights from afar an environment shines into layers.
 pub const DIRECTIONS: u32 = 32;
 
-/// Puts the objects' layers in place; nothing is there where no object has any. `faces` is each object's triangle of each of
-/// the state. Says what became of their maps.
+/// Puts the objects' layers in place; nothing is there where no object has any. `faces` is each object's triangle of
+/// each of the state. Says what became of their maps.
 pub(crate) fn layers(state: &mut State, objects: &[Object], faces: &[Vec<u32>], units: Units) -> Vec<String> {
     let data = &mut state.data;
     let mut said = Vec::new();
@@ -31,7 +31,7 @@ pub(crate) fn layers(state: &mut State, objects: &[Object], faces: &[Vec<u32>], 
         data.layer_media.extend(layers.layers.iter().map(|layer| record(layer, layers.phase, units)));
         let own = &data.layer_media[first..];
         let least = |of: &[Layer]| of.iter().flat_map(|layer| layer.sigma_t).fold(f32::INFINITY, f32::min);
-        // How far light comes to be told from none: to the object's other end at most.
+        // How far light goes until it is negligible: to the object's other end at most.
         let extent = {
             let (low, high) = object.mesh.bounds();
             (high - low).length() * units.length
@@ -73,8 +73,8 @@ pub(crate) fn layers(state: &mut State, objects: &[Object], faces: &[Vec<u32>], 
     said
 }
 
-/// Steps along a ray: interfaces that it crosses take a sample, too, of which there are no more than by the left rule; but
-/// half of the samples are steps.
+/// Steps along a ray: interfaces that it crosses take a sample, too, of which there are no more than by the left rule;
+/// but half of the samples are steps.
 fn steps(layers: &Layers) -> u32 {
     match layers.integration {
         Integration::Paper => layers.samples,
@@ -109,8 +109,8 @@ fn record(layer: &crate::scene::Layer, phase: Phase, units: Units) -> Layer {
     Layer { sigma_s: scaled(layer.sigma_s), sigma_t: scaled(layer.sigma_t), g: parameter(phase, layer.g) as f32 }
 }
 
-/// What shines into layers, if there are any: the state's lights that are not black, and the environment as lights from afar, each as bright
-/// as the part of the sphere that is nearest to its direction.
+/// What shines into layers, if there are any: the state's lights that are not black, and the environment as lights from
+/// afar, each as bright as the part of the sphere that is nearest to its direction.
 pub(crate) fn beams(state: &mut State, lights: &[crate::scene::Light], unit: f64) {
     state.data.layer_lights.clear();
     if state.data.layerings.is_empty() {

@@ -1,4 +1,4 @@
-//! From the scene's lights to the records, rays and tables that the stages of room `light` read.
+//! From the scene's lights to the records, rays and tables that the stages of module `lighting` read.
 
 use glam::DVec3;
 use rayon::prelude::*;

@@ -27,7 +27,7 @@ use crate::view::pixel_receivers::LAYERS;
 /// A state ready to run, and what is needed to read its results.
 #[derive(Clone, Debug)]
 pub struct Prepared {
-    /// The state; lists have no room yet.
+    /// The state; lists have no capacity yet.
     pub state: State,
     /// Its units.
     pub units: Units,
@@ -67,12 +67,12 @@ impl Prepared {
     }
 }
 
-/// The smallest reduced extinction inside a frame: anything thinner is brought up to it. So little light comes back that none is seen, but powers of the
-/// depths stay within `f32`.
+/// The smallest reduced extinction inside a frame: anything thinner is brought up to it. So little light comes back
+/// that none is seen, but powers of the depths stay within `f32`.
 const THINNEST: f64 = 1e-11;
 
-/// The dipole of each channel in internal units. What is denser than [`DENSEST`] is brought down to it with its albedo kept:
-/// light leaves where it enters, and `f32` positions say no more than that.
+/// The dipole of each channel in internal units. What is denser than [`DENSEST`] is brought down to it with its albedo
+/// kept: light leaves where it enters, and `f32` positions say no more than that.
 pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
     std::array::from_fn(|channel| {
         let eta = material.eta[channel];
@@ -88,8 +88,8 @@ pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
     })
 }
 
-/// Builds trees and state of a scene, `by_pixel` with receivers where the pixels show its objects, and where light is looked at
-/// that arrives at opaque ones.
+/// Builds trees and state of a scene, `by_pixel` with receivers where the pixels show its objects, and where light is
+/// looked at that arrives at opaque ones.
 ///
 /// With `local`, what comes back depends on the place alone: there are no receivers, and a texture is looked at once.
 pub fn prepare(scene: &Scene, (by_pixel, lit_at): (bool, LitAt), local: Option<Local>) -> Prepared {

@@ -21,10 +21,10 @@ pub fn local(settings: &scene::Transport, transport: ShadingMethod) -> Option<Lo
 /// The most mean free paths that light spreads where the material does not say.
 pub const WIDEST: f64 = 10.0;
 
-/// How far light spreads along the surface where the material does not say: the standard deviation in one direction of the
-/// dipole's profile, sqrt(z / sigma_tr), z the mean of the sources' distances by the light that each gives. Length;
+/// How far light spreads along the surface where the material does not say: the standard deviation in one direction of
+/// the dipole's profile, sqrt(z / sigma_tr), z the mean of the sources' distances by the light that each gives. Length;
 /// at most [`WIDEST`] mean free paths: where little is absorbed it is the profile's far tail that counts, for which few
-/// objects have room.
+/// objects have space.
 #[must_use]
 pub fn default_sigma_0(dipole: &Dipole) -> f64 {
     let weights = dipole.depths().map(|z| (-dipole.sigma * z).exp());

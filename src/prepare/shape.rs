@@ -76,7 +76,8 @@ pub fn moved(object: &Object, units: Units) -> Option<Vec<DVec3>> {
 /// How far from the middle of the scene at rest vertices may go, in the state's units: it is at most 1 across.
 const FARTHEST: f64 = 1.0;
 
-/// How many cells of noise away from its origin the scene may lie: there `f32` still tells 256 places in each.
+/// How many cells of noise away from its origin the scene may lie: there `f32` still distinguishes 256 positions in
+/// each.
 const MOST_CELLS: f64 = 65_536.0;
 
 /// Whether the deformations keep the objects where distances are within the tables of reaches and `f32` is fine enough.
@@ -112,14 +113,14 @@ pub fn reach(objects: &[Object], units: Units) -> Result<()> {
     Ok(())
 }
 
-/// How much wider than at rest a tree's clusters are from which on it is built anew, for the shape as deformed. In the
-/// scene `twist` at 1.05, 1.09, 1.13 and 1.16 a new tree took 11, 18, 28 and 45 % off a frame's time (one run on lavapipe),
-/// and was built in some 15 ms.
+/// How much wider than at rest a tree's clusters are from which on it is rebuilt, for the shape as deformed. In the
+/// scene `twist` at 1.05, 1.09, 1.13 and 1.16 a new tree took 11, 18, 28 and 45 % off a frame's time (one run on
+/// lavapipe), and was built in some 15 ms.
 const SPOILT: f64 = 1.05;
 
-/// The vertices that the tree of an object should be built over instead of those at rest, and how much wider its clusters
-/// have become, where that is too much. It depends on the shape alone, not on shapes before it. What 4-to-1 splits leave
-/// would be the same over any shape.
+/// The vertices that the tree of an object should be built over instead of those at rest, and how much wider its
+/// clusters have become, where that is too much. It depends on the shape alone, not on shapes before it. What 4-to-1
+/// splits leave would be the same over any shape.
 pub fn spoilt(object: &Object, hierarchy: Hierarchy, units: Units, tree: &Tree) -> Option<(Vec<DVec3>, f64)> {
     if matches!(hierarchy, Hierarchy::Butterfly | Hierarchy::ShrinkWrap) {
         return None;
@@ -130,7 +131,8 @@ pub fn spoilt(object: &Object, hierarchy: Hierarchy, units: Units, tree: &Tree) 
     (growth > SPOILT).then_some((moved, growth))
 }
 
-/// An object's deformations in the state's units, but for those that do nothing; the ways of morphs are added to `morphs`.
+/// An object's deformations in the state's units, but for those that do nothing; the ways of morphs are added to
+/// `morphs`.
 fn records(object: &Object, units: Units, morphs: &mut Vec<[f32; 3]>) -> Vec<Record> {
     let mut records = Vec::new();
     for deform in &object.deforms {
@@ -190,9 +192,9 @@ fn record(deform: &Deform, units: Units) -> Option<Record> {
     }
 }
 
-/// How many triangles of each object its deformations turn inside out or leave without an area: what was in front of them
-/// at rest is behind them, or nowhere. A morph tells nothing of what is in front: then those that lie against what is round
-/// them, or all of a closed surface if its inside comes to lie outside.
+/// How many triangles of each object its deformations turn inside out or leave without an area: what was in front of
+/// them at rest is behind them, or nowhere. A morph says nothing about what is in front: then those that lie against
+/// what is round them, or all of a closed surface if its inside comes to lie outside.
 pub fn turned(state: &State) -> Vec<usize> {
     let data = &state.data;
     let count = |(part, params): (&crate::state::Object, &crate::layout::ObjectParams)| {

@@ -1,4 +1,5 @@
-//! Texture coordinates as the stages `bake_irradiance`, `blur` and `texture_blur` take them: what each texel shows, and the Gaussians.
+//! Texture coordinates as the stages `bake_irradiance`, `blur` and `texture_blur` take them: what each texel shows, and
+//! the Gaussians.
 
 use super::scene::{Prepared, dipoles};
 use super::textures::texels;
@@ -22,8 +23,8 @@ const SHARED: f64 = 0.01;
 /// A texel that shows nothing.
 const NOTHING: TexelHit = TexelHit { face: u32::MAX, u: 0.0, v: 0.0 };
 
-/// The texture coordinates of every object that light enters; an error where one has none, or where they are not one to one.
-/// None where light is not blurred over them.
+/// The texture coordinates of every object that light enters; an error where one has none, or where they are not one to
+/// one. None where light is not blurred over them.
 pub(crate) fn unwrap(scene: &Scene, local: Option<Local>) -> Result<Vec<Option<Unwrapped>>> {
     if local != Some(Local::Blur) {
         return Ok(Vec::new());

@@ -8,8 +8,8 @@ use crate::scene::{Material, Mesh, Side, Wrap};
 use crate::state::options::{Goal, Options};
 use crate::state::{Local, State};
 
-/// Puts a texture in place, and the corners' places in it and in depth maps; `faces` is the mesh's triangle of each triangle of the state. A mesh without places in a
-/// texture has none.
+/// Puts a texture in place, and the corners' places in it and in depth maps; `faces` is the mesh's triangle of each
+/// triangle of the state. A mesh without places in a texture has none.
 pub(crate) fn texture(state: &mut State, material: &Material, mesh: &Mesh, faces: &[u32]) {
     let (texture, layers) = (material.texture.as_ref(), material.layers.as_ref().filter(|layers| layers.map.mapped));
     let spread = material.sigma_0_texture.as_ref();
@@ -48,8 +48,8 @@ fn near(uvs: &[[f64; 2]; 3], period: Option<f64>) -> CornerUvs {
     CornerUvs { a, b, c }
 }
 
-/// Texels whose centres lie in a triangle's places, counted from the upper left, whole repetitions taken off, and the weights
-/// of its corners there.
+/// Texels whose centres lie in a triangle's places, counted from the upper left, whole repetitions taken off, and the
+/// weights of its corners there.
 pub(crate) fn texels([width, height]: [u32; 2], uvs: &[[f64; 2]; 3]) -> Vec<(usize, [f64; 3])> {
     let size = DVec2::new(width.into(), height.into());
     let [a, b, c] = uvs.map(|place| DVec2::from_array(place) * size - 0.5);

@@ -41,8 +41,8 @@ impl Units {
         point / self.length + self.center
     }
 
-    /// Scene radiance of an internal radiance of 1, for pictures. What no `f32` holds becomes its largest power of two but
-    /// one, so that a picture of a lamp of 1e30 W/sr right at the object is too dark rather than infinite.
+    /// Scene radiance of an internal radiance of 1, for pictures. What no `f32` holds becomes its largest power of two
+    /// but one, so that a picture of a lamp of 1e30 W/sr right at the object is too dark rather than infinite.
     #[must_use]
     pub fn radiance(&self) -> f32 {
         self.light.min(f64::exp2(126.0)) as f32

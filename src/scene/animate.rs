@@ -1,5 +1,5 @@
-//! Keyframes: any number of a scene file, or list of numbers, may be a table `{ keyframes = [[frame, value], ...] }`; and
-//! a mesh may be of a frame: `mesh = "walk-%04d.obj"`.
+//! Keyframes: any number of a scene file, or list of numbers, may be a table `{ keyframes = [[frame, value], ...] }`;
+//! and a mesh may be of a frame: `mesh = "walk-%04d.obj"`.
 
 use super::range::Checked;
 use crate::error::Input;

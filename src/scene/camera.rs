@@ -1,4 +1,4 @@
-//! The camera: where it stands, where it looks, and how it is fitted to the object when not told.
+//! The camera: where it stands, where it looks, and how it is fitted to the object where the scene does not say.
 
 use super::file::CameraFile;
 use super::light::{Light, Source};
@@ -59,7 +59,7 @@ pub struct Camera {
     pub environment: bool,
 }
 
-/// The least angle of a pixel, radian: four times what `f32` tells apart.
+/// The least angle of a pixel, radian: four times what `f32` resolves.
 const NARROWEST: f64 = 4.0 / 16_777_216.0;
 
 impl Camera {

@@ -20,7 +20,8 @@ pub enum Deform {
         /// Radians, right-handed about the axis.
         angle: f64,
     },
-    /// Bent into an arc: the low end stays, the high one is turned by `angle`; what lies beyond either end stays straight.
+    /// Bent into an arc: the low end stays, the high one is turned by `angle`; what lies beyond either end stays
+    /// straight.
     Bend {
         /// The direction that is bent, and its ends.
         span: Span,
@@ -168,8 +169,8 @@ impl DeformFile {
 }
 
 impl Draft {
-    /// Reads a morph's other mesh, from `folder`, which must match the object's own file `own`; none is a shape made here.
-    /// `origin` is how the object's vertices come from that file's, `place` how ways are scaled and turned.
+    /// Reads a morph's other mesh, from `folder`, which must match the object's own file `own`; none is a shape made
+    /// here. `origin` is how the object's vertices come from that file's, `place` how ways are scaled and turned.
     pub(super) fn load(
         &mut self,
         files: &Files,
@@ -194,8 +195,8 @@ impl Draft {
         Ok(())
     }
 
-    /// The deformation of this mesh: an axis goes through the middle of its box, from its low end to its high one, where
-    /// nothing else is said.
+    /// The deformation of this mesh: an axis goes through the middle of its box, from its low end to its high one,
+    /// where nothing else is said.
     pub(super) fn on(&self, mesh: &Mesh) -> Deform {
         let mut deform = self.deform.clone();
         if let Deform::Twist { span, .. } | Deform::Bend { span, .. } = &mut deform {

@@ -8,8 +8,8 @@ use glam::DVec3;
 
 /// The most mean free paths that a frame takes across the scene: anything denser is brought down to that.
 pub const DENSEST: f64 = 1e6;
-/// How many times an object's size the scene may be: `f32` tells places to some 2^-24 of the scene, here a hundredth of
-/// the object.
+/// How many times an object's size the scene may be: `f32` distinguishes positions to some 2^-24 of the scene, here a
+/// hundredth of the object.
 const WIDEST: f64 = 1e5;
 /// The same where its material is denser than [`DENSEST`], so that its mean free path grows with the scene: to a
 /// ten-thousandth of the object at most.
@@ -34,8 +34,8 @@ pub(super) fn check(objects: &[Object]) -> Checked<()> {
     Ok(())
 }
 
-/// The root of a surface's area, or its longest edge where that is longer: unlike its box they know nothing of a speck far
-/// away.
+/// The root of a surface's area, or its longest edge where that is longer: unlike its box they know nothing of a speck
+/// far away.
 fn size(mesh: &Mesh) -> f64 {
     // Against the box's size, for squares of squares of small lengths are 0.
     let (low, high) = mesh.bounds();

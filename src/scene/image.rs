@@ -1,7 +1,8 @@
-//! Images as linear numbers: OpenEXR, Radiance HDR, and PNG with its sRGB undone; or as they are, where they hold depths.
+//! Images as linear numbers: OpenEXR, Radiance HDR, and PNG with its sRGB undone; or as they are, where they hold
+//! depths.
 //!
-//! What a file says of its size is checked before memory is taken: by the most pixels that it may have, by its own length,
-//! and by the memory of the scene.
+//! What a file says of its size is checked before memory is taken: by the most pixels that it may have, by its own
+//! length, and by the memory of the scene.
 
 mod chunks;
 
@@ -18,15 +19,15 @@ use std::result::Result;
 /// Size and pixels of an image file, rows from the top, or what is wrong with it.
 pub(super) type Image = Result<([u32; 2], Vec<[f32; 3]>), String>;
 
-/// Most bytes of pixels that one byte of a file may stand for: more than a deflated map of single bits, or a flat picture of
-/// transformed squares, deflated.
+/// Most bytes of pixels that one byte of a file may stand for: more than a deflated map of single bits, or a flat
+/// picture of transformed squares, deflated.
 const MOST_PACKED: u64 = 1 << 17;
 
 /// Most bytes that a PNG's colour profile may take.
 const MOST_BESIDE: u64 = 64 << 20;
 
-/// Whether an image of this size may be read, and the memory for it is there: of `stored` bytes a pixel, `kept` after it is
-/// read, `held` meanwhile.
+/// Whether an image of this size may be read, and the memory for it is there: of `stored` bytes a pixel, `kept` after
+/// it is read, `held` meanwhile.
 fn fits(
     files: &Files,
     size: [u64; 2],
@@ -60,7 +61,8 @@ fn open_exr(files: &Files, path: &Path, most: usize, kept: u64) -> Result<Vec<u8
         let size = [header.layer_size.width() as u64, header.layer_size.height() as u64];
         let stored = header.channels.bytes_per_pixel as u64;
         fits(files, size, most, [stored, kept, 2 * stored], bytes.len())?;
-        // A tile may be larger than the picture, and the reader makes room for as much of it as the file claims to hold.
+        // A tile may be larger than the picture, and the reader makes room for as much of it as the file claims to
+        // hold.
         if let BlockDescription::Tiles(tiles) = header.blocks {
             let [width, height] = [tiles.tile_size.width() as u64, tiles.tile_size.height() as u64];
             let pixels = width.saturating_mul(height);
@@ -158,8 +160,8 @@ pub(super) fn read_png(files: &Files, path: &Path, most: usize) -> Image {
     Ok((size, image.pixels().map(|pixel| pixel.0.map(linear)).collect()))
 }
 
-/// Whether a PNG's palettes are of whole colours, 256 at most, as the decoder takes for granted: chunks of a length in four
-/// bytes, a name in four, so many bytes, and a sum in four.
+/// Whether a PNG's palettes are of whole colours, 256 at most, as the decoder takes for granted: chunks of a length in
+/// four bytes, a name in four, so many bytes, and a sum in four.
 fn whole_palettes(bytes: &[u8]) -> Result<(), String> {
     let mut rest = bytes.get(8..).unwrap_or_default();
     while let Some((head, body)) = rest.split_first_chunk::<8>() {

@@ -145,8 +145,8 @@ impl Draft {
         }
     }
 
-    /// Loads texture and depth maps, reads or makes the mesh, as fine as the hierarchy wants it, at its size and place, and
-    /// reads the meshes that it is morphed to; paths are relative to `folder`.
+    /// Loads texture and depth maps, reads or makes the mesh, as fine as the hierarchy wants it, at its size and place,
+    /// and reads the meshes that it is morphed to; paths are relative to `folder`.
     pub(super) fn mesh(
         &mut self,
         files: &Files,

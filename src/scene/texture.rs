@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn an_exr_whose_window_is_the_wrong_way_round_is_read_as_if_it_were_not() {
-        // The crate puts corners in order and tells nobody.
+        // The crate reorders corners silently.
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name);
         exr::prelude::write_rgb_file(path("a.exr"), 2, 2, |x, y| (x as f32, 0.5 * y as f32, 0.25)).expect("written");

@@ -53,7 +53,8 @@ pub struct Transport {
     pub form_factor_tolerance: f64,
     /// The irradiance octree: the solid angle from which on a cell is opened, steradian, above 0.
     pub octree_angle: f64,
-    /// Mode incremental: most form factors that a frame computes over links that are kept, at least 1; unlimited if left out.
+    /// Mode incremental: most form factors that a frame computes over links that are kept, at least 1; unlimited if
+    /// left out.
     pub budget: Option<u32>,
     /// How the CDRF is evaluated.
     pub cdrf: Cdrf,

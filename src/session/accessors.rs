@@ -1,5 +1,5 @@
-//! What a session tells its callers about itself: the scene, the state, the plan, where it runs, and how often it ran
-//! again.
+//! What a session reports to its callers about itself: the scene, the state, the plan, where it runs, and how often it
+//! ran again.
 
 use super::run::{Backend, Session};
 use super::subdivide::Parts;

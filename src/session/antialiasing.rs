@@ -1,21 +1,21 @@
-//! Anti-aliasing: a picture as the mean of pictures, each with its rays through another place of the pixels. Light is not
-//! carried anew: only what depends on the view runs again.
+//! Anti-aliasing: a picture as the mean of pictures, each with its rays through another place of the pixels. Light is
+//! not carried again: only what depends on the view runs again.
 
 use super::run::Session;
 use crate::error::Result;
 use crate::pipeline::plan::Change;
 use crate::view::picture::Picture;
 
-/// The place of sample `k` of `count` in every pixel, from its centre, in pixels: a lattice by the golden ratio, one sample a
-/// column. It errs half as much at an edge as the R2 sequence does.
+/// The place of sample `k` of `count` in every pixel, from its centre, in pixels: a lattice by the golden ratio, one
+/// sample a column. It errs half as much at an edge as the R2 sequence does.
 #[must_use]
 pub fn place(k: u32, count: u32) -> [f64; 2] {
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     [(f64::from(k) + 0.5) / f64::from(count) - 0.5, (0.5 + f64::from(k) * golden).fract() - 0.5]
 }
 
-/// The picture of a session after a frame through the pixels' centres: with the camera's number of samples, all of equal
-/// weight, of which the centre is one only if there is no other. Leaves the session at the last of them.
+/// The picture of a session after a frame through the pixels' centres: with the camera's number of samples, all of
+/// equal weight, of which the centre is one only if there is no other. Leaves the session at the last of them.
 pub fn picture(session: &mut Session) -> Result<Picture> {
     let mut picture = session.picture()?;
     let samples = session.scene().camera.samples;

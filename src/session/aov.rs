@@ -9,8 +9,8 @@ use crate::layout::{BufferId, Hit};
 use crate::state::{State, narrow, wide};
 use crate::view::aov::{Layer, Samples};
 
-/// The layers of a session's last picture. Numbers of links are right where lists are kept (`Mode::Keep`; in `Mode::Render` dark emitters count, too), or where
-/// one list holds them all.
+/// The layers of a session's last picture. Numbers of links are right where lists are kept (`Mode::Keep`; in
+/// `Mode::Render` dark emitters count, too), or where one list holds them all.
 pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
     let known = [
         BufferId::hits,
@@ -95,7 +95,8 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
     Ok(layers)
 }
 
-/// How many emitters, clusters or triangles, each receiver's radiosity was summed from; of brute force nothing is known.
+/// How many emitters, clusters or triangles, each receiver's radiosity was summed from; of brute force nothing is
+/// known.
 pub fn links(state: &State) -> Vec<u32> {
     let data = &state.data;
     let mut count = vec![0; data.radiosity.len()];

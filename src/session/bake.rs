@@ -1,5 +1,5 @@
-//! Depth maps from meshes: at each place of a surface's texture coordinates, how far below it another surface lies (Francois
-//! et al. 2006, section 2.1).
+//! Depth maps from meshes: at each place of a surface's texture coordinates, how far below it another surface lies
+//! (Francois et al. 2006, section 2.1).
 
 use glam::DVec3;
 use rayon::prelude::*;

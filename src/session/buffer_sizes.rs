@@ -1,4 +1,5 @@
-//! Buffers of a session at their size: before the first frame, where lists grow, and where the picture has another size.
+//! Buffers of a session at their size: before the first frame, where lists grow, and where the picture has another
+//! size.
 
 use super::run::Session;
 use crate::error::Result;

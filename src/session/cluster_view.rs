@@ -1,4 +1,5 @@
-//! The picture of the clusters that light one receiver, as in the paper's figure 6.9: coloured by their level in the tree.
+//! The picture of the clusters that light one receiver, as in the paper's figure 6.9: coloured by their level in the
+//! tree.
 
 use std::collections::BTreeMap;
 
@@ -26,8 +27,8 @@ pub struct Emitters {
     pub of_face: Vec<Option<(u32, usize)>>,
 }
 
-/// The clusters that light what a pixel shows, as a picture and by their levels: those of the first group of channels. The
-/// session keeps its lists (`Mode::Keep`) and has had its frame.
+/// The clusters that light what a pixel shows, as a picture and by their levels: those of the first group of channels.
+/// The session keeps its lists (`Mode::Keep`) and has had its frame.
 pub fn clusters(session: &mut Session, pick: [u32; 2]) -> Result<(Picture, Emitters)> {
     let lists =
         [BufferId::runs, BufferId::entries, BufferId::spans, BufferId::links, BufferId::blocks, BufferId::normals];
@@ -134,7 +135,7 @@ pub fn color(emitters: &Emitters, level: usize) -> [f32; 3] {
     narrow(if t < 0.5 { COARSE.lerp(MIDDLE, 2.0 * t) } else { MIDDLE.lerp(FINE, 2.0 * t - 1.0) })
 }
 
-/// Levels as colours, clusters told apart by shades, the receiver white, all else grey; lit from the eye.
+/// Levels as colours, clusters distinguished by shades, the receiver white, all else grey; lit from the eye.
 fn paint(state: &State, emitters: &Emitters, receivers: &[usize]) -> Picture {
     let (data, camera) = (&state.data, &state.data.camera[0]);
     let first = state.objects[emitters.object].first.faces;

@@ -25,8 +25,8 @@ const RAMP: [DVec3; 5] = [
 pub struct CurvatureView {
     /// kappa at the ramp's ends, 1 / scene unit: its 5th and 95th percentile.
     pub ends: [f64; 2],
-    /// How far the cubic fit's kappa is from the stage's, over the sum of both: median and 95th percentile; 0 where nothing
-    /// can be fitted.
+    /// How far the cubic fit's kappa is from the stage's, over the sum of both: median and 95th percentile; 0 where
+    /// nothing can be fitted.
     pub apart: [f64; 2],
 }
 
@@ -47,7 +47,8 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted.get(((sorted.len() as f64 - 1.0).max(0.0) * share).round() as usize).copied().unwrap_or(0.0)
 }
 
-/// The share of the vertices that light enters where sigma is above 1 in every channel: f hardly depends on the light there.
+/// The share of the vertices that light enters where sigma is above 1 in every channel: f hardly depends on the light
+/// there.
 pub fn flat(session: &mut Session) -> Result<f64> {
     session.fetch(&[BufferId::curvature])?;
     let data = &session.state().data;

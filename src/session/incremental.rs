@@ -1,4 +1,4 @@
-//! Links that are kept while the shape changes: their budget, what waits, and room for what is made.
+//! Links that are kept while the shape changes: their budget, what waits, and capacity for new links.
 
 use super::capacity::{chunks, need};
 use super::run::Session;
@@ -56,8 +56,8 @@ impl Session {
         Change { relink: change.everything && !self.linked, ..change }
     }
 
-    /// Has links made from scratch where more than half of the vertices have moved: to revise them costs more. With a budget
-    /// they are revised all the same.
+    /// Has links made from scratch where more than half of the vertices have moved: to revise them costs more. With a
+    /// budget they are revised all the same.
     pub(crate) fn unlink_where_much_moves(&mut self, before: &[[f32; 3]]) {
         let now = &self.state().data.positions;
         let moved = before.iter().zip(now).filter(|(before, now)| before != now).count();
@@ -75,8 +75,9 @@ impl Session {
         self.send(&[BufferId::object_params])
     }
 
-    /// After an overflow while links were revised: longer lists, or those of links without the gaps that have come about. Where
-    /// that does not help, links are made from scratch. What has been done stays done: the frame revises the rest.
+    /// After an overflow while links were revised: longer lists, or those of links without the gaps that have come
+    /// about. Where that does not help, links are made from scratch. What has been done stays done: the frame revises
+    /// the rest.
     pub(crate) fn make_room(&mut self) -> Result<()> {
         let bound = self.scene.transport.budget.is_some();
         let need = need(self.state());

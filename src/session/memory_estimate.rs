@@ -1,11 +1,12 @@
-//! About how much memory a session will take, so that a scene that asks for too much is told before any is taken.
+//! About how much memory a session will take, so that a scene that asks for too much is refused before any memory is
+//! taken.
 
 use crate::error::{Input, Result};
 use crate::scene::{Light, Scene};
 use crate::state::options::{Goal, Options, ShadingMethod};
 
-/// Bytes that a triangle takes with its part of the tree, its light and its lists, on the host and on a device that shares
-/// its memory: two million take 2.4 GB.
+/// Bytes that a triangle takes with its part of the tree, its light and its lists, on the host and on a device that
+/// shares its memory: two million take 2.4 GB.
 const TRIANGLE: u64 = 1200;
 /// Bytes that a pixel takes, with its layers.
 const PIXEL: u64 = 160;

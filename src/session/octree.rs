@@ -31,7 +31,7 @@ impl OctreeTransport {
         Ok(Self { angle: transport.octree_angle as f32, ..Self::default() })
     }
 
-    /// Sums radiosity from the state's irradiance, both internal; builds the trees anew if `light` has changed.
+    /// Sums radiosity from the state's irradiance, both internal; rebuilds the trees if `light` has changed.
     pub fn run(&mut self, state: &mut State, light: bool) -> Timing {
         let start = Instant::now();
         if light {

@@ -1,7 +1,8 @@
 //! Triangles cut finer for lighting where one value of irradiance will not do: at the borders of shadows and cones (the
 //! first item of the paper's future work). A triangle is cut in four where the mean over its parts differs from what it
-//! has as a whole by more than the tolerance, of the root mean square over the object; parts likewise, up to as many times
-//! as the scene says. What varies evenly over a triangle needs no cut: light goes in at the right place on the whole.
+//! has as a whole by more than the tolerance, of the root mean square over the object; parts likewise, up to as many
+//! times as the scene says. What varies evenly over a triangle needs no cut: light goes in at the right place on the
+//! whole.
 
 use super::run::{CapacityHints, Session};
 use crate::error::{Input, Result};
@@ -25,13 +26,13 @@ pub struct Parts {
     pub middle: Vec<u32>,
     /// Of each triangle, the face of the input it came from.
     pub input_face: Vec<u32>,
-    /// Of each part, the radiosity that may be missing because irradiance still varies over parts, in the units of B, per
-    /// channel; empty where nobody asked.
+    /// Of each part, the radiosity that may be missing because irradiance still varies over parts, in the units of B,
+    /// per channel; empty where nobody asked.
     pub missed: Vec<[f64; 3]>,
 }
 
-/// The scene with its triangles cut as its lights want it, and of each object what became of them; with what borders still
-/// miss where an `estimate` is wanted.
+/// The scene with its triangles cut as its lights want it, and of each object what became of them; with what borders
+/// still miss where an `estimate` is wanted.
 pub fn subdivide(scene: &Scene, estimate: bool) -> Result<(Scene, Vec<Parts>)> {
     let mut fine = scene.clone();
     fine.transport.subdivide = 0;
@@ -156,8 +157,8 @@ fn wanted(mesh: &Mesh, light: &[[f64; 3]], lost: &[[f64; 3]], limit: f64) -> Vec
     lost.iter().map(|lost| (0..3).any(|c| lost[c] > limit * level[c])).collect()
 }
 
-/// The radiosity that this light would give: what the parts lose or gain has either sign along a border, so its sizes make
-/// a bound.
+/// The radiosity that this light would give: what the parts lose or gain has either sign along a border, so its sizes
+/// make a bound.
 fn carried(scene: &Scene, lost: &[Vec<[f64; 3]>]) -> Result<Vec<Vec<[f64; 3]>>> {
     let mut rough = scene.clone();
     rough.transport.tolerance = ROUGH;

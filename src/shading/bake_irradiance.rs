@@ -1,9 +1,9 @@
-//! Stage `bake_irradiance`: the light that enters at each texel of an object's texture coordinates, and how far the texture is
-//! stretched over the surface there.
+//! Stage `bake_irradiance`: the light that enters at each texel of an object's texture coordinates, and how far the
+//! texture is stretched over the surface there.
 //!
-//! E of equation 5 of Mertens et al. 2003 at the place that the texel's centre shows, with the normal between the vertices',
-//! times a texture for light that enters. The lengths that a texel spans along its row and down its column are those of
-//! its triangle; a texel that shows nothing has neither.
+//! E of equation 5 of Mertens et al. 2003 at the place that the texel's centre shows, with the normal between the
+//! vertices', times a texture for light that enters. The lengths that a texel spans along its row and down its column
+//! are those of its triangle; a texel that shows nothing has neither.
 
 use glam::DVec3;
 use rayon::prelude::*;

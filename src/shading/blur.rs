@@ -1,9 +1,11 @@
-//! Stage `blur`: the light of a texture blurred by one Gaussian after the other, along the rows and then down the columns.
+//! Stage `blur`: the light of a texture blurred by one Gaussian after the other, along the rows and then down the
+//! columns.
 //!
-//! Each Gaussian blurs what the one before left, by the difference of their variances. At a texel that spans the length s a
-//! deviation of w is w / s texels: the correction of d'Eon et al. 2007 for how the texture is stretched. Every p-th texel
-//! counts, p a power of two of at least w / (8 s), but at most about a 32nd of a row, as far as 6 w or more; texels that show nothing do not count, and what does is
-//! divided by the weights' sum, so that even light stays as it is, at borders too.
+//! Each Gaussian blurs what the one before left, by the difference of their variances. At a texel that spans the length
+//! s a deviation of w is w / s texels: the correction of d'Eon et al. 2007 for how the texture is stretched. Every p-th
+//! texel counts, p a power of two of at least w / (8 s), but at most about a 32nd of a row, as far as 6 w or more;
+//! texels that show nothing do not count, and what does is divided by the weights' sum, so that even light stays as it
+//! is, at borders too.
 
 use rayon::prelude::*;
 
@@ -35,7 +37,7 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// Every how-manieth texel counts, and how many on each side: by additions, multiplications and comparisons in `f32`.
+/// Tap stride, and taps per side: by additions, multiplications and comparisons in `f32`.
 fn taps(deviation: f32, length: f32, side: u32) -> (i64, i64) {
     let mut pace = 1;
     while 32 * pace < i64::from(side) && deviation > 8.0 * (pace as f32 * length) {

@@ -1,7 +1,9 @@
-//! Stage `cdrf`: radiance of each pixel by the curvature-dependent reflectance function, in closed form or from its table.
+//! Stage `cdrf`: radiance of each pixel by the curvature-dependent reflectance function, in closed form or from its
+//! table.
 //!
-//! The closed form on a device: from sigma = 0.32 on a cosine series of five terms, below it Lambert's cosine, dimmed, and round
-//! the terminator a Gaussian times a polynomial of ten terms, fitted to the convolution. Both are within 6e-6 of it.
+//! The closed form on a device: from sigma = 0.32 on a cosine series of five terms, below it Lambert's cosine, dimmed,
+//! and round the terminator a Gaussian times a polynomial of ten terms, fitted to the convolution. Both are within 6e-6
+//! of it.
 
 use super::cdrf_cells::lookup;
 use super::diffuse::{record, shade};

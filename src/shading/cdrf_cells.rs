@@ -1,9 +1,11 @@
-//! Stage `cdrf_cells`: the cells of the CDRF's table, each in one word, so that a look-up is one load of 4 bytes a channel.
+//! Stage `cdrf_cells`: the cells of the CDRF's table, each in one word, so that a look-up is one load of 4 bytes a
+//! channel.
 //!
-//! A cell of a table of n x n is its value at the first corner, in steps of 2^-13, and how it changes across, up and both, in
-//! steps of 1 / (31 (n - 1)): f changes by at most 62 of them across, where its slope is 1. They are counted from what
-//! is left of the first corner, so that every corner is within half a step of its value, or 2^-13 where that is more. Between
-//! corners it is linear: with 256 x 256 within 2e-3 of f, worst at the terminator as sigma tends to 0, where the kink of max(cos, 0) falls inside a cell.
+//! A cell of a table of n x n is its value at the first corner, in steps of 2^-13, and how it changes across, up and
+//! both, in steps of 1 / (31 (n - 1)): f changes by at most 62 of them across, where its slope is 1. They are counted
+//! from what is left of the first corner, so that every corner is within half a step of its value, or 2^-13 where that
+//! is more. Between corners it is linear: with 256 x 256 within 2e-3 of f, worst at the terminator as sigma tends to 0,
+//! where the kink of max(cos, 0) falls inside a cell.
 
 use crate::error::Result;
 use crate::layout::{BufferId, CDRF_WIDEST};

@@ -1,13 +1,13 @@
 //! Stage `curvature`: how the surface bends at each vertex, from the triangles round it (Meyer et al. 2003).
 //!
-//! With the mixed area A (a triangle's Voronoi part, or a half or a quarter of an obtuse one), H n = sum over the edges of
-//! (cot a + cot b) (x - y) / (4 A), of which the part along the vertex normal is taken, and K = (2 pi - sum of the angles)
-//! / A. Outward is positive: a ball of radius r has H = 1 / r.
+//! With the mixed area A (a triangle's Voronoi part, or a half or a quarter of an obtuse one), H n = sum over the edges
+//! of (cot a + cot b) (x - y) / (4 A), of which the part along the vertex normal is taken, and K = (2 pi - sum of the
+//! angles) / A. Outward is positive: a ball of radius r has H = 1 / r.
 //!
-//! Where the triangles do not close round a vertex (an open edge, or parts that touch there) neither formula holds: it takes
-//! the mean over those of its triangles' corners that have a curvature of their own, or 0. A vertex of no triangle, or of
-//! triangles without area, is flat. Cotangents end at 100 (angles of 0.6 degrees), H at 1e4 and K at 1e8 of the
-//! scene's extent: a needle's tip is sharp, and a number.
+//! Where the triangles do not close round a vertex (an open edge, or parts that touch there) neither formula holds: it
+//! takes the mean over those of its triangles' corners that have a curvature of their own, or 0. A vertex of no
+//! triangle, or of triangles without area, is flat. Cotangents end at 100 (angles of 0.6 degrees), H at 1e4 and K at
+//! 1e8 of the scene's extent: a needle's tip is sharp, and a number.
 
 use std::f64::consts::TAU;
 
@@ -122,7 +122,7 @@ fn closed(ring: &Ring) -> bool {
 /// Curvature of a vertex by its own triangles.
 fn own(data: &Buffers, vertex: usize) -> Curvature {
     let ring = ring(data, vertex);
-    // Where sheets lie back to back there is no normal, and nothing is told.
+    // Where sheets lie back to back there is no normal, and nothing is known.
     if !closed(&ring) || ring.area <= LEAST_MIXED_AREA || data.normals[vertex] == [0.0; 3] {
         return Curvature::default();
     }

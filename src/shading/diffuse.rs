@@ -1,9 +1,9 @@
-//! Light that comes back from where it arrives, at each pixel that shows an object that light enters: the reference of the
-//! stages `cdrf` and `lambert`, which differ by one function of cosine and sigma.
+//! Light that comes back from where it arrives, at each pixel that shows an object that light enters: the reference of
+//! the stages `cdrf` and `lambert`, which differ by one function of cosine and sigma.
 //!
-//! L = F_t(w_o) k_d / pi times the sum over the lights of f(cos, sigma) E, E the irradiance on a plane that faces the light
-//! (equation 5 of Kubo et al. 2010, with the 1 / pi that it lacks). k_d is the share of light that comes back from a flat
-//! surface, (1 - F_ext) times the dipole's total reflectance; with an index of 1 it is the paper's.
+//! L = F_t(w_o) k_d / pi times the sum over the lights of f(cos, sigma) E, E the irradiance on a plane that faces the
+//! light (equation 5 of Kubo et al. 2010, with the 1 / pi that it lacks). k_d is the share of light that comes back
+//! from a flat surface, (1 - F_ext) times the dipole's total reflectance; with an index of 1 it is the paper's.
 //!
 //! An object does not shadow itself: its shadow would cut off the very glow that f has beyond 90 degrees. Other objects
 //! shadow it. Light from all around comes by nine harmonics, each degree times f's own factor.
@@ -52,8 +52,8 @@ pub fn received(state: &State, face: usize, at: [DVec3; 2], sigma: DVec3, respon
     sum + harmonics::irradiance(&sky, factors, normal) * DVec3::new(share(0), share(1), share(2))
 }
 
-/// sigma_0 at a place of an object's triangle, by the weights of its corners: where a map gives d, times its square (equation
-/// 6, which leaves the factor out).
+/// sigma_0 at a place of an object's triangle, by the weights of its corners: where a map gives d, times its square
+/// (equation 6, which leaves the factor out).
 #[must_use]
 pub fn sigma_0(data: &Buffers, params: &ObjectParams, face: usize, weight: [f64; 3]) -> DVec3 {
     let whole = wide(params.sigma_0);

@@ -1,9 +1,9 @@
-//! Principal curvatures by a cubic fit (Goldfeather and Interrante 2004), on the host: what stage `curvature` is compared
-//! with.
+//! Principal curvatures by a cubic fit (Goldfeather and Interrante 2004), on the host: what stage `curvature` is
+//! compared with.
 //!
-//! In the frame of a vertex and its normal the surface is z = A x^2 / 2 + B x y + C y^2 / 2 + D x^3 + E x^2 y + F x y^2 + G y^3;
-//! each neighbour gives its place and both slopes of its normal, three equations for the seven numbers, solved by
-//! least squares. The curvatures are the eigenvalues of the second derivatives, outward positive.
+//! In the frame of a vertex and its normal the surface is z = A x^2 / 2 + B x y + C y^2 / 2 + D x^3 + E x^2 y + F x y^2
+//! + G y^3; each neighbour gives its place and both slopes of its normal, three equations for the seven numbers, solved
+//! by least squares. The curvatures are the eigenvalues of the second derivatives, outward positive.
 
 use glam::DVec3;
 
@@ -50,8 +50,8 @@ impl Equations {
     }
 }
 
-/// Principal curvatures, the larger first, 1/length, from neighbours' offsets and unit normals; none where they are too few,
-/// or lie as no surface over the vertex's plane does.
+/// Principal curvatures, the larger first, 1/length, from neighbours' offsets and unit normals; none where they are too
+/// few, or lie as no surface over the vertex's plane does.
 #[must_use]
 pub fn principal(normal: DVec3, neighbours: &[(DVec3, DVec3)]) -> Option<[f64; 2]> {
     let length = neighbours.iter().map(|(offset, _)| offset.length()).sum::<f64>() / neighbours.len() as f64;
@@ -72,8 +72,8 @@ pub fn principal(normal: DVec3, neighbours: &[(DVec3, DVec3)]) -> Option<[f64; 2
     Some([mean + half, mean - half])
 }
 
-/// The same at a vertex of an object alone in its state, after stage `curvature`, from its triangles' other corners; none
-/// where one of those is at an open edge: its normal knows one side only.
+/// The same at a vertex of an object alone in its state, after stage `curvature`, from its triangles' other corners;
+/// none where one of those is at an open edge: its normal knows one side only.
 #[must_use]
 pub fn at(data: &Buffers, vertex: usize) -> Option<[f64; 2]> {
     let first = data.object_params[0].first_vertex;

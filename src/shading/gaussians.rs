@@ -1,10 +1,10 @@
-//! A sum of Gaussians in place of the dipole's profile (d'Eon et al. 2007, section 4): of the same widths for all channels, so that
-//! light of all channels is blurred at once, with weights of each channel's own.
+//! A sum of Gaussians in place of the dipole's profile (d'Eon et al. 2007, section 4): of the same widths for all
+//! channels, so that light of all channels is blurred at once, with weights of each channel's own.
 //!
-//! G(v, r) = e^(-r^2 / 2v) / (2 pi v). Weights are at least 0 and add up to the profile's total, so that even light over a plane
-//! gives back what it does. They are the least squares of r^2 R_d over the logarithm of r, for the widths from a geometric row
-//! that fit best; what is left is told as a share of the total, the integral of |R_d - sum of w G| over the plane: no
-//! irradiance from 0 to 1 comes out wrong by more.
+//! G(v, r) = e^(-r^2 / 2v) / (2 pi v). Weights are at least 0 and add up to the profile's total, so that even light
+//! over a plane gives back what it does. They are the least squares of r^2 R_d over the logarithm of r, for the widths
+//! from a geometric row that fit best; the residual is reported as a share of the total, the integral of |R_d - sum of
+//! w G| over the plane: no irradiance from 0 to 1 comes out wrong by more.
 
 use std::f64::consts::{PI, TAU};
 
@@ -138,8 +138,8 @@ impl Gaussians {
         })
     }
 
-    /// One channel's light at a distance from a straight edge of even light, on the lit side where that is positive: what an
-    /// ideal blur gives.
+    /// One channel's light at a distance from a straight edge of even light, on the lit side where that is positive:
+    /// what an ideal blur gives.
     #[must_use]
     pub fn edge(&self, channel: usize, distance: f64) -> f64 {
         let of = |(weight, v): (&f64, &f64)| weight * normal(distance / v.sqrt());

@@ -1,5 +1,5 @@
-//! Kubo et al. 2010, "Curvature-Dependent Reflectance Function for Interactive Rendering of Subsurface Scattering": no light
-//! is carried; what a place gives back depends on the light, the normal and the curvature there.
+//! Kubo et al. 2010, "Curvature-Dependent Reflectance Function for Interactive Rendering of Subsurface Scattering": no
+//! light is carried; what a place gives back depends on the light, the normal and the curvature there.
 
 pub mod bake_irradiance;
 pub mod blur;

@@ -1,9 +1,10 @@
-//! Stage `pack_normals`: what local shading needs of a vertex in 8 bytes, because a pixel's loads are most of what it costs.
+//! Stage `pack_normals`: what local shading needs of a vertex in 8 bytes, because a pixel's loads are most of what it
+//! costs.
 //!
-//! The components of the normal are rounded to 1 / 32767, which turns it by less than 3e-5 radian. kappa is rounded to a float's
-//! exponent and 11 bits of its fraction, 2^-17 added so that 0 stays 0 and no exponent is too small: by less than
-//! 2^-12 of itself and of that. f follows sigma by at most 0.45 of what sigma changes of itself, so that it moves by less than
-//! 1.2e-4 wherever kappa is above 1e-4 of what an extent of 1 has.
+//! The components of the normal are rounded to 1 / 32767, which turns it by less than 3e-5 radian. kappa is rounded to
+//! a float's exponent and 11 bits of its fraction, 2^-17 added so that 0 stays 0 and no exponent is too small: by less
+//! than 2^-12 of itself and of that. f follows sigma by at most 0.45 of what sigma changes of itself, so that it moves
+//! by less than 1.2e-4 wherever kappa is above 1e-4 of what an extent of 1 has.
 
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,9 +1,9 @@
 //! The curvature-dependent reflectance function (CDRF), equation 1 of Kubo et al. 2010, in `f64`: what the kernels are
-//! held to.
+//! tested against.
 //!
-//! `f(theta, sigma)` is max(cos, 0) over the whole circle, convolved with a Gaussian of standard deviation
-//! `sigma = sigma_0 kappa` in the angle: light that arrives at one place of a circle of curvature kappa leaves around it.
-//! The cosine is periodic: a Gaussian wider than the circle goes round, so that no light is lost, and f tends to 1 / pi.
+//! `f(theta, sigma)` is max(cos, 0) over the whole circle, convolved with a Gaussian of standard deviation `sigma =
+//! sigma_0 kappa` in the angle: light that arrives at one place of a circle of curvature kappa leaves around it. The
+//! cosine is periodic: a Gaussian wider than the circle goes round, so that no light is lost, and f tends to 1 / pi.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::OnceLock;

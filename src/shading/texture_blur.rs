@@ -1,7 +1,7 @@
 //! Stage `texture_blur`: radiance of each pixel from the blurred light at its place in the texture.
 //!
-//! L = F_t(w_o) / pi times the sum over the Gaussians of weight times light, linear between the four texels round the place
-//! of those that show a surface.
+//! L = F_t(w_o) / pi times the sum over the Gaussians of weight times light, linear between the four texels round the
+//! place of those that show a surface.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;

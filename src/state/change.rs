@@ -10,9 +10,10 @@ pub struct Change {
     /// The camera.
     pub view: bool,
     /// Nothing, yet radiosity is summed again from what is known of the light: over kept links gather, push and
-    /// average; where links are scratch they are made anew.
+    /// average; where links are scratch they are rebuilt.
     pub resum: bool,
-    /// The lists are of no use: too short, or kept for another light; with everything: no links are kept that could be revised.
+    /// The lists are of no use: too short, or kept for another light; with everything: no links are kept that could be
+    /// revised.
     pub relink: bool,
 }
 
@@ -23,7 +24,7 @@ impl Change {
     pub const LIGHT: Self = Self { everything: false, light: true, view: false, resum: false, relink: false };
     /// The camera.
     pub const VIEW: Self = Self { everything: false, light: false, view: true, resum: false, relink: false };
-    /// Lists are made anew, and summed over.
+    /// Lists are rebuilt, and summed over.
     pub const RELINK: Self = Self { everything: false, light: false, view: false, resum: false, relink: true };
     /// Nothing, yet radiosity is summed again.
     pub const RESUM: Self = Self { everything: false, light: false, view: false, resum: true, relink: false };

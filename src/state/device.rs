@@ -1,4 +1,4 @@
-//! The state's twin on a device: one buffer a slot, and the recording of a stage's dispatches.
+//! The state's copy on a device: one buffer per buffer id, and the recording of a stage's dispatches.
 
 use std::collections::BTreeMap;
 
@@ -34,8 +34,8 @@ impl DeviceState {
         &self.device
     }
 
-    /// Makes every buffer as large as the state's; contents survive only where the size is unchanged. What is empty has no
-    /// buffer, unless guarded.
+    /// Makes every buffer as large as the state's; contents survive only where the size is unchanged. What is empty has
+    /// no buffer, unless guarded.
     pub fn resize(&mut self, state: &State) -> Result<()> {
         let mut made = Vec::new();
         for &slot in BUFFER_IDS {

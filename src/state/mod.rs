@@ -1,4 +1,4 @@
-//! What a frame works on ([`State`]), what a [`Stage`] is, and the state's twin on a device.
+//! What a frame works on ([`State`]), what a [`Stage`] is, and the state's copy on a device.
 
 mod change;
 mod device;
@@ -28,7 +28,7 @@ pub struct State {
     pub objects: Vec<Object>,
     /// The distance convention.
     pub distance: Distance,
-    /// Whether each chunk or batch keeps its lists for later frames, or all share one room.
+    /// Whether each chunk or batch keeps its lists for later frames, or all share one buffer part.
     pub keep: bool,
     /// How the blocks' transport is to be done.
     pub method: Method,
@@ -79,7 +79,8 @@ pub enum Granularity {
 pub struct Method {
     /// How clusters give light to receivers.
     pub scheme: Scheme,
-    /// Order of the emitters' moments: 0 a point at the centroid of area, 1 at the centroid of light, 2 with second moments.
+    /// Order of the emitters' moments: 0 a point at the centroid of area, 1 at the centroid of light, 2 with second
+    /// moments.
     pub order: u32,
     /// Nodes an edge of the edge form: 3, 6 or 12.
     pub nodes: u32,

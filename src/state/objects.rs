@@ -1,5 +1,5 @@
-//! Several objects in one state: each has a run of its own in every buffer, found by [`State::part`], and a state of its
-//! own can be made of it. Runs begin at multiples of 64 elements, so that a device can bind any of them.
+//! Several objects in one state: each has a run of its own in every buffer, found by [`State::part`], and a state of
+//! its own can be made of it. Runs begin at multiples of 64 elements, so that a device can bind any of them.
 
 use super::{Group, Schedule, Scope, State};
 use crate::layout::{BUFFER_IDS, BufferId, ObjectParams, Partition};

@@ -39,11 +39,11 @@ pub enum Mode {
     OnTheFly,
     /// Links are made for the light of a frame, and kept: frames in which nothing changes sum them again only.
     Keep,
-    /// Links serve any light, and are kept: a change of light runs shadow, irradiance, pull, level, contrast, gather, push and
-    /// average only, as long as the contrast stays the same.
+    /// Links serve any light, and are kept: a change of light runs shadow, irradiance, pull, level, contrast, gather,
+    /// push and average only, as long as the contrast stays the same.
     Render,
-    /// Links are kept while the shape changes, too: only those that touch an altered cluster are looked at again. Of scheme
-    /// links; blocks have it as `Render`.
+    /// Links are kept while the shape changes, too: only those that touch an altered cluster are looked at again. Of
+    /// scheme links; blocks have it as `Render`.
     Incremental,
 }
 
@@ -81,13 +81,14 @@ pub struct Options {
 }
 
 impl Options {
-    /// For a picture with layers, of which one is the error estimate; another tells how long lists are, so that they are kept.
+    /// For a picture with layers, of which one is the error estimate; another holds the lengths of the lists, so that
+    /// they are kept.
     #[must_use]
     pub fn with_layers(self) -> Self {
         Self { goal: Goal::Layers, estimate: true, mode: self.mode.kept(), ..self }
     }
 
-    /// Fails where no light is carried, of which `what` could tell something.
+    /// Fails where no light is carried, that `what` could report on.
     pub fn carries(&self, what: &str) -> Result<()> {
         if !self.transport.is_local() {
             return Ok(());

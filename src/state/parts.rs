@@ -1,5 +1,5 @@
-//! The parts that buffers are cut into, of which a dispatch binds one: those of an object, a group of channels, a chunk of links
-//! or a batch of blocks.
+//! The parts that buffers are cut into, of which a dispatch binds one: those of an object, a group of channels, a chunk
+//! of links or a batch of blocks.
 
 use super::{Object, Scope, State};
 use crate::layout::{BufferId, Partition, Runs};
@@ -15,8 +15,8 @@ impl State {
         })
     }
 
-    /// Where the lists of all blocks lie, as far as they are there: of every batch where lists are kept, else of the last one.
-    /// Between the batches' parts a device's buffer may hold anything.
+    /// Where the lists of all blocks lie, as far as they are there: of every batch where lists are kept, else of the
+    /// last one. Between the batches' parts a device's buffer may hold anything.
     pub fn runs(&self) -> impl Iterator<Item = &Runs> + '_ {
         let there = if self.keep { 0 } else { self.batches().count().saturating_sub(1) };
         let of_batch = |(at, batch): (Scope, &std::ops::Range<u32>)| {

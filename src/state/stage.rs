@@ -1,5 +1,5 @@
-//! What a [`Stage`] is: all that the frame, the plan, conformance and the profile need to know of a step of the frame stands
-//! in its own declaration.
+//! What a [`Stage`] is: all that the frame, the plan, conformance and the profile need to know of a step of the frame
+//! stands in its own declaration.
 
 use crate::error::Result;
 use crate::layout::BufferId;

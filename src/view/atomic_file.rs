@@ -52,8 +52,8 @@ pub fn abandon(last: impl FnOnce()) {
     last();
 }
 
-/// Lets `write` fill a file beside `path`, then moves it there: a reader never sees half of it. What is no ordinary file,
-/// as a device or a pipe, is written as it is.
+/// Lets `write` fill a file beside `path`, then moves it there: a reader never sees half of it. What is no ordinary
+/// file, as a device or a pipe, is written as it is.
 pub fn write_atomically(path: &Path, write: impl FnOnce(&Path) -> std::result::Result<(), String>) -> Result<()> {
     let fault = |what: String| Input::new(format!("could not be written: {what}")).file(path).into();
     match std::fs::metadata(path) {
@@ -80,8 +80,8 @@ fn beside(path: &Path) -> Part {
     Part::new(path.with_file_name(format!(".{:016x}.{}-{number}.part", name.finish(), std::process::id())))
 }
 
-/// An error where one of these files could not be written, or is another one of them, before there is work that would be
-/// lost. Each goes with the argument that names it.
+/// An error where one of these files could not be written, or is another one of them, before there is work that would
+/// be lost. Each goes with the argument that names it.
 pub fn ready<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>)>) -> Result<()> {
     let mut before: Vec<(&str, PathBuf)> = Vec::new();
     for (key, path) in paths.into_iter().filter_map(|(key, path)| Some((key, path?))) {
@@ -106,7 +106,8 @@ pub fn ready<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>)>
     Ok(())
 }
 
-/// The same for what a library encodes: it writes to memory, because a file's last bytes may fail where it does not look.
+/// The same for what a library encodes: it writes to memory, because a file's last bytes may fail where it does not
+/// look.
 pub fn encode_atomically(
     path: &Path,
     encode: impl FnOnce(&mut Cursor<Vec<u8>>) -> std::result::Result<(), String>,

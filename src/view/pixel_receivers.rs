@@ -1,9 +1,9 @@
-//! Stage `pixel_receivers`: where the picture shows an object, as receivers of light: radiosity depends on the place only, so it can
-//! be had right there instead of between the vertices.
+//! Stage `pixel_receivers`: where the picture shows an object, as receivers of light: radiosity depends on the place
+//! only, so it can be had right there instead of between the vertices.
 //!
-//! A tile of 4 x 4 pixels may show the object's edge with another part of it far behind. Its places are parted into up to
-//! [`TILE_BLOCKS`] blocks, each a place and what lies near it, so that no block is much wider than a tile of a slanting surface.
-//! What belongs to none of four goes with the last one, about whose middle no light is expanded then.
+//! A tile of 4 x 4 pixels may show the object's edge with another part of it far behind. Its places are parted into up
+//! to [`TILE_BLOCKS`] blocks, each a place and what lies near it, so that no block is much wider than a tile of a
+//! slanting surface. What belongs to none of four goes with the last one, about whose middle no light is expanded then.
 
 use rayon::prelude::*;
 

@@ -1,5 +1,5 @@
-//! Stage `pixel_shadow`: whether each light that casts shadows reaches what each pixel shows of an opaque object, a ray from the
-//! very place each: shadows on it have borders as sharp as the picture, whatever its triangles are.
+//! Stage `pixel_shadow`: whether each light that casts shadows reaches what each pixel shows of an opaque object, a ray
+//! from the very place each: shadows on it have borders as sharp as the picture, whatever its triangles are.
 
 use rayon::prelude::*;
 

@@ -1,9 +1,10 @@
-//! Stage `reflect`: what the surface reflects of the lights and of the environment, times the Fresnel reflectance of the
-//! material's boundary, 1 - F_t.
+//! Stage `reflect`: what the surface reflects of the lights and of the environment, times the Fresnel reflectance of
+//! the material's boundary, 1 - F_t.
 //!
 //! GGX: D G F / (4 (n.v) (n.l)), F at the facet. Phong: (m + 2) / (2 pi) cos^m F, F at the normal, cos from the mirror
 //! direction. Of the environment a sum over [`DIRECTIONS`] fixed facets, or directions, drawn by D or by the lobe. The
-//! normal is the vertices', on the triangle's side that is seen; where it is turned away at a silhouette, n.v counts as |n.v|.
+//! normal is the vertices', on the triangle's side that is seen; where it is turned away at a silhouette, n.v counts as
+//! |n.v|.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,7 +1,8 @@
-//! Stage `shade_opaque`: the radiance of opaque objects, from the light that arrives at the very places that the pixels show.
+//! Stage `shade_opaque`: the radiance of opaque objects, from the light that arrives at the very places that the pixels
+//! show.
 //!
-//! L = F_t(w_o) albedo E / pi with E of equation 5 by the normal between the vertices. That of a triangle's own plane decides
-//! which lights it is turned to.
+//! L = F_t(w_o) albedo E / pi with E of equation 5 by the normal between the vertices. That of a triangle's own plane
+//! decides which lights it is turned to.
 
 use glam::DVec3;
 use rayon::prelude::*;

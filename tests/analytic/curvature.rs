@@ -28,8 +28,8 @@ fn noise(k: u32) -> f64 {
     f64::from(h ^ (h >> 12)) / f64::from(u32::MAX) * 2.0 - 1.0
 }
 
-/// A grid of `across` x `up` cells over [0, 1]^2 bent by `place`, its points moved by up to `shake` of a cell; closed where
-/// `round` says so.
+/// A grid of `across` x `up` cells over [0, 1]^2 bent by `place`, its points moved by up to `shake` of a cell; closed
+/// where `round` says so.
 fn grid(
     [across, up]: [u32; 2],
     round: [bool; 2],

@@ -14,8 +14,8 @@ use milkglass::measure::stress::factor::{Pair, evaluated};
 use milkglass::scene::Scene;
 use rayon::prelude::*;
 
-/// Height of the nearer source over the plane, in longest edges, from which on the bounds hold: nearer than that, a corner
-/// rounded to `f32` moves over a share of the source's height that counts.
+/// Height of the nearer source over the plane, in longest edges, from which on the bounds hold: nearer than that, a
+/// corner rounded to `f32` moves over a share of the source's height that counts.
 const HEIGHT: f64 = 1e-4;
 
 /// A form factor of a triangle, indexed so, at a point.
@@ -69,7 +69,8 @@ fn a_population_keeps_within_its_error() {
     });
 }
 
-/// The faces of a closed shape as pairs with each of some receivers: at centroids, corners and edges, and off the surface.
+/// The faces of a closed shape as pairs with each of some receivers: at centroids, corners and edges, and off the
+/// surface.
 fn closed(shape: &str, detail: u32, random: &mut Seeded) -> (usize, Vec<Pair>) {
     let mesh = Scene::load(shape, &[format!("object.0.detail={detail}")]).unwrap().objects[0].mesh.clone();
     let faces: Vec<[DVec3; 3]> = (0..mesh.triangles.len()).filter_map(|face| mesh.corners(face)).collect();

@@ -1,4 +1,4 @@
-//! Each rung of the ladder keeps the tolerance it was made for, on well-shaped triangles.
+//! Each rule of the ladder keeps the tolerance it was made for, on well-shaped triangles.
 
 use crate::materials::channels;
 use crate::quadrature::Area;

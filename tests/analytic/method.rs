@@ -1,5 +1,5 @@
-//! The method itself, against definitions written here anew: every pair of faces is settled once, decisions are what
-//! section 5.2 says, rays hit what they should, sums are conserved, and the answer is near brute force.
+//! The method itself, against definitions written a second time here: every pair of faces is settled once, decisions
+//! are what section 5.2 says, rays hit what they should, sums are conserved, and the answer is near brute force.
 
 use glam::DVec3;
 use milkglass::layout::Buffers;
@@ -216,7 +216,8 @@ fn the_answer_is_near_brute_force() {
     for (name, set) in
         [("sphere", "object.0.detail=4"), ("slab", "object.0.detail=24"), ("lotus", "object.0.detail=48")]
     {
-        // The solid angle looks at the emitter's midpoint, not at the displaced sources of Table 1, which may be nearer.
+        // The solid angle looks at the emitter's midpoint, not at the displaced sources of Table 1, which may be
+        // nearer.
         for (distance, l2) in [("radial", 0.01), ("table1", 0.02)] {
             let distance = format!("transport.distance={distance}");
             let mut session = solved(name, &[set, &distance, LINKS], radiosity());

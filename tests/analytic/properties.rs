@@ -1,5 +1,6 @@
-//! What holds for any mesh and light, on small seeded ones, by the CPU: radiosity is finite and never below 0, linear in light,
-//! blind to where the scene stands and how its file is ordered, and on a half-space never above what enters times R_full.
+//! What holds for any mesh and light, on small seeded ones, by the CPU: radiosity is finite and never below 0, linear
+//! in light, blind to where the scene stands and how its file is ordered, and on a half-space never above what enters
+//! times R_full.
 
 use glam::{DQuat, DVec3};
 use milkglass::dipole::profile::Dipole;
@@ -174,7 +175,7 @@ proptest! {
     ) {
         let (rest, light) = (format!("{MARBLE}{TIGHT}"), [sun(way, 1.0, true)]);
         let [e, b] = solve(&mesh, &light, &rest).unwrap();
-        // Vertices, bit for bit: they are numbered anew.
+        // Vertices, bit for bit: they are renumbered.
         let mut renumbered = mesh.clone();
         numbers.iter().enumerate().for_each(|(old, &new)| renumbered.positions[new] = mesh.positions[old]);
         renumbered.faces.iter_mut().flatten().for_each(|v| *v = numbers[*v]);

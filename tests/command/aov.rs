@@ -65,7 +65,8 @@ fn layers_tell_what_solve_tells() {
                     assert!(close(of(&format!("error_estimate.{c}")), row[12 + k], 1e-5), "{how}");
                 }
             }
-            // The camera looks along -z at a ball about the origin of radius 5; its distance is the same for all pixels.
+            // The camera looks along -z at a ball about the origin of radius 5; its distance is the same for all
+            // pixels.
             let n = ["X", "Y", "Z"].map(|axis| of(&format!("normal.{axis}")));
             assert!(close(n.iter().map(|x| x * x).sum(), 1.0, 1e-5) && of("object.id") == 0.0);
             assert!((n[0] - row[1] / 5.0).abs() < 0.3 && (n[1] - row[2] / 5.0).abs() < 0.3, "{n:?} {row:?}");

@@ -1,4 +1,5 @@
-//! What would be wrong in silence is refused: scenes that `f32` does not hold, outputs over inputs, shaders without end.
+//! What would be wrong in silence is refused: scenes that `f32` does not hold, outputs over inputs, shaders without
+//! end.
 
 use std::os::unix::fs::symlink;
 
@@ -79,7 +80,7 @@ fn no_output_takes_the_place_of_an_input_or_of_another() {
     good(&here, "eval cdrf rows.csv --device cpu -o link.csv");
     assert!(here.path().join("link.csv").is_symlink());
     assert!(read(&here, "there.csv").starts_with("cos_theta,sigma,value"));
-    // Names as long as names can be, and places that take no file, are told before there is work.
+    // Names as long as names can be, and places that take no file, are refused before there is work.
     let name = format!("{}.csv", "n".repeat(251));
     good(&here, &format!("eval cdrf rows.csv --device cpu -o {name}"));
     bad(&here, &format!("solve sphere --device cpu -o n{name}"), 2, &["could not be written", "too long"]);

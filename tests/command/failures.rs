@@ -115,7 +115,8 @@ fn with_drivers(folder: &tempfile::TempDir, line: &str, drivers: &str) -> Output
     program(folder, line).env("VK_DRIVER_FILES", drivers).env("VK_ICD_FILENAMES", drivers).output().unwrap()
 }
 
-/// Proves that a Vulkan without drivers is said in one line, with what to do, and done without where no device is asked for.
+/// Proves that a Vulkan without drivers is said in one line, with what to do, and done without where no device is asked
+/// for.
 #[test]
 fn without_drivers_the_cpu_runs_and_says_so() {
     let here = folder(&[

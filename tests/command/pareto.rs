@@ -1,4 +1,5 @@
-//! `milkglass pareto` from outside: what it prints and writes, and what it refuses. No test asks how long anything took.
+//! `milkglass pareto` from outside: what it prints and writes, and what it refuses. No test asks how long anything
+//! took.
 
 use crate::shell::{bad, folder, good, names, read};
 

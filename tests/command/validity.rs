@@ -20,7 +20,7 @@ fn a_large_ball_is_within_and_a_thin_slab_is_not() {
         assert!((thickness / 200.0 - 1.0).abs() < 0.02 && row[6] > 0.0, "{row:?}");
     }
 
-    // Light from behind goes through a thin slab, which no curvature tells.
+    // Light from behind goes through a thin slab, which no curvature shows.
     let slab = "--device cpu --set object.0.detail=8 --set object.0.size=4";
     let (out, _) = good(&here, &format!("validity slab {slab}"));
     assert!(!out.lines().last().unwrap().starts_with("within 10 %: "), "{out}");

@@ -1,6 +1,7 @@
-//! What drivers make of nested loops. Mesa's llvmpipe (22.3.6, LLVM 15) gets one shape wrong: lanes that leave the inner
-//! loop early keep, of a variable that the loop assigns unconditionally, the value of those that go on, once the variable
-//! indexes a buffer after the loop. `tests/kernels/loops.comp` has that shape and the ones that kernels use instead.
+//! What drivers make of nested loops. Mesa's llvmpipe (22.3.6, LLVM 15) gets one shape wrong: lanes that leave the
+//! inner loop early keep, of a variable that the loop assigns unconditionally, the value of those that go on, once the
+//! variable indexes a buffer after the loop. `tests/kernels/loops.comp` has that shape and the ones that kernels use
+//! instead.
 
 use crate::devices::on_devices;
 use milkglass::gpu::{Device, SingleKernel};
@@ -95,8 +96,8 @@ fn a_wrong_sum_is_seen() {
     assert!((0..LANES).filter(|&lane| expected(&numbers, lane) != expected(&other, lane)).count() > LANES / 2);
 }
 
-/// A crumpled heap of 1,600 triangles, all near each other and lit: to take these by the edge form is more than 65,535 steps of
-/// loops an invocation, where llvmpipe ends them in silence.
+/// A crumpled heap of 1,600 triangles, all near each other and lit: to take these by the edge form is more than 65,535
+/// steps of loops an invocation, where llvmpipe ends them in silence.
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn long_lists_of_near_triangles_are_taken_to_the_end() {

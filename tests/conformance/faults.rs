@@ -1,5 +1,5 @@
-//! Every call of Vulkan that can fail, made to fail: a clear error, nothing leaked, and everything as right afterwards as if
-//! nothing had happened.
+//! Every call of Vulkan that can fail, made to fail: a clear error, nothing leaked, and everything as right afterwards
+//! as if nothing had happened.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -151,7 +151,8 @@ fn every_call_may_fail() {
     });
 }
 
-/// Proves that a session goes on after a frame, or a change before it, that failed: its next frame is right to the last bit.
+/// Proves that a session goes on after a frame, or a change before it, that failed: its next frame is right to the last
+/// bit.
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_session_survives() {

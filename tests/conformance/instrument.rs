@@ -1,4 +1,5 @@
-//! The instrument: what is counted is right, a profile hangs together, and a frame makes what its plan lists and no more.
+//! The instrument: what is counted is right, a profile hangs together, and a frame makes what its plan lists and no
+//! more.
 
 use std::collections::BTreeSet;
 

@@ -1,5 +1,5 @@
-//! Devices that allow less: work is cut to fit, or done in another way that is said, or refused by name. Limits are lowered
-//! on a real device.
+//! Devices that allow less: work is cut to fit, or done in another way that is said, or refused by name. Limits are
+//! lowered on a real device.
 
 use crate::devices::on_devices;
 use crate::shell;
@@ -127,7 +127,8 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
             let lists = bytes(BufferId::entries).max(bytes(BufferId::links));
             // Known beforehand, found out in the frame, and for want of memory.
             let all: u64 = kept.buffers().iter().map(|(_, bytes)| bytes).sum();
-            // Known beforehand, found out in the frame, and for want of memory: there on-the-fly needs less with blocks only.
+            // Known beforehand, found out in the frame, and for want of memory: there on-the-fly needs less with blocks
+            // only.
             let mut cases = vec![("few", 64, u64::MAX), ("some", lists - 64, u64::MAX)];
             cases.extend((scheme == "blocks").then_some(("heap", u64::MAX, all - 64)));
             for (name, most, heap) in cases {
@@ -147,7 +148,7 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
                     assert!(session.picture().unwrap().pixels == picture, "{scheme} {name} {mode:?}");
                 }
             }
-            // A layer that tells of links can't do without them.
+            // A layer that reports links can't do without them.
             let room = CapacityHints { kept: 64, ..CapacityHints::default() };
             let options = Options { mode: Mode::Keep, ..Options::default() };
             let said = Session::new(&scene, Some(device), options, room).err().unwrap().to_string();

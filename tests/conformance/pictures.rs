@@ -1,7 +1,7 @@
 //! The built-in scenes against small reference pictures, compared as an eye would: blurred a little, in CIE Lab.
 //!
-//! After a wanted change of look: `milkglass render NAME --size 240x240 -o tests/pictures/NAME.png`; see `MORE` and `LARGE`,
-//! too.
+//! After a wanted change of look: `milkglass render NAME --size 240x240 -o tests/pictures/NAME.png`; see `MORE` and
+//! `LARGE`, too.
 
 use std::path::Path;
 
@@ -71,7 +71,7 @@ const MORE: [(&str, &str, &[&str], ShadingMethod); 1] =
     [("bust-cdrf", "bust", &["object.0.material.sigma_0=[1.5, 0.8, 0.4]", "light.0.occlusion=8"], ShadingMethod::Cdrf)];
 
 /// Scenes that take the CPU long. What is kept of them is the CPU's own picture, which devices have to show: made with
-/// `--device cpu --set camera.samples=1`, and anew after any change that moves a bit of it.
+/// `--device cpu --set camera.samples=1`, and again after any change that moves a bit of it.
 const LARGE: [&str; 4] = ["bump", "bust", "twist", "veins"];
 
 fn render(name: &str, width: usize, height: usize, device: Option<&Device>) -> Vec<u8> {

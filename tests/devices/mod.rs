@@ -4,7 +4,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use milkglass::gpu::{Adapter, Device, Instance};
 
-/// The usable device of this number, with validation. Fails where there is none at all, unless `MILKGLASS_NO_DEVICE` is set.
+/// The usable device of this number, with validation. Fails where there is none at all, unless `MILKGLASS_NO_DEVICE` is
+/// set.
 fn opened(number: usize) -> Option<Device> {
     let waived = std::env::var_os("MILKGLASS_NO_DEVICE").is_some();
     let instance = match Instance::open(true) {

@@ -136,7 +136,7 @@ fn a_local_bump_computes_form_factors_of_what_it_touches() {
         assert!(session.renewed() > 0 && session.renewed() <= touched + touched / 4, "{} {touched}", session.renewed());
         assert!(touched < all / 4, "{touched} of {all}");
 
-        // Nothing is dispatched for other receivers than those with a link that touches what is altered, or that they undo.
+        // Only receivers whose links touch an altered cluster, or are removed, are dispatched.
         assert_eq!(session.retries(), retries);
         let after = links(&mut session);
         let has = |own: &[(u32, [u32; 3])], emitter| own.binary_search_by_key(&emitter, |link| link.0).is_ok();

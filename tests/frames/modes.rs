@@ -40,7 +40,7 @@ fn names(session: &mut Session, change: Change) -> Vec<String> {
     session.frame(change).unwrap().into_iter().map(|time| time.name).collect()
 }
 
-/// Round a lotus goes a light: whether lists were made anew, stages of the frame, and errors.
+/// Round a lotus goes a light: whether lists were rebuilt, stages of the frame, and errors.
 fn round(device: Option<&Device>) {
     let scene = scene("lotus", &["object.0.detail=32", "transport.tolerance=1e-2"]);
     let mut session = Session::new(&scene, device, RENDER, CapacityHints::default()).unwrap();

@@ -1,5 +1,5 @@
-//! Input of a hostile user's own hand, thirty of each kind and more, through the program itself: one clear message, exit
-//! code 2, nothing written, no panic, and no more memory or time than the input deserves.
+//! Input of a hostile user's own hand, thirty of each kind and more, through the program itself: one clear message,
+//! exit code 2, nothing written, no panic, and no more memory or time than the input deserves.
 
 #[path = "../shell/mod.rs"]
 mod shell;

@@ -1,4 +1,4 @@
-//! No cycles among the files of a room: no file uses itself through two or more others, going by the `use` lines.
+//! No cycles among the files of a module: no file uses itself through two or more others, going by the `use` lines.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fs;
@@ -12,7 +12,7 @@ const CYCLIC: &[&str] = &["layers", "scene"];
 /// A module: `gpu::count::read`, empty for the library itself.
 type Module = Vec<String>;
 
-/// The files of a room, or of the whole library, by module.
+/// The files of a module, or of the whole library, by module.
 struct Sources(BTreeMap<Module, String>);
 
 impl Sources {
@@ -27,8 +27,8 @@ impl Sources {
         Self(paths.map(|path| (module(&path), fs::read_to_string(&path).unwrap())).collect())
     }
 
-    /// The module whose file a path leads to, from the module that uses it. A name that a module re-exports leads to the
-    /// file that defines it. None for other crates.
+    /// The module whose file a path leads to, from the module that uses it. A name that a module re-exports leads to
+    /// the file that defines it. None for other crates.
     fn target(&self, from: &Module, path: &[String]) -> Option<Module> {
         let mut rest = path;
         let mut at = match rest.first()?.as_str() {
@@ -54,7 +54,7 @@ impl Sources {
         Some(at)
     }
 
-    /// Which files of a room each of them uses.
+    /// Which files of a module each of them uses.
     fn uses(&self, room: &str) -> BTreeMap<Module, BTreeSet<Module>> {
         let inside = |module: &Module| module.first().is_some_and(|first| first == room);
         let used = |(module, source): (&Module, &String)| {

@@ -112,8 +112,8 @@ fn a_device_follows_shape_light_and_layers() {
 
 #[test]
 fn light_from_behind_does_not_come_in() {
-    // A layer thinner than the sag of the fitted planes, lit from behind without shadows: the samples of both rules that lie
-    // at the surface have no depth that could dim it.
+    // A layer thinner than the sag of the fitted planes, lit from behind without shadows: the samples of both rules
+    // that lie at the surface have no depth that could dim it.
     for rule in ["exact", "paper"] {
         let layers = format!(
             "object.0.material.layers={{ integration = '{rule}', layer = [{{ sigma_s = 1, sigma_t = 1, thickness = 0.2 }}] }}"
@@ -219,8 +219,8 @@ fn fish_and_gecko_are_closed_and_as_fine_as_the_papers() {
     }
 }
 
-/// Proves that a picture which takes more steps than one dispatch may is added up once: both parts meet in row 130, where the
-/// slab is seen.
+/// Proves that a picture which takes more steps than one dispatch may is added up once: both parts meet in row 130,
+/// where the slab is seen.
 #[test]
 fn no_pixel_is_lit_twice_where_dispatches_meet() {
     let sets = ["camera.size=[130, 138]", "camera.target=[0, 20, 0]", "object.0.material.layers.samples=990"];

@@ -18,7 +18,8 @@ const LEFT: [f64; 2] = [9.0, 7.0];
 const RIGHT: [f64; 2] = [64.0, 30.0];
 const SIZE: [u32; 2] = [180, 120];
 
-/// A square of 20 mm that faces +y, seen aslant across its middle, under depths that are `of` its x and z from -0.5 to 0.5.
+/// A square of 20 mm that faces +y, seen aslant across its middle, under depths that are `of` its x and z from -0.5 to
+/// 0.5.
 fn square(whole: bool, of: impl Fn(f64, f64) -> f64) -> Scene {
     let layers = "object.0.material={ layers = { samples = 24, layer = [\
         { sigma_s = 2, sigma_t = 2.2, thickness = 1 }, { sigma_s = 0.3, sigma_t = 3, g = 0.3, thickness = 1 }] } }";
@@ -69,8 +70,8 @@ fn taken(scene: &Scene) -> Session {
     session(scene, Options { transport: ShadingMethod::None, ..Options::default() })
 }
 
-/// Radiance of the pixels that show places within 2.5 mm of the square's middle, so that no ray comes near its edges; with
-/// the user's map looked at as it is where islands are `ignored`.
+/// Radiance of the pixels that show places within 2.5 mm of the square's middle, so that no ray comes near its edges;
+/// with the user's map looked at as it is where islands are `ignored`.
 fn seen(scene: &Scene, ignored: bool) -> Vec<f64> {
     let session = taken(scene);
     let mut state = session.state().clone();

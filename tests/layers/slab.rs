@@ -134,7 +134,7 @@ fn the_left_rule_is_too_bright_and_the_exact_one_converges_faster() {
     let (ten, hundred) = (theirs(10), theirs(100));
     assert!(ten.1 > 1.1 && hundred.1 > 1.01 && hundred.1 < ten.1, "{ten:?} {hundred:?}");
     assert!(ours(10) < hundred.0 / 3.0, "{} {}", ours(10), hundred.0);
-    // Second order, until the end of the ray tells.
+    // Second order, until the end of the ray decides.
     assert!(ours(40) < ours(5) / 8.0, "{} {}", ours(5), ours(40));
     assert!(ours(100) < 3e-4, "{}", ours(100));
 }

@@ -1,5 +1,5 @@
-//! The hierarchy with blocks, against definitions written here anew: every pair is settled once, decisions are those of
-//! double precision, moments are sums over faces, distances keep what they promise, the tolerance is met.
+//! The hierarchy with blocks, against definitions written a second time here: every pair is settled once, decisions are
+//! those of double precision, moments are sums over faces, distances keep what they promise, the tolerance is met.
 
 use glam::DVec3;
 use milkglass::dipole::profile::Dipole;

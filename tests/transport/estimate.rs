@@ -18,7 +18,8 @@ const OPTIONS: Options = Options {
     estimate: true,
 };
 
-/// The built-in scenes whose light is carried, some of them coarser for the sake of time; the first two on the CPU, too.
+/// The built-in scenes whose light is carried, some of them coarser for the sake of time; the first two on the CPU,
+/// too.
 const SCENES: &[(&str, &str)] = &[
     ("sphere", "object.0.detail=5"),
     ("slab", "object.0.detail=32"),

@@ -82,7 +82,7 @@ fn such_a_tree_stays_whatever_deforms_it() {
     for slot in [BufferId::bounds, BufferId::radiosity, BufferId::radiance] {
         assert!(moving.state().data.bytes(slot) == fresh.state().data.bytes(slot), "{slot:?}");
     }
-    // Where the median tree of the same triangles would be built anew.
+    // Where the median tree of the same triangles would be rebuilt.
     let mut median = at(500.0);
     median.transport.hierarchy = Hierarchy::Median;
     assert!(solved(&median).prepared().spoilt[0].is_some());

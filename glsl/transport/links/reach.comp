@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// For each rung of the ladder the squared centroid distance beyond which chi stays below the rung's threshold.
+// For each rule of the ladder the squared centroid distance beyond which chi stays below the rule's threshold.
 // chi = tau q2(sigma s) / (2 s^2) with q2(a) <= 15 + 5a + a^2, solved for s; a channel counts up to sigma s = FAINTEST.
 layout(constant_id = 0) const uint TABLE1 = 0;
 READS(object_params)

@@ -31,7 +31,7 @@ impl Ladder {
     /// The ladder for a relative error of the form factor.
     ///
     /// `tolerance` from 1e-4 to 1e-1, interpolated between powers of ten in the logarithm; outside
-    /// that range the nearest end is used (below 1e-4 the rungs then keep an error of 1e-4).
+    /// that range the nearest end is used (below 1e-4 the rules then keep an error of 1e-4).
     #[must_use]
     pub fn new(tolerance: f64) -> Self {
         let power = tolerance.max(1e-4).log10().min(POWERS[3]);
@@ -58,8 +58,8 @@ pub fn chi(tau: f64, sigma: f64, s: f64) -> f64 {
     tau * q2(sigma * s) / (2.0 * s * s)
 }
 
-/// Distance between source and centroid from which on `chi` stays below `limit` in every channel, with
-/// q2(a) <= 15 + 5a + a^2; at most 4, four times an object's extent. A channel counts up to sigma s = 20 (e^-20 = 2e-9).
+/// Distance between source and centroid from which on `chi` stays below `limit` in every channel, with q2(a) <= 15 + 5a
+/// + a^2; at most 4, four times an object's extent. A channel counts up to sigma s = 20 (e^-20 = 2e-9).
 #[must_use]
 pub fn chi_distance(tau: f64, sigma: [f64; 3], limit: f64) -> f64 {
     let channel = |sigma: f64| {

@@ -1,4 +1,5 @@
-//! The form factor by uniform point samples: what Mertens et al. 2003 compare theirs with (section 4.2, table 5, figure 5).
+//! The form factor by uniform point samples: what Mertens et al. 2003 compare theirs with (section 4.2, table 5, figure
+//! 5).
 //!
 //! As many samples as Jensen and Buhler 2002 spread over a surface, one for each disc of a mean free path:
 //! `n = A / (pi l^2)`. They fall evenly at random and belong to the triangle, not to the receiver, as a cloud of

@@ -108,7 +108,8 @@ impl Sheet {
         covered
     }
 
-    /// For each texel in the margin the edge of the border that is nearest; at a corner the one that it is farther out of.
+    /// For each texel in the margin the edge of the border that is nearest; at a corner the one that it is farther out
+    /// of.
     fn nearest(&self, faces: &Faces<'_>, covered: &[bool]) -> Vec<u32> {
         let mut best = vec![(f64::INFINITY, 0.0, NONE); covered.len()];
         for &half in &self.border {

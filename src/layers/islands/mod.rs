@@ -1,9 +1,10 @@
-//! Islands: the pieces that a mesh's texture coordinates fall into at their seams. The march goes on in texture space, where
-//! beyond a seam lies what belongs to nothing or to something else.
+//! Islands: the pieces that a mesh's texture coordinates fall into at their seams. The march goes on in texture space,
+//! where beyond a seam lies what belongs to nothing or to something else.
 //!
-//! Where a mesh has seams its maps are laid out anew, once, when the scene is loaded: each island by itself, moved by whole
-//! texels, so that what its triangles cover stays as it is, in a margin of what lies across its border (`margin`), as wide
-//! as rays go or as memory allows. Places beyond that count as its outermost texels. The user's maps are not changed.
+//! Where a mesh has seams its maps are laid out again, once, when the scene is loaded: each island by itself, moved by
+//! whole texels, so that what its triangles cover stays as it is, in a margin of what lies across its border
+//! (`margin`), as wide as rays go or as memory allows. Places beyond that count as its outermost texels. The user's
+//! maps are not changed.
 
 mod margin;
 mod walk;
@@ -61,8 +62,8 @@ pub enum Whole {
 
 /// The mesh's maps by islands, each with a margin that rays of length `reach` (scene units) do not leave.
 ///
-/// An edge is a seam where its triangles have different places at both ends, whole repetitions aside; a mesh with seams is
-/// cut, too, where they differ at one end. What lies across an open edge is what the maps have there.
+/// An edge is a seam where its triangles have different places at both ends, whole repetitions aside; a mesh with seams
+/// is cut, too, where they differ at one end. What lies across an open edge is what the maps have there.
 pub fn atlas(mesh: &Mesh, map: &DepthMap, reach: f64) -> Result<Atlas, Whole> {
     let Some(uvs) = &mesh.uvs else { return Err(Whole::Seamless) };
     let size = DVec2::new(map.size[0].into(), map.size[1].into());

@@ -1,5 +1,5 @@
-//! From a place beyond an island's border to the triangle that lies there: the triangles are laid out flat, one beside the
-//! other, along the straight way to it.
+//! From a place beyond an island's border to the triangle that lies there: the triangles are laid out flat, one beside
+//! the other, along the straight way to it.
 
 use glam::DVec2;
 
@@ -24,7 +24,7 @@ pub enum Across {
     Face(u32, [f64; 3]),
     /// Nothing: the edge itself is open.
     Open,
-    /// None can tell: the triangle at the border has no area in the maps.
+    /// None can say: the triangle at the border has no area in the maps.
     Unknown,
 }
 

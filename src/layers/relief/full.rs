@@ -1,7 +1,7 @@
 //! The march's reference: the layered volume itself, and what each approximation of the march costs, one at a time.
 //!
-//! A place in the volume is as deep as the nearest point of the surface is far, and its layers are those of the maps there.
-//! Light enters where a ray towards it leaves the object, by the same tree that all rays go through.
+//! A place in the volume is as deep as the nearest point of the surface is far, and its layers are those of the maps
+//! there. Light enters where a ray towards it leaves the object, by the same tree that all rays go through.
 
 use glam::{DVec2, DVec3};
 
@@ -24,7 +24,8 @@ pub struct Kept {
 }
 
 impl Ray<'_> {
-    /// Light towards the eye, internal units, by `steps` midpoints along the view ray and `legs` along each way of light.
+    /// Light towards the eye, internal units, by `steps` midpoints along the view ray and `legs` along each way of
+    /// light.
     pub fn full(&self, kept: Kept, steps: u32, legs: u32) -> DVec3 {
         let (data, layers) = (&self.state.data, self.layers());
         let lights: Vec<&Light> = data.layer_lights.iter().filter(|light| reaches(data, light, self.face)).collect();

@@ -1,18 +1,18 @@
 //! Stage `relief`: light that scatters once in the layers beneath each visible point, by a march along the view ray in
 //! texture space (algorithms 1 and 2).
 //!
-//! From P the ray goes down to M_max (equation 15, with a unit NS_P; at a silhouette the ray counts as 3 degrees below the
-//! plane), N steps. The place in the depth maps moves by the gradients of the texture coordinates, the depth by NS_P. At M
-//! light comes through a plane between the tangent plane at P and the fitted one (equation 9, as is right at M = P); its
-//! optical depth is that of the layers' mean depths at M and where it enters (equations 11 and 12, clamped; below its
-//! lower interface the last layer goes on, but does not scatter). Depth above the plane counts as 0, and light from behind
-//! it as grazing: it has vanished before it gets anywhere.
+//! From P the ray goes down to M_max (equation 15, with a unit NS_P; at a silhouette the ray counts as 3 degrees below
+//! the plane), N steps. The place in the depth maps moves by the gradients of the texture coordinates, the depth by
+//! NS_P. At M light comes through a plane between the tangent plane at P and the fitted one (equation 9, as is right at
+//! M = P); its optical depth is that of the layers' mean depths at M and where it enters (equations 11 and 12, clamped;
+//! below its lower interface the last layer goes on, but does not scatter). Depth above the plane counts as 0, and
+//! light from behind it as grazing: it has vanished before it gets anywhere.
 //!
 //! Steps are split where the ray crosses an interface, found as if depths varied evenly within a step. Between two such
-//! places falloff times phase varies evenly and the depth of both legs does, too: [`segment`](super::beneath::segment) is exact for that, and so is
-//! the whole for even layers on a plane under a light from afar, with one step. Beyond a seam of the texture coordinates lies
-//! what [`islands`](super::islands) has put there. `integration = "paper"` takes the left
-//! rule with its N + 1 samples instead.
+//! places falloff times phase varies evenly and the depth of both legs does, too: [`segment`](super::beneath::segment)
+//! is exact for that, and so is the whole for even layers on a plane under a light from afar, with one step. Beyond a
+//! seam of the texture coordinates lies what [`islands`](super::islands) has put there. `integration = "paper"` takes
+//! the left rule with its N + 1 samples instead.
 
 mod full;
 mod ray;
@@ -65,8 +65,9 @@ fn cpu(state: &mut State, _at: Scope) {
     state.data.radiance = data.hits.par_iter().zip(&data.radiance).map(of_pixel).collect();
 }
 
-/// What the layered volume itself gives at a pixel that shows an object with layers, linear radiance in the scene's units:
-/// by `steps` midpoints along the view ray and `legs` along each way of light, but for what of the march is kept.
+/// What the layered volume itself gives at a pixel that shows an object with layers, linear radiance in the scene's
+/// units: by `steps` midpoints along the view ray and `legs` along each way of light, but for what of the march is
+/// kept.
 #[must_use]
 pub fn full(state: &State, pixel: usize, kept: Kept, steps: u32, legs: u32) -> Option<[f64; 3]> {
     let hit = state.data.hits.get(pixel).filter(|hit| hit.face < UNFINISHED)?;

@@ -144,8 +144,8 @@ impl<'a> Ray<'a> {
         depths
     }
 
-    /// Of a light at the place so far along the ray: what arrives but for the dimming, the depth of its leg, and the cosine
-    /// that the phase function takes. `depths` are those at that place.
+    /// Of a light at the place so far along the ray: what arrives but for the dimming, the depth of its leg, and the
+    /// cosine that the phase function takes. `depths` are those at that place.
     fn light(&self, light: &Light, t: f64, depths: &Depths) -> (DVec3, DVec3, f64) {
         let place = self.point - t * self.eye;
         let (toward, falloff) = arrival(light, place);

@@ -36,7 +36,8 @@ fn at(curves: &[Curve], sigma_0: f64, free: bool) -> Fit {
     Fit { sigma_0, scale, residual: squares.sqrt(), worst }
 }
 
-/// The best sigma_0 for these curves together; `length` is one that it should not be more than a thousand times away from.
+/// The best sigma_0 for these curves together; `length` is one that it should not be more than a thousand times away
+/// from.
 #[must_use]
 pub fn fit(curves: &[Curve], length: f64, free: bool) -> Fit {
     let left = |log: f64| at(curves, log.exp(), free).residual;

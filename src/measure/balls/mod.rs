@@ -1,5 +1,5 @@
-//! sigma_0 of the CDRF from balls of a material: how light goes round them by the dipole and by a random walk, and which
-//! sigma_0 comes nearest (Kubo et al. 2010, section 4.2 and figure 6).
+//! sigma_0 of the CDRF from balls of a material: how light goes round them by the dipole and by a random walk, and
+//! which sigma_0 comes nearest (Kubo et al. 2010, section 4.2 and figure 6).
 //!
 //! A ball in parallel light: at an angle theta from where the light stands overhead max(cos theta, 0) enters, of which
 //! B(theta) leaves, as a share of what would leave a plane. The CDRF says f(theta, sigma_0 / r).

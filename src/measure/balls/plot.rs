@@ -21,7 +21,8 @@ pub struct Panel<'a> {
 /// Size of a panel, pixels.
 const SIZE: (u32, u32) = (520, 440);
 
-/// The picture: lines are f at the fitted sigma_0, circles the dipole, bars the random walk with twice its standard error.
+/// The picture: lines are f at the fitted sigma_0, circles the dipole, bars the random walk with twice its standard
+/// error.
 pub fn svg(title: &str, panels: &[Panel<'_>]) -> Result<String> {
     let mut picture = String::new();
     draw(&mut picture, title, panels).map_err(|error| Error::Check(format!("the plot could not be drawn: {error}")))?;
@@ -38,7 +39,7 @@ fn draw(
     root.fill(&WHITE)?;
     let root = root.titled(title, ("sans-serif", 18))?;
     let most = panels.iter().flat_map(|panel| panel.dipole.iter().chain(panel.walk)).flat_map(|curve| &curve.values);
-    // Few walkers leave far from the light: what they tell there may lie beyond the plot.
+    // Few walkers leave far from the light: their values there may lie beyond the plot.
     let top = 1.05 * most.fold(1.0, |a: f64, &b| a.max(b.min(1.2)));
     for (area, panel) in root.split_evenly((1, panels.len())).iter().zip(panels) {
         let caption = format!("{}: sigma_0 = {:.3} mm", panel.name, panel.sigma_0);

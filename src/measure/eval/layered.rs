@@ -1,4 +1,5 @@
-//! `milkglass eval layered`: a flat slab of layers, on the CPU by its closed form, on a device by the kernels of `relief`.
+//! `milkglass eval layered`: a flat slab of layers, on the CPU by its closed form, on a device by the kernels of
+//! `relief`.
 
 use std::result::Result as Check;
 
@@ -120,7 +121,8 @@ pub(super) fn evaluate(rows: &[Row], device: Option<&Device>) -> Result<Vec<[f64
     Ok(values)
 }
 
-/// A triangle of the slab, of which one pixel shows a corner, at the origin. Lengths are in units of the slab's thickness.
+/// A triangle of the slab, of which one pixel shows a corner, at the origin. Lengths are in units of the slab's
+/// thickness.
 fn state(row: &Row) -> State {
     let total: f64 = row.layers.iter().map(|layer| layer.thickness).sum();
     let unit = if total > 0.0 { total } else { 1.0 };

@@ -64,8 +64,8 @@ struct Row {
 
 const CORNERS: [&str; 12] = ["v0x", "v0y", "v0z", "v1x", "v1y", "v1z", "v2x", "v2y", "v2z", "xox", "xoy", "xoz"];
 
-/// The rows of a table, called `file` in messages, with the values beside them, as CSV; `open` gives the device to evaluate
-/// them on, none is the CPU. A fault names the line and the column.
+/// The rows of a table, called `file` in messages, with the values beside them, as CSV; `open` gives the device to
+/// evaluate them on, none is the CPU. A fault names the line and the column.
 pub fn answers(
     kind: Kind,
     formula: Formula,

@@ -192,7 +192,7 @@ pub(super) fn brute(bench: &Bench<'_>, lighting: Lighting, _: f64) -> Result<Ope
     Frames::open(bench.scene, bench.device, options, change(lighting))
 }
 
-/// Faces of the thinned mesh that tells how fast pairs of faces go.
+/// Faces of the thinned mesh that shows how fast pairs of faces go.
 const THINNED: usize = 2048;
 
 /// Every so-and-so-many-th face of the mesh by brute force, and from there by the number of pairs.

@@ -122,7 +122,7 @@ impl Sweep {
         methods
     }
 
-    /// The yardsticks that tell anything apart: where every method integrates over its leaves, both are one.
+    /// The yardsticks that differ: where every method integrates over its leaves, both are one.
     pub fn yardsticks(&self) -> &'static [Against] {
         let exact = self.methods().iter().all(|method| method.leaves == Leaves::Exact);
         if exact { &[Against::Own] } else { &[Against::Own, Against::Total] }

@@ -1,4 +1,5 @@
-//! A sweep as an SVG picture: error against wall-clock time on logarithmic axes, a column a lighting, a row a yardstick.
+//! A sweep as an SVG picture: error against wall-clock time on logarithmic axes, a column a lighting, a row a
+//! yardstick.
 
 mod axes;
 
@@ -17,7 +18,7 @@ const TITLE: i32 = 76;
 const LEGEND: i32 = 60;
 /// The band along the front.
 const BAND: RGBColor = RGBColor(222, 222, 222);
-/// Colours that people who see few of them can tell apart (Okabe and Ito).
+/// Colours that people who see few of them can distinguish (Okabe and Ito).
 pub(in crate::measure) const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),

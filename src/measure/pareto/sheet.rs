@@ -23,10 +23,10 @@ pub struct Origin {
     pub repeat: usize,
 }
 
-/// The columns. Times are medians in milliseconds, `wall_low_ms` and `wall_high_ms` the fastest and slowest frame, `busy`
-/// the time of a fixed job beside it as a multiple of its fastest;
-/// `own` is against the method's own leaf sums, `total` against the area integral, and `leaves` of the one against
-/// the other, all of the worst channel; `front` says whether a point is on the front of its light by that L2.
+/// The columns. Times are medians in milliseconds, `wall_low_ms` and `wall_high_ms` the fastest and slowest frame,
+/// `busy` the time of a fixed job beside it as a multiple of its fastest; `own` is against the method's own leaf sums,
+/// `total` against the area integral, and `leaves` of the one against the other, all of the worst channel; `front` says
+/// whether a point is on the front of its light by that L2.
 const COLUMNS: [&str; 27] = [
     "device",
     "driver",

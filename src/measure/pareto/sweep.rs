@@ -95,7 +95,7 @@ impl Course<'_> {
             Opened::NotOffered(why) => return Ok(Err(why)),
         };
 
-        // The first frame tells how long the others will take.
+        // The first frame shows how long the others will take.
         let (mut walls, mut devices) = (Vec::new(), Vec::new());
         for frame in 0..repeat {
             let before = Instant::now();

@@ -1,7 +1,7 @@
 //! The profile of a scene: what each stage of a frame takes, does and moves, beside what the device can do at best.
 //!
-//! Times are those of whole frames, each stage between two timestamps. What a stage does is not estimated: one more frame
-//! runs with kernels whose blocks count how often they are run (`gpu::count`), and has to give the same bits.
+//! Times are those of whole frames, each stage between two timestamps. What a stage does is not estimated: one more
+//! frame runs with kernels whose blocks count how often they are run (`gpu::count`), and has to give the same bits.
 
 mod quantiles;
 mod rates;
@@ -192,7 +192,7 @@ pub fn against(scene: &Scene, devices: [&Device; 2], settings: &Settings) -> Res
     Ok(rows)
 }
 
-/// A session whose next frames are all alike: lists have their room, pipelines are made.
+/// A session whose next frames are all alike: lists have their capacity, pipelines are made.
 pub(super) fn ready(scene: &Scene, device: Option<&Device>, settings: &Settings) -> Result<Session> {
     let mut session = Session::new(scene, device, settings.options, CapacityHints::default())?;
     session.frame(Change::EVERYTHING)?;
@@ -256,8 +256,8 @@ fn rows(session: &mut Session, frames: &Frames, settings: &Settings) -> Result<V
     Ok(rows)
 }
 
-/// What a frame leaves behind, bit for bit: the picture, or radiosity where none is made. Of receivers at pixels the radiosity
-/// of places that no pixel shows is never written.
+/// What a frame leaves behind, bit for bit: the picture, or radiosity where none is made. Of receivers at pixels the
+/// radiosity of places that no pixel shows is never written.
 pub(super) fn result(session: &mut Session) -> Result<Vec<u8>> {
     let pictured = !session.state().data.radiance.is_empty();
     let slot = if pictured { BufferId::radiance } else { BufferId::radiosity };

@@ -1,7 +1,7 @@
 //! What a device can do at best, by three small kernels of our own: copy, multiply and add, take exponentials.
 //!
-//! Each kernel's results are checked against `f64` before its time counts, and each rate is that of the fastest of several
-//! runs; a run is made longer until it takes long enough to be timed.
+//! Each kernel's results are checked against `f64` before its time counts, and each rate is that of the fastest of
+//! several runs; a run is made longer until it takes long enough to be timed.
 
 use crate::error::{Error, Result};
 use crate::gpu::{Device, SingleKernel, spirv};

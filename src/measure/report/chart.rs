@@ -52,7 +52,8 @@ impl Line {
     }
 }
 
-/// Size of a plot without its legend, pixels: as wide as a phone's screen nearly is, so that its text stays legible there.
+/// Size of a plot without its legend, pixels: as wide as a phone's screen nearly is, so that its text stays legible
+/// there.
 const SIZE: (u32, u32) = (480, 360);
 /// Height of a line of the legend, which has two columns.
 const ROW: u32 = 20;

@@ -1,6 +1,6 @@
 //! Where a report goes. The rule: the folder is new, or empty, or holds an earlier report; files of the same names are
-//! replaced, the page last, all others are left alone. Everything is written into a folder beside them first, so that a run
-//! that fails leaves what was there.
+//! replaced, the page last, all others are left alone. Everything is written into a folder beside them first, so that a
+//! run that fails leaves what was there.
 
 use std::fs;
 use std::path::{Path, PathBuf};

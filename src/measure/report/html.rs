@@ -75,7 +75,7 @@ impl Page {
         self.faults.push(words.into());
     }
 
-    /// Something to be told on top of the page, too.
+    /// A notice at the top of the page, too.
     pub fn find(&mut self, tone: Tone, words: &str) {
         let (class, mark) = tone.mark();
         self.body += &format!("<p class=\"{class}\">{mark} {}</p>\n", escape(words));
@@ -165,7 +165,7 @@ impl Page {
     }
 }
 
-/// Nothing is fetched from anywhere, and no script runs: browsers are told so.
+/// Nothing is fetched from anywhere, and no script runs: a content policy says so.
 const HEAD: &str = r#"<!doctype html>
 <html lang="en"><head><meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">

@@ -68,8 +68,8 @@ fn function(page: &mut Page) -> Result<()> {
 
 const NAMES: [&str; 3] = ["red", "green", "blue"];
 
-/// The meshes of table 1: name, built-in scene, settings for a report and for a quick one. Texture blur needs texture coordinates
-/// that are one to one, which of the shapes the ball has.
+/// The meshes of table 1: name, built-in scene, settings for a report and for a quick one. Texture blur needs texture
+/// coordinates that are one to one, which of the shapes the ball has.
 const MESHES: [(&str, &str, [&[&str]; 2]); 4] = [
     ("bust", "bust", [&[OPEN_SKY], &["object.0.detail=64", OPEN_SKY]]),
     ("lotus", "lotus", [&[], &["object.0.detail=48"]]),

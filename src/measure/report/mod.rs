@@ -1,7 +1,7 @@
 //! The report: everything that is measured, on one page, for one device.
 //!
-//! A section is one entry of [`SECTIONS`] and one function that writes it. A section that fails says so on the page, and
-//! the others go on.
+//! A section is one entry of [`SECTIONS`] and one function that writes it. A section that fails says so on the page,
+//! and the others go on.
 
 mod accuracy;
 mod chart;
@@ -75,7 +75,7 @@ pub struct Report {
     pub faults: Vec<String>,
 }
 
-/// Writes these sections; `tell` is told the name of each before it begins.
+/// Writes these sections; `tell` receives the name of each before it begins.
 pub fn report(bench: &Bench<'_>, sections: &[&Section], tell: &mut dyn FnMut(&str)) -> Report {
     let mut written = Vec::new();
     for section in sections {

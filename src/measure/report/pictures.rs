@@ -1,5 +1,5 @@
-//! Pictures on the page, and how far two of them are apart to the eye: the mean of NVIDIA's FLIP (Andersson et al. 2020),
-//! 0 the same, 1 as far as can be, at 67 pixels a degree.
+//! Pictures on the page, and how far two of them are apart to the eye: the mean of NVIDIA's FLIP (Andersson et al.
+//! 2020), 0 the same, 1 as far as can be, at 67 pixels a degree.
 
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool, flip, magma_lut};
 

@@ -68,7 +68,7 @@ fn one(bench: &Bench<'_>, page: &mut Page, scene: &Scene) -> Result<()> {
     Ok(())
 }
 
-/// A method's time as a multiple of the base's, at the finest error where that can be told, and both in words.
+/// A method's time as a multiple of the base's, at the finest error where that is known, and both in words.
 fn compared(ratio: &pareto::Ratio) -> Option<(f64, String)> {
     // Where there is no setting the time is the time at any error that is met.
     let theirs = |reach: Reach| match reach {

@@ -105,7 +105,7 @@ impl Pair {
 
 /// The form factors of these pairs by `evaluate` and by brute force.
 pub(super) fn run(pairs: &[Pair], device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 2]> {
-    // One twin for all: its kernels are made once.
+    // One device state for all: its kernels are made once.
     let mut device_state = device.map(|device| DeviceState::new(device, false)).transpose()?;
     let mut evaluated = evaluate(pairs, device_state.as_mut())?;
     if let Some(plant) = plant {

@@ -28,8 +28,8 @@ pub struct Bound {
 /// Where the answer has to be zero, to the last bit.
 pub const ZERO: Bound = Bound { l2: 0.0, max: 0.0 };
 
-/// About three times the errors measured on the CPU, lavapipe and SwiftShader, the largest of the three: what the case's
-/// reason explains, and room for a driver that rounds otherwise.
+/// About three times the errors measured on the CPU, lavapipe and SwiftShader, the largest of the three: what the
+/// case's reason explains, and room for a driver that rounds otherwise.
 const fn within(l2: f64, max: f64) -> Bound {
     Bound { l2, max }
 }
@@ -95,7 +95,7 @@ pub struct Outcome {
     pub usual: Worst,
     /// Errors of brute force in `f32`.
     pub brute: Worst,
-    /// Errors of the irradiance octree in `f32`, of a scene; they are told and decide nothing.
+    /// Errors of the irradiance octree in `f32`, of a scene; reported only; no effect on pass or fail.
     pub octree: Option<Worst>,
     /// Everything that is wrong; empty when the case passes.
     pub faults: Vec<String>,

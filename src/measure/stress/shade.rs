@@ -19,7 +19,8 @@ const SHADED: Bound = within(3e-6, 1e-5);
 const SHADED_REASON: &str = "some ten roundings; curvature of slivers is off by 1e-4, and f changes by at most sigma / sqrt(2 pi); the \
                              closed form is within 6e-6 of the convolution";
 
-/// Where normals point anywhere, some lie between two of the numbers that stage `pack_normals` has, and roundings decide which one.
+/// Where normals point anywhere, some lie between two of the numbers that stage `pack_normals` has, and roundings
+/// decide which one.
 const STEPPED: Bound = within(1.5e-5, 1e-4);
 const STEPPED_REASON: &str = "a vertex's normal and kappa may be coded a step apart, 3e-5 and 5e-4 of kappa; that happens at few vertices, and \
                               two drivers stay within half of the bounds or a little more; errors are shares of what is seen";

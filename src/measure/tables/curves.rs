@@ -126,7 +126,8 @@ fn ours(triangle: &[DVec3; 3], x: DVec3, media: &[Dipole; 3], dipole: &Dipole, t
     }
 }
 
-/// The integral of R_d squared over a triangle seen from the origin: 12 points on parts no larger than they are distant.
+/// The integral of R_d squared over a triangle seen from the origin: 12 points on parts no larger than they are
+/// distant.
 fn square(triangle: &[DVec3; 3], dipole: &Dipole) -> f64 {
     let [a, b, c] = *triangle;
     let longest = (b - a).length().max((c - b).length()).max((a - c).length());

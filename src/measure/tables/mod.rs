@@ -1,12 +1,13 @@
-//! Tables 3, 4 and 5 and figures 3, 4 and 5 of Mertens et al. 2003, measured anew beside what the paper prints.
+//! Tables 3, 4 and 5 and figures 3, 4 and 5 of Mertens et al. 2003, measured again beside what the paper prints.
 //!
 //! Absolute times of 2003 mean nothing today: what is compared is how times grow within one run, and their ratios. The
-//! paper's columns map to ours so: *on-the-fly* is a frame with everything anew (`refit` to `push_links`), *render* is a new
-//! light over kept links and form factors (`irradiance`, `mean_irradiance`, `sum_links`, `push_links`), *form factor* is
-//! `transport.near = "exact"`, *point sampling* is `transport.near = "point-sampling"`. Its incremental
-//! mode is compared with ours in `measure::modes`: what changed in its frames is not told. Its models are lost but the horse: shapes made here stand in, with as many
-//! triangles as their detail allows; all trees are face clusters. Its solid angles are not told: one value for both is
-//! found from the links a triangle of a table's first row, and kept for its other rows.
+//! paper's columns map to ours so: *on-the-fly* is a frame from scratch (`refit` to `push_links`), *render* is a new
+//! light over kept links and form factors (`irradiance`, `mean_irradiance`, `sum_links`, `push_links`), *form factor*
+//! is `transport.near = "exact"`, *point sampling* is `transport.near = "point-sampling"`. Its incremental mode is
+//! compared with ours in `measure::modes`: what changed in its frames is not reported. Its models are lost but the
+//! horse: shapes made here stand in, with as many triangles as their detail allows; all trees are face clusters. Its
+//! solid angles are not given: one value for both is found from the links a triangle of a table's first row, and kept
+//! for its other rows.
 
 pub mod curves;
 mod figures;
@@ -61,7 +62,7 @@ impl Display for Told<'_> {
 /// Told a table, piece by piece.
 pub type Tell<'a> = &'a mut dyn FnMut(Told<'_>);
 
-/// One table: tells its rows as they come.
+/// One table: reports its rows as they come.
 pub type Table = fn(&Bench<'_>, Tell<'_>) -> Result<()>;
 
 /// The tables that are measured, by the names that `--only` takes.

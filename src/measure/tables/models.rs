@@ -1,5 +1,6 @@
-//! The models to measure on: shapes made here, as near to the paper's triangle counts as their detail allows, and meshes
-//! from files as they are; and the solid angles, which the paper does not tell, from the links a triangle that it does.
+//! The models to measure on: shapes made here, as near to the paper's triangle counts as their detail allows, and
+//! meshes from files as they are; and the solid angles, which the paper does not give, from the links a triangle that
+//! it does.
 
 use crate::error::Result;
 use crate::gpu::Device;

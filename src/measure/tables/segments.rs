@@ -1,8 +1,8 @@
-//! The form factor as Mertens et al. 2003 evaluate it: equation 10 edge by edge, its second integral by the first term of
-//! equation 17 on segments that are halved until condition 19 holds. For comparison only: it cancels and is dear.
+//! The form factor as Mertens et al. 2003 evaluate it: equation 10 edge by edge, its second integral by the first term
+//! of equation 17 on segments that are halved until condition 19 holds. For comparison only: it cancels and is dear.
 //!
-//! Our reading: edges through the foot count for nothing, R carries the sign that equation 18 finds by its rule, and the
-//! angles of the first integral add up to that of the foot, on a corner or an edge too.
+//! Our reading: edges through the foot count for nothing, R carries the sign that equation 18 finds by its rule, and
+//! the angles of the first integral add up to that of the foot, on a corner or an edge too.
 
 use glam::DVec3;
 
@@ -22,8 +22,8 @@ pub struct Segmented {
     pub segments: usize,
 }
 
-/// The form factor of a triangle seen from `x_o`; `stiff` says whether L < 2/(5 sigma) is kept too, which the paper finds
-/// dispensable.
+/// The form factor of a triangle seen from `x_o`; `stiff` says whether L < 2/(5 sigma) is kept too, which the paper
+/// finds dispensable.
 #[must_use]
 pub fn form_factor(triangle: &[DVec3; 3], x_o: DVec3, dipole: &Dipole, stiff: bool) -> Segmented {
     let mut sum = Segmented::default();

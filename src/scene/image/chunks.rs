@@ -1,5 +1,5 @@
-//! The chunks of an OpenEXR file, looked at before its reader is, which believes what they say of themselves: whose pixels
-//! they hold, and how much memory they take.
+//! The chunks of an OpenEXR file, looked at before its reader is, which believes what they say of themselves: whose
+//! pixels they hold, and how much memory they take.
 
 use std::collections::HashSet;
 
@@ -30,8 +30,8 @@ fn number(rest: &mut &[u8]) -> Result<i32, String> {
     take(rest).map(i32::from_le_bytes)
 }
 
-/// Whether each part has each of its blocks once, within the file, and of a size that may be unpacked. The tables of where
-/// they are begin at `start`.
+/// Whether each part has each of its blocks once, within the file, and of a size that may be unpacked. The tables of
+/// where they are begin at `start`.
 pub(super) fn check(files: &Files, bytes: &[u8], start: usize, meta: &MetaData) -> Result<(), String> {
     let mut start = start;
     for (part, header) in meta.headers.iter().enumerate() {

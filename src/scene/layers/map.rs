@@ -17,8 +17,8 @@ pub const BOTTOMLESS: f32 = 1e30;
 pub struct DepthMap {
     /// Width and height, in texels; 1 x 1 where the depths are the same everywhere.
     pub size: [u32; 2],
-    /// Rows from the top, scene units, layers 4 i to 4 i + 3 in the i-th run of width x height; channels beyond the last
-    /// layer are 1e30.
+    /// Rows from the top, scene units, layers 4 i to 4 i + 3 in the i-th run of width x height; channels beyond the
+    /// last layer are 1e30.
     pub texels: Arc<Vec<[f32; 4]>>,
     /// What lies beyond its edges.
     pub wrap: Wrap,
@@ -54,8 +54,8 @@ impl DepthMap {
         (depth > 0.0).then_some(map)
     }
 
-    /// Depths in scene units of so many layers, row by row from the top, all layers of a place together; each is brought
-    /// down to the one before. None where the last layer lies at 0 everywhere.
+    /// Depths in scene units of so many layers, row by row from the top, all layers of a place together; each is
+    /// brought down to the one before. None where the last layer lies at 0 everywhere.
     #[must_use]
     pub fn new(size: [u32; 2], layers: usize, depths: &[f64], wrap: Wrap) -> Option<Self> {
         let places = size[0] as usize * size[1] as usize;

@@ -32,7 +32,8 @@ pub struct Layers {
     pub integration: Integration,
     /// The phase function.
     pub phase: Phase,
-    /// Light dimmed to this share tells nothing of the surface any more: it bounds the plane fit, above 0 and below 1.
+    /// Light dimmed to this share says nothing about the surface any more: it bounds the plane fit, above 0 and below
+    /// 1.
     pub epsilon: f64,
     /// Whether light is multiplied by the Fresnel transmittance where it enters and leaves.
     pub fresnel: bool,
@@ -149,7 +150,7 @@ impl Layers {
         })
     }
 
-    /// Counts what of the mesh the maps cannot tell: triangles whose corners are on a line in them.
+    /// Counts what of the mesh the maps cannot resolve: triangles whose corners are on a line in them.
     pub(super) fn check_mesh(&self, mesh: &Mesh, key: &str, report: &mut Vec<String>) -> Checked<()> {
         let Some(uvs) = mesh.uvs.as_ref().filter(|_| self.map.mapped) else { return Ok(()) };
         let flat = |[a, b, c]: &&[[f64; 2]; 3]| (b[0] - a[0]) * (c[1] - a[1]) == (b[1] - a[1]) * (c[0] - a[0]);

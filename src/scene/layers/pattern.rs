@@ -53,8 +53,8 @@ fn smooth(low: f64, high: f64, x: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// A fish from its side, head to the right: skin, blood between ribs and at the gills, organs; eye and belly lie near the
-/// surface.
+/// A fish from its side, head to the right: skin, blood between ribs and at the gills, organs; eye and belly lie near
+/// the surface.
 fn fish(u: f64, v: f64) -> [f64; 4] {
     // From tail to nose, and upwards.
     let (x, y) = (u - 0.5, 0.5 - v);

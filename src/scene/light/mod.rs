@@ -48,8 +48,8 @@ pub enum Source {
         intensity: [f64; 3],
         /// Angle to the axis up to which all the intensity is sent, degrees, from 0 to 0.95 times `outer`.
         inner: f64,
-        /// Angle to the axis from which on nothing is sent, degrees, 1 to 90. In between 3 t^2 - 2 t^3 of the intensity,
-        /// t = (cos - cos outer) / (cos inner - cos outer).
+        /// Angle to the axis from which on nothing is sent, degrees, 1 to 90. In between 3 t^2 - 2 t^3 of the
+        /// intensity, t = (cos - cos outer) / (cos inner - cos outer).
         outer: f64,
     },
     /// A rectangle of constant radiance, as a grid of samples.

@@ -1,7 +1,7 @@
 //! An environment: radiance from every direction, as a latitude-longitude image.
 //!
-//! The top row is up (+y), the middle of the image looks along -z, and +x is to the right of it: the direction of a pixel
-//! at polar angle t and azimuth a (-180 to 180 degrees from left to right) is (sin t sin a, cos t, -sin t cos a).
+//! The top row is up (+y), the middle of the image looks along -z, and +x is to the right of it: the direction of a
+//! pixel at polar angle t and azimuth a (-180 to 180 degrees from left to right) is (sin t sin a, cos t, -sin t cos a).
 //! `rotation` turns the environment about +y, anticlockwise as seen from above.
 
 use super::super::files::Files;

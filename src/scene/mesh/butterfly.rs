@@ -1,10 +1,11 @@
-//! Interpolating subdivision: every triangle cut in four, new vertices by the modified butterfly scheme (Zorin, Schroeder,
-//! Sweldens 1996, after Dyn, Levin, Gregory 1990), while those that are there stay where they are.
+//! Interpolating subdivision: every triangle cut in four, new vertices by the modified butterfly scheme (Zorin,
+//! Schroeder, Sweldens 1996, after Dyn, Levin, Gregory 1990), while those that are there stay where they are.
 //!
-//! On an edge between vertices of six neighbours, eight points: halves of its ends, an eighth of the two corners across,
-//! minus a sixteenth of the four wings. From a vertex of another number of neighbours the weights of its ring and 3/4 of its
-//! own; where both ends are such, the mean of both. On a border four points of the border. What a wing lacks beyond a
-//! border is what the triangle within gives, reflected at its edge; vertices on a border count as regular.
+//! On an edge between vertices of six neighbours, eight points: halves of its ends, an eighth of the two corners
+//! across, minus a sixteenth of the four wings. From a vertex of another number of neighbours the weights of its ring
+//! and 3/4 of its own; where both ends are such, the mean of both. On a border four points of the border. What a wing
+//! lacks beyond a border is what the triangle within gives, reflected at its edge; vertices on a border count as
+//! regular.
 
 use super::Mesh;
 use super::edges::NONE;
@@ -62,8 +63,8 @@ impl Surface<'_> {
         }
     }
 
-    /// What the start of a half-edge says of its middle, if it lies within and has not six neighbours, nor two: the scheme has
-    /// weights for three and more.
+    /// What the start of a half-edge says of its middle, if it lies within and has not six neighbours, nor two: the
+    /// scheme has weights for three and more.
     fn extraordinary(&self, half: u32) -> Option<DVec3> {
         let (fan, whole) = self.fan(half);
         if !whole || fan.len() == 6 || fan.len() < 3 {
@@ -92,8 +93,8 @@ impl Surface<'_> {
     }
 }
 
-/// Weights of the neighbours of a vertex that has `count` of them, from the one at the other end of the edge on; their sum
-/// is 1/4.
+/// Weights of the neighbours of a vertex that has `count` of them, from the one at the other end of the edge on; their
+/// sum is 1/4.
 fn ring(count: usize) -> Vec<f64> {
     let weight = |j: usize| match (count, j) {
         (3, 0) => 5.0 / 12.0,

@@ -11,8 +11,8 @@ use rayon::slice::ParallelSliceMut;
 /// A face with at most this area, relative to its longest edge squared, is degenerate.
 const SLIVER: f64 = 1e-7;
 
-/// The cleaned mesh, faces in the order of the input, and the vertex of the input that each of its own is; its open edges
-/// are not counted yet.
+/// The cleaned mesh, faces in the order of the input, and the vertex of the input that each of its own is; its open
+/// edges are not counted yet.
 pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<(Mesh, Vec<u32>)> {
     let Soup { positions, triangles, input_face, uvs, unused } = soup;
     let (first, welded) = weld(&positions);

@@ -44,13 +44,13 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// For each triangle the face of the input it came from, from 0; polygons count once.
     pub input_face: Vec<u32>,
-    /// Places in the texture of each triangle's corners, if there is one: (0, 0) is its lower left, (1, 1) its upper right
-    /// corner. As many as triangles.
+    /// Places in the texture of each triangle's corners, if there is one: (0, 0) is its lower left, (1, 1) its upper
+    /// right corner. As many as triangles.
     pub uvs: Option<Vec<[[f64; 2]; 3]>>,
     /// The number of edges that one triangle has alone; 0 when the mesh is closed.
     pub open_edges: usize,
-    /// How often each triangle was cut in four, of a mesh that came about like that: the parts of one follow each other,
-    /// the one in the middle last. Empty of any other mesh.
+    /// How often each triangle was cut in four, of a mesh that came about like that: the parts of one follow each
+    /// other, the one in the middle last. Empty of any other mesh.
     pub splits: Vec<u8>,
 }
 
@@ -105,8 +105,8 @@ impl Mesh {
         round
     }
 
-    /// For each half-edge the one of the only other triangle at this edge, or `u32::MAX`; `3 t + k` runs from corner `k` of
-    /// triangle `t` to the next one.
+    /// For each half-edge the one of the only other triangle at this edge, or `u32::MAX`; `3 t + k` runs from corner
+    /// `k` of triangle `t` to the next one.
     pub fn twins(&self) -> Vec<u32> {
         edges::Edges::of(&self.triangles).device_state
     }
@@ -136,8 +136,8 @@ impl Mesh {
         boxed.par_iter().step_by(step).find_first(|p| inside(p)).copied().copied()
     }
 
-    /// Moves the middle of the bounding box to the origin and scales the largest extent to `size`, which `key` asks for;
-    /// returns the factor.
+    /// Moves the middle of the bounding box to the origin and scales the largest extent to `size`, which `key` asks
+    /// for; returns the factor.
     pub(super) fn resize(&mut self, size: f64, key: &str) -> Checked<f64> {
         let (low, high) = self.bounds();
         let extent = (high - low).max_element();

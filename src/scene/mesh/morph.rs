@@ -8,8 +8,9 @@ use glam::DVec3;
 use std::path::Path;
 
 impl Mesh {
-    /// The places of the vertices of the mesh read from `own`, in that file and in `other`, which `key` names. Both must have
-    /// the same triangles of as many vertices, in the same order, and what lies in one place in the first has to in the other.
+    /// The places of the vertices of the mesh read from `own`, in that file and in `other`, which `key` names. Both
+    /// must have the same triangles of as many vertices, in the same order, and what lies in one place in the first has
+    /// to in the other.
     pub(in crate::scene) fn read_ends(files: &Files, own: &Path, other: &Path, key: &str) -> Checked<[Vec<DVec3>; 2]> {
         let [rest, end] = [own, other].map(|path| import::read(files, path, None));
         let (rest, end) = (rest?, end?);

@@ -12,9 +12,9 @@ const MOST: u64 = 4_000_000_000;
 /// Boxes that are compared in the time of a face.
 const BOXES: u64 = 16;
 
-/// For each closed part, given by its faces, the number of other ones that contain it. A part
-/// contains another when the centres of that one's outermost faces are all inside. An error where parts are so many, and
-/// so deep in one another, that it would take too long to tell.
+/// For each closed part, given by its faces, the number of other ones that contain it. A part contains another when the
+/// centres of that one's outermost faces are all inside. An error where parts are so many, and so deep in one another,
+/// that it would take too long to decide.
 pub(super) fn depths(mesh: &Mesh, parts: &[&[u32]]) -> Checked<Vec<usize>> {
     depths_within(MOST, mesh, parts).ok_or_else(|| {
         let fault = Input::new("too many parts of the mesh lie in one another to tell walls from cavities");

@@ -5,9 +5,9 @@ use super::number;
 use glam::{DVec3, IVec3, Vec3Swizzles};
 use std::collections::HashMap;
 
-/// The surface where `field` goes from below 0 inside to above 0 outside, all of it within `low` and `high`, on a grid of
-/// cubes with this side. One vertex for each patch of the surface in a cube, moved onto it. Parts thinner than a cube are
-/// lost, or grow together.
+/// The surface where `field` goes from below 0 inside to above 0 outside, all of it within `low` and `high`, on a grid
+/// of cubes with this side. One vertex for each patch of the surface in a cube, moved onto it. Parts thinner than a
+/// cube are lost, or grow together.
 pub(super) fn surface(field: impl Fn(DVec3) -> f64, low: DVec3, high: DVec3, side: f64) -> Mesh {
     let counts = ((high - low) / side).ceil().as_ivec3() + 3;
     let at = |p: IVec3| low + (p.as_dvec3() - 1.0) * side;
@@ -100,8 +100,8 @@ fn even_out(positions: &mut [DVec3], squares: &[[usize; 4]]) {
     }
 }
 
-/// The point of the surface next to one that is near it, by three steps of Newton's along the gradient, none longer than
-/// half of `side`.
+/// The point of the surface next to one that is near it, by three steps of Newton's along the gradient, none longer
+/// than half of `side`.
 fn onto(field: impl Fn(DVec3) -> f64, mut p: DVec3, side: f64) -> DVec3 {
     let h = 1e-3 * side;
     for _ in 0..3 {

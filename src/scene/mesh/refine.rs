@@ -1,4 +1,4 @@
-//! A mesh made finer as a hierarchy wants it: a coarse base cut in four, or the mesh wrapped anew.
+//! A mesh made finer as a hierarchy wants it: a coarse base cut in four, or the mesh wrapped.
 
 use super::Mesh;
 use super::butterfly::butterfly;

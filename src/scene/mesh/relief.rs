@@ -44,8 +44,8 @@ pub(super) fn cube(cells: u32) -> Mesh {
     rounded(cells, DVec3::splat(0.5), SOFT, |_, _| DVec3::ZERO)
 }
 
-/// A closed box with edges of this radius, of nearly square cells, `cells` in a length of 1; its points are moved by what `lift` says
-/// of their places on the box with sharp edges and of their normals.
+/// A closed box with edges of this radius, of nearly square cells, `cells` in a length of 1; its points are moved by
+/// what `lift` says of their places on the box with sharp edges and of their normals.
 fn rounded(cells: u32, half: DVec3, round: f64, lift: impl Fn(DVec3, DVec3) -> DVec3) -> Mesh {
     // Along each axis: the straight part in equal steps, and the roundings in equal angles.
     let step = 1.0 / f64::from(cells);

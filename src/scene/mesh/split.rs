@@ -1,12 +1,12 @@
-//! Triangles cut in four at the middles of their edges. A neighbour that is not cut keeps its edge: the new vertices lie on
-//! it, so that there is no gap, only corners that one side does not know of.
+//! Triangles cut in four at the middles of their edges. A neighbour that is not cut keeps its edge: the new vertices
+//! lie on it, so that there is no gap, only corners that one side does not know of.
 
 use super::Mesh;
 use std::collections::HashMap;
 
 impl Mesh {
-    /// The mesh with some triangles cut in four, the one in the middle last, and the number of the triangle that each came
-    /// from. Vertices keep their numbers.
+    /// The mesh with some triangles cut in four, the one in the middle last, and the number of the triangle that each
+    /// came from. Vertices keep their numbers.
     #[must_use]
     pub fn split(&self, cut: impl Fn(usize) -> bool) -> (Self, Vec<u32>) {
         let mut fine = Self { positions: self.positions.clone(), open_edges: self.open_edges, ..Self::default() };

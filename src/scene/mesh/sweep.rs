@@ -22,8 +22,8 @@ pub(super) fn sweep(counts: &[u32], point: impl Fn(usize, f64) -> DVec3) -> Mesh
     Mesh::made(positions, triangles)
 }
 
-/// A ring round the z axis, 1 from its middle to the middle of its tube, which is `tube` thick either way: `cells` along it,
-/// and round the tube so many that they are nearly square.
+/// A ring round the z axis, 1 from its middle to the middle of its tube, which is `tube` thick either way: `cells`
+/// along it, and round the tube so many that they are nearly square.
 pub(super) fn torus(cells: u32, tube: f64) -> Mesh {
     let round = ((f64::from(cells) * tube).round() as u32).max(3);
     let point = |k: u32| {

@@ -8,9 +8,9 @@ use std::f64::consts::{PI, TAU};
 ///
 /// Ball: longitude to the right, latitude upwards; the middle of the texture is at +z, its left and right edge meet at
 /// -z. Lotus: the angle round its axis in the same way, and the height. Slab: each side has the texture by itself, the
-/// longest side of the slab across the whole of it, seen upright from outside where that has a meaning. Candle and bust:
-/// as the lotus. Plane and bump: seen from above, +x to the right, -z upwards; so the gecko, four times over its length.
-/// Cube: as the slab. Torus: seen from +z. Fish: seen from its side, +x to the right.
+/// longest side of the slab across the whole of it, seen upright from outside where that has a meaning. Candle and
+/// bust: as the lotus. Plane and bump: seen from above, +x to the right, -z upwards; so the gecko, four times over its
+/// length. Cube: as the slab. Torus: seen from +z. Fish: seen from its side, +x to the right.
 pub(super) fn of_shape(shape: Shape, mesh: &Mesh) -> Vec<[[f64; 2]; 3]> {
     let (low, high) = mesh.bounds();
     let corners = (0..mesh.triangles.len()).filter_map(|face| mesh.corners(face));

@@ -6,7 +6,8 @@ use crate::error::Input;
 use crate::scene::range::Checked;
 use glam::DVec3;
 
-/// Half-edges of a mesh, and where its vertices are. Half-edge `3 t + k` runs from corner `k` of triangle `t` to the next.
+/// Half-edges of a mesh, and where its vertices are. Half-edge `3 t + k` runs from corner `k` of triangle `t` to the
+/// next.
 pub(super) struct Surface<'a> {
     positions: &'a [DVec3],
     triangles: &'a [[u32; 3]],

@@ -1,11 +1,13 @@
-//! Stage `acceptance_radii`: the oracle, folded into distances. How much of the light of a link is lost falls with distance
-//! whatever the law, so each threshold becomes one distance a node; the walk then only adds, multiplies and compares.
+//! Stage `acceptance_radii`: the oracle, folded into distances. How much of the light of a link is lost falls with
+//! distance whatever the law, so each threshold becomes one distance a node; the walk then only adds, multiplies and
+//! compares.
 //!
-//! A law `factor W tau^n sum_j z_j p(s_j) (q2 / (2 s_j^2))^n` separates into the node's strength `W tau^n` and a function
-//! of distance alone, the same for all nodes. Its inverse is tabled once a frame: a node takes a look at a table.
+//! A law `factor W tau^n sum_j z_j p(s_j) (q2 / (2 s_j^2))^n` separates into the node's strength `W tau^n` and a
+//! function of distance alone, the same for all nodes. Its inverse is tabled once a frame: a node takes a look at a
+//! table.
 //!
-//! Where lists have to serve any light of some contrast (mode `render`), W is the node's area, tau the second moment of its
-//! area, about the area's centroid.
+//! Where lists have to serve any light of some contrast (mode `render`), W is the node's area, tau the second moment of
+//! its area, about the area's centroid.
 
 use rayon::prelude::*;
 
@@ -53,7 +55,7 @@ pub static STAGE: Stage = Stage {
 
 fn runs(update: &Update) -> bool {
     match update.any_light {
-        // Lists that are made anew anyway, for other pixels, are made for the light of now.
+        // Lists that are rebuilt anyway, for other pixels, are made for the light of now.
         true => update.shape() || update.change.relink || (update.other_receivers() && update.change.light),
         false => update.light(),
     }
@@ -160,7 +162,8 @@ fn cpu(state: &mut State, at: Scope) {
             };
             let accept = range(rule, weight + power[rule] * tau, error);
             let accept = if leaf { accept.max(valid(SAMPLE_CHI)) } else { accept };
-            // The laws hold at a cluster's nearest point, a triangle's at its centroid; at distance 0 they hold everywhere.
+            // The laws hold at a cluster's nearest point, a triangle's at its centroid; at distance 0 they hold
+            // everywhere.
             let reach = |radius: f64, range: f64| if range > 0.0 { (radius + range) as f32 } else { -1e9 };
             let edge = if leaf { 0.0 } else { radius };
             emitter.place[3] = reach(radius, range(LAW_MAGNITUDE, weight, DROPPED_SHARE * error));

@@ -1,5 +1,5 @@
-//! Stage `coarse_solve`: how bright the object will be, from a coarse solution at a few receivers. A link's error is allowed
-//! in proportion to it. Taken from the same frame, never from the last one: results must not depend on history.
+//! Stage `coarse_solve`: how bright the object will be, from a coarse solution at a few receivers. A link's error is
+//! allowed in proportion to it. Taken from the same frame, never from the last one: results must not depend on history.
 
 use rayon::prelude::*;
 

@@ -1,14 +1,14 @@
 //! What the transport may miss at a receiver: the laws of the error estimate, which `gather` sums and `push` closes.
 //! `glsl/transport/blocks/estimate.glsl` states the same laws.
 //!
-//! Each link adds the square of what it may miss: links err to either side. Their laws are those of the oracle, by
-//! chi = tau q2(sigma s) / (2 s^2), with three changes. The oracle takes a law at a cluster's nearest point; here it is
+//! Each link adds the square of what it may miss: links err to either side. Their laws are those of the oracle, by chi
+//! = tau q2(sigma s) / (2 s^2), with three changes. The oracle takes a law at a cluster's nearest point; here it is
 //! taken at the centroid and grows by e^(sigma sqrt(tau)), since the profile falls by that from one to the other. An
 //! expansion for a whole block is of second order in the emitter's spread and the receiver's offset together, so the
-//! third order is lost in both: (tau + offset^2)^3 is at most 4 (tau^3 + offset^6), which needs two sums instead of four.
-//! Factors are measured, so that each law alone is right in size: a third moment is a small share of tau^1.5, hence 0.15
-//! where the oracle has 0.5, and few offsets lie in the worst direction, hence 0.4. And what was dropped is all of one
-//! sign, so it adds up before it is squared.
+//! third order is lost in both: (tau + offset^2)^3 is at most 4 (tau^3 + offset^6), which needs two sums instead of
+//! four. Factors are measured, so that each law alone is right in size: a third moment is a small share of tau^1.5,
+//! hence 0.15 where the oracle has 0.5, and few offsets lie in the worst direction, hence 0.4. And what was dropped is
+//! all of one sign, so it adds up before it is squared.
 
 use crate::dipole::derivatives::{ClusterMoments, GroupProfile};
 use crate::layout::{ESTIMATE_BOTH, ESTIMATE_ROUNDING, ESTIMATE_SAFETY, ESTIMATE_STEEPEST};
@@ -37,8 +37,9 @@ pub fn points(jets: &GroupProfile, c: usize, m: &ClusterMoments, d2: f64) -> f64
     (m.weight * jets.at(c, d2).value * (0.006 * chi.powi(3)).min(1.0)).powi(2)
 }
 
-/// What the edge form of a triangle of this value misses, squared: a share by the nodes of an edge, and by how large the
-/// triangle is against the reach of the light in the material (measured: next to exact at 0.1, a few % at 3 and 3 nodes).
+/// What the edge form of a triangle of this value misses, squared: a share by the nodes of an edge, and by how large
+/// the triangle is against the reach of the light in the material (measured: next to exact at 0.1, a few % at 3 and 3
+/// nodes).
 pub fn edge(sigma: f64, m: &ClusterMoments, nodes: u32, value: f64) -> f64 {
     let size = (sigma * m.trace().sqrt()).min(3.0);
     let share = match nodes {

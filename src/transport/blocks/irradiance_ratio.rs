@@ -1,7 +1,8 @@
-//! Stage `irradiance_ratio`: how bright the light that enters is against how bright the object will be. In mode `render` lists are
-//! made as if light entered everywhere alike, as much as its root mean square, so that they depend on shape, material,
-//! tolerance and this one number a channel, and serve every light of the same contrast. Steps of a fourth of an octave,
-//! upward, so that it seldom changes; when it does, lists are made anew. Nothing depends on the light of earlier frames.
+//! Stage `irradiance_ratio`: how bright the light that enters is against how bright the object will be. In mode
+//! `render` lists are made as if light entered everywhere alike, as much as its root mean square, so that they depend
+//! on shape, material, tolerance and this one number a channel, and serve every light of the same contrast. Steps of a
+//! fourth of an octave, upward, so that it seldom changes; when it does, lists are rebuilt. Nothing depends on the
+//! light of earlier frames.
 
 use crate::error::Result;
 use crate::layout::{
@@ -28,8 +29,9 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// The contrast of one channel, of the mean square of irradiance over its mean, and the light and area of all: decisions, as
-/// the kernel has them. What is squared is scaled by a power of two, so that however dim an object is nothing vanishes.
+/// The contrast of one channel, of the mean square of irradiance over its mean, and the light and area of all:
+/// decisions, as the kernel has them. What is squared is scaled by a power of two, so that however dim an object is
+/// nothing vanishes.
 fn contrast(square: f32, [light, area]: [f32; 2], params: &ObjectParams, level: f32, channel: usize) -> f32 {
     let scale = scale(light);
     let (light, level) = (light * scale * params.tint[channel], level * scale * area);

@@ -1,7 +1,8 @@
 //! Stage `link`: for each block of receivers which emitters it expands, links directly, or takes triangle by triangle.
 //!
-//! Decisions: `f32` additions, multiplications and comparisons in the order of `glsl/transport/blocks/link/walk.glsl`, so that
-//! all devices agree bit for bit. Lists are counted, placed by a prefix sum, written; there is no fixed capacity a block.
+//! Decisions: `f32` additions, multiplications and comparisons in the order of `glsl/transport/blocks/link/walk.glsl`,
+//! so that all devices agree bit for bit. Lists are counted, placed by a prefix sum, written; there is no fixed
+//! capacity a block.
 
 use rayon::prelude::*;
 
@@ -87,7 +88,7 @@ fn beyond(d2: f32, reach: f32, radius: f32) -> bool {
     d2 >= sum * sum
 }
 
-/// Walks the tree of emitters for a block and tells each decision, in order.
+/// Walks the tree of emitters for a block and reports each decision, in order.
 pub fn walk(sphere: &Sphere, emitters: &[Emitter], expands: &[[f32; 4]], mut tell: impl FnMut(Kind, u32)) {
     let class = BLOCK_CLASSES.iter().position(|&most| sphere.relative_moment <= most);
     let mut node = 0;

@@ -72,7 +72,7 @@ impl<'a> Emitters<'a> {
         Self { data, distance, near, dipoles: [0, 1, 2].map(|channel| Dipole::of(&data.object_params[0], channel)) }
     }
 
-    /// The rung of a link of this node to a receiver at `center`: the shader's decision.
+    /// The quadrature rule of a link of this node to a receiver at `center`: the shader's decision.
     pub fn rule(&self, node: u32, center: [f32; 3]) -> QuadratureRule {
         let Some(&reach) = self.data.reach.get(self.data.topology[node as usize].face as usize) else {
             return QuadratureRule::Center;

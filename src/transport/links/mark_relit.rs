@@ -1,4 +1,5 @@
-//! Stage `mark_relit`: which clusters have a triangle that another light enters than the one whose radiosity was summed last.
+//! Stage `mark_relit`: which clusters have a triangle that another light enters than the one whose radiosity was summed
+//! last.
 
 use super::not_incremental;
 use crate::error::Result;

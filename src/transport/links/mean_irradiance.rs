@@ -1,5 +1,5 @@
-//! Stage `mean_irradiance`: a cluster's irradiance is the mean over its faces, weighted by area. (Section 3.2 averages the
-//! children; without their areas that would not conserve power.)
+//! Stage `mean_irradiance`: a cluster's irradiance is the mean over its faces, weighted by area. (Section 3.2 averages
+//! the children; without their areas that would not conserve power.)
 
 use crate::error::Result;
 use crate::layout::{BufferId, NONE};

@@ -1,8 +1,8 @@
 //! The method as Mertens et al. 2003 published it: links chosen by solid angles, one sample a link.
 //!
-//! The stages, in the order of a frame: `reach`, `mark_moved`, `mark_relit`, `mean_irradiance`, `refine`, `form_factor`,
-//! `update_links`, `update_form_factors`, `sum_links`, `resum_links`, `push_links`, `snapshot`. Those with `mark`, `update`, `resum` and
-//! `snapshot` in their names run where links are kept while the shape changes.
+//! The stages, in the order of a frame: `reach`, `mark_moved`, `mark_relit`, `mean_irradiance`, `refine`,
+//! `form_factor`, `update_links`, `update_form_factors`, `sum_links`, `resum_links`, `push_links`, `snapshot`. Those
+//! with `mark`, `update`, `resum` and `snapshot` in their names run where links are kept while the shape changes.
 
 pub mod form_factor;
 pub mod mark_moved;

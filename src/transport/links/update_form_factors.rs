@@ -1,4 +1,5 @@
-//! Stage `update_form_factors`: form factors of kept links that wait for them, in the order of the work, no more than the budget has.
+//! Stage `update_form_factors`: form factors of kept links that wait for them, in the order of the work, no more than
+//! the budget has.
 
 use rayon::prelude::*;
 

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 
 // Where each block's lists begin: a prefix sum over the batch by one work group. If they do not fit they are emptied
-// and the overflow noted: the frame then runs again with more room.
+// and the overflow noted: the frame then runs again with more capacity.
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(object_params)
 UPDATES(runs)

@@ -1,4 +1,4 @@
-// 3, 6 or 12 samples on the emitting triangle, by the first rung of the ladder that the distance allows.
+// 3, 6 or 12 samples on the emitting triangle, by the first rule of the ladder that the distance allows.
 READS(object_params)
 READS(topology)
 READS(clusters)

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// The due links sorted by rung, each rung in order: a prefix sum by one work group.
+// The due links sorted by rule, each rule in order: a prefix sum by one work group.
 READS(object_params)
 READS(topology)
 READS(clusters)

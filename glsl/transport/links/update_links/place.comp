@@ -19,7 +19,7 @@ UPDATES(due_groups)
 
 shared uint farthest;
 
-// The room that a list needs if it changes.
+// The capacity that a list needs if it changes.
 uint room_of(uint receiver) {
     Span edit = edits[receiver];
     return edit.areas + edit.edges > 0 ? spans[receiver].links + edit.links : 0;

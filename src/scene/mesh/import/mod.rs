@@ -1,8 +1,8 @@
 //! Wavefront OBJ: positions and faces as they are in the file, polygons cut into fans.
 //!
 //! Only `v` and `f` statements matter here; materials, groups, normals, points and lines are passed over, so that a
-//! fault in them, or a missing `.mtl` file, is not one of ours. Texture coordinates, and the library that names a texture,
-//! are read where a texture is wanted.
+//! fault in them, or a missing `.mtl` file, is not one of ours. Texture coordinates, and the library that names a
+//! texture, are read where a texture is wanted.
 
 use super::Mesh;
 use crate::error::Input;
@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn a_statement_of_a_million_lines_is_joined_once() {
-        // Joined anew for each line, this takes minutes.
+        // If it were joined for each line, this takes minutes.
         let text = format!("{SQUARE}f 1 2 3 {}4\n", "\\\n".repeat(1_000_000));
         assert_eq!(parse(&text).expect("a square").triangles.len(), 2);
     }

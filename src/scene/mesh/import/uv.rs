@@ -4,7 +4,7 @@ use super::statements;
 use crate::error::Input;
 use crate::scene::range::Checked;
 
-/// The largest texture coordinate: places between 10,000 repetitions are still told apart.
+/// The largest texture coordinate: places between 10,000 repetitions are still distinguished.
 const MOST: f64 = 1e4;
 
 /// For each triangle, polygons cut into fans in the order of the file; a fault carries its line.

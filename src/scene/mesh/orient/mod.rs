@@ -17,7 +17,8 @@ struct Part {
     closed: bool,
 }
 
-/// Turns faces where needed (an error where parts are too deep in one another to tell which), counts the open edges, and reports repairs and warnings.
+/// Turns faces where needed (an error where parts are too deep in one another to decide which), counts the open edges,
+/// and reports repairs and warnings.
 pub(super) fn orient(mesh: &mut Mesh, report: &mut Vec<String>) -> Checked<()> {
     let edges = Edges::of(&mesh.triangles);
     mesh.open_edges = edges.open;

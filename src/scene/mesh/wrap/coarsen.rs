@@ -1,6 +1,6 @@
-//! A closed surface with vertices taken away one by one, each drawn into a neighbour, and given back in the opposite order.
-//! First go those that change the shape least (quadrics: Garland and Heckbert 1997) and whose neighbours are near, so that
-//! tips stay, and what is left is even elsewhere.
+//! A closed surface with vertices taken away one by one, each drawn into a neighbour, and given back in the opposite
+//! order. First go those that change the shape least (quadrics: Garland and Heckbert 1997) and whose neighbours are
+//! near, so that tips stay, and what is left is even elsewhere.
 
 use glam::{DMat3, DVec3};
 use std::cmp::Reverse;
@@ -89,7 +89,8 @@ impl Rounds {
         self.there[vertex as usize] = true;
     }
 
-    /// Whether drawing a vertex into a neighbour leaves a closed surface; unless `freely`, one without new folds as well.
+    /// Whether drawing a vertex into a neighbour leaves a closed surface; unless `freely`, one without new folds as
+    /// well.
     fn may_go(&self, places: &[DVec3], vertex: u32, into: u32, freely: bool) -> bool {
         let common = self.ring(vertex).filter(|[a, _]| self.ring(into).any(|[b, _]| *a == b)).count();
         let stays = |&[a, b]: &[u32; 2]| {

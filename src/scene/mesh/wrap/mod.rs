@@ -1,10 +1,10 @@
-//! Shrink-wrapping (section 5.1.2 of Mertens et al. 2003, after Kobbelt et al. 1999): a closed mesh without handles made
-//! anew, as a coarse base cut in four again and again.
+//! Shrink-wrapping (section 5.1.2 of Mertens et al. 2003, after Kobbelt et al. 1999): a closed mesh without handles
+//! made anew, as a coarse base cut in four again and again.
 //!
-//! The mesh is laid over the ball and relaxed. The base shares its vertices with the mesh; its triangles are split on the
-//! ball, and every new vertex gets the place of the mesh's triangle that it lies in, as seen from the ball's middle. Of an
-//! edge that place is taken which is as far from one end as from the other on the mesh: so parts are nearly even however
-//! uneven the ball is.
+//! The mesh is laid over the ball and relaxed. The base shares its vertices with the mesh; its triangles are split on
+//! the ball, and every new vertex gets the place of the mesh's triangle that it lies in, as seen from the ball's
+//! middle. Of an edge that place is taken which is as far from one end as from the other on the mesh: so parts are
+//! nearly even however uneven the ball is.
 
 mod coarsen;
 mod sphere;
@@ -29,7 +29,8 @@ const HALVINGS: usize = 14;
 /// Fewest triangles of a base, where the mesh has as many.
 const BASE: usize = 12;
 
-/// The mesh as a base cut in four `levels` times, of about as many triangles as before, and where its vertices come from.
+/// The mesh as a base cut in four `levels` times, of about as many triangles as before, and where its vertices come
+/// from.
 pub(super) fn shrink_wrap(
     mesh: &Mesh,
     levels: u32,
@@ -157,7 +158,8 @@ impl Ball<'_> {
         (0..self.triangles.len() as u32).max_by(|a, b| least(a).total_cmp(&least(b))).unwrap_or(face)
     }
 
-    /// The place on the edge between two others, and the triangle that it lies in, that is as far from both on the mesh.
+    /// The place on the edge between two others, and the triangle that it lies in, that is as far from both on the
+    /// mesh.
     fn between(&self, a: (DVec3, u32), b: (DVec3, u32), positions: &[DVec3]) -> (DVec3, u32) {
         let [from, to] = [a, b].map(|(p, face)| self.on_mesh(face, p, positions));
         let (mut low, mut high, mut face) = (LEAST, 1.0 - LEAST, a.1);

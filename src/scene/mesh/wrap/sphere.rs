@@ -1,6 +1,6 @@
 //! A closed surface without handles laid over the ball, coarse first, so that no triangle is ever turned over: vertices
-//! come back one by one inside of what their neighbours enclose, and all are drawn towards the middle of their neighbours
-//! (the umbrella operator) as far as their triangles allow.
+//! come back one by one inside of what their neighbours enclose, and all are drawn towards the middle of their
+//! neighbours (the umbrella operator) as far as their triangles allow.
 
 use super::coarsen::{Removal, Rounds, coarsen};
 use glam::DVec3;
@@ -73,7 +73,8 @@ fn first(rounds: &Rounds, positions: &[DVec3]) -> Option<Vec<DVec3>> {
     (steep(&places) > 0.0).then_some(places)
 }
 
-/// Above 0 where three points of the ball run anticlockwise, as seen from outside. Differences keep the digits of near ones.
+/// Above 0 where three points of the ball run anticlockwise, as seen from outside. Differences keep the digits of near
+/// ones.
 pub(super) fn side(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     a.dot((b - a).cross(c - a))
 }
@@ -86,8 +87,8 @@ impl Laid {
         self.base = Some(Rounds::new(self.places.len(), &base));
     }
 
-    /// The thinnest of a vertex's triangles, the base's too, if it were here: height by length, below 0 where one is turned
-    /// over.
+    /// The thinnest of a vertex's triangles, the base's too, if it were here: height by length, below 0 where one is
+    /// turned over.
     fn thinnest(&self, vertex: u32, place: DVec3) -> f64 {
         let thin = |[a, b]: [u32; 2]| {
             let (a, b) = (self.places[a as usize], self.places[b as usize]);

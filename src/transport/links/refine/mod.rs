@@ -2,7 +2,7 @@
 //!
 //! Receivers are walked level by level. Each takes the emitters that its parent could not settle and, for each,
 //! hands it down to its own children, splits the emitter, or links: count, scan, write, so that every receiver's
-//! links stand together in a fixed order. Lists have fixed room; one that does not fit is noted in the cursor.
+//! links stand together in a fixed order. Lists have a fixed capacity; one that does not fit is noted in the counters.
 
 mod walk;
 

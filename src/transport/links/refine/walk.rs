@@ -95,7 +95,7 @@ impl<'a> Walk<'a> {
         Self { params: data.object_params[0], topology: &data.topology, clusters: &data.clusters, reach: &data.reach }
     }
 
-    /// Goes through the emitters handed to this receiver and tells each decision, with the emitter, in order.
+    /// Goes through the emitters handed to this receiver and reports each decision, with the emitter, in order.
     pub fn walk(&self, receiver: u32, handed: &[u32], mut tell: impl FnMut(Decision, u32)) {
         let receiver = receiver as usize;
         let center = self.clusters[receiver].center;

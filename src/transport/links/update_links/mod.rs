@@ -1,9 +1,10 @@
-//! Stage `update_links`: kept links after a change of shape. Pairs that touch an altered cluster are decided anew: links that the
-//! oracle does not allow any more are demoted to pairs of children, those whose parents it allows now are promoted.
+//! Stage `update_links`: kept links after a change of shape. Pairs that touch an altered cluster are decided again:
+//! links that the oracle does not allow any more are demoted to pairs of children, those whose parents it allows now
+//! are promoted.
 //!
-//! The links are then those of `refine` on the same frame. Receivers are walked level by level as there, but each is told only
-//! of pairs that are altered, or that the refinement before has and that of now has not, or the other way round. Pairs whose
-//! emitter has another light are told, too: the receiver has to be summed again.
+//! The links are then those of `refine` on the same frame. Receivers are walked level by level as there, but each is
+//! given only of pairs that are altered, or that the refinement before has and that of now has not, or the other way
+//! round. Pairs whose emitter has another light are passed on, too: the receiver has to be summed again.
 
 mod walk;
 
@@ -150,7 +151,8 @@ fn place(data: &mut Buffers, nodes: std::ops::Range<usize>) {
     counters.overflow |= u32::from(next > data.object_params[0].link_capacity);
 }
 
-/// A receiver's links as they are now: those before without what is undone, with what is made, in the order of the emitters.
+/// A receiver's links as they are now: those before without what is undone, with what is made, in the order of the
+/// emitters.
 fn merge(data: &mut Buffers, receiver: u32, base: usize, stale_base: usize) {
     if !has_edits(data, receiver) {
         return;

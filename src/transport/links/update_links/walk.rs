@@ -1,4 +1,5 @@
-//! The refinement before and after a change, side by side: decisions in the order of `glsl/transport/links/update_links/walk.glsl`.
+//! The refinement before and after a change, side by side: decisions in the order of
+//! `glsl/transport/links/update_links/walk.glsl`.
 
 use crate::layout::{ALTERED_MOVED, Buffers, NONE, PAIR_BEFORE, PAIR_BOTH, PAIR_NOW};
 use crate::transport::links::refine::{Choice, children, choose};
