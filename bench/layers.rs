@@ -1,5 +1,5 @@
-//! `cargo bench --bench layers`: what the march through layers errs and costs, table 2 and figure 14 of Francois et al.
-//! 2006.
+//! `cargo bench --bench layers`: what the march through layers errs and costs, table 2 and figure 14 of Francois et
+//! al. 2006.
 //!
 //! `--quick` takes fewer pixels; `--cpu` runs on the CPU; `--pictures FOLDER` writes the fish with 10, 50 and 100
 //! samples of both rules there (figure 14).

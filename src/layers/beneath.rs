@@ -9,8 +9,8 @@ use crate::scene::Phase;
 /// Share of light scattered per steradian; `cosine` between the directions *towards* the light and *towards* the eye,
 /// so that light which goes straight on has -1. With `g` above 0 that is where most of it goes.
 ///
-/// Schlick's k (equation of section 3), or Henyey's and Greenstein's mean cosine; the integral over all directions is
-/// 1.
+/// Schlick's k (equation of section 3), or Henyey's and Greenstein's mean cosine; it integrates to 1 over all
+/// directions.
 #[must_use]
 pub fn phase(henyey: bool, g: f64, cosine: f64) -> f64 {
     let base = if henyey { 1.0 + g * g + 2.0 * g * cosine } else { 1.0 + g * cosine };

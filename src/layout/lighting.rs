@@ -11,8 +11,8 @@ records! { light_records:
         kind: u32,
         /// The unit direction towards the light, or its position.
         place: [f32; 3],
-        /// Irradiance on a perpendicular plane, or intensity along the axis; scaled so that the brightest face is about
-        /// 1.
+        /// Irradiance on a perpendicular plane, or intensity along the axis; scaled so that the brightest face has
+        /// about 1.
         color: [f32; 3],
         /// The unit direction in which a spot or a sample of an area shines.
         axis: [f32; 3],

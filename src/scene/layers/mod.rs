@@ -32,8 +32,8 @@ pub struct Layers {
     pub integration: Integration,
     /// The phase function.
     pub phase: Phase,
-    /// Light dimmed to this share says nothing about the surface any more: it bounds the plane fit, above 0 and below
-    /// 1.
+    /// Light dimmed to this share says nothing about the surface any more: it bounds the plane fit, above 0 and
+    /// below 1.
     pub epsilon: f64,
     /// Whether light is multiplied by the Fresnel transmittance where it enters and leaves.
     pub fresnel: bool,
