@@ -59,7 +59,8 @@ pub fn chi(tau: f64, sigma: f64, s: f64) -> f64 {
 }
 
 /// Distance between source and centroid from which on `chi` stays below `limit` in every channel, with
-/// q2(a) <= 15 + 5a + a^2; at most 4, four times an object's extent. A channel counts up to sigma s = 20 (e^-20 = 2e-9).
+/// q2(a) <= 15 + 5a + a^2; at most 4, four times an object's extent. A channel counts up to
+/// sigma s = 20 (e^-20 = 2e-9).
 #[must_use]
 pub fn chi_distance(tau: f64, sigma: [f64; 3], limit: f64) -> f64 {
     let channel = |sigma: f64| {
