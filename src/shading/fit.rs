@@ -2,9 +2,9 @@
 //! compared with.
 //!
 //! In the frame of a vertex and its normal the surface is
-//! z = A x^2 / 2 + B x y + C y^2 / 2 + D x^3 + E x^2 y + F x y^2 + G y^3; each neighbour gives its place and both slopes
-//! of its normal, three equations for the seven numbers, solved by least squares. The curvatures are the eigenvalues of
-//! the second derivatives, outward positive.
+//! z = A x^2 / 2 + B x y + C y^2 / 2 + D x^3 + E x^2 y + F x y^2 + G y^3.
+//! Each neighbour gives its place and both slopes of its normal: three equations for the seven numbers, solved by least
+//! squares. The curvatures are the eigenvalues of the second derivatives, outward positive.
 
 use glam::DVec3;
 
