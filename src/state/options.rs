@@ -39,8 +39,8 @@ pub enum Mode {
     OnTheFly,
     /// Links are made for the light of a frame, and kept: frames in which nothing changes sum them again only.
     Keep,
-    /// Links serve any light, and are kept: a change of light runs shadow, irradiance, pull, level, contrast, gather,
-    /// push and average only, as long as the contrast stays the same.
+    /// Links serve any light, and are kept: a change of light runs `shadow`, `irradiance`, `pull`, `coarse_solve`,
+    /// `irradiance_ratio`, `gather`, `push` and `average` only, as long as the ratio stays the same.
     Render,
     /// Links are kept while the shape changes, too: only those that touch an altered cluster are looked at again. Of
     /// scheme links; blocks have it as `Render`.

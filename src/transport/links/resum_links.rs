@@ -14,7 +14,7 @@ pub static STAGE: Stage = Stage {
     about: "the same for nodes whose links, form factors or emitters have changed",
     equation: "Mertens et al. 2003, equation 6",
     writes: &[(BufferId::gathered, Role::Update, Tolerance::Float { relative: 3e-5, floor: 1e-7 })],
-    reason: "that of collect",
+    reason: "that of sum_links",
     sizes: &[],
     granularity: Granularity::Chunk,
     carriers: &[Carrier::Links],
