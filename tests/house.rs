@@ -134,7 +134,7 @@ fn shaders_stand_beside_their_stages() {
 const ORDINARY: &[(&str, &str, &str)] = &[
     ("irradiance", "src/session/aov.rs", "a layer of an OpenEXR picture"),
     ("environment", "src/view/reflect.rs", "a kernel of another stage"),
-    ("irradiance", "src/measure/stress/solve.rs", "an ordinary word"),
+    ("irradiance", "src/measure/stress/solve.rs", "a value in the table of cases"),
     ("push", "src/cli/devices.rs", "bytes of push constants"),
 ];
 

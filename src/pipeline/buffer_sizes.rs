@@ -3,7 +3,7 @@
 use super::frame::STAGES;
 use super::plan::Plan;
 use crate::layout::{BUFFER_IDS, BufferId, Partition};
-use crate::state::{Extent, Size, Stage, State};
+use crate::state::{Extent, Size, State};
 use crate::view::shade;
 
 /// What the host and the picture read of every frame, whether a stage writes it or not.
@@ -19,7 +19,7 @@ pub const RESULTS: [BufferId; 6] = [
 /// How many elements a buffer has that stages write: as one of them says, or by what the buffer has one element each.
 fn elements(state: &State, slot: BufferId) -> usize {
     let Extent { vertices, faces, nodes, blocks, receivers } = state.extent();
-    if let Some((Size::Elements(count) | Size::Grows(count), _)) = declared(slot) {
+    if let Some(Size::Elements(count) | Size::Grows(count)) = declared(slot) {
         return count(state);
     }
     match slot.spec().partition {
@@ -37,15 +37,14 @@ fn elements(state: &State, slot: BufferId) -> usize {
     }
 }
 
-/// What a stage says of a buffer's size, and which one.
-pub fn declared(slot: BufferId) -> Option<(Size, &'static str)> {
-    let of = |stage: &&Stage| Some((stage.sizes.iter().find(|(sized, _)| *sized == slot)?.1, stage.name));
-    STAGES.iter().find_map(of)
+/// The size that a stage declares for a buffer.
+fn declared(slot: BufferId) -> Option<Size> {
+    STAGES.iter().flat_map(|stage| stage.sizes).find(|(sized, _)| *sized == slot).map(|(_, size)| *size)
 }
 
 /// Whether a frame turns out to need more or less of a buffer than there is to begin with.
 pub fn grows(slot: BufferId) -> bool {
-    matches!(declared(slot), Some((Size::Grows(_), _)))
+    matches!(declared(slot), Some(Size::Grows(_)))
 }
 
 /// Whether a frame of this plan has to do with a buffer that stages write.
@@ -69,7 +68,7 @@ pub fn size(state: &mut State, plan: &Plan) {
 
 /// The same for those of these buffers that stages write.
 pub fn resize(state: &mut State, plan: &Plan, chosen: impl Fn(BufferId) -> bool) {
-    for slot in BUFFER_IDS.iter().copied().filter(|slot| chosen(*slot) && !Plan::inputs().any(|input| input == *slot)) {
+    for slot in BUFFER_IDS.iter().copied().filter(|slot| chosen(*slot) && !Plan::is_input(*slot)) {
         let count = if wanted(state, plan, slot) { elements(state, slot) } else { 0 };
         state.data.resize(slot, 0);
         state.data.resize(slot, count);

@@ -82,12 +82,15 @@ impl Plan {
         carrier == host.carrier && self.writes(host.reads) && self.update(state, change).sums()
     }
 
-    /// Buffers that are inputs: no stage writes them, or not always.
+    /// Buffers that are inputs.
     pub fn inputs() -> impl Iterator<Item = BufferId> {
-        // Blocks are rebuilt only where they are of pixels, positions only where something deforms the object.
-        let sent = [BufferId::blocks, BufferId::positions];
-        let made = |slot: &BufferId| STAGES.iter().any(|stage| stage.writes(*slot));
-        BUFFER_IDS.iter().copied().filter(move |slot| sent.contains(slot) || !made(slot))
+        BUFFER_IDS.iter().copied().filter(|slot| Self::is_input(*slot))
+    }
+
+    /// Whether no stage writes a buffer, or not always: blocks are written only where they are of pixels, positions
+    /// only of objects that deform.
+    pub fn is_input(slot: BufferId) -> bool {
+        [BufferId::blocks, BufferId::positions].contains(&slot) || !STAGES.iter().any(|stage| stage.writes(slot))
     }
 }
 

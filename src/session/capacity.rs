@@ -102,7 +102,7 @@ impl Lists {
         }
         schedule(prepared, self.chunk_faces);
         let faces = largest_chunk(prepared);
-        let chunks = chunks(&prepared.state).max(1);
+        let chunks = prepared.state.chunk_count().max(1);
         let kept = if prepared.state.keep { (self.allocation / 12) as usize / chunks } else { usize::MAX };
         let room = |per: usize, stride| ((faces * per).min(kept).min(self.most(stride)).max(64) / 64 * 64) as u32;
         set(prepared, [room(self.links, 12), room(16, 4), room(4, 4), room(96, 4)]);
@@ -137,7 +137,7 @@ impl Lists {
             let batch = |k: usize| (k * each).min(blocks) as u32..((k + 1) * each).min(blocks) as u32;
             object.schedule.batches = (0..batches).map(batch).filter(|batch| !batch.is_empty()).collect();
         }
-        let room = ((largest_batch(state) * per_block).max(64) / 64 * 64).min(self.most(4)) as u32;
+        let room = ((state.largest_batch() * per_block).max(64) / 64 * 64).min(self.most(4)) as u32;
         state.data.object_params.iter_mut().for_each(|params| params.entry_capacity = room);
     }
 
@@ -180,7 +180,7 @@ impl Lists {
             }
             if need > had as usize {
                 // Revised links need spare capacity to move in, as far as the kept lists fit one allocation.
-                let kept = self.allocation as usize / 12 / chunks(&prepared.state).max(1) / 64 * 64;
+                let kept = self.allocation as usize / 12 / prepared.state.chunk_count().max(1) / 64 * 64;
                 let revised = name == "links" && prepared.state.method.incremental;
                 let spare = if revised { (need / 4).min(kept.saturating_sub(need)) / 64 * 64 } else { need / 32 };
                 *room = (need + spare).next_multiple_of(64).min(most) as u32;
@@ -189,7 +189,7 @@ impl Lists {
         set(prepared, rooms);
 
         // Kept lists have to fit one allocation.
-        let bytes = 12 * u64::from(rooms[0]) * chunks(&prepared.state) as u64;
+        let bytes = 12 * u64::from(rooms[0]) * prepared.state.chunk_count() as u64;
         if prepared.state.keep && bytes > self.allocation {
             return Err(too_many(bytes, self));
         }
@@ -202,7 +202,7 @@ impl Lists {
     fn grow_batches(&mut self, state: &mut State) -> Result<Growth> {
         let (need, near) = (need(state), need(state).required_near.next_multiple_of(NEAR_PART));
         state.data.object_params.iter_mut().for_each(|params| params.near_capacity = params.near_capacity.max(near));
-        let (need, each) = (need.required_entries as usize, largest_batch(state).max(1));
+        let (need, each) = (need.required_entries as usize, state.largest_batch().max(1));
         let most = self.most(4);
         if need > most && each == 1 {
             let what = format!("one block of receivers needs {need} entries, a binding of the device takes {most}");
@@ -216,7 +216,7 @@ impl Lists {
             let room = (need + need / 32).next_multiple_of(64).min(most) as u32;
             state.data.object_params.iter_mut().for_each(|params| params.entry_capacity = room);
         }
-        let bytes = 4 * u64::from(state.data.object_params[0].entry_capacity) * batches(state) as u64;
+        let bytes = 4 * u64::from(state.data.object_params[0].entry_capacity) * state.batch_count() as u64;
         if state.keep && bytes > self.allocation {
             return Err(too_many(bytes, self));
         }
@@ -234,22 +234,6 @@ fn too_many(bytes: u64, lists: &Lists) -> Error {
 fn largest_chunk(prepared: &Prepared) -> usize {
     let chunks = prepared.state.objects.iter().flat_map(|object| &object.schedule.chunks);
     chunks.map(|chunk| chunk.nodes.len()).max().unwrap_or(0).div_ceil(2)
-}
-
-/// Blocks of the largest batch.
-pub(crate) fn largest_batch(state: &State) -> usize {
-    let batches = state.objects.iter().flat_map(|object| &object.schedule.batches);
-    batches.map(|batch| batch.len()).max().unwrap_or(0)
-}
-
-/// Chunks of all translucent objects.
-pub(crate) fn chunks(state: &State) -> usize {
-    state.sum(|object| if object.opaque { 0 } else { object.schedule.chunks.len() })
-}
-
-/// Batches of all objects and groups.
-pub(crate) fn batches(state: &State) -> usize {
-    state.sum(|object| object.groups.len() * object.schedule.batches.len())
 }
 
 /// The largest length that any object required of each list.

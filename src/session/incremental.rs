@@ -1,6 +1,6 @@
 //! Links that are kept while the shape changes: their budget, what waits, and capacity for new links.
 
-use super::capacity::{chunks, need};
+use super::capacity::need;
 use super::run::Session;
 use crate::error::{Input, Result};
 use crate::layout::{BufferId, Link};
@@ -140,7 +140,8 @@ impl Session {
             (state.data.object_params[0].link_capacity as usize, live + need.saturating_sub(end) as usize);
         let room = if want > had { (want + want / 8).next_multiple_of(64) } else { had };
         let much = self.scene.transport.budget.is_none() && want - live > live / 4;
-        if much || room > self.lists.most(12) || (12 * room * chunks(state).max(1)) as u64 > self.lists.allocation {
+        if much || room > self.lists.most(12) || (12 * room * state.chunk_count().max(1)) as u64 > self.lists.allocation
+        {
             self.linked = false;
             return self.send(&[BufferId::object_params]);
         }

@@ -39,7 +39,7 @@ fn every_buffer_has_its_size_from_one_place() {
         assert!(said.len() <= 1, "{slot:?} has its size from {said:?}");
         assert!(said.iter().all(|stage| writers.contains(stage)), "{slot:?} is not written by {said:?}");
         let unsized_cut = matches!(slot.spec().partition, Partition::Whole | Partition::Chunk | Partition::Batch);
-        let input = crate::pipeline::plan::Plan::inputs().any(|input| input == slot);
+        let input = crate::pipeline::plan::Plan::is_input(slot);
         let needed = unsized_cut && !writers.is_empty() && !queried && !input;
         assert!(!needed || said.len() == 1, "none of {writers:?} says how large {slot:?} is");
     }
