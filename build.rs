@@ -1,72 +1,211 @@
-//! Compiles every `glsl/**/*.comp` to SPIR-V, with the GLSL form of `src/layout` for them to include, and puts their
-//! sources into the program. Kernels of tests and benches are compiled only: `OUT_DIR/tests-kernels-NAME.spv`.
+//! Puts the kernels into the program: every `glsl/**/*.comp` as SPIR-V, with the GLSL form of `src/layout` for them to
+//! include, and every source. Kernels of tests and benches are only compiled: `OUT_DIR/tests-kernels-NAME.spv`.
+//!
+//! SPIR-V comes from the folder `spirv`, which a published package has, where it was made from these very sources;
+//! else from the program `glslc`; with the feature `build-from-source`, from the shaderc that cargo builds.
 
+use std::collections::VecDeque;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::{env, fs, process};
+use std::process::{self, Command};
+use std::sync::Mutex;
+use std::{env, fs, thread};
 
+#[cfg(feature = "build-from-source")]
 #[path = "src/gpu/compile.rs"]
 mod compile;
 #[path = "src/layout/mod.rs"]
 mod layout;
 
-/// Kernels that are no stage's: they are compiled, and only who names them holds them.
+/// Kernels that belong to no stage: they are compiled but not embedded.
 const OUTSIDE: [&str; 2] = ["tests/kernels", "bench/kernels"];
+/// A published package's SPIR-V, and the hash of the sources that it was compiled from.
+const SHIPPED: &str = "spirv";
+/// The static libraries of glslang and SPIRV-Tools that Debian's `libshaderc_combined.a` needs and does not contain, in
+/// link order.
+const PARTS: [&str; 9] = [
+    "SPIRV",
+    "glslang",
+    "MachineIndependent",
+    "GenericCodeGen",
+    "OSDependent",
+    "OGLCompiler",
+    "HLSL",
+    "SPIRV-Tools-opt",
+    "SPIRV-Tools",
+];
 
 fn main() {
-    println!("cargo::rerun-if-changed=glsl");
-    println!("cargo::rerun-if-changed=src/layout");
-    println!("cargo::rerun-if-changed=src/gpu/compile.rs");
-    OUTSIDE.iter().for_each(|folder| println!("cargo::rerun-if-changed={folder}"));
+    for input in ["glsl", "src/layout", "src/gpu/compile.rs", SHIPPED].into_iter().chain(OUTSIDE) {
+        if Path::new(input).exists() {
+            println!("cargo::rerun-if-changed={input}");
+        }
+    }
+    println!("cargo::rerun-if-env-changed=GLSLC");
+    link_shaderc();
     if let Err(message) = run() {
         println!("cargo::error={}", message.trim_end().replace('\n', "\ncargo::error="));
         process::exit(1);
     }
 }
 
+/// A kernel to compile: its GLSL, and the SPIR-V file.
+struct Job {
+    source: PathBuf,
+    target: PathBuf,
+}
+
 fn run() -> Result<(), String> {
     let out = PathBuf::from(env::var("OUT_DIR").map_err(|e| e.to_string())?);
     let header = layout::declarations();
+    fs::write(out.join("layout.glsl"), &header).map_err(|e| format!("layout.glsl: {e}"))?;
+    let sources = files(Path::new("glsl"), &["comp", "glsl"])?;
+    let kernels: Vec<&PathBuf> = sources.iter().filter(|path| path.extension().is_some_and(|e| e == "comp")).collect();
 
-    // Compile each shader beside its name.
-    let compiler = shaderc::Compiler::new().map_err(|e| format!("shaderc: {e}"))?;
+    // Take the SPIR-V that was shipped, or compile.
+    let hash = hash(&sources, &header)?;
+    let shipped = fs::read_to_string(Path::new(SHIPPED).join("sources")).is_ok_and(|known| known.trim() == hash);
+    let folder = if shipped { fs::canonicalize(SHIPPED).map_err(|e| e.to_string())? } else { out.clone() };
+    let mut jobs: Vec<Job> = Vec::new();
+    if !shipped {
+        jobs.extend(kernels.iter().map(|path| Job { source: path.to_path_buf(), target: out.join(binary(path)) }));
+        fs::write(out.join("sources"), hash).map_err(|e| e.to_string())?;
+    }
+    for outside in OUTSIDE.into_iter().filter(|outside| Path::new(outside).exists()) {
+        let name = |path: &Path| path.with_extension("spv").to_string_lossy().replace(['/', '\\'], "-");
+        let job = |path: PathBuf| Job { target: out.join(name(&path)), source: path };
+        jobs.extend(files(Path::new(outside), &["comp"])?.into_iter().map(job));
+    }
+    compile_all(jobs, &out, &header)?;
+
+    // A table of the binaries by name, and one of the sources by path.
     let mut table = String::from("pub(super) static SPIRV: &[(&str, &[u8])] = &[\n");
-    let mut failures = String::new();
-    for path in files(Path::new("glsl"), &["comp"])? {
-        let name = path.strip_prefix("glsl").map_err(|e| e.to_string())?.with_extension("");
-        let name = name.to_string_lossy().replace('\\', "/");
-        match compiled(&compiler, &path, &header) {
-            Ok(binary) => {
-                let file = out.join(format!("{}.spv", name.replace('/', "-")));
-                fs::write(&file, binary).map_err(|e| format!("{}: {e}", file.display()))?;
-                let _ = writeln!(table, "    ({name:?}, include_bytes!({:?})),", file.display().to_string());
-            }
-            Err(message) => failures.push_str(&message),
-        }
+    for path in kernels {
+        let file = folder.join(binary(path)).display().to_string();
+        let _ = writeln!(table, "    ({:?}, include_bytes!({file:?})),", inner(&path.with_extension("")));
     }
-    for folder in OUTSIDE.into_iter().filter(|folder| Path::new(folder).exists()) {
-        for path in files(Path::new(folder), &["comp"])? {
-            let name = path.with_extension("spv").to_string_lossy().replace(['/', '\\'], "-");
-            match compiled(&compiler, &path, &header) {
-                Ok(binary) => fs::write(out.join(&name), binary).map_err(|e| format!("{name}: {e}"))?,
-                Err(message) => failures.push_str(&message),
-            }
-        }
-    }
-    if !failures.is_empty() {
-        return Err(failures);
-    }
-    table.push_str("];\n");
-
-    // And each source beside its path.
-    table.push_str("pub(super) static SOURCES: &[(&str, &str)] = &[\n");
+    table.push_str("];\npub(super) static SOURCES: &[(&str, &str)] = &[\n");
     let here = env::current_dir().map_err(|e| e.to_string())?;
-    for path in files(Path::new("glsl"), &["comp", "glsl"])? {
-        let name = path.strip_prefix("glsl").map_err(|e| e.to_string())?.to_string_lossy().replace('\\', "/");
-        let _ = writeln!(table, "    ({name:?}, include_str!({:?})),", here.join(&path).display().to_string());
+    for path in &sources {
+        let _ = writeln!(table, "    ({:?}, include_str!({:?})),", inner(path), here.join(path).display().to_string());
     }
     table.push_str("];\n");
     fs::write(out.join("kernels.rs"), table).map_err(|e| e.to_string())
+}
+
+/// A path below `glsl`, with slashes.
+fn inner(path: &Path) -> String {
+    path.strip_prefix("glsl").unwrap_or(path).to_string_lossy().replace('\\', "/")
+}
+
+/// The file name of a kernel's SPIR-V.
+fn binary(path: &Path) -> String {
+    format!("{}.spv", inner(&path.with_extension("")).replace('/', "-"))
+}
+
+/// FNV-1a over all sources: shipped SPIR-V that was made from others is not used.
+fn hash(sources: &[PathBuf], header: &str) -> Result<String, String> {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut add = |text: &str| {
+        for byte in text.bytes().filter(|byte| *byte != b'\r').chain([0]) {
+            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    };
+    add(header);
+    for path in sources {
+        add(&inner(path));
+        add(&read(path)?);
+    }
+    Ok(format!("{hash:016x}"))
+}
+
+/// Compiles all of them, on as many threads as cargo allows.
+fn compile_all(jobs: Vec<Job>, out: &Path, header: &str) -> Result<(), String> {
+    let threads = env::var("NUM_JOBS").ok().and_then(|n| n.parse().ok()).unwrap_or(2_usize).min(jobs.len());
+    let (jobs, failures) = (Mutex::new(VecDeque::from(jobs)), Mutex::new(Vec::new()));
+    let next = || jobs.lock().ok().and_then(|mut jobs| jobs.pop_front());
+    let work = || {
+        while let Some(job) = next() {
+            if let (Err(message), Ok(mut failures)) = (compile_one(&job, out, header), failures.lock()) {
+                failures.push(message);
+            }
+        }
+    };
+    thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
+    let failures = failures.into_inner().map_err(|e| e.to_string())?;
+    if failures.is_empty() { Ok(()) } else { Err(failures.join("\n")) }
+}
+
+/// Compiles one kernel with `glslc`, with the options of `src/gpu/compile.rs`.
+#[cfg(not(feature = "build-from-source"))]
+fn compile_one(job: &Job, out: &Path, _: &str) -> Result<(), String> {
+    let glslc = glslc();
+    let includes = [Path::new("-Iglsl").to_path_buf(), format!("-I{}", out.display()).into()];
+    let run = Command::new(&glslc)
+        .args(["-fshader-stage=compute", "--target-env=vulkan1.2", "--target-spv=spv1.5", "-O", "-g", "-Werror"])
+        .args(includes)
+        .arg(&job.source)
+        .arg("-o")
+        .arg(&job.target)
+        .output();
+    match run {
+        Ok(run) if run.status.success() => Ok(()),
+        Ok(run) => Err(String::from_utf8_lossy(&run.stderr).into_owned()),
+        Err(error) => Err(format!(
+            "{}: {error}. Kernels are compiled by glslc, of the package glslc (Debian, Ubuntu, Fedora), shaderc (Arch, \
+             Homebrew) or the Vulkan SDK; GLSLC=PATH names another one. Without it: --features build-from-source.",
+            glslc.display()
+        )),
+    }
+}
+
+/// The compiler: `GLSLC`, or that of the Vulkan SDK, or the one that the path finds.
+#[cfg(not(feature = "build-from-source"))]
+fn glslc() -> PathBuf {
+    let sdk = || Some(PathBuf::from(env::var_os("VULKAN_SDK")?).join("bin/glslc")).filter(|path| path.exists());
+    env::var_os("GLSLC").map(PathBuf::from).or_else(sdk).unwrap_or_else(|| "glslc".into())
+}
+
+/// Compiles one kernel with the shaderc that cargo built.
+#[cfg(feature = "build-from-source")]
+fn compile_one(job: &Job, _: &Path, header: &str) -> Result<(), String> {
+    let compiler = shaderc::Compiler::new().map_err(|e| format!("shaderc: {e}"))?;
+    let include = |name: &str| {
+        if name == "layout.glsl" {
+            return Ok((name.to_string(), header.to_string()));
+        }
+        let file = Path::new("glsl").join(name);
+        read(&file).map(|content| (file.display().to_string(), content))
+    };
+    let words = compile::compile(&compiler, &read(&job.source)?, &job.source.display().to_string(), include)?;
+    fs::write(&job.target, words.as_binary_u8()).map_err(|e| format!("{}: {e}", job.target.display()))
+}
+
+/// Links what Debian's static shaderc lacks. `+whole-archive` has the linker take all of shaderc itself before the
+/// crate `shaderc-sys` names it, so that the parts it needs follow it, in this crate and in every one that depends on
+/// it. Where shaderc is whole, or built from source, nothing is to be done.
+fn link_shaderc() {
+    let set = |name: &str| env::var_os(name).is_some();
+    if !set("CARGO_FEATURE_SHADERC") || set("CARGO_FEATURE_BUILD_FROM_SOURCE") || set("SHADERC_LIB_DIR") {
+        return;
+    }
+    let arch = env::var("CARGO_CFG_TARGET_ARCH").unwrap_or_default();
+    let folder = PathBuf::from(format!("/usr/lib/{arch}-linux-gnu"));
+    let archive = |name: &str| folder.join(format!("lib{name}.a")).exists();
+    if !archive("shaderc_combined") || !archive("MachineIndependent") {
+        return;
+    }
+    println!("cargo::rustc-link-search=native={}", folder.display());
+    println!("cargo::rustc-link-lib=static:+whole-archive,-bundle=shaderc_combined");
+    for part in PARTS.into_iter().filter(|part| archive(part)) {
+        println!("cargo::rustc-link-lib=static:-bundle={part}");
+    }
+    println!("cargo::rustc-link-lib=stdc++");
+}
+
+/// The text of a file.
+fn read(path: &Path) -> Result<String, String> {
+    fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 /// Every file below `folder` with one of these endings, sorted.
@@ -83,19 +222,4 @@ fn files(folder: &Path, endings: &[&str]) -> Result<Vec<PathBuf>, String> {
     }
     found.sort();
     Ok(found)
-}
-
-/// Compiles one shader.
-fn compiled(compiler: &shaderc::Compiler, path: &Path, header: &str) -> Result<Vec<u8>, String> {
-    let source = fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
-    let include = |name: &str| {
-        if name == "layout.glsl" {
-            return Ok(shaderc::ResolvedInclude { resolved_name: name.to_string(), content: header.to_string() });
-        }
-        let file = Path::new("glsl").join(name);
-        let content = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
-        Ok(shaderc::ResolvedInclude { resolved_name: file.display().to_string(), content })
-    };
-    compile::compile(compiler, &source, &path.display().to_string(), include)
-        .map(|artifact| artifact.as_binary_u8().to_vec())
 }

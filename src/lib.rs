@@ -83,6 +83,7 @@ pub mod hierarchy;
 pub mod layers;
 pub mod layout;
 pub mod lighting;
+#[cfg(feature = "measure")]
 pub mod measure;
 pub mod pipeline;
 pub mod prepare;

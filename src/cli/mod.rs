@@ -15,6 +15,7 @@ mod memory;
 mod pareto;
 mod plan;
 mod profile;
+mod progress;
 mod render;
 mod replace;
 mod report;
@@ -38,6 +39,7 @@ use self::text::{print, size, table};
 use milkglass::error::{Error, Input, Result};
 use milkglass::gpu::{Device, Timing};
 use milkglass::hierarchy::face_cluster::Method;
+use milkglass::measure::progress::observe;
 use milkglass::pipeline::plan::{Change, Options};
 use milkglass::scene::Scene;
 use milkglass::session::run::{CapacityHints, Session};
@@ -209,6 +211,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
             return Ok(());
         }
     };
+    observe(Box::<progress::Bar>::default());
     match cli.command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),

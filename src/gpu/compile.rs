@@ -1,12 +1,13 @@
-//! From GLSL to SPIR-V: the build includes this file, so that kernels given at run time are compiled as its own are.
+//! From GLSL to SPIR-V by the shaderc library: kernels given at run time are compiled with the options of the built-in
+//! ones. The build script includes this file where it builds shaderc itself.
 
-/// Compiles one shader; a warning is an error, and messages name file and line. `include` finds a file by the name that
-/// a shader includes it by, and returns its text and the name for messages.
+/// Compiles one shader; a warning is an error, and messages name file and line. `include` finds a file by the name in
+/// the `#include`, and returns the name for messages and the text.
 pub fn compile(
     compiler: &shaderc::Compiler,
     source: &str,
     name: &str,
-    include: impl Fn(&str) -> Result<shaderc::ResolvedInclude, String>,
+    include: impl Fn(&str) -> Result<(String, String), String>,
 ) -> Result<shaderc::CompilationArtifact, String> {
     let mut options = shaderc::CompileOptions::new().map_err(|e| e.to_string())?;
     options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_2 as u32);
@@ -14,7 +15,9 @@ pub fn compile(
     options.set_optimization_level(shaderc::OptimizationLevel::Performance);
     options.set_generate_debug_info();
     options.set_warnings_as_errors();
-    options.set_include_callback(|name, _, _, _| include(name));
+    options.set_include_callback(|name, _, _, _| {
+        include(name).map(|(resolved_name, content)| shaderc::ResolvedInclude { resolved_name, content })
+    });
     compiler.compile_into_spirv(source, shaderc::ShaderKind::Compute, name, "main", Some(&options)).map_err(|error| {
         match error {
             shaderc::Error::CompilationError(_, text) => text.trim_end().to_string(),

@@ -123,12 +123,12 @@ fn compile(file: &Path, text: &str) -> Result<Vec<u32>> {
         }
         if path.is_file() {
             let content = read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-            return Ok(shaderc::ResolvedInclude { resolved_name: path.display().to_string(), content });
+            return Ok((path.display().to_string(), content));
         }
         let content = source(name).ok_or_else(|| {
             format!("{name} is neither beside {} nor built in; `milkglass shader` lists what is", file.display())
         })?;
-        Ok(shaderc::ResolvedInclude { resolved_name: name.to_string(), content: content.into_owned() })
+        Ok((name.to_string(), content.into_owned()))
     };
     super::compile::compile(&compiler, text, &file.display().to_string(), include)
         .map(|artifact| artifact.as_binary().to_vec())

@@ -16,6 +16,7 @@ pub mod modes;
 pub mod norms;
 pub mod pareto;
 pub mod profile;
+pub mod progress;
 pub mod reference;
 pub mod replace;
 pub mod report;

@@ -1,7 +1,6 @@
 //! Brute force in `f64` with near-exact form factors at a few receivers: what every method's error is measured against.
 
 use glam::DVec3;
-use indicatif::ParallelProgressIterator;
 use rayon::prelude::*;
 
 use crate::dipole::form_factor::exact::edge_form_fine;
@@ -12,6 +11,7 @@ use crate::error::{Input, Result};
 use crate::layout::BufferId;
 use crate::measure::estimate::Quality;
 use crate::measure::norms::{Norms, norms};
+use crate::measure::progress::Progress;
 use crate::measure::sample::Sample;
 use crate::session::run::Session;
 use crate::state::{Distance, State, wide};
@@ -93,9 +93,9 @@ pub fn at(state: &State, places: &[DVec3]) -> Vec<[f64; 3]> {
             None => edge_form_fine(&emitter.corners, data.triangles[face], x, dipole, distance),
         }
     };
+    let progress = Progress::new(places.len());
     places
         .par_iter()
-        .progress_count(places.len() as u64)
         .map(|&x| {
             let mut sum = [0.0; 3];
             for (face, light) in data.irradiance.iter().enumerate() {
@@ -103,6 +103,7 @@ pub fn at(state: &State, places: &[DVec3]) -> Vec<[f64; 3]> {
                     sum[channel] += f64::from(light[channel]) * pair(x, face, dipole);
                 }
             }
+            progress.step();
             sum
         })
         .collect()

@@ -2,11 +2,10 @@
 
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressStyle};
-
 use super::pace::Pace;
 use super::{Bench, Leaves, Lighting, Method, Opened, Point, Run, Sweep, Yardstick};
 use crate::error::Result;
+use crate::measure::progress::Progress;
 
 /// What is measured, and how long it may take.
 #[derive(Clone, Debug)]
@@ -30,8 +29,7 @@ pub fn sweep(bench: &Bench<'_>, settings: &Settings) -> Result<Sweep> {
     let yardstick = Yardstick::new(bench.scene, settings.samples, settings.seed)?;
     let values = |method: &Method| method.values.len().min(settings.values);
     let count = settings.methods.iter().map(|method| values(method) * Lighting::ALL.len()).sum::<usize>();
-    let style = ProgressStyle::with_template("{pos}/{len} {wide_bar} {msg}");
-    let bar = ProgressBar::new(count as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let progress = Progress::new(count);
     let mut points = Vec::new();
     let mut pace = Pace::open(bench.device)?;
     let mut before = pace.seconds()?;
@@ -41,7 +39,7 @@ pub fn sweep(bench: &Bench<'_>, settings: &Settings) -> Result<Sweep> {
         for &value in method.values.iter().take(values(method)) {
             for (lighting, course) in &mut courses {
                 let mut point = Point { method, value, lighting: *lighting, run: Err(String::new()) };
-                bar.set_message(format!("{} {}, {}", method.name, point.setting(), lighting.name()));
+                progress.says(&format!("{} {}, {}", method.name, point.setting(), lighting.name()));
                 point.run = course.measure(bench, &yardstick, &point)?;
                 let after = pace.seconds()?;
                 if let Ok(run) = &mut point.run {
@@ -49,14 +47,13 @@ pub fn sweep(bench: &Bench<'_>, settings: &Settings) -> Result<Sweep> {
                 }
                 before = after;
                 points.push(point);
-                bar.inc(1);
+                progress.step();
             }
         }
     }
     for run in points.iter_mut().filter_map(|point: &mut Point| point.run.as_mut().ok()) {
         run.busy = pace.share(run.busy);
     }
-    bar.finish_and_clear();
     let midpoint = yardstick.discretisation(Leaves::Midpoint);
     Ok(Sweep { points, samples: yardstick.samples(), midpoint })
 }

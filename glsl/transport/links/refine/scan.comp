@@ -4,7 +4,7 @@
 
 #define LISTS spans
 UPDATES(spans)
-#include "transport/links/refine/scan.glsl"
+#include "transport/links/refine/scan_lists.glsl"
 
 uvec4 rooms() { return uvec4(object_params[0].link_capacity, object_params[0].area_capacity, object_params[0].edge_capacity, object_params[0].hand_capacity); }
 

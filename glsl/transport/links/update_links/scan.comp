@@ -4,7 +4,7 @@
 
 #define LISTS edits
 UPDATES(edits)
-#include "transport/links/refine/scan.glsl"
+#include "transport/links/refine/scan_lists.glsl"
 
 // New links among those that are made are only counted.
 uvec4 rooms() { return uvec4(uvec2(object_params[0].edit_capacity), NONE, object_params[0].hand_capacity); }
