@@ -47,8 +47,8 @@ pub struct Plant {
     pub slot: BufferId,
 }
 
-/// Runs every step of a fixture and returns one row per stage. With planted errors, each is tested separately and
-/// gets a row of its own, and only their stages run on the device.
+/// Runs every step of a fixture and returns one row per stage. With planted errors, each is tested separately, and
+/// only their stages run on the device.
 pub fn conform(device: &Device, fixture: &Fixture, plants: &[Plant]) -> Result<Vec<Row>> {
     compared(device, fixture, plants, &|stage| plants.is_empty() || plants.iter().any(|plant| plant.stage == stage))
 }
@@ -102,7 +102,7 @@ fn poison(state: &mut State, step: Step) {
             bytemuck::cast_slice_mut::<u8, u32>(bytes).fill(POISON);
         }
     }
-    // The host's positions are not poisoned for `deform`: the stage reads them there.
+    // `deform` overwrites its object's positions, but declares an update: the host has computed them before.
     if step.stage.is(&deform::STAGE) {
         let object = &state.objects[step.at.object];
         let own = object.first.vertices..object.first.vertices + object.count.vertices;

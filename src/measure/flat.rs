@@ -85,8 +85,8 @@ mod tests {
         Medium { scattering: albedo, absorption: 1.0 - albedo, eta }
     }
 
-    /// Chandrasekhar's H function for isotropic scattering, from 1/H(mu) = sqrt(1 - w) + w/2 integral of m H(m) / (mu
-    /// + m): its value at 1, and the integral of mu H(mu).
+    /// Chandrasekhar's H function for isotropic scattering: its value at 1, and the integral of mu H(mu). It solves
+    /// 1/H(mu) = sqrt(1 - w) + w/2 integral of m H(m) / (mu + m).
     fn chandrasekhar(albedo: f64) -> (f64, f64) {
         let nodes: Vec<_> = legendre(48).iter().map(|node| (0.5 + 0.5 * node.x, 0.5 * node.weight)).collect();
         let mut h = vec![1.0; nodes.len()];

@@ -58,7 +58,7 @@ impl Body {
 
 /// Independent batches of a walk, whose variance gives the standard error.
 pub const BATCHES: u64 = 32;
-/// Maximum number of scattering events; a photon that reaches it is dropped.
+/// Maximum number of steps, scattering or reflection; a photon that reaches it is dropped.
 const STEPS: usize = 1_000_000;
 /// Weight below which Russian roulette starts: a photon survives with probability 1/2 and double weight.
 const LIGHT: f64 = 0.1;
