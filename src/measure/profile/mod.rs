@@ -260,7 +260,7 @@ fn rows(session: &mut Session, frames: &Frames, settings: &Settings) -> Result<V
 }
 
 /// The frame's result, bit for bit: the picture, or else the radiosity. With receivers at pixels, radiosity that no
-/// pixel shows is never written, so the picture is compared.
+/// pixel shows is never written.
 pub(super) fn result(session: &mut Session) -> Result<Vec<u8>> {
     let pictured = !session.state().data.radiance.is_empty();
     let slot = if pictured { BufferId::radiance } else { BufferId::radiosity };

@@ -69,7 +69,7 @@ impl Pair {
         })
     }
 
-    /// A scene of two triangles: the lit one, and a small one at the point, parallel to the first.
+    /// A scene of two triangles: the lit one, and a small one around the point that faces away from the light.
     fn scene(&self) -> Result<Scene> {
         let mut scene = super::solve::scene(&[])?;
         let normal = vector_area(&self.triangle).try_normalize().unwrap_or(DVec3::Z);

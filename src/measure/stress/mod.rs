@@ -67,7 +67,7 @@ enum Kind {
     Factors(fn() -> Vec<factor::Pair>),
     /// The radiosity of a scene.
     Scene(fn() -> Result<solve::Setup>),
-    /// A picture by the CDRF, in closed form; from the table instead of brute force.
+    /// A picture by the CDRF: in closed form, and from the table in the place of brute force.
     Shade(fn() -> Result<crate::scene::Scene>),
 }
 
