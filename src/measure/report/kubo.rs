@@ -80,7 +80,7 @@ const MESHES: [(&str, &str, [&[&str]; 2]); 4] = [
         [&["transport.unwrap=true", "object.0.detail=7", LUMPS], &["transport.unwrap=true", QUICK_BLUR, LUMPS]],
     ),
 ];
-/// Without ambient occlusion, whose rays would cost many times as much as the shading.
+/// Turns environment occlusion off: its rays would cost many times as much as the shading.
 const OPEN_SKY: &str = "light.0.occlusion=0";
 const QUICK_BLUR: &str = "transport.blur_texture=128";
 const LUMPS: &str = "object.0.deform=[{ type = 'noise', amplitude = 1, scale = 5 }]";
@@ -243,7 +243,7 @@ fn compared(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     Ok(())
 }
 
-/// Maximum number of dots per class of a plot.
+/// Maximum number of dots in a plot.
 const DOTS: usize = 2000;
 
 /// The error against the dipole, by thickness.

@@ -23,7 +23,7 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// Develops a picture by the camera's settings.
+    /// Applies the camera's exposure and tone curve to a picture.
     pub fn of(picture: &Picture, camera: &Camera, ms: f64) -> Self {
         Self { size: [picture.width as u32, picture.height as u32], bytes: picture.bytes(camera), ms }
     }

@@ -128,8 +128,8 @@ fn ours(triangle: &[DVec3; 3], x: DVec3, media: &[Dipole; 3], dipole: &Dipole, t
     }
 }
 
-/// The integral of R_d squared over a triangle seen from the origin: 12 points on each part, with parts subdivided until
-/// no edge is longer than half the part's distance.
+/// The integral of R_d squared over a triangle seen from the origin: 12 points on each part, subdivided until no edge
+/// is longer than half the part's distance.
 fn square(triangle: &[DVec3; 3], dipole: &Dipole) -> f64 {
     let [a, b, c] = *triangle;
     let longest = (b - a).length().max((c - b).length()).max((a - c).length());
