@@ -92,7 +92,7 @@ pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
 /// objects are lit.
 ///
 /// With `local`, shading takes the place of transport: there are no blocks of receivers, and a texture is applied
-/// once, at the exit (except with [`Local::Blur`]).
+/// once, at the exit (except with `Local::Blur`).
 pub fn prepare(scene: &Scene, (by_pixel, lit_at): (bool, LitAt), local: Option<Local>) -> Prepared {
     let mut units = Units::of(scene.objects.iter().map(|object| &object.mesh));
     let (mut parts, mut trees, mut method) = (Vec::new(), Vec::new(), Method::Merged);
