@@ -1,4 +1,4 @@
-//! One error for the whole program: whose fault, where, what was found and what was expected.
+//! The program's error type: whose fault it is, where, what was found and what was expected.
 
 use std::path::{Path, PathBuf};
 
@@ -13,13 +13,13 @@ pub enum Error {
     Device {
         /// What the program was doing when it happened.
         doing: String,
-        /// What the driver answered, in words.
+        /// The driver's answer, in words.
         what: String,
     },
-    /// Lists of links are too long to keep between frames. Exit code 3.
+    /// The lists of links are too long to keep between frames. Exit code 3.
     #[error("keeping lists between frames: {what}")]
     TooMuchToKeep {
-        /// How much they take, and how much may be kept.
+        /// Their size, and the limit.
         what: String,
         /// What sets that limit.
         limited_by: KeepLimit,
@@ -29,10 +29,10 @@ pub enum Error {
     Check(String),
 }
 
-/// What limits how much is kept between frames.
+/// What limits the memory for lists kept between frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeepLimit {
-    /// What `--limit-memory` leaves.
+    /// The memory that `--limit-memory` leaves.
     MemoryOption,
     /// The memory of the device, or the host's largest allocation.
     Device,
@@ -47,7 +47,7 @@ impl std::fmt::Display for KeepLimit {
     }
 }
 
-/// A fault in what the user gave: the place, the key, the value found and the values accepted.
+/// A fault in the user's input: file, line, key, the value found and the values accepted.
 #[derive(Debug, Default)]
 pub struct Input {
     /// The file, or empty for an argument.
@@ -87,7 +87,7 @@ impl std::fmt::Display for Input {
     }
 }
 
-/// What a file gave, cut where it is longer than anyone reads.
+/// Text from the input, truncated to a readable length.
 fn short(text: &str) -> std::borrow::Cow<'_, str> {
     const MOST: usize = 400;
     match text.char_indices().nth(MOST) {
@@ -140,7 +140,7 @@ impl From<Input> for Error {
 }
 
 impl Error {
-    /// A device fault: what was being done, and what the driver answered.
+    /// A device fault: what the program was doing, and the driver's answer.
     pub fn device(doing: impl Into<String>, what: impl ToString) -> Self {
         Self::Device { doing: doing.into(), what: what.to_string() }
     }

@@ -1,4 +1,4 @@
-//! The command line: arguments to one command, an error to one message and an exit code.
+//! The command line: runs the command that the arguments name; an error becomes one message and an exit code.
 
 mod cli;
 

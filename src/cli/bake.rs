@@ -1,4 +1,4 @@
-//! `milkglass bake-layers`: a depth map of surfaces that lie in one another.
+//! `milkglass bake-layers`: a depth map of nested surfaces.
 
 use std::path::PathBuf;
 
@@ -19,7 +19,7 @@ use milkglass::view::atomic_file::{encode_atomically, ready};
 pub struct Arguments {
     /// The outer surface, with texture coordinates (OBJ).
     outer: PathBuf,
-    /// One to four surfaces in it, from the outside inwards (OBJ): the layers' lower interfaces.
+    /// One to four surfaces inside it, from the outside inwards (OBJ): the layers' lower interfaces.
     #[arg(required = true, num_args = 1..=4)]
     inner: Vec<PathBuf>,
     /// The map: .png (16 bits) or .exr.
@@ -30,7 +30,7 @@ pub struct Arguments {
     size: String,
     #[command(flatten)]
     memory: MemoryArgument,
-    /// What the greatest depth is.
+    /// How the greatest depth appears in the map.
     #[arg(long, value_enum, default_value_t)]
     depth: Depth,
 }

@@ -1,4 +1,4 @@
-//! `milkglass conform`: every stage of a device against the CPU reference.
+//! `milkglass conform`: compares every stage on a device with the CPU reference.
 
 use std::path::PathBuf;
 
@@ -32,12 +32,12 @@ pub struct Arguments {
     /// Change a value of the scenes: `object.0.material.preset=ketchup`.
     #[arg(long = "set", value_name = "KEY=VALUE", requires = "scenes")]
     sets: Vec<String>,
-    /// The frame, where values of the scenes have keyframes.
+    /// The frame, if values of the scenes have keyframes.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, requires = "scenes")]
     frame: f64,
     #[command(flatten)]
     option_args: OptionArguments,
-    /// A device's number in `milkglass devices`, or a part of its name [default: every Vulkan device].
+    /// A device's number in `milkglass devices`, or part of its name [default: every Vulkan device].
     #[arg(long, value_name = "DEVICE")]
     device: Option<String>,
     /// Run without the validation layer.
@@ -48,7 +48,7 @@ pub struct Arguments {
     only: String,
     #[command(flatten)]
     memory: MemoryArgument,
-    /// Only these stages, by commas; the reference runs the others.
+    /// Only these stages, separated by commas; the reference runs the others.
     #[arg(long, value_name = "STAGES", value_delimiter = ',')]
     stage: Vec<String>,
     #[command(flatten)]
@@ -58,7 +58,7 @@ pub struct Arguments {
     json: Option<PathBuf>,
 }
 
-/// Runs the fixtures on every device asked for; fails on any difference beyond tolerance.
+/// Runs the fixtures on every requested device; fails on any difference beyond tolerance.
 pub fn run(arguments: &Arguments) -> Result<()> {
     ready([("--json", arguments.json.as_ref())])?;
     if let Some(name) = arguments.stage.iter().find(|name| stage(name).is_none()) {
@@ -112,7 +112,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let value: Vec<_> = rows
             .iter()
             .map(|(device, row)| {
-                // Null, as `relative` is then, where one is no number.
+                // Null where a value is not a number, as `relative` is then.
                 let ulp = (row.ulp < u64::MAX).then_some(row.ulp);
                 json!({"device": device.name(), "driver": device.driver(), "fixture": row.fixture, "stage": row.stage,
                        "words": row.words, "ulp": ulp, "histogram": row.histogram, "most_ulp_of_bins": BINS,
@@ -142,7 +142,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     print(&format!("{} comparisons, all conform\n", rows.len()))
 }
 
-/// All rows of a device: of every stage, of those asked for, or of those whose kernels are replaced.
+/// All rows of a device: of every stage, of the requested stages, or of the stages whose kernels are replaced.
 fn on_device(arguments: &Arguments, device: &Device, list: &[Fixture]) -> Result<Vec<Row>> {
     let mut stages = arguments.stage.clone();
     let mut rows = Vec::new();
@@ -162,7 +162,7 @@ fn on_device(arguments: &Arguments, device: &Device, list: &[Fixture]) -> Result
     Ok(rows)
 }
 
-/// The command that shows this row again.
+/// The command that reproduces this row.
 fn again(arguments: &Arguments, device: &Device, row: &Row) -> String {
     let (name, stage, own) = (device.name(), row.stage, arguments.replace.again());
     if !arguments.scenes.is_empty() {
@@ -173,12 +173,12 @@ fn again(arguments: &Arguments, device: &Device, row: &Row) -> String {
     format!("milkglass conform --only {fixture} --device {name} --stage {stage}{own}{validation}")
 }
 
-/// The table of comparisons, and that of distances.
+/// The table of comparisons, followed by the histogram of distances.
 fn text(rows: &[(Device, Row)]) -> String {
     let cells: Vec<_> = rows
         .iter()
         .map(|(device, row)| {
-            // Near zero the distance in units in the last place says nothing.
+            // Near zero, a distance in units in the last place is meaningless.
             let ulp = match row.ulp {
                 u64::MAX => "NaN".to_string(),
                 1_000_001.. => "-".to_string(),
@@ -191,7 +191,7 @@ fn text(rows: &[(Device, Row)]) -> String {
         .collect();
     let mut text = table(&["device", "fixture", "stage", "words", "ulp", "relative", "verdict"], &[3, 4, 5], &cells);
 
-    // Floats of all fixtures together.
+    // Sum the histograms over all fixtures.
     let mut sums: Vec<(String, &str, [u64; 8])> = Vec::new();
     for (device, row) in rows {
         match sums.iter_mut().find(|sum| sum.0 == device.name() && sum.1 == row.stage) {

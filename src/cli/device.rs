@@ -7,16 +7,16 @@ use clap::Args;
 use milkglass::error::{Error, Input, Result};
 use milkglass::gpu::{Adapter, Device, Instance};
 
-/// Where to run.
+/// The device argument.
 #[derive(Args)]
 pub(super) struct DeviceArgument {
-    /// `cpu`, a device's number in `milkglass devices`, or a part of its name [default: the best Vulkan device].
+    /// `cpu`, a device's number in `milkglass devices`, or part of its name [default: the best Vulkan device].
     #[arg(long, value_name = "DEVICE")]
     device: Option<String>,
 }
 
 impl DeviceArgument {
-    /// The device asked for, or the best; `None` is the CPU.
+    /// Opens the requested device, or the best one; `None` is the CPU.
     pub(super) fn open(&self, validation: bool) -> Result<Option<Device>> {
         let wish = self.device.as_deref();
         if wish.is_some_and(|wish| wish.eq_ignore_ascii_case("cpu")) {
@@ -43,7 +43,7 @@ impl DeviceArgument {
     }
 }
 
-/// An adapter opened, with the patience that the environment asks for.
+/// Opens an adapter, with the timeout that the environment variable MILKGLASS_TIMEOUT sets.
 pub(super) fn opened(instance: &Instance, adapter: &Adapter) -> Result<Device> {
     let device = Device::open(instance, adapter)?;
     if let Some(text) = std::env::var_os("MILKGLASS_TIMEOUT") {
@@ -55,7 +55,7 @@ pub(super) fn opened(instance: &Instance, adapter: &Adapter) -> Result<Device> {
     Ok(device)
 }
 
-/// The adapter of this number or name, or the only one whose name contains this text.
+/// The adapter with this number or name, or the only one whose name contains this text.
 pub(super) fn pick<'a>(adapters: &'a [Adapter], wish: &str) -> Result<&'a Adapter> {
     let low = wish.to_lowercase();
     let named = |fits: &dyn Fn(&str) -> bool| {

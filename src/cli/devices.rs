@@ -1,4 +1,4 @@
-//! `milkglass devices`: what there is to run on.
+//! `milkglass devices`: lists what a command can run on.
 
 use super::{print, size, table};
 use milkglass::error::Result;

@@ -1,4 +1,4 @@
-//! `milkglass eval`: one number a row, to check the kernels from outside.
+//! `milkglass eval`: evaluates one row after another, to check the kernels from outside.
 
 use std::path::PathBuf;
 
@@ -20,12 +20,12 @@ use milkglass::view::atomic_file::{ready, write_atomically};
 pub struct Arguments {
     /// What to evaluate.
     kind: Kind,
-    /// The rows, a CSV file with a header.
+    /// The rows: a CSV file with a header.
     input: PathBuf,
-    /// The same columns and the values.
+    /// The output: the input's columns, followed by the values.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// The diffuse Fresnel reflectance in the boundary condition.
+    /// Formula for the diffuse Fresnel reflectance in the boundary condition.
     #[arg(long, value_enum, default_value_t)]
     fresnel: Formula,
     #[command(flatten)]
@@ -34,7 +34,7 @@ pub struct Arguments {
     memory: MemoryArgument,
 }
 
-/// Bytes of memory that a table takes, for each of its own.
+/// Bytes of memory per byte of a table.
 const COPIES: u64 = 128;
 
 /// What is evaluated.
@@ -50,7 +50,7 @@ enum Kind {
     Cdrf,
 }
 
-/// The diffuse Fresnel reflectance in the boundary condition.
+/// Formula for the diffuse Fresnel reflectance in the boundary condition.
 #[derive(Clone, Copy, Default, ValueEnum)]
 enum Formula {
     /// The published polynomial.

@@ -1,4 +1,4 @@
-//! What `solve` knows of each face, as CSV and as PLY.
+//! Results of `solve` per face, as CSV and as PLY.
 
 use std::fmt::Write as _;
 
@@ -8,8 +8,8 @@ use milkglass::scene::Object;
 use milkglass::session::run::Session;
 use milkglass::session::subdivide::Parts;
 
-/// One row of results per input face, object after object, in the input's order: centroid, area, irradiance, radiosity,
-/// and the estimate of its error where there is one.
+/// One row of results per input face, object after object, in input order: centroid, area, irradiance, radiosity, and
+/// an error estimate if there is one.
 struct Row {
     object: usize,
     input_face: u32,
@@ -18,11 +18,11 @@ struct Row {
     irradiance: [f64; 3],
     radiosity: [f64; 3],
     estimate: Option<[f64; 3]>,
-    /// Numbers of the corners among the vertices of all objects.
+    /// Indices of the corners among the vertices of all objects.
     triangle: [u32; 3],
 }
 
-/// Where an object's vertices are, in scene units.
+/// An object's vertices in scene units, deformed if the object is.
 fn vertices(session: &Session, object: usize) -> Vec<DVec3> {
     let (mesh, part) = (&session.scene().objects[object].mesh, &session.state().objects[object]);
     if part.deforms == 0 {
@@ -62,8 +62,8 @@ fn rows(session: &Session) -> Vec<Row> {
     session.scene().objects.iter().enumerate().flat_map(of_object).collect()
 }
 
-/// The rows of the triangles that these are parts of: with their irradiance on the whole, and the radiosity at the
-/// centre.
+/// Combines the rows of a subdivided object's parts into rows of its original triangles: mean irradiance over the
+/// triangle, radiosity of the part at its centre.
 fn put_together(parts: Vec<Row>, made: &Parts, before: u32) -> Vec<Row> {
     let mut sums = vec![(0.0, DVec3::ZERO, DVec3::ZERO); made.whole.len()];
     for (row, &whole) in parts.iter().zip(&made.of) {
@@ -113,13 +113,13 @@ pub(super) fn csv(session: &Session) -> String {
     text
 }
 
-/// An amount of light in the digits of an `f32`, also where it is beyond what one holds.
+/// An amount of light with the digits of an `f32`, also outside its range.
 fn digits(x: f64) -> String {
     let single = x as f32;
     if single.is_normal() || x == 0.0 { format!("{single:e}") } else { format!("{x:.7e}") }
 }
 
-/// An amount of light as a PLY's floats hold it; what is beyond them is their largest.
+/// An amount of light as a PLY float, clamped to the largest one.
 fn single(x: f64) -> f32 {
     x.min(f32::MAX.into()) as f32
 }
@@ -129,7 +129,7 @@ pub(super) fn ply(session: &Session) -> String {
     let positions: Vec<DVec3> =
         (0..session.scene().objects.len()).flat_map(|object| vertices(session, object)).collect();
 
-    // Vertex values are area-weighted means, as in the stage `average`; colours map the brightest to white.
+    // Vertex values are area-weighted means, as in stage `average`; the brightest maps to white.
     let mut sums = vec![(DVec3::ZERO, 0.0); positions.len()];
     for row in &rows {
         for vertex in row.triangle {

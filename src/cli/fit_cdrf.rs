@@ -1,4 +1,4 @@
-//! `milkglass fit-cdrf`: the sigma_0 of a material.
+//! `milkglass fit-cdrf`: fits the sigma_0 of a material.
 
 use std::path::PathBuf;
 
@@ -21,9 +21,9 @@ use milkglass::view::atomic_file::{ready, write_atomically};
 #[derive(Args)]
 #[command(after_help = "Example: milkglass fit-cdrf skin1 --svg skin1.svg")]
 pub struct Arguments {
-    /// A preset: see `milkglass materials`.
+    /// A preset; `milkglass materials` lists them.
     material: String,
-    /// Radii of the balls, mm [default: 2, 5, 10, 20, 50 and 100 mean free paths, of the channels' mean].
+    /// Radii of the balls, mm [default: 2, 5, 10, 20, 50 and 100 mean free paths, averaged over the channels].
     #[arg(long, value_name = "R,R,...")]
     radii: Option<String>,
     /// Photons of each ball's random walk.
@@ -37,7 +37,7 @@ pub struct Arguments {
     svg: Option<PathBuf>,
 }
 
-/// Most radii, and photons a ball.
+/// Most radii, and most photons per ball.
 const MOST: (usize, u64) = (64, 1 << 32);
 
 /// One channel's balls.
@@ -92,11 +92,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 const NAMES: [&str; 3] = ["red", "green", "blue"];
 
-/// Prints the fits of all radii together, then of each.
+/// Prints the fits of all radii together, then of each radius.
 fn report(preset: &Preset, channels: &[Channel; 3]) -> Result<()> {
     let cells =
         |found: Fit| [format!("{:.4}", found.sigma_0), format!("{:.4}", found.residual), format!("{:.3}", found.worst)];
-    // Weighed as the residual is.
+    // Weighted as in the residual.
     let error = |curves: &[Curve]| {
         let part = |(k, error): (usize, &f64)| [angle(k).sin() * error * error, angle(k).sin()];
         let all = curves.iter().flat_map(|curve| curve.errors.iter().enumerate().map(part));
@@ -150,7 +150,7 @@ fn report(preset: &Preset, channels: &[Channel; 3]) -> Result<()> {
     print(&text)
 }
 
-/// `1,5,20`, mm.
+/// Parses `1,5,20`, mm.
 fn parse(text: &str) -> Result<Vec<f64>> {
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|r| (1e-6..=1e6).contains(r));
     let radii: Option<Vec<f64>> = text.split(',').map(number).collect();

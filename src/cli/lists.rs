@@ -1,4 +1,4 @@
-//! `milkglass scenes`, `materials` and `stages`: what is built in.
+//! `milkglass scenes`, `materials` and `stages`: lists of what is built in.
 
 use clap::Args;
 
@@ -12,7 +12,7 @@ use milkglass::state::{Change, Stage, Update};
 #[derive(Args)]
 #[command(after_help = "Example: milkglass scenes lotus > mine.toml")]
 pub struct Scenes {
-    /// Print this scene's TOML, to copy and edit.
+    /// Print this scene's TOML file, to copy and edit.
     name: Option<String>,
 }
 

@@ -1,14 +1,14 @@
-//! How much memory a scene, a mesh or a table may take.
+//! Memory limit for a scene, a mesh or a table.
 
 use clap::Args;
 
 use milkglass::scene::{Files, Memory};
 
-/// The limit, as an option of every command that loads something.
+/// The limit, as an option of every command that loads files.
 #[derive(Args, Clone)]
 pub(super) struct MemoryArgument {
-    /// The most memory that may be asked for, such as 500M, 16G or a number of bytes: more is refused before it is
-    /// taken.
+    /// Memory limit, such as 500M, 16G or a number of bytes: a request beyond it is refused before anything is
+    /// allocated.
     #[arg(long, value_name = "SIZE", default_value_t = Size(Memory::USUAL), value_parser = parse)]
     limit_memory: Size,
 }
@@ -27,13 +27,13 @@ impl std::fmt::Display for Size {
 }
 
 impl MemoryArgument {
-    /// Files on disk within this limit.
+    /// Access to files on disk within this limit.
     pub(super) fn files(&self) -> Files {
         Files::on_disk(self.limit_memory.0)
     }
 }
 
-/// `500M`: a number above 0 and K, M, G or T, of 1024.
+/// Parses `500M`: a number above 0, and optionally K, M, G or T, powers of 1024.
 fn parse(text: &str) -> Result<Size, String> {
     let (number, steps) = match text.trim_end_matches(|c: char| c.is_ascii_alphabetic()) {
         digits if digits.len() == text.len() => (digits, 0),

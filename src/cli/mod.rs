@@ -1,4 +1,4 @@
-//! One thin file per subcommand, and the arguments they share.
+//! The command line: one thin file per subcommand, and the arguments they share.
 
 #[macro_use]
 mod text;
@@ -57,27 +57,27 @@ enum Command {
     Render(render::Arguments),
     /// Solve light transport only: irradiance and radiosity of every face.
     Solve(solve::Arguments),
-    /// Show what a scene needs: stages, buffers, and what is left out and why.
+    /// Show what a scene needs: stages, buffers, and what is skipped and why.
     Plan(plan::Arguments),
-    /// Time each stage, count what it does, and compare that with what the device can do.
+    /// Time each stage, count its work, and compare that with what the device can do.
     Profile(profile::Arguments),
     /// Compare every stage on a device with the CPU reference.
     Conform(conform::Arguments),
-    /// Print a built-in shader's GLSL, to start one of your own from: see `--replace`.
+    /// Print a built-in shader's GLSL, as a starting point for your own: see `--replace`.
     Shader(shader::Arguments),
-    /// Run the table of extreme cases: fallback, finite or not, worst error against f64.
+    /// Run the extreme cases: their fallbacks, whether results are finite, and the worst error against f64.
     Stress(stress::Arguments),
     /// Measure error against run time: methods, settings, and the Pareto front.
     Pareto(pareto::Arguments),
-    /// Measure everything and write it on one page, with plots and pictures.
+    /// Measure everything and write a report page, with plots and pictures.
     Report(report::Arguments),
-    /// Evaluate form factors, profiles, layered slabs or the CDRF, one a row of a CSV file.
+    /// Evaluate form factors, profiles, layered slabs or the CDRF for each row of a CSV file.
     Eval(eval::Arguments),
-    /// Bake a depth map from surfaces that lie in one another.
+    /// Bake a depth map from nested surfaces.
     BakeLayers(bake::Arguments),
     /// Fit the sigma_0 of `--transport cdrf` to a material: to the dipole, and to a random walk.
     FitCdrf(fit_cdrf::Arguments),
-    /// Tell where shading by curvature is a good stand-in for the dipole, and where not.
+    /// Show where shading by curvature is a good approximation of the dipole, and where it is not.
     Validity(validity::Arguments),
     /// List the Vulkan devices and the CPU back end.
     #[command(after_help = "Example: milkglass devices")]
@@ -87,12 +87,12 @@ enum Command {
     /// List the built-in materials.
     #[command(after_help = "Example: milkglass materials")]
     Materials,
-    /// List the stages in the order of a frame: what each does, where it is from, what makes it run again.
+    /// List the stages in the order of a frame: what each does, its source, what makes it run again.
     #[command(after_help = "Example: milkglass stages")]
     Stages,
 }
 
-/// The scene, and changes to it.
+/// The scene, and overrides of its values.
 #[derive(Args, Clone)]
 struct SceneArguments {
     /// A scene file (TOML), a built-in scene's name, or a mesh (OBJ).
@@ -100,7 +100,7 @@ struct SceneArguments {
     /// Change a value of the scene: `object.0.material.preset=ketchup`, `'light.0.intensity=[9,9,9]'`.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// The frame, where values have keyframes.
+    /// The frame, if values have keyframes.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     frame: f64,
     #[command(flatten)]
@@ -108,7 +108,7 @@ struct SceneArguments {
 }
 
 impl SceneArguments {
-    /// Loads the scene and reports what was repaired.
+    /// Loads the scene and reports repairs to it.
     fn load(&self) -> Result<Scene> {
         let scene = self.at(self.frame)?;
         for line in &scene.report {
@@ -117,17 +117,17 @@ impl SceneArguments {
         Ok(scene)
     }
 
-    /// Whether a frame's values are what they may be.
+    /// Checks that the values at a frame are valid.
     fn check(&self, frame: f64) -> Result<()> {
         Scene::check_at(&self.scene, &self.sets, frame)
     }
 
-    /// Another scene within the same memory.
+    /// Loads another scene with the same memory limit.
     fn other(&self, name: &str) -> Result<Scene> {
         Scene::load_from(name, &[], 0.0, &self.memory.files())
     }
 
-    /// The scene at a frame; nothing is reported.
+    /// The scene at a frame, without a report.
     fn at(&self, frame: f64) -> Result<Scene> {
         if !frame.is_finite() {
             return Err(Input::new("not a frame").key("--frame").found(frame).expected("a finite number").into());
@@ -155,7 +155,7 @@ impl RunArguments {
     }
 }
 
-/// A session on this device; what there is to say of it goes to standard error.
+/// Opens a session on this device; reports tree fallbacks and the like on standard error.
 fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Result<Session> {
     let session =
         Session::new(scene, device, options, CapacityHints::default()).map_err(|error| scene.placed(error))?;
@@ -171,7 +171,7 @@ fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Res
     Ok(session)
 }
 
-/// A frame; that links turned out to be too many to keep is said once.
+/// Runs a frame; reports once if links turn out to be too many to keep.
 fn run_frame(session: &mut Session, change: Change) -> Result<Vec<Timing>> {
     let before = session.not_kept().is_some();
     let times = session.frame(change)?;
@@ -186,7 +186,7 @@ fn validation() -> bool {
     std::env::var_os("MILKGLASS_VALIDATION").is_some_and(|value| value != "0")
 }
 
-/// Reports each validation message; one is enough to fail.
+/// Reports validation messages; any message is a failure.
 fn check_messages(device: Option<&Device>) -> Result<()> {
     let messages = device.map(Device::take_messages).unwrap_or_default();
     for message in &messages {

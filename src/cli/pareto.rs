@@ -34,30 +34,30 @@ pub struct Arguments {
     /// Also draw error against time in this file.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
-    /// The methods, by commas [default: all].
+    /// The methods, separated by commas [default: all].
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     methods: Vec<String>,
-    /// Seeded faces that errors are taken at [default: 500, with --quick 100].
+    /// Number of random faces at which errors are measured [default: 500, with --quick 100].
     #[arg(long, value_name = "FACES", allow_negative_numbers = true)]
     samples: Option<NonZeroUsize>,
-    /// Seed of those faces.
+    /// Seed for choosing those faces.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Timed frames of each point, after one that warms up; at least 5.
+    /// Timed frames per point, after one that warms up; at least 5.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(5..=1000))]
     repeat: u32,
-    /// Leave out points that would take more seconds [default: 60, with --quick 5].
+    /// Skip points that would take longer, in seconds [default: 60, with --quick 5].
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     budget: Option<f64>,
-    /// The two coarsest settings of each method only, and less of everything.
+    /// Only the two coarsest settings of each method, fewer samples and a smaller budget.
     #[arg(long)]
     quick: bool,
 }
 
-/// From here on a point's time says more about the machine than about the method.
+/// Above this, a point's time says more about other load on the machine than about the method.
 const BUSY: f64 = 1.3;
 
-/// Measures, prints, and writes what is asked for.
+/// Measures, prints, and writes the requested files.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let settings = settings(arguments)?;
     for (option, path, ending) in [("--csv", &arguments.csv, "csv"), ("--svg", &arguments.svg, "svg")] {
@@ -68,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     ready([("--csv", arguments.csv.as_ref()), ("--svg", arguments.svg.as_ref())])?;
     let scene = arguments.scene.load()?;
     let device = arguments.device.open(validation())?;
-    // What methods of the sweep run and a picture does not.
+    // Setups that together use the kernels of all methods; a picture alone does not.
     let mut links = scene.clone();
     links.transport.scheme = Scheme::Links;
     let radiosity = Options { goal: Goal::Radiosity, ..Options::default() };
@@ -125,7 +125,7 @@ fn replaced(before: &Sweep, after: &Sweep) -> String {
     format!("one sweep after the other; what follows is the replaced one's\n{}\n", table(&header, &[3, 4, 5], &rows))
 }
 
-/// A name that says another format is a slip.
+/// An error if the name's extension is that of another format.
 fn check(option: &str, path: &Path, ending: &str) -> Result<()> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending)) {
         return Ok(());
@@ -160,7 +160,7 @@ fn settings(arguments: &Arguments) -> Result<Settings> {
     })
 }
 
-/// The largest extent, millimetres, to six digits.
+/// The largest extent in millimetres, rounded to six digits.
 fn extent(scene: &Scene) -> f64 {
     let (low, high) = scene.bounds();
     let extent = (high - low).max_element() * scene.unit_mm;
@@ -182,7 +182,7 @@ fn of_object(scene: &Scene, material: &Material) -> String {
     format!("{}: sigma_s' {scattering} /mm, sigma_a {absorption} /mm, eta {}", material.name, show(material.eta))
 }
 
-/// The whole report.
+/// The report as text.
 fn text(found: &Sweep, origin: &Origin) -> String {
     let Origin { device, driver, scene, faces, extent_mm, material, repeat } = origin;
     let mut text = format!(
@@ -208,7 +208,7 @@ fn text(found: &Sweep, origin: &Origin) -> String {
     text + "\n" + &ratio_table(found)
 }
 
-/// What was not measured and why, settings of the same fate in one line.
+/// The points that were not measured and why; settings with the same reason share a line.
 fn left_out(found: &Sweep) -> String {
     let mut lines: Vec<(String, String, &str)> = Vec::new();
     for point in &found.points {

@@ -1,4 +1,4 @@
-//! `milkglass plan`: what a scene needs, without running it.
+//! `milkglass plan`: shows what a scene needs, without running it.
 
 mod diff;
 
@@ -29,10 +29,11 @@ pub struct Arguments {
     scene: SceneArguments,
     #[command(flatten)]
     run: RunArguments,
-    /// Plan for layers, too, as `render --aov` writes them, with their error estimate.
+    /// Also plan for layers, as `render --aov` writes them, with their error estimate.
     #[arg(long)]
     aov: bool,
-    /// Show what another scene needs otherwise; `--set` and the other options are the first one's, but for the device.
+    /// Show how another scene's needs differ. `--set` and other options apply to the first one only, except the
+    /// device.
     #[arg(long, value_name = "OTHER_SCENE")]
     diff: Option<String>,
     /// Also write the plan to this file.
@@ -40,7 +41,7 @@ pub struct Arguments {
     json: Option<PathBuf>,
 }
 
-/// Prints stages, buffers, and what is left out.
+/// Prints stages, buffers, and what is skipped.
 pub fn run(arguments: &Arguments) -> Result<()> {
     ready([("--json", arguments.json.as_ref())])?;
     let scene = arguments.run.of(&arguments.scene).load()?;
@@ -113,7 +114,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     text += "\nkernels: a pipeline each\n";
     text += &table(&["kernel", "dispatches", "specialization constants"], &[1], &kernels);
 
-    // Lists start with a guess and grow to what a frame turns out to need.
+    // Lists start at a guess and grow to what a frame needs.
     let misfits = session.misfits(Change::EVERYTHING.and(Change::RELINK))?;
     let mut buffers = Vec::new();
     for (slot, bytes) in session.buffers() {
@@ -150,7 +151,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "buffers": session.buffers().iter()
                 .map(|(slot, bytes)| json!({"buffer": slot.spec().name, "per": slot.spec().per, "bytes": bytes}))
                 .collect::<Vec<_>>(),
-            // A solve of its own.
+            // A separate solve.
             "error_estimate": sharper.as_ref().map(|other| -> Result<Value> {
                 let stage = |need: &StageRequirements| json!({"stage": need.stage, "dispatches": need.dispatches});
                 let stages: Vec<_> = other.needs(Change::EVERYTHING.and(Change::RELINK))?.iter().map(stage).collect();
@@ -179,7 +180,7 @@ fn total(session: &Session) -> u64 {
     session.buffers().iter().map(|(_, bytes)| bytes).sum()
 }
 
-/// A stage of the table with what it needs.
+/// A stage of the table, with its requirements.
 fn stage_json(row: &[String], needs: &[StageRequirements]) -> Value {
     let Some(need) = needs.iter().find(|need| need.stage == row[0]) else {
         return json!({"stage": row[0], "does": row[1]});

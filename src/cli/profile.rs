@@ -1,4 +1,4 @@
-//! `milkglass profile`: what each stage of a scene takes, does and moves, beside what the device can do.
+//! `milkglass profile`: time, work and memory traffic of each stage of a scene, compared with what the device can do.
 
 use std::path::{Path, PathBuf};
 
@@ -29,10 +29,10 @@ pub struct Arguments {
     /// What changes before each frame.
     #[arg(long, value_enum, default_value_t)]
     change: ChangeArgument,
-    /// Also write a row a stage to this file.
+    /// Also write this CSV file, one row per stage.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Also write everything to this file.
+    /// Also write the whole profile to this JSON file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// Also write the timed frames for chrome://tracing or ui.perfetto.dev.
@@ -51,7 +51,7 @@ enum ChangeArgument {
     View,
 }
 
-/// Measures, prints, and writes what is asked for.
+/// Measures, prints, and writes the requested files.
 pub fn run(arguments: &Arguments) -> Result<()> {
     ready([
         ("--csv", arguments.csv.as_ref()),
@@ -95,7 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Times before and after.
+/// Times with the built-in kernels and with the replaced ones.
 fn ratios(rows: &[Against], replaced: &[String]) -> String {
     let row = |row: &Against| {
         let [before, after] = row.times.map(|spread| milliseconds(Some(spread)));
@@ -113,7 +113,7 @@ fn ratios(rows: &[Against], replaced: &[String]) -> String {
     let cells: Vec<_> = rows.iter().map(row).collect();
     let header = ["ms", "built-in", "spread", "replaced", "spread", "ratio"];
     let text = format!("built-in and replaced, frame by frame in turn\n{}\n", table(&header, &[1, 2, 3, 4, 5], &cells));
-    // Stages that are the same on both sides show what a ratio is worth.
+    // Stages that were not replaced show how much of a ratio is noise.
     let same =
         rows.iter().filter(|row| !replaced.contains(&row.what) && !["stages", "frame"].contains(&row.what.as_str()));
     let (low, high) =
@@ -124,7 +124,7 @@ fn ratios(rows: &[Against], replaced: &[String]) -> String {
     }
 }
 
-/// A median with its spread.
+/// A median and its spread.
 fn milliseconds(spread: Option<Quantiles>) -> [String; 2] {
     let show = |s: Quantiles| [format!("{:.3}", s.median), format!("{:.3}..{:.3}", s.low, s.high)];
     spread.map_or_else(|| ["-".into(), "-".into()], show)

@@ -33,14 +33,14 @@ pub struct Arguments {
     /// Add layers to an `.exr`: irradiance, radiosity, normal, error_estimate, depth, object, triangle, links.
     #[arg(long)]
     aov: bool,
-    /// Show something else than light.
+    /// Show something other than light.
     #[arg(long, value_enum, conflicts_with = "aov")]
     view: Option<View>,
-    /// Render these frames, both ends included, each to a file of its own: `-o frame-%04d.png`. No frame depends on
-    /// another.
+    /// Render these frames, both ends included, each to its own file: `-o frame-%04d.png`. Frames do not depend on
+    /// one another.
     #[arg(long, value_name = "A..B", conflicts_with_all = ["view", "frame", "times"], allow_hyphen_values = true)]
     frames: Option<String>,
-    /// With --frames: leave out frames whose file is there.
+    /// With --frames: skip frames whose file exists.
     #[arg(long, requires = "frames")]
     skip_existing: bool,
     /// The pixel for `--view clusters`, from the upper left.
@@ -54,10 +54,10 @@ pub struct Arguments {
 /// What can be shown instead of light.
 #[derive(Clone, Copy, ValueEnum)]
 enum View {
-    /// The clusters that light what `--pick` names: blue the largest, red the smallest, white the receivers, grey what
-    /// gives nothing. Of the first group of channels (`plan` lists them).
+    /// The clusters that light the point at `--pick`, for the first group of channels (see `plan`): blue the largest,
+    /// red the smallest, white the receivers, grey triangles that emit nothing.
     Clusters,
-    /// How much the surface bends (kappa of `--transport cdrf`): red much, blue little.
+    /// The curvature of the surface (kappa of `--transport cdrf`): red high, blue low.
     Curvature,
 }
 
@@ -140,12 +140,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// A camera that shows colours as they are.
+/// The camera without exposure and tone curve, so that colours stay as they are.
 fn plain(camera: &Camera) -> Camera {
     Camera { exposure: 1.0, tone: Tone::default(), ..camera.clone() }
 }
 
-/// How many emitters there are of each level.
+/// Prints the number of emitters per level.
 fn print_levels(emitters: &Emitters) -> Result<()> {
     let row = |(&level, &(clusters, triangles)): (&usize, &(usize, usize))| {
         let [r, g, b] = color(emitters, level).map(|x| (encode(x.into()) * 255.0).round() as u8);
@@ -155,7 +155,7 @@ fn print_levels(emitters: &Emitters) -> Result<()> {
     print(&table(&["level", "emitters", "triangles in them", "colour"], &[0, 1, 2], &rows))
 }
 
-/// What the colours of a picture of curvature mean.
+/// Prints the colour scale of a curvature picture.
 fn print_curvature(curvature_view: &CurvatureView, unit_mm: f64) -> Result<()> {
     let [low, high] = curvature_view.ends;
     let row = |k: i32| {
@@ -170,7 +170,7 @@ fn print_curvature(curvature_view: &CurvatureView, unit_mm: f64) -> Result<()> {
     print(&format!("a cubic fit differs by {median:.1} % of the sum of both (median), {most:.0} % (95th percentile)\n"))
 }
 
-/// `120,80`, counted from the upper left.
+/// Parses `120,80`, counted from the upper left.
 fn parse_pick(text: &str) -> Result<[u32; 2]> {
     let number = |text: &str| text.trim().parse::<u32>().ok();
     text.split_once(',').and_then(|(x, y)| Some([number(x)?, number(y)?])).ok_or_else(|| {
@@ -178,7 +178,7 @@ fn parse_pick(text: &str) -> Result<[u32; 2]> {
     })
 }
 
-/// `800x600`, each side from 1 to 16384.
+/// Parses `800x600`, each side from 1 to 16384.
 fn parse_size(text: &str) -> Result<[u32; 2]> {
     let side = |text: &str| text.trim().parse::<u32>().ok().filter(|n| (1..=16384).contains(n));
     text.split_once(['x', 'X']).and_then(|(w, h)| Some([side(w)?, side(h)?])).ok_or_else(|| {

@@ -1,4 +1,4 @@
-//! `--replace KERNEL=FILE`: shaders of the user's, checked before anything else is done with them.
+//! `--replace KERNEL=FILE`: the user's shaders, checked before anything else runs with them.
 
 use std::path::Path;
 
@@ -14,22 +14,22 @@ use milkglass::pipeline::plan::Options;
 use milkglass::scene::Scene;
 use milkglass::session::run::CapacityHints;
 
-/// Shaders that take the place of built-in ones.
+/// Shaders that replace built-in ones.
 #[derive(Args)]
 pub(super) struct ReplaceArgument {
-    /// Let a shader of yours take a kernel's place: `transport/blocks/gather/direct=my.comp`; `milkglass shader` prints
-    /// ours.
+    /// Replace a kernel with your own shader: `transport/blocks/gather/direct=my.comp`; `milkglass shader` prints the
+    /// built-in one.
     #[arg(long, value_name = "KERNEL=FILE")]
     replace: Vec<String>,
 }
 
 impl ReplaceArgument {
-    /// The arguments again, for a command to repeat.
+    /// The same arguments, for a command to repeat.
     pub(super) fn again(&self) -> String {
         self.replace.iter().map(|pair| format!(" --replace {}", quoted(pair))).collect()
     }
 
-    /// The kernels and files, as they were given.
+    /// The pairs of kernel and file, as given.
     pub(super) fn pairs(&self) -> &[String] {
         &self.replace
     }
@@ -50,8 +50,8 @@ impl ReplaceArgument {
         Ok(loaded)
     }
 
-    /// The device with these shaders, their values checked on the first of these scenes that run them; none where none
-    /// are given.
+    /// The device with these shaders, after a check of their values on the first of these scenes that use them; none
+    /// if no shader is given.
     pub(super) fn on(&self, device: Option<&Device>, setups: &[(&Scene, Options)]) -> Result<Option<Device>> {
         let loaded = self.load()?;
         if loaded.is_empty() {
@@ -86,7 +86,7 @@ impl ReplaceArgument {
     }
 }
 
-/// A device with these kernels.
+/// The device with these kernels replaced.
 pub(super) fn replaced(device: &Device, kernels: &[(String, Vec<u32>)]) -> Device {
     kernels.iter().fold(device.clone(), |device, (name, words)| device.replacing(name, words.clone()))
 }

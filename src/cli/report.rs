@@ -1,4 +1,4 @@
-//! `milkglass report`: everything that is measured, on one page.
+//! `milkglass report`: all measurements on one page.
 
 use std::path::PathBuf;
 
@@ -19,15 +19,15 @@ pub struct Arguments {
     /// The folder for index.html and the CSV files.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Small scenes and few settings: minutes.
+    /// Small scenes and few settings: takes minutes.
     #[arg(long)]
     quick: bool,
-    /// Only these sections, by commas [default: all].
+    /// Only these sections, separated by commas [default: all].
     #[arg(long, value_name = "SECTIONS", value_delimiter = ',')]
     only: Vec<String>,
 }
 
-/// Measures, writes, and fails if a section does.
+/// Measures and writes the page; fails if a section does.
 pub fn run(arguments: &Arguments) -> Result<()> {
     for name in &arguments.only {
         if !SECTIONS.iter().any(|section| section.name == name) {

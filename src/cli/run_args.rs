@@ -1,17 +1,17 @@
-//! How a command runs: what carries light, what is kept, and the call again for a shell.
+//! Options of a run: the transport, what is kept between frames; and the call as a shell command.
 
 use clap::{Args, ValueEnum};
 
 use milkglass::gpu::Device;
 use milkglass::pipeline::plan::{Mode, Options, ShadingMethod};
 
-/// How to run.
+/// Transport and mode.
 #[derive(Args)]
 pub(super) struct OptionArguments {
-    /// What is kept from frame to frame; a single frame gains nothing by it.
+    /// What is kept between frames; a single frame gains nothing from it.
     #[arg(long, value_enum, default_value_t)]
     mode: ModeArgument,
-    /// How light is carried through the material.
+    /// How light is transported through the material.
     #[arg(long, value_enum, default_value_t)]
     transport: TransportArgument,
 }
@@ -21,9 +21,9 @@ enum ModeArgument {
     /// Everything from scratch in each frame.
     #[default]
     OnTheFly,
-    /// Links are kept, and serve any light.
+    /// Links are kept, and work for any light.
     Render,
-    /// Links are kept while the shape changes, too: see `transport.budget`.
+    /// Links are also kept while the shape changes: see `transport.budget`.
     Incremental,
 }
 
@@ -36,18 +36,18 @@ enum TransportArgument {
     Octree,
     /// Every face to every face.
     Brute,
-    /// Not at all: what scatters once in layers, what opaque objects give back, and reflections.
+    /// No transport: only single scattering in layers, opaque objects, and reflections.
     None,
-    /// None: the curvature-dependent reflectance function of Kubo et al. 2010, at each pixel.
+    /// No transport: the curvature-dependent reflectance function of Kubo et al. 2010, at each pixel.
     Cdrf,
-    /// None: Lambert's cosine, at each pixel.
+    /// No transport: Lambert's cosine, at each pixel.
     Lambert,
-    /// Over the texture coordinates: irradiance blurred by Gaussians (d'Eon et al. 2007).
+    /// In texture space: irradiance blurred by Gaussians (d'Eon et al. 2007).
     TextureBlur,
 }
 
 impl OptionArguments {
-    /// A scene's settings as this transport needs them: with texture coordinates where light is blurred over them.
+    /// The overrides of a scene; a blur in texture space also asks for texture coordinates.
     pub(super) fn of(&self, sets: &[String]) -> Vec<String> {
         let unwrap = matches!(self.transport, TransportArgument::TextureBlur).then(|| "transport.unwrap=true".into());
         unwrap.into_iter().chain(sets.iter().cloned()).collect()
@@ -74,7 +74,7 @@ impl OptionArguments {
     }
 }
 
-/// This very call, for a shell to repeat, on the device that it took.
+/// This call as a shell command, with the device that it used.
 pub(super) fn repeated(device: &Device) -> String {
     let mut words: Vec<String> = std::env::args().skip(1).collect();
     if !words.iter().any(|word| word == "--device" || word.starts_with("--device=")) {
@@ -83,7 +83,7 @@ pub(super) fn repeated(device: &Device) -> String {
     std::iter::once("milkglass".to_string()).chain(words.iter().map(|word| quoted(word))).collect::<Vec<_>>().join(" ")
 }
 
-/// A word as a shell takes it.
+/// A word, quoted for a shell where necessary.
 pub(super) fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:@%+".contains(c);
     if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) }

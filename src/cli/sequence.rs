@@ -1,4 +1,4 @@
-//! `milkglass render --frames`: a picture a frame, each as if it were rendered alone.
+//! `milkglass render --frames`: one picture per frame, the same as if each were rendered alone.
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -17,29 +17,29 @@ use milkglass::session::run::Session;
 use milkglass::view::aov::save;
 use milkglass::view::picture::Picture;
 
-/// Most frames of one call.
+/// Most frames in one call.
 const MOST: i64 = 1_000_000;
 
 /// The frames of one call.
 pub struct Job<'a> {
-    /// What is shown.
+    /// The scene, by frame.
     pub scenes: &'a SceneArguments,
-    /// Their numbers.
+    /// The frames' numbers.
     pub frames: RangeInclusive<i32>,
-    /// Width and height of the pictures, where they are not the scene's.
+    /// Width and height of the pictures, if other than the scene's.
     pub size: Option<[u32; 2]>,
-    /// How they are run.
+    /// Transport, mode and goal.
     pub options: Options,
-    /// Where they go, with a place for the number.
+    /// The output path, with a placeholder for the number.
     pub output: &'a Path,
-    /// Whether they have layers.
+    /// Whether pictures have layers.
     pub aov: bool,
-    /// Whether those that are there are left out.
+    /// Whether frames whose file exists are skipped.
     pub skip: bool,
 }
 
 impl Job<'_> {
-    /// Renders what is to be rendered, and says so.
+    /// Renders the frames, with a progress bar and a summary.
     pub fn run(self, device: Option<&Device>) -> Result<()> {
         let scene = &self.scenes.scene;
         if Path::new(scene).metadata().is_ok_and(|known| !known.is_file() && !known.is_dir()) {
@@ -48,7 +48,7 @@ impl Job<'_> {
         }
         let start = Instant::now();
         let output = |frame: i32| numbered(self.output, frame).unwrap_or_default();
-        // Only a file that has something in it is a picture.
+        // Only a non-empty file counts as a picture.
         let whole = |path: &Path| path.metadata().is_ok_and(|known| known.is_file() && known.len() > 0);
         let skips = |frame: &i32| self.skip && whole(&output(*frame));
         let (left_out, wanted): (Vec<i32>, Vec<i32>) = self.frames.clone().partition(skips);
@@ -98,7 +98,7 @@ impl Job<'_> {
     }
 }
 
-/// Says which trees deformations have spoilt, and where they turn triangles inside out: there the picture is wrong.
+/// Reports trees that deformations have spoilt, and triangles turned inside out, where the picture is wrong.
 pub fn warn_of_shape(session: &Session, frame: &str) {
     session.rebuilt().iter().for_each(|line| tell!("{frame}{line}"));
     for (object, count) in turned(session.state()).into_iter().enumerate().filter(|(_, count)| *count > 0) {
@@ -109,9 +109,9 @@ pub fn warn_of_shape(session: &Session, frame: &str) {
     }
 }
 
-/// Writes the picture of the last frame, with its layers or without.
+/// Writes the picture of the last frame, with layers if `aov`.
 pub fn shoot(session: &mut Session, aov: bool, output: &Path) -> Result<Picture> {
-    // Layers are those of the pixels' centres.
+    // Layers first: they belong to rays through the pixels' centres.
     let layers = if aov { Some(layers(session)?) } else { None };
     super::solve::tell_blunt(session);
     let picture = picture(session)?;
@@ -122,7 +122,7 @@ pub fn shoot(session: &mut Session, aov: bool, output: &Path) -> Result<Picture>
     Ok(picture)
 }
 
-/// `0..59`, both ends included; the output has to have a place for the number.
+/// Parses `0..59`, both ends included; the output path must have a placeholder for the number.
 pub fn parse(text: &str, output: &Path) -> Result<RangeInclusive<i32>> {
     let ends = text.split_once("..").and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)));
     let Some((first, last)) = ends.filter(|(a, b): &(i32, i32)| a <= b && i64::from(*b) - i64::from(*a) < MOST) else {
@@ -136,7 +136,7 @@ pub fn parse(text: &str, output: &Path) -> Result<RangeInclusive<i32>> {
     Ok(first..=last)
 }
 
-/// The file of a frame; none where its name has no place for the number.
+/// The file of a frame; none if its name has no placeholder for the number.
 fn numbered(output: &Path, frame: i32) -> Option<PathBuf> {
     milkglass::scene::numbered(output.to_str()?, frame.into()).map(PathBuf::from)
 }

@@ -1,4 +1,4 @@
-//! `milkglass shader`: a built-in kernel's GLSL, to start from.
+//! `milkglass shader`: prints a built-in kernel's GLSL, as a starting point.
 
 use clap::Args;
 

@@ -1,4 +1,4 @@
-//! `milkglass solve`: light transport only, one row a face.
+//! `milkglass solve`: light transport only, one row per face.
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -26,13 +26,13 @@ pub struct Arguments {
     scene: SceneArguments,
     #[command(flatten)]
     run: RunArguments,
-    /// `.csv`: one row a face; `.ply`: the mesh with radiosity as colours and properties.
+    /// `.csv`: one row per face; `.ply`: the mesh with radiosity as colours and properties.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Compare with brute force in f64 at this many seeded faces, and print the error per channel.
+    /// Compare with brute force in f64 at this many random faces, and print the error per channel.
     #[arg(long, value_name = "FACES", allow_negative_numbers = true)]
     verify: Option<NonZeroUsize>,
-    /// Seed of the faces that `--verify` takes.
+    /// Seed for choosing the faces of `--verify`.
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Print each stage's time.
@@ -57,7 +57,7 @@ fn format(path: &Path) -> Result<Format> {
     }
 }
 
-/// Solves, writes, and verifies if asked.
+/// Solves, writes the output, and verifies if requested.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let output = match &arguments.output {
         Some(path) => Some((path, format(path)?)),
@@ -70,7 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.run.options().carries("solve")?;
     let scene = arguments.scene.load()?;
     let device = arguments.run.device.open(validation())?;
-    // Times alone are those of a frame that estimates nothing.
+    // Times alone are measured without an error estimate.
     let estimate = output.is_some() || arguments.verify.is_some();
     let options = Options { goal: Goal::Radiosity, estimate, ..arguments.run.options() };
     let mut session = open_session(&scene, device.as_ref(), options)?;
@@ -105,7 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                  rank correlation {rank:.2}\n"
             ))?;
         }
-        // The tolerance is this L2's, of the method that has one.
+        // The tolerance applies to this L2, for the method that has a tolerance.
         let tolerance = scene.transport.tolerance;
         let bounded = options.transport == ShadingMethod::Hierarchy && scene.transport.scheme == Scheme::Blocks;
         if all.l2.is_nan() || bounded && all.l2 > tolerance {
@@ -115,14 +115,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Says so where the estimate is the one carried along with the light, which is larger.
+/// Reports that the estimate could not be refined, and is the larger one transported along with the light.
 pub fn tell_blunt(session: &Session) {
     if let Some(why) = session.blunt() {
         tell!("the error estimate is a looser one, since the second solve that sharpens it failed: {why}");
     }
 }
 
-/// Prints the time of each stage, its chunks together, and the number of links.
+/// Prints the time of each stage, summed over its steps, and the number of links.
 pub fn print_times(session: &mut Session, times: &[Timing]) -> Result<()> {
     session.fetch(&[BufferId::spans, BufferId::runs])?;
     let mut rows: Vec<(String, f64)> = Vec::new();

@@ -1,9 +1,9 @@
-//! How the program ends before its time.
+//! Early termination of the program.
 
 use std::process::ExitCode;
 
-/// Ctrl-C, and being asked to end, remove what is half written before they stop the program: exit code 130, or 128 and
-/// the signal's number. A file that grows beyond what the system allows is an error like any other.
+/// On Ctrl-C or a request to terminate, removes partial files before the program ends with exit code 130, or 128 plus
+/// the signal's number. Writing a file larger than the system allows remains an ordinary error.
 #[cfg(unix)]
 pub fn remove_when_stopped() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
@@ -15,11 +15,11 @@ pub fn remove_when_stopped() {
     });
 }
 
-/// Elsewhere the system's own ways of stopping hold.
+/// Elsewhere the system's default applies.
 #[cfg(not(unix))]
 pub fn remove_when_stopped() {}
 
-/// Ends the program with this code. After a device has failed, without waiting for what its driver still does.
+/// Ends the program with this code; after a device failure without waiting for the driver.
 pub fn leave(code: u8) -> ExitCode {
     #[cfg(unix)]
     if code == 3 {

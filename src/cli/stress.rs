@@ -1,4 +1,4 @@
-//! `milkglass stress`: the table of extreme cases.
+//! `milkglass stress`: runs the table of extreme cases.
 
 use std::path::PathBuf;
 
@@ -20,7 +20,7 @@ pub struct Arguments {
     /// Only cases whose name contains this.
     #[arg(long, value_name = "NAME", default_value = "")]
     only: String,
-    /// Also write the table to this file, with the reasons of the bounds.
+    /// Also write the table to this file, with the reasons for the bounds.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
 }
@@ -97,7 +97,7 @@ fn csv(outcomes: &[Outcome]) -> std::result::Result<Vec<u8>, String> {
             .chain([case.brute.l2, case.brute.max])
             .map(|x| format!("{x:e}"));
         let before = [case.name.to_string(), finite(outcome)];
-        // Blank where there is none.
+        // Blank where there is no octree result.
         let octree = outcome.octree.map_or([const { String::new() }; 2], |e| [e.l2, e.max].map(|x| format!("{x:e}")));
         let after = [verdict(outcome), case.fallback.to_string(), case.reason.to_string()].into_iter().chain(octree);
         writer.write_record(before.into_iter().chain(numbers).chain(after)).map_err(|e| e.to_string())?;

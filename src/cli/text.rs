@@ -1,10 +1,10 @@
-//! What commands print: plain text, tables, sizes; and what they report on stderr.
+//! Output of commands: plain text, tables and sizes on stdout; messages on stderr.
 
 use std::io::Write;
 
 use milkglass::error::{Input, Result};
 
-/// Writes a line to standard error; that it can't be written is no reason to stop.
+/// Writes a line to standard error; a failure to write is ignored.
 macro_rules! tell {
     ($($argument:tt)*) => {{
         use std::io::Write as _;
@@ -12,7 +12,7 @@ macro_rules! tell {
     }};
 }
 
-/// Writes a result to standard output; a reader that has gone away is no error.
+/// Writes a result to standard output; a closed pipe is not an error.
 pub(super) fn print(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -23,7 +23,7 @@ pub(super) fn print(text: &str) -> Result<()> {
     }
 }
 
-/// A table with aligned columns; those named in `right` are aligned to the right.
+/// A table with aligned columns; columns in `right` are right-aligned.
 pub(super) fn table(header: &[&str], right: &[usize], rows: &[Vec<String>]) -> String {
     let width =
         |k: usize| rows.iter().map(|row| row[k].chars().count()).chain([header[k].chars().count()]).max().unwrap_or(0);
@@ -42,7 +42,7 @@ pub(super) fn table(header: &[&str], right: &[usize], rows: &[Vec<String>]) -> S
     text
 }
 
-/// Bytes in a unit that reads well.
+/// Bytes in a readable unit.
 pub(super) fn size(bytes: u64) -> String {
     match bytes {
         0..10_000 => format!("{bytes} B"),

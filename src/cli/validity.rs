@@ -1,4 +1,4 @@
-//! `milkglass validity`: where shading by curvature is a good stand-in for the dipole, and where not.
+//! `milkglass validity`: shows where shading by curvature is a good approximation of the dipole, and where it is not.
 
 use std::path::{Path, PathBuf};
 
@@ -19,15 +19,15 @@ pub struct Arguments {
     scene: SceneArguments,
     #[command(flatten)]
     device: DeviceArgument,
-    /// Draw error over thickness to this file.
+    /// Plot error against thickness in this file.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
-    /// One row a triangle and channel: sigma, thickness over sigma_0, radiosity by both.
+    /// Also write this CSV file, a row per triangle and channel: sigma, thickness over sigma_0, both radiosities.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
 }
 
-/// Compares and prints.
+/// Compares and prints the result.
 pub fn run(arguments: &Arguments) -> Result<()> {
     ready([("--csv", arguments.csv.as_ref()), ("--svg", arguments.svg.as_ref())])?;
     let scene = arguments.scene.load()?;
@@ -38,7 +38,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(Input::new("no light enters any object").expected("an object that is not opaque").into());
     }
 
-    // Rows of thickness, columns of sigma.
+    // Rows by thickness, columns by sigma.
     let edges = |inner: &[f64]| [&[0.0], inner, &[f64::INFINITY]].concat();
     let (thick, bent) = (edges(&THICK), edges(&BENT));
     let within = |x: f64, pair: &[f64]| x >= pair[0] && (x < pair[1] || pair[1].is_infinite());
@@ -90,7 +90,7 @@ fn write_csv(all: &[Place], path: &Path) -> Result<()> {
 /// Most dots of the plot.
 const DOTS: usize = 6000;
 
-/// Error over thickness, a dot a triangle and channel, coloured by sigma: blue 0, red 1 and more.
+/// Plots error against thickness, one dot per triangle and channel, coloured by sigma: blue 0, red 1 and more.
 fn draw(picture: &mut String, name: &str, all: &[Place]) -> std::result::Result<(), Box<dyn std::error::Error>> {
     let root = SVGBackend::with_string(picture, (760, 520)).into_drawing_area();
     root.fill(&WHITE)?;

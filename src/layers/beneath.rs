@@ -1,4 +1,4 @@
-//! What scatters beneath a surface: phase functions and the attenuation of light along a ray's two legs.
+//! Single scattering beneath a surface: phase functions, and attenuation along a ray's two legs.
 
 use std::f64::consts::PI;
 
@@ -6,10 +6,10 @@ use glam::DVec3;
 
 use crate::scene::Phase;
 
-/// Share of light scattered per steradian; `cosine` between the directions *towards* the light and *towards* the eye,
-/// so that light which goes straight on has -1. With `g` above 0 that is where most of it goes.
+/// Phase function: share of light scattered per steradian. `cosine` is between the directions *towards* the light and
+/// *towards* the eye, so that light which continues straight on has -1. A `g` above 0 scatters forward.
 ///
-/// Schlick's k (equation of section 3), or Henyey's and Greenstein's mean cosine; it integrates to 1 over all
+/// Schlick's k (equation of section 3), or the mean cosine of Henyey and Greenstein. Integrates to 1 over all
 /// directions.
 #[must_use]
 pub fn phase(henyey: bool, g: f64, cosine: f64) -> f64 {
@@ -27,8 +27,7 @@ pub fn schlick_mean(k: f64) -> f64 {
     (2.0 * k - (1.0 - k * k) * ((1.0 + k) / (1.0 - k)).ln()) / (2.0 * k * k)
 }
 
-/// The parameter that the phase functions take: for [`Phase::SchlickMean`] the k whose mean cosine is `g`, by
-/// bisection.
+/// The parameter of the phase function: for [`Phase::SchlickMean`] the k whose mean cosine is `g`, by bisection.
 #[must_use]
 pub fn parameter(kind: Phase, g: f64) -> f64 {
     if kind != Phase::SchlickMean {
@@ -42,13 +41,13 @@ pub fn parameter(kind: Phase, g: f64) -> f64 {
     low.copysign(g)
 }
 
-/// The integral over s from 0 to 1 of (a + (b - a) s) exp(-(from + (to - from) s)): light that grows evenly from `a` to
-/// `b` and is dimmed by depths that grow evenly.
+/// The integral over s from 0 to 1 of (a + (b - a) s) exp(-(from + (to - from) s)): light that varies linearly from
+/// `a` to `b`, attenuated by optical depths that vary linearly.
 #[must_use]
 pub fn segment(a: f64, b: f64, from: f64, to: f64) -> f64 {
     let d = to - from;
     if d.abs() < 1e-2 {
-        // Powers of d, to the sixth.
+        // Power series in d, up to the sixth power.
         let (e0, e1) = (0..7).rev().fold((0.0, 0.0), |(e0, e1), k| {
             let k = f64::from(k);
             (1.0 - d / (k + 2.0) * e0, 1.0 / (k + 2.0) - d / (k + 1.0) * e1)
@@ -59,8 +58,8 @@ pub fn segment(a: f64, b: f64, from: f64, to: f64) -> f64 {
     a * (start - end) / d + (b - a) * (start - (1.0 + d) * end) / (d * d)
 }
 
-/// Optical depth between the surface and a depth below it, over the cosine at which it is crossed, where interfaces lie
-/// at `depths` and the last layer goes on below its own (equations 11 and 12, clamped).
+/// Optical depth from the surface down to `depth`, divided by the cosine of the crossing. `depths` are those of the
+/// interfaces; the last layer continues below its own (equations 11 and 12, clamped).
 #[must_use]
 pub fn optical_depth(sigma_t: &[DVec3], depths: impl Fn(usize) -> f64, depth: f64, cosine: f64) -> DVec3 {
     let (mut sum, mut before) = (DVec3::ZERO, 0.0);
@@ -85,7 +84,7 @@ mod tests {
                 (0..steps).map(|i| f(at(i)) * phase(henyey, g, at(i))).sum::<f64>() * 4.0 * PI / f64::from(steps)
             };
             assert!((over(&|_| 1.0) - 1.0).abs() < 1e-6, "{g}");
-            // Light goes on along minus the direction it comes from.
+            // Unscattered light continues along minus the direction it comes from.
             let mean = over(&|c| -c);
             assert!((mean - if henyey { g } else { schlick_mean(g) }).abs() < 1e-6, "{g}: {mean}");
         }
@@ -121,7 +120,7 @@ mod tests {
             let (found, expected) = (segment(a, b, from, to), sum / f64::from(steps));
             assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
         }
-        // The two forms meet.
+        // The series and the closed form agree where they meet.
         let gap = segment(1.0, 0.5, 0.7, 0.709_999_9) - segment(1.0, 0.5, 0.7, 0.710_000_1);
         assert!(gap.abs() < 1e-6, "{gap}");
     }

@@ -1,6 +1,6 @@
-//! Layers beneath a surface: subsurface texture mapping (Francois et al. 2006), light that scatters once.
+//! Layers beneath a surface: subsurface texture mapping (Francois et al. 2006), single scattering.
 //!
-//! Where the paper errs, this follows what it means: signs, clamps, normalised normals and dual texture axes.
+//! Errors of the paper are corrected to what it means: signs, clamps, normalised normals and dual texture axes.
 
 pub mod beneath;
 pub mod islands;

@@ -1,12 +1,13 @@
-//! Stage `plane_fit`: round each vertex of an object with layers, the plane that its light comes in through (section
-//! 2.2): least squares over the vertices within `object_params.fit_radius`, that is -ln(epsilon) / sigma_t of the first
-//! layer (equation 8).
+//! Stage `plane_fit`: for each vertex of an object with layers, the plane through which light enters around it
+//! (section 2.2): least squares over the vertices within `object_params.fit_radius`, which is -ln(epsilon) / sigma_t
+//! of the first layer (equation 8).
 //!
-//! A plane is a unit normal NS and the height d of the plane over the vertex V along it: V + d NS lies on it. (Equation
-//! 14 goes along the vertex normal by a length, which has no sign and no end where the normals differ much.) Where the
-//! vertices define no plane, it is the tangent plane: fewer than three of them, or nearly on a line (middle moment
-//! below 1 to 5 % of the largest), or as thick as wide (least moment above 25 to 50 % of the middle one), or far from
-//! the tangent plane (cosine below 0.5 to 0.8); in between it is a mixture, so that nothing jumps.
+//! A plane is a unit normal NS and the height d of the plane over the vertex V along it: V + d NS lies on it.
+//! (Equation 14 measures along the vertex normal; that length has no sign, and no bound where the normals differ
+//! much.) The tangent plane takes its place where the vertices define no plane: fewer than three of them, or nearly
+//! on a line (middle moment below 1 to 5 % of the largest), or as thick as wide (least moment above 25 to 50 % of the
+//! middle one), or far from the tangent plane (cosine below 0.5 to 0.8). Within these ranges the two are blended, so
+//! that the result is continuous.
 
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -17,7 +18,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "plane_fit",
     module: "layers",
@@ -41,7 +42,7 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// Number of points, their sum and the sum of their squares and products, from some place.
+/// Number of points, sum of positions and sum of their outer products, relative to some origin.
 #[derive(Clone, Copy)]
 struct Sums {
     count: f64,
@@ -66,7 +67,7 @@ impl Sums {
         (center, self.second - DMat3::from_cols(center * center.x, center * center.y, center * center.z) * self.count)
     }
 
-    /// The same from another place.
+    /// The same sums relative to the origin `place`.
     fn from(&self, place: DVec3) -> Self {
         let (center, central) = self.central();
         let d = center - place;
@@ -75,8 +76,8 @@ impl Sums {
     }
 }
 
-/// Axis of least moment, and the three moments from the least up: eigenvalues by Cardano's formula, the axis across the
-/// two longest rows of what is left.
+/// Unit axis of the least moment, and the three moments in ascending order. Eigenvalues by Cardano's formula; the
+/// axis is the longest cross product of two columns of `moments` minus the least eigenvalue.
 fn least_axis(moments: DMat3) -> (DVec3, [f64; 3]) {
     let mean = (moments.x_axis.x + moments.y_axis.y + moments.z_axis.z) / 3.0;
     let rest = moments - DMat3::from_diagonal(DVec3::splat(mean));
@@ -100,7 +101,7 @@ fn smoothstep(low: f64, high: f64, x: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Plane of points given by their sums from a vertex whose normal is `normal`: its unit normal and height.
+/// The plane fitted to points relative to a vertex with normal `normal`: its unit normal and its height.
 fn plane(sums: &Sums, normal: DVec3) -> (DVec3, f64) {
     let (center, moments) = sums.central();
     let trace = moments.x_axis.x + moments.y_axis.y + moments.z_axis.z;
@@ -116,7 +117,7 @@ fn plane(sums: &Sums, normal: DVec3) -> (DVec3, f64) {
     (fitted, trust * center.dot(fitted))
 }
 
-/// Squares of the least and largest distance of a place from a box; `f32`, so that host and device count the same
+/// Squares of the least and largest distance from a point to a box; in `f32`, so that host and device count the same
 /// vertices.
 fn distances(place: [f32; 3], bounds: &Bounds) -> [f32; 2] {
     let each = |f: fn(f32, f32) -> f32| -> f32 {
@@ -136,7 +137,7 @@ fn cpu(state: &mut State, _at: Scope) {
         data.triangles[face as usize].into_iter().filter(own)
     };
 
-    // From the leaves to the root.
+    // Sums of each cluster, from the leaves to the root.
     let mut sums = vec![Sums::NONE; nodes];
     for node in (0..nodes).rev() {
         let place = data.topology[node];
@@ -146,7 +147,7 @@ fn cpu(state: &mut State, _at: Scope) {
         };
     }
 
-    // Round each vertex.
+    // Sums within the radius of a vertex, from whole clusters where they lie inside.
     let r2 = params.fit_radius * params.fit_radius;
     let around = |here: [f32; 3]| {
         let (mut sum, mut node) = (Sums::NONE, 0);
@@ -204,7 +205,7 @@ mod tests {
         points.iter().fold(Sums::NONE, |sum, &p| sum.and(Sums::point(p)))
     }
 
-    /// Points of a square grid, lifted by a function of their place.
+    /// Points of a square grid with heights from a function of x and y.
     fn grid(height: impl Fn(f64, f64) -> f64) -> Vec<DVec3> {
         let line = |i: i32| 0.1 * f64::from(i);
         let point = |i: i32, j: i32| DVec3::new(line(i), line(j), height(line(i), line(j)));
@@ -216,7 +217,7 @@ mod tests {
         let (normal, height) = plane(&of(&grid(|x, y| 0.3 * x - 0.2 * y - 0.05)), DVec3::Z);
         let expected = DVec3::new(-0.3, 0.2, 1.0).normalize();
         assert!((normal - expected).length() < 1e-9, "{normal}");
-        // The plane's point along its normal: 0.05 below, measured across.
+        // The height is measured along the plane's normal: 0.05 below, times the cosine.
         assert!((height + 0.05 * expected.z).abs() < 1e-9, "{height}");
         assert_eq!(plane(&of(&grid(|_, _| 0.0)), -DVec3::Z).0, -DVec3::Z);
     }

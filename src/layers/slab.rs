@@ -1,10 +1,10 @@
-//! Closed forms: single scattering of a flat slab of even layers under z = 0, seen at the origin.
+//! Closed forms: single scattering in a flat slab of uniform layers below z = 0, seen at the origin.
 
 use glam::DVec3;
 
 use super::beneath::phase;
 
-/// One layer of a slab, from the surface down; one colour.
+/// One layer of a slab, one colour channel. Layers are listed from the surface down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlabLayer {
     /// Scattering coefficient, 1/length, at least 0.
@@ -13,25 +13,25 @@ pub struct SlabLayer {
     pub sigma_t: f64,
     /// Schlick's k, above -1 and below 1.
     pub g: f64,
-    /// Length, at least 0.
+    /// Thickness, length, at least 0.
     pub thickness: f64,
 }
 
-/// What shines on a slab from above.
+/// The light on a slab, from above.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lamp {
-    /// The unit direction towards it, z above 0, and its irradiance on a plane across.
+    /// The unit direction towards it, z above 0, and its irradiance on a plane that faces it.
     Directional(DVec3, f64),
-    /// Its place, z above 0, and its intensity; it falls off with the squared distance to where light scatters.
+    /// Its position, z above 0, and its intensity; it falls off with the squared distance to the scattering point.
     Point(DVec3, f64),
 }
 
 /// Radiance at the origin along the unit direction `eye`, z above 0: no refraction, no Fresnel terms.
 ///
-/// Of a directional light, layer by layer, e being all above it: sigma_s p E e^(-tau (1/mu_i + 1/mu_o)) (1 -
-/// e^(-sigma_t D (1/mu_i + 1/mu_o))) / (sigma_t (1/mu_i + 1/mu_o) mu_o). Of a point light the same integral over the
-/// depth, by Gauss-Legendre quadrature of 20 points on parts of at most a quarter of a mean free path or of the lamp's
-/// height, to about 1e-12.
+/// For a directional light, layer by layer, with tau the optical depth of the layers above: sigma_s p E e^(-tau
+/// (1/mu_i + 1/mu_o)) (1 - e^(-sigma_t D (1/mu_i + 1/mu_o))) / (sigma_t (1/mu_i + 1/mu_o) mu_o). For a point light
+/// the same integral over the depth, by 20-point Gauss-Legendre quadrature on parts of at most a quarter of a mean
+/// free path or of the lamp's height, to about 1e-12.
 #[must_use]
 pub fn radiance(layers: &[SlabLayer], lamp: Lamp, eye: DVec3) -> f64 {
     let (mut sum, mut top, mut tau) = (0.0, 0.0, 0.0);
@@ -64,7 +64,7 @@ pub fn radiance(layers: &[SlabLayer], lamp: Lamp, eye: DVec3) -> f64 {
     sum
 }
 
-/// Nodes above 0 and weights of the Gauss-Legendre rule of 20 points, which has them on both sides.
+/// Positive nodes and weights of the 20-point Gauss-Legendre rule; it is symmetric about 0.
 const GAUSS: [[f64; 2]; 10] = [
     [0.076_526_521_133_497_33, 0.152_753_387_130_725_85],
     [0.227_785_851_141_645_08, 0.149_172_986_472_603_75],
@@ -78,8 +78,8 @@ const GAUSS: [[f64; 2]; 10] = [
     [0.993_128_599_185_094_9, 0.017_614_007_139_152_118],
 ];
 
-/// The integral of `f` from `low` to `high`, in parts that grow from `scale` twofold up to 40 of them: what lies deeper
-/// than 700 mean free paths counts for nothing.
+/// The integral of `f` from `low` to `high`, in equal parts of at most `scale` up to a depth of 3000 of them, and one
+/// part for the rest. Light from deeper than 700 mean free paths is negligible.
 fn integral(f: impl Fn(f64) -> f64, low: f64, high: f64, scale: f64) -> f64 {
     let (mut sum, mut from) = (0.0, low);
     let end = high.min(low + 3000.0 * scale);
@@ -91,7 +91,7 @@ fn integral(f: impl Fn(f64) -> f64, low: f64, high: f64, scale: f64) -> f64 {
         sum += half * GAUSS.iter().map(pair).sum::<f64>();
         from += step;
     }
-    // The rest of a thin layer under a low lamp: it falls off smoothly.
+    // The rest, in one part: a thin layer under a low lamp, where the integrand falls off smoothly.
     if end < high {
         let (middle, half) = (f64::midpoint(end, high), 0.5 * (high - end));
         sum += half * GAUSS.iter().map(|[x, w]| w * (f(middle - half * x) + f(middle + half * x))).sum::<f64>();

@@ -1,6 +1,5 @@
-//! Two errors that are not to be confused, material by material: the numerical one, of our radiosity against brute
-//! force over the same triangles, and the model's, of the dipole against a random walk that has none of its
-//! approximations.
+//! Two kinds of error per material: the numerical error of our radiosity against brute force over the same triangles,
+//! and the model error of the dipole against a random walk that makes none of its approximations.
 
 use crate::dipole::profile::Dipole;
 use crate::error::Result;
@@ -15,57 +14,57 @@ use crate::pipeline::plan::{Change, Goal, Options};
 use crate::scene::{Preset, Scene};
 use crate::session::run::{CapacityHints, Session};
 
-/// How much is measured.
+/// The size of the measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// Photons of each random walk.
+    /// Photons per random walk.
     pub photons: u64,
     /// Faces at which the numerical error is measured.
     pub samples: usize,
-    /// The detail of the ball that it is measured on.
+    /// Subdivision level of the ball used for the numerical error.
     pub detail: u32,
-    /// Seed of walks and faces.
+    /// Seed of the random walks and of the face sample.
     pub seed: u64,
 }
 
-/// Thickness of the slab and radius of the ball, mean free paths.
+/// Thickness of the slab and radius of the ball, in mean free paths.
 pub const PATHS: f64 = 5.0;
 
-/// What the model says and what the walk finds.
+/// One quantity by the dipole and by the random walk.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
-    /// By the dipole.
+    /// The dipole's value.
     pub dipole: f64,
-    /// By the walk.
+    /// The random walk's estimate.
     pub walk: Estimate,
 }
 
 impl Pair {
-    /// The model's error, as a share of what the walk finds.
+    /// The model's error, relative to the random walk.
     #[must_use]
     pub fn error(&self) -> f64 {
         self.dipole / self.walk.mean - 1.0
     }
 }
 
-/// The model's error for one channel of a material, of light that has entered.
+/// The model's error for one channel of a material; all quantities are relative to the light that entered.
 #[derive(Clone, Debug)]
 pub struct Model {
     /// Reduced albedo, 0 to 1.
     pub albedo: f64,
-    /// What a half-space gives back under collimated and under constant light.
+    /// Diffuse reflectance of a half-space, under collimated and under constant light.
     pub plane: [Pair; 2],
-    /// What passes a slab of [`PATHS`] mean free paths under constant light.
+    /// Transmittance of a slab of [`PATHS`] mean free paths under constant light.
     pub slab: Pair,
-    /// What leaves a ball of that radius under constant light.
+    /// Light that leaves a ball of that radius under constant light.
     pub constant: Pair,
-    /// The same ball under collimated light: L2 over its surface of the dipole against the walk.
+    /// The same ball under collimated light: relative L2 difference between dipole and walk over its surface.
     pub ball: f64,
-    /// The L2 of the walk's own standard error there.
+    /// Relative L2 norm of the walk's standard error for that ball.
     pub noise: f64,
 }
 
-/// The model's error for a channel of a preset.
+/// The model's error for one channel of a preset.
 #[must_use]
 pub fn model(preset: &Preset, channel: usize, effort: Effort) -> Model {
     let (scattering, absorption) = (preset.sigma_s_prime[channel], preset.sigma_a[channel]);
@@ -77,7 +76,7 @@ pub fn model(preset: &Preset, channel: usize, effort: Effort) -> Model {
     let plane = [Lighting::Collimated, Lighting::Constant]
         .map(|lighting| Pair { dipole: dipole.total(), walk: flat(f64::INFINITY, lighting).back });
     let slab = Pair { dipole: beyond(&dipole, size), walk: flat(size, Lighting::Constant).through };
-    // On a ball a chord of length s leads to 2 pi s ds of its surface, as in a plane, up to its diameter.
+    // On a sphere, points at chord length s to s + ds cover an area of 2 pi s ds, as in a plane, up to the diameter.
     let all = dipole.total() - beyond(&dipole, 2.0 * size);
     let constant = Pair { dipole: all, walk: ball_walk::constant(medium, size, photons, effort.seed) };
     let by_dipole = ball::curve(&dipole, size);
@@ -94,8 +93,8 @@ pub fn model(preset: &Preset, channel: usize, effort: Effort) -> Model {
     }
 }
 
-/// The numerical error for a preset: L2 of the radiosity of a ball of [`PATHS`] mean free paths (of the channels' mean)
-/// in the sun, worst channel, at the default tolerance.
+/// The numerical error for a preset: L2 of the radiosity of a ball in the sun at the default tolerance, worst
+/// channel. Its radius is [`PATHS`] mean free paths, averaged over the channels.
 pub fn numerical(preset: &Preset, device: Option<&Device>, effort: Effort) -> Result<f64> {
     let paths = [0, 1, 2].map(|c| 1.0 / (preset.sigma_s_prime[c] + preset.sigma_a[c]));
     let size = 2.0 * PATHS * paths.iter().sum::<f64>() / 3.0;
@@ -120,16 +119,16 @@ mod tests {
         let effort = Effort { photons: 20_000, samples: 40, detail: 2, seed: 1 };
         let marble = Preset::named("marble").unwrap();
         let found = model(marble, 1, effort);
-        // Little absorbed, many scatterings: the dipole is right to some parts in a hundred, and never by chance alone.
+        // Low absorption and many scattering events: the dipole is within 10 %, and the walk's noise is below that.
         for pair in &found.plane {
             assert!(pair.error().abs() < 0.1 && pair.walk.error < 0.02, "{found:?}");
         }
-        // On a ball more leaves than on a plane, where the dipole loses all that would leave beyond the diameter.
+        // A ball lets more light out than a plane; the dipole instead drops all light beyond the diameter.
         assert!(found.constant.walk.mean > found.plane[1].walk.mean, "{found:?}");
         assert!(found.constant.dipole < found.plane[1].dipole && found.constant.error() < -0.1, "{found:?}");
         assert!((0.005..0.5).contains(&found.ball) && found.noise < 0.1, "{found:?}");
         assert!(found.slab.walk.mean > 0.0 && found.slab.dipole > 0.0, "{found:?}");
-        // Ketchup's blue absorbs nearly all: no diffusion.
+        // Ketchup's blue channel absorbs nearly everything, so diffusion does not apply.
         let dark = model(Preset::named("ketchup").unwrap(), 2, effort);
         assert!(dark.plane[1].error().abs() > found.plane[1].error().abs(), "{dark:?}");
         let numerical = numerical(marble, None, effort).unwrap();

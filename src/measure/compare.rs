@@ -1,29 +1,29 @@
-//! Two states word by word: what conformance says of a buffer.
+//! Word-by-word comparison of one buffer in two states, for conformance.
 
 use crate::layout::{BufferId, Number, Word};
 use crate::state::{Field, State, Tolerance};
 
-/// The largest distance, in units in the last place, of each bin of a [`Comparison::histogram`] but the last.
+/// Upper bounds, in units in the last place, of all but the last bin of [`Comparison::histogram`].
 pub const BINS: [u64; 7] = [0, 1, 3, 7, 15, 255, 65_535];
 
-/// How one buffer of the device compares with the reference's.
+/// Differences between one buffer of the device and the reference's.
 #[derive(Clone, Debug, Default)]
 pub struct Comparison {
     /// Words compared.
     pub words: usize,
     /// Words beyond the tolerance.
     pub failures: usize,
-    /// Largest distance in units in the last place, over all floats.
+    /// Largest distance over all floats, units in the last place.
     pub ulp: u64,
-    /// Floats by their distance: a bin for each of [`BINS`], and one for all beyond.
+    /// Number of floats per distance: one bin for each of [`BINS`], and one for larger distances.
     pub histogram: [u64; 8],
-    /// Largest |difference| / max(|reference|, floor x the field's largest value), over all floats.
+    /// Largest |difference| / max(|reference|, floor), with the tolerance's floor for that field, over all floats.
     pub relative: f64,
-    /// The first failure in words: index, field, both values, both in hex.
+    /// The first failure as text: index, field, both values, both in hex.
     pub first: Option<String>,
 }
 
-/// Units in the last place between two floats; the largest number where one is no number.
+/// Distance between two floats in units in the last place; `u64::MAX` if either is NaN.
 fn ulp(a: f32, b: f32) -> u64 {
     if a.is_nan() || b.is_nan() {
         return u64::MAX;
@@ -35,7 +35,8 @@ fn ulp(a: f32, b: f32) -> u64 {
     order(a).abs_diff(order(b))
 }
 
-/// Compares one buffer of two states; words and distances refer to `part`, a first element and their number.
+/// Compares one buffer of two states. Failures and relative differences cover the whole buffer; the word count and
+/// the distances in ulp only `part`, given as first element and number of elements.
 pub fn compare(
     slot: BufferId,
     reference: &State,
@@ -78,9 +79,9 @@ pub fn compare(
                 let lowest = rule.as_ref().map_or(0.0, |rule| rule.floor * of(rule));
                 let allowed = rule.as_ref().map_or(0.0, |rule| rule.relative * f64::from(p).abs() + lowest);
                 let relative = difference / f64::from(p).abs().max(lowest).max(1e-38);
-                // What is no number is as far as can be.
+                // NaN and infinity count as infinitely far off.
                 result.relative = result.relative.max(if relative.is_nan() { f64::INFINITY } else { relative });
-                // Where bits count, two zeros of unlike signs differ.
+                // Without a rule the bits must agree: 0 and -0 differ.
                 rule.is_some() && p.is_finite() && q.is_finite() && difference <= allowed
             }
             _ => x == y,
@@ -107,14 +108,15 @@ pub fn compare(
     result
 }
 
-/// What a float may differ by: a share of itself, and a floor, perhaps in shares of another word of its element.
+/// Tolerance of one float: a share of its value, plus a floor, which may be relative to another word of the element.
 struct Rule {
     relative: f64,
     floor: f64,
     of: Option<usize>,
 }
 
-/// The rule of each word of an element; none where bits count. `group` names the field that a word belongs to.
+/// The rule for each word of an element; `None` where it must agree bit for bit. `group` gives the field that a word
+/// belongs to.
 fn rules<'a>(
     layout: &'a [Word],
     group: impl Fn(usize) -> &'a str,
@@ -125,7 +127,7 @@ fn rules<'a>(
     match tolerance {
         Tolerance::Exact => words.map(|_| None).collect(),
         Tolerance::Float { relative, floor } => {
-            // The largest magnitude of each field, a vector's components together.
+            // Largest magnitude of each field, over all components of a vector.
             let groups: Vec<usize> =
                 words.clone().map(|k| (0..k).find(|&j| group(j) == group(k)).unwrap_or(k)).collect();
             let mut largest = vec![0f64; layout.len()];

@@ -1,9 +1,9 @@
-//! Conformance: every stage of a frame on the CPU and on a device, from the same state, and all memory compared.
+//! Conformance: runs every stage of a frame on the CPU and on a device, from the same state, and compares all memory.
 //!
-//! For each step what the stage overwrites is poisoned on both sides; the CPU runs on the reference's state, the device
-//! on its own, which starts from the same bits. Every buffer is then compared: written ones within the stage's
-//! tolerance, all others bit for bit. The device runs twice and must give the same bits; guard bytes after each buffer
-//! must be untouched; the validation layer must be silent.
+//! Before each step, both sides get poison in the memory that the stage overwrites. The CPU runs on the reference's
+//! state, the device on its own copy, which starts from the same bits. Then every buffer is compared: written ones
+//! within the stage's tolerance, all others bit for bit. The device runs twice and must give the same bits; the guard
+//! bytes after each buffer must be untouched; the validation layer must report nothing.
 
 use crate::error::Result;
 use crate::geometry::deform;
@@ -14,46 +14,46 @@ use crate::measure::compare::{Comparison, compare};
 use crate::measure::fixtures::Fixture;
 use crate::state::{DeviceState, Role, State, Step, Tolerance};
 
-/// What poisoned words hold: not a number as a float, far beyond any index as an integer.
+/// The poison word: NaN as a float, far beyond any index as an integer.
 const POISON: u32 = 0xffc0_dead;
 
-/// The outcome of one stage on one fixture.
+/// The result of one stage on one fixture.
 #[derive(Clone, Debug)]
 pub struct Row {
     /// The fixture.
     pub fixture: String,
     /// The stage.
     pub stage: &'static str,
-    /// Steps compared (chunks).
+    /// Steps compared: one per object, chunk, group or batch.
     pub steps: usize,
     /// Words compared.
     pub words: usize,
     /// Largest distance in units in the last place.
     pub ulp: u64,
-    /// Floats written, by their distance: a bin for each of [`BINS`], and one for all beyond.
+    /// Number of written floats per distance: one bin for each of [`BINS`], and one for larger distances.
     pub histogram: [u64; 8],
     /// Largest relative difference.
     pub relative: f64,
-    /// Everything that is wrong; empty when the stage conforms.
+    /// Everything found wrong; empty if the stage conforms.
     pub faults: Vec<String>,
 }
 
-/// A deliberate change to the device's results, to prove that the harness sees it.
+/// A deliberate change to the device's results, to prove that the harness detects it.
 #[derive(Clone, Copy, Debug)]
 pub struct Plant {
-    /// After this stage ...
+    /// The stage after which the change is made.
     pub stage: &'static str,
-    /// ... in this buffer, one word is changed.
+    /// The buffer of which one word is changed.
     pub slot: BufferId,
 }
 
-/// Runs every step of a fixture; one row a stage. With planted errors, each is looked for alone, and only their stages
-/// run on the device.
+/// Runs every step of a fixture and returns one row per stage. With planted errors, each is tested separately, and
+/// only their stages run on the device.
 pub fn conform(device: &Device, fixture: &Fixture, plants: &[Plant]) -> Result<Vec<Row>> {
     compared(device, fixture, plants, &|stage| plants.is_empty() || plants.iter().any(|plant| plant.stage == stage))
 }
 
-/// The same for some stages only; the reference alone runs the others.
+/// The same for some stages only; the other stages run on the reference alone.
 pub fn conform_stages(device: &Device, fixture: &Fixture, stages: &[String]) -> Result<Vec<Row>> {
     compared(device, fixture, &[], &|stage| stages.iter().any(|name| name == stage))
 }
@@ -67,7 +67,7 @@ fn compared(
     let mut rows: Vec<Row> = Vec::new();
     let mut pair = Pair::new(device, &fixture.state)?;
     let _ = device.take_messages();
-    // What comes after the last that takes part shows nothing more.
+    // Steps after the last compared one have no effect on the result.
     let end = fixture.steps.iter().rposition(|step| takes_part(step.stage.name)).map_or(0, |last| last + 1);
     for step in &fixture.steps[..end] {
         if !takes_part(step.stage.name) {
@@ -92,7 +92,7 @@ fn compared(
     Ok(rows)
 }
 
-/// Poisons what a step overwrites.
+/// Fills the memory that a step overwrites with poison.
 fn poison(state: &mut State, step: Step) {
     for (slot, role, _) in step.stage.writes {
         if *role == Role::Output {
@@ -102,7 +102,7 @@ fn poison(state: &mut State, step: Step) {
             bytemuck::cast_slice_mut::<u8, u32>(bytes).fill(POISON);
         }
     }
-    // The host has the shape as well: it is there before the stage runs.
+    // `deform` overwrites its object's positions, but declares an update: the host has computed them before.
     if step.stage.is(&deform::STAGE) {
         let object = &state.objects[step.at.object];
         let own = object.first.vertices..object.first.vertices + object.count.vertices;
@@ -110,14 +110,15 @@ fn poison(state: &mut State, step: Step) {
     }
 }
 
-/// Both sides of a comparison. States are large: each is made once, and only what may differ travels to the device.
+/// Both sides of a comparison. States are large, so each is created once, and only buffers that may differ are
+/// uploaded.
 struct Pair {
     device_state: DeviceState,
     /// The reference's state.
     reference: State,
-    /// What the device gave back last.
+    /// The state last downloaded from the device.
     device: State,
-    /// Where the device may hold something else than the reference.
+    /// Buffers in which the device may differ from the reference.
     stale: Vec<BufferId>,
 }
 
@@ -127,7 +128,7 @@ impl Pair {
         Ok(Self { device_state, reference: state.clone(), device: state.clone(), stale: BUFFER_IDS.to_vec() })
     }
 
-    /// Runs one step on both sides, and says what was found: with each error planted in it alone, where there are any.
+    /// Runs one step on both sides and returns the findings: one row, or one per error planted in this stage.
     fn one(&mut self, step: Step, name: &str, plants: &[Plant]) -> Result<Vec<Row>> {
         let written: Vec<BufferId> = step.stage.writes.iter().map(|(slot, _, _)| *slot).collect();
         poison(&mut self.reference, step);
@@ -139,8 +140,8 @@ impl Pair {
         self.stale.extend(&written);
         self.device_state.upload(&self.reference, &self.stale)?;
 
-        // Twice on the device, what it writes from the same bits; what the first run changed beside that shows after
-        // the second.
+        // Two runs on the device with the same inputs. All buffers are downloaded after the second run only, which
+        // also shows what the first run changed outside its outputs.
         self.device_state.run(&self.reference, &[step])?;
         self.device_state.download(&mut self.device, &written)?;
         let mut first: Vec<Vec<u8>> = written.iter().map(|slot| self.device.data.bytes(*slot).to_vec()).collect();
@@ -166,7 +167,7 @@ impl Pair {
         Ok(rows)
     }
 
-    /// Changes a bit in what the device gave back of this buffer, in both runs; or changes it back.
+    /// Flips one bit in the downloaded copies of this buffer, of both runs; a second call restores it.
     fn toggle(&mut self, slot: BufferId, written: &[BufferId], first: &mut [Vec<u8>]) {
         if let [word, ..] = bytemuck::cast_slice_mut::<u8, u32>(self.device.data.bytes_mut(slot)) {
             *word ^= 0x4000_0000;
@@ -176,7 +177,7 @@ impl Pair {
         }
     }
 
-    /// What both sides hold after a step; `first` is what the device wrote in its first run.
+    /// Compares both sides after a step; `first` holds what the device wrote in its first run.
     fn row(&self, step: Step, name: &str, first: &[Vec<u8>], trespasses: &[&str]) -> Row {
         let mut row = Row {
             fixture: name.to_string(),

@@ -1,27 +1,27 @@
-//! How good an error estimate is: how often it lies above the error, by how much, and whether it knows where the errors
-//! are.
+//! Quality of an error estimate: how often it lies above the true error, by how much, and whether it finds where the
+//! errors are.
 
 use super::norms::percentile;
 
-/// An estimate against true errors.
+/// An estimate compared with the true errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
-    /// Share of the faces, as the receivers stand for them, whose error is at most the estimate.
+    /// Share of faces whose error is at most the estimate; each receiver stands for a number of faces.
     pub covered: f64,
-    /// 99th percentile of the estimate over that of the error.
+    /// 99th percentile of the estimate over the 99th percentile of the error.
     pub ratio: f64,
-    /// Spearman's rank correlation of estimate and error over the faces; 0 where either has no ranks.
+    /// Spearman's rank correlation of estimate and error over the faces; 0 if either is constant.
     pub rank: f64,
 }
 
-/// The 99th percentile over the faces that the receivers stand for.
+/// The 99th percentile, weighted by the number of faces per receiver.
 fn p99(values: &[f64], counts: &[f64]) -> f64 {
     let mut sorted: Vec<[f64; 2]> = values.iter().zip(counts).map(|(&value, &count)| [value, count]).collect();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
     percentile(&sorted, 0.99)
 }
 
-/// Ranks among the faces that the receivers stand for, equal values sharing theirs.
+/// Ranks weighted by the number of faces per receiver; equal values share one rank.
 fn ranks(values: &[f64], counts: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
@@ -35,7 +35,7 @@ fn ranks(values: &[f64], counts: &[f64]) -> Vec<f64> {
     ranks
 }
 
-/// The correlation of two lists over faces, 0 where one of them is constant.
+/// Weighted correlation of two lists, 0 if either is constant.
 fn correlation(a: &[f64], b: &[f64], counts: &[f64]) -> f64 {
     let whole: f64 = counts.iter().sum();
     let mean = |list: &[f64]| list.iter().zip(counts).map(|(x, count)| x * count).sum::<f64>() / whole;
@@ -48,9 +48,9 @@ fn correlation(a: &[f64], b: &[f64], counts: &[f64]) -> f64 {
 }
 
 impl Quality {
-    /// Of these estimates for these errors, one of each a receiver, three channels each; a receiver stands for a count
-    /// of faces. A receiver is covered if it is in every channel; sizes and ranks are those of the three together, the
-    /// root of their squares.
+    /// Compares estimates with errors, one of each per receiver, three channels each; `counts` holds the number of
+    /// faces that each receiver stands for. A receiver is covered if it is covered in every channel. Percentiles and
+    /// ranks use the Euclidean norm over the channels.
     #[must_use]
     pub fn of(counts: &[f64], estimates: &[[f64; 3]], errors: &[[f64; 3]]) -> Self {
         let within = |(estimate, error): &(&[f64; 3], &[f64; 3])| (0..3).all(|c| error[c] <= estimate[c]);
@@ -82,7 +82,7 @@ mod tests {
         let constant = Quality::of(&[1.0; 1000], &of(&|_| 899.0), &errors);
         assert_eq!((constant.covered, constant.rank), (0.9, 0.0));
         assert!((Quality::of(&[1.0; 1000], &of(&|x| 1.0 / (x + 1.0)), &errors).rank + 1.0).abs() < 1e-12);
-        // One channel too low is enough to be uncovered.
+        // A receiver is not covered if a single channel is too low.
         assert_eq!(Quality::of(&[1.0, 1.0], &[[9.0, 1.0, 9.0], [9.0; 3]], &[[1.0, 2.0, 1.0]; 2]).covered, 0.5);
         assert_eq!(ranks(&[2.0, 1.0, 2.0, 2.0], &[1.0, 1.0, 1.0, 2.0]), [3.0, 0.5, 3.0, 3.0]);
     }

@@ -1,4 +1,4 @@
-//! Slabs and half-spaces by a random walk, under collimated and under constant light, beside what the dipole says of
+//! Random walks in slabs and half-spaces, under collimated and under constant light, and the dipole's prediction for
 //! them.
 
 use std::f64::consts::{PI, TAU};
@@ -12,27 +12,27 @@ use crate::lighting::fresnel;
 /// How light falls on the upper side of a slab.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lighting {
-    /// Straight down.
+    /// At normal incidence.
     Collimated,
-    /// The same radiance from everywhere above.
+    /// The same radiance from every direction of the upper hemisphere.
     Constant,
 }
 
-/// Shares of the light that enters.
+/// Shares of the light that entered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flat {
-    /// What leaves on the side where it entered.
+    /// Light that leaves through the upper side, where it entered.
     pub back: Estimate,
-    /// What leaves on the other.
+    /// Light that leaves through the lower side.
     pub through: Estimate,
 }
 
-/// The direction inside of a photon that enters: refraction lets more in from above than from the side.
+/// Samples the direction of an entering photon inside the medium; Fresnel transmittance favours steep incidence.
 pub(super) fn enter(eta: f64, lighting: Lighting, random: &mut Random) -> DVec3 {
     if lighting == Lighting::Collimated {
         return -DVec3::Z;
     }
-    // By the cosine, then accepted by what Fresnel lets in.
+    // Cosine-weighted direction, accepted with the probability of Fresnel transmittance.
     loop {
         let cosine = random.next().sqrt();
         if random.next() <= fresnel::transmittance(eta, cosine) {
@@ -43,7 +43,7 @@ pub(super) fn enter(eta: f64, lighting: Lighting, random: &mut Random) -> DVec3 
     }
 }
 
-/// A slab of this thickness, length; infinite is a half-space. `photons` enter.
+/// Random walk of `photons` photons in a slab of this thickness (a length); infinity gives a half-space.
 #[must_use]
 pub fn walk(medium: Medium, thickness: f64, lighting: Lighting, photons: u64, seed: u64) -> Flat {
     let each = photons.div_ceil(BATCHES).max(1);
@@ -63,9 +63,10 @@ pub fn walk(medium: Medium, thickness: f64, lighting: Lighting, photons: u64, se
     Flat { back, through }
 }
 
-/// What the dipole sends further than this distance from where light enters, of a plane in full light: the integral of
-/// 2 pi r R_d over r from there, 2 pi strength times the sum of z e^(-sigma d) / d with d^2 = r^2 + z^2. It is what
-/// leaves below a slab so thick, and all that leaves from 0 on.
+/// The dipole's exitant light beyond this distance from the point of entry in a plane: the integral of 2 pi r R_d
+/// over r from `distance` to infinity, which is 2 pi strength times the sum over both sources of z e^(-sigma d) / d
+/// with d^2 = distance^2 + z^2. It predicts the transmittance of a slab of that thickness; 0 gives the total
+/// reflectance.
 #[must_use]
 pub fn beyond(dipole: &Dipole, distance: f64) -> f64 {
     let source = |z: f64| {
@@ -84,8 +85,8 @@ mod tests {
         Medium { scattering: albedo, absorption: 1.0 - albedo, eta }
     }
 
-    /// Chandrasekhar's H of even scattering, by 1/H(mu) = sqrt(1 - w) + w/2 integral of m H(m) / (mu + m): at 1, and
-    /// the integral of mu H(mu).
+    /// Chandrasekhar's H function for isotropic scattering: its value at 1, and the integral of mu H(mu). It solves
+    /// 1/H(mu) = sqrt(1 - w) + w/2 integral of m H(m) / (mu + m).
     fn chandrasekhar(albedo: f64) -> (f64, f64) {
         let nodes: Vec<_> = legendre(48).iter().map(|node| (0.5 + 0.5 * node.x, 0.5 * node.weight)).collect();
         let mut h = vec![1.0; nodes.len()];
@@ -112,7 +113,7 @@ mod tests {
                 assert!(back.error < 2e-3 && through == Estimate::default(), "{back:?} {through:?}");
             }
         }
-        // Van de Hulst's formula for the spherical albedo, right to about 2e-3.
+        // Van de Hulst's formula for the spherical albedo, accurate to about 2e-3.
         for albedo in [0.3, 0.9, 0.99] {
             let root = f64::sqrt(1.0 - albedo);
             let known = (1.0 - root) * (1.0 - 0.139 * root) / (1.0 + 1.17 * root);

@@ -1,5 +1,5 @@
-//! What the march through layers costs and errs: both rules of integration, by their samples, and each approximation
-//! alone.
+//! Cost and error of the march through layers: both integration rules by number of samples, and each approximation on
+//! its own.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -12,37 +12,37 @@ use crate::scene::{Integration, Light, Scene, Surface};
 use crate::session::run::{CapacityHints, Session};
 use crate::state::State;
 
-/// Samples as in table 2 of Francois et al. 2006.
+/// Numbers of samples in table 2 of Francois et al. 2006.
 pub const SAMPLES: [u32; 3] = [10, 50, 100];
-/// Frames a second there, on a GeForce 7800 GTX at 800 x 600: samples, fish, gecko.
+/// Frames per second in that table, on a GeForce 7800 GTX at 800 x 600: samples, fish, gecko.
 pub const PAPER: [(u32, f64, f64); 3] = [(10, 126.0, 120.0), (50, 51.0, 33.0), (100, 20.0, 16.0)];
-/// Samples along figure 14, error against samples.
+/// Numbers of samples for the error curve, figure 14.
 pub const SWEEP: [u32; 9] = [2, 4, 7, 10, 20, 35, 50, 100, 200];
 
-/// Midpoints of the reference along a view ray, and along each way of light.
+/// Midpoint steps of the reference along a view ray, and along each light path.
 const STEPS: u32 = 240;
 const LEGS: u32 = 40;
-/// Steps of the march that counts as converged.
+/// Samples of the march that counts as converged.
 const CONVERGED: u32 = 1000;
 
-/// One rule with so many samples.
+/// One integration rule at one number of samples.
 #[derive(Clone, Debug)]
 pub struct Line {
     /// The rule.
     pub rule: Integration,
-    /// Its samples.
+    /// The number of samples.
     pub samples: u32,
-    /// Relative L2 error against the same march, exact rule, 1000 samples: of the integration alone.
+    /// Relative L2 error against the same march by the exact rule with 1000 samples: the integration error alone.
     pub integration: f64,
-    /// Relative L2 error against the layered volume itself.
+    /// Relative L2 error against the layered volume.
     pub total: f64,
-    /// Milliseconds of stage `relief`, the least of the frames.
+    /// Milliseconds of stage `relief`, minimum over the frames.
     pub relief: f64,
-    /// Milliseconds of all that a new view takes, likewise.
+    /// Milliseconds of a frame with a new view, minimum over the frames.
     pub view: f64,
 }
 
-/// A scene of which nothing is seen but what scatters in layers.
+/// The scene with only the scattering in layers visible: black background, no reflections, black opaque surfaces.
 fn bare(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.camera.background = [0.0; 3];
@@ -68,7 +68,7 @@ fn session(scene: &Scene, device: Option<&Device>) -> Result<Session> {
     Ok(session)
 }
 
-/// At most `most` pixels that show an object with layers, evenly spread over them.
+/// At most `most` pixels that show an object with layers, evenly spaced in the list of all of them.
 fn shown(state: &State, most: usize) -> Vec<usize> {
     let all: Vec<usize> =
         (0..state.data.hits.len()).filter(|&pixel| full(state, pixel, Kept::default(), 0, 0).is_some()).collect();
@@ -76,7 +76,7 @@ fn shown(state: &State, most: usize) -> Vec<usize> {
     all.into_iter().skip(step / 2).step_by(step).collect()
 }
 
-/// Root of the sum of squared differences over that of the reference.
+/// Relative L2 error: root of the sum of squared differences over that of the reference.
 fn l2(found: &[[f64; 3]], reference: &[[f64; 3]]) -> f64 {
     let square = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
     let apart = square(&mut found.iter().flatten().zip(reference.iter().flatten()).map(|(a, b)| a - b));
@@ -88,12 +88,12 @@ fn at(session: &mut Session, pixels: &[usize]) -> Result<Vec<[f64; 3]>> {
     Ok(pixels.iter().map(|&pixel| picture.pixels[pixel].map(f64::from)).collect())
 }
 
-/// The layered volume itself at these pixels, but for what is kept of the march.
+/// Reference radiance at these pixels: the layered volume, with the march's approximations that `kept` names.
 fn reference(state: &State, pixels: &[usize], kept: Kept) -> Vec<[f64; 3]> {
     pixels.par_iter().filter_map(|&pixel| full(state, pixel, kept, STEPS, LEGS)).collect()
 }
 
-/// Both rules with each of these numbers of samples, the paper's first: errors at up to `pixels` pixels, times over
+/// Measures both rules at each number of samples, the paper's rule first: errors at up to `pixels` pixels, times over
 /// `repeat` frames.
 pub fn rules(
     scene: &Scene,
@@ -107,7 +107,7 @@ pub fn rules(
     let pixels = shown(host.state(), pixels);
     let truth = reference(host.state(), &pixels, Kept::default());
     let converged = at(&mut session(&with(&scene, Integration::Exact, CONVERGED), device)?, &pixels)?;
-    // The two rules alternate, so that what else runs slows both.
+    // Frames of the two rules alternate, so that other load on the machine slows both.
     let mut lines = [Vec::new(), Vec::new()];
     for &samples in samples {
         let rules = [Integration::Paper, Integration::Exact];
@@ -133,8 +133,8 @@ pub fn rules(
     Ok(lines.concat())
 }
 
-/// What more lights cost: milliseconds of stage `relief` for each of these numbers of point lights round the scene's
-/// first object, alternating, the least of `repeat` frames.
+/// Cost by number of lights: milliseconds of stage `relief` for each number of point lights around the scene's first
+/// object. Frames of all counts alternate; each time is the minimum over `repeat` frames.
 pub fn by_lights(scene: &Scene, device: Option<&Device>, counts: &[u32], repeat: usize) -> Result<Vec<(u32, f64)>> {
     let (low, high) = scene.objects[0].mesh.bounds();
     let (middle, radius) = ((low + high) / 2.0, 2.0 * (high - low).length());
@@ -158,11 +158,11 @@ pub fn by_lights(scene: &Scene, device: Option<&Device>, counts: &[u32], repeat:
     Ok(counts.iter().copied().zip(least).collect())
 }
 
-/// How far times are from growing evenly with a number, 0 where they do: the largest share that a time is off the
-/// straight line through all, by least squares of those shares.
+/// Deviation of times from linear growth with a number, 0 if linear: the largest relative distance of a time from the
+/// straight line fitted by least squares of relative distances.
 #[must_use]
 pub fn uneven(times: &[(u32, f64)]) -> f64 {
-    // time = a + b n, each equation over its time.
+    // Fits time = a + b n, each equation divided by its time.
     let sums = times.iter().fold([0.0; 5], |s, &(n, time)| {
         let (p, q) = (1.0 / time, f64::from(n) / time);
         [s[0] + p * p, s[1] + p * q, s[2] + q * q, s[3] + p, s[4] + q]
@@ -173,8 +173,8 @@ pub fn uneven(times: &[(u32, f64)]) -> f64 {
     times.iter().map(|&(n, time)| ((a + b * f64::from(n)) / time - 1.0).abs()).fold(0.0, f64::max)
 }
 
-/// Each approximation of the march by itself, all together, and the march itself, which has all of them: its name, and
-/// its relative L2 error against the layered volume at up to `pixels` pixels.
+/// Relative L2 error against the layered volume at up to `pixels` pixels, with a name: of each approximation of the
+/// march on its own, of all three together, and of the converged march, which makes all of them.
 pub fn approximations(scene: &Scene, pixels: usize) -> Result<Vec<(&'static str, f64)>> {
     let host = session(&with(&bare(scene), Integration::Exact, 1), None)?;
     let pixels = shown(host.state(), pixels);

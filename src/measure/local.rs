@@ -1,6 +1,6 @@
-//! What shading by curvature costs and errs beside Lambert's cosine, and what its paper shows: table 1 and figures 1,
-//! 4, 7, 9 and 11 of Kubo et al. 2010 as rows and scenes. Figure 6 is [`crate::measure::balls`], how far to trust it
-//! [`crate::measure::validity`].
+//! Cost and error of shading by curvature compared with Lambert's cosine, and the results of its paper: table 1 and
+//! figures 1, 4, 7, 9 and 11 of Kubo et al. 2010 as rows and scenes. Figure 6 is in [`crate::measure::balls`], the
+//! limits of the method in [`crate::measure::validity`].
 
 use crate::error::{Error, Input, Result};
 use crate::gpu::Device;
@@ -17,23 +17,23 @@ use crate::shading::{bake_irradiance, blur, cdrf, curvature, lambert, pack_norma
 use crate::state::{Stage, wide};
 use crate::view::{backdrop, reflect, shade, texture_out, visibility};
 
-/// One way to shade.
+/// One shading technique.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// What shades, as the paper's table calls it.
+    /// The technique's name in the paper's table.
     pub technique: &'static str,
-    /// Milliseconds of its own stages under a new light, visibility and shadows left out: the median.
+    /// Milliseconds of the technique's own stages for a new light, without visibility and shadows: the median.
     pub shading: f64,
-    /// That over Lambert's in the same turn: the median.
+    /// Ratio to Lambert's time in the same round: the median.
     pub ratio: f64,
-    /// Milliseconds of all that a new view under a new light takes, once.
+    /// Milliseconds of one frame with a new view and a new light.
     pub frame: f64,
-    /// Relative L2 of the radiance against the hierarchical dipole's, over the pixels that show what light enters.
+    /// Relative L2 of the radiance against the hierarchical dipole's, over the pixels that show translucent objects.
     pub error: f64,
 }
 
-/// Frames a second in the paper's table 1, on a GeForce 9300M GS at 512 x 512: technique, human head (20,154 vertices),
-/// bunny (48,903).
+/// Frames per second in the paper's table 1, on a GeForce 9300M GS at 512 x 512: technique, human head (20,154
+/// vertices), bunny (48,903).
 pub const PAPER: [(&str, f64, f64); 4] = [
     ("Lambert", 575.2, 693.2),
     ("texture blur", 41.5, 35.3),
@@ -41,10 +41,10 @@ pub const PAPER: [(&str, f64, f64); 4] = [
     ("CDRF, table", 492.1, 482.6),
 ];
 
-/// The stages that are the cost of a technique itself.
+/// The stages counted as a technique's own cost.
 const OWN: [&Stage; 5] = [&lambert::STAGE, &cdrf::STAGE, &bake_irradiance::STAGE, &blur::STAGE, &texture_blur::STAGE];
 
-/// The stages that make a picture of radiosity.
+/// The stages that turn radiosity into a picture.
 const SEEN: [&Stage; 7] = [
     &visibility::STAGE,
     &shade::STAGE,
@@ -55,12 +55,12 @@ const SEEN: [&Stage; 7] = [
     &relief::STAGE,
 ];
 
-/// How many frames of the others the texture blur has one of: it takes about a hundred times as long.
+/// One round in this many includes the texture blur, which takes about a hundred times as long as the others.
 const BLURS: usize = 20;
 
-/// The paper's techniques on a scene, in the order of its table, timed alternately over `frames` frames each, so that
-/// what else the machine does hits all alike; the texture blur over fewer. Without texture coordinates that are one to
-/// one (`transport.unwrap`) there is no texture blur.
+/// The paper's techniques on a scene, in the order of its table. They are timed alternately over `frames` rounds, so
+/// that other load on the machine affects all alike; the texture blur in fewer rounds. It is left out without
+/// one-to-one texture coordinates (`transport.unwrap`).
 pub fn table_1(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<Vec<Row>> {
     let scene = &bare(scene);
     let carried = picture(scene, device, Options::default())?;
@@ -76,7 +76,7 @@ pub fn table_1(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
         scene.transport.cdrf = cdrf;
         let options = Options { transport, ..Options::default() };
         let mut session = match Session::new(&scene, device, options, CapacityHints::default()) {
-            // No texture coordinates, or such as lie over each other.
+            // No texture coordinates, or overlapping ones.
             Err(Error::Input(_)) if transport == ShadingMethod::TextureBlur => continue,
             session => session?,
         };
@@ -86,7 +86,7 @@ pub fn table_1(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
     }
     let mut times = vec![Vec::new(); sessions.len()];
     for turn in 0..frames.max(1) {
-        // Lambert's comes first.
+        // Lambert's time comes first in each round.
         let mut lambert = f64::NAN;
         for ((name, session), times) in sessions.iter_mut().zip(&mut times) {
             if *name == PAPER[1].0 && turn % BLURS != 0 {
@@ -115,7 +115,7 @@ pub fn table_1(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
     Ok(sessions.iter().enumerate().map(row).collect())
 }
 
-/// A scene of which nothing is seen but light that entered: no reflections, a sample a pixel.
+/// The scene without surface reflections, one sample per pixel.
 fn bare(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.camera.samples = 1;
@@ -123,14 +123,15 @@ fn bare(scene: &Scene) -> Scene {
     scene
 }
 
-/// The picture of a scene.
+/// Renders a scene.
 fn picture(scene: &Scene, device: Option<&Device>, options: Options) -> Result<Vec<[f32; 3]>> {
     let mut session = Session::new(scene, device, options, CapacityHints::default())?;
     session.frame(Change::EVERYTHING)?;
     Ok(session.picture()?.pixels)
 }
 
-/// Relative L2 of a session's picture against another one, where it shows what light enters; 0 where it shows none.
+/// Relative L2 of a session's picture against another one over the pixels that show translucent objects; 0 if none
+/// do.
 fn error(session: &mut Session, other: &[[f32; 3]]) -> Result<f64> {
     let own = session.picture()?.pixels;
     session.fetch(&[BufferId::hits])?;
@@ -148,21 +149,21 @@ fn error(session: &mut Session, other: &[[f32; 3]]) -> Result<f64> {
     Ok(if whole > 0.0 { (apart / whole).sqrt() } else { 0.0 })
 }
 
-/// What curvature costs where the shape is new in every frame.
+/// Cost of curvature when the shape changes in every frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Bending {
     /// Vertices of all objects.
     pub vertices: usize,
     /// Milliseconds of stages `curvature` and `pack_normals`: the median.
     pub curvature: f64,
-    /// Milliseconds of what the hierarchy does to know the radiosity of every triangle, all from scratch.
+    /// Milliseconds of a hierarchical solve for the radiosity of every triangle, from scratch: the median.
     pub solve: f64,
 }
 
-/// Curvature against a solve, over `frames` frames each.
+/// Times curvature against a hierarchical solve, over `frames` frames each.
 pub fn bending(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<Bending> {
     let mut scene = scene.clone();
-    // The picture is no part of it.
+    // Rendering is not timed, so a small picture will do.
     (scene.camera.size, scene.transport.receivers) = ([64, 64], Receivers::Faces);
     let session = |transport: ShadingMethod| {
         let mut session =
@@ -179,7 +180,7 @@ pub fn bending(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
         bends.push(sum(&mut local, &|name| {
             [&curvature::STAGE, &pack_normals::STAGE].iter().any(|stage| stage.name == name)
         })?);
-        // What makes a picture of radiosity is no part of it.
+        // The solve's time excludes the stages that make a picture.
         let seen = |name: &str| SEEN.iter().any(|stage| stage.name == name);
         solves.push(sum(&mut carried, &|name| !seen(name))?);
     }
@@ -187,8 +188,8 @@ pub fn bending(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
     Ok(Bending { vertices, curvature: median(bends), solve: median(solves) })
 }
 
-/// f over the angle from the light (figures 4 and 8): `count` pairs of degrees, from 0 to 180, and f, at a sigma of at
-/// least 0, radian.
+/// f over the angle from the light (figures 4 and 8): `count` pairs, at least two, of an angle from 0 to 180 degrees
+/// and f, for a sigma of at least 0, radian.
 #[must_use]
 pub fn curve(sigma: f64, count: usize) -> Vec<[f64; 2]> {
     let degrees = |k: usize| 180.0 * k as f64 / (count.max(2) - 1) as f64;
@@ -200,13 +201,14 @@ pub fn curve(sigma: f64, count: usize) -> Vec<[f64; 2]> {
 pub struct Ball {
     /// Its radius, mm.
     pub radius: f64,
-    /// sigma_0 over that, per channel.
+    /// sigma_0 / radius, per channel.
     pub sigma: [f64; 3],
-    /// Degrees from the light, and f of each channel.
+    /// Angle from the light in degrees, and f of each channel.
     pub curve: Vec<[f64; 4]>,
 }
 
-/// Balls of these radii, mm, of the material of a scene's first object, which light enters; `count` angles each.
+/// Balls of these radii, mm, of the material of the scene's first object, at `count` angles each; an error if it is
+/// opaque.
 pub fn balls(scene: &Scene, radii: &[f64], count: usize) -> Result<Vec<Ball>> {
     let material = &scene.objects[0].material;
     if material.opaque.is_some() {
@@ -223,22 +225,22 @@ pub fn balls(scene: &Scene, radii: &[f64], count: usize) -> Result<Vec<Ball>> {
     Ok(radii.iter().map(ball).collect())
 }
 
-/// One picture of a figure, as a scene of ours.
+/// One picture of a figure, made with our scenes.
 #[derive(Clone, Debug)]
 pub struct Panel {
     /// The paper's figure.
     pub figure: u32,
-    /// What it shows.
+    /// Its caption.
     pub caption: String,
     /// The scene.
     pub scene: Scene,
-    /// How it is shaded.
+    /// The shading method.
     pub transport: ShadingMethod,
 }
 
-/// Figures 1, 7, 9 and 11: the bust at rising sigma_0, balls of skin without and with scattering, the bust by the CDRF
-/// and by the dipole, the lotus without and with scattering, lit from the front and from behind. Figure 9's numbers are
-/// those of [`crate::measure::validity::places`].
+/// Figures 1, 7, 9 and 11: the bust at increasing sigma_0; balls of skin without and with scattering; the bust by the
+/// CDRF and by the dipole; the lotus without and with scattering, lit from the front and from behind. The numbers for
+/// figure 9 come from [`crate::measure::validity::places`].
 pub fn panels(size: [u32; 2]) -> Result<Vec<Panel>> {
     let mut all = Vec::new();
     let mut add = |figure: u32, caption: &str, name: &str, sets: &[&str], transport: ShadingMethod| -> Result<()> {

@@ -1,6 +1,6 @@
-//! The measuring: conformance, profiles, error norms, the worth of an error estimate, references, error against time,
-//! extreme cases, the papers' tables, layers, local shading, modes, numerical error beside the model's; and the report
-//! of it all.
+//! Measurements: conformance, profiles, error norms, quality of the error estimate, reference solutions, error
+//! against run time, extreme cases, the papers' tables, layers, shading by curvature, modes, numerical error beside
+//! the model's error; and a report of them all.
 
 pub mod accuracy;
 pub mod balls;
@@ -27,7 +27,7 @@ pub mod validity;
 pub mod verdict;
 pub mod walk;
 
-/// The value in the middle, the upper one of two; no number where there is none.
+/// The median, the upper one of two; NaN for an empty list.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)

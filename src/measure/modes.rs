@@ -1,5 +1,5 @@
-//! What each mode costs after each change, against a frame from scratch of the same scheme: time, links, form factors,
-//! error.
+//! Cost of each mode after each kind of change, compared with a frame from scratch by the same scheme: time, links,
+//! form factors, error.
 
 use std::time::Instant;
 
@@ -16,31 +16,31 @@ use crate::session::run::{CapacityHints, Session};
 use crate::transport::blocks::gather;
 use crate::transport::links::form_factor;
 
-/// What has changed since the frame before.
+/// What changes between frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum What {
-    /// Every vertex has moved.
+    /// Every vertex moves.
     Shape,
-    /// A bump that alters 1 % of the triangles has risen.
+    /// A bump on 1 % of the triangles rises.
     Bump,
-    /// The light.
+    /// The light changes.
     Light,
-    /// Nothing.
+    /// Nothing changes.
     Nothing,
 }
 
-/// All of them, in the order of the table.
+/// All changes, in the order of the table.
 pub const CHANGES: [What; 4] = [What::Shape, What::Bump, What::Light, What::Nothing];
-/// The share of the triangles that the bump alters.
+/// The share of triangles that the bump moves.
 pub const LOCAL: f64 = 0.01;
-/// The modes, with the name that `--mode` has for each.
+/// The modes and their names in `--mode`.
 pub const MODES: [(&str, Mode); 3] =
     [("on-the-fly", Mode::OnTheFly), ("render", Mode::Render), ("incremental", Mode::Incremental)];
 
 /// One row of the table.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// The scene, and its triangles.
+    /// The scene's name and its number of triangles.
     pub scene: (String, usize),
     /// The scheme: `blocks` or `links`.
     pub scheme: &'static str,
@@ -48,24 +48,25 @@ pub struct Row {
     pub mode: &'static str,
     /// The change.
     pub change: &'static str,
-    /// Median time of a frame after it, milliseconds.
+    /// Median time of a frame after the change, milliseconds.
     pub milliseconds: f64,
-    /// That over the time of a frame on-the-fly in which every vertex has moved.
+    /// That time over the time of the scheme's first measured row: on-the-fly after a change of shape, unless
+    /// filtered out.
     pub ratio: f64,
     /// Entries of all lists.
     pub links: u64,
-    /// Form factors that the last of these frames computed; blocks evaluate every entry whenever they gather.
+    /// Form factors computed by the last of these frames; blocks evaluate every entry on each gather.
     pub factors: u64,
-    /// L2 error of the radiosity of the last of these frames against the area integral, worst channel.
+    /// L2 error of the last frame's radiosity against the area integral, worst channel.
     pub error: f64,
 }
 
 impl Row {
-    /// The heads of the columns.
+    /// The column headings.
     pub const HEADS: [&'static str; 9] =
         ["scene", "scheme", "mode", "change", "time", "of scratch", "links", "form factors", "L2"];
 
-    /// The cells of a table.
+    /// The row as table cells.
     #[must_use]
     pub fn cells(&self) -> [String; 9] {
         [
@@ -83,7 +84,7 @@ impl Row {
 }
 
 impl What {
-    /// Its name in the table.
+    /// The name in the table.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -95,7 +96,7 @@ impl What {
     }
 }
 
-/// The scene of a frame: noise and a bump on its first object, as this change has moved them until then.
+/// The scene at frame `step`: its first object with noise and a bump, of which this change moves one.
 #[must_use]
 pub fn moved(scene: &Scene, what: What, step: usize) -> Scene {
     let mut moved = scene.clone();
@@ -119,12 +120,12 @@ pub fn moved(scene: &Scene, what: What, step: usize) -> Scene {
     moved
 }
 
-/// Three frames that have taken so many seconds are enough.
+/// Once three frames are timed, timing stops after this many seconds.
 const ENOUGH: f64 = 5.0;
 
-/// The rows of one scene on a device or the CPU, each over so many frames, or fewer slow ones: both schemes, every
-/// mode, every change, as far as `only` has no word but scheme, mode and change of the row. The first row of a scheme
-/// is what the others are compared with.
+/// Measures one scene on a device or the CPU, over `frames` frames per row, fewer if they are slow: both schemes,
+/// every mode, every change. `only` keeps the rows whose scheme, mode and change include all of its words. The ratios
+/// of a scheme refer to its first row.
 pub fn rows(device: Option<&Device>, scene: &Scene, frames: usize, only: &str) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for (scheme, called) in [(Scheme::Blocks, "blocks"), (Scheme::Links, "links")] {
@@ -148,7 +149,7 @@ pub fn rows(device: Option<&Device>, scene: &Scene, frames: usize, only: &str) -
     Ok(rows)
 }
 
-/// One row; scheme, mode and ratio are filled in by the caller.
+/// One row; the caller fills in scheme, mode and ratio.
 fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frames: usize) -> Result<Row> {
     let options = Options { mode, goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(&moved(scene, what, 0), device, options, CapacityHints::default())?;
@@ -159,7 +160,7 @@ fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frame
             break;
         }
         session.show(&moved(scene, what, step))?;
-        // The same light again costs what another costs.
+        // Lighting is evaluated again although the light is the same; a new light costs as much.
         let change = if what == What::Light { Change::LIGHT } else { Change::default() };
         let parts = session.frame(change)?;
         times.push(parts.iter().fold(0.0, |sum, part| sum + part.milliseconds));
@@ -184,8 +185,8 @@ fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frame
     })
 }
 
-/// Entries of all lists of a session that has had its frame. On-the-fly lists are scratch, overwritten part by part;
-/// those of mode `keep` are the same.
+/// Entries of all lists after a frame. On-the-fly lists are overwritten part by part, so they are counted in a
+/// session in mode `keep`, whose lists are the same.
 fn links(session: &mut Session, scene: &Scene, device: Option<&Device>) -> Result<u64> {
     let options = session.plan().options();
     if options.mode == Mode::OnTheFly {

@@ -1,20 +1,20 @@
-//! How far two sets of radiosities lie apart, as every table of the program reports it.
+//! Error norms of radiosity, as all tables report them.
 
 use super::sample::Sample;
 
-/// Errors of one colour channel.
+/// Error norms of one colour channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Norms {
     /// sqrt(sum A dB^2 / sum A B^2).
     pub l2: f64,
-    /// 99th percentile of |dB| / rms(B) over the faces.
+    /// 99th percentile of |dB| / rms(B), over the faces that the receivers stand for.
     pub p99: f64,
-    /// Maximum of |dB| / rms(B).
+    /// Maximum of |dB| / rms(B) over the receivers.
     pub max: f64,
 }
 
-/// Errors per channel of `values` against `reference` at receivers that stand for these `areas` and `counts` of faces;
-/// zero where the reference is black.
+/// Error norms per channel of `values` against `reference`; each receiver of the sample stands for an area and a
+/// number of faces. Where the reference is black, the norms are 0 if the values are black too, otherwise infinite.
 pub fn norms(Sample { areas, counts, .. }: &Sample, values: &[[f64; 3]], reference: &[[f64; 3]]) -> [Norms; 3] {
     std::array::from_fn(|channel| {
         let weighted = |f: &dyn Fn(usize) -> f64| -> f64 { (0..areas.len()).map(|i| areas[i] * f(i)).sum() };
@@ -22,7 +22,7 @@ pub fn norms(Sample { areas, counts, .. }: &Sample, values: &[[f64; 3]], referen
         let power = weighted(&|i| reference[i][channel].powi(2));
         let whole: f64 = areas.iter().sum();
         if power <= 0.0 || whole <= 0.0 {
-            // Nothing to compare with: any light at all is infinitely wrong, and so is what is no number.
+            // Black reference: any light, and NaN, counts as an infinite error.
             let dark = (0..areas.len()).all(|i| values[i][channel] == 0.0);
             let all = if dark { 0.0 } else { f64::INFINITY };
             return Norms { l2: all, p99: all, max: all };
@@ -38,7 +38,8 @@ pub fn norms(Sample { areas, counts, .. }: &Sample, values: &[[f64; 3]], referen
     })
 }
 
-/// The smallest of these sorted values such that this share of the weight, which follows each value, is at or below it.
+/// Weighted percentile of sorted `[value, weight]` pairs: the smallest value such that at least this share of the
+/// weight is at or below it.
 pub(super) fn percentile(sorted: &[[f64; 2]], share: f64) -> f64 {
     let whole: f64 = sorted.iter().map(|[_, weight]| weight).sum();
     let mut below = 0.0;
@@ -51,7 +52,7 @@ pub(super) fn percentile(sorted: &[[f64; 2]], share: f64) -> f64 {
     sorted.last().map_or(0.0, |last| last[0])
 }
 
-/// The worst channel.
+/// The largest of each norm over the channels; NaN if any is NaN.
 pub fn worst(norms: &[Norms; 3]) -> Norms {
     let larger = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
     let of = |f: fn(&Norms) -> f64| norms.iter().map(f).fold(0.0, larger);
@@ -71,7 +72,7 @@ mod tests {
 
     #[test]
     fn a_known_difference() {
-        // One of 100 receivers is off by 10 % of the common value.
+        // One of 100 receivers is off by 10 % of the value that all share.
         let sample = Sample { faces: (0..100).collect(), areas: vec![2.0; 100], counts: vec![1.0; 100] };
         let reference = vec![[1.0, 2.0, 0.0]; 100];
         let mut values = reference.clone();
@@ -82,7 +83,7 @@ mod tests {
         assert_eq!(n[2], Norms::default());
         assert_eq!(worst(&n), n[0]);
 
-        // What is no number, and light where there should be none, can't hide.
+        // NaN, and light on a black reference, must not be hidden.
         values[3][1] = f64::NAN;
         values[5][2] = 1e-9;
         let n = norms(&sample, &values, &reference);

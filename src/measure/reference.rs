@@ -1,4 +1,4 @@
-//! Brute force in `f64` with near-exact form factors at a few receivers: what every method's error is measured against.
+//! Brute force in `f64` with near-exact form factors at a few receivers: the reference for the error of every method.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -16,19 +16,19 @@ use crate::measure::sample::Sample;
 use crate::session::run::Session;
 use crate::state::{Distance, State, wide};
 
-/// chi below which one sample with its second moment, 6 points and 12 points are within about 5e-6 of the exact
-/// form factor; above the last, graded quadrature along the edges.
+/// Limits of chi below which one sample with its second moment, 6 points and 12 points are within about 5e-6 of the
+/// exact form factor; above the last limit, graded quadrature along the edges.
 const RUNGS: [f64; 3] = [2e-3, 2e-2, 0.2];
-/// sigma s beyond which a triangle adds no digit beside what is near (e^-40 = 4e-18): there 12 points do, for any chi.
-/// Where all the light is that far away, so faint a sum is right to a few digits only.
+/// sigma s beyond which a triangle contributes nothing next to near ones (e^-40 = 4e-18), so 12 points are enough for
+/// any chi. If all light is that far away, the sum is accurate to a few digits only.
 const FAINT: f64 = 40.0;
 
-/// Radiosity at the centroids of these faces of a state whose irradiance is known.
+/// Radiosity at the centroids of these faces, for a state with known irradiance.
 pub fn radiosity(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
     by_object(state, faces, alone)
 }
 
-/// Radiosity at faces of a state of one object or several, from that of one that light enters, for each by itself.
+/// Radiosity at these faces of one or several objects; `radiosity` computes it for a state of one translucent object.
 pub fn by_object(state: &State, faces: &[usize], radiosity: fn(&State, &[usize]) -> Vec<[f64; 3]>) -> Vec<[f64; 3]> {
     if let [object] = state.objects.as_slice()
         && !object.opaque
@@ -64,7 +64,7 @@ fn alone(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
     at(state, &faces.iter().map(center).collect::<Vec<_>>())
 }
 
-/// Radiosity anywhere on the surface of a state of one object whose irradiance is known; places are internal.
+/// Radiosity at points on the surface of a one-object state with known irradiance; `places` are in internal units.
 pub fn at(state: &State, places: &[DVec3]) -> Vec<[f64; 3]> {
     let data = &state.data;
     let dipoles = [0, 1, 2].map(|channel| Dipole::of(&data.object_params[0], channel));
@@ -109,14 +109,14 @@ pub fn at(state: &State, places: &[DVec3]) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// A triangle with what every pair needs of it.
+/// An emitting triangle with what is precomputed for its pairs.
 struct Emitter {
     corners: [DVec3; 3],
     center: DVec3,
     area: f64,
     edges: [DVec3; 3],
     moment_trace: f64,
-    /// Distance of the farthest corner from the centre.
+    /// Distance from the centroid to the farthest corner.
     reach: f64,
 }
 
@@ -134,7 +134,7 @@ impl Emitter {
         }
     }
 
-    /// One sample with the second moment, radial distances: [`midpoint_moment`] with the geometry done beforehand.
+    /// One sample with the second moment, radial distances: [`midpoint_moment`] with precomputed geometry.
     fn far(&self, d: DVec3, dipole: &Dipole) -> f64 {
         let along: f64 = self.edges.iter().map(|edge| edge.dot(d).powi(2)).sum::<f64>() / 36.0;
         let source = |z: f64| {
@@ -149,15 +149,15 @@ impl Emitter {
     }
 }
 
-/// A frame's radiosity at some receivers, and what it should be.
+/// The errors of a frame's radiosity at some receivers.
 pub struct Checked {
-    /// Error per channel.
+    /// Error norms per channel.
     pub norms: [Norms; 3],
-    /// The worth of the error estimate, where there is one.
+    /// The quality of the error estimate, if there is one.
     pub estimate: Option<Quality>,
 }
 
-/// The error of a session's last frame at `count` seeded receivers, and what its estimate of that error is worth.
+/// Error norms of a session's last frame at `count` seeded receivers, and the quality of its error estimate.
 pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> {
     session.sharpen()?;
     session.fetch(&[BufferId::irradiance, BufferId::radiosity, BufferId::clusters, BufferId::estimate])?;
@@ -180,7 +180,7 @@ pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> 
     Ok(Checked { norms: norms(&sample, &values, &reference), estimate })
 }
 
-/// Seeded receivers of a state whose radiosity is known, if roughly; of opaque objects none.
+/// A seeded sample of the faces of translucent objects; the state's radiosity, which may be rough, guides it.
 pub fn receivers(state: &State, count: usize, seed: u64) -> Sample {
     let data = &state.data;
     let known: Vec<(usize, usize)> =
@@ -192,7 +192,7 @@ pub fn receivers(state: &State, count: usize, seed: u64) -> Sample {
     sample
 }
 
-/// The error alone, per channel.
+/// The error norms alone, per channel.
 pub fn verify(session: &mut Session, count: usize, seed: u64) -> Result<[Norms; 3]> {
     Ok(check(session, count, seed)?.norms)
 }

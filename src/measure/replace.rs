@@ -1,4 +1,4 @@
-//! A kernel of the user's in the place of one of ours: does it run at all here, and are its values right?
+//! Checks a user's replacement for one of our kernels: whether it runs, and whether its values are right.
 
 use std::collections::BTreeSet;
 
@@ -9,14 +9,14 @@ use crate::gpu::Device;
 use crate::pipeline::frame::owner;
 use crate::state::dispatches;
 
-/// The stages that a device's replaced kernels belong to.
+/// The stages of a device's replaced kernels.
 pub fn stages(device: &Device) -> Vec<String> {
     let mut stages: Vec<String> = device.replaced().filter_map(|name| Some(owner(name)?.name.to_string())).collect();
     stages.dedup();
     stages
 }
 
-/// The fault of a replaced kernel that none of these fixtures runs, if there is one.
+/// An error for a replaced kernel that none of these fixtures runs, if there is one.
 pub fn unused(device: &Device, fixtures: &[Fixture]) -> Result<Option<Input>> {
     let lanes = device.limits().subgroup_size.max(1) as usize;
     let mut run = BTreeSet::new();
@@ -34,8 +34,8 @@ pub fn unused(device: &Device, fixtures: &[Fixture]) -> Result<Option<Input>> {
     }))
 }
 
-/// Compares the stages of replaced kernels with the reference on these fixtures; an error where they run one of them
-/// nowhere.
+/// Compares the stages of replaced kernels with the reference on these fixtures. Fails if one of the kernels is never
+/// run.
 pub fn check(device: &Device, fixtures: &[Fixture]) -> Result<Vec<Row>> {
     if let Some(fault) = unused(device, fixtures)? {
         return Err(fault.into());

@@ -1,21 +1,22 @@
-//! Which receivers an error is measured at: a few seeded ones that stand for all, more of them where the light is. A
-//! sample that misses the bright spot in which most of the light is would misjudge any error relative to the light.
+//! Seeded sampling of the receivers at which errors are measured, denser where radiosity is high: a sample that
+//! misses the bright spot with most of the light would misjudge every relative error.
 
-/// Receivers, and what each stands for.
+/// Sampled receivers and their weights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// The faces, in rising order, without repeats.
+    /// The faces, in ascending order, without repeats.
     pub faces: Vec<usize>,
-    /// The area that each stands for: its own over its chance to be chosen.
+    /// The area that each face stands for: its own area over its selection probability.
     pub areas: Vec<f64>,
-    /// How many faces each stands for: one over its chance.
+    /// The number of faces that each face stands for: one over its selection probability.
     pub counts: Vec<f64>,
 }
 
 impl Sample {
-    /// About `count` of the faces with these areas, or all there are, by systematic sampling in the order of the faces:
-    /// a face's chance follows its count and its area (a quarter each) and the power `A B^2` of its channels (the other
-    /// half) in `light`, a rough idea of the radiosity. Sums over the sample are unbiased whatever `light` says.
+    /// Samples about `count` of the faces with these areas, or all if there are fewer, by systematic sampling in face
+    /// order. The selection probability follows the face count and the area (a quarter each) and the power `A B^2`
+    /// over the channels (the other half), with `light` a rough estimate of the radiosity. Sums over the sample are
+    /// unbiased for any `light`.
     #[must_use]
     pub fn seeded(areas: &[f64], light: &[[f64; 3]], count: usize, seed: u64) -> Self {
         let chance = chances(&wanted(areas, light), count);
@@ -34,7 +35,7 @@ impl Sample {
     }
 }
 
-/// In [0, 1), by one step of splitmix64.
+/// Uniform in [0, 1), by one step of splitmix64.
 fn uniform(seed: u64) -> f64 {
     let mut z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -42,7 +43,7 @@ fn uniform(seed: u64) -> f64 {
     ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// How much each face is wanted; at least a quarter of the mean.
+/// Sampling weight of each face, at least a quarter of the mean.
 fn wanted(areas: &[f64], light: &[[f64; 3]]) -> Vec<f64> {
     let power = |face: usize, c: usize| {
         let value = light.get(face).map_or(0.0, |light| areas[face] * light[c] * light[c]);
@@ -58,7 +59,7 @@ fn wanted(areas: &[f64], light: &[[f64; 3]]) -> Vec<f64> {
     (0..areas.len()).map(one).collect()
 }
 
-/// Chances in proportion, at most 1 each, that add up to `count`.
+/// Selection probabilities proportional to the weights, at most 1 each, with sum `count`.
 fn chances(wanted: &[f64], count: usize) -> Vec<f64> {
     if count >= wanted.len() {
         return vec![1.0; wanted.len()];
@@ -90,7 +91,8 @@ mod tests {
 
     #[test]
     fn a_bright_spot_is_not_missed() {
-        // Nearly all the power is on 20 of 100,000 faces: in one channel, and a little beside it everywhere.
+        // Nearly all the power is on 20 of 100,000 faces, in one channel; every face has a little light in two
+        // channels.
         let areas: Vec<f64> = (0..100_000).map(|k| 1.0 + f64::from(k % 7)).collect();
         let bright = |k: usize| (50_000..50_020).contains(&k);
         let light: Vec<[f64; 3]> = (0..areas.len()).map(|k| [if bright(k) { 1e3 } else { 1.0 }, 1.0, 0.0]).collect();

@@ -1,5 +1,5 @@
-//! How far shading by curvature can be trusted on an object: its error against the hierarchical dipole, triangle by
-//! triangle, by how thick the object is there and how much it bends.
+//! Limits of shading by curvature: its error against the hierarchical dipole per triangle, by the object's thickness
+//! below the triangle and by curvature.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -15,15 +15,15 @@ use crate::shading::diffuse::{received, sigma_0};
 use crate::shading::reflectance::cdrf;
 use crate::state::{State, wide};
 
-/// The error that a verdict asks for.
+/// The error up to which a verdict calls the method valid.
 pub const ASKED: f64 = 0.1;
 
-/// One triangle and one channel.
+/// One triangle in one channel.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
     /// The object.
     pub object: usize,
-    /// Its triangle, as in the scene's mesh.
+    /// The triangle's index in the scene's mesh.
     pub triangle: u32,
     /// The channel.
     pub channel: usize,
@@ -31,29 +31,30 @@ pub struct Place {
     pub area: f64,
     /// sigma_0 kappa, radian.
     pub sigma: f64,
-    /// How far the object goes straight below, in multiples of sigma_0; infinite where nothing is met.
+    /// Thickness of the object straight below the triangle, in multiples of sigma_0; infinite if the ray hits nothing
+    /// of it.
     pub thickness: f64,
     /// Radiosity by the dipole, W per scene unit^2.
     pub dipole: f64,
-    /// The same by the CDRF.
+    /// Radiosity by the CDRF, W per scene unit^2.
     pub cdrf: f64,
 }
 
-/// Error of a part of the places: sqrt(sum A d^2 / sum A B^2), and its share of the area.
+/// Error over some of the places, sqrt(sum A d^2 / sum A B^2), and their share of the area.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Share {
     /// The error.
     pub error: f64,
-    /// The share.
+    /// The share of the area.
     pub area: f64,
 }
 
-/// Radiosity by both, at every triangle that light enters.
+/// Radiosity by both methods at every triangle of translucent objects.
 pub fn places(scene: &Scene, device: Option<&Device>) -> Result<Vec<Place>> {
     let mut scene = scene.clone();
     (scene.transport.receivers, scene.transport.subdivide) = (Receivers::Faces, 0);
     scene.camera.size = [1, 1];
-    // The method's error, not that of a texture, which only one of the two has where light enters.
+    // Textures are removed: only one of the two methods applies them where light enters.
     let clear = scene.objects.iter_mut().filter(|object| object.material.opaque.is_none());
     clear.for_each(|object| object.material.texture = None);
     let solve = Options { goal: Goal::Radiosity, ..Options::default() };
@@ -96,8 +97,8 @@ pub fn places(scene: &Scene, device: Option<&Device>) -> Result<Vec<Place>> {
     Ok(all)
 }
 
-/// Radiosity of a triangle by the CDRF at its middle, its sigma and sigma_0, and the way straight through the object
-/// below it.
+/// Radiosity of a triangle by the CDRF at its centroid, its sigma and sigma_0, and the distance straight through the
+/// object below it.
 fn at(state: &State, number: usize, face: usize) -> [DVec3; 4] {
     let (data, params) = (&state.data, &state.data.object_params[number]);
     let corners = data.triangles[face].map(|v| v as usize);
@@ -110,7 +111,7 @@ fn at(state: &State, number: usize, face: usize) -> [DVec3; 4] {
     let light = received(state, face, [point, normal], sigma, &cdrf);
     let [a, b, c] = corners.map(|v| wide(data.positions[v]));
     let inward = -(b - a).cross(c - a).normalize_or_zero();
-    // From a little below the surface, so that it is not met itself.
+    // Start slightly below the surface to avoid hitting it.
     let start = point + 1e-5 * inward;
     let met = trace(data, start.to_array().map(|x| x as f32), inward.to_array().map(|x| x as f32));
     let through = f64::from(met.numerator) / f64::from(met.denominator);
@@ -120,7 +121,7 @@ fn at(state: &State, number: usize, face: usize) -> [DVec3; 4] {
     [wide(params.diffuse) * light, sigma, spread, DVec3::splat(thickness)]
 }
 
-/// The error over the places that `of` chooses.
+/// The error over the places that `of` selects.
 pub fn share(places: &[Place], of: impl Fn(&Place) -> bool) -> Share {
     let sum = |f: &dyn Fn(&Place) -> f64| places.iter().filter(|place| of(place)).map(f).sum::<f64>();
     let whole: f64 = places.iter().map(|place| place.area).sum();
@@ -130,13 +131,13 @@ pub fn share(places: &[Place], of: impl Fn(&Place) -> bool) -> Share {
     Share { error, area: if whole > 0.0 { sum(&|p| p.area) / whole } else { 0.0 } }
 }
 
-/// Borders of thickness, in multiples of sigma_0, that verdicts and tables go by.
+/// Thickness limits for verdicts, in multiples of sigma_0.
 pub const THICK: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
-/// Borders of sigma.
+/// Limits of sigma for verdicts.
 pub const BENT: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
 
-/// In one line: from which thickness on, and up to which sigma, the error is within [`ASKED`], for the largest part of
-/// the surface that this can be said of.
+/// One line of text: the minimum thickness and the maximum sigma for which the error is within [`ASKED`], chosen for
+/// the largest share of the surface.
 #[must_use]
 pub fn verdict(places: &[Place]) -> String {
     let all = share(places, |_| true);
@@ -144,7 +145,7 @@ pub fn verdict(places: &[Place]) -> String {
     if all.error <= ASKED {
         return format!("within {}: error {} over the whole surface", percent(ASKED), percent(all.error));
     }
-    // The fewest conditions first; of equal parts the last one is taken.
+    // Choices with fewer conditions come first; after `rev`, `max_by` prefers them among equal areas.
     let thicks = || [0.0].into_iter().chain(THICK);
     let bends = || [f64::INFINITY].into_iter().chain(BENT.into_iter().rev());
     let choices: Vec<_> = thicks().flat_map(|thick| bends().map(move |bent| (thick, bent))).collect();

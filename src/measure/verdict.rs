@@ -1,10 +1,11 @@
-//! What a failed comparison says, in lines that can be pasted into a report to the driver's makers.
+//! The text for a failed comparison, ready to be pasted into a bug report to the driver's vendor.
 
 use super::conform::Row;
 use crate::gpu::Device;
 use crate::pipeline::frame::{owner, stage};
 
-/// Where, on what, and what; `repeat` is the command that shows it again.
+/// Describes the device, the driver, the stage, the fixture and the differences; `repeat` is the command that
+/// reproduces it.
 pub fn verdict(device: &Device, row: &Row, repeat: &str) -> String {
     let replaced: Vec<_> =
         device.replaced().filter(|name| owner(name).is_some_and(|stage| stage.name == row.stage)).collect();
@@ -18,7 +19,7 @@ pub fn verdict(device: &Device, row: &Row, repeat: &str) -> String {
         format!("stage:   {} ({about}){own}", row.stage),
         format!("on:      {}", row.fixture),
     ];
-    // Anyone can read the first; a long list helps nobody.
+    // The first few faults are enough.
     let shown = row.faults.iter().take(3);
     lines.extend(
         shown.enumerate().map(|(k, fault)| format!("{}{fault}", if k == 0 { "differs: " } else { "         " })),

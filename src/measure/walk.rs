@@ -1,6 +1,5 @@
-//! Monte Carlo: a random walk of light in a body, without the dipole's approximations. Light scatters evenly in all
-//! directions with the reduced coefficient, is absorbed, and is reflected at the surface from inside by Fresnel's
-//! formulas.
+//! Monte Carlo random walk of light in a body, without the dipole's approximations: isotropic scattering with the
+//! reduced coefficient, absorption, and Fresnel reflection at the surface from inside.
 
 use std::f64::consts::TAU;
 
@@ -9,28 +8,29 @@ use rayon::prelude::*;
 
 use crate::lighting::fresnel;
 
-/// A medium: reduced scattering and absorption, 1/length, and index, inside over outside.
+/// A medium: reduced scattering and absorption coefficients, 1/length, and the relative index of refraction, inside
+/// over outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Medium {
     /// sigma_s', at least 0.
     pub scattering: f64,
-    /// sigma_a, at least 0; the sum is above 0.
+    /// sigma_a, at least 0; the sum of both is above 0.
     pub absorption: f64,
-    /// The index.
+    /// The relative index of refraction.
     pub eta: f64,
 }
 
 /// A body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Body {
-    /// A ball of this radius round the origin.
+    /// A ball of this radius around the origin.
     Ball(f64),
-    /// What lies below z = 0 down to this depth, which may be infinite: a half-space.
+    /// The slab between z = 0 and this depth below; infinite for a half-space.
     Slab(f64),
 }
 
 impl Body {
-    /// How far a ray inside runs to the surface.
+    /// Distance from a point inside to the surface along a ray.
     fn reach(self, place: DVec3, direction: DVec3) -> f64 {
         match self {
             Self::Ball(radius) => {
@@ -43,7 +43,7 @@ impl Body {
         }
     }
 
-    /// A place on the surface nearest to one that is there but for rounding, and the normal there, outward.
+    /// Snaps a point to the surface, off which it is by rounding only, and returns it with the outward normal.
     fn surface(self, place: DVec3, direction: DVec3) -> (DVec3, DVec3) {
         match self {
             Self::Ball(radius) => {
@@ -56,18 +56,18 @@ impl Body {
     }
 }
 
-/// Independent parts of a walk, whose spread gives the standard error.
+/// Independent batches of a walk, whose variance gives the standard error.
 pub const BATCHES: u64 = 32;
-/// Steps after which a photon is given up: what is left of it would be lost anyway.
+/// Maximum number of steps, scattering or reflection; a photon that reaches it is dropped.
 const STEPS: usize = 1_000_000;
-/// The weight below which a photon goes on with one chance in two, twice as heavy.
+/// Weight below which Russian roulette starts: a photon survives with probability 1/2 and double weight.
 const LIGHT: f64 = 0.1;
 
-/// Random numbers: splitmix64.
+/// Random number generator: splitmix64.
 pub struct Random(u64);
 
 impl Random {
-    /// Of one batch of a walk.
+    /// The generator for one batch of a walk.
     #[must_use]
     pub fn of(seed: u64, batch: u64) -> Self {
         let mut random = Self(seed.wrapping_mul(0xd134_2543_de82_ef95) ^ (batch << 32));
@@ -75,7 +75,7 @@ impl Random {
         random
     }
 
-    /// Above 0, up to 1.
+    /// Uniform in (0, 1].
     pub(super) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -85,22 +85,22 @@ impl Random {
     }
 }
 
-/// Runs every batch, and returns what each found.
+/// Runs all batches in parallel and returns the result of each.
 pub fn batches<T: Send>(seed: u64, batch: impl Fn(Random) -> T + Sync) -> Vec<T> {
     (0..BATCHES).into_par_iter().map(|number| batch(Random::of(seed, number))).collect()
 }
 
-/// A number with its standard error.
+/// A mean with its standard error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate {
     /// The mean over the batches.
     pub mean: f64,
-    /// Its standard error.
+    /// The standard error of the mean.
     pub error: f64,
 }
 
 impl Estimate {
-    /// From what each batch found; there are at least two.
+    /// From the results of the batches, at least two.
     #[must_use]
     pub fn of(values: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
         let count = values.len() as f64;
@@ -110,7 +110,7 @@ impl Estimate {
     }
 }
 
-/// The direction inside of light that comes from `toward` through a surface of this normal, both away from the body.
+/// The refracted direction inside, for light from `toward`; `toward` and `normal` point away from the body.
 #[must_use]
 pub fn refracted(eta: f64, toward: DVec3, normal: DVec3) -> DVec3 {
     let cosine = toward.dot(normal);
@@ -118,7 +118,8 @@ pub fn refracted(eta: f64, toward: DVec3, normal: DVec3) -> DVec3 {
     (-toward / eta + (cosine / eta - inner) * normal).normalize()
 }
 
-/// Where a photon leaves that has entered here, the normal there, and with what weight, if it does.
+/// Follows a photon inside the body; returns where it leaves, the normal there, and its weight, or `None` if it is
+/// lost.
 pub fn travel(
     medium: Medium,
     body: Body,
@@ -146,7 +147,7 @@ pub fn travel(
             direction = DVec3::new(across * turn.cos(), across * turn.sin(), z);
             continue;
         }
-        // At the surface: out, or back in.
+        // At the surface: leave, or reflect back in.
         let (at, normal) = body.surface(place + edge * direction, direction);
         place = at;
         let cosine = direction.dot(normal);

@@ -1,5 +1,4 @@
-//! What the hierarchy with blocks needs to know of a scene: its blocks, its groups of channels, and the settings that
-//! meet a tolerance.
+//! Scheme blocks: the blocks and channel groups of a scene, and the settings for a tolerance.
 
 use super::textures::{brightest_entry, keeps_ratio};
 use crate::dipole::form_factor::points::trace;
@@ -9,7 +8,7 @@ use crate::state::{Group, State, wide};
 use crate::transport::blocks::BLOCK_RECEIVERS;
 use crate::view::pixel_receivers::{LAYERS, tiles};
 
-/// The maximal nodes of at most 16 faces, in the order of the tree.
+/// The largest subtrees of at most 16 faces, in tree order.
 pub(crate) fn blocks(state: &State) -> Vec<Block> {
     let topology = &state.data.topology;
     let mut blocks = Vec::new();
@@ -28,12 +27,13 @@ pub(crate) fn blocks(state: &State) -> Vec<Block> {
     blocks
 }
 
-/// Those of a picture of this size, which the stage `pixel_receivers` fills.
+/// Blocks for a picture of this size, to be filled by stage `pixel_receivers`.
 pub(crate) fn of_picture(size: [u32; 2]) -> Vec<Block> {
     vec![Block::default(); (LAYERS * tiles(size)) as usize]
 }
 
-/// How large triangles are against the reach of light in the material: sigma times the root of their mean spread.
+/// Triangle size relative to the diffusion length: the largest sigma times the root of the mean trace of second
+/// moments.
 pub(crate) fn triangle_size(state: &State) -> f64 {
     let data = &state.data;
     let spread = |corners: &[u32; 3]| trace(&corners.map(|v| wide(data.positions[v as usize])));
@@ -41,8 +41,8 @@ pub(crate) fn triangle_size(state: &State) -> f64 {
     data.object_params[0].sigma.map(f64::from).into_iter().fold(0.0, f64::max) * mean.sqrt()
 }
 
-/// Nodes an edge of the edge form: errors of neighbours cancel in part, so that few are enough for a loose tolerance.
-/// Of a large triangle most of the light is its own, and nothing cancels.
+/// Quadrature nodes per edge in the edge form. Errors of neighbours partly cancel, so that a loose tolerance needs
+/// few. A large triangle receives most of its light from itself, and nothing cancels.
 pub(crate) fn edge_nodes(tolerance: f64, triangle_size: f64) -> u32 {
     match tolerance {
         t if t >= 5e-3 * triangle_size.clamp(1.0, 4.0) => 3,
@@ -51,11 +51,11 @@ pub(crate) fn edge_nodes(tolerance: f64, triangle_size: f64) -> u32 {
     }
 }
 
-/// The largest error of a link, in units of the reference level, for a tolerance.
+/// The largest error of a link for a tolerance, in units of the reference level.
 ///
-/// The error of a solution falls more slowly than that of a link: links' errors cancel in part. The values met their
-/// tolerance on the built-in scenes and five other meshes, from 1 to 1000 mm, ketchup to whole milk; a coarse lotus of
-/// 1 mm came nearest to it. In between by the logarithm.
+/// A solution's error falls more slowly than that of its links, whose errors partly cancel. The table was measured:
+/// these values met their tolerance on the built-in scenes and five other meshes, from 1 to 1000 mm, ketchup to whole
+/// milk; a coarse lotus of 1 mm came closest to exceeding it. Interpolated logarithmically.
 pub(crate) fn link_error(tolerance: f64) -> f64 {
     const MET: [(f64, f64); 5] = [(1e-5, 1.5e-6), (1e-4, 8e-5), (1e-3, 2.6e-3), (1e-2, 0.09), (0.1, 1.2)];
     let row = MET.windows(2).find(|pair| tolerance <= pair[1].0).unwrap_or(&MET[3..]);
@@ -64,8 +64,8 @@ pub(crate) fn link_error(tolerance: f64) -> f64 {
     at_low * (at_high / at_low).powf(part)
 }
 
-/// Which channels of an object are carried together: those whose lights, refraction and texture at the entry differ by
-/// a factor alone. Black ones, without light or without scattering, are in no group.
+/// Groups an object's channels: those whose lights, refraction and entry texture differ by a constant factor are
+/// transported together. Channels without light, entry or scattering are in no group.
 pub(crate) fn group(params: &mut ObjectParams, texels: &[[f32; 3]], lights: &[Light]) -> Vec<Group> {
     let texture = brightest_entry(params, texels);
     let colors: Vec<[f64; 3]> = lights.iter().map(Light::color).collect();

@@ -1,11 +1,11 @@
-//! From the scene's camera to the record that the stages of `view` read.
+//! The scene's camera as the record that the stages of `view` read.
 
 use super::units::Units;
 use crate::layout::Camera as Record;
 use crate::scene::Camera;
 use crate::state::{State, narrow};
 
-/// Puts the camera in place.
+/// Writes the camera's record.
 pub fn camera(state: &mut State, camera: &Camera, units: Units) {
     let (right, up, forward) = camera.basis();
     let [width, height] = camera.size;

@@ -1,4 +1,4 @@
-//! Layers beneath surfaces as the stages `plane_fit` and `relief` read them.
+//! Layers beneath surfaces, as the stages `plane_fit` and `relief` read them.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -13,15 +13,15 @@ use crate::scene::{Integration, Layers, Object, Phase, Sky, Source};
 use crate::state::options::{Goal, Options};
 use crate::state::{State, narrow};
 
-/// The densest layer, per unit of the frame: light goes no farther in it than `f32` distinguishes positions.
+/// The largest extinction, per internal length: beyond it light goes no farther than `f32` can distinguish positions.
 const DENSEST: f64 = 1e8;
-/// Light dimmed to this share is followed no farther.
+/// Light attenuated below this share is ignored.
 const FAINTEST: f64 = 1e-4;
-/// As how many lights from afar an environment shines into layers.
+/// Number of directional lights that represent an environment in layers.
 pub const DIRECTIONS: u32 = 32;
 
-/// Puts the objects' layers in place; nothing is there where no object has any. `faces` is each object's triangle of
-/// each of the state. Says what became of their maps.
+/// Adds the objects' layers to the state. `faces` gives, for each object, the mesh triangle of each of its triangles
+/// in the state. Returns a message about each object's maps.
 pub(crate) fn layers(state: &mut State, objects: &[Object], faces: &[Vec<u32>], units: Units) -> Vec<String> {
     let data = &mut state.data;
     let mut said = Vec::new();
@@ -31,7 +31,7 @@ pub(crate) fn layers(state: &mut State, objects: &[Object], faces: &[Vec<u32>], 
         data.layer_media.extend(layers.layers.iter().map(|layer| record(layer, layers.phase, units)));
         let own = &data.layer_media[first..];
         let least = |of: &[Layer]| of.iter().flat_map(|layer| layer.sigma_t).fold(f32::INFINITY, f32::min);
-        // How far light goes until it is negligible: to the object's other end at most.
+        // Distance at which light becomes negligible; at most to the object's other end.
         let extent = {
             let (low, high) = object.mesh.bounds();
             (high - low).length() * units.length
@@ -73,8 +73,8 @@ pub(crate) fn layers(state: &mut State, objects: &[Object], faces: &[Vec<u32>], 
     said
 }
 
-/// Steps along a ray: interfaces that it crosses take a sample, too, of which there are no more than by the left rule;
-/// but half of the samples are steps.
+/// Steps along a ray. Each interface crossed takes a sample as well, so there is one step less per inner interface,
+/// to take no more samples than the left rule; but at least half of the samples are steps.
 fn steps(layers: &Layers) -> u32 {
     match layers.integration {
         Integration::Paper => layers.samples,
@@ -84,7 +84,7 @@ fn steps(layers: &Layers) -> u32 {
     }
 }
 
-/// What became of an object's maps.
+/// A message about an object's maps.
 fn about(islands: &Result<Atlas, Whole>) -> String {
     match islands {
         Ok(Atlas { islands, seams, margin, share, .. }) => format!(
@@ -109,8 +109,8 @@ fn record(layer: &crate::scene::Layer, phase: Phase, units: Units) -> Layer {
     Layer { sigma_s: scaled(layer.sigma_s), sigma_t: scaled(layer.sigma_t), g: parameter(phase, layer.g) as f32 }
 }
 
-/// What shines into layers, if there are any: the state's lights that are not black, and the environment as lights from
-/// afar, each as bright as the part of the sphere that is nearest to its direction.
+/// Sets the lights for layers, if there are any: the state's lights that are not black, and the environment as
+/// directional lights, each with the light of the part of the sphere that is nearest to its direction.
 pub(crate) fn beams(state: &mut State, lights: &[crate::scene::Light], unit: f64) {
     state.data.layer_lights.clear();
     if state.data.layerings.is_empty() {
@@ -125,11 +125,11 @@ pub(crate) fn beams(state: &mut State, lights: &[crate::scene::Light], unit: f64
     }
 }
 
-/// An environment as lights from afar.
+/// An environment as directional lights.
 fn suns(sky: &Sky, unit: f64) -> Vec<Light> {
     let directions: Vec<DVec3> = (0..DIRECTIONS).map(|k| fibonacci_direction(k, DIRECTIONS)).collect();
     let [width, height] = sky.size;
-    // Large pixels are cut up, so that even one that fills the sphere gives each direction its share.
+    // Large pixels are subdivided, so that even one that covers the sphere gives each direction its share.
     let cuts = [64u32.div_ceil(width), 32u32.div_ceil(height)];
     let solid = |row: u32| {
         let cosine = |row: u32| (std::f64::consts::PI * f64::from(row) / f64::from(height * cuts[1])).cos();
@@ -159,7 +159,7 @@ fn suns(sky: &Sky, unit: f64) -> Vec<Light> {
     directions.iter().enumerate().map(light).filter(|light| light.color != [0.0; 3]).collect()
 }
 
-/// Drops layers that a frame with these options never looks at.
+/// Drops layers if a frame with these options never reads them.
 pub(crate) fn drop_unlooked(state: &mut State, options: Options) {
     if options.goal == Goal::Radiosity {
         let data = &mut state.data;

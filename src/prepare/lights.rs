@@ -1,4 +1,4 @@
-//! From the scene's lights to the records, rays and tables that the stages of module `lighting` read.
+//! The scene's lights as the records, rays and tables that the stages of module `lighting` read.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ use crate::scene::{Light, Object, Sky, Source};
 use crate::state::{Local, State, narrow};
 use crate::view::reflect::lobe;
 
-/// Puts the lights in place, scaled to the brightest irradiance they give anywhere on the objects.
+/// Writes the lights' records and sets the light unit: about the largest irradiance anywhere on the objects.
 pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &[Object]) {
     let brightest: f64 = lights.iter().map(|light| brightest(light, *units, objects)).sum();
     units.light = if brightest > 0.0 && brightest.is_finite() { brightest.log2().ceil().exp2() } else { 1.0 };
@@ -63,7 +63,7 @@ fn largest(channels: [f64; 3]) -> f64 {
 
 /// Squared distance of the origin to a triangle, length^2.
 fn distance2(corners: [DVec3; 3]) -> f64 {
-    // To the three edges, and to the plane where the origin is over the inside.
+    // The nearest point of the three edges, or of the plane if the origin projects inside the triangle.
     let [a, b, c] = corners;
     let edge = |p: DVec3, q: DVec3| {
         let along = q - p;
@@ -76,7 +76,7 @@ fn distance2(corners: [DVec3; 3]) -> f64 {
     if inside { nearest.min(a.dot(normal).powi(2) / normal.length_squared()) } else { nearest }
 }
 
-/// About the largest irradiance of a light anywhere on the objects, in the scene's units.
+/// Approximately the largest irradiance of a light anywhere on the objects, in the scene's units.
 fn brightest(light: &Light, units: Units, objects: &[Object]) -> f64 {
     let color = largest(light.color());
     let near = |place: &DVec3| {
@@ -99,7 +99,7 @@ fn brightest(light: &Light, units: Units, objects: &[Object]) -> f64 {
     }
 }
 
-/// The records of a light. One that casts shadows has bit 0 for now, the others none.
+/// The records of a light. `shadow` is 0 for now if it casts shadows (bits are numbered later), otherwise all ones.
 fn records(light: &Light, units: Units) -> Vec<Record> {
     let black = light.color() == [0.0; 3];
     let shadow = if light.shadows && !black { 0 } else { u32::MAX };
@@ -115,7 +115,7 @@ fn records(light: &Light, units: Units) -> Vec<Record> {
             vec![Record { kind: LIGHT_POINT, place, color, shadow, ..Record::default() }]
         }
         Source::Spot { position, direction, intensity, inner, outer } => {
-            // 1 - cos without cancellation.
+            // 1 - cos, without cancellation.
             let narrowness = |degrees: f64| (2.0 * (0.5 * degrees.to_radians()).sin().powi(2)) as f32;
             let (place, color) = (narrow(units.inside(*position)), scaled(*intensity, square));
             let (axis, inner, outer) = (narrow(*direction), narrowness(*inner), narrowness(*outer));
@@ -141,7 +141,7 @@ fn records(light: &Light, units: Units) -> Vec<Record> {
     }
 }
 
-/// The image of an environment, and the integrals over its rows and columns that the harmonics are products of.
+/// An environment's image, and the integrals over its rows and columns whose products are the harmonics.
 fn tables(state: &mut State, sky: &Sky, unit: f64) {
     let data = &mut state.data;
     for params in &mut data.object_params {
@@ -193,7 +193,7 @@ mod tests {
         assert!((from(0.5, 0.5, 0.1) - 0.01).abs() < 1e-15);
         assert!((from(1.0, -3.0, 4.0) - 25.0).abs() < 1e-12);
         assert!((from(-3.0, 0.0, -4.0) - 25.0).abs() < 1e-12);
-        // Without area it is a line, and a point.
+        // A degenerate triangle is a line or a point.
         let line = [DVec3::new(-1.0, 1.0, 0.0), DVec3::new(3.0, 1.0, 0.0), DVec3::new(1.0, 1.0, 0.0)];
         assert!((distance2(line) - 1.0).abs() < 1e-15);
         assert_eq!(distance2([DVec3::new(0.0, 3.0, 4.0); 3]), 25.0);

@@ -1,4 +1,4 @@
-//! From a scene to the state that a frame works on.
+//! Builds the state that a frame works on from a scene.
 
 pub(crate) mod blocks;
 pub(crate) mod camera;

@@ -1,11 +1,11 @@
-//! Whether radiosity is computed at the triangles and blended between their vertices, or at the very places that the
-//! pixels show: whichever are fewer, unless the scene says.
+//! Where light is evaluated: whether radiosity is computed at triangles and interpolated between vertices, or at the
+//! points that the pixels show. By default whichever are fewer.
 
 use crate::scene::{Receivers, Scene, Scheme};
 use crate::state::LitAt;
 use crate::state::options::{Goal, Options, ShadingMethod};
 
-/// Whether the receivers are the pixels, and why.
+/// Whether the receivers are pixels, and the reason.
 #[must_use]
 pub fn by_pixel(scene: &Scene, options: Options) -> (bool, String) {
     let transport = &scene.transport;
@@ -27,7 +27,7 @@ pub fn by_pixel(scene: &Scene, options: Options) -> (bool, String) {
     (pixels < faces, why)
 }
 
-/// Where light that arrives at opaque objects is looked at.
+/// Whether opaque objects are lit at triangles, at pixels, or both.
 #[must_use]
 pub fn lit_at(scene: &Scene, options: Options) -> LitAt {
     match options.goal {

@@ -1,4 +1,4 @@
-//! From a checked scene to the state a frame starts from: centred, scaled, in the order of the trees.
+//! From a checked scene to the state that a frame starts from: centred, scaled, in tree order.
 
 use glam::DVec3;
 
@@ -24,7 +24,7 @@ use crate::state::{Extent, LitAt, Local, Method as Switches, Object, Schedule, S
 use crate::transport::blocks::BLOCK_RECEIVERS;
 use crate::view::pixel_receivers::LAYERS;
 
-/// A state ready to run, and what is needed to read its results.
+/// A state ready to run, and what is needed to interpret its results.
 #[derive(Clone, Debug)]
 pub struct Prepared {
     /// The state; lists have no capacity yet.
@@ -33,30 +33,30 @@ pub struct Prepared {
     pub units: Units,
     /// The tree of each object.
     pub trees: Vec<Tree>,
-    /// How the trees came about, the worst of them.
+    /// How the trees were built; the worst case of all objects.
     pub method: Method,
-    /// Of each object whose deformations would spoil the tree of its shape at rest, so that it has one of its own: how
-    /// much wider the clusters would be.
+    /// For each object whose tree was rebuilt for its deformed shape: how much wider the clusters of the rest shape's
+    /// tree would have been.
     pub spoilt: Vec<Option<f64>>,
-    /// Of each object, the mesh's triangle of each triangle of the state.
+    /// For each object, the mesh triangle of each triangle of the state.
     pub faces: Vec<Vec<u32>>,
-    /// What became of the depth maps of objects that have any.
+    /// A message about the depth maps of each object that has any.
     pub maps: Vec<String>,
 }
 
 impl Prepared {
-    /// The object and its mesh's triangle of a triangle of the state.
+    /// The object of a triangle of the state, and the triangle's number in that object's mesh.
     pub fn source(&self, face: usize) -> (usize, u32) {
         let object = self.state.object_of(face);
         (object, self.faces[object][face - self.state.objects[object].first.faces])
     }
 
-    /// The triangle of the state of each triangle of all meshes, one after the other.
+    /// The triangle of the state for each triangle of all meshes, in order.
     pub fn all_places(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.faces.len()).flat_map(|object| self.places(object))
     }
 
-    /// The triangle of the state of each triangle of an object's mesh.
+    /// The triangle of the state for each triangle of an object's mesh.
     pub fn places(&self, object: usize) -> Vec<usize> {
         let first = self.state.objects[object].first.faces;
         let mut places = vec![0; self.faces[object].len()];
@@ -67,12 +67,12 @@ impl Prepared {
     }
 }
 
-/// The smallest reduced extinction inside a frame: anything thinner is brought up to it. So little light comes back
-/// that none is seen, but powers of the depths stay within `f32`.
+/// The smallest reduced extinction in internal units; thinner materials are scaled up to it. They reflect too little
+/// light to be seen, but powers of the source depths stay within `f32`.
 const THINNEST: f64 = 1e-11;
 
-/// The dipole of each channel in internal units. What is denser than [`DENSEST`] is brought down to it with its albedo
-/// kept: light leaves where it enters, and `f32` positions say no more than that.
+/// The dipole of each channel in internal units. A material denser than [`DENSEST`] is scaled down to it, with its
+/// albedo kept: light leaves where it enters, as far as `f32` positions can tell.
 pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
     std::array::from_fn(|channel| {
         let eta = material.eta[channel];
@@ -88,10 +88,11 @@ pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
     })
 }
 
-/// Builds trees and state of a scene, `by_pixel` with receivers where the pixels show its objects, and where light is
-/// looked at that arrives at opaque ones.
+/// Builds the trees and the state of a scene. `by_pixel`: whether receivers are at pixels; `lit_at`: where opaque
+/// objects are lit.
 ///
-/// With `local`, what comes back depends on the place alone: there are no receivers, and a texture is looked at once.
+/// With `local`, shading takes the place of transport: there are no blocks of receivers, and a texture is applied
+/// once, at the exit (except with `Local::Blur`).
 pub fn prepare(scene: &Scene, (by_pixel, lit_at): (bool, LitAt), local: Option<Local>) -> Prepared {
     let mut units = Units::of(scene.objects.iter().map(|object| &object.mesh));
     let (mut parts, mut trees, mut method) = (Vec::new(), Vec::new(), Method::Merged);
@@ -117,7 +118,8 @@ pub fn prepare(scene: &Scene, (by_pixel, lit_at): (bool, LitAt), local: Option<L
     Prepared { state, units, trees, method, spoilt, faces, maps }
 }
 
-/// The tree of an object, how it came about, and how far deformations would have spoilt that of its shape at rest.
+/// The tree of an object, how it was built, and, if deformations would have spoilt the rest shape's tree, by how
+/// much.
 fn tree_of(object: &scene::Object, hierarchy: Hierarchy, units: Units) -> (Tree, Method, Option<f64>) {
     let build = |positions: &[DVec3]| match hierarchy {
         Hierarchy::FaceClusters => face_cluster::build(positions, &object.mesh.triangles),
@@ -136,7 +138,7 @@ fn tree_of(object: &scene::Object, hierarchy: Hierarchy, units: Units) -> (Tree,
     }
 }
 
-/// The state of one object by itself, and the mesh's triangle of each of its own.
+/// The state of one object, and the mesh triangle of each of its triangles.
 fn one(
     scene: &Scene,
     object: &scene::Object,
@@ -149,7 +151,7 @@ fn one(
     let faces = topology(&mut state, mesh, tree, units);
     frame(&mut state, &object.material, transport, units);
     let mut material = object.material.clone();
-    // What lies in layers under a surface is shown as its triangles are lit.
+    // Objects with layers are lit at their triangles.
     let lit_at = if material.layers.is_some() { LitAt::Faces } else { lit_at };
     let opaque = material.opaque.is_some();
     let plain = opaque && lit_at != LitAt::Faces;
@@ -160,7 +162,7 @@ fn one(
     if let (Some(texture), true) = (&mut material.texture, plain || (at_pixels && !opaque)) {
         texture.side = Side::Exit;
     }
-    // Only the CDRF asks how far light spreads.
+    // Only the CDRF uses sigma_0.
     material.sigma_0_texture =
         material.sigma_0_texture.filter(|_| matches!(local, Some(Local::Closed | Local::Table(_))));
     state.method = Switches {
@@ -188,7 +190,7 @@ fn one(
     (state, faces)
 }
 
-/// Mesh and tree, triangles in the order of the leaves; returns each one's place in the mesh.
+/// Fills mesh and tree, triangles in the order of the leaves; returns the mesh triangle of each.
 fn topology(state: &mut State, mesh: &Mesh, tree: &Tree, units: Units) -> Vec<u32> {
     let data = &mut state.data;
     data.positions = mesh.positions.iter().map(|&p| narrow(units.inside(p))).collect();
@@ -204,7 +206,7 @@ fn topology(state: &mut State, mesh: &Mesh, tree: &Tree, units: Units) -> Vec<u3
     }
     data.triangles = faces.iter().map(|&face| mesh.triangles[face as usize]).collect();
 
-    // The triangles round each vertex: count, add up, fill.
+    // The triangles around each vertex: count, prefix sum, fill.
     let mut starts = vec![0u32; mesh.positions.len() + 1];
     for vertex in data.triangles.iter().flatten() {
         starts[*vertex as usize + 1] += 1;
@@ -225,7 +227,7 @@ fn topology(state: &mut State, mesh: &Mesh, tree: &Tree, units: Units) -> Vec<u3
 }
 
 fn frame(state: &mut State, material: &Material, transport: &Transport, units: Units) {
-    // What no light enters has no dipole.
+    // Opaque materials have no dipole.
     let dipoles = material.opaque.is_none().then(|| dipoles(material, units.length));
     let of = |f: fn(&Dipole) -> f64| dipoles.as_ref().map_or([0.0; 3], |d| d.each_ref().map(|dipole| f(dipole) as f32));
     let reflection = match material.surface.reflection {
@@ -259,7 +261,7 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
         zonal_0: degree(0),
         zonal_1: degree(1),
         zonal_2: degree(2),
-        // A number in `f32`, too; times a curvature of 0 it is 0.
+        // Kept finite in `f32`, so that its product with a curvature of 0 is 0.
         sigma_0: sigma_0
             .map(|sigma| (sigma * if material.sigma_0.is_some() { units.length } else { 1.0 }).min(1e30) as f32),
         diffuse: diffuse.map(|share| share as f32),
@@ -270,7 +272,7 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
     }];
 }
 
-/// The trees' schedules, for chunks of at most `faces` faces.
+/// Builds the trees' schedules, for chunks of at most `faces` faces.
 pub fn schedule(prepared: &mut Prepared, faces: usize) {
     let state = &mut prepared.state;
     state.data.order = vec![0; state.extent().nodes];

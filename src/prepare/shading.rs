@@ -1,4 +1,4 @@
-//! What local shading needs to know of a scene: which function shades, how far light spreads, how much comes back.
+//! Local shading of a scene: the shading function, sigma_0 and k_d.
 
 use crate::dipole::profile::Dipole;
 use crate::lighting::fresnel;
@@ -6,7 +6,7 @@ use crate::scene::{self, Cdrf, Material};
 use crate::state::Local;
 use crate::state::options::ShadingMethod;
 
-/// The function of light and normal that takes the place of transport, if one does.
+/// The local shading that replaces transport, if any.
 #[must_use]
 pub fn local(settings: &scene::Transport, transport: ShadingMethod) -> Option<Local> {
     match (transport, settings.cdrf) {
@@ -18,13 +18,12 @@ pub fn local(settings: &scene::Transport, transport: ShadingMethod) -> Option<Lo
     }
 }
 
-/// The most mean free paths that light spreads where the material does not say.
+/// The largest default sigma_0, in mean free paths.
 pub const WIDEST: f64 = 10.0;
 
-/// How far light spreads along the surface where the material does not say: the standard deviation in one direction of
-/// the dipole's profile, sqrt(z / sigma_tr), z the mean of the sources' distances by the light that each gives. Length;
-/// at most [`WIDEST`] mean free paths: where little is absorbed it is the profile's far tail that counts, for which few
-/// objects have space.
+/// The default sigma_0: the standard deviation, along one axis, of the dipole's profile, sqrt(z / sigma_tr), with z
+/// the mean of the sources' distances weighted by the light of each. Length; at most [`WIDEST`] mean free paths: at
+/// low absorption the profile's far tail dominates, for which few objects are large enough.
 #[must_use]
 pub fn default_sigma_0(dipole: &Dipole) -> f64 {
     let weights = dipole.depths().map(|z| (-dipole.sigma * z).exp());
@@ -32,8 +31,8 @@ pub fn default_sigma_0(dipole: &Dipole) -> f64 {
     (mean / dipole.sigma).sqrt().min(WIDEST * dipole.z_real)
 }
 
-/// sigma_0, the material's own in scene units or else in the dipoles', and k_d: (1 - F_ext) times the dipole's total
-/// reflectance.
+/// sigma_0, the material's own in scene units or else the default in the dipoles' units; and k_d, (1 - F_ext) times
+/// the dipole's total reflectance.
 pub(crate) fn coefficients(material: &Material, dipoles: Option<&[Dipole; 3]>) -> ([f64; 3], [f64; 3]) {
     let of = |f: &dyn Fn(&Dipole) -> f64| dipoles.map_or([0.0; 3], |dipoles| dipoles.each_ref().map(f));
     let (spread, total) = (of(&default_sigma_0), of(&Dipole::total));
@@ -49,7 +48,7 @@ mod tests {
     #[test]
     fn the_spread_is_the_profiles_own() {
         let dipole = Dipole::new(2.19, 0.0021, 3.96);
-        // Half the mean square distance from where light enters to where it leaves.
+        // Half the mean square distance between entry and exit.
         let (mut sum, mut whole) = (0.0, 0.0);
         for k in 0..400_000 {
             let r = 2e-3 * (f64::from(k) + 0.5);

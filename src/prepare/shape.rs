@@ -1,4 +1,4 @@
-//! Deformations of a scene's objects: in the state's units, and what they must not do to its triangles.
+//! Deformations of a scene's objects: conversion to internal units, and checks of the deformed triangles.
 
 use std::f64::consts::TAU;
 
@@ -14,8 +14,8 @@ use crate::layout::{DEFORM_BEND, DEFORM_BUMP_AXIS, DEFORM_BUMP_NORMAL, DEFORM_MO
 use crate::scene::{Deform, Hierarchy, Object};
 use crate::state::{State, narrow, wide};
 
-/// Puts the objects' deformations in place, and what they deform: vertices and normals at rest. Nothing is there where
-/// nothing deforms an object.
+/// Writes the objects' deformations, and the vertices and normals at rest that they apply to; all empty if nothing is
+/// deformed.
 pub fn shape(state: &mut State, objects: &[Object], units: Units) {
     let data = &mut state.data;
     data.deforms.clear();
@@ -42,7 +42,7 @@ pub fn shape(state: &mut State, objects: &[Object], units: Units) {
         data.rest_normals.splice(own, normals);
     }
     data.positions.clone_from(&data.rest);
-    // The host has the shape as well, to the last bit that of any device.
+    // Deform on the host as well; the result is bit-identical to any device's.
     for object in 0..state.objects.len() {
         deform(data, object);
     }
@@ -61,7 +61,7 @@ fn rest(object: &Object, units: Units) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
     (places, sums.into_iter().map(|sum| narrow(sum.normalize_or_zero())).collect())
 }
 
-/// An object's vertices as deformed, in the state's units; none where nothing deforms it.
+/// An object's deformed vertices, in internal units; none where nothing deforms it.
 pub fn moved(object: &Object, units: Units) -> Option<Vec<DVec3>> {
     let mut morphs = Vec::new();
     let own = records(object, units, &mut morphs);
@@ -73,14 +73,15 @@ pub fn moved(object: &Object, units: Units) -> Option<Vec<DVec3>> {
     Some((0..places.len()).map(|v| wide(place(v))).collect())
 }
 
-/// How far from the middle of the scene at rest vertices may go, in the state's units: it is at most 1 across.
+/// How far vertices may move from the centre of the scene at rest, internal units: the scene at rest is at most 1
+/// across.
 const FARTHEST: f64 = 1.0;
 
-/// How many cells of noise away from its origin the scene may lie: there `f32` still distinguishes 256 positions in
-/// each.
+/// The largest distance of the scene from the origin of noise, in cells: there `f32` still distinguishes 256
+/// positions per cell.
 const MOST_CELLS: f64 = 65_536.0;
 
-/// Whether the deformations keep the objects where distances are within the tables of reaches and `f32` is fine enough.
+/// Checks that deformed objects stay where distances are within the tables of distances and `f32` is fine enough.
 pub fn reach(objects: &[Object], units: Units) -> Result<()> {
     for (number, object) in objects.iter().enumerate() {
         let vertices = object.mesh.positions.len();
@@ -113,14 +114,14 @@ pub fn reach(objects: &[Object], units: Units) -> Result<()> {
     Ok(())
 }
 
-/// How much wider than at rest a tree's clusters are from which on it is rebuilt, for the shape as deformed. In the
-/// scene `twist` at 1.05, 1.09, 1.13 and 1.16 a new tree took 11, 18, 28 and 45 % off a frame's time (one run on
-/// lavapipe), and was built in some 15 ms.
+/// How much wider than at rest a tree's clusters may become before it is rebuilt for the deformed shape. In the scene
+/// `twist`, at 1.05, 1.09, 1.13 and 1.16 a new tree took 11, 18, 28 and 45 % off a frame's time (one run on
+/// lavapipe); it was built in about 15 ms.
 const SPOILT: f64 = 1.05;
 
-/// The vertices that the tree of an object should be built over instead of those at rest, and how much wider its
-/// clusters have become, where that is too much. It depends on the shape alone, not on shapes before it. What 4-to-1
-/// splits leave would be the same over any shape.
+/// If deformations spoil an object's tree: the vertices to build it over instead of those at rest, and how much wider
+/// its clusters have become. Depends on the current shape alone, not on earlier ones. Trees of 4-to-1 splits are
+/// never rebuilt: they would be the same for any shape.
 pub fn spoilt(object: &Object, hierarchy: Hierarchy, units: Units, tree: &Tree) -> Option<(Vec<DVec3>, f64)> {
     if matches!(hierarchy, Hierarchy::Butterfly | Hierarchy::ShrinkWrap) {
         return None;
@@ -131,8 +132,8 @@ pub fn spoilt(object: &Object, hierarchy: Hierarchy, units: Units, tree: &Tree) 
     (growth > SPOILT).then_some((moved, growth))
 }
 
-/// An object's deformations in the state's units, but for those that do nothing; the ways of morphs are added to
-/// `morphs`.
+/// An object's deformations in internal units, without those that have no effect; appends the displacements of morphs
+/// to `morphs`.
 fn records(object: &Object, units: Units, morphs: &mut Vec<[f32; 3]>) -> Vec<Record> {
     let mut records = Vec::new();
     for deform in &object.deforms {
@@ -146,7 +147,7 @@ fn records(object: &Object, units: Units, morphs: &mut Vec<[f32; 3]>) -> Vec<Rec
     records
 }
 
-/// A deformation in the state's units; none where it does nothing.
+/// A deformation in internal units; none where it has no effect.
 fn record(deform: &Deform, units: Units) -> Option<Record> {
     let long = |x: f64| (x * units.length) as f32;
     let place = |p: DVec3| narrow(units.inside(p));
@@ -192,9 +193,9 @@ fn record(deform: &Deform, units: Units) -> Option<Record> {
     }
 }
 
-/// How many triangles of each object its deformations turn inside out or leave without an area: what was in front of
-/// them at rest is behind them, or nowhere. A morph says nothing about what is in front: then those that lie against
-/// what is round them, or all of a closed surface if its inside comes to lie outside.
+/// For each object, how many triangles its deformations turn inside out or leave without an area: their rest shape's
+/// front side is at the back, or nowhere. A morph does not define what happens in front of a triangle; with one,
+/// triangles count that fold against their neighbours, or all of a closed surface that is turned inside out.
 pub fn turned(state: &State) -> Vec<usize> {
     let data = &state.data;
     let count = |(part, params): (&crate::state::Object, &crate::layout::ObjectParams)| {
@@ -224,8 +225,8 @@ pub fn turned(state: &State) -> Vec<usize> {
     state.objects.iter().zip(&data.object_params).map(count).collect()
 }
 
-/// How many triangles have come to lie against the triangles round their corners or have lost their area, or all if the
-/// volume that they enclose has changed its sign.
+/// How many triangles fold against the triangles around their corners or have lost their area; all if the enclosed
+/// volume has changed sign.
 fn folded(state: &State, first: usize, vertices: usize, triangles: &[[u32; 3]]) -> usize {
     let [rest, now] = [&state.data.rest, &state.data.positions].map(|places| {
         let area = |triangle: &[u32; 3]| {
@@ -242,7 +243,7 @@ fn folded(state: &State, first: usize, vertices: usize, triangles: &[[u32; 3]]) 
                 own
             })
             .collect();
-        // The cosine between each triangle and those round it.
+        // Cosine between each triangle and those around it.
         let lies = |(triangle, own): (&[u32; 3], &DVec3)| {
             let others = triangle.iter().map(|&v| round[v as usize - first]).sum::<DVec3>() - 3.0 * *own;
             own.normalize_or_zero().dot(others.normalize_or_zero())
@@ -250,7 +251,7 @@ fn folded(state: &State, first: usize, vertices: usize, triangles: &[[u32; 3]]) 
         let cosines: Vec<f64> = triangles.iter().zip(&areas).map(lies).collect();
         (areas, cosines, volume)
     });
-    // Only of a closed surface do the vector areas cancel.
+    // The vector areas cancel for a closed surface only.
     let (sum, all) = now.0.iter().fold((DVec3::ZERO, 0.0), |(sum, all), area| (sum + *area, all + area.length()));
     if rest.2 * now.2 < 0.0 && sum.length() < 1e-4 * all {
         return triangles.len();

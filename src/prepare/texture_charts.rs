@@ -1,4 +1,4 @@
-//! Texture coordinates as the stages `bake_irradiance`, `blur` and `texture_blur` take them: what each texel shows, and
+//! Texture charts for the stages `bake_irradiance`, `blur` and `texture_blur`: the surface point at each texel, and
 //! the Gaussians.
 
 use super::scene::{Prepared, dipoles};
@@ -9,22 +9,22 @@ use crate::scene::{Object, Scene};
 use crate::shading::gaussians::fit;
 use crate::state::Local;
 
-/// What the texels of an object show: its mesh's triangles.
+/// The triangles of an object's mesh that its texels show.
 pub(crate) struct Unwrapped {
     charts: Vec<TexelHit>,
-    /// Whether the surface goes on beyond the right edge at the left one, and beyond the bottom at the top.
+    /// Whether the surface continues across the right edge at the left one, and across the bottom at the top.
     round: [bool; 2],
 }
 
-/// How often the boxes round all triangles together may cover the texture.
+/// Most times that the bounding boxes of all triangles together may cover the texture.
 const MOST_TIMES: f64 = 32.0;
-/// The share of what is covered that may show several triangles.
+/// The share of covered texels that may show several triangles.
 const SHARED: f64 = 0.01;
-/// A texel that shows nothing.
+/// A texel that shows no surface.
 const NOTHING: TexelHit = TexelHit { face: u32::MAX, u: 0.0, v: 0.0 };
 
-/// The texture coordinates of every object that light enters; an error where one has none, or where they are not one to
-/// one. None where light is not blurred over them.
+/// The texture charts of every translucent object; an error where one has no texture coordinates, or where they are
+/// not one to one. Empty unless light is blurred over textures.
 pub(crate) fn unwrap(scene: &Scene, local: Option<Local>) -> Result<Vec<Option<Unwrapped>>> {
     if local != Some(Local::Blur) {
         return Ok(Vec::new());
@@ -56,14 +56,14 @@ fn of_object(number: usize, object: &Object, side: u32) -> Result<Unwrapped> {
         let found = format!("{:.0} times", looked_at / places as f64);
         return Err(fault.found(found).expected("texture coordinates that are one to one").into());
     }
-    // Where a triangle crosses an edge the surface goes on at the other one.
+    // If a triangle crosses an edge, the surface continues at the opposite one.
     let crosses = |face: &[[f64; 2]; 3], axis: usize| {
         let (low, high) = ends(face, axis);
         (low + 1e-6).floor() < (high - 1e-6).floor()
     };
     let round = [0, 1].map(|axis| down.iter().any(|face| crosses(face, axis)));
 
-    // The first triangle that covers a texel's centre, and how many show several.
+    // The first triangle that covers a texel's centre, and the texels that show several.
     let mut charts = vec![NOTHING; places];
     let mut shared = vec![false; places];
     let mut missed = Vec::new();
@@ -81,7 +81,7 @@ fn of_object(number: usize, object: &Object, side: u32) -> Result<Unwrapped> {
             }
         }
     }
-    // A triangle between the centres has the texel round its middle, if nobody else has.
+    // A triangle that covers no texel's centre gets the texel at its centroid, if that is still empty.
     for (face, own) in missed {
         let middle = [0, 1].map(|axis| own.iter().map(|place| place[axis]).sum::<f64>() / 3.0);
         let [x, y] = middle.map(|at| ((at * length).floor() as i64).rem_euclid(i64::from(side)) as usize);
@@ -100,7 +100,7 @@ fn of_object(number: usize, object: &Object, side: u32) -> Result<Unwrapped> {
     Ok(Unwrapped { charts, round })
 }
 
-/// Puts them in place.
+/// Adds the charts and the Gaussians to the state.
 pub(crate) fn blur(prepared: &mut Prepared, scene: &Scene, unwrapped: Vec<Option<Unwrapped>>) {
     for (number, unwrapped) in unwrapped.into_iter().enumerate() {
         let Some(Unwrapped { charts, round }) = unwrapped else { continue };

@@ -1,4 +1,4 @@
-//! A material's texture as the stages `texture_in` and `texture_out` read it.
+//! A material's texture, as the stages `texture_in` and `texture_out` read it.
 
 use glam::DVec2;
 
@@ -8,13 +8,13 @@ use crate::scene::{Material, Mesh, Side, Wrap};
 use crate::state::options::{Goal, Options};
 use crate::state::{Local, State};
 
-/// Puts a texture in place, and the corners' places in it and in depth maps; `faces` is the mesh's triangle of each
-/// triangle of the state. A mesh without places in a texture has none.
+/// Adds a texture to the state, and the texture coordinates of the corners, which depth maps use too. `faces` is the
+/// mesh triangle of each triangle of the state. Does nothing for a mesh without texture coordinates.
 pub(crate) fn texture(state: &mut State, material: &Material, mesh: &Mesh, faces: &[u32]) {
     let (texture, layers) = (material.texture.as_ref(), material.layers.as_ref().filter(|layers| layers.map.mapped));
     let spread = material.sigma_0_texture.as_ref();
     let wrap = texture.or(spread).map(|texture| texture.wrap).or(layers.map(|layers| layers.map.wrap));
-    // Light that is blurred over them asks for the places alone.
+    // A blur over texture coordinates needs them even without a texture.
     let wrap = wrap.or((state.method.local == Some(Local::Blur)).then_some(Wrap::Repeat));
     let (Some(wrap), Some(uvs)) = (wrap, &mesh.uvs) else { return };
     let data = &mut state.data;
@@ -39,7 +39,7 @@ pub(crate) fn texture(state: &mut State, material: &Material, mesh: &Mesh, faces
     data.texels.extend(texture.texels.iter().map(|texel| texel.map(root)));
 }
 
-/// A triangle's places from the texture's upper left corner, whole periods taken off.
+/// A triangle's texture coordinates from the upper left corner, with whole periods removed.
 fn near(uvs: &[[f64; 2]; 3], period: Option<f64>) -> CornerUvs {
     let down = uvs.map(|[u, v]| [u, 1.0 - v]);
     let least = |axis: usize| down.iter().map(|place| place[axis]).fold(f64::INFINITY, f64::min);
@@ -48,7 +48,7 @@ fn near(uvs: &[[f64; 2]; 3], period: Option<f64>) -> CornerUvs {
     CornerUvs { a, b, c }
 }
 
-/// Texels whose centres lie in a triangle's places, counted from the upper left, whole repetitions taken off, and the
+/// Texels whose centres lie in a triangle, counted from the upper left, with whole repetitions removed, and the
 /// weights of its corners there.
 pub(crate) fn texels([width, height]: [u32; 2], uvs: &[[f64; 2]; 3]) -> Vec<(usize, [f64; 3])> {
     let size = DVec2::new(width.into(), height.into());
@@ -72,7 +72,7 @@ pub(crate) fn texels([width, height]: [u32; 2], uvs: &[[f64; 2]; 3]) -> Vec<(usi
     found
 }
 
-/// Drops a texture that a frame with these options never looks at.
+/// Drops a texture if a frame with these options never reads it.
 pub(crate) fn drop_unseen(state: &mut State, options: Options) {
     let entry = state.data.object_params.iter().any(|frame| frame.texture_side & ENTRY != 0);
     if options.goal == Goal::Radiosity && !entry {
@@ -80,19 +80,19 @@ pub(crate) fn drop_unseen(state: &mut State, options: Options) {
     }
 }
 
-/// What light that enters is multiplied by at most, of each channel: the largest texel, or 1 where there is no texture.
+/// The largest factor of the entry texture in each channel, or 1 where there is no texture.
 pub(crate) fn brightest_entry(frame: &ObjectParams, texels: &[[f32; 3]]) -> [f64; 3] {
     let largest = |c: usize| entering(frame, texels).iter().map(|texel| texel[c]).fold(0.0, f32::max);
     [0, 1, 2].map(|c| largest(c).into())
 }
 
-/// Whether light that enters keeps the ratio of two channels: their texels differ by the ratio of their largest alone.
+/// Whether the entry texture keeps the ratio of two channels: their texels differ by the ratio of their largest only.
 pub(crate) fn keeps_ratio(frame: &ObjectParams, texels: &[[f32; 3]], largest: [f64; 3], c: usize, lead: usize) -> bool {
     let part = |texel: &[f32; 3], c: usize| f64::from(texel[c]) / largest[c];
     entering(frame, texels).iter().all(|texel| (part(texel, c) - part(texel, lead)).abs() <= 1e-6)
 }
 
-/// The factors that an object's light is multiplied by where it enters.
+/// The texels of an object's entry texture; one white texel if it has none.
 fn entering<'a>(frame: &ObjectParams, texels: &'a [[f32; 3]]) -> &'a [[f32; 3]] {
     if frame.texture_side & ENTRY == 0 {
         return &[[1.0; 3]];
@@ -110,7 +110,7 @@ mod tests {
     fn whole_periods_are_taken_off() {
         let uvs = [[10.25, -3.5], [11.5, -3.0], [10.5, -4.25]];
         let CornerUvs { a, b, c } = near(&uvs, Some(1.0));
-        // From above: 4.5, 4.0 and 5.25, the least of which is 4.
+        // From above: 4.5, 4.0 and 5.25; the least is 4.
         assert_eq!([a, b, c], [[0.25, 0.5], [1.5, 0.0], [0.5, 1.25]]);
         assert_eq!(near(&uvs, Some(2.0)).a, [0.25, 0.5]);
         let odd = uvs.map(|[u, v]| [u - 1.0, v]);

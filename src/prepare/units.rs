@@ -1,14 +1,14 @@
-//! Internal units: the scene has unit extent, and the brightest light gives an irradiance of about 1; both factors are
-//! powers of two, so that nothing is lost on the way to `f32` and back.
+//! Internal units: the scene has unit extent, and the brightest light gives an irradiance of about 1. Both factors
+//! are powers of two, so that conversion loses nothing.
 
 use glam::DVec3;
 
 use crate::scene::Mesh;
 
-/// How internal numbers relate to the scene's.
+/// Conversion between internal units and the scene's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Units {
-    /// The scene's point that is the internal origin.
+    /// The scene's point at the internal origin.
     pub center: DVec3,
     /// Internal length of one scene unit.
     pub length: f64,
@@ -17,7 +17,7 @@ pub struct Units {
 }
 
 impl Units {
-    /// For these meshes; light stays as it is.
+    /// For these meshes; the light unit is 1.
     #[must_use]
     pub fn of<'a>(meshes: impl Iterator<Item = &'a Mesh> + Clone) -> Self {
         let positions = || meshes.clone().flat_map(|mesh| &mesh.positions).copied();
@@ -29,20 +29,20 @@ impl Units {
         Self { center, length, light: 1.0 }
     }
 
-    /// A point of the scene inside the frame.
+    /// Converts a point from the scene to internal units.
     #[must_use]
     pub fn inside(&self, point: DVec3) -> DVec3 {
         (point - self.center) * self.length
     }
 
-    /// A point of the frame in the scene.
+    /// Converts a point from internal units to the scene.
     #[must_use]
     pub fn outside(&self, point: DVec3) -> DVec3 {
         point / self.length + self.center
     }
 
-    /// Scene radiance of an internal radiance of 1, for pictures. What no `f32` holds becomes its largest power of two
-    /// but one, so that a picture of a lamp of 1e30 W/sr right at the object is too dark rather than infinite.
+    /// Scene radiance of an internal radiance of 1, for pictures. It is limited to 2^126, so that a picture of a lamp
+    /// of 1e30 W/sr right at the object is too dark rather than infinite.
     #[must_use]
     pub fn radiance(&self) -> f32 {
         self.light.min(f64::exp2(126.0)) as f32

@@ -1,5 +1,4 @@
-//! What a session reports to its callers about itself: the scene, the state, the plan, where it runs, and how often it
-//! ran again.
+//! Read access to a session: scene, state, plan, device, and retry counts.
 
 use super::run::{Backend, Session};
 use super::subdivide::Parts;
@@ -24,38 +23,38 @@ impl Session {
         &self.prepared.state
     }
 
-    /// How the state's numbers relate to the scene's.
+    /// Conversion between the state's units and the scene's.
     pub fn units(&self) -> &Units {
         &self.prepared.units
     }
 
-    /// The prepared scene: the state, the trees, and which triangle of the state is which of a mesh.
+    /// The prepared scene: the state, the trees, and the mesh triangle of each triangle of the state.
     pub fn prepared(&self) -> &Prepared {
         &self.prepared
     }
 
-    /// The stages that run, and those that do not with the reasons.
+    /// The stages that run, and the others with the reasons.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// How often a frame ran again because a list overflowed, since the session began.
+    /// How often a frame was repeated because a list overflowed, since the session began.
     pub fn retries(&self) -> usize {
         self.retries
     }
 
-    /// How often a frame ran again because the kept lists did not serve the contrast of its light, since the session
-    /// began.
+    /// How often a frame was repeated because the kept lists did not suit the irradiance ratio of its light, since
+    /// the session began.
     pub fn relinks(&self) -> usize {
         self.relinks
     }
 
-    /// What became of each object's triangles where `transport.subdivide` asks for subdivision; empty elsewhere.
+    /// How each object's triangles were subdivided, if `transport.subdivide` asks for it; otherwise empty.
     pub fn parts(&self) -> &[Parts] {
         &self.parts
     }
 
-    /// The device that runs the stages; none where the CPU does.
+    /// The device that runs the stages; none on the CPU.
     pub fn device(&self) -> Option<&Device> {
         match &self.backend {
             Backend::Gpu(gpu) => Some(gpu.device()),
@@ -68,8 +67,8 @@ impl Session {
         self.device().map(Device::limits)
     }
 
-    /// What each kernel has done since the last call, by the kernel's path. Empty on the CPU, and where kernels do not
-    /// count.
+    /// Each kernel's counts since the last call, by the kernel's path. Empty on the CPU, and for kernels without
+    /// counters.
     pub fn tallies(&self) -> Result<Vec<(String, Tally)>> {
         match &self.backend {
             Backend::Gpu(gpu) => gpu.kernels().tallies(),
@@ -77,7 +76,7 @@ impl Session {
         }
     }
 
-    /// The pipelines that the device has built so far: kernel and specialization constants. Empty on the CPU.
+    /// The pipelines built on the device so far: kernel and specialization constants. Empty on the CPU.
     pub fn pipelines(&self) -> Vec<KernelKey> {
         match &self.backend {
             Backend::Gpu(gpu) => gpu.kernels().made(),

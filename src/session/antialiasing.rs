@@ -1,21 +1,21 @@
-//! Anti-aliasing: a picture as the mean of pictures, each with its rays through another place of the pixels. Light is
-//! not carried again: only what depends on the view runs again.
+//! Anti-aliasing: a picture as the mean of pictures, each with its rays through another point of the pixels. Only
+//! stages that depend on the view run again; light transport does not.
 
 use super::run::Session;
 use crate::error::Result;
 use crate::pipeline::plan::Change;
 use crate::view::picture::Picture;
 
-/// The place of sample `k` of `count` in every pixel, from its centre, in pixels: a lattice by the golden ratio, one
-/// sample a column. It errs half as much at an edge as the R2 sequence does.
+/// Offset of sample `k` of `count` from the pixel's centre, in pixels: a golden-ratio lattice, one sample per column.
+/// Its error at an edge is half that of the R2 sequence.
 #[must_use]
 pub fn place(k: u32, count: u32) -> [f64; 2] {
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     [(f64::from(k) + 0.5) / f64::from(count) - 0.5, (0.5 + f64::from(k) * golden).fract() - 0.5]
 }
 
-/// The picture of a session after a frame through the pixels' centres: with the camera's number of samples, all of
-/// equal weight, of which the centre is one only if there is no other. Leaves the session at the last of them.
+/// The picture of a session, after a frame through the pixels' centres: the mean of the camera's number of samples,
+/// with equal weights. The centre is a sample only if it is the only one. Leaves the session at the last sample.
 pub fn picture(session: &mut Session) -> Result<Picture> {
     let mut picture = session.picture()?;
     let samples = session.scene().camera.samples;
@@ -43,7 +43,7 @@ mod tests {
         assert_eq!(place(0, 1), [0.0, 0.0]);
         let places: Vec<[f64; 2]> = (0..64).map(|k| place(k, 64)).collect();
         assert!(places.iter().flatten().all(|x| (-0.5..0.5).contains(x)));
-        // Every sixteenth of the pixel has three to five of 64, and their mean is near the centre.
+        // Each sixteenth of the pixel contains three to five of 64 samples, and their mean is near the centre.
         for cell in 0..16 {
             let inside = |p: &&[f64; 2]| ((p[0] + 0.5) * 4.0) as usize + 4 * ((p[1] + 0.5) * 4.0) as usize == cell;
             assert!((3..=5).contains(&places.iter().filter(inside).count()), "{cell}");

@@ -1,5 +1,5 @@
-//! What a picture's layers hold (arbitrary output variables): of each pixel the triangle it shows, and what is known of
-//! it. A triangle's own values are not blended with its neighbours'.
+//! A picture's layers (arbitrary output variables): for each pixel, the triangle it shows and values there. A
+//! triangle's own values are not interpolated.
 
 use glam::DVec3;
 
@@ -9,8 +9,8 @@ use crate::layout::{BufferId, Hit};
 use crate::state::{State, narrow, wide};
 use crate::view::aov::{Layer, Samples};
 
-/// The layers of a session's last picture. Numbers of links are right where lists are kept (`Mode::Keep`; in
-/// `Mode::Render` dark emitters count, too), or where one list holds them all.
+/// The layers of a session's last picture. Numbers of links are complete only where lists are kept (`Mode::Keep`;
+/// `Mode::Render` counts dark emitters, too), or where a single list holds all links.
 pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
     let known = [
         BufferId::hits,
@@ -27,7 +27,7 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
     session.fetch(&[BufferId::runs, BufferId::spans])?;
     let (state, units) = (session.state(), *session.units());
     let data = &state.data;
-    // As bright as `f32` allows.
+    // Clamped to what `f32` can hold.
     let light = |value: DVec3| narrow((value * units.light).min(DVec3::splat(f32::MAX.into())));
 
     let links = links(state);
@@ -36,7 +36,7 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
     let own = |values: &[[f32; 3]]| -> Vec<[f32; 3]> {
         shown.iter().map(|hit| hit.map_or([0.0; 3], |hit| light(wide(values[hit.face as usize])))).collect()
     };
-    // Between the triangle's corners, as the picture has it.
+    // Vertex values interpolated over the triangle, as in the picture.
     let blend = |values: &[[f32; 3]], done: &dyn Fn(DVec3) -> [f32; 3]| -> Vec<[f32; 3]> {
         let mixed = |hit: &Hit| {
             let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
@@ -45,7 +45,7 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
         };
         shown.iter().map(|hit| hit.map_or([0.0; 3], mixed)).collect()
     };
-    // Of the pixels' receivers, or blended as well.
+    // Values at the receiver: the pixel's own, or its triangle.
     let receiver = |pixel: usize, face: usize| {
         let object = &state.objects[state.object_of(face)];
         let own = if object.by_pixel { data.seen[pixel] as usize } else { face - object.first.faces };
@@ -86,7 +86,7 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
         }
         layers.push(Layer::vector("error_estimate", rgb, &estimate));
     }
-    // The rays' directions have a component of 1 along the view.
+    // Depth along the view axis, in scene units.
     let depth = |hit: &Option<&Hit>| hit.map_or(f32::INFINITY, |hit| (f64::from(hit.depth) / units.length) as f32);
     layers.push(Layer::single("depth", "Z", Samples::Float(shown.iter().map(depth).collect())));
     layers.push(Layer::single("object", "id", number(u32::MAX, &|face| state.object_of(face) as u32)));
@@ -95,8 +95,8 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
     Ok(layers)
 }
 
-/// How many emitters, clusters or triangles, each receiver's radiosity was summed from; of brute force nothing is
-/// known.
+/// Number of emitters, clusters or triangles, whose light each receiver gathered; 0 with brute force, which keeps no
+/// lists.
 pub fn links(state: &State) -> Vec<u32> {
     let data = &state.data;
     let mut count = vec![0; data.radiosity.len()];

@@ -1,4 +1,4 @@
-//! Depth maps from meshes: at each place of a surface's texture coordinates, how far below it another surface lies
+//! Depth maps from meshes: at each texel of a surface's texture coordinates, how far below it other surfaces lie
 //! (Francois et al. 2006, section 2.1).
 
 use glam::DVec3;
@@ -13,21 +13,21 @@ use crate::scene::{Memory, Mesh, Scene};
 use crate::state::narrow;
 use crate::state::options::{Options, ShadingMethod};
 
-/// Depths of up to four surfaces below another, texel by texel, rows from the top.
+/// Depths of up to four surfaces below another, by texel, rows from the top.
 pub struct Baked {
-    /// Scene units; channels of surfaces that are not there are 0.
+    /// Scene units; 0 in the channels of absent surfaces.
     pub depths: Vec<[f64; 4]>,
-    /// The greatest of them, above 0.
+    /// The greatest depth, above 0.
     pub deepest: f64,
-    /// Texels that lie in a triangle's texture coordinates; the others have what is nearest to them.
+    /// Texels whose centres lie in a triangle's texture coordinates; the others copy the nearest one.
     pub covered: usize,
-    /// Rays that met nothing: there the surface is as deep as the deepest.
+    /// Texels with a ray that hit nothing: the depth there is the greatest one.
     pub missed: usize,
-    /// For each surface, the rays that met it from behind: there it lies outside, or faces inwards.
+    /// For each surface, the rays that hit it from behind: there it lies outside the outer surface, or faces inwards.
     pub behind: Vec<usize>,
 }
 
-/// A mesh ready for rays.
+/// A session whose tree is ready for rays.
 fn ready(scene: &Scene) -> Result<Session> {
     let options = Options { transport: ShadingMethod::None, ..Options::default() };
     let mut session = Session::new(scene, None, options, CapacityHints::default())?;
@@ -35,7 +35,7 @@ fn ready(scene: &Scene) -> Result<Session> {
     Ok(session)
 }
 
-/// A vertex's normal: that of the summed vector areas round it.
+/// Vertex normals: the normalised sum of the vector areas of the triangles around each vertex.
 fn normals(mesh: &Mesh) -> Vec<DVec3> {
     let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
     for (face, corners) in mesh.triangles.iter().enumerate() {
@@ -46,15 +46,15 @@ fn normals(mesh: &Mesh) -> Vec<DVec3> {
     sums.into_iter().map(DVec3::normalize_or_zero).collect()
 }
 
-/// Bytes that a texel of the map takes, and one that a triangle was found to cover.
+/// Bytes per texel of the map, and per texel found to be covered by a triangle.
 const MAP_BYTES: u64 = 160;
 const FOUND_BYTES: u64 = size_of::<(usize, [(f64, bool); 4])>() as u64;
 
-/// How often the boxes round all triangles together may cover the map.
+/// Most times that the bounding boxes of all triangles together may cover the map.
 const MOST_TIMES: f64 = 32.0;
 
-/// Depths below the first object of `outer`, which has texture coordinates, of the first objects of up to four `inner`
-/// scenes in the same unit, each at least as deep as the one before; within so much memory.
+/// Depths below the first object of `outer`, which has texture coordinates, of the first objects of up to four
+/// `inner` scenes in the same unit, each clamped to at least the one before. `memory` limits the memory.
 pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2], memory: Memory) -> Result<Baked> {
     let mesh = &outer.objects[0].mesh;
     let uvs = mesh.uvs.as_deref().unwrap_or_default();
@@ -62,7 +62,7 @@ pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2], memory: Memory) -> R
     let below: Vec<_> = sessions.iter().map(|session| (&session.state().data, session.units())).collect();
     let (normals, places) = (normals(mesh), size[0] as usize * size[1] as usize);
 
-    // Texels are looked for in the box round each triangle.
+    // Covered texels are searched in each triangle's bounding box.
     let across = |uvs: &[[f64; 2]; 3]| {
         let extent = |k: usize| {
             let [a, b, c] = uvs.map(|uv| uv[k]);
@@ -81,7 +81,7 @@ pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2], memory: Memory) -> R
     let needed = memory.need(places as u64 * MAP_BYTES + largest as u64 * FOUND_BYTES);
     needed.map_err(|error| Input::new("the map is too large").key("--size").found(error))?;
 
-    // A ray down from each texel's place: how far it goes, and whether what it meets is met from behind.
+    // A ray down from a texel's surface point: its length, and whether it hits a surface from behind.
     let down = |at: DVec3, normal: DVec3| -> [(f64, bool); 4] {
         std::array::from_fn(|k| {
             let Some((data, units)) = below.get(k) else { return (0.0, false) };
@@ -108,7 +108,7 @@ pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2], memory: Memory) -> R
     let mut depths: Vec<Option<[f64; 4]>> = vec![None; places];
     let (mut behind, mut done) = (vec![0; inner.len()], 0);
     while done < uvs.len() {
-        // As many triangles as cover the map once, at least one.
+        // A batch of triangles: as many as cover the map once, at least one.
         let mut room = places as f64;
         let fit = |uvs: &&[[f64; 2]; 3]| {
             room -= across(uvs);
@@ -132,7 +132,7 @@ pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2], memory: Memory) -> R
         return Err(fault.expected("inner surfaces within the outer one, which has texture coordinates").into());
     }
 
-    // Where nothing was met, and where nothing is: the deepest, and what is nearest.
+    // Rays that hit nothing get the greatest depth; empty texels get the nearest one.
     let missed = depths.iter().flatten().filter(|depth| depth.iter().any(|d| d.is_infinite())).count();
     for depth in depths.iter_mut().flatten() {
         let mut before = 0f64;
@@ -144,7 +144,7 @@ pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2], memory: Memory) -> R
     Ok(Baked { depths: fill_outward(depths, size), deepest, covered, missed, behind })
 }
 
-/// Gives each empty texel what its neighbours have, ring after ring, round the edges.
+/// Gives each empty texel the value of its neighbours, ring after ring, wrapping around the edges.
 fn fill_outward(mut depths: Vec<Option<[f64; 4]>>, [width, height]: [u32; 2]) -> Vec<[f64; 4]> {
     let (w, h) = (width as usize, height as usize);
     let around = |k: usize| {

@@ -1,4 +1,4 @@
-//! Checks that buffers fit the device's bindings, and kept ones its memory.
+//! Checks that buffers fit the device's bindings, and kept lists its memory.
 
 use super::run::Session;
 use crate::error::{Error, KeepLimit, Result};
@@ -6,8 +6,8 @@ use crate::layout::{BUFFER_IDS, BufferId};
 use crate::pipeline::plan::Mode;
 
 impl Session {
-    /// Buffers that grow with the scene's settings have to fit one binding. Where links are kept, all buffers together
-    /// have to fit the device's memory.
+    /// An error unless buffers that grow with the scene's settings fit one binding and, where links are kept, all
+    /// buffers together fit the device's memory.
     pub(crate) fn check_bindings(&self) -> Result<()> {
         let Some(limits) = self.limits() else { return Ok(()) };
         let data = &self.state().data;

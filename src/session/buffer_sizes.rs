@@ -1,5 +1,4 @@
-//! Buffers of a session at their size: before the first frame, where lists grow, and where the picture has another
-//! size.
+//! Sizes of a session's buffers: before the first frame, when lists grow, and when the picture's size changes.
 
 use super::run::Session;
 use crate::error::Result;
@@ -8,7 +7,7 @@ use crate::pipeline::buffer_sizes::{RESULTS, grows, resize, size};
 use crate::pipeline::plan::{Plan, ShadingMethod};
 
 impl Session {
-    /// Gives every buffer its size and sends the inputs.
+    /// Gives every buffer its size and uploads the inputs.
     pub(crate) fn resize(&mut self) -> Result<()> {
         size(&mut self.prepared.state, &self.plan);
         self.linked = false;
@@ -16,16 +15,16 @@ impl Session {
         self.check_bindings()?;
         let inputs: Vec<BufferId> = Plan::inputs().collect();
         self.send(&inputs)?;
-        // What no stage of the plan writes must be zero where a stage or the host reads it.
+        // Buffers that no stage of the plan writes must be zero where a stage or the host reads them.
         let carried = self.plan.options().transport != ShadingMethod::None;
         let unwritten = |slot: &BufferId| !self.plan.writes(*slot) || (*slot == BufferId::radiosity && !carried);
         let blank: Vec<BufferId> = RESULTS[..4].iter().copied().filter(unwritten).collect();
         self.send(&blank)?;
-        // And what the host asks of every object, though not every object has lists.
+        // The host reads these for every object, though not every object has lists.
         self.send(&[BufferId::cut_short, BufferId::counters, BufferId::stale, BufferId::stale_counts])
     }
 
-    /// Gives the lists their size, for a frame that has come as far as they are made.
+    /// Gives the lists their new size, when all earlier results of the frame are still valid.
     pub(crate) fn lengthen(&mut self) -> Result<()> {
         resize(&mut self.prepared.state, &self.plan, grows);
         self.check_bindings()?;

@@ -67,10 +67,10 @@ pub struct Lists {
     limited_by: KeepLimit,
 }
 
-/// How lists are made to hold more after an overflow.
+/// How lists gain capacity after an overflow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Growth {
-    /// They are longer; chunks and batches stay as they are.
+    /// Lists are longer; chunks and batches stay as they are.
     Longer,
     /// Chunks or batches are smaller, so that each list has less to hold.
     SmallerParts,
@@ -108,7 +108,7 @@ impl Lists {
         set(prepared, [room(self.links, 12), room(16, 4), room(4, 4), room(96, 4)]);
     }
 
-    /// Fails where lists are to be kept and even shorter ones than nearly every scene has would exceed the limit.
+    /// Fails if lists are to be kept although even short ones, which nearly every scene exceeds, are over the limit.
     pub fn too_much(&self, state: &State) -> Result<()> {
         let of = |object: &Object| match state.method.scheme {
             _ if object.opaque => 0,
@@ -119,7 +119,7 @@ impl Lists {
         if state.keep && bytes > self.allocation { Err(too_many(bytes, self)) } else { Ok(()) }
     }
 
-    /// Partitions the blocks into batches, with a capacity of so many entries per block.
+    /// Partitions the blocks into batches, with capacity for `per_block` entries per block.
     fn batches(&self, state: &mut State, per_block: usize) {
         state
             .data
@@ -159,7 +159,7 @@ impl Lists {
             ("edge_links", need.required_edges, params.edge_capacity, 4),
             ("handed", need.required_hands, params.hand_capacity, 4),
         ];
-        // Emitters that could not be handed down hide those below them from the count: that list at least doubles.
+        // Emitters that could not be handed down hide those below them from the count, so the list at least doubles.
         if need.required_hands > params.hand_capacity {
             lists[3].1 = need.required_hands.max(params.hand_capacity.saturating_mul(2));
         }
@@ -167,7 +167,7 @@ impl Lists {
         for (room, (name, need, had, stride)) in rooms.iter_mut().zip(lists) {
             let (need, most) = (need as usize, self.most(stride));
             if need > most {
-                // The faces that fit at this density, less a quarter.
+                // As many faces as fit at this density, less a quarter.
                 let faces = largest_chunk(prepared).min(self.chunk_faces);
                 self.chunk_faces = (faces as f64 * most as f64 / need as f64 * 0.75) as usize;
                 if self.chunk_faces < 16 {
@@ -179,7 +179,7 @@ impl Lists {
                 return Ok(Growth::SmallerParts);
             }
             if need > had as usize {
-                // Revised links need spare capacity to move in, as far as the kept lists fit one allocation.
+                // Updated links are moved to spare capacity, as far as the kept lists fit one allocation.
                 let kept = self.allocation as usize / 12 / prepared.state.chunk_count().max(1) / 64 * 64;
                 let revised = name == "links" && prepared.state.method.incremental;
                 let spare = if revised { (need / 4).min(kept.saturating_sub(need)) / 64 * 64 } else { need / 32 };

@@ -29,8 +29,8 @@ impl Session {
         lights(&mut self.prepared.state, list, &mut self.prepared.units, &self.scene.objects);
         self.pending = self.pending.and(Change::LIGHT);
 
-        // The first light, the last one removed, or channels that no longer share a group: other stages, other buffer
-        // sizes.
+        // Other stages or buffer sizes: the first light, the last one removed, or channels that no longer share a
+        // group.
         let plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());
         if plan.stages.len() != self.plan.stages.len() || before != shape(&self.prepared.state) {
             self.plan = plan;
@@ -68,7 +68,7 @@ impl Session {
         if lights {
             self.set_lights(&new.lights)?;
         }
-        // Even an equal camera: antialiasing has shifted the session's rays.
+        // Even an equal camera: anti-aliasing has shifted the session's rays.
         self.set_camera(&new.camera)
     }
 
@@ -82,7 +82,7 @@ impl Session {
         grown.map(says).collect()
     }
 
-    /// Whether each layered object's depth maps are repacked by islands or used as they are, and why.
+    /// Whether each layered object's depth maps are repacked by islands or used unchanged, and why.
     #[must_use]
     pub fn maps(&self) -> &[String] {
         &self.prepared.maps

@@ -1,5 +1,4 @@
-//! The picture of the clusters that light one receiver, as in the paper's figure 6.9: coloured by their level in the
-//! tree.
+//! A picture of the clusters that light one receiver, as in the paper's figure 6.9, coloured by tree level.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +10,7 @@ use crate::layout::{BufferId, Hit};
 use crate::state::{Scheme, Scope, State, narrow, wide};
 use crate::view::picture::Picture;
 
-/// Colours of the finest level and the coarsest, linear.
+/// Linear colours from the finest level to the coarsest.
 const FINE: DVec3 = DVec3::new(0.9, 0.12, 0.03);
 const MIDDLE: DVec3 = DVec3::new(0.55, 0.6, 0.05);
 const COARSE: DVec3 = DVec3::new(0.03, 0.2, 0.8);
@@ -21,14 +20,15 @@ const COARSE: DVec3 = DVec3::new(0.03, 0.2, 0.8);
 pub struct Emitters {
     /// The object.
     pub object: usize,
-    /// Of each level, counted from the root, how many clusters (or triangles) there are, and the triangles in them.
+    /// By level, counted from the root: the number of emitters (clusters or triangles), and the triangles in them.
     pub levels: BTreeMap<usize, (usize, usize)>,
-    /// Of each of the object's triangles its emitter and that one's level; none for those that give nothing.
+    /// For each of the object's triangles, its emitter and that emitter's level; none for a triangle that emits
+    /// nothing.
     pub of_face: Vec<Option<(u32, usize)>>,
 }
 
-/// The clusters that light what a pixel shows, as a picture and by their levels: those of the first group of channels.
-/// The session keeps its lists (`Mode::Keep`) and has had its frame.
+/// The clusters that light what a pixel shows, as a picture and by level, for the first group of channels. The
+/// session keeps its lists (`Mode::Keep`) and has run a frame.
 pub fn clusters(session: &mut Session, pick: [u32; 2]) -> Result<(Picture, Emitters)> {
     let lists =
         [BufferId::runs, BufferId::entries, BufferId::spans, BufferId::links, BufferId::blocks, BufferId::normals];
@@ -56,7 +56,7 @@ pub fn clusters(session: &mut Session, pick: [u32; 2]) -> Result<(Picture, Emitt
     Ok((paint(state, &emitters, &receivers), emitters))
 }
 
-/// Nodes that light the receiver, and the triangles that are painted as the receiver's own.
+/// The nodes that light the receiver, and the triangles to paint as the receiver.
 fn emitters(state: &State, object: usize, pixel: usize, face: usize) -> (Vec<u32>, Vec<usize>) {
     let (data, part) = (&state.data, &state.objects[object]);
     let own = face - part.first.faces;
@@ -80,18 +80,18 @@ fn emitters(state: &State, object: usize, pixel: usize, face: usize) -> (Vec<u32
     (Vec::new(), vec![own])
 }
 
-/// Emitters of a leaf and of all clusters that it is in.
+/// Emitters linked to a leaf and to all clusters that contain it.
 fn linked(state: &State, object: usize, leaf: u32) -> Vec<u32> {
     let (data, part) = (&state.data, &state.objects[object]);
     let mut found = Vec::new();
     if data.spans.is_empty() {
-        // Nothing shines.
+        // There is no light.
         return found;
     }
     let mut node = leaf;
     while node != u32::MAX {
         let span = data.spans[part.first.nodes + node as usize];
-        // A node is in one chunk or, at the top, in the first.
+        // A node is in one chunk; nodes at the top are in the first.
         let own = (0..part.schedule.chunks.len()).find_map(|chunk| {
             let (base, room) = state.part(BufferId::links, Scope { object, chunk, group: 0 });
             let links = data.links[base..base + room].get(span.link as usize..(span.link + span.links) as usize)?;
@@ -103,7 +103,7 @@ fn linked(state: &State, object: usize, leaf: u32) -> Vec<u32> {
     found
 }
 
-/// Which emitter each triangle is in.
+/// Finds the emitter of each triangle.
 fn cover(state: &State, object: usize, nodes: &[u32]) -> Emitters {
     let (data, part) = (&state.data, &state.objects[object]);
     let tree = &data.topology[part.first.nodes..part.first.nodes + part.count.nodes];
@@ -135,7 +135,7 @@ pub fn color(emitters: &Emitters, level: usize) -> [f32; 3] {
     narrow(if t < 0.5 { COARSE.lerp(MIDDLE, 2.0 * t) } else { MIDDLE.lerp(FINE, 2.0 * t - 1.0) })
 }
 
-/// Levels as colours, clusters distinguished by shades, the receiver white, all else grey; lit from the eye.
+/// Paints levels as colours, clusters as shades of them, the receiver white, everything else grey; lit from the eye.
 fn paint(state: &State, emitters: &Emitters, receivers: &[usize]) -> Picture {
     let (data, camera) = (&state.data, &state.data.camera[0]);
     let first = state.objects[emitters.object].first.faces;

@@ -1,4 +1,5 @@
-//! The picture of a scene's curvature, as in figure 10a of Kubo et al. 2010: hot colours where the surface bends much.
+//! A picture of a scene's curvature, as in figure 10a of Kubo et al. 2010: hot colours where the surface is strongly
+//! curved.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -20,18 +21,18 @@ const RAMP: [DVec3; 5] = [
     DVec3::new(0.85, 0.06, 0.02),
 ];
 
-/// How curvature is spread over the vertices of all objects that light enters.
+/// Statistics of kappa over the vertices of all translucent objects.
 #[derive(Clone, Debug, Default)]
 pub struct CurvatureView {
-    /// kappa at the ramp's ends, 1 / scene unit: its 5th and 95th percentile.
+    /// kappa at the ends of the colour ramp, 1 / scene unit: its 5th and 95th percentile.
     pub ends: [f64; 2],
-    /// How far the cubic fit's kappa is from the stage's, over the sum of both: median and 95th percentile; 0 where
-    /// nothing can be fitted.
+    /// Difference between the cubic fit's kappa and the stage's, relative to their sum: median and 95th percentile; 0
+    /// where no vertex can be fitted.
     pub apart: [f64; 2],
 }
 
 impl CurvatureView {
-    /// A colour by kappa, 1 / scene unit, on a logarithmic scale.
+    /// The colour of kappa, 1 / scene unit, on a logarithmic scale.
     #[must_use]
     pub fn color(&self, kappa: f64) -> [f32; 3] {
         let [low, high] = self.ends.map(|end| end.max(f64::MIN_POSITIVE).ln());
@@ -42,13 +43,13 @@ impl CurvatureView {
     }
 }
 
-/// The value below which a share of these lies; 0 of none.
+/// The quantile at `share` of sorted values; 0 without values.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted.get(((sorted.len() as f64 - 1.0).max(0.0) * share).round() as usize).copied().unwrap_or(0.0)
 }
 
-/// The share of the vertices that light enters where sigma is above 1 in every channel: f hardly depends on the light
-/// there.
+/// The share of the vertices of translucent objects where sigma is above 1 in every channel: there f hardly depends
+/// on the light.
 pub fn flat(session: &mut Session) -> Result<f64> {
     session.fetch(&[BufferId::curvature])?;
     let data = &session.state().data;
@@ -63,7 +64,7 @@ pub fn flat(session: &mut Session) -> Result<f64> {
     Ok(if all > 0.0 { flat / all } else { 0.0 })
 }
 
-/// The picture of a session that shades by curvature, after its frame, and what its colours mean.
+/// The curvature picture of a session that shades by curvature, after its frame, and the meaning of the colours.
 pub fn curvature_view(session: &mut Session) -> Result<(Picture, CurvatureView)> {
     session.fetch(&[BufferId::hits, BufferId::normals, BufferId::curvature, BufferId::positions])?;
     let (state, length) = (session.state(), session.units().length);
@@ -73,7 +74,7 @@ pub fn curvature_view(session: &mut Session) -> Result<(Picture, CurvatureView)>
         return Err(fault.expected("a [[light]]").into());
     }
 
-    // kappa of all vertices, and what the fit has instead.
+    // kappa at all vertices, and how far the cubic fit differs.
     let (mut all, mut apart) = (Vec::new(), Vec::new());
     for (number, object) in state.objects.iter().enumerate().filter(|(_, object)| !object.opaque) {
         let one = state.alone(number);
@@ -93,7 +94,7 @@ pub fn curvature_view(session: &mut Session) -> Result<(Picture, CurvatureView)>
         apart: [0.5, 0.95].map(|share| quantile(&apart, share)),
     };
 
-    // Lit from the eye; what light does not enter is grey.
+    // Lit from the eye; opaque objects are grey.
     let data = &state.data;
     let camera = &data.camera[0];
     let pixel = |hit: &Hit| {

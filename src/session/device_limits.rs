@@ -1,13 +1,13 @@
-//! What a device's kernels can't hold of a mesh: their loops have an end.
+//! Limits that kernels impose on a mesh, because drivers end long loops.
 
 use crate::error::{Input, Result};
 use crate::scene::Scene;
 
-/// Most triangles at a vertex on a device: kernels loop over them, that of the curvature twice, and llvmpipe ends the
-/// loops of an invocation after 65,535 rounds, all of them together.
+/// Most triangles at a vertex on a device. Kernels loop over them, that of the curvature twice, and llvmpipe ends the
+/// loops of an invocation after 65,535 iterations in total.
 const MOST_ROUND: u32 = 32_767;
 
-/// An error where an object has a vertex with more triangles than kernels go round.
+/// An error if an object has a vertex with more triangles than kernels can loop over.
 pub fn holds(scene: &Scene) -> Result<()> {
     for (number, object) in scene.objects.iter().enumerate() {
         let round = object.mesh.round().into_iter().max().unwrap_or(0);

@@ -1,4 +1,4 @@
-//! Links that are kept while the shape changes: their budget, what waits, and capacity for new links.
+//! Links kept while the shape changes: their budget, stale form factors, and capacity for new links.
 
 use super::capacity::need;
 use super::run::Session;
@@ -7,7 +7,7 @@ use crate::layout::{BufferId, Link};
 use crate::pipeline::plan::Change;
 use crate::state::{Scope, State};
 
-/// Gives each object its share of the form factors that a frame may compute, by its triangles.
+/// Divides the budget of form factors per frame among the objects, by their triangles.
 pub(crate) fn share_budget(state: &mut State, budget: Option<u32>) -> Result<()> {
     let Some(budget) = budget.filter(|_| state.method.incremental) else {
         state.data.object_params.iter_mut().for_each(|params| params.budget = u32::MAX);
@@ -17,7 +17,7 @@ pub(crate) fn share_budget(state: &mut State, budget: Option<u32>) -> Result<()>
     let all = state.sum(|object| faces(object.opaque, object.count.faces) as usize).max(1) as u64;
     let mut before = 0;
     for (object, params) in state.objects.iter().zip(&mut state.data.object_params) {
-        // Shares add up to the budget.
+        // Rounded so that the shares add up to the budget.
         let own = faces(object.opaque, object.count.faces);
         let until = |faces: u64| u64::from(budget) * faces / all;
         params.budget = (until(before + own) - until(before)) as u32;
@@ -31,24 +31,24 @@ pub(crate) fn share_budget(state: &mut State, budget: Option<u32>) -> Result<()>
 }
 
 impl Session {
-    /// Kept links whose form factors wait for a later frame.
+    /// Number of kept links whose form factors are stale.
     #[must_use]
     pub fn waiting(&self) -> u64 {
         self.state().data.counters.iter().map(|counters| u64::from(counters.stale)).sum()
     }
 
-    /// Form factors that the last frame computed over links that were kept; none where it made all links.
+    /// Form factors that the last frame computed for kept links; none if it rebuilt all links.
     #[must_use]
     pub fn renewed(&self) -> u64 {
         self.spent + self.state().data.counters.iter().map(|counters| u64::from(counters.computed)).sum::<u64>()
     }
 
-    /// What a frame has to do because form factors wait.
+    /// The change that a frame has to make because of stale form factors.
     pub(crate) fn waiting_change(&self) -> Change {
         if self.waiting() > 0 { Change::RESUM } else { Change::default() }
     }
 
-    /// The change with the word whether links are made from scratch rather than revised.
+    /// The change, with the flag whether links are rebuilt rather than updated.
     pub(crate) fn links_anew(&self, change: Change) -> Change {
         if !self.state().method.incremental {
             return change;
@@ -56,15 +56,15 @@ impl Session {
         Change { relink: change.everything && !self.linked, ..change }
     }
 
-    /// Has links made from scratch where more than half of the vertices have moved: to revise them costs more. With a
-    /// budget they are revised all the same.
+    /// Lets the next frame rebuild the links if more than half of the vertices have moved, where updating costs more.
+    /// With a budget they are updated all the same.
     pub(crate) fn unlink_where_much_moves(&mut self, before: &[[f32; 3]]) {
         let now = &self.state().data.positions;
         let moved = before.iter().zip(now).filter(|(before, now)| before != now).count();
         self.linked &= 2 * moved <= now.len() || self.scene.transport.budget.is_some();
     }
 
-    /// A frame's budget: the whole of it, whatever the frame before has spent.
+    /// Restores a frame's full budget, whatever the previous frame has spent.
     pub(crate) fn open_budget(&mut self) -> Result<()> {
         self.prepared.state.data.counters.iter_mut().for_each(|counters| counters.computed = 0);
         if self.spent == 0 {
@@ -75,9 +75,9 @@ impl Session {
         self.send(&[BufferId::object_params])
     }
 
-    /// After an overflow while links were revised: longer lists, or those of links without the gaps that have come
-    /// about. Where that does not help, links are made from scratch. What has been done stays done: the frame revises
-    /// the rest.
+    /// After an overflow while links were updated: makes the lists longer, or removes the gaps from the lists of
+    /// links. Where that is not enough, links are rebuilt. Finished updates are kept: the repeated frame updates the
+    /// rest.
     pub(crate) fn make_room(&mut self) -> Result<()> {
         let bound = self.scene.transport.budget.is_some();
         let need = need(self.state());
@@ -93,7 +93,7 @@ impl Session {
             return Ok(());
         }
         if need.required_entries > params.edit_capacity || need.required_hands > params.hand_capacity {
-            // Where emitters could not be handed down, what lies below is not counted.
+            // Emitters that could not be handed down hide those below them from the count.
             let edits = more(need.required_entries.max(params.edit_capacity));
             let hands = if need.required_hands > params.hand_capacity {
                 2 * need.required_hands.min(most / 2)
@@ -113,7 +113,7 @@ impl Session {
         self.send(&[BufferId::object_params])
     }
 
-    /// Takes the gaps out of the lists of links, and makes them longer where that is not enough.
+    /// Removes the gaps from the lists of links, and makes them longer where that is not enough.
     fn compact(&mut self, need: u32) -> Result<()> {
         self.fetch(&[BufferId::spans, BufferId::links, BufferId::factors, BufferId::stale])?;
         let state = &mut self.prepared.state;
@@ -134,7 +134,7 @@ impl Session {
                 parts.push(list);
             }
         }
-        // What is to be made comes behind what is there.
+        // New links are appended behind the existing ones.
         let live = parts.iter().map(Vec::len).max().unwrap_or(0);
         let (had, want) =
             (state.data.object_params[0].link_capacity as usize, live + need.saturating_sub(end) as usize);

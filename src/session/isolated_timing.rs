@@ -1,4 +1,5 @@
-//! A frame whose steps are submitted one by one and timed by the host's clock, and the dispatches of a frame.
+//! Runs a frame whose steps are submitted one by one and timed by the host's clock, and lists the dispatches of a
+//! frame.
 
 use std::time::Instant;
 
@@ -21,8 +22,8 @@ impl Session {
         early.for_each(|step| step.reference(&mut self.prepared.state));
     }
 
-    /// Runs the steps of a frame after this change, each submitted and waited for by itself, so that the host's clock
-    /// times each one. Requires a whole frame before, which gives the lists their capacity. Leaves out the octree.
+    /// Runs the steps of a frame after this change, waiting for each, so that the host's clock times it. Requires a
+    /// whole frame before, which gives the lists their capacity. Leaves out the octree.
     pub fn apart(&mut self, change: Change) -> Result<Vec<Timing>> {
         let (begin, mut times) = (Instant::now(), Vec::new());
         for step in self.plan.steps(&self.prepared.state, change) {

@@ -1,19 +1,18 @@
-//! About how much memory a session will take, so that a scene that asks for too much is refused before any memory is
-//! taken.
+//! An estimate of a session's memory, so that a scene that needs too much is refused before anything is allocated.
 
 use crate::error::{Input, Result};
 use crate::scene::{Light, Scene};
 use crate::state::options::{Goal, Options, ShadingMethod};
 
-/// Bytes that a triangle takes with its part of the tree, its light and its lists, on the host and on a device that
-/// shares its memory: two million take 2.4 GB.
+/// Bytes per triangle, with its part of the tree, its light and its lists, on the host and on a device that shares
+/// its memory: two million take 2.4 GB.
 const TRIANGLE: u64 = 1200;
-/// Bytes that a pixel takes, with its layers.
+/// Bytes per pixel, with its layers.
 const PIXEL: u64 = 160;
-/// Bytes that a texel of transport texture-blur takes.
+/// Bytes per texel of transport texture-blur.
 const TEXEL: u64 = 200;
 
-/// An error where a session of this scene would not fit what is left of the scene's memory.
+/// An error if a session of this scene would not fit the remaining memory.
 pub(crate) fn check(scene: &Scene, options: Options) -> Result<()> {
     let triangles: u64 = scene.objects.iter().map(|object| object.mesh.triangles.len() as u64).sum();
     let rays: u64 = scene.lights.iter().map(|light| Light::samples(light) as u64).sum();

@@ -1,6 +1,6 @@
-//! The irradiance octree as a transport: what a frame needs of it, from the state's irradiance to its radiosity.
+//! The irradiance octree as a transport: from the state's irradiance to its radiosity.
 //!
-//! It is no stage: it runs on the host in native code, wherever the stages run.
+//! It is not a stage: it runs on the host, whatever back end runs the stages.
 
 use std::time::Instant;
 
@@ -17,7 +17,7 @@ pub struct OctreeTransport {
     trees: Vec<Octree>,
     /// The centroids of each object's faces, internal length.
     centers: Vec<Vec<[f32; 3]>>,
-    /// Solid angle from which on a cell is opened, steradian.
+    /// Solid angle above which a cell is opened, steradian.
     angle: f32,
 }
 
@@ -49,7 +49,7 @@ impl OctreeTransport {
     }
 }
 
-/// What enters an object's faces, each at its centroid; none where light does not enter.
+/// Irradiance samples at the centroids of an object's faces; none for an opaque object.
 fn samples(state: &State, object: &Object) -> Vec<Sample> {
     let (first, count, data) = (object.first, if object.opaque { 0 } else { object.count.faces }, &state.data);
     let sample = |face: usize| {

@@ -1,5 +1,5 @@
-//! Recovery: longer lists after an overflow, lists per frame where they are too long to keep, and a fresh start after a
-//! frame that failed.
+//! Recovery: longer lists after an overflow, lists per frame where they are too long to keep, and a restart after a
+//! failed frame.
 
 use super::capacity::{Growth, Lists};
 use super::run::Session;
@@ -7,14 +7,14 @@ use crate::error::{Error, Input, KeepLimit, Result};
 use crate::pipeline::plan::{Change, Mode, Options, Plan};
 
 impl Session {
-    /// Why lists are made for each frame although the mode asks to keep them.
+    /// Why lists are rebuilt in each frame although the mode asks to keep them.
     #[must_use]
     pub fn not_kept(&self) -> Option<&str> {
         self.not_kept.as_deref()
     }
 
-    /// Grows the lists and their buffers; keeps no lists where they become too long to keep. Returns what the frame has
-    /// to repeat: only making the lists, where nothing else depends on their length.
+    /// Grows the lists and their buffers; stops keeping lists that become too long. Returns what the frame has to
+    /// repeat: only the lists, if nothing else depends on their length.
     pub(crate) fn grow(&mut self) -> Result<Change> {
         let grown = self.lists.grow(&mut self.prepared);
         let longer = matches!(grown, Ok(Growth::Longer)) && !self.state().method.incremental;

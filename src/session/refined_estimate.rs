@@ -1,11 +1,11 @@
-//! A refined error estimate that accounts for errors that cancel: from a second solution at a smaller tolerance.
+//! A refined error estimate, from a second solution at a smaller tolerance. It accounts for errors that cancel.
 
 use super::run::{CapacityHints, Session};
 use crate::error::Result;
 use crate::layout::BufferId;
 use crate::pipeline::plan::{Goal, Mode, Options};
 
-/// By how much the second solution's tolerance is smaller.
+/// Factor between the two solutions' tolerances.
 const SHARPER: f64 = 8.0;
 /// The smallest tolerance that `f32` sums can distinguish from 0.
 const LEAST: f64 = 1e-6;
@@ -50,7 +50,7 @@ impl Session {
         Ok(())
     }
 
-    /// The session of the second solution, before its frame; none where nothing is estimated, or where it would not be
+    /// The session of the second solution, before its frame; none if no error is estimated, or if it would not be
     /// more accurate.
     pub fn sharper(&self) -> Result<Option<Self>> {
         let tolerance = (self.scene.transport.tolerance / SHARPER).max(LEAST);
@@ -72,7 +72,7 @@ impl Session {
         matches!(self.sharp, Some(Ok(())))
     }
 
-    /// Why the last refinement failed, so that the estimate is the frame's own.
+    /// Why the last refinement failed and left the frame's own estimate.
     #[must_use]
     pub fn blunt(&self) -> Option<&str> {
         self.sharp.as_ref()?.as_ref().err().map(String::as_str)

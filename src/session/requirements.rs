@@ -18,7 +18,7 @@ pub struct StageRequirements {
     pub steps: usize,
     /// Dispatches of all its steps.
     pub dispatches: usize,
-    /// Bytes bound for reading and for writing, each counted once. Lists count with their capacity.
+    /// Bytes bound for reading and for writing, each byte counted once. Lists count with their capacity.
     pub bytes: [u64; 2],
     /// Its pipelines.
     pub kernels: Vec<KernelRequirements>,
@@ -86,7 +86,7 @@ impl Session {
         Ok(needs)
     }
 
-    /// Buffers of which some dispatch would bind more than the device allows, in a frame after this change.
+    /// Buffers of which a dispatch in a frame after this change would bind more than the device allows.
     pub fn misfits(&self, change: Change) -> Result<BTreeSet<BufferId>> {
         let Some(limits) = self.limits() else { return Ok(BTreeSet::new()) };
         let most = limits.binding_bytes;
@@ -98,7 +98,7 @@ impl Session {
         Ok(found)
     }
 
-    /// The state's buffers that are not empty, with their bytes.
+    /// The state's non-empty buffers, with their bytes.
     pub fn buffers(&self) -> Vec<(BufferId, u64)> {
         let sized = BUFFER_IDS.iter().map(|&slot| (slot, self.state().data.bytes(slot).len() as u64));
         sized.filter(|(_, bytes)| *bytes > 0).collect()

@@ -1,4 +1,4 @@
-//! Runs a plan on the CPU or a device: one submit a frame, and another one with longer lists after an overflow.
+//! Runs a plan on the CPU or a device: one submission per frame, and another one with longer lists after an overflow.
 
 use std::time::Instant;
 
@@ -46,45 +46,45 @@ pub struct Session {
     pub(crate) plan: Plan,
     /// Where they run.
     pub(crate) backend: Backend,
-    /// How often a frame ran again because a list overflowed.
+    /// How often a frame was repeated because a list overflowed.
     pub(crate) retries: usize,
-    /// How often a frame ran again because the kept lists did not serve the contrast of its light.
+    /// How often a frame was repeated because the kept lists did not suit the irradiance ratio of its light.
     pub(crate) relinks: usize,
-    /// Whether there are links that a change of shape can revise.
+    /// Whether there are links that a change of shape can update.
     pub(crate) linked: bool,
-    /// Form factors computed by runs of this frame whose lists overflowed.
+    /// Form factors computed in this frame by runs whose lists overflowed.
     pub(crate) spent: u64,
-    /// Whether the host has refined the last frame's error estimate, or why that failed.
+    /// Whether the host has refined the last frame's error estimate, or why that failed; none before an attempt.
     pub(crate) sharp: Option<std::result::Result<(), String>>,
-    /// What became of each object's triangles, where `transport.subdivide` asks for subdivision.
+    /// How each object's triangles were subdivided, if `transport.subdivide` asks for it.
     pub(crate) parts: Vec<Parts>,
-    /// Why lists are made for each frame, where the mode should keep them.
+    /// Why lists are rebuilt in each frame, if the mode asks to keep them.
     pub(crate) not_kept: Option<String>,
     /// Whether the last frame, or a change before it, failed halfway.
     pub(crate) failed: bool,
     /// The scene, after subdivision.
     pub(crate) scene: Scene,
-    /// How the lists are cut up and how long they are.
+    /// The lists' partition and capacities.
     pub(crate) lists: Lists,
     /// What has changed since the last frame.
     pub(crate) pending: Change,
-    /// The octree, where it carries the light.
+    /// The octree, if it is the transport.
     octree: Option<OctreeTransport>,
     pub(crate) fixed: Fixed,
 }
 
-/// What a session is made from, and rebuilt from where its layout changes.
+/// What a session is built from, and rebuilt from when its layout changes.
 pub(crate) struct Fixed {
-    /// The scene before subdivision, where there was one.
+    /// The scene before subdivision, if it was subdivided.
     pub asked: Option<Scene>,
-    /// First capacities of the lists.
+    /// Initial capacities of the lists.
     pub room: CapacityHints,
-    /// The kind of receivers that the plan does without, and why.
+    /// The kind of receivers that the plan leaves out, and why.
     pub receivers: (&'static str, String),
 }
 
 impl Session {
-    /// Prepares a scene for a device, or for the CPU where there is none.
+    /// Prepares a scene for a device, or for the CPU if there is none.
     pub fn new(scene: &Scene, device: Option<&Device>, options: Options, room: CapacityHints) -> Result<Self> {
         memory_estimate::check(scene, options)?;
         let octree = match options.transport {
@@ -114,7 +114,7 @@ impl Session {
         share_budget(&mut prepared.state, scene.transport.budget)?;
         let receivers = (if by_pixel { "receivers at triangles" } else { "receivers at pixels" }, why);
         let plan = Plan::new(&prepared.state, options).without(receivers.clone());
-        // Links and form factors are lists of their own, and everything else needs memory as well.
+        // Links and form factors are separate lists, and everything else needs memory as well.
         let room = CapacityHints { kept: room.kept.min(scene.memory.left() / 4), ..room };
         let lists = Lists::new(room, device.map(Device::limits));
         lists.cut(&mut prepared);
@@ -169,7 +169,7 @@ impl Session {
             let steps = self.plan.steps(&self.prepared.state, change);
             let octree = self.plan.runs_on_host(&HOST, &self.prepared.state, change);
             let last = if octree { self.run_octree(&steps, change)? } else { self.run(&steps)? };
-            // A stage that runs again counts with its last run.
+            // A stage that runs again counts with its latest run only.
             times.retain(|before| last.iter().all(|now| now.name != before.name));
             times.extend(last);
             if steps.iter().any(|step| step.stage.writes(BufferId::cut_short)) {
@@ -236,8 +236,8 @@ impl Session {
         }
     }
 
-    /// The same, with the octree between the stages before transport and those after. The host sends the octree's
-    /// radiosity to a device only if later stages read it.
+    /// The same, with the octree between the stages before transport and those after it. The host uploads the
+    /// octree's radiosity only if later stages read it.
     fn run_octree(&mut self, steps: &[Step], change: Change) -> Result<Vec<Timing>> {
         let (before, after) = steps.split_at(before_host(steps));
         let mut times = self.run(before)?;

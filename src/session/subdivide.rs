@@ -1,8 +1,8 @@
-//! Triangles cut finer for lighting where one value of irradiance will not do: at the borders of shadows and cones (the
-//! first item of the paper's future work). A triangle is cut in four where the mean over its parts differs from what it
-//! has as a whole by more than the tolerance, of the root mean square over the object; parts likewise, up to as many
-//! times as the scene says. What varies evenly over a triangle needs no cut: light goes in at the right place on the
-//! whole.
+//! Subdivides triangles for lighting where a single value of irradiance is too coarse: at the borders of shadows and
+//! spot cones (the first item of the paper's future work). A triangle is split in four if the mean irradiance of its
+//! parts differs from its own by more than the tolerance times the object's root mean square; parts likewise, up to
+//! the scene's number of levels. Where irradiance varies smoothly over a triangle no split is needed: light enters at
+//! the right place on the whole.
 
 use super::run::{CapacityHints, Session};
 use crate::error::{Input, Result};
@@ -12,31 +12,31 @@ use crate::prepare::shape::moved;
 use crate::prepare::units::Units;
 use crate::scene::{Mesh, Object, Scene};
 
-/// Tolerance of an estimate of errors.
+/// Tolerance of the solution that estimates the remaining error.
 const ROUGH: f64 = 0.1;
 
-/// What became of an object's triangles.
+/// How an object's triangles were subdivided. Its parts are the triangles of the subdivided mesh.
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
-    /// The triangles as they were.
+    /// The original triangles.
     pub whole: Vec<[u32; 3]>,
-    /// Of each part, the triangle that it is a part of.
+    /// For each part, its original triangle.
     pub of: Vec<u32>,
-    /// Of each triangle, the part that has its centre.
+    /// For each original triangle, the part at its centre.
     pub middle: Vec<u32>,
-    /// Of each triangle, the face of the input it came from.
+    /// For each original triangle, its face in the input.
     pub input_face: Vec<u32>,
-    /// Of each part, the radiosity that may be missing because irradiance still varies over parts, in the units of B,
-    /// per channel; empty where nobody asked.
+    /// For each part, the radiosity that may be missing because irradiance still varies over parts, in the units of
+    /// B, per channel; empty unless an estimate was requested.
     pub missed: Vec<[f64; 3]>,
 }
 
-/// The scene with its triangles cut as its lights want it, and of each object what became of them; with what borders
-/// still miss where an `estimate` is wanted.
+/// The scene with its triangles subdivided for its lights, and each object's parts. With `estimate`, the parts also
+/// say how much radiosity is still missing at borders.
 pub fn subdivide(scene: &Scene, estimate: bool) -> Result<(Scene, Vec<Parts>)> {
     let mut fine = scene.clone();
     fine.transport.subdivide = 0;
-    // The shape as deformed is cut, so that parts lie on it and next to each other.
+    // Subdivide the deformed shape, so that parts lie on it and stay connected.
     let units = Units::of(scene.objects.iter().map(|object| &object.mesh));
     for object in &mut fine.objects {
         if let Some(places) = moved(object, units) {
@@ -49,7 +49,8 @@ pub fn subdivide(scene: &Scene, estimate: bool) -> Result<(Scene, Vec<Parts>)> {
         if left == 0 && !estimate {
             break;
         }
-        // All triangles cut, twice where they may be, to see which should have been: a border may cross a corner alone.
+        // Split all triangles, twice except at the last level, to see where that changes their irradiance: a border
+        // may cross just a corner.
         let mut finer = fine.clone();
         let looks = 1 + u32::from(left != 1);
         for _ in 0..looks {
@@ -72,7 +73,8 @@ pub fn subdivide(scene: &Scene, estimate: bool) -> Result<(Scene, Vec<Parts>)> {
             parts[number].cut(&cut, &from);
             *object = Object { mesh, ..object.clone() };
         }
-        // What is left has to have been looked at twice.
+        // The estimate needs a comparison with two levels of splits; after one with a single level, go on to the next
+        // round.
         if !any && (!estimate || looks > 1) {
             if estimate {
                 carried(&fine, &lost)?.into_iter().zip(&mut parts).for_each(|(missed, parts)| parts.missed = missed);
@@ -84,20 +86,20 @@ pub fn subdivide(scene: &Scene, estimate: bool) -> Result<(Scene, Vec<Parts>)> {
 }
 
 impl Session {
-    /// The number of a triangle of the state in the mesh of its object, as the scene has it.
+    /// The number of the original triangle, in the mesh of its object, of a triangle of the state.
     pub fn triangle(&self, face: usize) -> u32 {
         let (object, part) = self.prepared.source(face);
         self.parts.get(object).map_or(part, |parts| parts.of[part as usize])
     }
 
-    /// What borders of shadows may still miss of the radiosity of a triangle of the state, in the units of B.
+    /// The radiosity that may be missing at a triangle of the state because of shadow borders, in the units of B.
     pub fn missed(&self, face: usize) -> [f64; 3] {
         let (object, part) = self.prepared.source(face);
         self.parts.get(object).and_then(|parts| parts.missed.get(part as usize)).copied().unwrap_or_default()
     }
 }
 
-/// Nothing cut yet.
+/// An object without splits.
 fn whole(mesh: &Mesh) -> Parts {
     let all: Vec<u32> = (0..).take(mesh.triangles.len()).collect();
     Parts {
@@ -110,9 +112,10 @@ fn whole(mesh: &Mesh) -> Parts {
 }
 
 impl Parts {
-    /// After a cut of some parts, each part now `from` one of those before.
+    /// Updates the parts after some were split; `from` is, for each new part, the part that it comes from.
     fn cut(&mut self, cut: &[bool], from: &[u32]) {
-        // The first new part of each: where it was not cut itself, else the fourth is in the middle.
+        // The first new part of each old one. An unsplit part stays the middle; of four parts the last is in the
+        // middle.
         let mut first = vec![0; cut.len()];
         from.iter().enumerate().rev().for_each(|(part, &before)| first[before as usize] = part as u32);
         for middle in &mut self.middle {
@@ -123,7 +126,7 @@ impl Parts {
     }
 }
 
-/// What enters each triangle, by the reference; object by object, in the order of their meshes.
+/// Irradiance of each triangle, by the CPU reference; object by object, in mesh order.
 fn irradiance(scene: &Scene) -> Result<Vec<Vec<[f64; 3]>>> {
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(scene, None, options, CapacityHints::default())?;
@@ -131,14 +134,14 @@ fn irradiance(scene: &Scene) -> Result<Vec<Vec<[f64; 3]>>> {
     Ok(by_object(&session, &session.state().data.irradiance, 1.0))
 }
 
-/// Values of the triangles in the order of the objects' meshes.
+/// Values of the triangles, object by object, in mesh order.
 fn by_object(session: &Session, values: &[[f32; 3]], scale: f64) -> Vec<Vec<[f64; 3]>> {
     let value = |face: usize| values[face].map(|x| scale * f64::from(x));
     let of_object = |object: usize| session.prepared.places(object).into_iter().map(value).collect();
     (0..session.scene().objects.len()).map(of_object).collect()
 }
 
-/// How far the mean over the parts of each triangle is from what it has as a whole.
+/// Difference between the mean irradiance of each triangle's parts and its own.
 fn lost(coarse: &[[f64; 3]], fine: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let parts = fine.len() / coarse.len().max(1);
     let of = |(whole, parts): (&[f64; 3], &[[f64; 3]])| {
@@ -147,7 +150,7 @@ fn lost(coarse: &[[f64; 3]], fine: &[[f64; 3]]) -> Vec<[f64; 3]> {
     coarse.iter().zip(fine.chunks(parts.max(1))).map(of).collect()
 }
 
-/// Whether each triangle has to be cut.
+/// Whether each triangle has to be split.
 fn wanted(mesh: &Mesh, light: &[[f64; 3]], lost: &[[f64; 3]], limit: f64) -> Vec<bool> {
     let area = |face: usize| mesh.corners(face).map_or(0.0, |[a, b, c]| 0.5 * (b - a).cross(c - a).length());
     let areas: Vec<f64> = (0..light.len()).map(area).collect();
@@ -157,8 +160,8 @@ fn wanted(mesh: &Mesh, light: &[[f64; 3]], lost: &[[f64; 3]], limit: f64) -> Vec
     lost.iter().map(|lost| (0..3).any(|c| lost[c] > limit * level[c])).collect()
 }
 
-/// The radiosity that this light would give: what the parts lose or gain has either sign along a border, so its sizes
-/// make a bound.
+/// Transports the absolute irradiance errors: along a border they have either sign, so the radiosity of their
+/// absolute values is a bound.
 fn carried(scene: &Scene, lost: &[Vec<[f64; 3]>]) -> Result<Vec<Vec<[f64; 3]>>> {
     let mut rough = scene.clone();
     rough.transport.tolerance = ROUGH;

@@ -1,9 +1,9 @@
-//! Stage `bake_irradiance`: the light that enters at each texel of an object's texture coordinates, and how far the
-//! texture is stretched over the surface there.
+//! Stage `bake_irradiance`: the irradiance at each texel of an object's texture coordinates, and how far the texture
+//! is stretched over the surface there.
 //!
-//! E of equation 5 of Mertens et al. 2003 at the place that the texel's centre shows, with the normal between the
-//! vertices', times a texture for light that enters. The lengths that a texel spans along its row and down its column
-//! are those of its triangle; a texel that shows nothing has neither.
+//! E of equation 5 of Mertens et al. 2003 at the surface point of the texel's centre, with the interpolated vertex
+//! normal, times the entry texture. A texel's extents along its row and its column, lengths on the surface, follow
+//! from its triangle. A texel that shows no surface has zero light and zero extents.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -17,7 +17,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "bake_irradiance",
     module: "shading",
@@ -42,7 +42,7 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// Light and lengths of one texel.
+/// Irradiance and extents of one texel.
 fn texel(state: &State, own: &Unwrapping, chart: &TexelHit) -> ([f32; 4], [f32; 2]) {
     let (data, face) = (&state.data, chart.face as usize);
     let Some(corners) = data.triangles.get(face) else { return ([0.0; 4], [0.0; 2]) };
@@ -57,7 +57,7 @@ fn texel(state: &State, own: &Unwrapping, chart: &TexelHit) -> ([f32; 4], [f32; 
         light *= factor(params, &data.texels, place(data, face, chart.u.into(), chart.v.into()));
     }
 
-    // The place is linear in the texture coordinates.
+    // Position is linear in the texture coordinates: its derivatives along a row and down a column.
     let [a, b, c] = corners.map(|v| wide(data.positions[v as usize]));
     let uvs = &data.corner_uvs[face];
     let [p, q] = [uvs.b, uvs.c].map(|end| [0, 1].map(|k| f64::from(end[k]) - f64::from(uvs.a[k])));

@@ -1,11 +1,10 @@
-//! Stage `blur`: the light of a texture blurred by one Gaussian after the other, along the rows and then down the
-//! columns.
+//! Stage `blur`: the baked irradiance, blurred by one Gaussian after another, each along rows and then down columns.
 //!
-//! Each Gaussian blurs what the one before left, by the difference of their variances. At a texel that spans the length
-//! s a deviation of w is w / s texels: the correction of d'Eon et al. 2007 for how the texture is stretched. Every p-th
-//! texel counts, p a power of two of at least w / (8 s), but at most about a 32nd of a row, as far as 6 w or more;
-//! texels that show nothing do not count, and what does is divided by the weights' sum, so that even light stays as it
-//! is, at borders too.
+//! Each Gaussian blurs the result of the one before, by the difference of their variances. At a texel that spans the
+//! length s, a standard deviation of w is w / s texels: the stretch correction of d'Eon et al. 2007. The tap stride
+//! is p texels, a power of two of at least w / (8 s), but at most about 1/32 of a row; taps reach out to 6 w or more.
+//! Texels that show no surface are skipped, and the sum is divided by the sum of weights, so that uniform light is
+//! preserved, also at borders.
 
 use rayon::prelude::*;
 
@@ -15,7 +14,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "blur",
     module: "shading",
@@ -37,7 +36,7 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// Tap stride, and taps per side: by additions, multiplications and comparisons in `f32`.
+/// Tap stride, and taps per side; only additions, multiplications and comparisons in `f32`, so that devices agree.
 fn taps(deviation: f32, length: f32, side: u32) -> (i64, i64) {
     let mut pace = 1;
     while 32 * pace < i64::from(side) && deviation > 8.0 * (pace as f32 * length) {
@@ -51,7 +50,7 @@ fn taps(deviation: f32, length: f32, side: u32) -> (i64, i64) {
     (pace, reach)
 }
 
-/// One texel of a sheet after a blur along a row (axis 0) or down a column.
+/// One texel of a map after a blur along a row (axis 0) or down a column (axis 1).
 fn mean(data: &Buffers, own: &Unwrapping, from: &[[f32; 4]], texel: usize, axis: usize, deviation: f32) -> [f32; 4] {
     if data.texel_hits[own.first as usize + texel].face == NONE {
         return [0.0; 4];
@@ -79,7 +78,7 @@ fn mean(data: &Buffers, own: &Unwrapping, from: &[[f32; 4]], texel: usize, axis:
     [r, g, b, 1.0]
 }
 
-/// Blurs an object's sheets, the first of which is there.
+/// Computes an object's blurred maps from its first map, the irradiance.
 fn object(data: &mut Buffers, number: usize) {
     let own = data.unwrappings[number];
     let (first, count, irradiance_map) = (own.first as usize, (own.side * own.side) as usize, data.texel_hits.len());
@@ -118,7 +117,7 @@ mod tests {
     use crate::shading::blur::*;
     use crate::shading::gaussians::fit;
 
-    /// A plane of 1 length a side, lit where `lit` says of a texel's column and row.
+    /// A plane of `side` x `side` texels with this stretch, lit by `lit` of a texel's column and row.
     fn plane(side: u32, stretch: impl Fn(usize) -> [f32; 2], lit: impl Fn(u32, u32) -> f32) -> (Buffers, [Dipole; 3]) {
         let dipoles = [Dipole::new(60.0, 0.5, 3.0), Dipole::new(90.0, 1.0, 3.0), Dipole::new(120.0, 2.0, 3.0)];
         let count = (side * side) as usize;
@@ -138,7 +137,7 @@ mod tests {
         (data, dipoles)
     }
 
-    /// Of a texel, the sum of Gaussians of one channel.
+    /// The weighted sum of Gaussians at a texel, one channel.
     fn value(data: &Buffers, texel: usize, channel: usize) -> f64 {
         let count = data.texel_hits.len();
         let of = |k: usize| {
@@ -150,7 +149,7 @@ mod tests {
     #[test]
     fn even_light_gives_back_the_total() {
         let (mut data, dipoles) = plane(48, |k| [0.02 + 1e-3 * (k % 7) as f32, 0.03], |_, _| 0.7);
-        // A hole, and a border.
+        // An empty texel inside; the borders are tested below.
         data.texel_hits[48 * 20 + 11].face = NONE;
         data.irradiance_maps[48 * 20 + 11] = [0.0; 4];
         object(&mut data, 0);
@@ -164,7 +163,7 @@ mod tests {
 
     #[test]
     fn an_edge_of_light_is_blurred_as_by_the_sum_of_gaussians() {
-        // Texels of 1 / 256 and, down the columns, of two thirds of that: the same edge along either.
+        // Texels are 1 / 256 wide and two thirds of that high; the edge of light runs across either axis.
         let side = 256;
         let lengths = [1.0 / 256.0, 1.0 / 384.0];
         for axis in [0, 1] {

@@ -1,9 +1,9 @@
 //! Stage `cdrf`: radiance of each pixel by the curvature-dependent reflectance function, in closed form or from its
 //! table.
 //!
-//! The closed form on a device: from sigma = 0.32 on a cosine series of five terms, below it Lambert's cosine, dimmed,
-//! and round the terminator a Gaussian times a polynomial of ten terms, fitted to the convolution. Both are within 6e-6
-//! of it.
+//! Closed form on a device: from sigma = 0.32 on, a cosine series of five terms; below it, a damped Lambert cosine,
+//! and near the terminator a Gaussian times a polynomial of ten terms, fitted to the convolution. Both are within
+//! 6e-6 of the convolution.
 
 use super::cdrf_cells::lookup;
 use super::diffuse::{record, shade};
@@ -14,7 +14,7 @@ use crate::state::{
     Carrier, Granularity, Local, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "cdrf",
     module: "shading",

@@ -1,18 +1,18 @@
-//! Stage `cdrf_cells`: the cells of the CDRF's table, each in one word, so that a look-up is one load of 4 bytes a
-//! channel.
+//! Stage `cdrf_cells`: the cells of the CDRF's table, each packed into one word, so that a look-up is one load of 4
+//! bytes per channel.
 //!
-//! A cell of a table of n x n is its value at the first corner, in steps of 2^-13, and how it changes across, up and
-//! both, in steps of 1 / (31 (n - 1)): f changes by at most 62 of them across, where its slope is 1. They are counted
-//! from what is left of the first corner, so that every corner is within half a step of its value, or 2^-13 where that
-//! is more. Between corners it is linear: with 256 x 256 within 2e-3 of f, worst at the terminator as sigma tends to 0,
-//! where the kink of max(cos, 0) falls inside a cell.
+//! A cell of an n x n table stores its value at the first corner, in steps of 2^-13, and its differences across, up
+//! and mixed, in steps of 1 / (31 (n - 1)): across, where the slope of f is at most 1, that is at most 62 steps.
+//! Differences are taken from the rounded value, so that every corner is within half a step of the table's value, or
+//! within 2^-13 if that is more. Between corners the cell is bilinear: with 256 x 256 within 2e-3 of f, worst at the
+//! terminator as sigma tends to 0, where the kink of max(cos, 0) falls inside a cell.
 
 use crate::error::Result;
 use crate::layout::{BufferId, CDRF_WIDEST};
 use crate::shading::cdrf_table::{side, untabled};
 use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update};
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "cdrf_cells",
     module: "shading",
@@ -31,7 +31,7 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// A cell, from its corners: the first, the one across, the one up, the last.
+/// Packs a cell from its corners: the first, the one across, the one up, the last.
 fn cell([first, across, up, last]: [f32; 4], side: u32) -> u32 {
     let code = (first * 8192.0 + 0.5).floor().min(8191.0);
     let steps = |value: f32| ((value - code / 8192.0) * (31.0 * (side - 1) as f32) + 0.5).floor() as i32;
@@ -40,14 +40,14 @@ fn cell([first, across, up, last]: [f32; 4], side: u32) -> u32 {
     code as u32 | (x as u32) << 13 | (both as u32 & 0x3f) << 19 | (y as u32) << 25
 }
 
-/// A cell's value at its first corner, and how it changes across, up and both.
+/// A cell's value at its first corner, and its differences across, up and mixed.
 fn parts(cell: u32, side: u32) -> [f64; 4] {
     let word = cell as i32;
     let steps = |count: i32| f64::from(count) / (31.0 * f64::from(side - 1));
     [f64::from(cell & 0x1fff) / 8192.0, steps(word >> 13 & 0x3f), steps(word >> 25), steps(word << 7 >> 26)]
 }
 
-/// The table's value.
+/// The table's value, interpolated bilinearly.
 #[must_use]
 pub fn lookup(cells: &[u32], side: u32, cosine: f64, sigma: f64) -> f64 {
     let last = f64::from(side - 1);

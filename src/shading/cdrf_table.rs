@@ -9,7 +9,7 @@ use crate::state::{
     Carrier, Granularity, Local, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "cdrf_table",
     module: "shading",
@@ -28,13 +28,13 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// Why nothing is looked up in a table.
+/// The reason to skip the table: the closed form is used.
 pub(super) fn untabled(state: &State) -> Option<&'static str> {
     let closed = !matches!(state.method.local, Some(Local::Table(_)));
     closed.then_some("transport.cdrf is closed: nothing is looked up")
 }
 
-/// Rows and columns of the table; what is there where there is none is of no use.
+/// Rows and columns of the table; 2 where no table is used.
 pub(super) fn side(state: &State) -> u32 {
     match state.method.local {
         Some(Local::Table(side)) => side,

@@ -1,4 +1,4 @@
-//! Stage `cdrf_values`: single values of the CDRF in closed form, so that the kernel can be checked from outside.
+//! Stage `cdrf_values`: single values of the CDRF's closed form, for checks of the kernel by `milkglass eval`.
 
 use rayon::prelude::*;
 
@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::layout::{BufferId, Query};
 use crate::state::{Granularity, Pass, Role, Scope, Serves, Stage, State, Tolerance, stage::never};
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "cdrf_values",
     module: "shading",

@@ -1,13 +1,13 @@
-//! Stage `curvature`: how the surface bends at each vertex, from the triangles round it (Meyer et al. 2003).
+//! Stage `curvature`: mean and Gaussian curvature at each vertex, from the triangles around it (Meyer et al. 2003).
 //!
-//! With the mixed area A (a triangle's Voronoi part, or a half or a quarter of an obtuse one), H n = sum over the edges
-//! of (cot a + cot b) (x - y) / (4 A), of which the part along the vertex normal is taken, and K = (2 pi - sum of the
-//! angles) / A. Outward is positive: a ball of radius r has H = 1 / r.
+//! With the mixed area A (a triangle's Voronoi part, or a half or a quarter of an obtuse one), H n = sum over the
+//! edges of (cot a + cot b) (x - y) / (4 A), of which the component along the vertex normal is taken, and K = (2 pi -
+//! sum of the angles) / A. Outward is positive: a ball of radius r has H = 1 / r.
 //!
-//! Where the triangles do not close round a vertex (an open edge, or parts that touch there) neither formula holds: it
-//! takes the mean over those of its triangles' corners that have a curvature of their own, or 0. A vertex of no
-//! triangle, or of triangles without area, is flat. Cotangents end at 100 (angles of 0.6 degrees), H at 1e4 and K at
-//! 1e8 of the scene's extent: a needle's tip is sharp, and a number.
+//! Where the triangles do not close around a vertex (an open edge, or parts that touch there) neither formula holds:
+//! the vertex takes the mean over its triangles' corners with a curvature of their own, or 0. A vertex without
+//! triangles, or with degenerate triangles only, is flat. Cotangents are clamped to 100 (angles of 0.6 degrees), H to
+//! 1e4 and K to 1e8 in internal units, so that a needle's tip stays finite.
 
 use std::f64::consts::TAU;
 
@@ -22,14 +22,14 @@ use crate::state::{
     Carrier, Field, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never, wide,
 };
 
-/// Curvatures within a share of kappa, whose square is the scale of K.
+/// Tolerances as a share of kappa; that of K as a share of its square.
 const FIELDS: &[Field] = &[
     Field { name: "kappa", relative: 1e-3, floor: 1e-3, of: "" },
     Field { name: "mean", relative: 1e-3, floor: 1e-3, of: "" },
     Field { name: "gaussian", relative: 1e-3, floor: 1e-2, of: "" },
 ];
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "curvature",
     module: "shading",
@@ -48,9 +48,9 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// What the triangles round a vertex add up to.
+/// Sums over the triangles around a vertex.
 struct Ring {
-    /// The corners after it and before it, of every triangle.
+    /// The next corner and the previous corner in each triangle.
     rim: [Vec<u32>; 2],
     /// The mixed area.
     area: f64,
@@ -60,7 +60,7 @@ struct Ring {
     angle: f64,
 }
 
-/// The corners of a triangle, turned so that `vertex` is the first.
+/// The corners of a triangle, rotated so that `vertex` is the first.
 fn turned(triangle: [u32; 3], vertex: u32) -> [u32; 3] {
     let [a, b, c] = triangle;
     if a == vertex {
@@ -72,7 +72,7 @@ fn turned(triangle: [u32; 3], vertex: u32) -> [u32; 3] {
     }
 }
 
-/// The triangles round a vertex; vertices count among those of all objects.
+/// The triangles around a vertex of the first object; their corners are numbered among the vertices of all objects.
 fn around(data: &Buffers, vertex: usize) -> impl Iterator<Item = [u32; 3]> + '_ {
     let own = data.object_params[0].first_vertex + vertex as u32;
     let faces = &data.corners[data.corner_starts[vertex] as usize..data.corner_starts[vertex + 1] as usize];
@@ -104,7 +104,7 @@ fn ring(data: &Buffers, vertex: usize) -> Ring {
     ring
 }
 
-/// Whether a triangle has an area as a device in `f32` sees it: the square of twice that is above [`FLAT_TRIANGLE`].
+/// Whether a triangle has an area in `f32`, as on a device: its squared cross product is above [`FLAT_TRIANGLE`].
 fn whole([a, b, c]: [[f32; 3]; 3]) -> bool {
     let edge = |end: [f32; 3]| -> [f32; 3] { std::array::from_fn(|k| end[k] - a[k]) };
     let (u, w) = (edge(b), edge(c));
@@ -112,17 +112,17 @@ fn whole([a, b, c]: [[f32; 3]; 3]) -> bool {
     n[0] * n[0] + n[1] * n[1] + n[2] * n[2] > FLAT_TRIANGLE
 }
 
-/// Whether every corner after the vertex comes before it in another triangle: its triangles close round it.
+/// Whether the triangles close around the vertex: every corner that follows it also precedes it in another triangle.
 fn closed(ring: &Ring) -> bool {
     let mut rim = ring.rim.clone();
     rim.iter_mut().for_each(|corners| corners.sort_unstable());
     !rim[0].is_empty() && rim[0] == rim[1]
 }
 
-/// Curvature of a vertex by its own triangles.
+/// Curvature of a vertex from its own triangles.
 fn own(data: &Buffers, vertex: usize) -> Curvature {
     let ring = ring(data, vertex);
-    // Where sheets lie back to back there is no normal, and nothing is known.
+    // Sheets back to back have no vertex normal: their curvature is unknown.
     if !closed(&ring) || ring.area <= LEAST_MIXED_AREA || data.normals[vertex] == [0.0; 3] {
         return Curvature::default();
     }

@@ -1,12 +1,12 @@
-//! Light that comes back from where it arrives, at each pixel that shows an object that light enters: the reference of
-//! the stages `cdrf` and `lambert`, which differ by one function of cosine and sigma.
+//! Diffuse reflection without transport, at each pixel that shows a translucent object: the reference of the stages
+//! `cdrf` and `lambert`, which differ in one function of cosine and sigma.
 //!
-//! L = F_t(w_o) k_d / pi times the sum over the lights of f(cos, sigma) E, E the irradiance on a plane that faces the
-//! light (equation 5 of Kubo et al. 2010, with the 1 / pi that it lacks). k_d is the share of light that comes back
-//! from a flat surface, (1 - F_ext) times the dipole's total reflectance; with an index of 1 it is the paper's.
+//! L = F_t(w_o) k_d / pi times the sum over the lights of f(cos, sigma) E, with E the irradiance on a plane that
+//! faces the light (equation 5 of Kubo et al. 2010, with the 1 / pi that it lacks). k_d is the diffuse reflectance of
+//! a flat surface, (1 - F_ext) times the dipole's total reflectance; with a refractive index of 1 it is the paper's.
 //!
-//! An object does not shadow itself: its shadow would cut off the very glow that f has beyond 90 degrees. Other objects
-//! shadow it. Light from all around comes by nine harmonics, each degree times f's own factor.
+//! An object does not shadow itself: its shadow would cut off the glow that f has beyond 90 degrees. Other objects
+//! do. The environment comes as nine spherical harmonics, each degree times a factor of f.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -20,10 +20,10 @@ use crate::lighting::texture::{look, place};
 use crate::lighting::{fresnel, harmonics};
 use crate::state::{Pass, State, narrow, wide};
 
-/// The share of the arriving light that goes on to the eye, by the cosine at the surface and sigma.
+/// The function f of the cosine at the surface and sigma: the share of the arriving light that is reflected.
 pub type Response<'a> = dyn Fn(f64, f64) -> f64 + Sync + 'a;
 
-/// Everything that light gives a place and normal on a triangle, before k_d and what leaves.
+/// Light received at a point with a normal, `at`, on a triangle, before k_d and the transmittance towards the eye.
 #[must_use]
 pub fn received(state: &State, face: usize, at: [DVec3; 2], sigma: DVec3, response: &Response<'_>) -> DVec3 {
     let data = &state.data;
@@ -45,15 +45,15 @@ pub fn received(state: &State, face: usize, at: [DVec3; 2], sigma: DVec3, respon
     if sky.is_empty() {
         return sum;
     }
-    // By degree, each channel its own.
+    // Factors per degree and channel.
     let zonal = [0, 1, 2].map(|c| reflectance::zonal(sigma[c]));
     let factors = [0, 1, 2].map(|degree| DVec3::from_array([0, 1, 2].map(|c| zonal[c][degree])));
     let share = |k: usize| if free[k] == all[k] { 1.0 } else { free[k] / all[k] };
     sum + harmonics::irradiance(&sky, factors, normal) * DVec3::new(share(0), share(1), share(2))
 }
 
-/// sigma_0 at a place of an object's triangle, by the weights of its corners: where a map gives d, times its square
-/// (equation 6, which leaves the factor out).
+/// sigma_0 at a point of a triangle, given by the weights of its corners: the object's, times the square of the map's
+/// d where it has one (equation 6, which leaves the factor out).
 #[must_use]
 pub fn sigma_0(data: &Buffers, params: &ObjectParams, face: usize, weight: [f64; 3]) -> DVec3 {
     let whole = wide(params.sigma_0);
@@ -90,14 +90,14 @@ fn pixel(state: &State, hit: &Hit, before: [f32; 3], response: &Response<'_>, be
     narrow(DVec3::from_array(leaves) * wide(params.exit) * wide(params.diffuse) * sum * scale)
 }
 
-/// Radiance of each pixel that shows no opaque object, by this function; `packed_normals` where curvature counts.
+/// Radiance of each pixel that shows no opaque object, with this response; sigma is 0 unless `bends`.
 pub fn shade(state: &mut State, response: &Response<'_>, bends: bool) {
     let pixels = state.data.hits.par_iter().zip(&state.data.radiance);
     let radiance = pixels.map(|(hit, &before)| pixel(state, hit, before, response, bends)).collect();
     state.data.radiance = radiance;
 }
 
-/// Records the kernel `part`, with constants of its own after those that all have.
+/// Records the kernel `part`, with its own constants after the common ones.
 pub fn record(pass: &mut Pass<'_>, part: Option<&str>, own: &[u32]) -> Result<()> {
     let data = &pass.state.data;
     let shadows = u32::from(data.object_params.iter().any(|params| params.shadow_words > 0));

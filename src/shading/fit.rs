@@ -1,20 +1,20 @@
-//! Principal curvatures by a cubic fit (Goldfeather and Interrante 2004), on the host: what stage `curvature` is
-//! compared with.
+//! Principal curvatures by a cubic fit (Goldfeather and Interrante 2004), on the host: an independent estimate to
+//! compare stage `curvature` with.
 //!
 //! In the frame of a vertex and its normal the surface is
 //! z = A x^2 / 2 + B x y + C y^2 / 2 + D x^3 + E x^2 y + F x y^2 + G y^3.
-//! Each neighbour gives its place and both slopes of its normal: three equations for the seven numbers, solved by least
-//! squares. The curvatures are the eigenvalues of the second derivatives, outward positive.
+//! Each neighbour's position and the two slopes of its normal give three equations for the seven unknowns, solved by
+//! least squares. The curvatures are the eigenvalues of the second derivatives; outward is positive.
 
 use glam::DVec3;
 
 use crate::layout::Buffers;
 use crate::state::wide;
 
-/// Unknowns of the fit.
+/// Number of unknowns.
 const TERMS: usize = 7;
 
-/// Equations, added up as they come: the matrix and the right-hand side of the normal equations.
+/// Accumulated normal equations: matrix, and right-hand side as the last column.
 #[derive(Default)]
 struct Equations {
     rows: [[f64; TERMS + 1]; TERMS],
@@ -30,13 +30,13 @@ impl Equations {
         }
     }
 
-    /// The unknowns, by elimination; none where the equations leave some open.
+    /// The unknowns, by Gauss-Jordan elimination; none where the system is singular.
     fn solve(mut self) -> Option<[f64; TERMS]> {
         let largest = self.rows.iter().flat_map(|row| &row[..TERMS]).fold(0.0, |m: f64, x| m.max(x.abs()));
         for i in 0..TERMS {
             let pivot = (i..TERMS).max_by(|&a, &b| self.rows[a][i].abs().total_cmp(&self.rows[b][i].abs()))?;
             self.rows.swap(i, pivot);
-            // Also where it is no number.
+            // Singular, or not finite.
             let open = self.rows[i][i].abs() <= 1e-10 * largest || !self.rows[i][i].is_finite();
             if open {
                 return None;
@@ -51,8 +51,8 @@ impl Equations {
     }
 }
 
-/// Principal curvatures, the larger first, 1/length, from neighbours' offsets and unit normals; none where they are too
-/// few, or lie as no surface over the vertex's plane does.
+/// Principal curvatures, the larger first, 1/length, from the neighbours' offsets and unit normals; none where there
+/// are too few, or where they do not determine a surface over the vertex's tangent plane.
 #[must_use]
 pub fn principal(normal: DVec3, neighbours: &[(DVec3, DVec3)]) -> Option<[f64; 2]> {
     let length = neighbours.iter().map(|(offset, _)| offset.length()).sum::<f64>() / neighbours.len() as f64;
@@ -73,8 +73,8 @@ pub fn principal(normal: DVec3, neighbours: &[(DVec3, DVec3)]) -> Option<[f64; 2
     Some([mean + half, mean - half])
 }
 
-/// The same at a vertex of an object alone in its state, after stage `curvature`, from its triangles' other corners;
-/// none where one of those is at an open edge: its normal knows one side only.
+/// The same at a vertex, from the other corners of its triangles. `data` holds one object only, after stage
+/// `curvature`. None where a neighbour lies at an open edge: its normal averages one side only.
 #[must_use]
 pub fn at(data: &Buffers, vertex: usize) -> Option<[f64; 2]> {
     let first = data.object_params[0].first_vertex;

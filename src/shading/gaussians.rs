@@ -1,10 +1,10 @@
-//! A sum of Gaussians in place of the dipole's profile (d'Eon et al. 2007, section 4): of the same widths for all
-//! channels, so that light of all channels is blurred at once, with weights of each channel's own.
+//! A sum of Gaussians in place of the dipole's profile (d'Eon et al. 2007, section 4). All channels share the widths,
+//! so that they are blurred together; weights are per channel.
 //!
-//! G(v, r) = e^(-r^2 / 2v) / (2 pi v). Weights are at least 0 and add up to the profile's total, so that even light
-//! over a plane gives back what it does. They are the least squares of r^2 R_d over the logarithm of r, for the widths
-//! from a geometric row that fit best; the residual is reported as a share of the total, the integral of |R_d - sum of
-//! w G| over the plane: no irradiance from 0 to 1 comes out wrong by more.
+//! G(v, r) = e^(-r^2 / 2v) / (2 pi v). Weights are at least 0 and add up to the profile's total, so that uniform
+//! light on a plane gives the right radiosity. They are a least-squares fit of r^2 R_d over the logarithm of r. The
+//! widths are a geometric sequence, chosen for the best fit. The residual is the integral of |R_d - sum of w G| over
+//! the plane, as a share of the total: it bounds the error for any irradiance between 0 and 1.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,27 +12,27 @@ use crate::dipole::profile::Dipole;
 
 pub use crate::layout::GAUSSIANS;
 
-/// Radii that a fit goes by.
+/// Radii at which the fit is evaluated.
 const RADII: usize = 160;
-/// Rounds of the least squares at most: the sum's being kept makes them slow.
+/// Most iterations of the least squares: the constraint on the sum makes them converge slowly.
 const ROUNDS: usize = 4000;
-/// The share of the light that goes beyond the last radius.
+/// The share of the light that may leave beyond the last radius.
 const BEYOND: f64 = 1e-3;
-/// The largest deviation, in units of a frame, whose extent is 1.
+/// The largest standard deviation, in internal units, where the scene has unit extent.
 const WIDEST: f64 = 1e6;
 
 /// A fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gaussians {
-    /// Variances, length^2, rising.
+    /// Variances, length^2, ascending.
     pub variances: [f64; GAUSSIANS],
-    /// The weight of each, by channel, at least 0.
+    /// Weights by channel, at least 0.
     pub weights: [[f64; GAUSSIANS]; 3],
-    /// What is left, by channel, as a share of the channel's total reflectance.
+    /// Residual by channel, as a share of the channel's total reflectance.
     pub residual: [f64; 3],
 }
 
-/// The share of a channel's light that leaves farther than a distance from where it enters, times the total.
+/// The integral of a channel's profile over the plane beyond the distance `r`.
 fn beyond(dipole: &Dipole, r: f64) -> f64 {
     let of = |z: f64| {
         let s = r.hypot(z);
@@ -41,18 +41,18 @@ fn beyond(dipole: &Dipole, r: f64) -> f64 {
     dipole.depths().into_iter().map(of).sum()
 }
 
-/// The profile of one channel at the radii, times r^2, over its total.
+/// One channel's profile at the radii, times r^2, divided by its total.
 struct Target {
     values: Vec<f64>,
     total: f64,
 }
 
-/// Weights of these variances for one channel, over the total, and the squares left.
+/// One channel's weights for these variances, as shares of the total, and the remaining sum of squares.
 fn weigh(radii: &[f64], target: &Target, variances: &[f64; GAUSSIANS]) -> ([f64; GAUSSIANS], f64) {
     let rows: Vec<[f64; GAUSSIANS]> =
         radii.iter().map(|r| variances.map(|v| r * r * (-r * r / (2.0 * v)).exp() / (TAU * v))).collect();
     let sum = |of: &dyn Fn(usize) -> f64| (0..rows.len()).map(of).sum::<f64>();
-    // That they add up to the total counts as much as all radii together, a thousand times.
+    // The constraint on the sum of weights counts a thousand times as much as all radii together.
     let whole = 1e3 * sum(&|k| target.values[k].powi(2)).max(f64::MIN_POSITIVE);
     let gram: [[f64; GAUSSIANS]; GAUSSIANS] =
         std::array::from_fn(|i| std::array::from_fn(|j| sum(&|k| rows[k][i] * rows[k][j]) + whole));
@@ -74,7 +74,7 @@ fn weigh(radii: &[f64], target: &Target, variances: &[f64; GAUSSIANS]) -> ([f64;
     (weights, sum(&|k| (value(k) - target.values[k]).powi(2)))
 }
 
-/// The fit to a material's profiles; a channel that gives nothing back has no weights.
+/// The fit to a material's profiles; a black channel has zero weights.
 #[must_use]
 pub fn fit(dipoles: &[Dipole; 3]) -> Gaussians {
     let bright = |dipole: &&Dipole| dipole.strength > 0.0;
@@ -97,7 +97,7 @@ pub fn fit(dipoles: &[Dipole; 3]) -> Gaussians {
     });
     let used: Vec<&Target> = targets.iter().filter(|target| target.total > 0.0).collect();
 
-    // Deviations of the first and the last: the best of a grid, then of finer ones round it.
+    // Standard deviations of the first and the last Gaussian: the best of a grid, then of finer grids around it.
     let variances = |[first, last]: [f64; 2]| -> [f64; GAUSSIANS] {
         std::array::from_fn(|k| (2.0 * (first + (last - first) * k as f64 / (GAUSSIANS - 1) as f64)).exp())
     };
@@ -128,7 +128,7 @@ pub fn fit(dipoles: &[Dipole; 3]) -> Gaussians {
 }
 
 impl Gaussians {
-    /// As a device takes them: weights, and by how much each blurs the one before.
+    /// Device records: a weight per channel, and the standard deviation that each Gaussian adds to the one before.
     #[must_use]
     pub fn records(&self) -> [[f32; 4]; GAUSSIANS] {
         std::array::from_fn(|k| {
@@ -138,8 +138,8 @@ impl Gaussians {
         })
     }
 
-    /// One channel's light at a distance from a straight edge of even light, on the lit side where that is positive:
-    /// what an ideal blur gives.
+    /// One channel's light at a signed distance from a straight edge of uniform light, positive on the lit side: the
+    /// result of an ideal blur.
     #[must_use]
     pub fn edge(&self, channel: usize, distance: f64) -> f64 {
         let of = |(weight, v): (&f64, &f64)| weight * normal(distance / v.sqrt());
@@ -147,7 +147,7 @@ impl Gaussians {
     }
 }
 
-/// The normal distribution's share below x, by Simpson's rule; within 1e-9.
+/// The standard normal distribution function, by Simpson's rule; within 1e-9.
 fn normal(x: f64) -> f64 {
     let (end, panels) = (x.clamp(-9.0, 9.0), 400);
     let step = (end + 9.0) / f64::from(panels);
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn the_fit_keeps_the_total_and_is_near_the_profile() {
-        // Marble, and one that hardly absorbs.
+        // Marble, and a material that hardly absorbs.
         let marble = [(2.19, 0.0021), (2.62, 0.0041), (3.0, 0.0071)].map(|(s, a)| Dipole::new(s, a, 3.96));
         let milk = [Dipole::new(2.55, 0.0011, 2.8), Dipole::new(0.0, 0.4, 2.8), Dipole::new(3.77, 0.014, 2.8)];
         for (dipoles, bound) in [(marble, 0.03), (milk, 0.03)] {

@@ -1,4 +1,4 @@
-//! Stage `lambert`: Lambert's cosine at each pixel, for comparison: what stage `cdrf` does, with f = max(cos, 0).
+//! Stage `lambert`: Lambert's cosine at each pixel, for comparison: stage `cdrf` with f = max(cos, 0).
 
 use super::diffuse::{record, shade};
 use crate::error::Result;
@@ -7,7 +7,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "lambert",
     module: "shading",

@@ -1,5 +1,6 @@
-//! Kubo et al. 2010, "Curvature-Dependent Reflectance Function for Interactive Rendering of Subsurface Scattering": no
-//! light is carried; what a place gives back depends on the light, the normal and the curvature there.
+//! Shading without transport: Kubo et al. 2010, "Curvature-Dependent Reflectance Function for Interactive Rendering
+//! of Subsurface Scattering", where reflected light depends on the light, the normal and the curvature at a point
+//! alone; and its rivals, Lambert's cosine and blur in texture space.
 
 pub mod bake_irradiance;
 pub mod blur;

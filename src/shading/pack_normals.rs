@@ -1,10 +1,9 @@
-//! Stage `pack_normals`: what local shading needs of a vertex in 8 bytes, because a pixel's loads are most of what it
-//! costs.
+//! Stage `pack_normals`: normal and kappa of each vertex in 8 bytes. Shading per pixel is bound by memory loads.
 //!
-//! The components of the normal are rounded to 1 / 32767, which turns it by less than 3e-5 radian. kappa is rounded to
-//! a float's exponent and 11 bits of its fraction, 2^-17 added so that 0 stays 0 and no exponent is too small: by less
-//! than 2^-12 of itself and of that. f follows sigma by at most 0.45 of what sigma changes of itself, so that it moves
-//! by less than 1.2e-4 wherever kappa is above 1e-4 of what an extent of 1 has.
+//! The components of the normal are rounded to 1 / 32767, which turns it by less than 3e-5 radian. kappa + 2^-17 is
+//! stored with a float's exponent and 11 bits of fraction; the offset keeps 0 exact and the exponent in range. The
+//! error of kappa is below 2^-12 (kappa + 2^-17). A relative change of sigma changes f by at most 0.45 times as much,
+//! so f changes by less than 1.2e-4 wherever kappa is above 1e-4 in internal units.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -15,7 +14,7 @@ use crate::state::{
     Carrier, Granularity, Local, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "pack_normals",
     module: "shading",
@@ -34,7 +33,7 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// A normal, each component from -1 to 1, and a kappa of at least 0.
+/// Packs a normal, each component from -1 to 1, and a kappa of at least 0.
 #[must_use]
 pub fn pack(normal: [f32; 3], kappa: f32) -> [u32; 2] {
     let [x, y, z] = normal.map(|n| (n * 32767.0 + 0.5).floor() as i32 as u32 & 0xffff);
@@ -42,7 +41,7 @@ pub fn pack(normal: [f32; 3], kappa: f32) -> [u32; 2] {
     [x | y << 16, z | code.min(0xffff) << 16]
 }
 
-/// What is left of them; the normal is of any length.
+/// The normal, not normalised, and kappa.
 #[must_use]
 pub fn unpack([low, high]: [u32; 2]) -> (DVec3, f64) {
     let [x, y, z] = [low, low >> 16, high].map(|word| f64::from(word as u16 as i16));
@@ -50,7 +49,7 @@ pub fn unpack([low, high]: [u32; 2]) -> (DVec3, f64) {
     (DVec3::new(x, y, z) / 32767.0, f64::from(kappa) - f64::from(KAPPA_LEAST))
 }
 
-/// Whether kappa is asked for.
+/// Whether the shading method uses kappa.
 fn bent(state: &State) -> bool {
     state.method.local != Some(Local::Lambert)
 }
@@ -79,12 +78,12 @@ mod tests {
         for k in 1..100_000 {
             let direction = DVec3::new(share(k, 0.754_877), share(k, 0.569_84), share(k, 0.324_718)) - 0.5;
             let normal = direction.normalize().as_vec3().to_array();
-            // Over nine powers of ten.
+            // Over nine orders of magnitude.
             let kappa = 10f64.powf(9.0 * share(k, 0.618_034) - 5.0) as f32;
             let (found, bend) = unpack(pack(normal, kappa));
             turned = turned.max(found.angle_between(wide(normal)));
             lost = lost.max((bend - f64::from(kappa)).abs() / (f64::from(kappa) + f64::from(KAPPA_LEAST)));
-            // sigma_0 such that sigma is anything up to 4.
+            // sigma from 0 to 4; sigma_0 follows.
             let sigma = 4.0 * share(k, 0.445_042);
             let cosine = 2.0 * share(k, 0.801_938) - 1.0;
             if kappa > 1e-4 {
@@ -100,7 +99,7 @@ mod tests {
     fn its_ends_are_kept() {
         assert_eq!(unpack(pack([0.0; 3], 0.0)), (DVec3::ZERO, 0.0));
         assert_eq!(unpack(pack([1.0, -1.0, 0.0], 0.0)).0, DVec3::new(1.0, -1.0, 0.0));
-        // The largest curvature there is, and what no curvature is.
+        // The largest curvature that stage `curvature` can give, and a value beyond any curvature.
         assert!((unpack(pack([0.0; 3], 1.74e4)).1 / 1.74e4 - 1.0).abs() < 2.5e-4);
         assert!(unpack(pack([0.0; 3], f32::MAX)).1 > 3e4);
     }

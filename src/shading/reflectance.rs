@@ -1,20 +1,20 @@
-//! The curvature-dependent reflectance function (CDRF), equation 1 of Kubo et al. 2010, in `f64`: what the kernels are
-//! tested against.
+//! The curvature-dependent reflectance function (CDRF), equation 1 of Kubo et al. 2010, in `f64`: the reference that
+//! the kernels are tested against.
 //!
-//! `f(theta, sigma)` is max(cos, 0) over the whole circle, convolved with a Gaussian of standard deviation `sigma =
-//! sigma_0 kappa` in the angle: light that arrives at one place of a circle of curvature kappa leaves around it. The
-//! cosine is periodic: a Gaussian wider than the circle goes round, so that no light is lost, and f tends to 1 / pi.
+//! `f(theta, sigma)` is max(cos, 0) on the circle, convolved with a Gaussian of standard deviation `sigma = sigma_0
+//! kappa` in the angle: light that arrives at one point of a circle of curvature kappa leaves around it. The cosine
+//! is periodic: a Gaussian wider than the circle wraps around, so that no light is lost, and f tends to 1 / pi.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::OnceLock;
 
 use crate::dipole::form_factor::gauss::{Node, legendre};
 
-/// From this sigma on the cosine series needs few terms; below, quadrature over the Gaussian needs few nodes.
+/// From this sigma on, the cosine series needs few terms; below it, quadrature over the Gaussian needs few nodes.
 const WIDE: f64 = 0.5;
-/// How far the Gaussian is followed, in standard deviations: 3e-12 of it lies beyond.
+/// Where the Gaussian is truncated, in standard deviations: 3e-12 of it lies beyond.
 const FAR: f64 = 7.0;
-/// Terms of the series: what follows is below 1e-17 from [`WIDE`] on.
+/// Terms of the series: from [`WIDE`] on, the rest is below 1e-17.
 const TERMS: i32 = 9;
 /// Nodes of the quadrature.
 const NODES: usize = 40;
@@ -31,11 +31,11 @@ pub fn cdrf(cosine: f64, sigma: f64) -> f64 {
         let sum: f64 = (1..=TERMS).map(|n| term(n, sigma) * (f64::from(2 * n) * theta).cos()).sum();
         return (1.0 / PI + 0.5 * (-0.5 * sigma * sigma).exp() * cosine + 2.0 / PI * sum).max(0.0);
     }
-    // The lit half of the circle, and of the next ones on both sides.
+    // The lit half of the circle, and of its neighbouring periods.
     [-TAU, 0.0, TAU].into_iter().map(|turn| lobe(theta - turn, sigma)).sum()
 }
 
-/// (-1)^(n+1) / (4 n^2 - 1) e^(-2 n^2 sigma^2): of the even cosines of max(cos, 0), blurred.
+/// (-1)^(n+1) / (4 n^2 - 1) e^(-2 n^2 sigma^2): coefficient of the even cosines in the blurred max(cos, 0).
 fn term(n: i32, sigma: f64) -> f64 {
     let square = f64::from(n * n);
     let sign = if n % 2 == 0 { -1.0 } else { 1.0 };
@@ -46,7 +46,7 @@ fn term(n: i32, sigma: f64) -> f64 {
 fn lobe(theta: f64, sigma: f64) -> f64 {
     static RULE: OnceLock<Vec<Node>> = OnceLock::new();
     let rule = RULE.get_or_init(|| legendre(NODES));
-    // In standard deviations from theta, which however small a sigma leaves apart.
+    // Limits in standard deviations from theta: they stay distinct however small sigma is.
     let (low, high) = (((-FRAC_PI_2 - theta) / sigma).max(-FAR), ((FRAC_PI_2 - theta) / sigma).min(FAR));
     if low >= high {
         return 0.0;
@@ -59,8 +59,8 @@ fn lobe(theta: f64, sigma: f64) -> f64 {
     half * rule.iter().map(at).sum::<f64>() / TAU.sqrt()
 }
 
-/// What the CDRF multiplies harmonics of degree 0, 1 and 2 of light from all around by: 2 pi times the integrals of
-/// f(mu) P_l(mu) over mu from -1 to 1. At sigma 0 they are Lambert's, pi, 2 pi / 3 and pi / 4.
+/// Factors by which the CDRF multiplies degrees 0, 1 and 2 of the environment's spherical harmonics: 2 pi times the
+/// integrals of f(mu) P_l(mu) over mu from -1 to 1. At sigma 0 they are Lambert's: pi, 2 pi / 3 and pi / 4.
 #[must_use]
 pub fn zonal(sigma: f64) -> [f64; 3] {
     // The integral of cos(2 n t) sin t over t from 0 to pi, and of the same times P_2 = (1 + 3 cos 2 t) / 4.
@@ -71,8 +71,8 @@ pub fn zonal(sigma: f64) -> [f64; 3] {
     [4.0 + sum(&of), TAU / 3.0 * (-0.5 * sigma * sigma).exp(), sum(&second)]
 }
 
-/// Light that a ball gives back against what Lambert's cosine would: rho(sigma), from 1 to 4 / pi. The function blurs
-/// along a circle; over a ball that gains energy, which the paper does not mention.
+/// Energy reflected by a ball relative to Lambert's cosine: rho(sigma), from 1 to 4 / pi. The CDRF blurs along a
+/// circle; over a ball that gains energy, which the paper does not mention.
 #[must_use]
 pub fn gain(sigma: f64) -> f64 {
     zonal(sigma)[0] / PI

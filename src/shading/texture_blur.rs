@@ -1,7 +1,7 @@
-//! Stage `texture_blur`: radiance of each pixel from the blurred light at its place in the texture.
+//! Stage `texture_blur`: radiance of each pixel from the blurred irradiance at its texture coordinates.
 //!
-//! L = F_t(w_o) / pi times the sum over the Gaussians of weight times light, linear between the four texels round the
-//! place of those that show a surface.
+//! L = F_t(w_o) / pi times the sum over the Gaussians of weight times blurred irradiance, interpolated bilinearly
+//! among those of the four nearest texels that show a surface.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -14,7 +14,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "texture_blur",
     module: "shading",
@@ -33,7 +33,7 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// The sum over the Gaussians at a place, (0, 0) the upper left corner of the texture.
+/// The weighted sum over the Gaussians at texture coordinates whose origin is the texture's upper left corner.
 fn blurred(state: &State, number: usize, at: DVec2) -> DVec3 {
     let (data, own): (_, &Unwrapping) = (&state.data, &state.data.unwrappings[number]);
     let at = at * f64::from(own.side) - 0.5;
@@ -64,7 +64,7 @@ fn pixel(state: &State, hit: &Hit, before: [f32; 3]) -> [f32; 3] {
     if params.irradiance_map == 0 {
         return before;
     }
-    // Whole repetitions are taken off: where an edge does not go on at the other one the triangle lies in one.
+    // Remove whole repetitions; where the texture does not wrap around, a triangle lies within one repetition.
     let [u, v] = [hit.u, hit.v].map(f64::from);
     let middle = place(data, hit.face as usize, 1.0 / 3.0, 1.0 / 3.0).floor();
     let sum = blurred(state, params.irradiance_map as usize - 1, place(data, hit.face as usize, u, v) - middle);

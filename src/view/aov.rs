@@ -1,5 +1,5 @@
-//! Layers beside the picture in an OpenEXR file, for compositing and for a look behind a picture: floats, and whole
-//! numbers for what must not be blended.
+//! Layers beside the picture in an OpenEXR file, for compositing and inspection: floats, and integers for values that
+//! must not be blended.
 
 use std::path::Path;
 
@@ -17,11 +17,11 @@ use crate::error::Result;
 pub enum Samples {
     /// Linear, in the scene's units.
     Float(Vec<f32>),
-    /// Numbers of things, and how many; no thing has the number of all ones.
+    /// Indices, where all ones means none; or counts.
     Whole(Vec<u32>),
 }
 
-/// A layer: its name, and its channels by theirs.
+/// A layer: its name, and its channels by name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
     /// The name, without spaces.
@@ -31,21 +31,21 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// Three floats a pixel.
+    /// Three floats per pixel.
     #[must_use]
     pub fn vector(name: &'static str, channels: [&'static str; 3], values: &[[f32; 3]]) -> Self {
         let one = |c: usize| (channels[c], Samples::Float(values.iter().map(|v| v[c]).collect()));
         Self { name, channels: (0..3).map(one).collect() }
     }
 
-    /// One value a pixel.
+    /// One value per pixel.
     #[must_use]
     pub fn single(name: &'static str, channel: &'static str, samples: Samples) -> Self {
         Self { name, channels: vec![(channel, samples)] }
     }
 }
 
-/// Writes the picture as the layer `picture`, and the others after it.
+/// Writes the picture as the layer `picture`, followed by the other layers.
 pub fn save(picture: &Picture, layers: &[Layer], path: &Path) -> Result<()> {
     let size = (picture.width, picture.height);
     let first = Layer::vector("picture", ["R", "G", "B"], &picture.pixels);

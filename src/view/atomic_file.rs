@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all: written beside their place, then moved there.
+//! Files that appear whole or not at all: written beside their destination, then moved there.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Cursor;
@@ -9,19 +9,19 @@ use std::sync::{Mutex, MutexGuard};
 use crate::error::{Input, Result};
 use crate::scene::was_read;
 
-/// What is being written now, and is to be removed if the program is stopped.
+/// Partial files and folders, to be removed if the program is stopped.
 static PARTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
     PARTS.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
-/// A file or folder that is not where it belongs yet; removed when dropped.
+/// A file or folder that has not been moved to its destination yet; removed when dropped.
 #[derive(Debug)]
 pub struct Part(PathBuf);
 
 impl Part {
-    /// At this path, at which nothing is yet.
+    /// At this path, where nothing exists yet.
     pub fn new(path: PathBuf) -> Self {
         parts().push(path.clone());
         Self(path)
@@ -45,15 +45,15 @@ fn remove(path: &Path) {
     let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
 }
 
-/// Removes all parts and runs `last`, which does not return; nothing new is begun meanwhile.
+/// Removes all parts and runs `last`, which does not return; holds the lock, so that no new part is begun.
 pub fn abandon(last: impl FnOnce()) {
     let parts = parts();
     parts.iter().for_each(|part| remove(part));
     last();
 }
 
-/// Lets `write` fill a file beside `path`, then moves it there: a reader never sees half of it. What is no ordinary
-/// file, as a device or a pipe, is written as it is.
+/// Lets `write` fill a file beside `path`, then moves it there: a reader never sees half of it. If `path` is a device
+/// or a pipe rather than a regular file, it is written directly.
 pub fn write_atomically(path: &Path, write: impl FnOnce(&Path) -> std::result::Result<(), String>) -> Result<()> {
     let fault = |what: String| Input::new(format!("could not be written: {what}")).file(path).into();
     match std::fs::metadata(path) {
@@ -61,7 +61,7 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&Path) -> std::result::R
         Ok(known) if !known.is_file() => return write(path).map_err(fault),
         _ => {}
     }
-    // Through a link, to what it names.
+    // Follow a link to its target.
     let path = &path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     if was_read(path) {
         return Err(fault("it was read to make this; give the output another name".into()));
@@ -70,8 +70,9 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&Path) -> std::result::R
     write(part.path()).and_then(|()| std::fs::rename(part.path(), path).map_err(|e| e.to_string())).map_err(fault)
 }
 
-/// A part beside a path, of a short name: that of the path may be as long as names can be. Processes of other machines
-/// may have the same number, and write other files of this folder: so it depends on the name.
+/// A part beside a path. Its name is short, because that of the path may be as long as names can be; it contains a
+/// hash of the path's name, because processes on other machines may have the same number and write other files of
+/// this folder.
 fn beside(path: &Path) -> Part {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
@@ -80,8 +81,8 @@ fn beside(path: &Path) -> Part {
     Part::new(path.with_file_name(format!(".{:016x}.{}-{number}.part", name.finish(), std::process::id())))
 }
 
-/// An error where one of these files could not be written, or is another one of them, before there is work that would
-/// be lost. Each goes with the argument that names it.
+/// An error if one of these files could not be written, or is the same as another, before there is work to lose. Each
+/// path comes with the argument that names it.
 pub fn ready<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>)>) -> Result<()> {
     let mut before: Vec<(&str, PathBuf)> = Vec::new();
     for (key, path) in paths.into_iter().filter_map(|(key, path)| Some((key, path?))) {
@@ -94,7 +95,7 @@ pub fn ready<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>)>
         }
         let part = beside(path);
         std::fs::write(part.path(), "").map_err(|error| fault(error.to_string()))?;
-        // The folder is there; an empty name is this one's.
+        // The folder exists; an empty name is the current one.
         let folder = part.path().parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let folder = folder.canonicalize().unwrap_or_default();
         let place = path.canonicalize().unwrap_or_else(|_| folder.join(path.file_name().unwrap_or_default()));
@@ -106,8 +107,8 @@ pub fn ready<'a>(paths: impl IntoIterator<Item = (&'a str, Option<&'a PathBuf>)>
     Ok(())
 }
 
-/// The same for what a library encodes: it writes to memory, because a file's last bytes may fail where it does not
-/// look.
+/// The same for an encoder of a library. It writes to memory, because it may overlook that the last bytes of a file
+/// could not be written.
 pub fn encode_atomically(
     path: &Path,
     encode: impl FnOnce(&mut Cursor<Vec<u8>>) -> std::result::Result<(), String>,

@@ -1,4 +1,4 @@
-//! Stage `backdrop`: the environment, where a pixel's ray meets nothing.
+//! Stage `backdrop`: the environment, where a pixel's ray hits nothing.
 
 use rayon::prelude::*;
 
@@ -10,7 +10,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "backdrop",
     module: "view",

@@ -1,4 +1,4 @@
-//! From radiosity to a picture.
+//! From radiosity to a picture, and files on disk.
 
 pub mod aov;
 pub mod atomic_file;

@@ -1,4 +1,4 @@
-//! Pictures on disk: linear OpenEXR, or PNG after exposure, tone curve and the sRGB curve.
+//! Pictures on disk: linear OpenEXR, or PNG after exposure, tone curve and sRGB transfer curve.
 
 use std::path::Path;
 
@@ -34,14 +34,14 @@ pub fn filmic(exposed: f64) -> f64 {
 }
 
 impl Picture {
-    /// Eight bits a channel: the camera's exposure and tone curve, then the sRGB curve, rounded.
+    /// Eight bits per channel: exposure and tone curve of the camera, then the sRGB curve, rounded.
     pub fn bytes(&self, camera: &Camera) -> Vec<u8> {
         let tone = |exposed: f64| if camera.tone == Tone::Filmic { filmic(exposed) } else { exposed };
         let byte = |x: &f32| (encode(tone(f64::from(*x) * camera.exposure)) * 255.0 + 0.5) as u8;
         self.pixels.iter().flat_map(|pixel| pixel.iter().map(byte)).collect()
     }
 
-    /// Writes a `.png` as the camera has it or a linear `.exr`, by the name's ending.
+    /// Writes a `.png` with the camera's exposure and tone curve, or a linear `.exr`; the extension decides.
     pub fn save(&self, path: &Path, camera: &Camera) -> Result<()> {
         match kind(path)? {
             Kind::Png => encode_atomically(path, |file| {
@@ -78,7 +78,7 @@ fn kind(path: &Path) -> Result<Kind> {
     }
 }
 
-/// Checks before any work that a picture of this name could be written.
+/// Checks the picture's extension before any work is done.
 pub fn check(path: &Path) -> Result<()> {
     kind(path).map(|_| ())
 }

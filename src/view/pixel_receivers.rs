@@ -1,9 +1,10 @@
-//! Stage `pixel_receivers`: where the picture shows an object, as receivers of light: radiosity depends on the place
-//! only, so it can be had right there instead of between the vertices.
+//! Stage `pixel_receivers`: the visible points of an object as receivers of light. Radiosity depends on position
+//! only, so it can be computed there instead of being interpolated between vertices.
 //!
-//! A tile of 4 x 4 pixels may show the object's edge with another part of it far behind. Its places are parted into up
-//! to [`TILE_BLOCKS`] blocks, each a place and what lies near it, so that no block is much wider than a tile of a
-//! slanting surface. What belongs to none of four goes with the last one, about whose middle no light is expanded then.
+//! A tile of 4 x 4 pixels may show the object's edge and another part of it far behind. Its points are divided into
+//! up to [`TILE_BLOCKS`] blocks, each a first point and the points near it, so that no block is much wider than a
+//! tile of a slanted surface. Points near none of the four go into the last block, about whose centre no light is
+//! expanded then.
 
 use rayon::prelude::*;
 
@@ -17,7 +18,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "pixel_receivers",
     module: "view",
@@ -43,30 +44,30 @@ pub static STAGE: Stage = Stage {
 
 pub use crate::layout::TILE_BLOCKS as LAYERS;
 
-/// Receivers of a tile.
+/// Receivers in a tile.
 const RECEIVERS: u32 = BLOCK_RECEIVERS as u32;
 const _: () = assert!(RECEIVERS == TILE_SIDE * TILE_SIDE);
 
-/// Tiles of a picture of this size.
+/// Number of tiles in a picture of this size.
 #[must_use]
 pub fn tiles([width, height]: [u32; 2]) -> u32 {
     width.div_ceil(TILE_SIDE) * height.div_ceil(TILE_SIDE)
 }
 
-/// The pixel of a place, if the picture reaches so far.
+/// The pixel at position `k` of a tile, if it lies in the picture.
 fn pixel(camera: &Camera, tile: u32, k: u32) -> Option<usize> {
     let across = camera.width.div_ceil(TILE_SIDE);
     let (column, row) = (tile % across * TILE_SIDE + k % TILE_SIDE, tile / across * TILE_SIDE + k / TILE_SIDE);
     (column < camera.width && row < camera.height).then(|| (row * camera.width + column) as usize)
 }
 
-/// The place that a pixel shows, between the corners of its triangle: in `f32`, since rays start there.
+/// The point that a pixel shows, interpolated between its triangle's corners; in `f32`, since rays start there.
 pub(super) fn place(hit: &Hit, [a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
     let first = 1.0 - hit.u - hit.v;
     std::array::from_fn(|axis| first * a[axis] + hit.u * b[axis] + hit.v * c[axis])
 }
 
-/// A tile's places and pixels, layer by layer, and whether one belongs to none of them.
+/// A tile's points with their pixels, block by block; `torn` if a point is near no block.
 #[derive(Default)]
 struct Tile {
     layers: [Vec<(usize, [f32; 3])>; TILE_BLOCKS as usize],
@@ -74,7 +75,7 @@ struct Tile {
 }
 
 impl Tile {
-    /// Puts a place where it belongs: decisions in `f32`.
+    /// Adds a point to the first block that it is near; decisions in `f32`.
     fn put(&mut self, camera: &Camera, pixel: usize, place: [f32; 3], depth: f32) {
         let square = |v: [f32; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
         let width = camera.width as f32;
@@ -155,7 +156,7 @@ mod tests {
 
     #[test]
     fn what_is_far_apart_is_parted() {
-        // Ten pixels wide, 90 degrees: at depth 1 a pixel is 0.2 wide, half of that 0.1, and 32 of those are 3.2.
+        // Ten pixels, 90 degrees: at depth 1 a pixel is 0.2 wide; half of that is 0.1, and 32 times that is 3.2.
         let camera = Camera { width: 10, right: [1.0, 0.0, 0.0], ..Camera::default() };
         let mut tile = Tile::default();
         for (pixel, z) in [0.0, -3.0, 10.0, 9.0, 20.0, 30.0].into_iter().enumerate() {

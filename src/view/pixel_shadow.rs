@@ -1,5 +1,5 @@
-//! Stage `pixel_shadow`: whether each light that casts shadows reaches what each pixel shows of an opaque object, a ray
-//! from the very place each: shadows on it have borders as sharp as the picture, whatever its triangles are.
+//! Stage `pixel_shadow`: whether each light that casts shadows reaches the point of an opaque object that a pixel
+//! shows, by a ray from that point: shadow borders are as sharp as the picture, however coarse the triangles.
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::layout::{BufferId, Light, NONE, Rays};
 use crate::lighting::shadow::{RAYS, free};
 use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update};
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "pixel_shadow",
     module: "view",

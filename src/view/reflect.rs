@@ -1,10 +1,10 @@
-//! Stage `reflect`: what the surface reflects of the lights and of the environment, times the Fresnel reflectance of
-//! the material's boundary, 1 - F_t.
+//! Stage `reflect`: reflection of lights and environment at the surface, times the Fresnel reflectance of the
+//! material's boundary, 1 - F_t.
 //!
-//! GGX: D G F / (4 (n.v) (n.l)), F at the facet. Phong: (m + 2) / (2 pi) cos^m F, F at the normal, cos from the mirror
-//! direction. Of the environment a sum over [`DIRECTIONS`] fixed facets, or directions, drawn by D or by the lobe. The
-//! normal is the vertices', on the triangle's side that is seen; where it is turned away at a silhouette, n.v counts as
-//! |n.v|.
+//! GGX: D G F / (4 (n.v) (n.l)), F at the facet. Phong: (m + 2) / (2 pi) cos^m F, F at the normal, cos from the
+//! mirror direction. The environment is a sum over [`DIRECTIONS`] fixed facets or directions, distributed as D or as
+//! the lobe. The interpolated vertex normal is used, on the visible side of the triangle; where it faces away at a
+//! silhouette, n.v counts as |n.v|.
 
 use std::f64::consts::{PI, TAU};
 
@@ -22,7 +22,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "reflect",
     module: "view",
@@ -46,15 +46,15 @@ fn skip(state: &State) -> Option<&'static str> {
     dull.then_some("the material's surface reflects nothing")
 }
 
-/// Directions in which the environment is looked up.
+/// Number of environment look-ups per pixel.
 pub const DIRECTIONS: u32 = 32;
 
-/// Those directions, about the z axis; of use where the surface reflects.
+/// Their facets or directions, about the z axis; only meaningful for an object that reflects.
 #[must_use]
 pub fn lobe(params: &ObjectParams) -> Vec<[f32; 3]> {
     let shape = f64::from(params.roughness);
     let direction = |k: u32| {
-        // A golden-ratio lattice in the square, bent so that it follows the lobe.
+        // A golden-ratio lattice in the unit square, mapped to the distribution of the lobe.
         let u = (f64::from(k) + 0.5) / f64::from(DIRECTIONS);
         let turn = TAU * (f64::from(k) * 0.618_033_988_749_894_9).fract();
         let cosine = match params.reflection {
@@ -67,19 +67,19 @@ pub fn lobe(params: &ObjectParams) -> Vec<[f32; 3]> {
     (0..DIRECTIONS).map(direction).collect()
 }
 
-/// G / (4 (n.v) (n.l)) by Smith's lambda for GGX.
+/// G / (4 (n.v) (n.l)) with Smith's lambda for GGX.
 fn masking(alpha: f64, seen: f64, lights: f64) -> f64 {
     let slope = |cosine: f64| (alpha * alpha + (1.0 - alpha * alpha) * cosine * cosine).sqrt();
     0.5 / (lights * slope(seen) + seen * slope(lights)).max(1e-30)
 }
 
-/// D of a facet by its tangent from the normal.
+/// D of a facet, by the cosine of its angle to the normal.
 fn facets(alpha: f64, cosine: f64) -> f64 {
     let (c2, a2) = (cosine * cosine, alpha * alpha);
     a2 / (PI * (c2 * (a2 - 1.0) + 1.0).powi(2))
 }
 
-/// Radiance that one pixel gets by reflection, internal units.
+/// Reflected radiance of one pixel, internal units.
 fn reflected(state: &State, pixel: usize, hit: &Hit) -> DVec3 {
     let (data, camera) = (&state.data, &state.data.camera[0]);
     let Some(corners) = data.triangles.get(hit.face as usize) else { return DVec3::ZERO };
@@ -181,7 +181,7 @@ mod tests {
         for alpha in [0.01, 0.2, 1.0] {
             let steps = 200_000;
             let at = |i: u32| (f64::from(i) + 0.5) / f64::from(steps);
-            // In s, cos = 1 - s^4: narrow lobes lie near s = 0.
+            // With the substitution cos = 1 - s^4: narrow lobes lie near s = 0.
             let term = |s: f64| facets(alpha, 1.0 - s.powi(4)) * (1.0 - s.powi(4)) * TAU * 4.0 * s.powi(3);
             let sum = (0..steps).map(|i| term(at(i))).sum::<f64>() / f64::from(steps);
             assert!((sum - 1.0).abs() < 1e-4, "{alpha}: {sum}");

@@ -1,6 +1,6 @@
 //! Stage `shade`: the radiance that leaves towards the eye, equation 3, from radiosity interpolated between vertices.
 //!
-//! Over all directions that is (1 - F_ext) B; with `normalize_exit` the frame's factor `exit` makes it B.
+//! Its integral over all directions is (1 - F_ext) B; with `normalize_exit` the object's factor `exit` makes that B.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, narrow, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "shade",
     module: "view",

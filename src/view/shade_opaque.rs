@@ -1,8 +1,8 @@
-//! Stage `shade_opaque`: the radiance of opaque objects, from the light that arrives at the very places that the pixels
+//! Stage `shade_opaque`: the radiance of opaque objects, from the light that arrives at the points that the pixels
 //! show.
 //!
-//! L = F_t(w_o) albedo E / pi with E of equation 5 by the normal between the vertices. That of a triangle's own plane
-//! decides which lights it is turned to.
+//! L = F_t(w_o) albedo E / pi, with E of equation 5 for the interpolated vertex normal. Which lights the surface
+//! faces is decided by the triangle's own normal.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -16,7 +16,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "shade_opaque",
     module: "view",
@@ -35,7 +35,7 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// Radiance of one pixel, if it shows such an object.
+/// Radiance of one pixel; none unless it shows an opaque object lit per pixel.
 fn radiance(state: &State, pixel: usize, hit: &Hit) -> Option<[f32; 3]> {
     let (data, camera) = (&state.data, &state.data.camera[0]);
     let corners = data.triangles.get(hit.face as usize)?;

@@ -1,4 +1,4 @@
-//! Stage `texture_out`: light that leaves towards the eye is multiplied by the texture at the place that is seen.
+//! Stage `texture_out`: multiplies the light towards the eye by the texture at the visible point.
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "texture_out",
     module: "view",

@@ -1,4 +1,4 @@
-//! Stage `visibility`: the triangle that each pixel's ray meets first.
+//! Stage `visibility`: the first triangle that each pixel's ray hits.
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "visibility",
     module: "view",
@@ -28,7 +28,7 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// The ray through a pixel, from the eye, the very one of the shader: its scale is free, so nothing is divided.
+/// The ray from the eye through a pixel, exactly as in the shader. It is not normalised, so nothing is divided.
 #[must_use]
 pub fn ray(camera: &Camera, pixel: u32) -> [f32; 3] {
     let (w, h) = (camera.width as f32, camera.height as f32);

@@ -1,4 +1,4 @@
-//! What one scene's frame needs otherwise than another's.
+//! Differences between the needs of two scenes' frames.
 
 use std::collections::BTreeMap;
 
@@ -7,10 +7,10 @@ use milkglass::error::Result;
 use milkglass::pipeline::plan::Change;
 use milkglass::session::run::Session;
 
-/// Section, key and value of all that a plan lists, and the order of the sections.
+/// Names of the sections, in order.
 const SECTIONS: [&str; 4] = ["stage", "kernel", "buffer", "left out"];
 
-/// A table of what differs; a dash is what one of them is without.
+/// A table of the differences; a dash marks what one of them lacks.
 pub(super) fn text(one: &Session, other: &Session) -> Result<String> {
     let [first, second] = [listed(one)?, listed(other)?];
     let mut rows = Vec::new();
@@ -30,7 +30,7 @@ pub(super) fn text(one: &Session, other: &Session) -> Result<String> {
     Ok(table(&["", "what", &format!("{left}, as asked for"), &right], &[], &rows))
 }
 
-/// All that a plan lists, by section and key.
+/// Everything that a plan lists: values by section and key.
 fn listed(session: &Session) -> Result<BTreeMap<(usize, String), String>> {
     let mut list = BTreeMap::new();
     for need in session.needs(Change::EVERYTHING.and(Change::RELINK))? {

@@ -1,4 +1,4 @@
-//! Margins: texels round an island hold what lies across its border.
+//! Margins: the texels around an island, filled from the surface across its border.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -10,19 +10,19 @@ use super::{LEAST, NONE};
 #[derive(Clone, Debug, Default)]
 pub struct Sheet {
     faces: Vec<u32>,
-    /// Its half-edges that the island ends at.
+    /// The half-edges of the island's border.
     pub border: Vec<u32>,
-    /// The outermost places.
+    /// The corners of the bounding box, texels.
     low: DVec2,
     high: DVec2,
-    /// Areas, in texels and scene units.
+    /// Areas of the island, in texels and in scene units.
     areas: [f64; 2],
     /// Width of the margin.
     pub wide: u32,
 }
 
 impl Sheet {
-    /// Adds a triangle.
+    /// Adds a triangle to the island.
     pub fn hold(&mut self, face: u32, faces: &Faces<'_>) {
         let [a, b, c] = faces.places[face as usize];
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
@@ -34,19 +34,19 @@ impl Sheet {
         self.faces.push(face);
     }
 
-    /// The margin that this share of a length takes here, in texels.
+    /// Width of the margin that covers `share` of the length `reach` (scene units) at this island's scale, in texels.
     pub fn margin(&self, reach: f64, share: f64) -> f64 {
         let density = (self.areas[0] / self.areas[1].max(f64::MIN_POSITIVE)).sqrt();
         (reach * share * density).ceil().clamp(LEAST, 1e5)
     }
 
-    /// Texels with such a margin.
+    /// Number of texels, with a margin of this width.
     pub fn texels(&self, margin: f64) -> f64 {
         let size = self.high.ceil() - self.low.floor() + 1.0 + 2.0 * margin;
         size.x * size.y
     }
 
-    /// Texels that are looked at, one by one, for what is covered and, in such a margin, nearest.
+    /// Number of texel tests to find the covered texels and, in a margin of this width, the nearest border edges.
     pub fn work(&self, faces: &Faces<'_>, margin: f64) -> f64 {
         let area = |low: DVec2, high: DVec2| (high - low + 1.0).element_product();
         let of_face = |&face: &u32| {
@@ -60,31 +60,31 @@ impl Sheet {
         self.faces.iter().map(of_face).sum::<f64>() + self.border.iter().map(of_edge).sum::<f64>()
     }
 
-    /// Settles on a margin.
+    /// Sets the margin's width and adds it to the bounding box.
     pub fn place(&mut self, margin: f64) {
         self.wide = margin as u32;
         (self.low, self.high) = (self.low.floor() - margin, self.high.ceil() + margin);
     }
 
-    /// The centre of its first texel, once it is settled.
+    /// The centre of the first texel; valid after `place`.
     pub fn low(&self) -> DVec2 {
         self.low
     }
 
-    /// Width and height, once it is settled.
+    /// Width and height in texels; valid after `place`.
     pub fn size(&self) -> (usize, usize) {
         let size = self.high - self.low;
         (size.x as usize + 1, size.y as usize + 1)
     }
 
-    /// Where a texel lies in a list of rows, if it is one of its own.
+    /// Index of a texel in row order, if it lies in the sheet.
     fn index(&self, at: DVec2) -> Option<usize> {
         let inside = at.cmpge(self.low).all() && at.cmple(self.high).all();
         let from = at - self.low;
         inside.then(|| from.y as usize * self.size().0 + from.x as usize)
     }
 
-    /// Calls for each texel of its own from one place to another.
+    /// Calls `visit` for each texel of the sheet between two corners.
     fn each(&self, low: DVec2, high: DVec2, mut visit: impl FnMut(usize, DVec2)) {
         let (low, high) = (low.max(self.low).ceil(), high.min(self.high).floor());
         for y in low.y as i64..=high.y as i64 {
@@ -95,7 +95,7 @@ impl Sheet {
         }
     }
 
-    /// Which texels a triangle covers.
+    /// Which texels are covered by a triangle.
     fn covered(&self, faces: &Faces<'_>) -> Vec<bool> {
         let mut covered = vec![false; self.size().0 * self.size().1];
         for &face in &self.faces {
@@ -108,8 +108,8 @@ impl Sheet {
         covered
     }
 
-    /// For each texel in the margin the edge of the border that is nearest; at a corner the one that it is farther out
-    /// of.
+    /// For each texel outside the triangles, the nearest edge of the border; of two that meet at the nearest corner,
+    /// the one whose line is farther away.
     fn nearest(&self, faces: &Faces<'_>, covered: &[bool]) -> Vec<u32> {
         let mut best = vec![(f64::INFINITY, 0.0, NONE); covered.len()];
         for &half in &self.border {
@@ -134,8 +134,8 @@ impl Sheet {
     }
 }
 
-/// The texels of each sheet, rows from the top, `runs` maps one after the other; `of` is each triangle's sheet, `own` a
-/// texel of the user's maps, by column, row and map.
+/// The texels of each sheet, rows from the top, `runs` maps one after another. `of` is the sheet of each triangle;
+/// `own` is a texel of the user's maps, by column, row and map.
 pub fn fill(
     faces: &Faces<'_>,
     sheets: &[Sheet],
@@ -146,7 +146,7 @@ pub fn fill(
     let covered: Vec<Vec<bool>> = sheets.par_iter().map(|sheet| sheet.covered(faces)).collect();
     let texel = |at: DVec2, run: usize| own(at.x as i64, at.y as i64, run);
 
-    // What a triangle has at a place of its own, from texels that its island covers if there are any.
+    // Bilinear look-up at a point of a triangle, from texels that its island covers if there are any.
     let looked = |face: u32, weight: [f64; 3], run: usize| {
         let (island, places) = (of[face as usize] as usize, faces.places[face as usize]);
         let at: DVec2 = (0..3).map(|k| weight[k] * places[k]).sum();

@@ -1,9 +1,9 @@
-//! Islands: the pieces that a mesh's texture coordinates fall into at their seams. The march goes on in texture space,
-//! where beyond a seam lies what belongs to nothing or to something else.
+//! Islands: the pieces into which a mesh's texture coordinates fall at their seams. The march continues in texture
+//! space; beyond a seam the texels belong to nothing or to another part of the surface.
 //!
-//! Where a mesh has seams its maps are laid out again, once, when the scene is loaded: each island by itself, moved by
-//! whole texels, so that what its triangles cover stays as it is, in a margin of what lies across its border
-//! (`margin`), as wide as rays go or as memory allows. Places beyond that count as its outermost texels. The user's
+//! For a mesh with seams the maps are rearranged once, when the scene is loaded. Each island is moved by whole
+//! texels, so that the texels of its triangles keep their values, and gets a margin filled from across its border
+//! (`margin`), as wide as rays reach or as memory allows. Beyond the margin its outermost texels repeat. The user's
 //! maps are not changed.
 
 mod margin;
@@ -21,49 +21,50 @@ use walk::Faces;
 
 /// No half-edge.
 const NONE: u32 = u32::MAX;
-/// Places nearer than this are one, in texels.
+/// Largest distance between equal positions in the maps, in texels.
 const SAME: f64 = 1e-2;
-/// Texels of islands and margins, all layers together, or twice the user's own if those are more.
+/// Most texels of islands and margins, over all maps; or twice the number of the user's texels if that is more.
 const MOST: usize = 1 << 21;
-/// Most texels that are looked at for all triangles and borders together.
+/// Most texel tests for all triangles and borders together.
 const MOST_WORK: f64 = (1u64 << 33) as f64;
-/// Fewest texels in a margin: what lies between two centres needs one.
+/// Narrowest margin, in texels: enough for bilinear look-ups.
 const LEAST: f64 = 2.0;
 
-/// A mesh's maps laid out by islands.
+/// A mesh's maps, rearranged by islands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Atlas {
     /// Width and height, in texels.
     pub size: [u32; 2],
-    /// As [`DepthMap::texels`].
+    /// In the layout of [`DepthMap::texels`].
     pub texels: Vec<[f32; 4]>,
-    /// Of each triangle of the mesh its corners' places, and its island's part of the atlas.
+    /// For each triangle of the mesh, its corners' positions in the atlas and the bounds of its island there.
     pub places: Vec<Island>,
     /// Number of islands.
     pub islands: usize,
-    /// Edges at which they meet.
+    /// Edges at which islands meet.
     pub seams: usize,
     /// Widest margin, in texels.
     pub margin: u32,
-    /// How far that reaches, as a share of what was asked for, 0 to 1.
+    /// The share of the requested reach that the margins cover, 0 to 1.
     pub share: f64,
 }
 
-/// Why a mesh's maps are looked at as they are.
+/// Why a mesh's maps are used unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Whole {
-    /// Its texture coordinates go on over every edge.
+    /// Its texture coordinates are continuous across every edge.
     Seamless,
-    /// Islands with the narrowest margins take this many texels, more than there may be.
+    /// Even with the narrowest margins the islands take this many texels, which exceeds the limit.
     TooLarge(usize),
-    /// Triangles lie over one another in the maps so often that it would take too long to lay them out.
+    /// Its triangles overlap in the maps so much that filling the atlas would take too long.
     TooFolded,
 }
 
-/// The mesh's maps by islands, each with a margin that rays of length `reach` (scene units) do not leave.
+/// The mesh's maps by islands, each with a margin wide enough for rays of length `reach` (scene units).
 ///
-/// An edge is a seam where its triangles have different places at both ends, whole repetitions aside; a mesh with seams
-/// is cut, too, where they differ at one end. What lies across an open edge is what the maps have there.
+/// An edge is a seam if its two triangles have different texture coordinates at both ends, up to whole periods. In a
+/// mesh with seams, an edge with different coordinates at one end also separates islands. Beyond an open edge the
+/// maps keep their own texels.
 pub fn atlas(mesh: &Mesh, map: &DepthMap, reach: f64) -> Result<Atlas, Whole> {
     let Some(uvs) = &mesh.uvs else { return Err(Whole::Seamless) };
     let size = DVec2::new(map.size[0].into(), map.size[1].into());
@@ -71,7 +72,7 @@ pub fn atlas(mesh: &Mesh, map: &DepthMap, reach: f64) -> Result<Atlas, Whole> {
     let mut faces = Faces { mesh, twins: mesh.twins(), places: uvs.iter().map(|uvs| uvs.map(place)).collect() };
     let (wrap, period) = (map.wrap.code(), map.wrap.period().map(|sides| sides * size));
 
-    // Which edges are seams, and which go on after a move by whole periods.
+    // Find the seams, and the offset by whole periods across each other edge.
     let whole = |d: DVec2| period.map_or(DVec2::ZERO, |period| (d / period).round() * period);
     let mut moves = vec![None; 3 * uvs.len()];
     let mut seams = 0;
@@ -88,7 +89,7 @@ pub fn atlas(mesh: &Mesh, map: &DepthMap, reach: f64) -> Result<Atlas, Whole> {
         return Err(Whole::Seamless);
     }
 
-    // From triangle to triangle over all other edges.
+    // Flood fill across all other edges, island by island.
     let mut of = vec![NONE; uvs.len()];
     let mut islands = 0;
     for first in 0..uvs.len() {
@@ -103,7 +104,7 @@ pub fn atlas(mesh: &Mesh, map: &DepthMap, reach: f64) -> Result<Atlas, Whole> {
                 let next = faces.twins[half] as usize / 3;
                 if of[next] == NONE {
                     of[next] = islands;
-                    // `moves` are of places as they were; this face has moved by whole periods since.
+                    // `moves` refer to the original positions; this face has since been moved by whole periods.
                     let here = whole(faces.places[face][0] - place(uvs[face][0]));
                     faces.places[next] = faces.places[next].map(|p| p + by + here);
                     waiting.push_back(next);
@@ -115,7 +116,7 @@ pub fn atlas(mesh: &Mesh, map: &DepthMap, reach: f64) -> Result<Atlas, Whole> {
     let closes = |half: usize| moves[half].is_some() && faces.apart(half as u32).is_some_and(|d| d[0].length() < 1.0);
     let border: Vec<u32> = (0..moves.len()).filter(|&half| !closes(half)).map(|half| half as u32).collect();
 
-    // How large each is, and the widest margins that there is room for.
+    // Size of each island, and the widest margins within the limits.
     let mut sheets = vec![Sheet::default(); islands as usize];
     for (face, &island) in of.iter().enumerate() {
         sheets[island as usize].hold(face as u32, &faces);
@@ -133,7 +134,7 @@ pub fn atlas(mesh: &Mesh, map: &DepthMap, reach: f64) -> Result<Atlas, Whole> {
     };
     sheets.iter_mut().for_each(|sheet| sheet.place(sheet.margin(reach, share)));
 
-    // Texel by texel, island by island.
+    // Fill the atlas, island by island.
     let own = |x: i64, y: i64, run: usize| {
         let row = texel(y, map.size[1], wrap) as usize + run * map.size[1] as usize;
         map.texels[row * map.size[0] as usize + texel(x, map.size[0], wrap) as usize]
@@ -161,7 +162,7 @@ pub fn atlas(mesh: &Mesh, map: &DepthMap, reach: f64) -> Result<Atlas, Whole> {
     Ok(Atlas { size, texels: all, places, islands: islands as usize, seams: seams / 2, margin, share })
 }
 
-/// Where the upper left corners of islands come to lie: highest first, row by row; and the size of it all.
+/// Packs the islands in rows, the highest first: the atlas's size and the upper left corner of each island.
 fn pack(sheets: &[Sheet]) -> ([u32; 2], Vec<[u32; 2]>) {
     let sizes: Vec<(usize, usize)> = sheets.iter().map(Sheet::size).collect();
     let area: usize = sizes.iter().map(|(width, height)| width * height).sum();

@@ -1,34 +1,34 @@
-//! From a place beyond an island's border to the triangle that lies there: the triangles are laid out flat, one beside
-//! the other, along the straight way to it.
+//! Finds the triangle at a point beyond an island's border: triangles are unfolded into the plane, one after another,
+//! along the straight line to the point.
 
 use glam::DVec2;
 
 use super::NONE;
 use crate::scene::Mesh;
 
-/// Most triangles that a way crosses.
+/// Most triangles along such a line.
 const FARTHEST: u32 = 10_000;
 
-/// A mesh with its places in the maps, in texels, centres at whole numbers.
+/// A mesh with its corners' positions in the maps, in texels; texel centres are at whole numbers.
 pub struct Faces<'a> {
     pub mesh: &'a Mesh,
-    /// For each half-edge that of the only other triangle.
+    /// For each half-edge, the half-edge of the only other triangle at that edge.
     pub twins: Vec<u32>,
     pub places: Vec<[DVec2; 3]>,
 }
 
-/// What lies at a place beyond a border.
+/// What lies at a point beyond a border.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Across {
     /// This triangle, with the weights of its corners.
     Face(u32, [f64; 3]),
     /// Nothing: the edge itself is open.
     Open,
-    /// None can say: the triangle at the border has no area in the maps.
+    /// Undetermined: for example, the triangle at the border has no area in the maps.
     Unknown,
 }
 
-/// Weights of a triangle's corners at a place; none of a triangle without area.
+/// Barycentric weights of a point; none for a triangle without area.
 pub fn weights([a, b, c]: [DVec2; 3], p: DVec2) -> Option<[f64; 3]> {
     let area = (b - a).perp_dot(c - a);
     let tells = area.abs() > 1e-12 * (b - a).length_squared().max((c - a).length_squared());
@@ -42,13 +42,13 @@ impl Faces<'_> {
         [face[k], face[(k + 1) % 3]]
     }
 
-    /// Their places.
+    /// The same ends as positions in the maps.
     pub fn ends(&self, half: u32) -> [DVec2; 2] {
         let (face, k) = (self.places[half as usize / 3], half as usize % 3);
         [face[k], face[(k + 1) % 3]]
     }
 
-    /// How far these lie from the places that the other triangle has there.
+    /// Offsets of a half-edge's ends from those of its twin; none at an open edge.
     pub fn apart(&self, half: u32) -> Option<[DVec2; 2]> {
         let device_state = self.twins[half as usize];
         if device_state == NONE {
@@ -61,7 +61,8 @@ impl Faces<'_> {
         Some([p - other[0], q - other[1]])
     }
 
-    /// A triangle's corners laid out flat, on the left of the way from a vertex at `p` to another at `q`.
+    /// A triangle's corners unfolded into the plane, to the left of the edge from vertex `from` at `p` to vertex `to`
+    /// at `q`.
     fn laid(&self, face: u32, [from, to]: [u32; 2], [p, q]: [DVec2; 2]) -> [DVec2; 3] {
         let at = |vertex: u32| self.mesh.positions[vertex as usize];
         let (edge, axis) = (at(to) - at(from), (q - p).normalize_or_zero());
@@ -76,12 +77,12 @@ impl Faces<'_> {
         })
     }
 
-    /// What lies at a place in the maps that is beyond this edge of its island.
+    /// What lies at a point of the maps that is beyond this edge of its island.
     pub fn across(&self, half: u32, place: DVec2) -> Across {
         if self.twins[half as usize] == NONE {
             return Across::Open;
         }
-        // The edge on the axis, its own triangle below it, the place above.
+        // Put the edge on the x axis, its own triangle below it, the point above.
         let (face, mut ends) = (half / 3, self.vertices(half));
         let length = self.mesh.positions[ends[0] as usize].distance(self.mesh.positions[ends[1] as usize]);
         let mut axis = [DVec2::ZERO, DVec2::new(length, 0.0)];
@@ -91,7 +92,7 @@ impl Faces<'_> {
         let goal = DVec2::new(goal.x, goal.y.max(1e-9 * length));
         let from = DVec2::new(goal.x.clamp(1e-3 * length, 0.999 * length), 0.0);
 
-        // From edge to edge, what is still to come on the left of each.
+        // Walk from edge to edge; the next triangle lies to the left of each.
         let mut half = half;
         for _ in 0..FARTHEST {
             let face = self.twins[half as usize] / 3;
@@ -102,7 +103,7 @@ impl Faces<'_> {
             }
             let corners = self.mesh.triangles[face as usize];
             let Some(k) = (0..3).find(|&k| !ends.contains(&corners[k])) else { return Across::Unknown };
-            // The way has the third corner on its left or its right.
+            // The line passes the third corner on one side or the other.
             let side = usize::from((goal - from).perp_dot(laid[k] - from) <= 0.0);
             (ends[side], axis[side]) = (corners[k], laid[k]);
             let Some(next) = (3 * face..3 * face + 3).find(|&h| self.vertices(h).iter().all(|v| ends.contains(v)))

@@ -1,7 +1,9 @@
-//! The march's reference: the layered volume itself, and what each approximation of the march costs, one at a time.
+//! Reference for the march: ray marching in the layered volume itself, with each approximation of the march available
+//! separately, to measure its error.
 //!
-//! A place in the volume is as deep as the nearest point of the surface is far, and its layers are those of the maps
-//! there. Light enters where a ray towards it leaves the object, by the same tree that all rays go through.
+//! The depth of a point in the volume is its distance to the nearest point of the surface, and the interfaces are
+//! those of the maps there. Light enters where a ray towards it leaves the object, traced through the same tree as
+//! all rays.
 
 use glam::{DVec2, DVec3};
 
@@ -12,20 +14,20 @@ use crate::layout::{FADING, GRAZING, LEAST_COSINE, Light};
 use crate::lighting::irradiance::{arrival, reaches};
 use crate::state::{narrow, wide};
 
-/// What of the march is kept instead of the truth.
+/// Which approximations of the march the reference keeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Kept {
-    /// Light enters through the plane between the tangent and the fitted one (equations 9 and 10).
+    /// Light enters through a plane between the tangent plane and the fitted one (equations 9 and 10).
     pub planar_entry: bool,
-    /// Light's way is that through the mean depths at both its ends (equations 11 and 12).
+    /// The light's leg is attenuated by the mean interface depths at its two ends (equations 11 and 12).
     pub mean_depths: bool,
-    /// The view ray's depth is measured from the fitted plane, and its place in the maps goes along the tangents.
+    /// Depth along the view ray is measured from the fitted plane, and its map coordinates follow the tangents.
     pub tangent_space: bool,
 }
 
 impl Ray<'_> {
-    /// Light towards the eye, internal units, by `steps` midpoints along the view ray and `legs` along each way of
-    /// light.
+    /// Radiance towards the eye, internal units, with `steps` midpoints along the view ray and `legs` along each leg
+    /// of the light.
     pub fn full(&self, kept: Kept, steps: u32, legs: u32) -> DVec3 {
         let (data, layers) = (&self.state.data, self.layers());
         let lights: Vec<&Light> = data.layer_lights.iter().filter(|light| reaches(data, light, self.face)).collect();
@@ -58,15 +60,15 @@ impl Ray<'_> {
         sum
     }
 
-    /// Optical depth of light's way to a place.
+    /// Optical depth of the light's leg to a point.
     fn leg(&self, kept: Kept, share: f64, at: DVec3, toward: DVec3, depths: &Depths, legs: u32) -> DVec3 {
         let normal = self.normal.lerp(self.plane_normal, share).normalize_or_zero();
         let height = (self.point.lerp(self.plane_point, share) - at).dot(normal).max(0.0);
         let facing = normal.dot(toward);
         let cosine = facing.max(LEAST_COSINE);
-        // Through a plane nothing comes from behind.
+        // No light comes through a plane from behind: it fades out near grazing incidence.
         let lost = if kept.planar_entry { -(facing / FADING).clamp(1e-30, 1.0).ln() } else { 0.0 };
-        // A place from which no surface is met lies outside.
+        // A point from which no ray meets the surface lies outside.
         let length = match kept.planar_entry {
             true => (height / cosine).min(1e3),
             false => self.distance(at, toward).unwrap_or(0.0),
@@ -92,13 +94,13 @@ impl Ray<'_> {
         DVec3::splat(lost) + (0..legs).map(one).sum::<DVec3>()
     }
 
-    /// How far a ray from a place inside goes until it leaves the object; none where it does not.
+    /// Distance from a point inside to where a ray leaves the object; none where it does not.
     fn distance(&self, from: DVec3, along: DVec3) -> Option<f64> {
         let hit = trace(&self.state.data, narrow(from), narrow(along));
         (hit.face < UNFINISHED).then(|| f64::from(hit.numerator / hit.denominator))
     }
 
-    /// How deep a place lies, and the depths of the interfaces there: those of the nearest point of the surface.
+    /// Depth of a point, and the interface depths at the nearest point of the surface.
     fn beneath(&self, at: DVec3) -> (f64, Depths) {
         let data = &self.state.data;
         let params = &data.object_params[self.layering.object as usize];

@@ -1,18 +1,18 @@
-//! Stage `relief`: light that scatters once in the layers beneath each visible point, by a march along the view ray in
+//! Stage `relief`: single scattering in the layers beneath each visible point, by a march along the view ray in
 //! texture space (algorithms 1 and 2).
 //!
-//! From P the ray goes down to M_max (equation 15, with a unit NS_P; at a silhouette the ray counts as 3 degrees below
-//! the plane), N steps. The place in the depth maps moves by the gradients of the texture coordinates, the depth by
-//! NS_P. At M light comes through a plane between the tangent plane at P and the fitted one (equation 9, as is right at
-//! M = P); its optical depth is that of the layers' mean depths at M and where it enters (equations 11 and 12, clamped;
-//! below its lower interface the last layer goes on, but does not scatter). Depth above the plane counts as 0, and
-//! light from behind it as grazing: it has vanished before it gets anywhere.
+//! From P the ray goes down to M_max (equation 15, with a unit NS_P; at a silhouette it descends at 3 degrees below
+//! the plane), in N steps. Map coordinates change by the gradients of the texture coordinates, the depth by NS_P.
+//! Light reaches M through a plane between the tangent plane at P and the fitted one (equation 9, correct at M = P).
+//! Its optical depth is that of the mean interface depths at M and at its entry (equations 11 and 12, clamped; below
+//! its lower interface the last layer continues, but does not scatter). Depth above the plane counts as 0; light
+//! fades out at grazing incidence and is 0 from behind.
 //!
-//! Steps are split where the ray crosses an interface, found as if depths varied evenly within a step. Between two such
-//! places falloff times phase varies evenly and the depth of both legs does, too: [`segment`](super::beneath::segment)
-//! is exact for that, and so is the whole for even layers on a plane under a light from afar, with one step. Beyond a
-//! seam of the texture coordinates lies what [`islands`](super::islands) has put there. `integration = "paper"` takes
-//! the left rule with its N + 1 samples instead.
+//! Steps are split where the ray crosses an interface, assuming that interface depths vary linearly within a step.
+//! Between two such points falloff times phase and the depths of both legs are taken as linear:
+//! [`segment`](super::beneath::segment) is exact for that. The whole is exact for uniform layers on a plane under a
+//! directional light, with one step. Beyond a seam of the texture coordinates lies what [`islands`](super::islands)
+//! has put there. `integration = "paper"` uses the left rule with its N + 1 samples instead.
 
 mod full;
 mod ray;
@@ -29,7 +29,7 @@ use crate::state::{
 pub use full::Kept;
 use ray::Ray;
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "relief",
     module: "layers",
@@ -65,9 +65,9 @@ fn cpu(state: &mut State, _at: Scope) {
     state.data.radiance = data.hits.par_iter().zip(&data.radiance).map(of_pixel).collect();
 }
 
-/// What the layered volume itself gives at a pixel that shows an object with layers, linear radiance in the scene's
-/// units: by `steps` midpoints along the view ray and `legs` along each way of light, but for what of the march is
-/// kept.
+/// Radiance of the layered volume itself at a pixel that shows an object with layers, linear, in the scene's units:
+/// with `steps` midpoints along the view ray and `legs` along each leg of the light. `kept` selects approximations of
+/// the march to keep.
 #[must_use]
 pub fn full(state: &State, pixel: usize, kept: Kept, steps: u32, legs: u32) -> Option<[f64; 3]> {
     let hit = state.data.hits.get(pixel).filter(|hit| hit.face < UNFINISHED)?;
@@ -77,9 +77,9 @@ pub fn full(state: &State, pixel: usize, kept: Kept, steps: u32, legs: u32) -> O
     Some((scale * Ray::new(state, layering, hit).full(kept, steps, legs)).to_array())
 }
 
-/// Steps of a march that one invocation may take: half of where some drivers end a loop.
+/// Most steps of a march in one invocation: half the loop length at which some drivers give up.
 const STEPS: usize = 1 << 15;
-/// Steps of one dispatch at most: about a second on the slowest device.
+/// Most steps in one dispatch: about a second on the slowest device.
 const DISPATCH: usize = 1 << 27;
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
@@ -96,14 +96,14 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
         let constants =
             [shadows, layering.layers.div_ceil(MAP_LAYERS as u32), mapped, layering.henyey, layering.fresnel];
         let kernel = if layering.paper != 0 { "paper" } else { "exact" };
-        // With an interface crossed at every step there and back.
+        // Worst case: every step crosses every interface.
         let a_light = (layering.samples as usize + 1) * (layering.layers as usize + 1);
         let (count, most) = (data.layer_lights.len(), (STEPS / a_light).max(1));
         for first in (0..count).step_by(most) {
             let last = count.min(first + most);
             let each = (DISPATCH / (a_light * (last - first))).max(64);
             for pixel in (0..pixels).step_by(each) {
-                // Groups reach beyond the last one, where the next dispatch begins.
+                // Workgroups reach beyond the last pixel, where the next dispatch begins.
                 let end = pixels.min(pixel + each);
                 let push = [number, first as u32, last as u32, pixel as u32, end as u32];
                 pass.dispatch(Some(kernel), &constants, bytemuck::cast_slice(&push), end - pixel)?;

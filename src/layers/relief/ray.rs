@@ -11,10 +11,10 @@ use crate::lighting::irradiance::{arrival, reaches};
 use crate::lighting::texture::texel;
 use crate::state::{State, wide};
 
-/// Depths of the lower interfaces, without end beyond the last one.
+/// Depths of the lower interfaces; infinite beyond the last one.
 pub type Depths = [f64; MOST_LAYERS];
 
-/// Where a triangle's corners are in depth maps, and what bounds its island there; places in islands are texels.
+/// The map coordinates of a triangle's corners, and the limits of its island; in texels for maps laid out by islands.
 #[derive(Clone, Copy)]
 pub(super) struct MapPlaces {
     pub corners: [DVec2; 3],
@@ -22,7 +22,7 @@ pub(super) struct MapPlaces {
 }
 
 impl MapPlaces {
-    /// Nothing where depths do not vary.
+    /// None where depths are uniform.
     pub fn of(state: &State, layering: &Layering, face: usize) -> Option<Self> {
         let place = |[x, y]: [f32; 2]| DVec2::new(x.into(), y.into());
         if layering.first_island != NONE {
@@ -44,23 +44,23 @@ pub struct Ray<'a> {
     pub(super) face: usize,
     pub(super) point: DVec3,
     pub(super) normal: DVec3,
-    /// Of the fitted plane.
+    /// Normal of the fitted plane.
     pub(super) plane_normal: DVec3,
     pub(super) plane_point: DVec3,
-    /// To the eye.
+    /// Unit direction to the eye.
     pub(super) eye: DVec3,
     place: DVec2,
-    /// The first and last place of its island's margin, where maps are laid out by islands.
+    /// The first and last texel of the island with its margin, where maps are laid out by islands.
     limits: Option<[DVec2; 2]>,
-    /// Gradients of the place: of its first and its second coordinate.
+    /// Gradients of the first and the second map coordinate.
     across: [DVec3; 2],
-    /// Depth won per length.
+    /// Depth gained per unit length.
     pub(super) slope: f64,
     pub(super) length: f64,
 }
 
 impl<'a> Ray<'a> {
-    /// Beneath the point that a pixel shows of an object with these layers.
+    /// The ray beneath the point that a pixel shows of an object with these layers.
     pub fn new(state: &'a State, layering: &'a Layering, hit: &Hit) -> Self {
         let (data, face) = (&state.data, hit.face as usize);
         let corners = data.triangles[face];
@@ -76,7 +76,8 @@ impl<'a> Ray<'a> {
         let fitted = mix(&|v| wide([plane(v)[0], plane(v)[1], plane(v)[2]])).normalize_or_zero();
         let height: f64 = (0..3).map(|k| weight[k] * f64::from(plane(corners[k])[3])).sum();
 
-        // Gradients of the texture coordinates: (b - a) . g = difference along that edge, and g in the plane.
+        // Gradients g of the map coordinates: (b - a) . g is the difference along that edge, and g lies in the
+        // triangle's plane.
         let (mut across, mut at) = ([DVec3::ZERO; 2], DVec2::ZERO);
         let map = MapPlaces::of(state, layering, face);
         if let Some(MapPlaces { corners: [p, q, r], .. }) = map {
@@ -115,13 +116,13 @@ impl<'a> Ray<'a> {
         &self.state.data.layer_media[self.layering.first_layer as usize..][..self.layering.layers as usize]
     }
 
-    /// Depths of the lower interfaces below a place that lies off P by `offset`; without end beyond the last one.
+    /// Depths of the lower interfaces at an offset from P; infinite beyond the last one.
     pub(super) fn depths(&self, offset: DVec3) -> Depths {
         let place = self.place + DVec2::new(self.across[0].dot(offset), self.across[1].dot(offset));
         self.depths_of(place, self.limits)
     }
 
-    /// The same at a place in the maps, within the limits of its island.
+    /// The same at map coordinates, within the limits of the island.
     pub(super) fn depths_of(&self, place: DVec2, limits: Option<[DVec2; 2]>) -> Depths {
         let [width, height] = self.layering.size;
         let at = match limits {
@@ -144,13 +145,13 @@ impl<'a> Ray<'a> {
         depths
     }
 
-    /// Of a light at the place so far along the ray: what arrives but for the dimming, the depth of its leg, and the
-    /// cosine that the phase function takes. `depths` are those at that place.
+    /// For a light, at distance `t` along the ray: the unattenuated light, the optical depth of its leg, and the
+    /// cosine for the phase function. `depths` are the interface depths at that point.
     fn light(&self, light: &Light, t: f64, depths: &Depths) -> (DVec3, DVec3, f64) {
         let place = self.point - t * self.eye;
         let (toward, falloff) = arrival(light, place);
 
-        // The plane between the tangent one and the fitted one, and where light comes through it.
+        // The plane interpolated between the tangent plane and the fitted one, and where light enters through it.
         let share = t / self.length;
         let normal = self.normal.lerp(self.plane_normal, share).normalize_or_zero();
         let depth = (self.point.lerp(self.plane_point, share) - place).dot(normal).max(0.0);
@@ -163,7 +164,7 @@ impl<'a> Ray<'a> {
         (self.transmitted(cosine) * falloff, dimmed, toward.dot(self.eye))
     }
 
-    /// Fresnel transmittance, where it is asked for.
+    /// Fresnel transmittance, or 1 where it is switched off.
     fn transmitted(&self, cosine: f64) -> DVec3 {
         if self.layering.fresnel == 0 {
             return DVec3::ONE;
@@ -180,7 +181,7 @@ impl<'a> Ray<'a> {
         self.depths(-t * self.eye)
     }
 
-    /// The parts of the ray, each within one layer and one step.
+    /// Splits the ray into parts, each within one layer and one step.
     fn parts(&self) -> Vec<Part> {
         let steps = self.layering.samples;
         let at = |i: u32| self.length * f64::from(i) / f64::from(steps);
@@ -212,7 +213,7 @@ impl<'a> Ray<'a> {
         parts
     }
 
-    /// What a light gives, of intensity 1, in closed form part by part.
+    /// Radiance due to a light of intensity 1, in closed form for each part.
     fn exact(&self, light: &Light, parts: &[Part]) -> DVec3 {
         let (layers, henyey) = (self.layers(), self.layering.henyey != 0);
         let (mut sum, mut above) = (DVec3::ZERO, DVec3::ZERO);
@@ -232,7 +233,7 @@ impl<'a> Ray<'a> {
         sum
     }
 
-    /// The same by the left rule.
+    /// The same by the paper's left rule.
     fn paper(&self, light: &Light) -> DVec3 {
         let (layers, henyey) = (self.layers(), self.layering.henyey != 0);
         let step = self.length / f64::from(self.layering.samples);
@@ -252,7 +253,7 @@ impl<'a> Ray<'a> {
         sum
     }
 
-    /// Light towards the eye, internal units.
+    /// Radiance towards the eye, internal units.
     pub fn radiance(&self) -> DVec3 {
         if self.length <= 0.0 {
             return DVec3::ZERO;
@@ -266,7 +267,7 @@ impl<'a> Ray<'a> {
     }
 }
 
-/// A part of a ray within one layer: where it begins and ends, and the depths of the interfaces there.
+/// A part of a ray within one layer: for both ends, the distance along the ray and the interface depths there.
 struct Part {
     from: (f64, Depths),
     to: (f64, Depths),

@@ -1,5 +1,5 @@
-//! The dipole on a ball, by quadrature: B(theta) is an integral over the distance to where light enters, and over the
-//! circle of places at that distance.
+//! Quadrature of the dipole on a ball: B(theta) is an integral over the distance to the point of entry, and over the
+//! circle of points at that distance.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,10 +7,11 @@ use super::{ANGLES, Curve, angle};
 use crate::dipole::form_factor::gauss::legendre;
 use crate::dipole::profile::Dipole;
 
-/// What leaves a ball of this radius.
+/// Light that leaves a ball of this radius, by angle from the light.
 #[must_use]
 pub fn curve(dipole: &Dipole, radius: f64) -> Curve {
-    // Distances from 0 to the ball's diameter, in pieces that double from a quarter of the nearer source's depth.
+    // Intervals of distance from 0 to the diameter; the first is a quarter of z_real (or of a smaller radius), each
+    // next one twice as long.
     let rule = legendre(16);
     let (mut low, mut high) = (0.0, 0.25 * dipole.z_real.min(radius));
     let mut distances = Vec::new();
@@ -22,7 +23,7 @@ pub fn curve(dipole: &Dipole, radius: f64) -> Curve {
     }
     let at = |theta: f64| {
         let ring = |&(distance, weight): &(f64, f64)| {
-            // A chord of this length spans psi, and sin psi d psi is d distance times distance / radius^2.
+            // A chord of this length spans the angle psi; sin psi d psi = distance d distance / radius^2.
             let cosine = 1.0 - distance * distance / (2.0 * radius * radius);
             let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
             weight * TAU * distance * dipole.reflectance(distance) * lit(theta.cos() * cosine, theta.sin() * sine)
@@ -32,7 +33,7 @@ pub fn curve(dipole: &Dipole, radius: f64) -> Curve {
     Curve { radius, values: (0..ANGLES).map(|k| at(angle(k))).collect(), errors: vec![0.0; ANGLES] }
 }
 
-/// The mean of max(a + b cos phi, 0) round a circle.
+/// The mean of max(a + b cos phi, 0) over a circle.
 fn lit(a: f64, b: f64) -> f64 {
     if a >= b {
         return a;
@@ -58,7 +59,7 @@ mod tests {
 
     #[test]
     fn light_that_enters_leaves_or_is_lost() {
-        // Over the ball: each place gives the same share, that of the profile up to the diameter.
+        // Every point of a ball emits the same share of its light, the profile's integral up to the diameter.
         let (dipole, radius) = (Dipole::new(2.0, 0.01, 3.0), 2.0);
         let steps = 200_000;
         let d = |k: i32| 2.0 * radius * (f64::from(k) + 0.5) / f64::from(steps);
@@ -67,7 +68,7 @@ mod tests {
             / dipole.total();
         let ball = curve(&dipole, radius);
         let mean: f64 = (0..ANGLES).map(|k| ball.values[k] * angle(k).sin()).sum::<f64>() * 0.5 * PI / ANGLES as f64;
-        // A quarter of full light enters on average.
+        // On average over the ball, a quarter of the normal irradiance enters.
         assert!((mean / (0.25 * share) - 1.0).abs() < 2e-3, "{mean} {share}");
         assert!(ball.values.windows(2).all(|pair| pair[0] > pair[1]));
     }

@@ -1,22 +1,23 @@
-//! The sigma_0 whose f comes nearest to what leaves balls of several radii, each part of their surface alike.
+//! Fit of sigma_0: the value whose f comes closest to the light that leaves balls of several radii, weighted by
+//! surface area.
 
 use super::{Curve, angle};
 use crate::shading::reflectance::cdrf;
 
-/// A fit.
+/// The result of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
     /// sigma_0, length.
     pub sigma_0: f64,
-    /// What f is multiplied by.
+    /// The factor on f.
     pub scale: f64,
-    /// Root mean square of what is left, as a share of what leaves a plane in full light.
+    /// Root mean square residual, relative to the light that leaves a plane under normal incidence.
     pub residual: f64,
-    /// The largest of it.
+    /// Largest residual, in the same unit.
     pub worst: f64,
 }
 
-/// The share of a ball's surface at each angle, f at this sigma_0, and the curve's value.
+/// For each angle of each curve: the weight by surface area, f at this sigma_0, and the curve's value.
 fn parts(curves: &[Curve], sigma_0: f64) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
     let of = move |curve: &Curve| {
         let (sigma, count) = (sigma_0 / curve.radius, curve.values.len());
@@ -26,7 +27,7 @@ fn parts(curves: &[Curve], sigma_0: f64) -> impl Iterator<Item = (f64, f64, f64)
     curves.iter().flat_map(of)
 }
 
-/// The fit at a sigma_0, f times 1 or, where `free`, times what serves best.
+/// The residuals at a sigma_0, with f scaled by 1 or, if `free`, by the best factor.
 fn at(curves: &[Curve], sigma_0: f64, free: bool) -> Fit {
     let all: Vec<_> = parts(curves, sigma_0).collect();
     let sum = |of: &dyn Fn(&(f64, f64, f64)) -> f64| all.iter().map(of).sum::<f64>();
@@ -36,12 +37,11 @@ fn at(curves: &[Curve], sigma_0: f64, free: bool) -> Fit {
     Fit { sigma_0, scale, residual: squares.sqrt(), worst }
 }
 
-/// The best sigma_0 for these curves together; `length` is one that it should not be more than a thousand times away
-/// from.
+/// The best sigma_0 for all curves together; `length` is an initial guess, right within a factor of a thousand.
 #[must_use]
 pub fn fit(curves: &[Curve], length: f64, free: bool) -> Fit {
     let left = |log: f64| at(curves, log.exp(), free).residual;
-    // The lowest of a coarse row, then the golden section round it.
+    // The minimum on a coarse logarithmic grid, then golden-section search around it.
     let step = 0.25;
     let place = |k: i32| length.ln() + step * f64::from(k);
     let near = (-28..=28).map(place).min_by(|a, b| left(*a).total_cmp(&left(*b))).unwrap_or(0.0);

@@ -1,4 +1,4 @@
-//! The plot of a fit, as figure 6 of Kubo et al. 2010: a panel a channel, light that leaves over the angle.
+//! The plot of a fit, as figure 6 of Kubo et al. 2010: one panel per channel, exitant light over the angle.
 
 use plotters::prelude::*;
 
@@ -6,13 +6,13 @@ use super::{ANGLES, Curve, angle};
 use crate::error::{Error, Result};
 use crate::shading::reflectance::cdrf;
 
-/// What was found of one channel.
+/// The results for one channel.
 pub struct Panel<'a> {
     /// Its name.
     pub name: &'a str,
-    /// By the dipole, a curve a radius.
+    /// The dipole's curves, one per radius.
     pub dipole: &'a [Curve],
-    /// By the random walk, likewise.
+    /// The random walk's curves, one per radius.
     pub walk: &'a [Curve],
     /// sigma_0 fitted to the dipole.
     pub sigma_0: f64,
@@ -21,8 +21,8 @@ pub struct Panel<'a> {
 /// Size of a panel, pixels.
 const SIZE: (u32, u32) = (520, 440);
 
-/// The picture: lines are f at the fitted sigma_0, circles the dipole, bars the random walk with twice its standard
-/// error.
+/// Draws the plot: lines are f at the fitted sigma_0, circles the dipole, bars the random walk with twice its
+/// standard error.
 pub fn svg(title: &str, panels: &[Panel<'_>]) -> Result<String> {
     let mut picture = String::new();
     draw(&mut picture, title, panels).map_err(|error| Error::Check(format!("the plot could not be drawn: {error}")))?;
@@ -39,7 +39,7 @@ fn draw(
     root.fill(&WHITE)?;
     let root = root.titled(title, ("sans-serif", 18))?;
     let most = panels.iter().flat_map(|panel| panel.dipole.iter().chain(panel.walk)).flat_map(|curve| &curve.values);
-    // Few walkers leave far from the light: their values there may lie beyond the plot.
+    // Few photons leave far from the light: the noisy values there may lie outside the plot.
     let top = 1.05 * most.fold(1.0, |a: f64, &b| a.max(b.min(1.2)));
     for (area, panel) in root.split_evenly((1, panels.len())).iter().zip(panels) {
         let caption = format!("{}: sigma_0 = {:.3} mm", panel.name, panel.sigma_0);

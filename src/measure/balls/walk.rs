@@ -1,4 +1,4 @@
-//! The same by a random walk: light from +z that enters a ball evenly over the disc that it sees.
+//! Random walks in a ball: light from +z, uniform over the disc that the ball shows it, or constant light.
 
 use std::f64::consts::PI;
 
@@ -8,7 +8,8 @@ use super::{ANGLES, Curve};
 use crate::measure::flat::{Lighting, enter};
 use crate::measure::walk::{BATCHES, Body, Estimate, Medium, Random, batches, refracted, travel};
 
-/// What leaves a ball of this radius, in units of `flat`, what leaves a plane in full light; `photons` enter.
+/// Light that leaves a ball of this radius, relative to `flat`, the light that leaves a plane under normal incidence;
+/// `photons` enter.
 #[must_use]
 pub fn curve(medium: Medium, radius: f64, flat: f64, photons: u64, seed: u64) -> Curve {
     let each = photons.div_ceil(BATCHES).max(1);
@@ -23,17 +24,17 @@ pub fn curve(medium: Medium, radius: f64, flat: f64, photons: u64, seed: u64) ->
         bins
     });
     let edge = |k: usize| (PI * k as f64 / ANGLES as f64).cos();
-    // Through a disc of pi r^2 entered `each`; a bin has 2 pi r^2 times its span of cosines.
+    // `each` photons enter through a disc of area pi r^2; a bin covers 2 pi r^2 times its range of cosines.
     let scale = |k: usize| 1.0 / (each as f64 * 2.0 * (edge(k) - edge(k + 1)) * flat);
     let all: Vec<_> = (0..ANGLES).map(|k| Estimate::of(found.iter().map(|bins| bins[k] * scale(k)))).collect();
     Curve { radius, values: all.iter().map(|e| e.mean).collect(), errors: all.iter().map(|e| e.error).collect() }
 }
 
-/// The share that leaves a ball of this radius of what enters, under the same radiance from everywhere.
+/// Share of the entering light that leaves a ball of this radius, under the same radiance from every direction.
 #[must_use]
 pub fn constant(medium: Medium, radius: f64, photons: u64, seed: u64) -> Estimate {
     let each = photons.div_ceil(BATCHES).max(1);
-    // All places of the surface are alike: that of the slab's is turned to the top of the ball.
+    // By symmetry every photon enters at the top, with a direction sampled as for a slab.
     let found = batches(seed, |mut random| {
         let photon = |_| {
             let direction = enter(medium.eta, Lighting::Constant, &mut random);
@@ -45,7 +46,7 @@ pub fn constant(medium: Medium, radius: f64, photons: u64, seed: u64) -> Estimat
     Estimate::of(found.into_iter())
 }
 
-/// Where a photon leaves, as the cosine of the angle from the light, and with what weight, if it does.
+/// Follows one photon; returns the cosine of the angle from the light at which it leaves, and its weight, or `None`.
 fn photon(medium: Medium, radius: f64, random: &mut Random) -> Option<(f64, f64)> {
     let cosine = random.next().sqrt();
     let normal = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
@@ -72,10 +73,11 @@ mod tests {
 
     #[test]
     fn a_ball_that_only_absorbs_follows_beer() {
-        // Index 1: straight through along the light, 2 r cos long; what enters at theta leaves at pi - theta.
+        // Index 1: straight through along the light, over a path of 2 r cos theta; light that enters at theta leaves
+        // at pi - theta.
         let (sigma, radius) = (0.8, 1.0);
         let ball = curve(Medium { scattering: 0.0, absorption: sigma, eta: 1.0 }, radius, 1.0, 4_000, 3);
-        // An albedo of 0 takes whatever is scattered: photons that pass have their full weight.
+        // With an albedo of 0 every scattering event absorbs: photons that leave keep their full weight.
         let edge = |k: usize| (PI * k as f64 / ANGLES as f64).cos();
         let sum: f64 = (0..ANGLES).map(|k| ball.values[k] * 2.0 * (edge(k) - edge(k + 1))).sum();
         let x = 2.0 * sigma * radius;

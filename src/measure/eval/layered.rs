@@ -1,4 +1,4 @@
-//! `milkglass eval layered`: a flat slab of layers, on the CPU by its closed form, on a device by the kernels of
+//! `milkglass eval layered`: a flat slab of layers, on the CPU in closed form, on a device by the kernels of
 //! `relief`.
 
 use std::result::Result as Check;
@@ -13,19 +13,19 @@ use crate::layers::slab::{Lamp, SlabLayer, radiance};
 use crate::layout::{BufferId, Camera, Hit, LIGHT_POINT, Layer, Layering, Light, ObjectParams};
 use crate::state::{DeviceState, Scope, State, Step, narrow};
 
-/// The columns that every row needs; those of layers are asked for as far as a row uses them.
+/// The columns that every row needs; the columns of a layer are required only if a row has that layer.
 pub(super) const COLUMNS: [&str; 9] = ["light", "layers", "lx", "ly", "lz", "intensity", "wox", "woy", "woz"];
-/// Most layers of a row.
+/// Maximum number of layers in a row.
 const MOST: usize = 4;
-/// Steps along the ray on a device.
+/// Samples of the march along the ray on a device.
 const STEPS: u32 = 1000;
-/// Light dimmed to this share is followed no farther on a device.
+/// On a device the march ends where light has dropped to this share.
 const FAINTEST: f64 = 1e-9;
 
-/// The largest coordinate of a point light, thickness, and coefficient: their squares and products are numbers.
+/// Largest coordinate of a point light, thickness and coefficient: squares and products must not overflow.
 const FARTHEST: f64 = 1e100;
 
-/// Of length 1, however long it is.
+/// Normalizes a vector without overflow or underflow.
 fn unit(v: DVec3) -> DVec3 {
     (v / v.abs().max_element()).normalize()
 }
@@ -103,7 +103,7 @@ fn layer(cells: &Cells<'_>, number: usize) -> Check<SlabLayer, Input> {
     Ok(SlabLayer { sigma_s, sigma_t, g, thickness })
 }
 
-/// The values: on a device by its kernel in `f32`, on the CPU in closed form.
+/// Evaluates the rows: on a device by its kernel in `f32`, on the CPU in closed form.
 pub(super) fn evaluate(rows: &[Row], device: Option<&Device>) -> Result<Vec<[f64; 2]>> {
     let Some(device) = device else {
         return Ok(rows.iter().map(|row| [radiance(&row.layers, row.lamp, row.eye), 0.0]).collect());
@@ -121,8 +121,8 @@ pub(super) fn evaluate(rows: &[Row], device: Option<&Device>) -> Result<Vec<[f64
     Ok(values)
 }
 
-/// A triangle of the slab, of which one pixel shows a corner, at the origin. Lengths are in units of the slab's
-/// thickness.
+/// A state with one triangle of the slab, of which the only pixel shows the corner at the origin. Lengths are in
+/// units of the slab's thickness.
 fn state(row: &Row) -> State {
     let total: f64 = row.layers.iter().map(|layer| layer.thickness).sum();
     let unit = if total > 0.0 { total } else { 1.0 };

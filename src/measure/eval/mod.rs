@@ -1,4 +1,4 @@
-//! What `milkglass eval` answers: one number a row of a table, to check the kernels from outside.
+//! `milkglass eval`: evaluates one function per row of a table, to check the kernels from outside.
 
 mod layered;
 
@@ -19,10 +19,10 @@ use crate::shading::reflectance::cdrf;
 use crate::state::{DeviceState, Scope, State, Step};
 use crate::transport::evaluate;
 
-/// What is evaluated.
+/// The function to evaluate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Form factor of a triangle and a point.
+    /// Form factor between a triangle and a point.
     FormFactor,
     /// The diffuse reflectance profile.
     Profile,
@@ -33,7 +33,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The columns that it takes.
+    /// The columns that it requires.
     fn columns(self) -> Vec<&'static str> {
         let medium = ["sigma_s_prime", "sigma_a", "eta"];
         match self {
@@ -45,7 +45,7 @@ impl Kind {
     }
 }
 
-/// The diffuse Fresnel reflectance in the boundary condition.
+/// The formula for the diffuse Fresnel reflectance in the boundary condition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Formula {
     /// The published polynomial.
@@ -55,7 +55,7 @@ pub enum Formula {
     Exact,
 }
 
-/// A row, made dimensionless: lengths in units of `unit`.
+/// A row in dimensionless form: lengths in units of `unit`.
 struct Row {
     triangle: [DVec3; 3],
     dipole: Dipole,
@@ -64,8 +64,8 @@ struct Row {
 
 const CORNERS: [&str; 12] = ["v0x", "v0y", "v0z", "v1x", "v1y", "v1z", "v2x", "v2y", "v2z", "xox", "xoy", "xoz"];
 
-/// The rows of a table, called `file` in messages, with the values beside them, as CSV; `open` gives the device to
-/// evaluate them on, none is the CPU. A fault names the line and the column.
+/// Evaluates a CSV table and returns it with the values appended; `file` is its name in messages. `open` returns the
+/// device to evaluate on, or `None` for the CPU. An error names the line and the column.
 pub fn answers(
     kind: Kind,
     formula: Formula,
@@ -89,7 +89,7 @@ pub fn answers(
         evaluate(kind, open()?, &rows)?
     };
 
-    // The input's columns, then the values.
+    // Write the input's columns, then the values.
     let mut writer = csv::Writer::from_writer(Vec::new());
     let names: &[&str] = if kind == Kind::FormFactor { &["value", "value_radial"] } else { &["value"] };
     let write = |e: csv::Error| Error::from(Input::new(e.to_string()).file(file));
@@ -114,7 +114,7 @@ fn bad_row(file: &Path, error: &csv::Error) -> Input {
     }
 }
 
-/// The cells of a row, by the names of their columns.
+/// The cells of a row, by column name.
 struct Cells<'a> {
     file: &'a Path,
     header: &'a StringRecord,
@@ -147,7 +147,7 @@ impl Cells<'_> {
     }
 }
 
-/// Reads one record.
+/// Parses one record.
 fn row(kind: Kind, formula: Formula, cells: &Cells<'_>) -> std::result::Result<Row, Input> {
     let fault = |key: &str, what: &str| cells.fault(key, what);
     let at_least = |key: &str, least: f64| cells.at_least(key, least);
@@ -157,12 +157,12 @@ fn row(kind: Kind, formula: Formula, cells: &Cells<'_>) -> std::result::Result<R
         if cosine.abs() > 1.0 {
             return Err(fault("cos_theta", "out of range").found(cosine).expected("-1 to 1"));
         }
-        // No medium: cosine and sigma in the place of a corner.
+        // No medium: `x` and `y` of the first corner hold cosine and sigma.
         let triangle = [DVec3::new(cosine, at_least("sigma", 0.0)?, 0.0), DVec3::ZERO, DVec3::ZERO];
         return Ok(Row { triangle, dipole: Dipole::new(1.0, 0.0, 1.0), unit: 1.0 });
     }
 
-    // The medium; the row's unit of length is its mean free path.
+    // The medium; its mean free path is the row's unit of length.
     let (scattering, absorption) = (at_least("sigma_s_prime", 0.0)?, at_least("sigma_a", 0.0)?);
     let eta = at_least("eta", 0.5)?;
     let unit = 1.0 / (scattering + absorption);
@@ -203,7 +203,7 @@ fn row(kind: Kind, formula: Formula, cells: &Cells<'_>) -> std::result::Result<R
     Ok(Row { triangle, dipole, unit })
 }
 
-/// The values: on a device by its kernels in `f32`, on the CPU in `f64`.
+/// Evaluates the rows: on a device by its kernels in `f32`, on the CPU in `f64`.
 fn evaluate(kind: Kind, device: Option<Device>, rows: &[Row]) -> Result<Vec<[f64; 2]>> {
     let (profile, local) = (kind == Kind::Profile, kind == Kind::Cdrf);
     let Some(device) = device else {

@@ -1,4 +1,4 @@
-//! A method of the program's own at work: a session, frame after frame.
+//! The program's own transport methods as solvers: a session, frame after frame.
 
 use super::{Opened, Solver};
 use crate::error::{Error, Result};
@@ -9,14 +9,14 @@ use crate::scene::{Scene, Scheme};
 use crate::session::run::{CapacityHints, Session};
 use crate::state::State;
 
-/// A session, and what changes before each frame.
+/// A session, and the change before each frame.
 pub(super) struct Frames {
     session: Session,
     change: Change,
 }
 
 impl Frames {
-    /// At its first frame; before each later one, `change` happens.
+    /// Opens a session and runs its first frame; `change` applies to every later one.
     pub(super) fn open(scene: &Scene, device: Option<&Device>, options: Options, change: Change) -> Result<Opened> {
         let mut session = Session::new(scene, device, options, CapacityHints::default())?;
         match session.frame(Change::EVERYTHING) {
@@ -61,8 +61,8 @@ impl Solver for Frames {
     }
 }
 
-/// Entries of the kept lists of all blocks: those that are expanded once, the others once for each of the block's
-/// faces. Groups of channels have lists of their own, and each counts.
+/// Entries of the kept lists of all blocks: expanded entries count once, the others once per face of the block. Each
+/// group of channels has its own lists, all of which count.
 fn entries(state: &State) -> u64 {
     let mut sum = 0;
     for (at, batch) in state.batches() {

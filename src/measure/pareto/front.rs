@@ -1,19 +1,19 @@
-//! The Pareto front: the points that no other beats in both time and error.
+//! The Pareto front: the points that no other point dominates in time and error.
 
 use super::{Lighting, Run, Sweep};
 use crate::measure::norms::Norms;
 
-/// What an error is measured against.
+/// The reference of an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Against {
-    /// Brute force over the method's own leaf sums: the error of its clustering alone.
+    /// Brute force over the method's own leaf sums: only the error of its clustering.
     Own,
     /// The area integral over the same faces.
     Total,
 }
 
 impl Against {
-    /// The error of a run.
+    /// The error norms of a run.
     pub fn of(self, run: &Run) -> Norms {
         match self {
             Self::Own => run.own,
@@ -21,7 +21,7 @@ impl Against {
         }
     }
 
-    /// In words.
+    /// The reference in words.
     pub fn name(self) -> &'static str {
         match self {
             Self::Own => "against its own leaf sums",
@@ -30,15 +30,15 @@ impl Against {
     }
 }
 
-/// Which of these (time, error) pairs no other dominates: none is at least as good in both and better in one. Equal
-/// pairs share their fate; what is no number is never on the front and dominates nothing.
+/// Marks the (time, error) pairs that no other pair dominates, by being at least as good in both and better in one.
+/// Equal pairs are marked alike; a pair that is not finite is never on the front and dominates none.
 pub fn front(pairs: &[(f64, f64)]) -> Vec<bool> {
     let dominates = |a: (f64, f64), b: (f64, f64)| a.0 <= b.0 && a.1 <= b.1 && (a.0 < b.0 || a.1 < b.1);
     let sound = |pair: (f64, f64)| pair.0.is_finite() && pair.1.is_finite();
     pairs.iter().map(|&pair| sound(pair) && !pairs.iter().any(|&other| dominates(other, pair))).collect()
 }
 
-/// For every point of a sweep, whether it lies on the front of its lighting: wall-clock time against L2.
+/// Marks the points of a sweep that are on the front of their lighting, by wall-clock time and L2.
 pub fn mark(sweep: &Sweep, against: Against) -> Vec<bool> {
     let mut marks = vec![false; sweep.points.len()];
     for lighting in Lighting::ALL {
@@ -69,7 +69,7 @@ mod tests {
 
     #[test]
     fn ties() {
-        // Equal in one, worse in the other: beaten. Equal in both: they share their fate.
+        // Equal in one and worse in the other is dominated; equal pairs are marked alike.
         assert_eq!(front(&[(1.0, 0.1), (1.0, 0.2), (2.0, 0.1)]), [true, false, false]);
         assert_eq!(front(&[(1.0, 0.1), (1.0, 0.1), (2.0, 0.05)]), [true, true, true]);
         assert_eq!(front(&[(1.0, 0.1), (1.0, 0.1), (0.5, 0.1)]), [false, false, true]);

@@ -1,4 +1,4 @@
-//! The methods that are compared: a table, and one function for each that opens it at a setting.
+//! The methods that are compared: a table, and one function per method that opens it at a setting.
 
 use std::time::Instant;
 
@@ -9,54 +9,54 @@ use crate::gpu::Device;
 use crate::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use crate::scene::{Distance, Hierarchy, Scene, Scheme};
 
-/// What is solved, and where.
+/// The problem, and where it is solved.
 #[derive(Clone, Copy)]
 pub struct Bench<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// The device; none is the CPU.
+    /// The device; `None` for the CPU.
     pub device: Option<&'a Device>,
 }
 
-/// A way to get from light that enters to light that leaves, and the setting that trades its error for time.
+/// A transport method, and the setting that trades its error for time.
 #[derive(Debug)]
 pub struct Method {
     /// Its name, as `--methods` takes it.
     pub name: &'static str,
-    /// What it does, in one sentence.
+    /// A description in one sentence.
     pub about: &'static str,
     /// The name of its setting; empty where it has none.
     pub parameter: &'static str,
-    /// The setting's values, from coarse to fine; one value of no meaning where it has none.
+    /// The setting's values, from coarse to fine; a single unused value if it has none.
     pub values: &'static [f64],
-    /// What it sums over single triangles.
+    /// How it sums over single triangles.
     pub leaves: Leaves,
-    /// Opens it at a setting.
+    /// Opens the method at a setting.
     pub open: fn(&Bench<'_>, Lighting, f64) -> Result<Opened>,
-    /// Foretells the seconds of a frame, where even the first may take too long to be tried.
+    /// Predicts the seconds of a frame, for methods of which even the first frame may take too long.
     pub foretell: Option<fn(&Bench<'_>, Lighting) -> Result<f64>>,
 }
 
-/// A method at a setting, after its first frame, which warms everything up; or why there is none.
+/// A method at a setting, after its first frame as warm-up; or the reason why it is not offered.
 pub enum Opened {
     /// Ready to be timed.
     Ready(Box<dyn Solver>),
-    /// This lighting is not for it.
+    /// Not offered for this scene or lighting, with the reason.
     NotOffered(String),
 }
 
-/// A method at work.
+/// An opened method.
 pub trait Solver {
-    /// Runs what one frame of its lighting has to run; returns the milliseconds by the device's own clock, if any.
+    /// Runs the work of one frame for its lighting; returns milliseconds by the device's clock, if there are any.
     fn frame(&mut self) -> Result<Option<f64>>;
     /// The last frame's radiosity of every triangle of the mesh, in the scene's units.
     fn radiosity(&mut self) -> Result<Vec<[f64; 3]>>;
-    /// Links that the last frame summed, per face, if it has links. Of blocks, the mean over the faces of what each of
-    /// them adds up: its block's list, in which an emitter that is expanded once for all of them counts by that share.
+    /// Links summed by the last frame, per face, if the method has links. For blocks, the mean number of list entries
+    /// per face; an entry that is expanded once for a whole block is shared among its faces.
     fn links_per_face(&mut self) -> Result<Option<f64>>;
 }
 
-/// Every method, the one that ratios are taken to first.
+/// All methods; ratios refer to the first.
 pub static METHODS: &[Method] = &[
     Method {
         name: "blocks",
@@ -114,10 +114,10 @@ pub static METHODS: &[Method] = &[
     },
 ];
 
-/// epsilon_1 and epsilon_2 of section 5.2, both at once, steradian.
+/// Values for both epsilon_1 and epsilon_2 of section 5.2, steradian.
 const ANGLES: &[f64] = &[0.2, 0.1, 0.05, 0.03, 0.02];
 
-/// What depends on a light that does so.
+/// The change before each frame under this lighting.
 fn change(lighting: Lighting) -> Change {
     match lighting {
         Lighting::Moves => Change::LIGHT,
@@ -147,7 +147,7 @@ fn blocks_in(bench: &Bench<'_>, mode: Mode, lighting: Lighting, tolerance: f64) 
     Frames::open(&scene, bench.device, options, change(lighting))
 }
 
-/// The scene with the hierarchy as published.
+/// The scene with the scheme as published, face clusters, and both solid angles at this value.
 fn at_angle(scene: &Scene, angle: f64) -> Scene {
     let mut scene = scene.clone();
     (scene.transport.scheme, scene.transport.hierarchy) = (Scheme::Links, Hierarchy::FaceClusters);
@@ -173,7 +173,7 @@ fn links_kept(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opene
     Frames::open(&at_angle(bench.scene, angle), bench.device, options, Change::LIGHT)
 }
 
-/// Irradiance comes from the device, if there is one; radiosity stays on the host.
+/// Irradiance is computed on the device, if there is one; the octree runs on the host.
 fn octree(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opened> {
     if bench.scene.transport.distance != Distance::Radial {
         return Ok(Opened::NotOffered("the octree serves radial distances only".into()));
@@ -185,17 +185,17 @@ fn octree(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opened> {
     Frames::open(&scene, bench.device, options, change(lighting))
 }
 
-/// Every face to every face.
+/// Brute force: every face to every face.
 pub(super) fn brute(bench: &Bench<'_>, lighting: Lighting, _: f64) -> Result<Opened> {
     let options =
         Options { transport: ShadingMethod::Brute, mode: Mode::OnTheFly, goal: Goal::Radiosity, estimate: false };
     Frames::open(bench.scene, bench.device, options, change(lighting))
 }
 
-/// Faces of the thinned mesh that shows how fast pairs of faces go.
+/// Maximum number of faces of the thinned mesh from which brute force's time is extrapolated.
 const THINNED: usize = 2048;
 
-/// Every so-and-so-many-th face of the mesh by brute force, and from there by the number of pairs.
+/// Times brute force on every n-th face of the mesh and scales the time by the number of pairs; 0 for small meshes.
 fn brute_seconds(bench: &Bench<'_>, lighting: Lighting) -> Result<f64> {
     let mut scene = bench.scene.clone();
     let mesh = &mut scene.objects[0].mesh;

@@ -1,9 +1,9 @@
-//! Error against run time: every method over its sweep of settings, on one scene and one device, in one run.
+//! Error against run time: every method at a range of settings, on one scene and one device, in one run.
 //!
-//! A method is one entry of [`METHODS`] and one function that opens it. Each of its settings is timed twice over:
-//! under a light that moves every frame, so that all that depends on light runs, and under one that rests, so that
-//! only the summing runs. Beside each time stands the error of the very frames that were timed, twice too: against
-//! brute force over the method's own leaf sums, and against the area integral over the same faces.
+//! A method is one entry of [`METHODS`] and one function that opens it. Each setting is timed under two kinds of
+//! lighting: a light that changes every frame, so that everything that depends on light runs again, and a constant
+//! one, so that only the summation does. The error belongs to the timed frames themselves and is given against two
+//! references: brute force over the method's own leaf sums, and the area integral over the same faces.
 
 mod frames;
 mod front;
@@ -26,12 +26,12 @@ pub use yardstick::{Leaves, Yardstick};
 
 use super::norms::Norms;
 
-/// What the light does from frame to frame.
+/// What the light does between frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lighting {
-    /// It moves: irradiance and all that depends on it run again.
+    /// It moves: irradiance and everything that depends on it run again.
     Moves,
-    /// It rests, and with it irradiance and what was prepared from it: only what sums it up runs again.
+    /// It rests: irradiance and what was prepared from it are kept, only the summation runs again.
     Rests,
 }
 
@@ -39,7 +39,7 @@ impl Lighting {
     /// Both, in the order of every table.
     pub const ALL: [Self; 2] = [Self::Moves, Self::Rests];
 
-    /// In words.
+    /// The lighting in words.
     pub fn name(self) -> &'static str {
         match self {
             Self::Moves => "light moves",
@@ -48,24 +48,24 @@ impl Lighting {
     }
 }
 
-/// What was measured of a method at one setting under one lighting.
+/// Measurements of a method at one setting under one lighting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// Median time on the device by its timestamps, milliseconds; none on the CPU, where a queue has none, and of
-    /// the octree, which runs on the host.
+    /// Median time by device timestamps, milliseconds; `None` on the CPU, on a queue without timestamps, and for the
+    /// octree, which runs on the host.
     pub device_ms: Option<f64>,
     /// Median wall-clock time of the whole frame, recording and waiting included, milliseconds.
     pub wall_ms: f64,
     /// Fastest and slowest frame, wall clock, milliseconds.
     pub range_ms: [f64; 2],
-    /// How busy the machine was with something else: the time of a fixed small job just before or after, the worse,
-    /// as a multiple of its fastest in the run; at least 1.
+    /// Load of the machine by other work: the time of a fixed small job just before or after, the larger of both,
+    /// over its fastest time in the run; at least 1.
     pub busy: f64,
     /// Error against brute force in `f64` over the method's own leaf sums, worst channel.
     pub own: Norms,
     /// Error against the area integral over the same faces, in `f64`, worst channel.
     pub total: Norms,
-    /// Links summed, per face; none where the method has no links.
+    /// Links summed, per face; `None` if the method has no links.
     pub links_per_face: Option<f64>,
 }
 
@@ -74,11 +74,11 @@ pub struct Run {
 pub struct Point {
     /// The method.
     pub method: &'static Method,
-    /// Its setting, in the method's own unit; of no meaning where it has none.
+    /// Its setting, in the method's own unit; unused if it has none.
     pub value: f64,
-    /// What the light did.
+    /// The lighting.
     pub lighting: Lighting,
-    /// What was measured, or why nothing was.
+    /// The measurements, or the reason why there are none.
     pub run: Result<Run, String>,
 }
 
@@ -93,12 +93,12 @@ impl Point {
     }
 }
 
-/// All that one run of the program has measured.
+/// All measurements of one run of the program.
 #[derive(Clone, Debug)]
 pub struct Sweep {
-    /// The points: method after method, each from coarse to fine, at every setting the light moving first.
+    /// The points by method, then from coarse to fine, for each setting first with the moving light.
     pub points: Vec<Point>,
-    /// Receivers that errors were taken at.
+    /// Number of receivers at which errors are measured.
     pub samples: usize,
     /// Error of plain midpoint sums, without any clustering, against the area integral, worst channel.
     pub midpoint: Norms,
@@ -111,7 +111,7 @@ impl Sweep {
         here.filter_map(|point| point.run.as_ref().ok().map(|run| (point, run)))
     }
 
-    /// The methods that have points, in their order.
+    /// The methods that have points, in order.
     pub fn methods(&self) -> Vec<&'static Method> {
         let mut methods: Vec<&'static Method> = Vec::new();
         for point in &self.points {
@@ -122,7 +122,7 @@ impl Sweep {
         methods
     }
 
-    /// The yardsticks that differ: where every method integrates over its leaves, both are one.
+    /// The references to report: both are equal if every method integrates over its leaves.
     pub fn yardsticks(&self) -> &'static [Against] {
         let exact = self.methods().iter().all(|method| method.leaves == Leaves::Exact);
         if exact { &[Against::Own] } else { &[Against::Own, Against::Total] }

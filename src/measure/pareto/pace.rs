@@ -1,6 +1,6 @@
-//! Whether the machine was busy with something else: a fixed small job, timed between points.
+//! Detects other load on the machine: a fixed small job, timed between points.
 //!
-//! A median is blind to what slows every frame of a point alike; a job that never changes sees it.
+//! A median does not show a slowdown of all frames of a point; the time of a fixed job does.
 
 use std::time::Instant;
 
@@ -10,18 +10,18 @@ use crate::error::Result;
 use crate::gpu::Device;
 use crate::scene::Scene;
 
-/// Most that a larger job may take, seconds: it runs twice for each point.
+/// Time limit for the larger job, seconds: it runs twice for each point.
 const LONG: f64 = 0.1;
 
-/// The job: brute force over a ball, on the device that is measured of 1,280 faces where that is short, else of 320; of
-/// 80 on the CPU, whose reference is slow.
+/// The job is brute force over a ball. On a device it has 1,280 faces if that is fast enough, otherwise 320; on the
+/// CPU, whose reference is slow, 80.
 pub struct Pace {
     solver: Option<Box<dyn Solver>>,
     fastest: f64,
 }
 
 impl Pace {
-    /// Opens the job.
+    /// Opens the job and times it once.
     pub fn open(device: Option<&Device>) -> Result<Self> {
         let Some(device) = device else { return Self::of(None, 1) };
         let small = Self::of(Some(device), 2)?;
@@ -41,7 +41,7 @@ impl Pace {
         Ok(pace)
     }
 
-    /// Seconds that the job takes now, the better of two.
+    /// Seconds that the job takes now, the minimum of two runs.
     pub fn seconds(&mut self) -> Result<f64> {
         let mut best = f64::INFINITY;
         if let Some(solver) = &mut self.solver {
@@ -55,7 +55,7 @@ impl Pace {
         Ok(best)
     }
 
-    /// So many seconds as a multiple of the fastest so far; 1 where there is no job.
+    /// This time as a multiple of the fastest so far; 1 without a job.
     pub fn share(&self, seconds: f64) -> f64 {
         if self.fastest.is_finite() { seconds / self.fastest } else { 1.0 }
     }

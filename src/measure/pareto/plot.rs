@@ -1,5 +1,5 @@
-//! A sweep as an SVG picture: error against wall-clock time on logarithmic axes, a column a lighting, a row a
-//! yardstick.
+//! A sweep as an SVG plot: error against wall-clock time on logarithmic axes, one column per lighting, one row per
+//! reference of the error.
 
 mod axes;
 
@@ -16,9 +16,9 @@ const PANEL: [i32; 2] = [600, 440];
 const TITLE: i32 = 76;
 /// Height of the legend below them, pixels.
 const LEGEND: i32 = 60;
-/// The band along the front.
+/// Colour of the band along the front.
 const BAND: RGBColor = RGBColor(222, 222, 222);
-/// Colours that people who see few of them can distinguish (Okabe and Ito).
+/// A palette for colour-blind readers (Okabe and Ito).
 pub(in crate::measure) const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -29,7 +29,7 @@ pub(in crate::measure) const COLORS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
 ];
 
-/// One point of a curve: time in milliseconds, L2, whether it is on the front, its setting.
+/// One point of a curve: time in milliseconds and L2, whether it is on the front, and its setting.
 struct Dot {
     place: (f64, f64),
     front: bool,
@@ -42,7 +42,7 @@ struct Curve {
     dots: Vec<Dot>,
 }
 
-/// The picture.
+/// Draws the plot.
 pub fn svg(sweep: &Sweep, origin: &Origin) -> Result<String> {
     let lost = |error: &dyn std::fmt::Display| Error::Check(format!("the plot could not be drawn: {error}"));
     let rows = sweep.yardsticks();
@@ -76,7 +76,7 @@ pub fn svg(sweep: &Sweep, origin: &Origin) -> Result<String> {
     Ok(picture)
 }
 
-/// The curves of a panel; what has no place on logarithmic axes is left out.
+/// The curves of a panel, without points that do not fit on logarithmic axes.
 fn curves(sweep: &Sweep, lighting: Lighting, against: Against) -> Vec<Curve> {
     let marks = mark(sweep, against);
     let of = |(style, method): (usize, &Method)| {
@@ -99,7 +99,8 @@ fn panel<DB: DrawingBackend>(canvas: &Canvas<'_, DB>, curves: &[Curve]) -> axes:
     let mut front: Vec<(f64, f64)> =
         curves.iter().flat_map(|curve| &curve.dots).filter(|dot| dot.front).map(|dot| dot.place).collect();
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Along it in steps: between two points nothing was measured, so the slower one's error holds from its time on.
+    // A staircase: between two points nothing was measured, so the faster point's error holds until the slower one's
+    // time.
     let steps = front.windows(2).flat_map(|pair| [pair[0], (pair[1].0, pair[0].1)]);
     let band: Vec<_> = steps.chain(front.last().copied()).map(|place| canvas.at(place)).collect();
     canvas.root.draw(&PathElement::new(band, BAND.stroke_width(10)))?;
@@ -118,7 +119,7 @@ fn panel<DB: DrawingBackend>(canvas: &Canvas<'_, DB>, curves: &[Curve]) -> axes:
     Ok(())
 }
 
-/// A method's mark: filled on the front, hollow off it.
+/// A method's marker: filled on the front, hollow off it.
 fn marker<DB: DrawingBackend>(
     root: &DrawingArea<DB, plotters::coord::Shift>,
     style: usize,
@@ -140,7 +141,7 @@ fn around((x, y): (i32, i32), radius: f64, angle: f64) -> (i32, i32) {
     (x + (radius * angle.cos()).round() as i32, y + (radius * angle.sin()).round() as i32)
 }
 
-/// What was measured, where and how.
+/// The title: scene and material, device, and method of measurement.
 fn title<DB: DrawingBackend>(
     root: &DrawingArea<DB, plotters::coord::Shift>,
     sweep: &Sweep,
@@ -156,7 +157,7 @@ fn title<DB: DrawingBackend>(
     text(root, &how, (24, 52), 13, &FAINT, HPos::Left)
 }
 
-/// Which mark is which method.
+/// The legend.
 fn legend<DB: DrawingBackend>(
     root: &DrawingArea<DB, plotters::coord::Shift>,
     methods: &[&Method],
@@ -172,7 +173,7 @@ fn legend<DB: DrawingBackend>(
         text(root, &name, (x + 24, y), 13, &INK, HPos::Left)?;
         x += 80 + 7 * name.len() as i32;
     }
-    // Below the methods, of which there may be many.
+    // Second line, because there may be many methods.
     let (x, y) = (74, y + 24);
     root.draw(&PathElement::new(vec![(x - 16, y), (x + 16, y)], BAND.stroke_width(10)))?;
     text(root, "Pareto front; hollow marks are off it", (x + 24, y), 13, &INK, HPos::Left)
@@ -184,7 +185,7 @@ mod tests {
     use super::*;
     use crate::measure::norms::Norms;
 
-    /// A method that only has to be named.
+    /// A method of which only the name matters.
     const fn method(name: &'static str, leaves: Leaves) -> Method {
         let open = |_: &super::super::Bench<'_>, _, _| Ok(Opened::NotOffered(String::new()));
         Method { name, about: "", parameter: "threshold", values: &[0.1], leaves, open, foretell: None }

@@ -1,10 +1,10 @@
-//! Times at equal error: each method's curve read at round errors, as a ratio to one method of the same run.
+//! Times at equal error: each method's curve evaluated at round errors, and the ratio to one method of the same run.
 //!
-//! A curve is read between its points only, along straight lines on logarithmic axes; it is never continued.
+//! Curves are interpolated between their points, linearly on logarithmic axes, and never extrapolated.
 
 use super::{Against, Lighting, Method, Sweep, front};
 
-/// Which norm of the error a ratio is taken at.
+/// The norm of the error at which times are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Norm {
     /// The L2 norm.
@@ -16,14 +16,14 @@ pub enum Norm {
 /// The errors at which times are compared.
 pub const TARGETS: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
-/// A curve, read at one error.
+/// The time at which a curve reaches an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reach {
-    /// This time, between two points or at one.
+    /// This time, interpolated or at a point.
     At(f64),
-    /// At most this time: the coarsest setting is better already.
+    /// At most this time: even the coarsest setting has a smaller error.
     Within(f64),
-    /// The finest setting measured is still worse.
+    /// Even the finest measured setting has a larger error.
     NotReached,
     /// Nothing was measured.
     NotMeasured,
@@ -34,21 +34,21 @@ pub enum Reach {
 pub struct Ratio {
     /// The method.
     pub method: &'static Method,
-    /// What the light did.
+    /// The lighting.
     pub lighting: Lighting,
-    /// What the error is against.
+    /// The reference of the error.
     pub against: Against,
-    /// Which norm of it.
+    /// The norm of the error.
     pub norm: Norm,
     /// Wall-clock time at each of the targets 1e-2, 1e-3 and 1e-4, milliseconds.
     pub times: [Reach; 3],
-    /// The same of the method that ratios are taken to.
+    /// The times of the method that ratios refer to.
     pub base: [Reach; 3],
 }
 
 /// The time at which a curve of (error, time) points reaches an error.
 pub fn time_at(curve: &[(f64, f64)], target: f64) -> Reach {
-    // Only what no point of the same curve beats, from the largest error down: time rises along it.
+    // Keep only the curve's own Pareto front, from the largest error down: time increases along it.
     let pairs: Vec<(f64, f64)> = curve.iter().map(|&(error, time)| (time, error)).collect();
     let kept = front(&pairs).into_iter().zip(curve).filter(|(on, _)| *on);
     let mut line: Vec<(f64, f64)> = kept.map(|(_, &point)| point).collect();
@@ -69,7 +69,7 @@ pub fn time_at(curve: &[(f64, f64)], target: f64) -> Reach {
     }
 }
 
-/// Every method that was measured at round errors, beside the method `base`.
+/// Times of every measured method at round errors, and those of the method `base`.
 pub fn ratios(sweep: &Sweep, base: &Method) -> Vec<Ratio> {
     let mut list = Vec::new();
     for lighting in Lighting::ALL {
@@ -95,7 +95,7 @@ pub fn ratios(sweep: &Sweep, base: &Method) -> Vec<Ratio> {
 }
 
 impl Ratio {
-    /// Time and ratio to the base at one of the targets, in words.
+    /// Time and ratio to the base at one target, as text.
     pub fn cell(&self, target: usize) -> String {
         let ratio = |sign: &str, time: f64, base: f64| {
             let ratio = time / base;
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn between_two_points_along_a_power_law() {
-        // time = 1 / error: straight on logarithmic axes, whatever the order of the points.
+        // time = 1 / error is a straight line on logarithmic axes; the order of the points does not matter.
         let curve = [(1e-3, 1e3), (1e-1, 1e1), (1e-5, 1e5)];
         for target in [1e-2, 1e-4] {
             let Reach::At(time) = time_at(&curve, target) else { panic!("{target}") };

@@ -1,10 +1,10 @@
-//! A sweep as CSV: one row a point, each with all that it takes to be understood alone.
+//! A sweep as CSV: one row per point, each complete in itself.
 
 use super::{Against, Leaves, Sweep, mark};
 use crate::error::{Error, Result};
 use crate::measure::norms::Norms;
 
-/// Where a sweep comes from.
+/// The origin of a sweep.
 #[derive(Clone, Debug)]
 pub struct Origin {
     /// The device's name.
@@ -19,14 +19,14 @@ pub struct Origin {
     pub extent_mm: f64,
     /// Its material.
     pub material: String,
-    /// Timed frames of each point.
+    /// Timed frames per point.
     pub repeat: usize,
 }
 
-/// The columns. Times are medians in milliseconds, `wall_low_ms` and `wall_high_ms` the fastest and slowest frame,
-/// `busy` the time of a fixed job beside it as a multiple of its fastest; `own` is against the method's own leaf sums,
-/// `total` against the area integral, and `leaves` of the one against the other, all of the worst channel; `front` says
-/// whether a point is on the front of its light by that L2.
+/// The columns. Times are medians in milliseconds; `wall_low_ms` and `wall_high_ms` are the fastest and slowest
+/// frame, `busy` the time of a fixed job over its fastest time. Errors of the worst channel: `own` against the
+/// method's own leaf sums, `total` against the area integral, `leaves` of the leaf sums against the area integral.
+/// `own_front` and `total_front` tell whether a point is on the front of its lighting by that L2.
 const COLUMNS: [&str; 27] = [
     "device",
     "driver",
@@ -57,7 +57,7 @@ const COLUMNS: [&str; 27] = [
     "links_per_face",
 ];
 
-/// All points as CSV; one that was not measured has empty cells and its reason in the last column, `left_out`.
+/// All points as CSV; a point without measurements has empty cells and the reason in the last column, `left_out`.
 pub fn csv(sweep: &Sweep, origin: &Origin) -> Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let lost = |error: &dyn std::fmt::Display| Error::Check(format!("the table could not be written: {error}"));

@@ -1,4 +1,4 @@
-//! The run: every method at every setting that its time allows, warmed up, then several frames each.
+//! Runs a sweep: every method at every setting that the budget allows, warmed up, then several timed frames each.
 
 use std::time::Instant;
 
@@ -7,24 +7,24 @@ use super::{Bench, Leaves, Lighting, Method, Opened, Point, Run, Sweep, Yardstic
 use crate::error::Result;
 use crate::measure::progress::Progress;
 
-/// What is measured, and how long it may take.
+/// What is measured, and the time budget.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// The methods, in the order of the tables.
     pub methods: Vec<&'static Method>,
-    /// Settings of each method, counted from the coarsest.
+    /// Number of settings per method, from the coarsest.
     pub values: usize,
-    /// Frames of each point after the first, of whose times the median is taken; at least 1.
+    /// Timed frames per point, after the first; the median is reported. At least 1.
     pub repeat: usize,
-    /// Receivers that errors are taken at, at least 1.
+    /// Number of receivers at which errors are measured, at least 1.
     pub samples: usize,
     /// Seed of the receivers.
     pub seed: u64,
-    /// Seconds that one point may take with all its frames, above 0.
+    /// Time budget in seconds for all frames of one point, above 0.
     pub budget: f64,
 }
 
-/// Measures everything.
+/// Measures all points.
 pub fn sweep(bench: &Bench<'_>, settings: &Settings) -> Result<Sweep> {
     let yardstick = Yardstick::new(bench.scene, settings.samples, settings.seed)?;
     let values = |method: &Method| method.values.len().min(settings.values);
@@ -58,17 +58,17 @@ pub fn sweep(bench: &Bench<'_>, settings: &Settings) -> Result<Sweep> {
     Ok(Sweep { points, samples: yardstick.samples(), midpoint })
 }
 
-/// One method under one lighting, from coarse to fine.
+/// The progress of one method under one lighting, from coarse to fine.
 struct Course<'a> {
     settings: &'a Settings,
-    /// Settings so far, and the seconds that each took, its opening included.
+    /// The measured settings and the seconds that each took, including its opening.
     seconds: Vec<(f64, f64)>,
-    /// Whether a setting was beyond the budget, and with it every finer one.
+    /// Whether a setting exceeded the budget; then all finer ones are skipped.
     beyond: bool,
 }
 
 impl Course<'_> {
-    /// Measures a point, or says why not.
+    /// Measures a point, or returns the reason why not.
     fn measure(
         &mut self,
         bench: &Bench<'_>,
@@ -92,7 +92,7 @@ impl Course<'_> {
             Opened::NotOffered(why) => return Ok(Err(why)),
         };
 
-        // The first frame shows how long the others will take.
+        // The first timed frame shows whether the others fit the budget.
         let (mut walls, mut devices) = (Vec::new(), Vec::new());
         for frame in 0..repeat {
             let before = Instant::now();
@@ -121,7 +121,7 @@ impl Course<'_> {
         }))
     }
 
-    /// Why a point that takes so many seconds is left out, if it is.
+    /// The reason to leave out a point that takes this many seconds, if it exceeds the budget.
     fn excess(&mut self, seconds: f64) -> Option<String> {
         let budget = self.settings.budget;
         self.beyond = seconds > budget;
@@ -129,13 +129,13 @@ impl Course<'_> {
     }
 }
 
-/// The middle of sorted numbers, of which there is at least one; of an even number the mean of both.
+/// The median of sorted numbers, at least one; the mean of the middle two for an even count.
 fn median(sorted: &[f64]) -> f64 {
     let half = sorted.len() / 2;
     if sorted.len().is_multiple_of(2) { 0.5 * (sorted[half - 1] + sorted[half]) } else { sorted[half] }
 }
 
-/// Seconds at the next setting: the power law through the last two, or what the last one took.
+/// Predicted seconds at the next setting: a power law through the last two, or the last time.
 fn foretold(seconds: &[(f64, f64)], value: f64) -> f64 {
     match seconds {
         [.., (v0, t0), (v1, t1)] if v0 != v1 => {

@@ -1,4 +1,4 @@
-//! What errors are measured against: sums over all faces in `f64` at a few seeded receivers.
+//! The reference of errors: sums over all faces in `f64` at a few seeded receivers.
 
 use rayon::prelude::*;
 
@@ -15,7 +15,7 @@ use crate::scene::{Hierarchy, Near, Scene, Scheme};
 use crate::session::run::{CapacityHints, Session};
 use crate::state::{Distance, State, wide};
 
-/// How a method treats a single triangle, at its finest.
+/// How a method treats a single triangle at its finest level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Leaves {
     /// One sample at its centroid, times its area.
@@ -25,7 +25,7 @@ pub enum Leaves {
 }
 
 impl Leaves {
-    /// In one word.
+    /// The name in one word.
     pub fn name(self) -> &'static str {
         match self {
             Self::Midpoint => "midpoint",
@@ -34,21 +34,21 @@ impl Leaves {
     }
 }
 
-/// One sample at the centroid.
+/// The rule with one sample at the centroid.
 const CENTER: [[f64; 4]; 1] = [[1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0]];
 
 /// Brute force at a sample of receivers, in the scene's units.
 pub struct Yardstick {
-    /// Receivers.
+    /// The receivers, by face of the state that guided the sampling.
     sample: Sample,
-    /// The triangles that they are, of all meshes one after the other.
+    /// The receivers' triangles, numbered through all meshes.
     faces: Vec<usize>,
     exact: Vec<[f64; 3]>,
     midpoint: Vec<[f64; 3]>,
 }
 
 impl Yardstick {
-    /// For `count` seeded faces of a scene; a dark one is an error, because nothing can be measured in it.
+    /// Reference values for `count` seeded faces of a scene; a scene without light is an error.
     pub fn new(scene: &Scene, count: usize, seed: u64) -> Result<Self> {
         let options = Options { transport: ShadingMethod::Brute, goal: Goal::Radiosity, ..Options::default() };
         let mut session = Session::new(scene, None, options, CapacityHints::default())?;
@@ -56,7 +56,7 @@ impl Yardstick {
             let fault = Input::new("no light shines, so there is no error to measure").key("light");
             return Err(fault.expected("at least one [[light]] that is not black").into());
         }
-        // Roughly where the light is, by the usual method, whatever the scene asks for.
+        // A rough solution by the usual method guides the sampling, whatever the scene's settings.
         let mut rough = scene.clone();
         let usual = (Scheme::Blocks, Hierarchy::Median, Distance::Radial, Near::Exact);
         let keys = &mut rough.transport;
@@ -66,7 +66,7 @@ impl Yardstick {
         rough.frame(Change::EVERYTHING)?;
         let sample = receivers(rough.state(), count, seed);
 
-        // The stages that a sum starts from, by the reference.
+        // Irradiance by the CPU reference, as the input of the sums.
         session.prepare_light();
         let places: Vec<usize> = session.prepared().all_places().collect();
         let mut number = vec![0; rough.state().extent().faces];
@@ -78,19 +78,19 @@ impl Yardstick {
         Ok(Self { exact: scaled(radiosity(state, &places)), midpoint: scaled(midpoint(state, &places)), sample, faces })
     }
 
-    /// Receivers.
+    /// The number of receivers.
     pub fn samples(&self) -> usize {
         self.faces.len()
     }
 
-    /// The errors, worst channel, of the radiosity of every triangle of the mesh: against the method's own leaf sums,
-    /// and against the area integral.
+    /// The errors, worst channel, of the radiosity of all triangles: against the method's own leaf sums, and against
+    /// the area integral.
     pub fn errors(&self, method: &Method, radiosity: &[[f64; 3]]) -> [Norms; 2] {
         let values: Vec<[f64; 3]> = self.faces.iter().map(|&face| radiosity[face]).collect();
         [method.leaves, Leaves::Exact].map(|leaves| worst(&norms(&self.sample, &values, self.sums(leaves))))
     }
 
-    /// The error of these leaf sums, without any clustering, against the area integral, worst channel.
+    /// The error of such leaf sums without clustering against the area integral, worst channel.
     pub fn discretisation(&self, leaves: Leaves) -> Norms {
         worst(&norms(&self.sample, self.sums(leaves), &self.exact))
     }
@@ -103,7 +103,7 @@ impl Yardstick {
     }
 }
 
-/// Radiosity at the centroids of these faces by one sample a face, in `f64`.
+/// Radiosity at the centroids of these faces by one sample per face, in `f64`.
 fn midpoint(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
     by_object(state, faces, midpoint_alone)
 }

@@ -1,7 +1,9 @@
-//! The profile of a scene: what each stage of a frame takes, does and moves, beside what the device can do at best.
+//! The profile of a scene: the time, the operations and the memory traffic of each stage of a frame, compared with
+//! the device's peak rates.
 //!
-//! Times are those of whole frames, each stage between two timestamps. What a stage does is not estimated: one more
-//! frame runs with kernels whose blocks count how often they are run (`gpu::count`), and has to give the same bits.
+//! Times come from whole frames, with timestamps around each stage. Operations are counted, not estimated: one more
+//! frame runs with instrumented kernels that count how often each block runs (`gpu::count`), and must give the same
+//! bits.
 
 mod quantiles;
 mod rates;
@@ -22,16 +24,16 @@ use crate::scene::Scene;
 use crate::session::run::{CapacityHints, Session};
 use crate::transport::octree::HOST;
 
-/// What is to be measured.
+/// Settings of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
-    /// How light travels, and what is kept.
+    /// The shading method, and what is kept between frames.
     pub options: Options,
     /// What changes before each frame.
     pub change: Change,
-    /// Frames that are timed, after those that warm up; at least 1.
+    /// Number of timed frames, after the warm-up; at least 1.
     pub frames: usize,
-    /// Where three frames have taken that many seconds, no more are timed.
+    /// Timing stops after this many seconds, once three frames are timed.
     pub enough: f64,
 }
 
@@ -41,24 +43,24 @@ impl Default for Settings {
     }
 }
 
-/// A stage of the frame.
+/// Measurements of one stage.
 #[derive(Clone, Debug)]
 pub struct Row {
     /// Its name.
     pub stage: String,
-    /// Times it ran in a frame: once an object, chunk, group or batch.
+    /// Steps per frame: one per object, chunk, group or batch.
     pub steps: usize,
-    /// Dispatches of a frame; 0 on the CPU.
+    /// Dispatches per frame; 0 on the CPU.
     pub dispatches: usize,
-    /// Milliseconds of a frame by the device's timestamps; none where there are none, and of what runs on the host.
+    /// Milliseconds per frame by device timestamps; `None` without timestamps, and for stages on the host.
     pub device: Option<Quantiles>,
-    /// Milliseconds by the host's clock: on a device submitted and waited for by itself, step by step.
+    /// Milliseconds per frame by the host's clock; on a device, each step is submitted and waited for separately.
     pub wall: Quantiles,
-    /// What its kernels do in a frame; none on the CPU, and where the device takes no kernel that counts.
+    /// Operations and traffic per frame; `None` on the CPU, and if the device rejects the instrumented kernels.
     pub work: Option<Work>,
 }
 
-/// What was measured of a scene.
+/// The profile of one scene.
 #[derive(Clone, Debug)]
 pub struct Profile {
     /// The scene's name.
@@ -67,49 +69,50 @@ pub struct Profile {
     pub device: String,
     /// The driver's name and version.
     pub driver: String,
-    /// Frames that were timed.
+    /// Number of timed frames.
     pub frames: usize,
-    /// What the device can do at best; none on the CPU and without timestamps.
+    /// The device's peak rates; `None` on the CPU and without timestamps.
     pub rates: Option<Rates>,
     /// The stages, in the order of the frame.
     pub rows: Vec<Row>,
     /// Milliseconds of a frame from call to result.
     pub wall: Quantiles,
-    /// The sum of the stages by the device's timestamps.
+    /// Sum over the stages by device timestamps, milliseconds.
     pub on_device: Option<Quantiles>,
-    /// Most bytes of device memory at once, the first frame and copies included; of the CPU the buffers' bytes.
+    /// Peak device memory, bytes, including the first frame and staging copies; on the CPU the size of the buffers.
     pub peak: u64,
-    /// What there is to say besides: why something was not measured.
+    /// Notes, such as why something was not measured.
     pub notes: Vec<String>,
-    /// Each timed frame: when it began and how long it took, by the host's clock in milliseconds, and its steps.
+    /// Each timed frame: start and duration by the host's clock in milliseconds, and its steps.
     pub trace: Vec<(f64, f64, Vec<Timing>)>,
 }
 
 impl Row {
-    /// The time that shares are taken of, seconds: the device's own.
+    /// Device time in seconds, the basis of the shares.
     fn seconds(&self) -> Option<f64> {
         self.device.map(|spread| spread.median * 1e-3).filter(|seconds| *seconds > 0.0)
     }
 
-    /// Bytes that have to move, as a share of what the device's copy moves in that time.
+    /// Minimum memory traffic as a share of what the device copies in that time.
     pub fn share_of_copy(&self, rates: &Rates) -> Option<f64> {
         Some((self.work?.read + self.work?.written) as f64 / self.seconds()? / rates.copy)
     }
 
-    /// Additions and multiplications, two to a fused one, as a share of what the device does in that time.
+    /// Additions and multiplications, a fused one counting two, as a share of the device's FMA rate.
     pub fn share_of_fma(&self, rates: &Rates) -> Option<f64> {
         Some(self.work?.flops as f64 / 2.0 / self.seconds()? / rates.fma)
     }
 
-    /// Exponentials and the like likewise.
+    /// Exponentials and other transcendental functions as a share of the device's rate of exponentials.
     pub fn share_of_exp(&self, rates: &Rates) -> Option<f64> {
         Some(self.work?.exps as f64 / self.seconds()? / rates.exp)
     }
 }
 
-/// Measures a scene on a device, or on the CPU.
+/// Profiles a scene on a device, or on the CPU.
 pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> Result<Profile> {
-    // Before the frames and after them, for what else slows the device now and then.
+    // Rates are measured before and after the frames, and the better ones kept, because the device may slow down for
+    // a while.
     let earlier = device.map(rates).transpose()?.flatten();
     if let Some(device) = device {
         device.forget_peak();
@@ -158,18 +161,18 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
     })
 }
 
-/// A stage on two devices, or all of the frame.
+/// One stage, or the whole frame, on two devices.
 #[derive(Clone, Debug)]
 pub struct Against {
-    /// The stage, `stages` for the sum of all, or `frame` from call to result.
+    /// The stage's name, `stages` for the sum of all, or `frame` for the time from call to result.
     pub what: String,
-    /// Milliseconds before and after.
+    /// Milliseconds on the first and on the second device.
     pub times: [Quantiles; 2],
-    /// The ratio of the medians, after to before.
+    /// Ratio of the medians, second to first.
     pub ratio: f64,
 }
 
-/// Times frames on two devices in turn, such as one and the same with and without a replaced kernel.
+/// Times frames on two devices alternately, for example one device with and without a replaced kernel.
 pub fn against(scene: &Scene, devices: [&Device; 2], settings: &Settings) -> Result<Vec<Against>> {
     let [mut before, mut after] =
         [ready(scene, Some(devices[0]), settings)?, ready(scene, Some(devices[1]), settings)?];
@@ -192,7 +195,7 @@ pub fn against(scene: &Scene, devices: [&Device; 2], settings: &Settings) -> Res
     Ok(rows)
 }
 
-/// A session whose next frames are all alike: lists have their capacity, pipelines are made.
+/// A warmed-up session: lists have their capacity and pipelines exist, so all further frames are alike.
 pub(super) fn ready(scene: &Scene, device: Option<&Device>, settings: &Settings) -> Result<Session> {
     let mut session = Session::new(scene, device, settings.options, CapacityHints::default())?;
     session.frame(Change::EVERYTHING)?;
@@ -202,10 +205,10 @@ pub(super) fn ready(scene: &Scene, device: Option<&Device>, settings: &Settings)
     Ok(session)
 }
 
-/// Frames of each session.
+/// Start, duration and steps of each frame of a session; times in milliseconds.
 pub(super) type Frames = Vec<(f64, f64, Vec<Timing>)>;
 
-/// Times frames of several sessions in turn, so that what disturbs one disturbs the others.
+/// Times frames of several sessions alternately, so that other load on the machine affects all alike.
 pub(super) fn timed(sessions: &mut [&mut Session], settings: &Settings) -> Result<Vec<Frames>> {
     let (begin, mut found) = (Instant::now(), vec![Vec::new(); sessions.len()]);
     for turn in 0..settings.frames.max(1) {
@@ -227,12 +230,12 @@ pub(super) fn of_stage(frames: &Frames, stage: &str) -> Vec<f64> {
     frames.iter().map(|(_, _, times)| sum(times)).collect()
 }
 
-/// The stages in the order of their first step; what they do is not known yet.
+/// The rows of all stages in the order of their first step; `work` is filled in later.
 fn rows(session: &mut Session, frames: &Frames, settings: &Settings) -> Result<Vec<Row>> {
     let on_device = session.device().is_some();
     let dispatches = if on_device { session.dispatches(settings.change)? } else { Vec::new() };
     let mut apart: Frames = Vec::new();
-    // Half of the frames once more, each stage by itself.
+    // Time half as many frames again, with each step submitted separately.
     for _ in 0..if on_device { frames.len().div_ceil(2) } else { 0 } {
         apart.push((0.0, 0.0, session.apart(settings.change)?));
     }
@@ -256,8 +259,8 @@ fn rows(session: &mut Session, frames: &Frames, settings: &Settings) -> Result<V
     Ok(rows)
 }
 
-/// What a frame leaves behind, bit for bit: the picture, or radiosity where none is made. Of receivers at pixels the
-/// radiosity of places that no pixel shows is never written.
+/// The frame's result, bit for bit: the picture, or else the radiosity. With receivers at pixels, radiosity that no
+/// pixel shows is never written.
 pub(super) fn result(session: &mut Session) -> Result<Vec<u8>> {
     let pictured = !session.state().data.radiance.is_empty();
     let slot = if pictured { BufferId::radiance } else { BufferId::radiosity };

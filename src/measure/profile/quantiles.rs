@@ -1,18 +1,18 @@
-//! A measurement repeated: the median, and from where to where four of five values lie.
+//! Median and 10th and 90th percentile of repeated measurements.
 
 /// The median of some values, and their 10th and 90th percentile.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Quantiles {
-    /// The middle one, the lower of two.
+    /// The median, the lower one of two.
     pub median: f64,
-    /// A tenth lies below.
+    /// The 10th percentile.
     pub low: f64,
-    /// A tenth lies above.
+    /// The 90th percentile.
     pub high: f64,
 }
 
 impl Quantiles {
-    /// Of these values; not a number where there are none, or one is none.
+    /// The quantiles of these values; NaN for an empty list, or if a value is NaN.
     pub fn of(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
         if values.last().is_none_or(|last| last.is_nan()) {

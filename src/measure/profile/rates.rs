@@ -1,43 +1,44 @@
-//! What a device can do at best, by three small kernels of our own: copy, multiply and add, take exponentials.
+//! Peak rates of a device, measured by three small kernels: copy, fused multiply-add, and exponential.
 //!
-//! Each kernel's results are checked against `f64` before its time counts, and each rate is that of the fastest of
-//! several runs; a run is made longer until it takes long enough to be timed.
+//! Each kernel's results are checked against `f64` before its time counts. Each rate is that of the fastest of
+//! several runs, and the work grows until a run takes long enough to be timed.
 
 use crate::error::{Error, Result};
 use crate::gpu::{Device, SingleKernel, spirv};
 
-/// Rates of one device.
+/// Peak rates of one device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
-    /// Bytes read and written by a copy, a second: both count.
+    /// Bytes per second of a copy, reads and writes both counted.
     pub copy: f64,
-    /// Fused multiplications and additions, a second.
+    /// Fused multiply-adds per second.
     pub fma: f64,
-    /// Exponentials, a second.
+    /// Exponentials per second.
     pub exp: f64,
 }
 
-/// Runs of each size; the first one prepares the pipeline.
+/// Runs per size; the first one creates the pipeline and does not count.
 const RUNS: usize = 6;
-/// Rounds of the loops: far fewer than the 65,535 after which some drivers end one.
+/// Loop iterations: far below 65,535, the limit after which some drivers end a loop.
 const ROUNDS: u32 = 1024;
-/// Operations of a round.
+/// Operations per loop iteration.
 const EACH: f64 = 16.0;
-/// What is long enough, milliseconds.
+/// Minimum time of a run, milliseconds.
 const LONG: f64 = 5.0;
-/// Factor and summand of the chains, and the step of the exponents: such that another number of rounds shows.
+/// Factor and summand of the multiply-add chains, and step of the exponents; chosen so that a wrong number of
+/// iterations shows in the result.
 const FACTORS: [f32; 2] = [0.999, 0.01];
 const STEP: f32 = 0.002;
 
 impl Rates {
-    /// The better of two measurements: what slows a device makes no rate of it.
+    /// The better of two measurements: a slowed-down device does not reach its peak.
     #[must_use]
     pub fn best(self, other: Self) -> Self {
         Self { copy: self.copy.max(other.copy), fma: self.fma.max(other.fma), exp: self.exp.max(other.exp) }
     }
 }
 
-/// Measures a device; none without timestamps.
+/// Measures a device; `None` without timestamps.
 pub fn rates(device: &Device) -> Result<Option<Rates>> {
     if device.limits().timestamp_period <= 0.0 {
         return Ok(None);
@@ -49,10 +50,10 @@ pub fn rates(device: &Device) -> Result<Option<Rates>> {
     }))
 }
 
-/// Fastest run but for the first, seconds.
+/// Time of the fastest run but the first, seconds.
 fn fastest(device: &Device, alone: &SingleKernel<'_>, buffers: &mut [Vec<u8>], count: u64) -> Result<f64> {
     let times = alone.run(device, buffers, count, RUNS)?;
-    // A clock too coarse for a run shows no time at all: that is no rate.
+    // Discard times of 0, from a clock too coarse for the run.
     let told = times.iter().skip(1).map(|time| time.milliseconds).filter(|time| *time > 0.0);
     Ok(told.fold(f64::INFINITY, f64::min) * 1e-3)
 }
@@ -63,7 +64,7 @@ fn kernel<'a>(name: &'a str, constants: &'a [u32]) -> Result<SingleKernel<'a>> {
     Ok(SingleKernel { name, spirv, constants })
 }
 
-/// Bytes a second, of the largest buffers that are allowed, up to 256 MiB, or 64 MiB on a device that is slow.
+/// Copy rate in bytes per second. The buffers grow until a run is long enough, up to the device's limits and 256 MiB.
 fn copy(device: &Device) -> Result<f64> {
     let alone = kernel("measure/copy", &[])?;
     let most = device.limits().binding_bytes.min(device.limits().allocation_bytes).min(256 << 20) >> 12 << 12;
@@ -83,7 +84,7 @@ fn copy(device: &Device) -> Result<f64> {
     }
 }
 
-/// Operations a second of a kernel that sums up `expected` for each invocation.
+/// Operations per second of a kernel whose invocations must each sum up to `expected`.
 fn sums(device: &Device, name: &str, input: [f32; 2], expected: fn(u32) -> f64) -> Result<f64> {
     let constants = [ROUNDS];
     let alone = kernel(name, &constants)?;
@@ -94,7 +95,7 @@ fn sums(device: &Device, name: &str, input: [f32; 2], expected: fn(u32) -> f64) 
         let sums: &[f32] = bytemuck::cast_slice(&buffers[1]);
         for place in (0..count as usize).step_by(count as usize / 64 + 1) {
             let (found, right) = (f64::from(sums[place]), expected(place as u32));
-            // Sums of a thousand roundings, and exponentials good to some ulp.
+            // The tolerance covers a thousand roundings, and exponentials accurate to a few ulp.
             if (found - right).abs().is_nan() || (found - right).abs() > 1e-3 * right.abs() {
                 let what = format!("invocation {place} gave {found}, {right} is right");
                 return Err(Error::device(format!("measuring the device with kernel {name}"), what));
@@ -107,14 +108,14 @@ fn sums(device: &Device, name: &str, input: [f32; 2], expected: fn(u32) -> f64) 
     }
 }
 
-/// The sum of an invocation's sixteen chains.
+/// The expected sum of an invocation's sixteen multiply-add chains.
 fn fma(invocation: u32) -> f64 {
     let [a, b] = FACTORS.map(f64::from);
     let power = a.powi(ROUNDS as i32);
     (0..16).map(|k| power * (f64::from(invocation % 64) + f64::from(k)) + b * (1.0 - power) / (1.0 - a)).sum()
 }
 
-/// The sum of an invocation's exponentials.
+/// The expected sum of an invocation's exponentials.
 fn exp(invocation: u32) -> f64 {
     let step = f64::from(STEP);
     let series = (1.0 - (-step * f64::from(ROUNDS)).exp()) / (1.0 - (-step).exp());

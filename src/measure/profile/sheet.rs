@@ -34,14 +34,14 @@ const COLUMNS: [&str; 24] = [
 ];
 
 impl Profile {
-    /// The shares of copy, FMA and exp rate that a stage has.
+    /// A stage's shares of the copy, FMA and exponential rate.
     pub fn shares(&self, row: &Row) -> [Option<f64>; 3] {
         self.rates
             .as_ref()
             .map_or([None; 3], |rates| [row.share_of_copy(rates), row.share_of_fma(rates), row.share_of_exp(rates)])
     }
 
-    /// One row a stage, empty where nothing was measured.
+    /// CSV with one row per stage; cells are empty where nothing was measured.
     pub fn csv(&self) -> Result<String> {
         let fault =
             |error: &dyn std::fmt::Display| Error::from(Input::new(format!("the table could not be written: {error}")));
@@ -71,7 +71,7 @@ impl Profile {
         String::from_utf8(bytes).map_err(|error| fault(&error))
     }
 
-    /// Everything; `null` where nothing was measured.
+    /// The whole profile but for the trace; `null` where nothing was measured.
     pub fn json(&self) -> Value {
         let spread =
             |spread: Option<Quantiles>| spread.map(|s| json!({"median": s.median, "p10": s.low, "p90": s.high}));
@@ -95,8 +95,8 @@ impl Profile {
         })
     }
 
-    /// The timed frames as trace events, microseconds: the host's on one track, the steps on another. A device's clock
-    /// is not the host's: its first step is shown as late as its last one lets it be within the frame.
+    /// The timed frames as trace events, in microseconds: frames on one track, steps on another. The clocks of host
+    /// and device are not aligned, so the steps are shifted such that the last one ends with its frame.
     pub fn trace(&self) -> Value {
         let track = |id: u32, name: &str| json!({"ph": "M", "name": "thread_name", "pid": 1, "tid": id, "args": {"name": name}});
         let mut events = vec![
@@ -107,7 +107,7 @@ impl Profile {
         for (number, (start, length, steps)) in self.trace.iter().enumerate() {
             let event = |name: &str, id: u32, at: f64, length: f64| json!({"ph": "X", "name": name, "pid": 1, "tid": id, "ts": at * 1e3, "dur": length * 1e3, "args": {"frame": number}});
             events.push(event("frame", 1, *start, *length));
-            // Steps that do not know when they began follow one another.
+            // Steps without a start time follow one another.
             let (mut placed, mut next) = (Vec::new(), 0.0);
             for step in steps.iter().filter(|step| step.milliseconds.is_finite()) {
                 let at = if step.start.is_finite() { f64::max(step.start, next) } else { next };

@@ -1,4 +1,4 @@
-//! What the stages of a frame do and move, counted by kernels that count.
+//! Operations and memory traffic of each stage of a frame, counted by instrumented kernels.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,35 +13,36 @@ use crate::scene::Scene;
 use crate::session::requirements::union;
 use crate::session::run::{CapacityHints, Session};
 
-/// What a stage does in a frame.
+/// The work of a stage in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
-    /// Invocations, whole groups.
+    /// Invocations, rounded up to whole workgroups.
     pub invocations: u64,
-    /// Additions, subtractions and multiplications of floats, two in a fused one.
+    /// Floating-point additions, subtractions and multiplications; a fused multiply-add counts two.
     pub flops: u64,
     /// Divisions and square roots.
     pub roots: u64,
-    /// Exponentials, logarithms, circular functions.
+    /// Exponentials, logarithms and trigonometric functions.
     pub exps: u64,
-    /// Bytes that have to come from memory at least: each one bound counts once, and no more than are asked for.
+    /// Lower bound of the bytes read from memory: per buffer, the bytes loaded or the bytes bound, whichever is less.
     pub read: u64,
-    /// Bytes that have to go there likewise.
+    /// Lower bound of the bytes written to memory, likewise.
     pub written: u64,
-    /// Bytes that loads ask for, repeated ones included.
+    /// Bytes that loads request, with repetitions.
     pub loaded: u64,
-    /// Bytes that stores name.
+    /// Bytes that stores request, with repetitions.
     pub stored: u64,
 }
 
-/// What each stage does in a frame of this scene, on a device that counts; the frame has to leave what `plain` has.
+/// The work of each stage in a frame of this scene, on a device with instrumented kernels; the result must equal that
+/// of the session `plain`.
 pub(super) fn of(
     scene: &Scene,
     device: &Device,
     settings: &Settings,
     plain: &mut Session,
 ) -> Result<BTreeMap<&'static str, Work>> {
-    // A kernel that counts takes its time: where the first frame is as the others are, it serves.
+    // Instrumented kernels are slow: the first frame serves as the measured one if the others would be the same.
     let mut session = Session::new(scene, Some(device), settings.options, CapacityHints::default())?;
     session.frame(Change::EVERYTHING)?;
     let mut counted = tallies(&session)?;
@@ -73,7 +74,7 @@ pub(super) fn of(
     Ok(stages)
 }
 
-/// What the kernels of each stage have done since the last call.
+/// Counts of each stage's kernels since the last call.
 fn tallies(session: &Session) -> Result<BTreeMap<&'static str, Tally>> {
     let mut stages: BTreeMap<&'static str, Tally> = BTreeMap::new();
     for (kernel, tally) in session.tallies()? {
@@ -84,7 +85,7 @@ fn tallies(session: &Session) -> Result<BTreeMap<&'static str, Tally>> {
     Ok(stages)
 }
 
-/// Bytes of each buffer that a stage binds in a frame, each counted once.
+/// Bytes of each buffer that a stage binds in a frame, overlapping ranges counted once.
 fn bound(session: &Session, settings: &Settings) -> Result<BTreeMap<(&'static str, BufferId), u64>> {
     let mut ranges: BTreeMap<(&'static str, BufferId), BTreeSet<[u64; 2]>> = BTreeMap::new();
     for dispatch in session.dispatches(settings.change)? {

@@ -1,4 +1,4 @@
-//! Numerical error beside the model's.
+//! Section `accuracy`: numerical error beside the model's error.
 
 use rayon::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::measure::accuracy::{Effort, PATHS, Pair, model, numerical};
 use crate::scene::PRESETS;
 
-/// Every preset, every channel.
+/// All presets and channels.
 pub fn accuracy(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let effort = Effort { photons: bench.either(5_000, 200_000), samples: 100, detail: bench.either(3, 5), seed: 1 };
     page.say(&format!(

@@ -1,4 +1,4 @@
-//! A plot as SVG: lines, dots and bars of error on plain or logarithmic axes, each with its name and unit.
+//! A plot as SVG: lines and dots on linear or logarithmic axes, each with its name and unit.
 
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
@@ -10,30 +10,30 @@ use crate::measure::pareto::COLORS;
 /// An axis.
 #[derive(Clone, Copy)]
 pub struct Axis<'a> {
-    /// What it shows, with the unit.
+    /// The label, with the unit.
     pub label: &'a str,
-    /// Whether it is logarithmic; then only numbers above 0 have a place on it.
+    /// Whether it is logarithmic; then it shows positive numbers only.
     pub log: bool,
 }
 
-/// How a line is drawn.
+/// The style of a line.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Mark {
-    /// From point to point.
+    /// Connects the points.
     Line,
-    /// A dot each.
+    /// One dot per point.
     Dots,
 }
 
-/// A line, or dots.
+/// One data series: a line, or dots.
 pub struct Line {
     /// Its name in the legend.
     pub name: String,
-    /// How it is drawn.
+    /// The style.
     pub mark: Mark,
-    /// Its points; what is no number, or has no place on its axes, is left out.
+    /// The points; those that are not finite, or do not fit a logarithmic axis, are left out.
     pub points: Vec<(f64, f64)>,
-    /// Its colour, where it is not the next one of the row.
+    /// The colour, if not the next one of the palette.
     pub color: Option<RGBColor>,
 }
 
@@ -52,12 +52,12 @@ impl Line {
     }
 }
 
-/// Size of a plot without its legend, pixels: as wide as a phone's screen nearly is, so that its text stays legible
+/// Size of a plot without its legend, pixels: about as wide as a phone's screen, so that its text stays legible
 /// there.
 const SIZE: (u32, u32) = (480, 360);
-/// Height of a line of the legend, which has two columns.
+/// Height of a line of the two-column legend, pixels.
 const ROW: u32 = 20;
-/// The picture.
+/// Draws the plot.
 pub fn chart(title: &str, x: Axis<'_>, y: Axis<'_>, lines: &[Line]) -> Result<String> {
     let placed = |&(a, b): &(f64, f64)| a.is_finite() && b.is_finite() && !(x.log && a <= 0.0) && !(y.log && b <= 0.0);
     let kept: Vec<(&Line, Vec<(f64, f64)>)> =
@@ -75,7 +75,7 @@ pub fn chart(title: &str, x: Axis<'_>, y: Axis<'_>, lines: &[Line]) -> Result<St
     Ok(picture)
 }
 
-/// From the least to the most, with a margin; never empty.
+/// The range of the numbers with a margin; never empty.
 fn range(numbers: impl Iterator<Item = f64>, log: bool) -> std::ops::Range<f64> {
     let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     match (low > high, log) {
@@ -84,14 +84,14 @@ fn range(numbers: impl Iterator<Item = f64>, log: bool) -> std::ops::Range<f64> 
         (false, true) => low / 1.3..high * 1.3,
         (false, false) => {
             let margin = 0.04 * (high - low).max(1e-9 * high.abs()).max(1e-300);
-            // From 0 where that is near.
+            // Start at 0 if that is near.
             let start = if low >= 0.0 && low < 0.3 * high { 0.0 } else { low - margin };
             start..high + margin
         }
     }
 }
 
-/// A number on an axis: plain where it is short, else with an exponent.
+/// A number on an axis, with an exponent if it would be long.
 fn short(number: &f64) -> String {
     let number: f64 = format!("{number:.3e}").parse().unwrap_or(*number);
     if number == 0.0 || (0.01..1e4).contains(&number.abs()) { number.to_string() } else { format!("{number:e}") }
@@ -177,7 +177,7 @@ mod tests {
                 assert!(svg.contains(words), "{words}");
             }
             assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
-            // Nothing to show is no error.
+            // A plot without data is not an error.
             assert!(chart("empty", axis("x", a), axis("y", b), &[]).unwrap().contains("empty"));
         }
     }

@@ -1,4 +1,4 @@
-//! What can fail: conformance, stage by stage, and the extreme cases.
+//! The sections with checks that can fail: conformance per stage, and the extreme cases.
 
 use super::{Bench, Page, Tone};
 use crate::error::Result;
@@ -6,7 +6,7 @@ use crate::measure::conform::conform as compare;
 use crate::measure::fixtures::fixtures;
 use crate::measure::stress::{Outcome, stress as extremes};
 
-/// What a quick report compares on: fixtures whose name contains one of these, which together have every stage.
+/// Fixtures of a quick report: those whose name contains one of these. Together they run every stage.
 const FEW: [&str; 17] = [
     "one triangle",
     "sliver",
@@ -27,7 +27,7 @@ const FEW: [&str; 17] = [
     "single form factors",
 ];
 
-/// A stage over all fixtures.
+/// The results of one stage over all fixtures.
 #[derive(Default)]
 struct Stage {
     name: &'static str,
@@ -38,7 +38,7 @@ struct Stage {
     faults: usize,
 }
 
-/// Every stage on the device against the CPU's reference.
+/// Compares every stage on the device with the CPU reference.
 pub fn conform(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let Some(device) = bench.device else {
         page.say("The CPU is the reference itself: there is no device to compare with it.");
@@ -71,7 +71,7 @@ pub fn conform(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         }
     }
     let row = |stage: &Stage| {
-        // Near zero the distance in units in the last place says nothing.
+        // Near zero a distance in units in the last place is meaningless.
         let ulp = if stage.ulp > 1_000_000 { "-".to_string() } else { stage.ulp.to_string() };
         let verdict = if stage.faults == 0 { "conforms" } else { "DIFFERS" };
         let relative = format!("{:.1e}", stage.relative);
@@ -93,7 +93,7 @@ pub fn conform(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     Ok(())
 }
 
-/// The table of extreme cases.
+/// The extreme cases.
 pub fn stress(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.say(
         "Scenes and form factors at the edge of what there is: what the program does, whether every value is a number, and \

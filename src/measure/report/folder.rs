@@ -1,6 +1,6 @@
-//! Where a report goes. The rule: the folder is new, or empty, or holds an earlier report; files of the same names are
-//! replaced, the page last, all others are left alone. Everything is written into a folder beside them first, so that a
-//! run that fails leaves what was there.
+//! The output folder of a report. It must be new or empty, or hold an earlier report; files of the same names are
+//! replaced, the page last, and all others are left alone. Everything is first written to a temporary folder, so that
+//! a run that fails leaves the old report as it was.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,20 +10,20 @@ use crate::view::atomic_file::Part;
 
 /// The page's name.
 pub const PAGE: &str = "index.html";
-/// What an earlier report has among its first bytes.
+/// Identifies an earlier report; must be among its page's first bytes.
 const MARK: &str = "content=\"milkglass report\"";
 
-/// A folder that a report will be moved to; what is not moved is removed when it is dropped.
+/// The output folder. The report goes to a temporary folder first, which is removed on drop.
 #[derive(Debug)]
 pub struct Folder {
     target: PathBuf,
     beside: Part,
-    /// Whether the target was there before.
+    /// Whether the target existed before.
     old: bool,
 }
 
 impl Folder {
-    /// Checks the rule, and that the folder can be written, before anything is measured.
+    /// Checks the rules, and that the folder is writable, before anything is measured.
     pub fn open(target: &Path) -> Result<Self> {
         let fault = |what: &str| Input::new(what).key("-o").found(target.display());
         let expected = "a new folder, an empty one, or one with an earlier report";
@@ -48,7 +48,7 @@ impl Folder {
         Ok(Self { target: target.to_path_buf(), beside, old })
     }
 
-    /// Writes every file, then moves them all, the page last.
+    /// Writes all files, then moves them to the target, the page last.
     pub fn fill(self, page: &str, files: &[(String, Vec<u8>)]) -> Result<()> {
         let write =
             |name: &str, bytes: &[u8]| -> std::io::Result<()> { fs::write(self.beside.path().join(name), bytes) };
@@ -84,7 +84,7 @@ mod tests {
         fs::write(target.join("mine"), "kept").unwrap();
         Folder::open(&target).unwrap().fill(&page, &files("2")).unwrap();
         assert_eq!((names(&target).len(), fs::read_to_string(target.join("a.csv")).unwrap()), (3, "2".into()));
-        // A run that fails leaves what was there.
+        // A run that fails leaves the old report as it was.
         drop(Folder::open(&target).unwrap());
         assert_eq!((names(&target).len(), names(here.path())), (3, vec!["r".to_string()]));
 

@@ -1,4 +1,4 @@
-//! Francois et al. 2006: table 2 and figure 14, layers beneath the surface.
+//! Section `layers`: table 2 and figure 14 of Francois et al. 2006.
 
 use super::chart::{Axis, Line, chart};
 use super::pictures::{Shot, scene};
@@ -15,7 +15,8 @@ fn named(rule: Integration) -> &'static str {
     RULES.iter().find(|(known, _)| *known == rule).map_or("", |(_, name)| name)
 }
 
-/// Errors and times by the samples, the approximations one by one, and the fish.
+/// Errors and times by number of samples, cost by number of lights, each approximation on its own, and pictures of
+/// the fish.
 pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("Table 2: samples, error and time");
     page.say(

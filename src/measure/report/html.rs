@@ -1,25 +1,25 @@
-//! The page: one HTML file that refers to nothing but the CSV files beside it, and needs no script.
+//! The page: one HTML file that refers only to the files beside it, and contains no script.
 
 use crate::error::{Error, Result};
 
-/// What a section has to say: HTML, files that lie beside the page, what it found, and what failed.
+/// A section's content: HTML, files beside the page, findings, and failed checks.
 #[derive(Debug, Default)]
 pub struct Page {
     body: String,
     /// Name and bytes of each file beside the page.
     pub files: Vec<(String, Vec<u8>)>,
-    /// What is worth knowing first, wins and losses alike.
+    /// Findings for the top of the page, wins and losses alike.
     pub findings: Vec<(Tone, String)>,
     /// Checks that failed.
     pub faults: Vec<String>,
 }
 
-/// What a finding means.
+/// The verdict of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
-    /// As good as, or better than, what it is compared with.
+    /// As good as what it is compared with, or better.
     Win,
-    /// Worse than that.
+    /// Worse than what it is compared with.
     Loss,
     /// Neither.
     Note,
@@ -35,23 +35,23 @@ impl Tone {
     }
 }
 
-/// A picture on the page: what it shows, and its bytes as PNG.
+/// A picture on the page.
 pub struct Shown {
     /// Its caption.
     pub label: String,
     /// Its width, pixels.
     pub width: u32,
-    /// The PNG file.
+    /// The picture as a PNG file.
     pub png: Vec<u8>,
 }
 
-/// Text as HTML.
+/// Escapes text for HTML.
 #[must_use]
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// Whether a cell holds a number, perhaps with a unit or a bound: then it is aligned to the right.
+/// Whether a cell holds a number, perhaps with a unit or a bound; columns of numbers are right-aligned.
 fn numeric(cell: &str) -> bool {
     let bare = cell.trim_start_matches(['<', '>', '=', '\u{b1}', '+', '-', ' ']);
     bare.starts_with(|c: char| c.is_ascii_digit()) && bare.chars().filter(|c| c.is_alphabetic()).count() <= 5
@@ -59,30 +59,30 @@ fn numeric(cell: &str) -> bool {
 }
 
 impl Page {
-    /// A paragraph.
+    /// Adds a paragraph.
     pub fn say(&mut self, words: &str) {
         self.body += &format!("<p>{}</p>\n", escape(words));
     }
 
-    /// A heading within the section.
+    /// Adds a heading within the section.
     pub fn head(&mut self, words: &str) {
         self.body += &format!("<h3>{}</h3>\n", escape(words));
     }
 
-    /// A check that failed.
+    /// Adds a failed check.
     pub fn fail(&mut self, words: &str) {
         self.body += &format!("<p class=\"fail\">FAILS: {}</p>\n", escape(words));
         self.faults.push(words.into());
     }
 
-    /// A notice at the top of the page, too.
+    /// Adds a finding, which also appears at the top of the page.
     pub fn find(&mut self, tone: Tone, words: &str) {
         let (class, mark) = tone.mark();
         self.body += &format!("<p class=\"{class}\">{mark} {}</p>\n", escape(words));
         self.findings.push((tone, words.into()));
     }
 
-    /// What is only seen when it is opened.
+    /// Adds a part that is folded until the reader opens it.
     pub fn fold(&mut self, head: &str, write: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         self.body += &format!("<details><summary>{}</summary>\n", escape(head));
         let done = write(self);
@@ -90,7 +90,7 @@ impl Page {
         done
     }
 
-    /// A table, and the same as a file `name.csv`.
+    /// Adds a table, and the same table as a file `name.csv`.
     pub fn table(&mut self, name: &str, header: &[&str], rows: &[Vec<String>]) -> Result<()> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         let lost = |error: &dyn std::fmt::Display| Error::Check(format!("{name}.csv could not be made: {error}"));
@@ -104,7 +104,7 @@ impl Page {
         Ok(())
     }
 
-    /// A table without a file.
+    /// Adds a table without a file.
     pub fn small_table(&mut self, header: &[&str], rows: &[Vec<String>]) {
         let right = |k: usize| !rows.is_empty() && rows.iter().all(|row| row.get(k).is_none_or(|cell| numeric(cell)));
         let right: Vec<bool> = (0..header.len()).map(right).collect();
@@ -123,28 +123,28 @@ impl Page {
         self.body += "</table></div>\n";
     }
 
-    /// A file beside the page, and a link to it.
+    /// Adds a file beside the page, with a link to it.
     pub fn file(&mut self, name: &str, bytes: Vec<u8>) {
         self.body += &format!("<p class=\"file\"><a href=\"{0}\">{0}</a></p>\n", escape(name));
         self.files.push((name.into(), bytes));
     }
 
-    /// A plot; a wide one scrolls in its box where there is no room.
+    /// Adds a plot; a wide one scrolls if there is not enough space.
     pub fn plot(&mut self, svg: &str, wide: bool) {
-        // Inside HTML the name space goes without saying.
+        // HTML does not need the namespace.
         let svg = svg.replace(" xmlns=\"http://www.w3.org/2000/svg\"", "");
         let class = if wide { "box wide" } else { "plot" };
         self.body += &format!("<div class=\"{class}\">{svg}</div>\n");
     }
 
-    /// Several plots side by side where there is room.
+    /// Adds several plots, side by side if there is space.
     pub fn plots(&mut self, svgs: &[String]) {
         self.body += "<div class=\"row\">\n";
         svgs.iter().for_each(|svg| self.plot(svg, false));
         self.body += "</div>\n";
     }
 
-    /// Pictures side by side where there is room.
+    /// Adds pictures, side by side if there is space.
     pub fn pictures(&mut self, pictures: &[Shown]) {
         use base64::Engine;
         self.body += "<div class=\"row\">\n";
@@ -165,7 +165,7 @@ impl Page {
     }
 }
 
-/// Nothing is fetched from anywhere, and no script runs: a content policy says so.
+/// The head of the page; its content policy forbids scripts and external resources.
 const HEAD: &str = r#"<!doctype html>
 <html lang="en"><head><meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
@@ -188,19 +188,19 @@ nav a{display:inline-block;margin:.15rem .8rem .15rem 0}a{color:#0b57a4}details{
 </style>
 "#;
 
-/// One section of the whole page.
+/// One finished section.
 pub struct Written {
-    /// Its name, which links lead to.
+    /// Its name, the target of links.
     pub name: &'static str,
     /// Its heading.
     pub title: &'static str,
-    /// What it says.
+    /// Its content.
     pub page: Page,
-    /// How long it took, seconds.
+    /// Seconds it took.
     pub seconds: f64,
 }
 
-/// The whole page: a title, what it was made on, what was found, then each section.
+/// The whole page: title, device and host, findings, then the sections.
 #[must_use]
 pub fn whole(title: &str, about: &[(&str, String)], sections: &[Written]) -> String {
     let mut text = format!("{HEAD}<title>{0}</title></head><body>\n<header><h1>{0}</h1>\n", escape(title));

@@ -1,4 +1,4 @@
-//! Kubo et al. 2010: the function itself, sigma_0 from balls, curvature, and how far it can be trusted.
+//! Section `kubo`: the function itself, sigma_0 from balls, pictures, curvature, and the limits of the method.
 
 use super::chart::{Axis, CHANNELS, Line, chart};
 use super::pictures::{Shot, scene};
@@ -18,7 +18,7 @@ use crate::scene::{Camera, PRESETS, Preset, Scene, Tone as Curve};
 use crate::session::curvature_view::curvature_view;
 use crate::session::run::{CapacityHints, Session};
 
-/// Everything of this paper.
+/// The whole section.
 pub fn kubo(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     function(page)?;
     table(bench, page)?;
@@ -29,7 +29,7 @@ pub fn kubo(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     trusted(bench, page)
 }
 
-/// How fine the built-in scenes are: the scene's own settings, or coarser ones for a quick report.
+/// Settings of the built-in scenes: none, or a coarser mesh for a quick report.
 fn coarser(bench: &Bench<'_>) -> &'static [&'static str] {
     bench.either(&["object.0.detail=64"], &[])
 }
@@ -68,8 +68,8 @@ fn function(page: &mut Page) -> Result<()> {
 
 const NAMES: [&str; 3] = ["red", "green", "blue"];
 
-/// The meshes of table 1: name, built-in scene, settings for a report and for a quick one. Texture blur needs texture
-/// coordinates that are one to one, which of the shapes the ball has.
+/// The meshes of table 1: name, built-in scene, settings for a full and for a quick report. Texture blur needs
+/// one-to-one texture coordinates, which among the shapes only the ball has.
 const MESHES: [(&str, &str, [&[&str]; 2]); 4] = [
     ("bust", "bust", [&[OPEN_SKY], &["object.0.detail=64", OPEN_SKY]]),
     ("lotus", "lotus", [&[], &["object.0.detail=48"]]),
@@ -80,12 +80,12 @@ const MESHES: [(&str, &str, [&[&str]; 2]); 4] = [
         [&["transport.unwrap=true", "object.0.detail=7", LUMPS], &["transport.unwrap=true", QUICK_BLUR, LUMPS]],
     ),
 ];
-/// Rays to the sky would cost many times what is compared.
+/// Turns environment occlusion off: its rays would cost many times as much as the shading.
 const OPEN_SKY: &str = "light.0.occlusion=0";
 const QUICK_BLUR: &str = "transport.blur_texture=128";
 const LUMPS: &str = "object.0.deform=[{ type = 'noise', amplitude = 1, scale = 5 }]";
 
-/// Table 1: what each technique costs and errs.
+/// Table 1: cost and error of each technique.
 fn table(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("Table 1: what shading costs");
     page.say(
@@ -183,7 +183,7 @@ fn fitted(bench: &Bench<'_>, page: &mut Page, preset: &Preset) -> Result<()> {
     page.table(&format!("sigma-0-{}", preset.name.to_lowercase()), &header, &rows)
 }
 
-/// The dipole, the function and Lambert's cosine side by side; the curvature.
+/// Pictures by the dipole, the function and Lambert's cosine side by side, and the curvature.
 fn compared(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("The dipole, the function, and Lambert's cosine");
     let side = bench.either(200, 360);
@@ -222,7 +222,7 @@ fn compared(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let header = ["scene", "dipole, ms", "CDRF, ms", "CDRF, FLIP", "Lambert, ms", "Lambert, FLIP"];
     page.table("local", &header, &rows)?;
 
-    // Those of the dipole take long, and stand above.
+    // A quick report leaves out the dipole's panels: they are slow, and the dipole is shown above.
     let side = bench.either(144, 360);
     let mut shown = Vec::new();
     for panel in panels([side; 2])?.into_iter().filter(|p| !bench.quick || p.transport != ShadingMethod::Hierarchy) {
@@ -243,10 +243,10 @@ fn compared(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     Ok(())
 }
 
-/// Most dots of a plot.
+/// Maximum number of dots in a plot.
 const DOTS: usize = 2000;
 
-/// The error against the dipole by thickness.
+/// The error against the dipole, by thickness.
 fn trusted(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("How far the function can be trusted");
     page.say("Radiosity by the function against the dipole's, triangle by triangle and channel by channel, by how thick the object is there.");

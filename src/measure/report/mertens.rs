@@ -1,4 +1,4 @@
-//! Mertens et al. 2003: figures 3 and 4 as plots, tables 3, 4 and 5 beside ours.
+//! Section `mertens`: figures 3 and 4 of Mertens et al. 2003 as plots, tables 3, 4 and 5 with our values.
 
 use super::chart::{Axis, CHANNELS, Line, chart};
 use super::{Bench, Page, Tone};
@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::measure::tables::curves::{Point, TOLERANCES, figure_3, figure_4};
 use crate::measure::tables::{Bench as Models, TABLES, Told};
 
-/// A table: its name, its columns' names, its rows.
+/// A table: its name, its column headings, its rows.
 type Measured = (String, Vec<String>, Vec<Vec<String>>);
 
 const NAMES: [&str; 3] = ["red", "green", "blue"];
@@ -107,7 +107,7 @@ pub fn mertens(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     Ok(())
 }
 
-/// Every point as a file.
+/// Adds all points as a file.
 fn csv(page: &mut Page, name: &str, place: &str, points: &[Point]) -> Result<()> {
     let header = [
         "channel",

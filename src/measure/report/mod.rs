@@ -1,7 +1,7 @@
-//! The report: everything that is measured, on one page, for one device.
+//! The report: all measurements on one page, for one device.
 //!
-//! A section is one entry of [`SECTIONS`] and one function that writes it. A section that fails says so on the page,
-//! and the others go on.
+//! A section is one entry of [`SECTIONS`] and one function that writes it. If a section fails, the page shows the
+//! error and the other sections still run.
 
 mod accuracy;
 mod chart;
@@ -23,17 +23,17 @@ pub use html::{Page, Shown, Tone, Written, whole};
 use crate::error::Result;
 use crate::gpu::Device;
 
-/// On what a report is made, and how much of it.
+/// Settings of a report.
 #[derive(Clone, Copy)]
 pub struct Bench<'a> {
-    /// The device; none is the CPU.
+    /// The device; `None` for the CPU.
     pub device: Option<&'a Device>,
-    /// Small scenes and few settings: minutes.
+    /// Small scenes and few settings; takes minutes.
     pub quick: bool,
 }
 
 impl Bench<'_> {
-    /// One of two values: for a quick report, or a full one.
+    /// Chooses between the values for a quick and for a full report.
     fn either<T>(&self, quick: T, full: T) -> T {
         if self.quick { quick } else { full }
     }
@@ -45,11 +45,11 @@ pub struct Section {
     pub name: &'static str,
     /// Its heading.
     pub title: &'static str,
-    /// Measures and writes it.
+    /// Measures and writes the section.
     pub write: fn(&Bench<'_>, &mut Page) -> Result<()>,
 }
 
-/// Every section, in the order of the page.
+/// All sections, in the order of the page.
 pub static SECTIONS: &[Section] = &[
     Section { name: "devices", title: "Devices", write: setting::devices },
     Section { name: "plan", title: "What each scene needs", write: setting::plans },
@@ -65,17 +65,17 @@ pub static SECTIONS: &[Section] = &[
     Section { name: "pictures", title: "Built-in scenes", write: pictures::scenes },
 ];
 
-/// A report: the page, the files beside it, and what failed.
+/// A finished report.
 pub struct Report {
     /// The HTML page.
     pub page: String,
     /// Name and bytes of each file beside it.
     pub files: Vec<(String, Vec<u8>)>,
-    /// Checks and sections that failed.
+    /// Failed checks and sections.
     pub faults: Vec<String>,
 }
 
-/// Writes these sections; `tell` receives the name of each before it begins.
+/// Writes these sections; `tell` receives the name of each before it starts.
 pub fn report(bench: &Bench<'_>, sections: &[&Section], tell: &mut dyn FnMut(&str)) -> Report {
     let mut written = Vec::new();
     for section in sections {

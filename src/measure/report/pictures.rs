@@ -1,5 +1,5 @@
-//! Pictures on the page, and how far two of them are apart to the eye: the mean of NVIDIA's FLIP (Andersson et al.
-//! 2020), 0 the same, 1 as far as can be, at 67 pixels a degree.
+//! Pictures on the page, and their perceptual difference: the mean of NVIDIA's FLIP (Andersson et al. 2020) at 67
+//! pixels per degree, from 0 for equal to 1 for the largest difference.
 
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool, flip, magma_lut};
 
@@ -12,23 +12,23 @@ use crate::scene::{BUILTIN, Camera, Scene};
 use crate::session::run::{CapacityHints, Session};
 use crate::view::picture::Picture;
 
-/// A picture as it is shown.
+/// A picture with 8-bit channels.
 pub struct Shot {
-    /// Width, height, pixels.
+    /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Eight bits a channel, sRGB.
+    /// Eight bits per channel, sRGB.
     pub bytes: Vec<u8>,
     /// Milliseconds of the frame by the device's clock, or the host's on the CPU.
     pub ms: f64,
 }
 
 impl Shot {
-    /// A picture by the scene's camera.
+    /// Applies the camera's exposure and tone curve to a picture.
     pub fn of(picture: &Picture, camera: &Camera, ms: f64) -> Self {
         Self { size: [picture.width as u32, picture.height as u32], bytes: picture.bytes(camera), ms }
     }
 
-    /// A scene on a device, none being the CPU.
+    /// Renders a scene on a device; `None` for the CPU.
     pub fn take(scene: &Scene, device: Option<&Device>, transport: ShadingMethod) -> Result<Self> {
         let options = Options { transport, ..Options::default() };
         let mut session = Session::new(scene, device, options, CapacityHints::default())?;
@@ -37,12 +37,13 @@ impl Shot {
         Ok(Self::of(&picture, &scene.camera, times.iter().map(|time| time.milliseconds).sum()))
     }
 
-    /// On the page.
+    /// The picture for the page, with a caption.
     pub fn show(&self, label: impl Into<String>) -> Result<Shown> {
         Ok(Shown { label: label.into(), width: self.size[0], png: png(self.size, &self.bytes)? })
     }
 
-    /// FLIP's mean error of this against another of the same size, and its map: black the same, yellow far.
+    /// FLIP's mean error against a reference of the same size, and its map: black for equal, yellow for a large
+    /// difference.
     pub fn apart(&self, reference: &Self) -> Result<(f64, Shot)> {
         if self.size != reference.size {
             return Err(Error::Check("pictures of different sizes can't be compared".into()));
@@ -56,7 +57,7 @@ impl Shot {
     }
 }
 
-/// A PNG file.
+/// Encodes a PNG file.
 fn png([width, height]: [u32; 2], bytes: &[u8]) -> Result<Vec<u8>> {
     let mut file = std::io::Cursor::new(Vec::new());
     image::write_buffer_with_format(
@@ -71,19 +72,19 @@ fn png([width, height]: [u32; 2], bytes: &[u8]) -> Result<Vec<u8>> {
     Ok(file.into_inner())
 }
 
-/// A built-in scene with a picture of this size, one place a pixel.
+/// A built-in scene with a picture of this size, one sample per pixel.
 pub fn scene(name: &str, [width, height]: [u32; 2], sets: &[&str]) -> Result<Scene> {
     let own = [format!("camera.size=[{width}, {height}]"), "camera.samples=1".into()];
     Scene::load(name, &own.into_iter().chain(sets.iter().map(|set| (*set).to_string())).collect::<Vec<_>>())
 }
 
-/// What FLIP may say of two pictures that are the same but for rounding: far below what can be seen.
+/// Maximum FLIP of two pictures that differ by rounding only; far below what is visible.
 const SAME: f64 = 5e-3;
 
-/// Triangles from which on a quick report leaves a scene out.
+/// Number of triangles above which a quick report leaves a scene out.
 const LARGE: usize = 50_000;
 
-/// Every built-in scene by the device and by the CPU's reference, and what is between them.
+/// Every built-in scene by the device and by the CPU reference, and their difference.
 pub fn scenes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let side = bench.either(144, 240);
     page.say("FLIP is the mean of NVIDIA's perceptual difference, 0 to 1, beside its map: black where two pictures are the same.");

@@ -1,4 +1,4 @@
-//! What the report is about: the devices, and what each built-in scene needs of one.
+//! Sections on the setting: the devices, and the stages and buffers of each built-in scene.
 
 use super::{Bench, Page};
 use crate::error::Result;
@@ -8,17 +8,17 @@ use crate::pipeline::plan::Options;
 use crate::scene::{BUILTIN, Scene};
 use crate::session::run::{CapacityHints, Session};
 
-/// The device's name.
+/// The device's name, or `cpu`.
 pub fn name(bench: &Bench<'_>) -> String {
     bench.device.map_or("cpu", Device::name).to_string()
 }
 
-/// Its driver.
+/// The driver's name and version.
 pub fn driver(bench: &Bench<'_>) -> String {
     bench.device.map_or("none: the f64 reference on the host", Device::driver).to_string()
 }
 
-/// What the page was made with and on.
+/// The environment of the report, for the top of the page.
 pub fn about(bench: &Bench<'_>) -> Vec<(&'static str, String)> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     vec![
@@ -30,7 +30,7 @@ pub fn about(bench: &Bench<'_>) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// Every Vulkan device, with the limits that matter.
+/// Lists all Vulkan devices with the relevant limits.
 pub fn devices(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let adapters = match Instance::open(false).and_then(|instance| instance.adapters()) {
         Ok(adapters) => adapters,
@@ -75,7 +75,7 @@ pub fn devices(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.table("devices", &header, &adapters.iter().map(row).collect::<Vec<_>>())
 }
 
-/// The stages and buffers of each built-in scene, and what it leaves out.
+/// The stages and buffers of each built-in scene, and what its plan leaves out.
 pub fn plans(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.say("What a scene does not use costs nothing: no pipeline, no buffer, no dispatch. Lists grow with the first frame.");
     let mut rows = Vec::new();

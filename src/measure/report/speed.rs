@@ -1,4 +1,4 @@
-//! What takes how long: stage by stage, mode by mode, and error against run time, method by method.
+//! Sections on run time: per stage, per mode, and error against run time per method.
 
 use super::{Bench, Page, Tone};
 use crate::error::Result;
@@ -6,7 +6,7 @@ use crate::measure::pareto::{self, Lighting, METHODS, Norm, Origin, Reach, Setti
 use crate::measure::{modes as kept, profile as stages};
 use crate::scene::Scene;
 
-/// Every method over its settings, in one run.
+/// Measures all methods at all settings, in one run per scene.
 pub fn pareto(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let names: &[&str] = bench.either(&["sphere"], &["sphere", "lotus"]);
     for name in names {
@@ -68,15 +68,15 @@ fn one(bench: &Bench<'_>, page: &mut Page, scene: &Scene) -> Result<()> {
     Ok(())
 }
 
-/// A method's time as a multiple of the base's, at the finest error where that is known, and both in words.
+/// A method's time over the base's, at the finest error at which both are known, and both times in words.
 fn compared(ratio: &pareto::Ratio) -> Option<(f64, String)> {
-    // Where there is no setting the time is the time at any error that is met.
+    // Without a setting, the time at any error that is met is exact.
     let theirs = |reach: Reach| match reach {
         Reach::Within(time) if ratio.method.parameter.is_empty() => Reach::At(time),
         other => other,
     };
     (0..3).rev().find_map(|k| {
-        // A time that is only known to be at most so long decides where it is the shorter one, or both are.
+        // An upper bound on a time decides if it is the shorter of the two, or if both are bounds.
         let (a, b, bound) = match (theirs(ratio.times[k]), ratio.base[k]) {
             (Reach::At(a), Reach::At(b)) => (a, b, ""),
             (Reach::At(a), Reach::Within(b)) if b <= a => (a, b, ""),
@@ -91,7 +91,7 @@ fn compared(ratio: &pareto::Ratio) -> Option<(f64, String)> {
     })
 }
 
-/// What each stage takes, does and moves.
+/// Time, operations and memory traffic of each stage.
 pub fn profile(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.say(
         "Times in ms: the median, and from the 10th to the 90th percentile. What a stage does is counted by its own kernels in one \
@@ -150,7 +150,7 @@ pub fn profile(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     Ok(())
 }
 
-/// What each mode costs after each change.
+/// The cost of each mode after each change.
 pub fn modes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.say(&format!(
         "Each change is made before each frame; a bump alters {} % of the triangles. Of scratch: the time over that of a frame \
@@ -159,7 +159,7 @@ pub fn modes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         100.0 * kept::LOCAL
     ));
     let mut rows = Vec::new();
-    // With a lotus of its own 54,720 triangles these tables were not done in a quarter of an hour on lavapipe.
+    // The full lotus of 54,720 triangles took more than a quarter of an hour here on lavapipe.
     let scenes: &[_] = bench.either(&[("sphere", "3")], &[("sphere", "5"), ("lotus", "128")]);
     for (name, detail) in scenes {
         let sets = [format!("object.0.detail={detail}")];
@@ -186,7 +186,7 @@ pub fn modes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
                 &format!("{name}, links: a bump on {share} % of the triangles costs {ratio:.2} in mode incremental (aim: 0.25; paper 0.49)"),
             );
         }
-        // A sum of no times is -0.
+        // An empty sum of floats is -0.
         rows.extend(found.iter().map(|row| row.cells().map(|cell| cell.replace("-0.0", "0.0")).to_vec()));
     }
     page.table("modes", &kept::Row::HEADS, &rows)

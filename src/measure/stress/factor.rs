@@ -17,10 +17,10 @@ use crate::session::run::{CapacityHints, Session};
 use crate::state::{DeviceState, Scope, State, Step};
 use crate::transport::evaluate;
 
-/// Three media, one a channel: reduced scattering and absorption, 1/length, and the index of refraction.
+/// Three media, one per channel: reduced scattering and absorption, 1/length, and the index of refraction.
 pub type Media = [[f64; 3]; 3];
 
-/// A triangle, a point that receives from it, and three media between them.
+/// A triangle, a receiving point and three media.
 pub struct Pair {
     /// Corners, counter-clockwise, in the media's unit of length.
     pub triangle: [DVec3; 3],
@@ -30,18 +30,18 @@ pub struct Pair {
     pub media: Media,
 }
 
-/// Of R_full: from this share on a form factor may not come out as zero. Below it the edges of a thin triangle cancel.
+/// Share of R_full above which a form factor must not be zero; below it the edges of a thin triangle cancel.
 const SEEN: f64 = 1e-6;
-/// From this value on at least one form factor of a case has to be seen. It is far above the smallest `f32`.
+/// If any form factor of a case exceeds this, they must not all be zero. Far above the smallest `f32`.
 const ANY: f64 = 1e-30;
 
 impl Pair {
-    /// The dipoles of the media, in their unit of length; the diffuse Fresnel reflectance is exact.
+    /// The dipoles of the media, in their unit of length, with the exact diffuse Fresnel reflectance.
     pub fn dipoles(&self) -> [Dipole; 3] {
         self.media.map(|[s, a, eta]| Dipole::new(s, a, boundary(diffuse_internal_exact(eta))))
     }
 
-    /// The form factors to nearly all digits, radial distances, one a medium.
+    /// Near-exact form factors, one per medium, for radial distances.
     pub fn exact(&self) -> [f64; 3] {
         let form = |dipole: &Dipole| {
             let corners = self.triangle.map(|corner| corner - self.point);
@@ -50,7 +50,7 @@ impl Pair {
         self.dipoles().each_ref().map(form)
     }
 
-    /// What `milkglass eval` asks: relative to the point, in mean free paths, channel by channel.
+    /// The queries of `milkglass eval`, one per channel: relative to the point, in mean free paths.
     pub fn queries(&self) -> [Query; 3] {
         std::array::from_fn(|channel| {
             let [s, a, eta] = self.media[channel];
@@ -69,7 +69,7 @@ impl Pair {
         })
     }
 
-    /// A scene of two triangles: the lit one, and a small one round the point, which faces away from the light.
+    /// A scene of two triangles: the lit one, and a small one around the point that faces away from the light.
     fn scene(&self) -> Result<Scene> {
         let mut scene = super::solve::scene(&[])?;
         let normal = vector_area(&self.triangle).try_normalize().unwrap_or(DVec3::Z);
@@ -97,7 +97,7 @@ impl Pair {
             texture: None,
             layers: None,
         };
-        // The receiver may stand in the light, and is not meant to.
+        // No shadows: the receiver may block the light.
         scene.lights = vec![Light { shadows: false, ..Light::directional(normal, [1.0; 3]) }];
         Ok(scene)
     }
@@ -105,7 +105,7 @@ impl Pair {
 
 /// The form factors of these pairs by `evaluate` and by brute force.
 pub(super) fn run(pairs: &[Pair], device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 2]> {
-    // One device state for all: its kernels are made once.
+    // One device state for all pairs, so that pipelines are created once.
     let mut device_state = device.map(|device| DeviceState::new(device, false)).transpose()?;
     let mut evaluated = evaluate(pairs, device_state.as_mut())?;
     if let Some(plant) = plant {
@@ -122,7 +122,7 @@ fn judge(pairs: &[Pair], exact: &[[f64; 3]], values: &[[f32; 3]]) -> Found {
     let (mut sum, mut max, mut zeros, mut any) = (0.0, 0.0, 0, false);
     for ((pair, exact), values) in pairs.iter().zip(exact).zip(values) {
         for ((dipole, &exact), value) in pair.dipoles().iter().zip(exact).zip(values.map(f64::from)) {
-            // Where nothing scatters, R_full is 0 and so must F be.
+            // Without scattering R_full is 0, and F must be 0 too.
             let full = if dipole.total() > 0.0 { dipole.total() } else { f64::MIN_POSITIVE };
             let error = (value - exact).abs() / full;
             sum += error * error;
@@ -141,7 +141,7 @@ fn judge(pairs: &[Pair], exact: &[[f64; 3]], values: &[[f32; 3]]) -> Found {
     found
 }
 
-/// The form factors by the stage `evaluate` on a device or, without one, by its reference; radial distances.
+/// Form factors by the stage `evaluate`, on a device or by the CPU reference; radial distances.
 pub fn evaluated(pairs: &[Pair], device: Option<&Device>) -> Result<Vec<[f32; 3]>> {
     evaluate(pairs, device.map(|device| DeviceState::new(device, false)).transpose()?.as_mut())
 }
@@ -156,7 +156,7 @@ fn evaluate(pairs: &[Pair], device_state: Option<&mut DeviceState>) -> Result<Ve
     Ok(state.data.answers.chunks_exact(3).map(radial).collect())
 }
 
-/// Runs these steps on the device or on the CPU, and brings back these buffers.
+/// Runs these steps on the device or the CPU; afterwards the state holds these buffers.
 fn steps_on(
     state: &mut State,
     steps: &[Step],
@@ -172,7 +172,7 @@ fn steps_on(
     device_state.download(state, slots)
 }
 
-/// Brute force over the two triangles: what the point receives, per irradiance of the lit one.
+/// Brute force over the two triangles: the point's radiosity per unit irradiance of the lit triangle.
 fn brute(pair: &Pair, device_state: Option<&mut DeviceState>) -> Result<[f32; 3]> {
     let options = Options { transport: ShadingMethod::Brute, goal: Goal::Radiosity, ..Options::default() };
     let session = Session::new(&pair.scene()?, None, options, CapacityHints::default())?;
@@ -182,6 +182,6 @@ fn brute(pair: &Pair, device_state: Option<&mut DeviceState>) -> Result<[f32; 3]
     let places = session.prepared().places(0);
     let data = &state.data;
     let (light, received) = (data.irradiance[places[0]], data.radiosity[places[1]]);
-    // A triangle without area takes no light; then nothing may arrive.
+    // A degenerate triangle gets no light; then the point must get none.
     Ok(std::array::from_fn(|c| if light[c] == 0.0 { received[c] } else { received[c] / light[c] }))
 }

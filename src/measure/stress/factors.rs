@@ -1,4 +1,4 @@
-//! The cases of single form factors: where the point lies, and how the triangle is made.
+//! Extreme cases of single form factors: position of the point, shape of the triangle, medium.
 
 use glam::DVec3;
 
@@ -6,15 +6,15 @@ use super::factor::{Media, Pair};
 use super::meshes::turn;
 use super::{Case, Kind, ZERO, within};
 
-/// Ordinary media beside a triangle of about unit size: with and without absorption, dense and thin.
+/// Ordinary media for a triangle of about unit size: with and without absorption, dense and thin.
 const ORDINARY: [Media; 2] =
     [[[3.0, 0.01, 1.3], [30.0, 3.0, 1.5], [0.3, 0.03, 1.1]], [[3.0, 0.0, 1.3], [100.0, 0.0, 1.5], [0.01, 0.0, 1.3]]];
-/// Mean free paths of a millionth of the triangle.
+/// Mean free paths of a millionth of the triangle's size.
 const DENSE: [Media; 1] = [[[1e6, 1e3, 1.3], [1e6, 0.0, 1.5], [1e6, 1e6, 1.3]]];
-/// Mean free paths of a million triangles.
+/// Mean free paths of a million times the triangle's size.
 const THIN: [Media; 1] = [[[1e-6, 1e-9, 1.3], [1e-6, 0.0, 1.5], [1e-6, 1e-6, 1.3]]];
 
-/// A well-shaped triangle, and one a thousand times as long as it is wide.
+/// A well-shaped triangle, and one a thousand times as long as wide.
 const SHAPES: [[[f64; 2]; 3]; 2] = [[[0.0, 0.0], [1.0, 0.1], [0.3, 0.9]], [[0.0, 0.0], [1.0, 0.0], [0.4, 1e-3]]];
 
 /// The point with these barycentric weights.
@@ -22,15 +22,15 @@ fn at(triangle: &[DVec3; 3], weights: [f64; 3]) -> DVec3 {
     weights[0] * triangle[0] + weights[1] * triangle[1] + weights[2] * triangle[2]
 }
 
-/// A triangle of the plane, turned and moved so that no coordinate is a round number.
+/// Rotates and moves a planar triangle so that no coordinate is a round number.
 fn placed(flat: [[f64; 2]; 3]) -> [DVec3; 3] {
     flat.map(|[x, y]| turn(DVec3::new(x, y, 0.0)) + DVec3::new(0.313, -0.771, 0.119))
 }
 
-/// A point by barycentric weights, and what is added to it in the triangle's own frame, z upwards.
+/// Barycentric weights of a point, and an offset in the triangle's frame, z along its normal.
 type Place = ([f64; 3], [f64; 3]);
 
-/// Each shape, point and set of media with each other.
+/// All combinations of shapes, points and media.
 fn pairs(shapes: &[[[f64; 2]; 3]], points: &[Place], media: &[Media]) -> Vec<Pair> {
     let mut list = Vec::new();
     for &shape in shapes {
@@ -55,10 +55,10 @@ const OFF: [Place; 5] = [
     ([1.0 + 2e-7, -1e-7, -1e-7], [0.0; 3]),
 ];
 
-/// For a triangle at an ordinary distance.
+/// The reason of the cases at ordinary distances.
 const NEAR_REASON: &str = "rounding of f32 alone with 12 nodes an edge; 6 nodes, as brute force takes, add up to 3e-6";
 
-/// Receiver, shape and medium at their extremes.
+/// Extreme receivers, shapes and media.
 pub(super) static CASES: &[Case] = &[
     Case {
         name: "form factor, inside a triangle",

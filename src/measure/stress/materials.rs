@@ -1,10 +1,10 @@
-//! The cases of materials: albedo, index of refraction, mean free path.
+//! Extreme cases of materials: albedo, index of refraction, mean free path.
 
 use super::solve::Setup;
 use super::{Case, Kind, USUAL, USUAL_REASON, ZERO, within};
 use crate::error::Result;
 
-/// Where light leaves through the face that it came in by.
+/// The reason of the cases in which light leaves through the face where it entered.
 const ALONE_REASON: &str = "every face lights itself alone: no cluster counts; a centre rounded to f32 lies hundredths \
                             of a mean free path off its plane, and takes half the square of that";
 
@@ -13,7 +13,7 @@ fn refracting(eta: f64) -> Result<Setup> {
     Setup::new(&[&format!("object.0.material.eta={eta:e}")])
 }
 
-/// The base scene, 1 mm across, with a mean free path of this many mm.
+/// The base scene, 1 mm across, with this mean free path, mm.
 fn free_path(mm: f64) -> Result<Setup> {
     let (s, a) = (0.9 / mm, 0.1 / mm);
     Setup::new(&[
@@ -22,7 +22,7 @@ fn free_path(mm: f64) -> Result<Setup> {
     ])
 }
 
-/// Materials at their extremes, on the ball.
+/// Extreme materials on the ball.
 pub(super) static CASES: &[Case] = &[
     Case {
         name: "alpha' 0",

@@ -1,27 +1,27 @@
-//! The meshes of the extreme cases, made by hand: no import would let some of them through.
+//! Meshes of the extreme cases, built in code because import would reject some of them.
 
 use glam::{DQuat, DVec3};
 
 use crate::scene::Mesh;
 
-/// A mesh of these corners and triangles.
+/// A mesh of these vertices and triangles.
 pub(super) fn mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     let input_face = (0..triangles.len() as u32).collect();
     Mesh { positions, triangles, input_face, open_edges: 1, ..Mesh::default() }
 }
 
-/// Turns a mesh about its origin so that no coordinate stays a round number.
+/// Rotates a mesh about the origin so that no coordinate is a round number.
 pub(super) fn turned(mut mesh: Mesh) -> Mesh {
     mesh.positions.iter_mut().for_each(|p| *p = turn(*p));
     mesh
 }
 
-/// That turn of one vector.
+/// The same rotation of one vector.
 pub(super) fn turn(v: DVec3) -> DVec3 {
     DQuat::from_axis_angle(DVec3::new(0.48, -0.6, 0.64), 0.7391) * v
 }
 
-/// A sheet over [0,1]^2 that faces +z, with lines at these places in both directions.
+/// A sheet over [0,1]^2 that faces +z, with grid lines at these coordinates.
 pub(super) fn sheet(xs: &[f64], ys: &[f64]) -> Mesh {
     let positions = ys.iter().flat_map(|&y| xs.iter().map(move |&x| DVec3::new(x, y, 0.0))).collect();
     let (across, up) = (xs.len() as u32, ys.len() as u32);
@@ -33,19 +33,19 @@ pub(super) fn sheet(xs: &[f64], ys: &[f64]) -> Mesh {
     mesh(positions, triangles)
 }
 
-/// Lines at equal distances from 0 to 1.
+/// Equally spaced coordinates from 0 to 1.
 pub(super) fn even(cells: u32) -> Vec<f64> {
     (0..=cells).map(|k| f64::from(k) / f64::from(cells)).collect()
 }
 
-/// The same with a second line right after each inner one, at `width` of the distance.
+/// The same with a second line after each inner one, at `width` of the spacing.
 pub(super) fn doubled(cells: u32, width: f64) -> Vec<f64> {
     let step = 1.0 / f64::from(cells);
     let pair = |k: u32| [f64::from(k) * step, (f64::from(k) + width) * step];
     [0.0].into_iter().chain((1..cells).flat_map(pair)).chain([1.0]).collect()
 }
 
-/// Two meshes in one.
+/// Joins two meshes.
 pub(super) fn both(mut one: Mesh, other: Mesh) -> Mesh {
     let first = one.positions.len() as u32;
     one.positions.extend(other.positions);
@@ -53,7 +53,7 @@ pub(super) fn both(mut one: Mesh, other: Mesh) -> Mesh {
     mesh(one.positions, one.triangles)
 }
 
-/// The other side of a mesh.
+/// The mesh with its orientation reversed.
 pub(super) fn reversed(mut mesh: Mesh) -> Mesh {
     mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     mesh

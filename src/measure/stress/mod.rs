@@ -1,8 +1,8 @@
-//! The extreme cases: scenes and form factors at the edge of what there is, each with what the program does about it,
-//! how far from `f64` its answer may lie, and why.
+//! Extreme cases: scenes and form factors at the limits of the input, each with the program's behaviour, the bound on
+//! its error against `f64`, and the reason for that bound.
 //!
-//! A case passes when every value is a number, none is negative, none is zero where light belongs, and the errors keep
-//! within the case's own bounds: of the device's usual method and of the `f32` brute force beside it.
+//! A case passes if every value is finite, none is negative, none is zero where there must be light, and the errors
+//! are within the case's bounds, for the device's usual method and for brute force in `f32`.
 
 pub mod factor;
 mod factors;
@@ -16,29 +16,30 @@ use crate::error::{Input, Result};
 use crate::gpu::Device;
 use crate::measure::norms::Norms;
 
-/// How large an error may be; no unit, below 1, or else darkness would pass.
+/// Bound on an error; no unit. Below 1, or else an all-black result would pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
-    /// Of the L2 error: sqrt(sum A dB^2 / sum A B^2); for form factors the root mean square of the scaled errors.
+    /// Bound on the L2 error sqrt(sum A dB^2 / sum A B^2); for form factors, on the root mean square of the scaled
+    /// errors.
     pub l2: f64,
-    /// Of the largest error: |dB| / rms(B); for form factors |F - F_ref| / R_full, the scaled error.
+    /// Bound on the largest error |dB| / rms(B); for form factors, on the scaled error |F - F_ref| / R_full.
     pub max: f64,
 }
 
-/// Where the answer has to be zero, to the last bit.
+/// For results that must be exactly zero.
 pub const ZERO: Bound = Bound { l2: 0.0, max: 0.0 };
 
-/// About three times the errors measured on the CPU, lavapipe and SwiftShader, the largest of the three: what the
-/// case's reason explains, and room for a driver that rounds otherwise.
+/// A bound of about three times the largest error measured on the CPU, lavapipe and SwiftShader: the error that the
+/// case's reason explains, with a margin for drivers that round differently.
 const fn within(l2: f64, max: f64) -> Bound {
     Bound { l2, max }
 }
 
-/// What the method may err by in most scenes, and why.
+/// The bound for most scenes, and its reason.
 const USUAL: Bound = within(4e-4, 2.5e-3);
 const USUAL_REASON: &str = "links to second order at the default tolerance of 1e-3: their errors cancel in part, to about \
                             1e-4; brute force takes one sample with its second moment up to chi = 0.1, much the same";
-/// The same for sheets, which both sides and far faces light alike.
+/// The same for sheets, where near and far faces contribute alike.
 const SHEET: Bound = within(1e-3, 4e-3);
 const SHEET_REASON: &str = "on a sheet distant faces count as much as near ones, so more links err, and together: up to the \
                             tolerance; \
@@ -48,15 +49,15 @@ const SHEET_REASON: &str = "on a sheet distant faces count as much as near ones,
 pub struct Case {
     /// Its name, as `--only` takes it.
     pub name: &'static str,
-    /// What the program does here, and where that differs from the ordinary.
+    /// What the program does here, and how that differs from the ordinary case.
     pub fallback: &'static str,
-    /// What the device's usual method may be wrong by; for form factors, the stage `evaluate`.
+    /// Bound for the device's usual method; for form factors, for the stage `evaluate`.
     pub bound: Bound,
-    /// What brute force in `f32` on the same device may be wrong by.
+    /// Bound for brute force in `f32` on the same device.
     pub brute: Bound,
-    /// Why the bounds are what they are.
+    /// The reason for the bounds.
     pub reason: &'static str,
-    /// What is computed.
+    /// What the case computes.
     kind: Kind,
 }
 
@@ -66,16 +67,16 @@ enum Kind {
     Factors(fn() -> Vec<factor::Pair>),
     /// The radiosity of a scene.
     Scene(fn() -> Result<solve::Setup>),
-    /// A picture by local shading, in closed form and, in the place of brute force, by its table.
+    /// A picture by the CDRF: in closed form, and from the table in the place of brute force.
     Shade(fn() -> Result<crate::scene::Scene>),
 }
 
-/// Errors of a case by one method, worst channel.
+/// Errors of one method in one case, worst channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Worst {
-    /// As [`Bound::l2`].
+    /// See [`Bound::l2`].
     pub l2: f64,
-    /// As [`Bound::max`].
+    /// See [`Bound::max`].
     pub max: f64,
 }
 
@@ -85,41 +86,41 @@ impl From<Norms> for Worst {
     }
 }
 
-/// How a case went.
+/// The result of a case.
 pub struct Outcome {
     /// The case.
     pub case: &'static Case,
-    /// Whether every value was a finite number of at least 0.
+    /// Whether every checked value was finite and not negative.
     pub sound: bool,
     /// Errors of the usual method, or of the stage `evaluate`.
     pub usual: Worst,
     /// Errors of brute force in `f32`.
     pub brute: Worst,
-    /// Errors of the irradiance octree in `f32`, of a scene; reported only; no effect on pass or fail.
+    /// Errors of the irradiance octree in `f32`, for scenes; reported only, no effect on pass or fail.
     pub octree: Option<Worst>,
-    /// Everything that is wrong; empty when the case passes.
+    /// Everything found wrong; empty if the case passes.
     pub faults: Vec<String>,
 }
 
-/// A deliberate change to what the device answers, to prove that the table can fail.
+/// A deliberate change to the results, to prove that the checks can fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plant {
-    /// One value is not a number.
+    /// One value becomes NaN.
     NotANumber,
-    /// One value is infinite.
+    /// One value becomes infinite.
     Infinite,
-    /// One value is negative.
+    /// One value becomes negative.
     Negative,
-    /// Everything is zero.
+    /// All values become zero.
     Dark,
-    /// Every value is larger by a tenth.
+    /// All values grow by a tenth.
     TenthMore,
-    /// Every value is larger by 1e-30.
+    /// All values grow by 1e-30.
     Trace,
 }
 
 impl Plant {
-    /// Changes values as planned.
+    /// Applies the change.
     fn apply(self, values: &mut [[f32; 3]]) {
         let every = |values: &mut [[f32; 3]], f: fn(f32) -> f32| values.iter_mut().flatten().for_each(|x| *x = f(*x));
         let one = |values: &mut [[f32; 3]], x: f32| values.iter_mut().skip(1).take(1).for_each(|value| value[1] = x);
@@ -134,7 +135,7 @@ impl Plant {
     }
 }
 
-/// What one method made of a case: its errors, and what is wrong beyond them.
+/// The results of one method in one case: its errors, and other faults.
 #[derive(Default)]
 struct Found {
     error: Worst,
@@ -143,7 +144,7 @@ struct Found {
 }
 
 impl Found {
-    /// Counts the values that are no numbers, infinite or negative.
+    /// Reports values that are NaN, infinite or negative.
     fn look(&mut self, what: &str, values: &[[f32; 3]]) {
         let bad = values.iter().flatten().filter(|x| !(x.is_finite() && **x >= 0.0)).count();
         if bad > 0 {
@@ -153,7 +154,7 @@ impl Found {
     }
 }
 
-/// Every case: single form factors, then materials, then meshes, places and lights.
+/// All cases: single form factors, materials, meshes, positions and lights, shading by curvature.
 fn cases() -> impl Iterator<Item = &'static Case> {
     factors::CASES.iter().chain(materials::CASES).chain(places::CASES).chain(shade::CASES)
 }
@@ -188,7 +189,7 @@ fn run(case: &'static Case, device: Option<&Device>, plant: Option<Plant>) -> Re
     for (method, found, bound) in [("the method", &usual, case.bound), ("brute force", &brute, case.brute)] {
         faults.extend(found.faults.iter().map(|fault| format!("{method}: {fault}")));
         for (norm, error, bound) in [("L2", found.error.l2, bound.l2), ("largest", found.error.max, bound.max)] {
-            // What is no number is beyond any bound.
+            // NaN is beyond any bound.
             if error.is_nan() || error > bound {
                 faults.push(format!("{method}: the {norm} error {error:.2e} is beyond {bound:e}: {}", case.reason));
             }
@@ -225,7 +226,7 @@ mod tests {
                 assert!(fails(only, Some(plant)), "{only}: {plant:?}");
             }
         }
-        // Zero means zero.
+        // For a bound of zero the smallest trace of light is a fault.
         assert!(passes("no light at all") && fails("no light at all", Some(Plant::Trace)));
         assert!(stress(None, "no such case", None).is_err());
     }

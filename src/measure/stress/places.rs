@@ -1,4 +1,4 @@
-//! The cases of meshes, of where and how large they are, and of light.
+//! Extreme cases of meshes, of position and size, and of light.
 
 use glam::DVec3;
 
@@ -9,14 +9,14 @@ use crate::error::Result;
 use crate::lighting::fresnel::transmittance;
 use crate::scene::{Light, Source};
 
-/// The base scene, larger by this factor, the material thinner by it.
+/// The base scene scaled by this factor, with the material's density scaled by its inverse.
 fn scaled(factor: f64) -> Result<Setup> {
     let setup =
         Setup::new(&[&format!("object.0.size={factor:e}"), &format!("object.0.material.scale={:e}", 1.0 / factor)])?;
     Ok(setup.against(scene(&[])?, [1.0; 3]))
 }
 
-/// A sheet under a light at this angle over its plane; its radiosity against that under a light from above.
+/// A sheet under light at this angle to its plane, against its scaled radiosity under normal incidence.
 fn grazing(angle: f64) -> Result<Setup> {
     let mesh = || turned(sheet(&even(16), &even(16)));
     let (cos, sin) = (angle.cos(), angle.sin());
@@ -29,7 +29,7 @@ fn grazing(angle: f64) -> Result<Setup> {
     Ok(setup.against(above.scene, eta.map(|eta| sin * transmittance(eta, sin) / transmittance(eta, 1.0))))
 }
 
-/// A lamp of this intensity near the ball, against one of 1 W/sr.
+/// A point light of this intensity near the ball, against one of 1 W/sr.
 fn lamp(intensity: f64) -> Result<Setup> {
     let lit = |intensity: f64| {
         let lamp = format!("light.0={{ type = 'point', position = [0.8, 0.5, 0.9], intensity = {intensity:e} }}");
@@ -38,7 +38,7 @@ fn lamp(intensity: f64) -> Result<Setup> {
     Ok(lit(intensity)?.against(lit(1.0)?.scene, [intensity; 3]))
 }
 
-/// Meshes, places and lights at their extremes.
+/// Extreme meshes, positions and lights.
 pub(super) static CASES: &[Case] = &[
     Case {
         name: "scene scale 1e-6",

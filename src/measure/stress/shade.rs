@@ -1,4 +1,4 @@
-//! Local shading where curvature is at the edge of what there is: a device's picture against the reference's.
+//! Shading by curvature on extreme curvatures: a device's picture against the reference's.
 
 use std::f64::consts::TAU;
 
@@ -14,35 +14,35 @@ use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::{Cdrf, Mesh, Scene};
 use crate::session::run::{CapacityHints, Session};
 
-/// What a picture may err by.
+/// The bound for these pictures, and its reason.
 const SHADED: Bound = within(3e-6, 1e-5);
 const SHADED_REASON: &str = "some ten roundings; curvature of slivers is off by 1e-4, and f changes by at most sigma / sqrt(2 pi); the \
                              closed form is within 6e-6 of the convolution";
 
-/// Where normals point anywhere, some lie between two of the numbers that stage `pack_normals` has, and roundings
-/// decide which one.
+/// The bound for normals in general directions: some lie halfway between two codes of stage `pack_normals`, so that
+/// rounding decides between the codes.
 const STEPPED: Bound = within(1.5e-5, 1e-4);
 const STEPPED_REASON: &str = "a vertex's normal and kappa may be coded a step apart, 3e-5 and 5e-4 of kappa; that happens at few vertices, and \
                               two drivers stay within half of the bounds or a little more; errors are shares of what is seen";
 
-/// A case: closed form first, table beside it.
+/// A case: the closed form under `bound`, the table under `brute`.
 const fn case(name: &'static str, fallback: &'static str, make: fn() -> Result<Scene>) -> Case {
     Case { name, fallback, bound: SHADED, brute: SHADED, reason: SHADED_REASON, kind: Kind::Shade(make) }
 }
 
-/// Likewise, with normals that may be coded a step apart.
+/// The same for normals whose codes may differ by one step.
 const fn stepped(name: &'static str, fallback: &'static str, make: fn() -> Result<Scene>) -> Case {
     Case { bound: STEPPED, brute: STEPPED, reason: STEPPED_REASON, ..case(name, fallback, make) }
 }
 
-/// The base scene with a mesh of its own, within the ball's box.
+/// The base scene with this mesh, which lies within the ball's bounding box.
 fn with(mesh: Mesh, sigma_0: &str) -> Result<Scene> {
     let mut scene = scene(&["object.0.detail=0", &format!("object.0.material.sigma_0={sigma_0}")])?;
     scene.objects[0].mesh = mesh;
     Ok(scene)
 }
 
-/// A closed fan: a cone on a flat disc.
+/// A closed triangle fan: a cone on a flat disc.
 fn cone(count: u32, radius: f64, height: f64) -> Mesh {
     let angle = |k: u32| TAU * f64::from(k) / f64::from(count);
     let rim = (0..count).map(|k| DVec3::new(radius * angle(k).cos(), radius * angle(k).sin(), 0.0));
@@ -75,7 +75,7 @@ pub(super) const CASES: &[Case] = &[
     }),
 ];
 
-/// The picture in closed form, and by the table, against the reference's.
+/// Pictures in closed form and from the table, against the reference's.
 pub(super) fn run(scene: &Scene, device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 2]> {
     let mut tabled = scene.clone();
     tabled.transport.cdrf = Cdrf::Table;

@@ -1,4 +1,4 @@
-//! Scenes: the usual method and brute force on a device, against a sum over all faces in `f64`.
+//! Extreme scenes: the usual method, brute force and the octree, against a sum over all faces in `f64`.
 
 use super::{Found, Plant};
 use crate::error::Result;
@@ -12,15 +12,15 @@ use crate::prepare::receivers::by_pixel;
 use crate::scene::{Mesh, Receivers, Scene};
 use crate::session::run::{CapacityHints, Session};
 
-/// A scene, and what its radiosity has to be.
+/// A scene and its expected radiosity.
 pub(super) struct Setup {
     /// The scene.
     pub scene: Scene,
-    /// What it is measured against.
+    /// The expected radiosity.
     pub against: Against,
 }
 
-/// What a scene's radiosity has to be.
+/// The radiosity that a scene must have.
 pub(super) enum Against {
     /// That of the same scene in `f64`.
     Itself,
@@ -30,12 +30,12 @@ pub(super) enum Against {
     Darkness,
 }
 
-/// Receivers to compare at; of fewer faces all.
+/// Number of receivers compared; all, if the mesh has fewer faces.
 const RECEIVERS: usize = 48;
-/// Of the reference's rms: from this value on a radiosity may not come out as zero.
+/// Share of the largest expected radiosity above which a radiosity must not be zero.
 const SEEN: f64 = 1e-6;
 
-/// What every scene here starts from: a ball of marble, 1 mm across, in the sun.
+/// The base scene: a marble ball, 1 mm across, in the sun.
 const BASE: &str = r#"
 unit = "mm"
 [camera]
@@ -58,32 +58,32 @@ pub(super) fn scene(sets: &[&str]) -> Result<Scene> {
 }
 
 impl Setup {
-    /// The base scene with these settings, against itself in `f64`.
+    /// The base scene with these settings, compared with itself in `f64`.
     pub fn new(sets: &[&str]) -> Result<Self> {
         Ok(Self { scene: scene(sets)?, against: Against::Itself })
     }
 
-    /// With a mesh of its own.
+    /// Replaces the mesh.
     pub fn mesh(mut self, mesh: Mesh) -> Self {
         self.scene.objects[0].mesh = mesh;
         self
     }
 
-    /// Against the radiosity of another scene, times a factor per channel.
+    /// Compares with the radiosity of another scene, times a factor per channel.
     pub fn against(mut self, other: Scene, factor: [f64; 3]) -> Self {
         self.against = Against::Another(Box::new(other), factor);
         self
     }
 
-    /// Against exactly zero.
+    /// Compares with exactly zero.
     pub fn dark(mut self) -> Self {
         self.against = Against::Darkness;
         self
     }
 }
 
-/// The radiosity of a scene at these faces of its mesh, in scene units: irradiance in `f64` on the CPU, rounded once,
-/// then every face's near-exact form factor.
+/// The radiosity of a scene at these faces of its mesh, in scene units: irradiance by the CPU reference, then a sum
+/// over all faces with near-exact form factors.
 fn reference(scene: &Scene, faces: &[usize]) -> Result<Vec<[f64; 3]>> {
     let options = Options { transport: ShadingMethod::Brute, goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(scene, None, options, CapacityHints::default())?;
@@ -94,7 +94,7 @@ fn reference(scene: &Scene, faces: &[usize]) -> Result<Vec<[f64; 3]>> {
     Ok(values.into_iter().map(|value| value.map(|x| x * session.units().light)).collect())
 }
 
-/// The radiosity by the usual method, a picture included, by brute force, and by the irradiance octree.
+/// The results of the usual method, including a picture, of brute force, and of the irradiance octree.
 pub(super) fn run(setup: &Setup, device: Option<&Device>, plant: Option<Plant>) -> Result<[Found; 3]> {
     let mesh = &setup.scene.objects[0].mesh;
     let area = |face: usize| mesh.corners(face).map_or(0.0, |[a, b, c]| 0.5 * (b - a).cross(c - a).length());
@@ -127,7 +127,7 @@ fn method(
     sample: &Sample,
     expected: &[[f64; 3]],
 ) -> Result<Found> {
-    // The faces' own values are wanted, so they are the receivers; the pixels come after them.
+    // The receivers are the faces here, for their values are compared; receivers at pixels come below.
     let mut scene = setup.scene.clone();
     scene.transport.receivers = Receivers::Faces;
     let mut session = Session::new(&scene, device, options, CapacityHints::default())?;
@@ -138,7 +138,7 @@ fn method(
         plant.apply(&mut radiosity);
     }
 
-    // Every value of every face, vertex and pixel.
+    // Check every value of every face, vertex and pixel.
     let mut found = Found::default();
     let data = &session.state().data;
     found.look("irradiance", &data.irradiance);
@@ -149,7 +149,7 @@ fn method(
         let mut session = Session::new(&setup.scene, device, options, CapacityHints::default())?;
         session.frame(Change::EVERYTHING)?;
         session.fetch(&[BufferId::hits, BufferId::seen, BufferId::radiosity, BufferId::radiance])?;
-        // Receivers that no pixel shows are never written.
+        // Radiosity of receivers that no pixel shows is never written.
         let data = &session.state().data;
         let shown = data.hits.iter().zip(&data.seen).filter(|(hit, _)| hit.face != u32::MAX);
         let values: Vec<_> = shown.map(|(_, &receiver)| data.radiosity[receiver as usize]).collect();
@@ -160,7 +160,7 @@ fn method(
         found.faults.push("there is light where there can be none".into());
     }
 
-    // The sample against the reference, in scene units.
+    // Compare the sample with the reference, in scene units.
     let (places, light) = (session.prepared().places(0), session.units().light);
     let value = |&face: &usize| radiosity[places[face]].map(|x| f64::from(x) * light);
     let values: Vec<[f64; 3]> = sample.faces.iter().map(value).collect();

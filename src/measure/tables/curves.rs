@@ -1,6 +1,7 @@
-//! Figures 3 and 4: the form factor of a triangle whose tip lies towards the receiving point, in its plane.
+//! Figures 3 and 4: the form factor of a triangle in the receiving point's plane, with a corner (the tip) towards the
+//! point.
 //!
-//! Each point holds the value to nearly all digits, the paper's evaluation, ours, and what random samples scatter by.
+//! Each point has the near-exact value, the paper's evaluation, ours, and the standard deviation of random samples.
 
 use glam::DVec3;
 
@@ -15,27 +16,27 @@ use crate::prepare::scene::dipoles;
 use crate::scene::{Fresnel, Material, PRESETS, Preset, Surface};
 use crate::transport::links::reach::reach2;
 
-/// Tolerances of our ladder that the figures show: the default, and the finest.
+/// Tolerances of our quadrature rules in the figures: the default, and the finest.
 pub const TOLERANCES: [f64; 2] = [1e-2, 1e-4];
 
-/// One place of a curve, one colour channel.
+/// One point of a curve in one channel.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
     /// 0, 1, 2 for r, g, b.
     pub channel: usize,
-    /// Figure 3: from the receiving point to the tip; figure 4: to the base; millimetres.
+    /// Figure 3: distance from the receiving point to the tip; figure 4: to the base; millimetres.
     pub place: f64,
-    /// The form factor to nearly all digits.
+    /// The near-exact form factor.
     pub exact: f64,
     /// The paper's evaluation, with both parts of condition 19.
     pub paper: Segmented,
-    /// The same without the part that has sigma.
+    /// The paper's evaluation without the part of condition 19 that contains sigma.
     pub loose: Segmented,
-    /// Ours at [`TOLERANCES`]: kernel evaluations a source, and the value.
+    /// Ours at [`TOLERANCES`]: kernel evaluations per source, and the value.
     pub ours: [(usize, f64); 2],
-    /// Standard deviation of a uniform sample, relative to the value: of n samples it is that over sqrt(n).
+    /// Standard deviation of one uniform sample, relative to the value; for n samples divide by sqrt(n).
     pub scatter: f64,
-    /// Samples by Jensen and Buhler's criterion: one for each disc of a mean free path.
+    /// Number of samples by Jensen and Buhler's criterion: one per disc with a radius of one mean free path.
     pub discs: usize,
 }
 
@@ -47,7 +48,7 @@ impl Point {
     }
 }
 
-/// The triangle with its tip at `tip` on the x axis, its base across the axis at `base`, `width` wide.
+/// The triangle with its tip at `tip` on the x axis and its base across the axis at `base`, `width` wide.
 fn triangle(tip: f64, base: f64, width: f64) -> [DVec3; 3] {
     let corner = |side: f64| DVec3::new(base, side * 0.5 * width, 0.0);
     [DVec3::new(tip, 0.0, 0.0), corner(-1.0), corner(1.0)]
@@ -76,14 +77,15 @@ fn material(name: &str) -> [Dipole; 3] {
     )
 }
 
-/// Figure 3: skim milk; tip 0 to 10 mm away in steps of 0.2, base 10 mm wide, height 5 mm.
+/// Figure 3: skim milk; tip 0 to 10 mm away in steps of 0.2 mm, base 10 mm wide, height 5 mm.
 #[must_use]
 pub fn figure_3() -> Vec<Point> {
     let tips = (0..=50).map(|k| 0.2 * f64::from(k));
     curve("skimmilk", tips.map(|tip| (tip, triangle(tip, tip + 5.0, 10.0))))
 }
 
-/// Figure 4: marble; tip at the receiving point, base 0.1 to 100 mm away in tenths of a decade, twice as wide as far.
+/// Figure 4: marble; tip at the receiving point, base 0.1 to 100 mm away in tenths of a decade, twice as wide as its
+/// distance.
 #[must_use]
 pub fn figure_4() -> Vec<Point> {
     let bases = (-10..=20).map(|k| 10f64.powf(0.1 * f64::from(k)));
@@ -111,7 +113,7 @@ fn point(channel: usize, place: f64, triangle: &[DVec3; 3], media: &[Dipole; 3])
     }
 }
 
-/// What the stages `reach` and `form_factor` do, in `f64`: evaluations a source, and the value.
+/// The evaluation by the stages `reach` and `form_factor`, in `f64`: evaluations per source, and the value.
 fn ours(triangle: &[DVec3; 3], x: DVec3, media: &[Dipole; 3], dipole: &Dipole, tolerance: f64) -> (usize, f64) {
     let d2 = (triangle.iter().sum::<DVec3>() / 3.0).distance_squared(x);
     let far = |chi: f64| media.iter().map(|m| reach2(trace(triangle), m, chi, false)).fold(0.0, f64::max);
@@ -126,8 +128,8 @@ fn ours(triangle: &[DVec3; 3], x: DVec3, media: &[Dipole; 3], dipole: &Dipole, t
     }
 }
 
-/// The integral of R_d squared over a triangle seen from the origin: 12 points on parts no larger than they are
-/// distant.
+/// The integral of R_d squared over a triangle seen from the origin: 12 points on each part, subdivided until no edge
+/// is longer than half the part's distance.
 fn square(triangle: &[DVec3; 3], dipole: &Dipole) -> f64 {
     let [a, b, c] = *triangle;
     let longest = (b - a).length().max((c - b).length()).max((a - c).length());

@@ -1,5 +1,5 @@
-//! Figures 3 and 4 as text, and a file of theirs beside ours. The paper prints curves without numbers: its claims stand
-//! beside what our reading of its method gives.
+//! Figures 3 and 4 as text, and the comparison with curves from a file. The paper prints its curves without numbers,
+//! so its claims are compared with our implementation of its method.
 
 use std::path::Path;
 
@@ -9,12 +9,12 @@ use crate::error::Result;
 
 const COLORS: [&str; 3] = ["R", "G", "B"];
 
-/// Largest size of what `of` says of the points of a channel.
+/// Largest magnitude of `of` over the points of a channel.
 fn largest(points: &[Point], channel: usize, of: impl Fn(&Point) -> f64) -> f64 {
     points.iter().filter(|p| p.channel == channel).map(|p| of(p).abs()).fold(0.0, f64::max)
 }
 
-/// Figure 3, a line every two millimetres, and the worst of each channel.
+/// Figure 3: one line every two millimetres, and the worst values of each channel.
 pub fn figure_3(tell: Tell<'_>) {
     let mut tell = |words: &str| tell(Told::Words(words));
     let points = curves::figure_3();
@@ -44,7 +44,7 @@ pub fn figure_3(tell: Tell<'_>) {
     }
 }
 
-/// Figure 4, a line every half decade for green, and the worst of each channel.
+/// Figure 4: one line every half decade for green, and the worst values of each channel.
 pub fn figure_4(tell: Tell<'_>) {
     let mut tell = |words: &str| tell(Told::Words(words));
     let points = curves::figure_4();
@@ -71,7 +71,7 @@ pub fn figure_4(tell: Tell<'_>) {
     }
 }
 
-/// One point; the last two numbers are the figure's own.
+/// One point; the last two numbers differ between the figures.
 fn row(p: &Point, last: &[f64; 2], color: &str) -> String {
     let [a, b] = p.ours.map(|(evaluations, value)| format!("{evaluations:>5} {:>9.1e}", p.error(value)));
     let own = last.map(|x| if x >= 1.0 { format!("{x:>9.0}") } else { format!("{x:>9.3}") }).join(" ");
@@ -79,7 +79,7 @@ fn row(p: &Point, last: &[f64; 2], color: &str) -> String {
     format!("{color:>2} {:>6.2} {:>11.4e} | {segments:>8} {error:>9.1e} | {a} {b} | {own}", p.place, p.exact)
 }
 
-/// The worst of a channel over the whole curve.
+/// The worst values of a channel over the whole curve.
 fn worst(points: &[Point], c: usize, color: &str, more: &str) -> String {
     let segments = largest(points, c, |p| p.paper.segments as f64 / 2.0);
     let paper = largest(points, c, |p| p.error(p.paper.value));
@@ -89,7 +89,7 @@ fn worst(points: &[Point], c: usize, color: &str, more: &str) -> String {
     )
 }
 
-/// A file of either figure beside ours.
+/// Compares a file with our curves of either figure.
 pub fn given(path: &Path, tell: Tell<'_>) -> Result<()> {
     let mut tell = |words: &str| tell(Told::Words(words));
     let found = super::given::compare(path)?;

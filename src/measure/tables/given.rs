@@ -1,25 +1,26 @@
-//! The curves of figures 3 and 4 from a CSV file, to compare with: which figure it is follows from its columns.
+//! Comparison with curves of figures 3 and 4 from a CSV file; the columns tell which figure it is.
 
 use std::path::Path;
 
 use super::curves::{Point, figure_3, figure_4};
 use crate::error::{Error, Input, Result};
 
-/// How far a file's values lie from ours; relative, at the worst place.
+/// Largest differences between a file's values and ours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Agreement {
     /// The figure, 3 or 4.
     pub figure: u32,
-    /// Rows that have a place of ours.
+    /// Rows that match one of our points.
     pub rows: usize,
-    /// Of the reference values.
+    /// Relative difference of the reference values.
     pub exact: f64,
-    /// Rows whose number of segments is ours; both sources together in figure 3, one in figure 4. Where an edge is
-    /// halved to exactly 2/5 of its distance, which figure 4's triangle does at every size, rounding decides.
+    /// Rows with the same number of segments as ours, for both sources together in figure 3, for one in figure 4.
+    /// Where an edge is halved to exactly 2/5 of its distance, which occurs in figure 4 at every size, rounding
+    /// decides.
     pub segments: usize,
-    /// The errors of the paper's evaluation in these rows: largest difference of the two, absolute.
+    /// Difference of the relative errors of the paper's evaluation in these rows, absolute.
     pub paper: f64,
-    /// Of the scatter of random samples.
+    /// Relative difference of the standard deviations of random samples.
     pub scatter: f64,
 }
 
@@ -30,13 +31,13 @@ pub fn compare(path: &Path) -> Result<Agreement> {
     compare_text(&text).map_err(fault)
 }
 
-/// The same for the text of a file; the fault is in words.
+/// The same for the text of a file; an error is a message.
 pub fn compare_text(text: &str) -> std::result::Result<Agreement, String> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let header = reader.headers().map_err(|error| error.to_string())?.clone();
     let column = |name: &str| header.iter().position(|h| h == name).ok_or(format!("there is no column `{name}`"));
     let third = column("tip_distance_cm").is_ok();
-    // Column names, and the unit of the place in millimetres.
+    // Column names, and millimetres per unit of the distance.
     let (place, unit, segments, error, scatter, samples) = if third {
         ("tip_distance_cm", 10.0, "n_segments", "relerr_paper", "MC12_rel_rms", Some(12.0))
     } else {

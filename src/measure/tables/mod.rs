@@ -1,13 +1,13 @@
-//! Tables 3, 4 and 5 and figures 3, 4 and 5 of Mertens et al. 2003, measured again beside what the paper prints.
+//! Tables 3, 4 and 5 and figures 3, 4 and 5 of Mertens et al. 2003, measured again and shown with the paper's values.
 //!
-//! Absolute times of 2003 mean nothing today: what is compared is how times grow within one run, and their ratios. The
-//! paper's columns map to ours so: *on-the-fly* is a frame from scratch (`refit` to `push_links`), *render* is a new
-//! light over kept links and form factors (`irradiance`, `mean_irradiance`, `sum_links`, `push_links`), *form factor*
-//! is `transport.near = "exact"`, *point sampling* is `transport.near = "point-sampling"`. Its incremental mode is
-//! compared with ours in `measure::modes`: what changed in its frames is not reported. Its models are lost but the
-//! horse: shapes made here stand in, with as many triangles as their detail allows; all trees are face clusters. Its
-//! solid angles are not given: one value for both is found from the links a triangle of a table's first row, and kept
-//! for its other rows.
+//! Absolute times of 2003 mean little today, so growth within one run and ratios are compared. The paper's columns
+//! correspond to ours as follows: *on-the-fly* is a frame from scratch (`refit` to `push_links`); *render* is a new
+//! light with kept links and form factors (`irradiance`, `mean_irradiance`, `sum_links`, `push_links`); *form factor*
+//! is `transport.near = "exact"`; *point sampling* is `transport.near = "point-sampling"`. The incremental mode is
+//! compared in `measure::modes`, because the paper does not say what changed in its frames. Of its models only the
+//! horse is still available, so built-in shapes with about as many triangles stand in; all trees are face clusters.
+//! The solid angles are not given: one value for both is fitted to the links per triangle of a table's first row, and
+//! used for its other rows.
 
 pub mod curves;
 mod figures;
@@ -26,26 +26,26 @@ use std::fmt::{Display, Formatter};
 use crate::error::Result;
 use crate::gpu::Device;
 
-/// Where and on what the tables are measured.
+/// Settings of the tables.
 #[derive(Clone, Copy)]
 pub struct Bench<'a> {
-    /// The device; none is the CPU.
+    /// The device; `None` for the CPU.
     pub device: Option<&'a Device>,
-    /// Meshes from files, beside the shapes made here.
+    /// Mesh files to measure in addition to the built-in shapes.
     pub meshes: &'a [String],
     /// Faces at which errors are measured.
     pub samples: usize,
-    /// The paper's rows of more triangles are left out.
+    /// Rows of the paper with more triangles than this are left out.
     pub most_faces: usize,
 }
 
-/// A piece of a table, as it is measured.
+/// A piece of a table, as it is reported.
 pub enum Told<'a> {
-    /// A line of words.
+    /// A line of text.
     Words(&'a str),
-    /// The name of a table that begins, one word, and its columns'.
+    /// Starts a table: its name, one word, and its column headings.
     Columns(&'a str, &'a [&'a str]),
-    /// One of its rows.
+    /// A row of the current table.
     Row(&'a [String]),
 }
 
@@ -59,11 +59,11 @@ impl Display for Told<'_> {
     }
 }
 
-/// Told a table, piece by piece.
+/// Receives a table, piece by piece.
 pub type Tell<'a> = &'a mut dyn FnMut(Told<'_>);
 
-/// One table: reports its rows as they come.
+/// Measures one table and reports each row as it is done.
 pub type Table = fn(&Bench<'_>, Tell<'_>) -> Result<()>;
 
-/// The tables that are measured, by the names that `--only` takes.
+/// The tables, by the names that `--only` takes.
 pub const TABLES: [(&str, Table); 3] = [("table 3", table_3), ("table 4", table_4), ("table 5, figure 5", table_5)];

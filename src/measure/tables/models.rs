@@ -1,6 +1,5 @@
-//! The models to measure on: shapes made here, as near to the paper's triangle counts as their detail allows, and
-//! meshes from files as they are; and the solid angles, which the paper does not give, from the links a triangle that
-//! it does.
+//! Models for the tables: built-in shapes with triangle counts close to the paper's, and meshes from files. Also fits
+//! the solid angles, which the paper does not give, to its number of links per triangle.
 
 use crate::error::Result;
 use crate::gpu::Device;
@@ -11,7 +10,7 @@ use super::solve::{Kept, Solved};
 /// Marble in the sun, in the scheme as published.
 const SETTINGS: [&str; 2] = ["object.0.material.preset=marble", "transport.scheme=links"];
 
-/// A built-in shape of `extent` millimetres with about so many triangles.
+/// A built-in shape of `extent` millimetres with about `faces` triangles.
 pub fn shape(name: &str, faces: usize, extent: f64) -> Result<Scene> {
     let kind = match name {
         "lotus" => Shape::Lotus,
@@ -26,13 +25,13 @@ pub fn shape(name: &str, faces: usize, extent: f64) -> Result<Scene> {
     Ok(scene)
 }
 
-/// A mesh from a file at this largest extent, in the sun, of marble.
+/// A mesh from a file, scaled to this largest extent in millimetres, with the same settings.
 pub fn mesh(path: &str, extent: f64) -> Result<Scene> {
     let own = [format!("object.0.size={extent}")];
     Scene::load(path, &[&own[..], &SETTINGS.map(String::from)].concat())
 }
 
-/// The detail whose triangles are nearest to so many, by ratio.
+/// The detail whose number of triangles is closest to `faces`, by ratio.
 fn detail(shape: Shape, faces: usize) -> u32 {
     let count = |detail: u32| shape.build(detail).triangles.len() as f64;
     let off = |detail: u32| (count(detail) / faces as f64).ln().abs();
@@ -40,7 +39,7 @@ fn detail(shape: Shape, faces: usize) -> u32 {
     let candidates = if shape == Shape::Sphere {
         range
     } else {
-        // Triangles grow with the square of the detail.
+        // The number of triangles grows with the square of the detail.
         let usual = shape.usual_detail();
         let guess = (f64::from(usual) * (faces as f64 / count(usual)).sqrt()) as u32;
         guess.saturating_sub(2).max(*range.start())..=(guess + 3).min(*range.end())
@@ -48,7 +47,7 @@ fn detail(shape: Shape, faces: usize) -> u32 {
     candidates.min_by(|&a, &b| off(a).total_cmp(&off(b))).unwrap_or_else(|| shape.usual_detail())
 }
 
-/// Both solid angles of section 5.2, steradian, with which this scene has so many links a triangle.
+/// Value for both solid angles of section 5.2, steradian, at which this scene has so many links per triangle.
 pub fn angle(scene: &Scene, device: Option<&Device>, links_per_face: f64) -> Result<f64> {
     let (mut fine, mut coarse) = (1e-2f64, 10.0f64);
     for _ in 0..9 {
@@ -59,7 +58,7 @@ pub fn angle(scene: &Scene, device: Option<&Device>, links_per_face: f64) -> Res
     Ok((fine * coarse).sqrt())
 }
 
-/// The scene with both solid angles at this value.
+/// The scene with both solid angles set to this value.
 #[must_use]
 pub fn at_angle(scene: &Scene, angle: f64) -> Scene {
     let mut scene = scene.clone();

@@ -1,4 +1,4 @@
-//! What Mertens et al. 2003 print: tables 3, 4 and 5. Times in milliseconds on two Xeons of 2.4 GHz.
+//! Tables 3, 4 and 5 as printed by Mertens et al. 2003. Times in milliseconds on two Xeons of 2.4 GHz.
 
 /// A row of table 3: marble, a butterfly subdivision model, 2.5 cm.
 pub struct Complexity {
@@ -6,7 +6,7 @@ pub struct Complexity {
     pub faces: usize,
     /// Links, thousands.
     pub kilolinks: f64,
-    /// A frame on the fly, incrementally, and in render mode.
+    /// Time of a frame on the fly, incrementally, and in render mode.
     pub ms: [f64; 3],
 }
 
@@ -25,15 +25,15 @@ pub const EXTENT_3: f64 = 25.0;
 pub struct Model {
     /// Its name.
     pub name: &'static str,
-    /// How its hierarchy came about: face clusters, or subdivision.
+    /// Kind of hierarchy: face clusters (FC), or subdivision (S).
     pub hierarchy: &'static str,
     /// Triangles.
     pub faces: usize,
     /// Links, thousands.
     pub kilolinks: f64,
-    /// A frame on the fly.
+    /// Time of a frame on the fly.
     pub ms: f64,
-    /// The shape of ours that stands in, as `object.0.shape` has it.
+    /// Our shape that stands in, as in `object.0.shape`.
     pub stand_in: &'static str,
 }
 
@@ -49,11 +49,11 @@ pub const TABLE_4: [Model; 5] = [
 /// Largest extent of table 4's models, millimetres.
 pub const EXTENT_4: f64 = 100.0;
 
-/// A row of table 5: marble, on the fly; which model is not said.
+/// A row of table 5: marble, on the fly; the paper does not name the model.
 pub struct Scale {
     /// Largest extent, metres.
     pub meters: f64,
-    /// A frame with their form factor, and with point samples.
+    /// Time of a frame with the paper's form factor, and with point samples.
     pub ms: [f64; 2],
 }
 
@@ -66,5 +66,5 @@ pub const TABLE_5: [Scale; 5] = [
     Scale { meters: 0.8, ms: [340.0, 1778.0] },
 ];
 
-/// The extent of figure 5, metres: a row of table 5.
+/// The extent in figure 5, metres: one row of table 5.
 pub const FIGURE_5: f64 = 0.2;

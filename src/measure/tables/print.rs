@@ -1,4 +1,4 @@
-//! Tables 3, 4, 5 and figure 5 as text, row by row as they are measured.
+//! Tables 3, 4, 5 and figure 5 as text, reported row by row as they are measured.
 
 use super::Told::{Columns, Row, Words};
 use super::models::{angle, at_angle, mesh, shape};
@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::measure::norms::Norms;
 use crate::scene::{Near, Scene};
 
-/// Triangles of the shape for table 5, where no mesh is given.
+/// Triangles of the built-in shape for table 5.
 const FACES_5: usize = 4474;
 
 fn error(norms: Norms) -> [String; 2] {
@@ -20,17 +20,17 @@ fn cells<const N: usize>(values: [f64; N]) -> [String; N] {
     values.map(|x| format!("{x:.2}"))
 }
 
-/// Links a triangle that the paper's first row of a table has.
+/// The paper's number of links per triangle.
 fn density(faces: usize, kilolinks: f64) -> f64 {
     1e3 * kilolinks / faces as f64
 }
 
-/// Growth from the first row to the last as a power of the number of triangles.
+/// Exponent of growth from the first row to the last, as a power of the number of triangles.
 fn power(faces: [f64; 2], values: [f64; 2]) -> f64 {
     (values[1] / values[0]).ln() / (faces[1] / faces[0]).ln()
 }
 
-/// Table 3: links and times against triangles.
+/// Table 3: links and times by number of triangles.
 pub fn table_3(bench: &Bench<'_>, tell: Tell<'_>) -> Result<()> {
     tell(Words(
         "Table 3: triangles T against links L and time; marble, 2.5 cm. Times as multiples of the first row's on-the-fly.",
@@ -121,7 +121,7 @@ pub fn table_4(bench: &Bench<'_>, tell: Tell<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Table 5, the edge form against point samples, and figure 5, the noise of the latter.
+/// Table 5: the edge form against point samples; figure 5: the noise of point samples.
 pub fn table_5(bench: &Bench<'_>, tell: Tell<'_>) -> Result<()> {
     let first = &TABLE_4[0];
     let start = shape("slab", FACES_5.min(bench.most_faces), EXTENT_4)?;

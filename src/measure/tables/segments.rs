@@ -1,8 +1,9 @@
-//! The form factor as Mertens et al. 2003 evaluate it: equation 10 edge by edge, its second integral by the first term
-//! of equation 17 on segments that are halved until condition 19 holds. For comparison only: it cancels and is dear.
+//! The form factor as Mertens et al. 2003 evaluate it: equation 10 per edge, its second integral by the first term of
+//! equation 17 on segments that are halved until condition 19 holds. For comparison only: it suffers from
+//! cancellation and is expensive.
 //!
-//! Our reading: edges through the foot count for nothing, R carries the sign that equation 18 finds by its rule, and
-//! the angles of the first integral add up to that of the foot, on a corner or an edge too.
+//! Our reading: edges through the foot point contribute nothing, R has the sign that the rule at equation 18 gives,
+//! and the angles of the first integral add up to the angle at the foot, also on a corner or an edge.
 
 use glam::DVec3;
 
@@ -10,20 +11,20 @@ use crate::dipole::form_factor::Distance;
 use crate::dipole::form_factor::footprint::{Edge, Footprint};
 use crate::dipole::profile::Dipole;
 
-/// Halvings at most: a foot on an edge has no end of them.
+/// Maximum depth of halving; a foot point on an edge would never stop.
 const DEEPEST: u32 = 60;
 
-/// A form factor, and the segments (exponentials) of both sources together.
+/// A form factor, and the number of segments (exponentials) for both sources together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Segmented {
     /// The value, no unit.
     pub value: f64,
-    /// Segments that it took.
+    /// Number of segments evaluated.
     pub segments: usize,
 }
 
-/// The form factor of a triangle seen from `x_o`; `stiff` says whether L < 2/(5 sigma) is kept too, which the paper
-/// finds dispensable.
+/// The form factor of a triangle seen from `x_o`. If `stiff`, segments also satisfy L < 2/(5 sigma), a condition that
+/// the paper finds dispensable.
 #[must_use]
 pub fn form_factor(triangle: &[DVec3; 3], x_o: DVec3, dipole: &Dipole, stiff: bool) -> Segmented {
     let mut sum = Segmented::default();
@@ -54,7 +55,7 @@ struct Line<'a> {
 }
 
 impl Line<'_> {
-    /// Equation 17 over [t1, t2], without z.
+    /// Equation 17 over [t1, t2], without the factor z.
     fn integral(&self, t1: f64, t2: f64, depth: u32, segments: &mut usize) -> f64 {
         let (length, t) = (t2 - t1, 0.5 * (t1 + t2));
         let r = self.edge.offset.hypot(t);

@@ -1,4 +1,4 @@
-//! One model solved by the scheme as published: links, times, error against brute force in `f64`.
+//! One model solved by the scheme as published: links, times, and error against brute force in `f64`.
 
 use crate::error::{Error, Result};
 use crate::gpu::Device;
@@ -12,7 +12,7 @@ use crate::scene::Scene;
 use crate::session::run::{CapacityHints, Session};
 use crate::transport::links::form_factor;
 
-/// Frames timed at most, and milliseconds together after which no further one is.
+/// Maximum number of timed frames, and the total milliseconds after which timing stops.
 const FRAMES: usize = 5;
 const LONG: f64 = 2000.0;
 
@@ -25,20 +25,20 @@ pub enum Kept {
     Links,
 }
 
-/// Radiosity by brute force in `f64`, at some faces.
+/// Radiosity by brute force in `f64` at a sample of faces.
 pub struct Truth {
     sample: Sample,
     radiosity: Vec<[f64; 3]>,
 }
 
-/// A model after its first frame, which warms everything up.
+/// A model after its first frame, which is the warm-up.
 pub struct Solved {
     session: Session,
     change: Change,
 }
 
 impl Solved {
-    /// Opens and solves a scene.
+    /// Opens a scene and solves it once.
     pub fn new(scene: &Scene, device: Option<&Device>, kept: Kept) -> Result<Self> {
         let (mode, change) = match kept {
             Kept::Nothing => (Mode::OnTheFly, Change::EVERYTHING),
@@ -51,7 +51,7 @@ impl Solved {
         Ok(Self { session, change })
     }
 
-    /// The same, or nothing where a device can't keep so many links.
+    /// The same, or `None` if a device cannot keep so many links.
     pub fn if_it_fits(scene: &Scene, device: Option<&Device>, kept: Kept) -> Result<Option<Self>> {
         match Self::new(scene, device, kept) {
             Ok(solved) if solved.session.not_kept().is_some() => Ok(None),
@@ -60,31 +60,31 @@ impl Solved {
         }
     }
 
-    /// Triangles.
+    /// Number of triangles.
     #[must_use]
     pub fn faces(&self) -> usize {
         self.session.state().data.triangles.len()
     }
 
-    /// All links.
+    /// Number of links.
     #[must_use]
     pub fn links(&self) -> u64 {
         self.session.state().data.spans.iter().map(|span| u64::from(span.links)).sum()
     }
 
-    /// Links of triangles too near for a few samples: by the edge form, or by uniform samples.
+    /// Number of links to triangles too near for a few samples: by the edge form, or by uniform samples.
     #[must_use]
     pub fn near_links(&self) -> u64 {
         self.session.state().data.spans.iter().map(|span| u64::from(span.edges)).sum()
     }
 
-    /// Links a triangle.
+    /// Links per triangle.
     #[must_use]
     pub fn links_per_face(&self) -> f64 {
         self.links() as f64 / self.faces().max(1) as f64
     }
 
-    /// Median milliseconds of a frame in its mode.
+    /// Median time of a frame in this mode, milliseconds.
     pub fn time(&mut self) -> Result<f64> {
         let mut times = Vec::new();
         while times.len() < FRAMES && times.iter().sum::<f64>() < LONG {
@@ -93,8 +93,8 @@ impl Solved {
         Ok(median(times))
     }
 
-    /// The same of two that are to be compared, frame by frame in turn, so that a busy machine slows both: of the whole
-    /// frame, and of its stage `form_factor`.
+    /// The same for two models, frames alternating, so that other load on the machine slows both: the whole frame and
+    /// its stage `form_factor`.
     pub fn time_beside(&mut self, other: &mut Self) -> Result<[[f64; 2]; 2]> {
         let mut times: [[Vec<f64>; 2]; 2] = Default::default();
         while times[0][0].len() < FRAMES && times.iter().flat_map(|of| &of[0]).sum::<f64>() < LONG {
@@ -107,7 +107,7 @@ impl Solved {
         Ok(times.map(|of| of.map(median)))
     }
 
-    /// Milliseconds of one frame, and of its stage `form_factor`.
+    /// Milliseconds of one frame and of its stage `form_factor`.
     fn frame(&mut self) -> Result<[f64; 2]> {
         let parts = self.session.frame(self.change)?;
         let factors = parts.iter().filter(|part| part.name == form_factor::STAGE.name);
@@ -116,7 +116,7 @@ impl Solved {
         Ok([all, factors])
     }
 
-    /// What the radiosity should be, at so many seeded faces.
+    /// Reference radiosity at `samples` seeded faces.
     #[must_use]
     pub fn truth(&self, samples: usize) -> Truth {
         let sample = receivers(self.session.state(), samples, 1);
@@ -124,7 +124,7 @@ impl Solved {
         Truth { sample, radiosity }
     }
 
-    /// The error against that, of the worst channel.
+    /// Error norms against the reference, worst channel.
     #[must_use]
     pub fn error(&self, truth: &Truth) -> Norms {
         let data = &self.session.state().data;
@@ -133,8 +133,8 @@ impl Solved {
         worst(&norms(&truth.sample, &values, &truth.radiosity))
     }
 
-    /// How the radiosity differs from another solution of the same scene, relative to its rms over the faces: as it is,
-    /// and after averaging at the vertices as a picture shows it. Noise that is left there is of low frequency.
+    /// Difference to another solution of the same scene, relative to that one's rms over the faces: per face, and
+    /// averaged at the vertices as in a picture, where only low-frequency noise remains. Largest over the channels.
     #[must_use]
     pub fn noise(&self, other: &Self) -> [f64; 2] {
         let (data, theirs) = (&self.session.state().data, &other.session.state().data.radiosity);
@@ -156,7 +156,7 @@ impl Solved {
         largest
     }
 
-    /// Mean number of uniform samples that the criterion asks for on a triangle.
+    /// Mean number of uniform samples per triangle by Jensen and Buhler's criterion.
     #[must_use]
     pub fn samples(&self) -> f64 {
         use crate::dipole::form_factor::uniform::{count, density};

@@ -1,20 +1,20 @@
-//! Logarithmic axes: their range, their ticks and labels, and the place of a point.
+//! Logarithmic axes: range, ticks, labels, and the position of a point.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// What drawing returns.
+/// The result of drawing.
 pub type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
-/// Text and frames.
+/// Colour of text and frames.
 pub const INK: RGBColor = RGBColor(40, 40, 40);
-/// What should step back.
+/// Colour of secondary text.
 pub const FAINT: RGBColor = RGBColor(105, 105, 105);
 const DECADE: RGBColor = RGBColor(205, 205, 205);
 const MINOR: RGBColor = RGBColor(238, 238, 238);
 
-/// Room between a panel's edge and its axes: left, right, top, bottom, pixels.
+/// Space between a panel's edge and its axes: left, right, top, bottom, pixels.
 const MARGIN: [i32; 4] = [78, 18, 34, 58];
 
 /// The ranges of both axes, as powers of ten.
@@ -25,13 +25,13 @@ pub struct Axes {
 }
 
 impl Axes {
-    /// Around these points of positive coordinates, with a margin, and at least a decade each way.
+    /// Ranges around these points, whose coordinates are positive, with a margin, and at least one decade each.
     pub fn around(points: impl Iterator<Item = (f64, f64)> + Clone) -> Self {
         Self { x: range(points.clone().map(|p| p.0)), y: range(points.map(|p| p.1)) }
     }
 }
 
-/// A range of powers of ten around positive numbers.
+/// The range around positive numbers, as powers of ten.
 fn range(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
     let (low, high) =
         numbers.map(f64::log10).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
@@ -42,13 +42,13 @@ fn range(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
     [low - margin, high + margin]
 }
 
-/// The ticks of a range of powers of ten: the number, whether it is a power of ten, and whether it is labelled.
+/// The ticks of a range: the number, whether it is a power of ten, and whether it has a label.
 fn ticks([low, high]: [f64; 2]) -> Vec<(f64, bool, bool)> {
     let few = high - low < 2.5;
     let mut list = Vec::new();
     for power in low.floor() as i32..=high.ceil() as i32 {
         for digit in 1..10 {
-            // By way of text, so that the number is the one that is printed.
+            // Parse from text, so that the number prints the same.
             let number: f64 = format!("{digit}e{power}").parse().unwrap_or(f64::NAN);
             if (low..=high).contains(&number.log10()) {
                 list.push((number, digit == 1, digit == 1 || few && (digit == 2 || digit == 5)));
@@ -58,12 +58,12 @@ fn ticks([low, high]: [f64; 2]) -> Vec<(f64, bool, bool)> {
     list
 }
 
-/// A number on an axis: plain where it is short, else with an exponent.
+/// A number on an axis, with an exponent if it would be long.
 fn short(number: f64) -> String {
     if (0.1..1e5).contains(&number) { number.to_string() } else { format!("{number:e}") }
 }
 
-/// Writes text with its middle at this height.
+/// Draws text, vertically centred at this position.
 pub fn text<DB: DrawingBackend>(
     root: &DrawingArea<DB, Shift>,
     words: &str,
@@ -76,17 +76,17 @@ pub fn text<DB: DrawingBackend>(
     root.draw_text(words, &style, at)
 }
 
-/// A panel: axes at a place of the picture.
+/// A panel with axes in the picture.
 pub struct Canvas<'a, DB: DrawingBackend> {
     /// The picture.
     pub root: &'a DrawingArea<DB, Shift>,
     axes: Axes,
-    /// Left, right, top, bottom of the plane, pixels.
+    /// Left, right, top and bottom of the plotting area, pixels.
     plane: [i32; 4],
 }
 
 impl<'a, DB: DrawingBackend> Canvas<'a, DB> {
-    /// At this corner, of this size.
+    /// A panel with this top left corner and size.
     pub fn new(root: &'a DrawingArea<DB, Shift>, axes: Axes, corner: (i32, i32), size: [i32; 2]) -> Self {
         let [left, right, top, bottom] = MARGIN;
         let plane = [corner.0 + left, corner.0 + size[0] - right, corner.1 + top, corner.1 + size[1] - bottom];
