@@ -1,5 +1,6 @@
-//! Compiles every `glsl/**/*.comp` to SPIR-V, with the GLSL form of `src/layout` for them to include, and puts their
-//! sources into the program. Kernels of tests and benches are compiled only: `OUT_DIR/tests-kernels-NAME.spv`.
+//! Compiles every `glsl/**/*.comp` to SPIR-V and embeds the binaries and sources in the program; shaders can include
+//! the GLSL form of `src/layout` as `layout.glsl`. Kernels of tests and benches are only compiled:
+//! `OUT_DIR/tests-kernels-NAME.spv`.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -10,7 +11,7 @@ mod compile;
 #[path = "src/layout/mod.rs"]
 mod layout;
 
-/// Kernels that are no stage's: they are compiled, and only who names them holds them.
+/// Folders of kernels that belong to no stage; they stay out of the table and are included by path.
 const OUTSIDE: [&str; 2] = ["tests/kernels", "bench/kernels"];
 
 fn main() {
@@ -28,7 +29,7 @@ fn run() -> Result<(), String> {
     let out = PathBuf::from(env::var("OUT_DIR").map_err(|e| e.to_string())?);
     let header = layout::declarations();
 
-    // Compile each shader beside its name.
+    // Compile each shader, and list the binaries by name.
     let compiler = shaderc::Compiler::new().map_err(|e| format!("shaderc: {e}"))?;
     let mut table = String::from("pub(super) static SPIRV: &[(&str, &[u8])] = &[\n");
     let mut failures = String::new();
@@ -58,7 +59,7 @@ fn run() -> Result<(), String> {
     }
     table.push_str("];\n");
 
-    // And each source beside its path.
+    // List each source by path.
     table.push_str("pub(super) static SOURCES: &[(&str, &str)] = &[\n");
     let here = env::current_dir().map_err(|e| e.to_string())?;
     for path in files(Path::new("glsl"), &["comp", "glsl"])? {
@@ -69,7 +70,7 @@ fn run() -> Result<(), String> {
     fs::write(out.join("kernels.rs"), table).map_err(|e| e.to_string())
 }
 
-/// Every file below `folder` with one of these endings, sorted.
+/// All files below `folder` with one of these extensions, sorted.
 fn files(folder: &Path, endings: &[&str]) -> Result<Vec<PathBuf>, String> {
     let mut found = Vec::new();
     let entries = fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;

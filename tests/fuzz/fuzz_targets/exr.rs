@@ -1,4 +1,4 @@
-//! A file as an image wherever a scene takes one of its kind.
+//! Fuzzes OpenEXR files in every place where a scene takes an image.
 #![no_main]
 mod shared;
 
