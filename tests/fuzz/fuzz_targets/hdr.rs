@@ -1,4 +1,4 @@
-//! Fuzzes Radiance HDR files in every place where a scene takes an image.
+//! Fuzzes Radiance HDR files as environment, texture and map of layers.
 #![no_main]
 mod shared;
 

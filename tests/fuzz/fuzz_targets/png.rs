@@ -1,4 +1,4 @@
-//! Fuzzes PNG files in every place where a scene takes an image.
+//! Fuzzes PNG files as environment, texture and map of layers.
 #![no_main]
 mod shared;
 
