@@ -1,9 +1,9 @@
-//! `cargo bench --bench form_factor`: what a pair of triangle and receiver costs by one sample and by the edge form
-//! with 3, 6 and 12 nodes an edge, and how wrong each is, on every device.
+//! `cargo bench --bench form_factor`: cost and error of one triangle-receiver form factor on every device, by one
+//! sample and by the edge form with 3, 6 and 12 nodes per edge.
 //!
-//! Times are the device's own, the median of several runs; each ratio is against one sample in the same run. Errors are
-//! scaled, |F - F_ref| / R_full, where the nearer source is more than 1e-4 of the longest edge over the triangle. The
-//! form is applied to every pair, however near or far; the renderer takes the edge form for near ones only.
+//! Times are device times, medians of several runs; ratios are against one sample in the same run. Errors are scaled,
+//! |F - F_ref| / R_full, over pairs whose nearer source is more than 1e-4 of the longest edge from the triangle's
+//! plane. The edge form is applied to every pair here; the renderer uses it for near pairs only.
 
 #[path = "../tests/population/mod.rs"]
 mod population;
@@ -17,12 +17,13 @@ use population::{heights, longest, population};
 use seeded::percentile;
 
 static SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/bench-kernels-pair.spv"));
-/// Pairs whose error is measured.
+/// Number of pairs whose error is measured.
 const CHECKED: usize = 4000;
-/// Triangles that are timed, and receivers of each.
+/// Number of timed triangles, and receivers per triangle.
 const TIMED: [usize; 2] = [32768, 16];
 
-/// A pair as the kernel takes it: corners relative to the receiver, in longest edges, then the dipoles.
+/// A pair as the kernel reads it: corners relative to the receiver, then the dipoles; lengths in units of the longest
+/// edge.
 fn record(pair: &Pair) -> Vec<f32> {
     let length = longest(pair.triangle);
     let dipoles = pair.dipoles();
@@ -33,13 +34,13 @@ fn record(pair: &Pair) -> Vec<f32> {
     corners.chain(media.into_iter().flatten()).chain(of(|d| d.strength)).map(|x| x as f32).collect()
 }
 
-/// The form factors, and the median time of a pair in nanoseconds.
+/// Form factors of three channels per record, and the median time per pair in nanoseconds.
 fn form(device: &Device, nodes: u32, records: &[Vec<f32>], receivers: usize) -> Result<(Vec<f64>, f64)> {
     let head = [records.len() as u32, receivers as u32].into_iter().flat_map(u32::to_ne_bytes);
     let input = head.chain(records.iter().flatten().flat_map(|x| x.to_ne_bytes())).collect();
     let mut buffers = [input, vec![0; 12 * records.len()]];
     let alone = SingleKernel { name: "pair", spirv: SPIRV, constants: &[nodes] };
-    // The first run prepares the pipeline.
+    // The first run builds the pipeline and is not counted.
     let timings = alone.run(device, &mut buffers, records.len() as u64, 8)?;
     let mut times: Vec<f64> = timings.iter().skip(1).map(|timing| timing.milliseconds).collect();
     times.sort_by(f64::total_cmp);

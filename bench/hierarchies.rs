@@ -1,10 +1,10 @@
-//! `cargo bench --bench hierarchies`: the four hierarchies on one thing that deforms, time and links beside the error,
-//! in one run on the default device.
+//! `cargo bench --bench hierarchies`: the four hierarchies on one deforming object, on the default device: time, links
+//! and error in one run.
 //!
-//! A ball of 20,480 triangles, moved by noise and wrung by up to 240 degrees. Face clusters, median and butterfly have
-//! the same triangles (an icosahedron of 320 faces, cut in four three times); shrink-wrap has those that it makes of
-//! the same ball. Every frame is one of `render --frames`: all stages from scratch, and the tree where the deformation
-//! spoils it.
+//! The object is a ball of 20,480 triangles, displaced by noise and twisted by up to 240 degrees. Face clusters, median
+//! and butterfly share one mesh (an icosphere of 320 faces, subdivided three times); shrink-wrap remeshes the same
+//! ball. Every frame is one of `render --frames`: all stages from scratch, with the tree rebuilt where the deformation
+//! has degraded it.
 
 use std::time::Instant;
 
@@ -18,7 +18,7 @@ use milkglass::scene::{Hierarchy, Scene};
 use milkglass::session::aov::links;
 use milkglass::session::run::{CapacityHints, Session};
 
-/// How the ball is made, and how it moves.
+/// The ball and its motion.
 const BALL: [&str; 3] = [
     "object.0.deform=[{ type = 'noise', amplitude = 3, scale = 6, offset = { keyframes = [[0, [0, 0, 0]], [59, [0, 12, 0]]] } }, \
      { type = 'twist', angle = { keyframes = [[0, 0], [40, 240], [59, 0]], curve = 'smooth' } }]",
@@ -26,16 +26,16 @@ const BALL: [&str; 3] = [
     "camera.size=[64, 64]",
 ];
 
-/// The frames that are measured, each after the one before.
+/// The measured frames, in order.
 const FRAMES: [f64; 7] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 59.0];
 
-/// Receivers that are compared with brute force in `f64`, a frame.
+/// Receivers per frame that are compared with brute force in `f64`.
 const SAMPLES: usize = 500;
 
 const COARSE: [&str; 3] = ["object.0.detail=2", "transport.hierarchy=butterfly", "transport.levels=3"];
 const FINE: [&str; 3] = ["object.0.detail=5", "transport.hierarchy=shrink-wrap", "transport.levels=3"];
 
-/// Name, tree, and how the mesh is made.
+/// Name, hierarchy, and settings of the mesh.
 const ROWS: [(&str, Hierarchy, &[&str]); 4] = [
     ("face-clusters", Hierarchy::FaceClusters, &COARSE),
     ("median", Hierarchy::Median, &COARSE),
@@ -43,7 +43,7 @@ const ROWS: [(&str, Hierarchy, &[&str]); 4] = [
     ("shrink-wrap", Hierarchy::ShrinkWrap, &FINE),
 ];
 
-/// The ball at a frame.
+/// The ball at one frame.
 fn scene(hierarchy: Hierarchy, mesh: &[&str], tolerance: f64, frame: f64) -> Result<Scene> {
     let mut sets: Vec<String> = BALL.iter().chain(mesh).map(ToString::to_string).collect();
     sets.push(format!("transport.tolerance={tolerance}"));
@@ -52,7 +52,7 @@ fn scene(hierarchy: Hierarchy, mesh: &[&str], tolerance: f64, frame: f64) -> Res
     Ok(scene)
 }
 
-/// One line: means over the frames, but for the error, whose largest counts.
+/// One line of the table: means over the frames, except the error, which is the maximum.
 fn row(device: &Device, name: &str, hierarchy: Hierarchy, mesh: &[&str], tolerance: f64) -> Result<String> {
     let options = Options { mode: Mode::Keep, goal: Goal::Radiosity, ..Options::default() };
     let start = Instant::now();

@@ -1,8 +1,8 @@
-//! `cargo bench --bench layers`: what the march through layers errs and costs, table 2 and figure 14 of Francois et
+//! `cargo bench --bench layers`: error and cost of the march through layers, as in table 2 and figure 14 of Francois et
 //! al. 2006.
 //!
-//! `--quick` takes fewer pixels; `--cpu` runs on the CPU; `--pictures FOLDER` writes the fish with 10, 50 and 100
-//! samples of both rules there (figure 14).
+//! `--quick` measures fewer pixels and frames; `--cpu` runs on the CPU; `--pictures FOLDER` writes the fish with 10, 50
+//! and 100 samples under both integration rules (figure 14).
 
 use milkglass::error::{Error, Input, Result};
 use milkglass::gpu::Device;
@@ -94,7 +94,7 @@ fn run() -> Result<()> {
         }
     }
 
-    // Figure 14.
+    // The pictures of figure 14.
     for samples in SAMPLES {
         for rule in [Integration::Paper, Integration::Exact] {
             let Some(folder) = &pictures else { continue };

@@ -1,8 +1,8 @@
-//! `cargo bench --bench local`: what local shading costs and errs on the default device, in one run: table 1 of Kubo et
-//! al. 2010, and curvature against a solve of the hierarchy.
+//! `cargo bench --bench local`: cost and error of local shading on the default device: table 1 of Kubo et al. 2010, and
+//! the curvature stages against a solve of the hierarchy.
 //!
-//! `cargo bench --bench local -- bunny.obj` takes other scenes than the ball of 163,842 vertices. Kernels take turns,
-//! and medians are compared.
+//! `cargo bench --bench local -- bunny.obj` measures other scenes than the ball of 163,842 vertices. Techniques
+//! alternate, and medians are compared.
 
 use milkglass::error::Result;
 use milkglass::gpu::Device;

@@ -1,9 +1,9 @@
-//! `cargo bench --bench modes`: what each mode costs after each change, against a frame from scratch of the same
-//! scheme, with the links and form factors that it made and the error beside the time, in one run on the default
-//! device.
+//! `cargo bench --bench modes`: cost of each mode after each change, against a frame from scratch of the same scheme,
+//! with the links and form factors it computed and the error, on the default device.
 //!
-//! `cargo bench --bench modes -- bunny.obj lotus` takes other scenes, `--set KEY=VALUE` changes them; `--only 'links
-//! bump'` takes rows of that scheme, mode or change, `--frames N` the median of so many.
+//! `cargo bench --bench modes -- bunny.obj lotus` measures other scenes, `--set KEY=VALUE` changes them.
+//! `--only 'links bump'` selects the rows that match every word as scheme, mode or change; `--frames N` takes the
+//! median of N frames.
 
 use milkglass::error::Result;
 use milkglass::gpu::Device;

@@ -1,8 +1,8 @@
-//! `cargo bench`: the hierarchy against brute force on the default device, error beside time, and each stage on the
-//! device and on the CPU, in one run.
+//! `cargo bench`: time and error of the hierarchy against brute force on the default device, then each stage on the
+//! device and on the CPU.
 //!
-//! `cargo bench -- bunny.obj lotus` takes other scenes. Times are the device's own, the median of several frames;
-//! each ratio is against brute force of the same scene. Stages are compared with the reference before they are timed.
+//! `cargo bench -- bunny.obj lotus` measures other scenes. Times are device times, medians of several frames; ratios
+//! are against brute force on the same scene. Stages are compared with the reference before they are timed.
 
 use milkglass::error::{Error, Result};
 use milkglass::gpu::Device;
@@ -15,7 +15,7 @@ use milkglass::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use milkglass::scene::Scene;
 use milkglass::session::run::{CapacityHints, Session};
 
-/// Each stage of a picture on the device and on the CPU, after both have been compared.
+/// Times each stage of a picture on the device and on the CPU, after checking that they agree.
 fn stages(scene: &Scene, device: &Device) -> Result<()> {
     let rows = conform(device, &Fixture::of_scene(&scene.name, scene)?, &[])?;
     if let Some(row) = rows.iter().find(|row| !row.faults.is_empty()) {
@@ -32,7 +32,7 @@ fn stages(scene: &Scene, device: &Device) -> Result<()> {
     Ok(())
 }
 
-/// Median time of a frame after this change, milliseconds.
+/// Median time of a frame after this change, in milliseconds.
 fn time(session: &mut Session, change: Change, frames: usize) -> Result<f64> {
     let mut times = Vec::new();
     for _ in 0..frames {

@@ -1,8 +1,9 @@
-//! `cargo bench --bench tables`: tables 3, 4, 5 and figures 3, 4, 5 of Mertens et al. 2003, the paper's beside ours.
+//! `cargo bench --bench tables`: tables 3, 4, 5 and figures 3, 4, 5 of Mertens et al. 2003, published values beside
+//! ours.
 //!
-//! `cargo bench --bench tables -- horse.obj curve.csv` measures meshes too and compares curves of figures 3 and 4 with
-//! a file's. `--only TEXT` picks tables by name, `--cpu` runs on the CPU, `--most-faces N` leaves out larger models,
-//! `--samples N` sets the faces at which errors are measured (200).
+//! `cargo bench --bench tables -- horse.obj curve.csv` also measures meshes, and compares the curves of figures 3 and 4
+//! with those of a file. `--only TEXT` selects tables by name, `--cpu` runs on the CPU, `--most-faces N` skips larger
+//! models, `--samples N` sets the number of faces at which errors are measured (200).
 
 use std::path::Path;
 
@@ -10,7 +11,7 @@ use milkglass::error::{Error, Input, Result};
 use milkglass::gpu::Device;
 use milkglass::measure::tables::{Bench, TABLES, Told, figure_3, figure_4, given};
 
-/// What the command line asks for.
+/// The parsed command line.
 struct Asked {
     meshes: Vec<String>,
     curves: Vec<String>,
@@ -32,7 +33,7 @@ fn asked() -> Result<Asked> {
             "--cpu" => asked.cpu = true,
             "--most-faces" => asked.most_faces = value()?.parse().map_err(|_| wrong(&argument))?,
             "--samples" => asked.samples = value()?.parse().map_err(|_| wrong(&argument))?,
-            // What cargo itself adds.
+            // Passed by cargo itself.
             "--bench" => {}
             name if name.ends_with(".obj") => asked.meshes.push(argument),
             name if name.ends_with(".csv") => asked.curves.push(argument),

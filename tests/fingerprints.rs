@@ -1,8 +1,7 @@
-//! The same bits every run: every buffer of every fixture and built-in scene has the same hash twice over, on the CPU
-//! and on each device, and the same steps are planned.
+//! Determinism: the buffers of every built-in scene have the same hashes in two runs on each device.
 //!
-//! With `MILKGLASS_FINGERPRINTS=FILE` the hashes are compared with those of FILE, or written there if there is no such
-//! file: so a change that is to compute the same can be checked for that.
+//! With `MILKGLASS_FINGERPRINTS=FILE`, these hashes, those of the CPU and of all fixtures, and the planned steps are
+//! compared with FILE, or written there if it does not exist. This shows whether a change affects any result.
 
 #[path = "devices/mod.rs"]
 mod devices;
@@ -19,14 +18,14 @@ use milkglass::scene::{BUILTIN, Scene};
 use milkglass::session::run::{CapacityHints, Session};
 use milkglass::state::{State, Step};
 
-/// FNV-1a over words of eight bytes.
+/// FNV-1a over words of eight bytes, with a rotation.
 fn hash(bytes: &[u8]) -> u64 {
     let word = |part: &[u8]| part.iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte));
     let mix = |sum: u64, part: &[u8]| (sum ^ word(part)).wrapping_mul(0x0100_0000_01b3).rotate_left(23);
     bytes.chunks(8).fold(0xcbf2_9ce4_8422_2325 ^ bytes.len() as u64, mix)
 }
 
-/// Buffers that a device writes all of, if anything: what lies between the parts of others may hold anything.
+/// Buffers that devices write completely or not at all; gaps in other buffers may hold anything.
 const WHOLE: [BufferId; 12] = [
     BufferId::lit,
     BufferId::pixel_lit,
@@ -42,7 +41,7 @@ const WHOLE: [BufferId; 12] = [
     BufferId::radiance,
 ];
 
-/// The hash of each of these buffers, by its binding.
+/// The hash and size of each of these buffers, by binding.
 fn of_state(key: &str, state: &State, slots: &[BufferId], found: &mut BTreeMap<String, String>) {
     for &slot in slots {
         let binding = slot as usize;
@@ -59,7 +58,7 @@ fn names(steps: &[Step]) -> String {
     text
 }
 
-/// Every change that is planned for.
+/// Every change that frames are planned for.
 const CHANGES: [(&str, Change); 5] = [
     ("everything", Change::EVERYTHING),
     ("light", Change::LIGHT),
@@ -68,7 +67,7 @@ const CHANGES: [(&str, Change); 5] = [
     ("relink", Change::RELINK),
 ];
 
-/// A scene's buffers after a frame, and after another one with the light changed; and what its frames would run.
+/// A scene's buffers after a first frame and after a second for `Change::LIGHT`, and the planned steps of its frames.
 fn of_scene(key: &str, scene: &Scene, options: Options, device: Option<&Device>, found: &mut BTreeMap<String, String>) {
     let mut session = Session::new(scene, device, options, CapacityHints::default()).unwrap();
     for (name, change) in CHANGES {
@@ -87,7 +86,7 @@ fn of_scene(key: &str, scene: &Scene, options: Options, device: Option<&Device>,
     of_state(&format!("{key} second"), session.state(), slots, found);
 }
 
-/// Ways to run a scene.
+/// Configurations in which each scene runs: name, settings, options.
 fn ways() -> Vec<(String, Vec<&'static str>, Options)> {
     let mut ways = Vec::new();
     let picture = Options::default();
@@ -105,7 +104,7 @@ fn ways() -> Vec<(String, Vec<&'static str>, Options)> {
     ways
 }
 
-/// Coarse shapes of scenes that are large.
+/// Settings that make large scenes coarse.
 const DETAIL: &[(&str, &str)] = &[
     ("bump", "object.0.detail=2"),
     ("bust", "object.0.detail=64"),
@@ -120,7 +119,7 @@ const DETAIL: &[(&str, &str)] = &[
     ("veins", "object.0.detail=64"),
 ];
 
-/// All fingerprints of one place to run.
+/// All fingerprints of the built-in scenes on a device, or on the CPU.
 fn all(device: Option<&Device>) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     let on = device.map_or("cpu", Device::name).to_string();
@@ -150,7 +149,7 @@ fn all(device: Option<&Device>) -> BTreeMap<String, String> {
     found
 }
 
-/// What the references of all fixtures leave.
+/// Fingerprints of all fixtures, before and after their CPU references.
 fn of_fixtures() -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for fixture in fixtures("").unwrap() {

@@ -1,5 +1,5 @@
-//! The house rules, read from the sources: who may use whom, where `ash` and `unsafe` live, shaders beside their
-//! stages.
+//! Rules of the code base, checked on its sources: which module may use which, where `ash` and `unsafe` may appear,
+//! which shader belongs to which stage.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 #[path = "house/cycles.rs"]
 mod cycles;
 
-/// The modules from the top floor down; a module may use those below it.
+/// The modules from top to bottom; a module may use those below it.
 const FLOORS: &[&[&str]] = &[
     &["main"],
     &["cli"],
@@ -25,7 +25,7 @@ const FLOORS: &[&[&str]] = &[
     &["error"],
 ];
 
-/// Every file with this ending below a folder, sorted.
+/// All files with this extension below a folder, sorted.
 fn files(folder: &str, ending: &str) -> Vec<PathBuf> {
     fn visit(folder: &Path, ending: &str, out: &mut Vec<PathBuf>) {
         for entry in fs::read_dir(folder).unwrap() {
@@ -48,7 +48,7 @@ fn floor(room: &str) -> Option<usize> {
     FLOORS.iter().position(|rooms| rooms.contains(&room))
 }
 
-/// The modules named by `crate::MODULE` (or `milkglass::MODULE`) in a source, comments left out.
+/// The modules named by `crate::MODULE` or `milkglass::MODULE` in a source, comments excluded.
 fn uses(source: &str) -> Vec<String> {
     let mut found = Vec::new();
     for line in source.lines().filter(|line| !line.trim_start().starts_with("//")) {
@@ -63,7 +63,7 @@ fn uses(source: &str) -> Vec<String> {
     found
 }
 
-/// What is wrong with a file's uses.
+/// The uses in a file that do not point downward.
 fn upward(room: &str, source: &str) -> Vec<String> {
     let own = floor(room).unwrap_or_else(|| panic!("room {room} has no floor"));
     uses(source)
@@ -96,7 +96,7 @@ fn an_upward_arrow_is_seen() {
     assert!(upward("session", "use crate::transport::blocks::push;\nuse crate::pipeline::plan;\n").is_empty());
 }
 
-/// Whether a source has this word, and not as the end of another one.
+/// Whether a source contains this word, not as the end of a longer one.
 fn names(source: &str, word: &str) -> bool {
     let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     source.match_indices(word).any(|(at, _)| !source[..at].ends_with(part))
@@ -115,8 +115,8 @@ fn vulkan_and_unsafe_stay_in_their_room() {
 
 #[test]
 fn shaders_stand_beside_their_stages() {
-    // But for those that measure a device, glsl/MODULE/NAME.comp or glsl/MODULE/NAME/*.comp belongs to the stage NAME
-    // of MODULE, and every stage has one.
+    // Outside glsl/measure, glsl/MODULE/NAME.comp or glsl/MODULE/NAME/*.comp belongs to the stage NAME of MODULE, and
+    // every stage has at least one shader.
     let mut owners = std::collections::BTreeSet::new();
     for path in files("glsl", "comp").into_iter().filter(|path| !path.starts_with("glsl/measure")) {
         let kernel = path.strip_prefix("glsl").unwrap().with_extension("").to_string_lossy().into_owned();
@@ -130,7 +130,7 @@ fn shaders_stand_beside_their_stages() {
     }
 }
 
-/// Stage names that are ordinary words elsewhere: in what files, and what they mean there.
+/// Stage names that are ordinary words in some files: the word, the file, its meaning there.
 const ORDINARY: &[(&str, &str, &str)] = &[
     ("irradiance", "src/session/aov.rs", "a layer of an OpenEXR picture"),
     ("environment", "src/view/reflect.rs", "a kernel of another stage"),
@@ -140,7 +140,7 @@ const ORDINARY: &[(&str, &str, &str)] = &[
 
 #[test]
 fn stages_are_named_in_their_own_files_only() {
-    // What the user writes has words of its own; tests and help texts may name stages.
+    // Scene files and the layout have their own vocabulary; tests and help texts may name stages.
     let free = |path: &Path| path.starts_with("src/scene") || path.starts_with("src/layout");
     for path in files("src", "rs").into_iter().filter(|path| !free(path)) {
         let source = fs::read_to_string(&path).unwrap();
@@ -203,14 +203,14 @@ fn device_structs_lie_as_the_host_has_them() {
     assert!(missing.is_empty(), "no kernel shows the layout of {missing:?}");
 }
 
-/// The words of a source: names and numbers, comments left out.
+/// The identifiers and numbers of a source, comments excluded.
 fn words(source: &str) -> std::collections::BTreeSet<String> {
     let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let code = source.lines().map(|line| line.split("//").next().unwrap_or_default());
     code.flat_map(|line| line.split(|c| !part(c))).filter(|word| !word.is_empty()).map(str::to_string).collect()
 }
 
-/// The names that a shader declares as constants, those of the layout left out.
+/// The names that a shader declares as constants.
 fn declared(source: &str) -> Vec<String> {
     let code: String = source.lines().map(|line| line.split("//").next().unwrap_or_default()).collect();
     let statements = code.split(';').filter_map(|statement| {
@@ -244,7 +244,7 @@ fn no_constant_is_written_twice() {
         assert!(seen.insert(constant.name), "the layout has {} twice", constant.name);
     }
 
-    // No shader declares one of them, and numbers that only one thing can be are not written out.
+    // No shader redeclares a layout constant, nor writes out a number that can only be one of them.
     for (path, source) in &shaders {
         let again: Vec<_> = declared(source).into_iter().filter(|name| seen.contains(name.as_str())).collect();
         assert!(again.is_empty(), "{} declares {again:?}, as the layout does", path.display());
@@ -254,7 +254,7 @@ fn no_constant_is_written_twice() {
         }
     }
 
-    // Both sides use each of them; of the values of a kind, one side.
+    // Both sides use each number; at least one side uses the values of each kind.
     let host: Vec<_> = read("src", "rs").into_iter().filter(|(path, _)| !path.starts_with("src/layout")).collect();
     let words_of = |sources: &[(PathBuf, String)]| -> std::collections::BTreeSet<String> {
         sources.iter().flat_map(|(_, source)| words(source)).collect()

@@ -1,4 +1,5 @@
-//! A long run of small frames whose light, material and shape change: memory stays what it was, and so do the pictures.
+//! A long run of small frames with changing light, material and shape: memory stays constant, and pictures stay
+//! correct.
 //!
 //! 200 frames, or `MILKGLASS_SOAK_FRAMES=10000 cargo test --release --test soak -- --nocapture`.
 
@@ -7,10 +8,10 @@ use milkglass::pipeline::plan::{Change, Mode, Options};
 use milkglass::scene::Scene;
 use milkglass::session::run::{CapacityHints, Session};
 
-/// Frames after which memory is what it will be: every material and shape was there.
+/// Frames after which memory should be constant: every material and shape has occurred.
 const WARM: usize = 100;
 
-/// The scene of a frame: another light each time, another shape each fourth, another material each twentieth.
+/// The scene of a frame: new light every frame, new shape every fourth, new material every twentieth.
 fn scene(frame: usize) -> Scene {
     let angle = 0.37 * frame as f64;
     let presets = ["marble", "ketchup", "skin1"];
@@ -30,13 +31,13 @@ fn scene(frame: usize) -> Scene {
     Scene::load("sphere", &sets).unwrap()
 }
 
-/// Memory of the process, bytes; none where the system does not say.
+/// Resident memory of the process in bytes; `None` where the system does not report it.
 fn resident() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/self/statm").ok()?;
     text.split_whitespace().nth(1)?.parse::<u64>().ok().map(|pages| pages * 4096)
 }
 
-/// Runs so many frames, and checks memory all along and every picture of the last round against a fresh session's.
+/// Runs `frames` frames; checks memory throughout, and some pictures against a fresh session.
 fn soak(frames: usize) {
     let Some(device) = Device::first().ok().flatten() else {
         assert!(std::env::var_os("MILKGLASS_NO_DEVICE").is_some(), "no usable Vulkan device");
@@ -59,7 +60,7 @@ fn soak(frames: usize) {
         } else if frame >= WARM {
             most = most.max(resident().unwrap_or(0));
         }
-        // Seven frames spread over the rounds, and the last.
+        // Seven frames spread over the run, and the last.
         if frame % (frames / 7) == frames / 9 || frame + 1 == frames {
             let mut fresh = open(&scene(frame));
             fresh.frame(Change::EVERYTHING).unwrap();
@@ -79,7 +80,7 @@ fn soak(frames: usize) {
             mega(held.allocated),
             mega(held.peak)
         );
-        // What allocators and the driver's caches scatter, and not a hundredth of a MiB a frame.
+        // Allows for fragmentation by allocators and driver caches, but not for 0.01 MiB per frame over a long run.
         assert!(most < warm + (48 << 20), "{:.1} MiB, then {:.1}", mega(warm), mega(most));
     }
     assert!(held.peak < peak.max(1) + (64 << 20), "{held:?} after {peak}");

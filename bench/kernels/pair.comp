@@ -7,8 +7,9 @@ layout(constant_id = 0) const uint NODES = 6;
 #include "dipole/profile.glsl"
 #include "geometry/area.glsl"
 
-// Form factors of one triangle an invocation at several receivers, three channels, radial distances: by one sample with
-// its second moment (0 nodes), or by the edge form. The first receiver is the origin; the others lie beside it.
+// Form factors of one triangle per invocation at several receivers, three channels, radial distances: by one sample
+// with its second moment (0 nodes) or by the edge form. The first receiver is the origin; the others are offset along
+// an edge.
 struct Pair {
     vec3 a, b, c;
     vec3 sigma, z_real, z_virtual, strength;

@@ -1,4 +1,4 @@
-//! Curvature against surfaces whose curvature is known, finer and finer; and on meshes that are hardly surfaces.
+//! Convergence of curvature on surfaces of known curvature, and finite results on degenerate meshes.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ use milkglass::scene::{Mesh, Scene};
 use milkglass::session::run::{CapacityHints, Session};
 use milkglass::shading::fit;
 
-/// A scene of this mesh, shaded by curvature.
+/// A session after one frame of this mesh, shaded by curvature.
 fn session(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Session {
     let sets = ["object.0.detail=0", "camera.size=[16, 16]", "object.0.material.sigma_0=1"].map(String::from);
     let mut scene = Scene::load("sphere", &sets).unwrap();
@@ -21,15 +21,15 @@ fn session(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Session {
     session
 }
 
-/// A number from -1 to 1 for each place.
+/// A pseudo-random number in [-1, 1] for each index.
 fn noise(k: u32) -> f64 {
     let mut h = k.wrapping_mul(0x9e37_79b9) ^ 0x85eb_ca6b;
     h = (h ^ (h >> 15)).wrapping_mul(0x2c1b_3c6d);
     f64::from(h ^ (h >> 12)) / f64::from(u32::MAX) * 2.0 - 1.0
 }
 
-/// A grid of `across` x `up` cells over [0, 1]^2 bent by `place`, its points moved by up to `shake` of a cell; closed
-/// where `round` says so.
+/// A grid of `across` x `up` cells over [0, 1]^2, mapped by `place`; its points are jittered by up to `shake` of a
+/// cell. `round` says in which directions it closes.
 fn grid(
     [across, up]: [u32; 2],
     round: [bool; 2],
@@ -54,8 +54,8 @@ fn grid(
     ((0..columns * rows).map(point).collect(), (0..across * up).flat_map(cell).collect())
 }
 
-/// Root mean square errors of H, of sqrt |K| squared, of kappa, and of the cubic fit's kappa, in units of the largest
-/// curvature; `truth` is k1 and k2 at a point.
+/// Root mean square errors of H, K, kappa and the cubic fit's kappa, in units of the largest curvature (for K: of its
+/// square); `truth` is k1 and k2 at a point.
 fn errors(session: &Session, truth: impl Fn(DVec3) -> [f64; 2]) -> [f64; 4] {
     let (data, units) = (&session.state().data, session.units());
     let (mut sums, mut counts, mut largest) = ([0.0; 4], [0.0; 2], 0.0f64);
@@ -76,19 +76,19 @@ fn errors(session: &Session, truth: impl Fn(DVec3) -> [f64; 2]) -> [f64; 4] {
         counts[1] += f64::from(u8::from(fitted.is_some()));
     }
     let scale = [largest, largest * largest, largest, largest];
-    // All but a few at open edges can be fitted.
+    // The fit fails at a few vertices near open edges only.
     assert!(counts[1] > 0.5 * counts[0]);
     [0, 1, 2, 3].map(|k| (sums[k] / counts[k / 3]).sqrt() / scale[k])
 }
 
-/// A surface: grid cells, closed or not, its map, and its curvatures.
+/// A surface: name, grid cells, closed or not in each direction, its map, and its principal curvatures.
 type Surface = (&'static str, [u32; 2], [bool; 2], fn(f64, f64) -> DVec3, fn(DVec3) -> [f64; 2]);
 
-/// A torus' radii.
+/// Major and minor radius of the torus.
 const TORUS: [f64; 2] = [3.0, 1.0];
 
 const SURFACES: [Surface; 4] = [
-    // A cap of a ball of radius 2, by stereographic projection: triangles as even as on a plane.
+    // A cap of a ball of radius 2, by stereographic projection, so that triangles are as even as on a plane.
     (
         "sphere",
         [12, 12],
@@ -120,7 +120,8 @@ const SURFACES: [Surface; 4] = [
         [false, false],
         |u, v| DVec3::new(2.0 * u - 1.0, 2.0 * v - 1.0, 0.5 * ((2.0 * u - 1.0).powi(2) - (2.0 * v - 1.0).powi(2))),
         |p| {
-            // Of z = (x^2 - y^2) / 2: H = (y^2 - x^2) / (2 w^3), K = -1 / w^4, w^2 = 1 + x^2 + y^2; z is outward.
+            // z = (x^2 - y^2) / 2 with +z outward, convex positive: H = (x^2 - y^2) / (2 w^3), K = -1 / w^4, w^2 = 1 +
+            // x^2 + y^2.
             let w2 = 1.0 + p.x * p.x + p.y * p.y;
             let (mean, gaussian) = ((p.x * p.x - p.y * p.y) / (2.0 * w2.powf(1.5)), -1.0 / (w2 * w2));
             let half = (mean * mean - gaussian).sqrt();
@@ -147,7 +148,7 @@ fn curvature_converges_on_known_surfaces() {
             println!("{name} {shake}: orders {:.1?}", [0, 1, 2, 3].map(order));
             let [mean, gaussian, kappa, fitted] = levels[2];
             if shake > 0.0 {
-                // Uneven triangles: neither method converges, by much the same.
+                // Uneven triangles: neither method converges, so only the error is bounded.
                 assert!(mean < 0.15 && gaussian < 0.3 && kappa < 0.2 && fitted < 0.3, "{name}, shaken: {levels:?}");
                 continue;
             }
@@ -177,21 +178,21 @@ fn hardly_surfaces_have_numbers() {
         let made = fan(count, height);
         let curvature = &made.state().data.curvature;
         assert!(curvature.iter().all(sound), "{count} {height}: {curvature:?}");
-        // A corner of no triangle is flat; the rim takes the tip's.
+        // A vertex without triangles is flat; the rim takes the curvature of the tip.
         assert_eq!(curvature[1], Curvature::default());
         assert_eq!(curvature[2].kappa, curvature[0].kappa);
         assert_eq!((curvature[0].known, curvature[2].known), (1.0, 0.0));
         assert!(made.state().data.radiance.iter().flatten().all(|x| x.is_finite()), "{count} {height}");
     }
-    // A cone of 1000 triangles: the angles round the tip lack 2 pi (1 - sin) of a turn.
+    // A cone of 1000 triangles: the angle deficit at the tip is 2 pi (1 - 1 / slant).
     let made = fan(1000, 1.0);
     let (tip, units) = (made.state().data.curvature[0], made.units());
     let slant = 2f64.sqrt();
-    // What is nearer to the tip than to the rim: a quarter of the cone.
+    // The part nearer to the tip than to the rim: a quarter of the cone's lateral area.
     let area = 0.25 * 0.5 * TAU * slant;
     let expected = TAU * (1.0 - 1.0 / slant) / area;
     assert!((f64::from(tip.gaussian) * units.length.powi(2) / expected - 1.0).abs() < 0.02, "{tip:?} {expected}");
-    // A flat fan bends nowhere, a hollow is negative.
+    // A flat fan has next to no curvature; a hollow has a negative mean.
     assert!(fan(900, 0.0).state().data.curvature[0].kappa < 1e-2);
     assert!(fan(9, -1.0).state().data.curvature[0].mean < 0.0 && fan(9, 1.0).state().data.curvature[0].mean > 0.0);
 }

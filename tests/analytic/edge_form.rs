@@ -1,4 +1,4 @@
-//! The edge form against an area integral, over the cases a mesh can bring.
+//! The edge form against an area integral, over the configurations that meshes produce.
 
 use crate::materials::channels;
 use crate::quadrature::Area;
@@ -9,7 +9,7 @@ use milkglass::dipole::form_factor::gauss::{SIX, legendre};
 use milkglass::dipole::form_factor::{Distance, edge, exact, vector_area};
 use milkglass::dipole::profile::Dipole;
 
-/// Where the receiving point lies, in the plane of the triangle.
+/// Where the receiver's foot lies in the plane of the triangle.
 #[derive(Clone, Copy)]
 enum Place {
     Inside,
@@ -32,7 +32,7 @@ impl Case {
         Footprint::new(&self.triangle, [0, 1, 2], self.x_o).unwrap()
     }
 
-    /// `J` of both sources by the area integral.
+    /// `J` of both sources, by the area integral.
     fn truth(&self, area: &Area) -> [f64; 2] {
         let normal = vector_area(&self.triangle).normalize();
         let delta = (self.x_o - self.triangle[0]).dot(normal);
@@ -42,7 +42,7 @@ impl Case {
     }
 }
 
-/// Every material, channel and place, in the plane and out of it, slivers last.
+/// Every material, channel and place, in the plane and off it; slivers last.
 fn population(seed: u64) -> Vec<Case> {
     let mut random = Seeded(seed);
     let mut cases = Vec::new();
@@ -59,7 +59,7 @@ fn population(seed: u64) -> Vec<Case> {
 }
 
 fn case(random: &mut Seeded, unit: &Dipole, place: Place, above: bool, sliver: bool) -> Case {
-    // A triangle whose longest edge is 1, any way round; a sliver is flattened along one side.
+    // A triangle of any orientation whose longest edge is 1; a sliver is flattened towards one side.
     let mut triangle;
     loop {
         triangle = [(); 3].map(|()| random.direction() * random.between(0.2, 1.0));
@@ -73,7 +73,7 @@ fn case(random: &mut Seeded, unit: &Dipole, place: Place, above: bool, sliver: b
         let thin = random.log_between(1e-3, 1e-1);
         triangle[2] = triangle[0].lerp(triangle[1], 0.4).lerp(triangle[2], thin);
     }
-    // The point in the plane, then perhaps lifted off it to either side.
+    // The receiver's foot in the plane, then an optional offset to either side.
     let [a, b, c] = triangle;
     let (u, v) = (random.between(0.05, 0.95), random.between(0.05, 0.95));
     let inside = a.lerp(b, u).lerp(c, v);
@@ -88,7 +88,7 @@ fn case(random: &mut Seeded, unit: &Dipole, place: Place, above: bool, sliver: b
     let normal = vector_area(&triangle).normalize();
     let sign = if random.bits().is_multiple_of(2) { 1.0 } else { -1.0 };
     let lift = if above { sign * random.log_between(1e-3, 3.0) } else { 0.0 };
-    // The medium's lengths are scaled so that sigma times the longest edge is what we want.
+    // Scale the medium's lengths so that sigma times the longest edge is `wanted`.
     let wanted = random.log_between(1e-3, 3e2);
     let scale = if unit.sigma > 0.0 { wanted / unit.sigma } else { wanted * unit.z_real };
     let dipole =
@@ -96,8 +96,8 @@ fn case(random: &mut Seeded, unit: &Dipole, place: Place, above: bool, sliver: b
     Case { triangle, x_o: foot + normal * lift, dipole, sliver }
 }
 
-/// Errors of one method over a population, each source by itself: relative to its own value, and
-/// scaled by the dipole's form factor of the whole plane.
+/// Errors of one method over a population, per source: relative to the exact value, and scaled by the dipole's form
+/// factor of the whole plane.
 struct Errors {
     scaled: Vec<f64>,
     relative: Vec<f64>,
@@ -121,7 +121,7 @@ impl Errors {
         errors
     }
 
-    /// Scaled 95th percentile and maximum; printed with the relative ones.
+    /// The scaled 95th percentile and maximum; prints the relative ones as well.
     fn report(mut self, name: &str) -> [f64; 2] {
         let scaled = [0.95, 1.0].map(|part| percentile(&mut self.scaled, part));
         let show = |values: &[f64]| values.iter().map(|v| format!("{v:.1e} ")).collect::<String>();
@@ -148,11 +148,11 @@ fn six_nodes_reach_the_published_accuracy() {
         let fine = fine.report("w, 12 nodes");
         assert!(exact[1] < 1e-11);
         if sliver {
-            // Long thin triangles lose a digit: their edges nearly cancel.
+            // Slivers lose a digit: the contributions of their edges nearly cancel.
             assert!(w[0] < 1e-5 && w[1] < 2e-3);
         } else {
-            // The levels measured when the method was chosen; in w the worst case is a rarer and larger
-            // one. Seeds differ by a factor of two in the percentile, which lies on a steep flank.
+            // The levels measured when the method was chosen; in w the worst case is rarer and larger. The percentile
+            // lies on a steep flank, so it differs by a factor of two between seeds.
             assert!(psi[0] < 5e-7 && psi[1] < 1e-3);
             assert!(w[0] < 8e-7 && w[1] < 3e-3);
             assert!(fine[0] < 1e-10);

@@ -1,7 +1,7 @@
 //! Single form factors as `milkglass eval form-factor` computes them (stage `evaluate`), on every device: the scaled
-//! error |F - F_ref| / R_full over seeded pairs of triangle and receiver, and over closed meshes.
+//! error |F - F_ref| / R_full over seeded triangle-receiver pairs, and over closed meshes.
 //!
-//! Without a device this fails, unless `MILKGLASS_NO_DEVICE=1` waives it, and then it says so.
+//! Fails without a device, unless `MILKGLASS_NO_DEVICE=1` waives it, which is printed.
 
 use crate::devices::on_devices;
 use crate::population::{heights, longest, medium, population};
@@ -14,14 +14,14 @@ use milkglass::measure::stress::factor::{Pair, evaluated};
 use milkglass::scene::Scene;
 use rayon::prelude::*;
 
-/// Height of the nearer source over the plane, in longest edges, from which on the bounds hold: nearer than that, a
-/// corner rounded to `f32` moves over a share of the source's height that counts.
+/// The bounds hold where the nearer source is farther than this from the plane, in longest edges. Below it, rounding a
+/// corner to `f32` moves the corner by a significant part of the source's height.
 const HEIGHT: f64 = 1e-4;
 
-/// A form factor of a triangle, indexed so, at a point.
+/// The form factor of a triangle with these vertex indices at a point.
 type Form = fn(&[DVec3; 3], [u32; 3], DVec3, &Dipole, Distance) -> f64;
 
-/// Scaled errors of a device, channel by channel.
+/// Scaled errors of a device's values, per channel.
 fn scaled(pairs: &[Pair], values: &[[f32; 3]], exact: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let error = |((pair, value), exact): ((&Pair, &[f32; 3]), &[f64; 3])| {
         let dipoles = pair.dipoles();
@@ -69,8 +69,8 @@ fn a_population_keeps_within_its_error() {
     });
 }
 
-/// The faces of a closed shape as pairs with each of some receivers: at centroids, corners and edges, and off the
-/// surface.
+/// All faces of a closed shape paired with each of 24 receivers: at centroids, corners and edge midpoints, half of them
+/// off the surface.
 fn closed(shape: &str, detail: u32, random: &mut Seeded) -> (usize, Vec<Pair>) {
     let mesh = Scene::load(shape, &[format!("object.0.detail={detail}")]).unwrap().objects[0].mesh.clone();
     let faces: Vec<[DVec3; 3]> = (0..mesh.triangles.len()).filter_map(|face| mesh.corners(face)).collect();
@@ -99,7 +99,7 @@ fn over_a_closed_mesh_they_add_up() {
             let (mut worst, mut sums) = (0.0f64, 0);
             let receivers = pairs.chunks(faces).zip(values.chunks(faces)).zip(exact.chunks(faces));
             for ((pairs, values), exact) in receivers {
-                // The nearest source of all faces' decides, as in the population.
+                // Skip channels where any face has a source nearer than `HEIGHT`, as in the population.
                 for (c, dipole) in pairs[0].dipoles().iter().enumerate() {
                     if pairs.iter().any(|pair| heights(pair)[c] <= HEIGHT) {
                         continue;

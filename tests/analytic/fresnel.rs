@@ -1,15 +1,15 @@
-//! Walsh's closed form against quadrature of the directional transmittance, and the polynomial.
+//! Walsh's closed form against quadrature of the directional transmittance, and against the polynomial.
 
 use crate::materials::MATERIALS;
 use milkglass::dipole::form_factor::gauss::legendre;
 use milkglass::lighting::fresnel::*;
 
-/// `1 - 2 int T(mu) mu dmu`, the range cut at the critical angle and bent to tame its square root.
+/// `1 - 2 int T(mu) mu dmu` above the critical angle's cosine, substituted to remove the square root there.
 fn diffuse_reflectance(eta: f64) -> f64 {
     let critical = if eta < 1.0 { (1.0 - eta * eta).sqrt() } else { 0.0 };
     let rule = legendre(64);
     let mut sum = 0.0;
-    // Panels that shrink towards the critical cosine, where eta near 1 makes a thin layer.
+    // Panels shrink towards the critical cosine, where eta near 1 makes a thin layer.
     let mut high = 1.0;
     for level in 0..40 {
         let low = if level == 39 { 0.0 } else { high * 0.5 };
@@ -31,7 +31,7 @@ fn closed_form_is_the_integral() {
         let slack = 1e-12 + if eta < 1.1 { 1e-9 * external } else { 0.0 };
         assert!((external - diffuse_reflectance(eta)).abs() < slack, "{eta} outside");
         assert!((internal - diffuse_reflectance(1.0 / eta)).abs() < slack, "{eta} inside");
-        // Below 1 the sides change places.
+        // Below 1, inside and outside swap.
         assert!((diffuse_internal_exact(1.0 / eta) - external).abs() < 1e-11, "{eta}");
         assert!((diffuse_external_exact(1.0 / eta) - internal).abs() < 1e-11, "{eta}");
     }
@@ -54,7 +54,7 @@ fn polynomial_is_near_in_its_range_only() {
 
 #[test]
 fn the_materials_boundary_terms() {
-    // A of the published lengths follows from the polynomial; the exact A is a little smaller.
+    // The published A follows from the polynomial; the exact A differs by less than 0.4 %.
     for material in &MATERIALS {
         let published = if material.eta == 1.5 { 3.959_497_4 } else { 2.602_064_4 };
         let polynomial = boundary(diffuse_internal_polynomial(material.eta));

@@ -1,4 +1,4 @@
-//! Both trees keep their promises on every kind of mesh, fair or foul.
+//! Invariants of the face-cluster and median trees, on regular and degenerate meshes.
 
 use crate::seeded::Seeded;
 use crate::sphere::icosphere;
@@ -7,7 +7,7 @@ use milkglass::hierarchy::face_cluster::{self, DEEPEST, Method};
 use milkglass::hierarchy::{Tree, median};
 use proptest::prelude::*;
 
-/// Build both trees twice, check them, and hand back the merged one.
+/// Builds both trees twice, checks them, and returns the face-cluster tree.
 fn both(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Tree, Method) {
     let (merged, method) = face_cluster::build(positions, triangles);
     let split = median::build(positions, triangles, 1);
@@ -20,7 +20,7 @@ fn both(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Tree, Method) {
     (merged, method)
 }
 
-/// A flat grid of `n` by `n` squares, two triangles each.
+/// A flat grid of `n` x `n` squares, two triangles each.
 fn grid(n: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let vertex = |x: u32, y: u32| y * (n + 1) + x;
     let mut triangles = Vec::new();
@@ -50,7 +50,7 @@ fn a_grid_merges_into_compact_clusters() {
     let (tree, method) = both(&positions, &triangles);
     assert_eq!(method, Method::Merged);
     assert!(tree.depth() <= 30, "depth {}", tree.depth());
-    // A cluster of m faces in one compact piece is about sqrt(m) wide.
+    // A compact cluster of m faces is about sqrt(m) wide.
     for i in 0..tree.nodes() {
         let faces = (tree.skip[i] as usize - i).div_ceil(2);
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -100,11 +100,11 @@ fn fans_of_slivers_and_growing_areas() {
     }));
     let fan: Vec<_> = (1..3000).map(|k| [0, k, k + 1]).collect();
     assert_eq!(both(&positions, &fan).1, Method::Merged);
-    // A strip whose faces grow by a factor: greedy merging makes a chain of it.
+    // A strip whose faces grow by a constant factor: greedy merging turns it into a chain.
     let positions: Vec<_> = (0..300).map(|k| DVec3::new(2f64.powi(k), f64::from(k % 2) * 2f64.powi(k), 0.0)).collect();
     let strip: Vec<_> = (0..298).map(|k| [k, k + 1, k + 2]).collect();
     assert_eq!(both(&positions, &strip).1, Method::TooDeep);
-    // Many faces on one edge, and faces without area, of equal corners or of the same place.
+    // Many faces on one edge, and faces without area: with equal vertices, or with distinct vertices at one point.
     let mut random = Seeded(1);
     let mut positions = vec![DVec3::ZERO, DVec3::X];
     positions.extend((0..2000).map(|_| random.direction()));

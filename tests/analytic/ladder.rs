@@ -1,4 +1,4 @@
-//! Each rule of the ladder keeps the tolerance it was made for, on well-shaped triangles.
+//! Each quadrature rule meets the tolerance that its distance was chosen for, on well-shaped triangles.
 
 use crate::materials::channels;
 use crate::quadrature::Area;
@@ -9,7 +9,7 @@ use milkglass::dipole::form_factor::{ladder, ladder::Ladder, points};
 use milkglass::dipole::profile::Dipole;
 use milkglass::transport::links::reach;
 
-/// A random triangle of extent about 1 whose angles are all above 30 degrees, centred at 0.
+/// A random triangle of extent about 1, all angles above 30 degrees, centred at the origin.
 fn well_shaped(random: &mut Seeded) -> [DVec3; 3] {
     loop {
         let corners = [(); 3].map(|()| random.direction() * random.between(0.3, 1.0));
@@ -35,7 +35,7 @@ fn rule(rung: usize, triangle: &[DVec3; 3], x_o: DVec3, dipole: &Dipole) -> f64 
     }
 }
 
-/// The form factor by the area integral, which keeps its relative accuracy far away.
+/// The form factor by the area integral, which stays relatively accurate far away.
 fn reference(area: &Area, triangle: &[DVec3; 3], x_o: DVec3, dipole: &Dipole) -> f64 {
     let normal = vector_area(triangle).normalize();
     let delta = (x_o - triangle[0]).dot(normal);
@@ -54,11 +54,11 @@ fn every_rung_keeps_its_tolerance() {
             let mut random = Seeded(rung as u64 + 7);
             let mut errors = Vec::new();
             while errors.len() < 4000 {
-                // A triangle from far below to far above the free path, a point at the reach.
+                // A triangle from far below to far above the mean free path, and a receiver at the reach of the rule.
                 let (_, unit, _) = &channels[random.bits() as usize % channels.len()];
                 let triangle = well_shaped(&mut random);
                 let size = random.log_between(1e-3, 1e3);
-                // The triangle keeps its extent of 1 and the medium's lengths are scaled instead.
+                // The triangle keeps its extent of 1; the medium's lengths are scaled instead.
                 let scale = size * unit.z_real;
                 let dipole = Dipole {
                     sigma: unit.sigma * scale,
@@ -67,14 +67,14 @@ fn every_rung_keeps_its_tolerance() {
                     ..*unit
                 };
                 let reach = reach::reach2(points::trace(&triangle), &dipole, made.chi[rung], false);
-                // Where every distance will do, or the radius is cut off because e^-20 no longer counts.
+                // Skip where any distance is accepted, or where the radius is cut off because e^-20 is negligible.
                 let cut = dipole.sigma * (reach + dipole.z_real * dipole.z_real).sqrt() > 19.999;
                 if reach == 0.0 || cut {
                     continue;
                 }
                 let x_o = random.direction() * reach.sqrt();
                 let exact = reference(&area, &triangle, x_o, &dipole);
-                // Smaller ones are at the end of the range of f64.
+                // Smaller values approach the end of the range of f64.
                 if exact > 1e-280 {
                     errors.push((rule(rung, &triangle, x_o, &dipole) / exact - 1.0).abs());
                 }

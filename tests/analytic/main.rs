@@ -1,4 +1,4 @@
-//! The numerics against closed forms, independent quadrature, published figures, and the laws that they obey.
+//! The numerics against closed forms, independent quadrature, published figures, and their own invariants.
 
 #[path = "../devices/mod.rs"]
 mod devices;

@@ -1,4 +1,4 @@
-//! The twelve materials of Jensen et al. 2001 (figure 5), with the diffuse reflectance they print.
+//! The twelve materials of Jensen et al. 2001 (figure 5), with the diffuse reflectance printed there.
 
 use milkglass::dipole::profile::Dipole;
 use milkglass::lighting::fresnel;
@@ -10,7 +10,7 @@ pub struct Material {
     pub scattering: [f64; 3],
     /// Absorption, 1/mm.
     pub absorption: [f64; 3],
-    /// Diffuse reflectance as printed, two digits.
+    /// Diffuse reflectance as printed, to two digits.
     pub reflectance: [f64; 3],
     /// Relative index of refraction.
     pub eta: f64,

@@ -1,5 +1,5 @@
-//! The method itself, against definitions written a second time here: every pair of faces is settled once, decisions
-//! are what section 5.2 says, rays hit what they should, sums are conserved, and the answer is near brute force.
+//! The method against independent definitions: links cover every pair of faces once, link decisions are those of
+//! section 5.2, rays hit the nearest triangle, sums are conserved, and the result is near brute force.
 
 use glam::DVec3;
 use milkglass::layout::Buffers;
@@ -54,7 +54,7 @@ fn every_pair_of_faces_is_settled_exactly_once() {
     assert_eq!(wrong, 0, "of {} pairs", settled.len());
 }
 
-/// Section 5.2 by recursion, in f64: links, and the pairs where a decision is nearer than 1e-5 to its threshold.
+/// Section 5.2 by recursion in f64: the links, and the pairs whose decision is within a relative 1e-5 of its threshold.
 struct Refinement<'a> {
     data: &'a Buffers,
     links: Vec<(u32, u32)>,
@@ -145,7 +145,7 @@ fn rays_hit_the_nearest_triangle() {
     let data = &session.state().data;
     let mut hits = 0;
     for i in 0..2000u32 {
-        // Seeded rays from a sphere about the object towards points near it.
+        // Seeded rays from a sphere around the object towards points inside it or near it.
         let spread =
             |k: u32| f64::from((i * 2_654_435_761u32.wrapping_mul(k)).rotate_left(9) % 10_007) / 10_007.0 - 0.5;
         let origin = 2.0 * DVec3::new(spread(3), spread(5), spread(7)).normalize();
@@ -153,7 +153,8 @@ fn rays_hit_the_nearest_triangle() {
         let (o, d) = (origin.to_array().map(|x| x as f32), direction.to_array().map(|x| x as f32));
         let found = milkglass::geometry::trace::trace(data, o, d);
 
-        // All triangles in f64, without the tree; rays within 1e-5 of an edge or a tie prove nothing.
+        // All triangles in f64, without the tree; skip rays within 1e-4 of an edge (barycentric) or hits within 1e-5 of
+        // a tie.
         let (o, d) = (wide(o), wide(d));
         let mut nearest: Option<(f64, u32)> = None;
         let mut doubtful = false;
@@ -186,7 +187,7 @@ fn rays_hit_the_nearest_triangle() {
 
 #[test]
 fn no_ray_slips_through_a_closed_mesh() {
-    // At corners and along edges, where many triangles meet: a ray that passes between them hits the far side.
+    // Rays at corners and along edges, where many triangles meet: one that passed between them would hit the far side.
     let session = solved("sphere", &["object.0.detail=6"], radiosity());
     let data = &session.state().data;
     let toward = |origin: DVec3, at: DVec3| {
@@ -216,8 +217,7 @@ fn the_answer_is_near_brute_force() {
     for (name, set) in
         [("sphere", "object.0.detail=4"), ("slab", "object.0.detail=24"), ("lotus", "object.0.detail=48")]
     {
-        // The solid angle looks at the emitter's midpoint, not at the displaced sources of Table 1, which may be
-        // nearer.
+        // The solid angle is taken to the emitter's centroid; the displaced sources of Table 1 may be nearer than that.
         for (distance, l2) in [("radial", 0.01), ("table1", 0.02)] {
             let distance = format!("transport.distance={distance}");
             let mut session = solved(name, &[set, &distance, LINKS], radiosity());
@@ -246,7 +246,7 @@ fn finer_thresholds_come_nearer() {
 
 #[test]
 fn point_samples_are_worse_near_than_the_edge_form() {
-    // A stiff slab of coarse triangles: some 100 samples each, and all that counts is near.
+    // A slab of coarse triangles many free paths wide: about 100 samples per triangle, and only near emitters matter.
     for distance in ["radial", "table1"] {
         let distance = format!("transport.distance={distance}");
         let sets = ["object.0.detail=6", "object.0.size=50", "object.0.material.preset=marble", &distance, LINKS];
@@ -258,7 +258,7 @@ fn point_samples_are_worse_near_than_the_edge_form() {
         });
         println!("{distance}: exact {exact:?}, sampled {sampled:?}");
         assert!(exact.l2 < 0.02 && sampled.l2 > 5.0 * exact.l2 && sampled.p99 > 5.0 * exact.p99, "{distance}");
-        // Yet it is the same integral.
+        // Both estimate the same integral.
         assert!(sampled.l2 < 0.5, "{sampled:?}");
     }
 }
@@ -277,7 +277,7 @@ fn a_moved_camera_and_light_give_a_fresh_picture() {
     fresh.frame(Change::EVERYTHING).unwrap();
     assert_eq!(session.picture().unwrap().pixels, fresh.picture().unwrap().pixels);
 
-    // Into the dark, and out of it.
+    // Remove all lights, then restore them.
     session.set_lights(&[]).unwrap();
     session.frame(Change::default()).unwrap();
     assert!(session.state().data.radiosity.iter().flatten().all(|&x| x == 0.0));

@@ -1,6 +1,6 @@
-//! What holds for any mesh and light, on small seeded ones, by the CPU: radiosity is finite and never below 0, linear
-//! in light, blind to where the scene stands and how its file is ordered, and on a half-space never above what enters
-//! times R_full.
+//! Properties for any mesh and light, on small seeded meshes, on the CPU: radiosity is finite and at least 0, linear in
+//! light, independent of the scene's position and of the order of its file, and on a half-space at most R_full times
+//! what enters.
 
 use glam::{DQuat, DVec3};
 use milkglass::dipole::profile::Dipole;
@@ -12,17 +12,18 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::fmt::Write as _;
 
-/// Every run tries the same meshes.
+/// A fixed seed: every run tries the same meshes.
 fn cases(cases: u32) -> ProptestConfig {
     ProptestConfig { cases, rng_seed: RngSeed::Fixed(2003), failure_persistence: None, ..ProptestConfig::default() }
 }
 
 const MARBLE: &str = "material = { preset = 'marble' }\n";
-/// Tight, so that a wrong value is not taken for a loose one; values may differ by ten times it, of their rms.
+/// A tight tolerance, so that wrong values do not pass as tolerated ones. Results may differ by ten times as much,
+/// relative to their rms.
 const TIGHT: &str = "[transport]\ntolerance = 1e-4\n";
 const APART: f64 = 1e-3;
 
-/// Vertices, and corners from 0.
+/// Vertices, and vertex indices from 0.
 #[derive(Clone, Debug)]
 struct Mesh {
     positions: Vec<DVec3>,
@@ -46,7 +47,7 @@ impl Mesh {
     }
 }
 
-/// A scene after its first frame; none where it does not load.
+/// A session after its first frame; `None` where the scene is refused.
 fn frame(mesh: &Mesh, lights: &[String], rest: &str) -> Option<Session> {
     let text = format!("{}[[object]]\nmesh = 'm.obj'\n{rest}", lights.concat());
     let files = Files::held([("m.obj".into(), mesh.obj().into_bytes())], Memory::USUAL);
@@ -57,7 +58,7 @@ fn frame(mesh: &Mesh, lights: &[String], rest: &str) -> Option<Session> {
     Some(session)
 }
 
-/// Irradiance and radiosity of each face in the file's order, scene units; none where the scene does not load.
+/// Irradiance and radiosity of each face in the file's order, in scene units; `None` where the scene is refused.
 fn solve(mesh: &Mesh, lights: &[String], rest: &str) -> Option<[Vec<[f64; 3]>; 2]> {
     let session = frame(mesh, lights, rest)?;
     let (data, unit) = (&session.state().data, session.units().light);
@@ -80,17 +81,17 @@ fn rms(values: &[[f64; 3]]) -> f64 {
     (values.iter().flatten().map(|x| x * x).sum::<f64>() / count).sqrt()
 }
 
-/// The largest difference, of the first's rms.
+/// The largest difference, relative to the rms of `a`.
 fn apart(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
     let pairs = a.iter().flatten().zip(b.iter().flatten());
     pairs.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max) / rms(a).max(1e-300)
 }
 
-/// Faces and vertices of a dented ball.
+/// Number of faces and vertices of a dented ball.
 const FACES: usize = 320;
 const VERTICES: usize = 162;
 
-/// A ball with dents, 2 to 60 across: all of it close together, or each face by itself, for marble.
+/// A dented ball of size 2 to 60. For marble, this ranges from all faces near each other to each face on its own.
 fn dented() -> impl Strategy<Value = Mesh> {
     let size = (2f64.ln()..60f64.ln()).prop_map(f64::exp);
     (proptest::collection::vec(0.8..1.1f64, VERTICES), size).prop_map(|(radii, size)| {
@@ -101,7 +102,7 @@ fn dented() -> impl Strategy<Value = Mesh> {
     })
 }
 
-/// Anything: few places, close together or far apart, and faces between any of them.
+/// Arbitrary triangles: a few vertices, close together or far apart, connected at random.
 fn soup() -> impl Strategy<Value = Mesh> {
     let number = prop_oneof![4 => -1.0..1.0f64, 1 => Just(0.0), 1 => -1e6..1e6f64, 1 => -1e-6..1e-6f64];
     let place = [number.clone(), number.clone(), number].prop_map(DVec3::from_array);
@@ -150,7 +151,7 @@ proptest! {
         prop_assert!(apart(&sum, &both) < APART, "{}", apart(&sum, &both));
         let (least, unit) = (APART * rms(&both), f64::from(doublings).exp2());
         prop_assert!(a.iter().flatten().zip(both.iter().flatten()).all(|(a, both)| *both >= a - least));
-        // By a power of two bit for bit.
+        // Scaling by a power of two is exact.
         let [_, scaled] = solve(&mesh, &[sun(one, unit, true)], &rest).unwrap();
         prop_assert!(a.iter().flatten().zip(scaled.iter().flatten()).all(|(a, scaled)| a * unit == *scaled));
     }
@@ -175,12 +176,12 @@ proptest! {
     ) {
         let (rest, light) = (format!("{MARBLE}{TIGHT}"), [sun(way, 1.0, true)]);
         let [e, b] = solve(&mesh, &light, &rest).unwrap();
-        // Vertices, bit for bit: they are renumbered.
+        // Renumbering the vertices is exact.
         let mut renumbered = mesh.clone();
         numbers.iter().enumerate().for_each(|(old, &new)| renumbered.positions[new] = mesh.positions[old]);
         renumbered.faces.iter_mut().flatten().for_each(|v| *v = numbers[*v]);
         prop_assert_eq!(solve(&renumbered, &light, &rest).unwrap(), [e.clone(), b.clone()]);
-        // Faces, and which corner comes first.
+        // Shuffling the faces, and rotating the corners within each.
         let face = |&old: &usize| { let mut face = mesh.faces[old]; face.rotate_left(turns[old]); face };
         let shuffled = Mesh { faces: order.iter().map(face).collect(), ..mesh.clone() };
         let [_, other] = solve(&shuffled, &light, &rest).unwrap();
@@ -195,7 +196,7 @@ proptest! {
             format!("material = {{ sigma_s_prime = {s:e}, sigma_a = {a:e}, eta = 1.5 }}\n{TIGHT}")
         };
         let [e, b] = solve(&mesh, &[sun(way, 1.0, true)], &material(1.0)).unwrap();
-        // By a power of two bit for bit.
+        // Scaling by a power of two is exact.
         let two = factor.round().exp2();
         let double = solve(&mesh.moved(|p| two * p), &[sun(way, 1.0, true)], &material(two)).unwrap();
         prop_assert_eq!(double, [e, b.clone()]);
@@ -207,7 +208,7 @@ proptest! {
     fn a_half_space_gives_back_no_more_than_r_full(
         way in direction(), scattering in 0.1..10.0f64, albedo in -6.0..-0.5f64, eta in 1.0..2.5f64, size in 1.0..1e4f64,
     ) {
-        // A plane of 8 x 8 squares, its free paths from a hair to ten times its width.
+        // A plane of 8 x 8 squares; the free path is from 1e-5 to 10 times its width.
         let side = |k: usize| size * (k as f64 / 8.0 - 0.5);
         let positions = (0..81).map(|k| DVec3::new(side(k % 9), side(k / 9), 0.0)).collect();
         let square = |k: usize| { let a = k % 8 + 9 * (k / 8); [[a, a + 1, a + 10], [a, a + 10, a + 9]] };
@@ -229,7 +230,7 @@ proptest! {
 
 #[test]
 fn dented_balls_have_emitters_of_every_kind() {
-    // Else what holds of them would say nothing of the kinds that they lack.
+    // Otherwise the properties above would not cover every kind of emitter.
     use proptest::strategy::ValueTree;
     let mut runner = proptest::test_runner::TestRunner::new(cases(6));
     let mut kinds = [0; 5];

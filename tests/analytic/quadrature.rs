@@ -1,10 +1,10 @@
-//! Integrals by means that share nothing with the code under test but the integrand.
+//! Reference integrals that share only the integrand and the Gauss-Legendre nodes with the code under test.
 
 use glam::DVec3;
 use milkglass::dipole::form_factor::gauss::{Node, legendre};
 use milkglass::dipole::profile::kernel;
 
-/// `int_low^high f` on panels that double from `finest` upward, 16 nodes each.
+/// `int_low^high f` with 16 nodes per panel; panels double in length, starting with `finest`.
 pub fn on_line(low: f64, high: f64, finest: f64, f: impl Fn(f64) -> f64) -> f64 {
     let rule = legendre(16);
     let (mut start, mut step, mut sum) = (low, finest, 0.0);
@@ -17,8 +17,8 @@ pub fn on_line(low: f64, high: f64, finest: f64, f: impl Fn(f64) -> f64) -> f64 
     sum
 }
 
-/// The integral of `p(s)` over a triangle: longest edge halved until the kernel is smooth on each
-/// piece, then a product rule of 8 by 8 nodes.
+/// The integral of `p(s)` over a triangle: bisects longest edges until the kernel is smooth on each piece, then applies
+/// a product rule of 8 x 8 nodes.
 pub struct Area {
     rule: Vec<Node>,
 }
@@ -36,7 +36,7 @@ impl Area {
             let centroid = (a + b + c) / 3.0;
             let radius = [a, b, c].map(|v| v.distance(centroid)).into_iter().fold(0.0, f64::max);
             let s = centroid.length().hypot(h);
-            // Light from where e^(-sigma s) is lost against the nearest point of the plane.
+            // e^(-sigma s) is negligible here against its value at the nearest point of the plane.
             let faint = sigma * (s - radius - h) > 45.0;
             if radius <= 0.35 * s && (faint || sigma * radius <= 1.5) {
                 sum += self.piece([a, b, c], h, sigma);

@@ -1,4 +1,4 @@
-//! Seeded random numbers (splitmix64), and error statistics.
+//! Seeded random numbers (splitmix64), and percentiles.
 
 use glam::DVec3;
 
@@ -14,17 +14,17 @@ impl Seeded {
         z ^ (z >> 31)
     }
 
-    /// Evenly in [low, high).
+    /// Uniform in [low, high).
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Evenly in the logarithm in [low, high).
+    /// Uniform in the logarithm, in [low, high).
     pub fn log_between(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
 
-    /// Evenly on the unit sphere.
+    /// Uniform on the unit sphere.
     pub fn direction(&mut self) -> DVec3 {
         loop {
             let v = DVec3::from_array(std::array::from_fn(|_| self.between(-1.0, 1.0)));
@@ -35,7 +35,7 @@ impl Seeded {
     }
 }
 
-/// The value below which this part of the values lies; the largest for a part of 1.
+/// The value below which this fraction of the values lies; the largest for a fraction of 1.
 pub fn percentile(values: &mut [f64], part: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     values[((values.len() as f64 * part) as usize).min(values.len() - 1)]

@@ -1,4 +1,4 @@
-//! A closed sphere under constant irradiance: form factors over a mesh against the smooth surface.
+//! A closed sphere under constant irradiance: form factors summed over a mesh against the smooth surface.
 
 use glam::DVec3;
 use milkglass::dipole::form_factor::{Distance, edge::edge_form, gauss::SIX};
@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use crate::quadrature::on_line;
 
-/// Vertices and triangles of an icosahedron, each face divided into four `levels` times.
+/// Vertices and triangles of an icosahedron, each face subdivided into four `levels` times.
 pub fn icosphere(levels: usize) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let g = 0.5 * (1.0 + 5.0_f64.sqrt());
     let mut positions = Vec::new();
@@ -21,7 +21,7 @@ pub fn icosphere(levels: usize) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     for (a, b) in [(-1.0, g), (1.0, g), (-1.0, -g), (1.0, -g)] {
         positions.push(DVec3::new(b, 0.0, a).normalize());
     }
-    // The faces are the triples of vertices at the edge length, turned outward.
+    // The faces are the triples of vertices one edge length apart, oriented outward.
     let near = |a: usize, b: usize| positions[a].distance(positions[b]) < 1.1;
     let mut triangles = Vec::new();
     for a in 0..12 {
@@ -55,10 +55,10 @@ pub fn icosphere(levels: usize) -> (Vec<DVec3>, Vec<[u32; 3]>) {
 
 #[test]
 fn constant_irradiance_on_a_sphere() {
-    // Lengths against a unit sphere: translucent, middling, stiff.
+    // A unit sphere in three media, from translucent to nearly opaque.
     for scale in [1.0, 10.0, 50.0] {
         let dipole = Dipole::new(2.62 * scale, 0.0041 * scale, 3.96);
-        // The part of a unit sphere within the chord d of a point has the area pi d^2.
+        // The part of a unit sphere within chord length d of a point has area pi d^2.
         let smooth = on_line(0.0, 2.0, 0.5 * dipole.z_real, |d| 2.0 * PI * d * dipole.reflectance(d));
         let errors = [2, 3, 4].map(|levels| {
             let (positions, triangles) = icosphere(levels);

@@ -1,4 +1,4 @@
-//! The displaced sources of Table 1: equal to the radial convention on a plane, right off it.
+//! The displaced sources of Table 1: equal to the radial convention on a plane, and correct off it.
 
 use crate::quadrature::Area;
 use crate::seeded::Seeded;
@@ -17,7 +17,7 @@ fn marble() -> Dipole {
     Dipole::new(2.62, 0.0041, 3.96)
 }
 
-/// Every rule under one convention, the exact one first.
+/// Every rule under one convention, the exact form first.
 fn all(x_o: DVec3, dipole: &Dipole, distance: Distance) -> [f64; 6] {
     [
         edge_form_exact(&TRIANGLE, [0, 1, 2], x_o, dipole, distance),

@@ -1,4 +1,4 @@
-//! The layers of `render --aov`: their names, and that they say of each pixel what `solve` says of its triangle.
+//! The layers of `render --aov`: their names, and that each pixel agrees with what `solve` writes for its triangle.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,7 +9,7 @@ use exr::prelude::*;
 const BALL: &str = "sphere --set object.0.detail=2";
 const SIZE: (usize, usize) = (40, 30);
 
-/// Every channel of every layer as `layer.channel`, as floats.
+/// Every channel of every layer as floats, by the name `layer.channel`.
 fn layers(path: &Path) -> BTreeMap<String, Vec<f64>> {
     let image = read_all_flat_layers_from_file(path).unwrap();
     let mut all = BTreeMap::new();
@@ -31,7 +31,7 @@ fn layers(path: &Path) -> BTreeMap<String, Vec<f64>> {
 #[test]
 fn layers_tell_what_solve_tells() {
     let here = folder(&[]);
-    // Two groups of channels: numbers of links are those of both.
+    // The last case has two channel groups: link counts are summed over both.
     let two = "--set light.0.irradiance=[3,0,0]";
     for how in ["--device cpu", "", "--set transport.scheme=links --device cpu", two] {
         good(&here, &format!("render {BALL} {how} --aov -o a.exr --size {}x{}", SIZE.0, SIZE.1));
@@ -65,8 +65,7 @@ fn layers_tell_what_solve_tells() {
                     assert!(close(of(&format!("error_estimate.{c}")), row[12 + k], 1e-5), "{how}");
                 }
             }
-            // The camera looks along -z at a ball about the origin of radius 5; its distance is the same for all
-            // pixels.
+            // The ball has radius 5 and its centre at the origin, so normals are about face centres over 5.
             let n = ["X", "Y", "Z"].map(|axis| of(&format!("normal.{axis}")));
             assert!(close(n.iter().map(|x| x * x).sum(), 1.0, 1e-5) && of("object.id") == 0.0);
             assert!((n[0] - row[1] / 5.0).abs() < 0.3 && (n[1] - row[2] / 5.0).abs() < 0.3, "{n:?} {row:?}");
@@ -74,7 +73,7 @@ fn layers_tell_what_solve_tells() {
         }
         assert!(seen > 100 && seen < SIZE.0 * SIZE.1, "{how}: {seen} pixels show the ball");
 
-        // The picture is the one without layers.
+        // The picture layer equals the picture rendered without layers.
         let plain = read_all_flat_layers_from_file(here.path().join("plain.exr")).unwrap();
         for channel in &plain.layer_data[0].channel_data.list {
             let FlatSamples::F32(values) = &channel.sample_data else { panic!("not floats") };

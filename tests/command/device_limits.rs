@@ -1,11 +1,11 @@
-//! What would be wrong in silence is refused: scenes that `f32` does not hold, outputs over inputs, shaders without
-//! end.
+//! Limits that would otherwise give silently wrong results are refused: scenes beyond the range of `f32`, outputs that
+//! would overwrite inputs, shaders of unbounded size.
 
 use std::os::unix::fs::symlink;
 
 use crate::shell::{bad, bytes, folder, good, names, program, read, said};
 
-/// A ball of marble over a plane of this size.
+/// A marble ball above a plane of this size.
 fn ground(size: f64) -> String {
     format!(
         "[[light]]\ntype = 'directional'\ndirection = [0, 1, 0]\nirradiance = 1\n\
@@ -74,13 +74,13 @@ fn no_output_takes_the_place_of_an_input_or_of_another() {
     bad(&here, "eval cdrf rows.csv --device cpu -o ./rows.csv", 2, &["rows.csv", "it was read to make this"]);
     bad(&here, "profile sphere --device cpu --csv x --json ./x", 2, &["--json: the same file as --csv"]);
     assert_eq!(read(&here, "mine.toml"), scene);
-    // Through a link, to what it names.
+    // Writing to a symbolic link writes the file that it points to.
     symlink("there.csv", here.path().join("link.csv")).unwrap();
     std::fs::write(here.path().join("there.csv"), "old").unwrap();
     good(&here, "eval cdrf rows.csv --device cpu -o link.csv");
     assert!(here.path().join("link.csv").is_symlink());
     assert!(read(&here, "there.csv").starts_with("cos_theta,sigma,value"));
-    // Names as long as names can be, and places that take no file, are refused before there is work.
+    // The longest file name is accepted; a longer one is refused.
     let name = format!("{}.csv", "n".repeat(251));
     good(&here, &format!("eval cdrf rows.csv --device cpu -o {name}"));
     bad(&here, &format!("solve sphere --device cpu -o n{name}"), 2, &["could not be written", "too long"]);

@@ -1,4 +1,4 @@
-//! `milkglass eval` from outside, against numbers worked out here.
+//! `milkglass eval` run as a program, against values computed independently here.
 
 use crate::shell::{bad, close, folder, good, numbers, read};
 
@@ -88,7 +88,7 @@ fn eval_cdrf_is_the_periodic_convolution() {
     bad(&here, "eval cdrf in.csv -o b.csv", 2, &["in.csv:1: cos_theta: ", "column is missing"]);
 }
 
-/// max(cos, 0) round the circle with a Gaussian, by the trapezium rule.
+/// Periodic convolution of max(cos, 0) with a Gaussian, by the trapezium rule.
 fn convolution(theta: f64, sigma: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     if sigma == 0.0 {

@@ -1,4 +1,4 @@
-//! Materials and lights at the ends of what a scene file may say, from outside: `solve` and `render` stay finite.
+//! Materials and lights at the limits of a scene file, run as a program: `solve` and `render` stay finite.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use crate::shell::{bad, close, folder, good, numbers, read};
 const DEVICES: [&str; 2] = ["--device cpu", ""];
 const BALL: &str = "sphere --set object.0.detail=2 --set object.0.size=1";
 
-/// E and B of every face, after checking that all numbers are finite and at least 0, and that there is light.
+/// E and B of every face; checks that all numbers are finite and at least 0, and that every face has radiosity.
 fn solved(sets: &str) -> Vec<[f64; 6]> {
     let here = folder(&[]);
     good(&here, &format!("solve {BALL} {sets} -o a.csv"));
@@ -22,7 +22,7 @@ fn solved(sets: &str) -> Vec<[f64; 6]> {
     light
 }
 
-/// A lamp of this intensity there; the ball's radius is 0.5. No spaces: the line is split at them.
+/// A point light of this intensity and position; the ball's radius is 0.5. No spaces, since lines are split at them.
 fn lamp(intensity: f64, [x, y, z]: [f64; 3]) -> String {
     format!("--set light.0={{type='point',position=[{x},{y},{z}],intensity={intensity:e}}}")
 }
@@ -58,7 +58,7 @@ fn light_of_any_strength_scales() {
         for strength in [1e30, 1e-30] {
             let scaled = solved(&format!("{} {device}", lamp(strength, [0.0, 0.0, 2.0])));
             for (row, one) in scaled.iter().flatten().zip(one.iter().flatten()) {
-                // The powers of two that light is scaled by differ from one by less than f32 rounding.
+                // Light is rescaled internally by powers of two, so the results differ by rounding only.
                 assert!(close(*row, one * strength, 1e-4), "{row:e} and {one:e} at {strength:e}");
             }
         }
@@ -69,7 +69,7 @@ fn light_of_any_strength_scales() {
 fn a_strong_lamp_right_at_the_surface_saturates_pictures_and_files() {
     let here = folder(&[]);
     for device in DEVICES {
-        // A millionth of the ball over the middle of a face.
+        // 1e-6 of the ball's diameter above the centroid of a face.
         good(&here, &format!("solve {BALL} {device} -o a.csv"));
         let (_, rows) = numbers(&read(&here, "a.csv"));
         let lamp = lamp(1e30, [1, 2, 3].map(|k| rows[0][k] * (1.0 + 2e-6)));
@@ -81,7 +81,7 @@ fn a_strong_lamp_right_at_the_surface_saturates_pictures_and_files() {
         let layers = exr::prelude::read_all_flat_layers_from_file(here.path().join(Path::new("a.exr"))).unwrap();
         for layer in layers.layer_data {
             for channel in layer.channel_data.list {
-                // Only depth is infinite, where nothing is hit.
+                // Only depth is infinite, where a pixel shows no object.
                 if channel.name.to_string() != "Z" {
                     assert!(
                         channel.sample_data.values_as_f32().all(f32::is_finite),

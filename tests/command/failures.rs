@@ -1,4 +1,4 @@
-//! What goes wrong round the program: disks that fill up, readers that leave, Ctrl-C, a Vulkan that is not there.
+//! Failures of the environment: full disks, closed pipes, Ctrl-C, missing Vulkan drivers.
 
 use std::io::Read;
 use std::path::Path;
@@ -9,14 +9,14 @@ use crate::shell::{self, bad, folder, good, names, program, said};
 
 const SMALL: &str = "sphere --set object.0.detail=1 --size 64x48";
 
-/// A line for the shell in this folder, in which `$0` is the program.
+/// Runs a shell command in this folder, with `$0` as the program.
 fn sh(folder: &tempfile::TempDir, line: &str) -> Output {
     let mut command = Command::new("sh");
     command.current_dir(folder.path()).args(["-c", line, env!("CARGO_BIN_EXE_milkglass")]);
     command.env("MILKGLASS_VALIDATION", "0").output().unwrap()
 }
 
-/// It ended with this code, without a panic, and with one line that has all these words.
+/// Checks the exit code, that there was no panic, and that one line of standard error contains all these words.
 fn ended(output: &Output, code: i32, words: &[&str]) {
     let (out, err) = said(output);
     assert_eq!(output.status.code(), Some(code), "{out}{err}");
@@ -28,7 +28,7 @@ fn ended(output: &Output, code: i32, words: &[&str]) {
 #[test]
 fn a_full_disk_is_an_error_and_leaves_nothing() {
     let here = folder(&[]);
-    // One block of 512 bytes a file at most.
+    // `ulimit -f 1` limits files to one block of 512 bytes.
     for file in ["a.png", "a.exr"] {
         let output = sh(
             &here,
@@ -42,7 +42,7 @@ fn a_full_disk_is_an_error_and_leaves_nothing() {
     let output = sh(&here, "ulimit -f 1; exec \"$0\" solve sphere --set object.0.detail=2 --device cpu -o a.csv");
     ended(&output, 2, &["a.csv", "could not be written"]);
     assert!(names(here.path()).is_empty());
-    // What was there before stays.
+    // An earlier file stays as it was.
     std::fs::write(here.path().join("a.csv"), "old").unwrap();
     sh(&here, "ulimit -f 1; exec \"$0\" solve sphere --set object.0.detail=2 --device cpu -o a.csv");
     assert_eq!(shell::read(&here, "a.csv"), "old");
@@ -61,7 +61,7 @@ fn a_folder_that_takes_no_files_is_named() {
     std::fs::create_dir(here.path().join("a.png")).unwrap();
     bad(&here, &format!("render {rest} -o a.png"), 2, &["a.png", "it is a folder"]);
     if Path::new("/proc/self").exists() {
-        // No one may write there, not even root.
+        // Nobody can write there, not even root.
         bad(&here, &format!("render {rest} -o /proc/a.png"), 2, &["/proc/a.png", "could not be written"]);
     }
 }
@@ -76,7 +76,7 @@ fn a_reader_that_leaves_is_no_error() {
         child.stderr.take().unwrap().read_to_string(&mut err).unwrap();
         assert_eq!((child.wait().unwrap().code(), err.contains("panicked")), (Some(0), false), "{line}: {err}");
     }
-    // Of standard error likewise: the picture is written all the same, and a fault keeps its code.
+    // The same with standard error closed: the picture is still written, and a fault keeps its exit code.
     for (line, code) in [(format!("render {SMALL} --device cpu -o a.png"), 0), ("render none -o a.png".into(), 2)] {
         let mut child = program(&here, &line).stderr(Stdio::piped()).spawn().unwrap();
         drop(child.stderr.take());
@@ -85,7 +85,7 @@ fn a_reader_that_leaves_is_no_error() {
     assert_eq!(names(here.path()), ["a.png"]);
 }
 
-/// Proves that a sequence that is stopped leaves whole frames and nothing else, and goes on where it was.
+/// An interrupted sequence leaves whole frames and nothing else, and resumes where it stopped.
 #[cfg(unix)]
 #[test]
 fn ctrl_c_leaves_whole_frames() {
@@ -110,13 +110,12 @@ fn ctrl_c_leaves_whole_frames() {
     }
 }
 
-/// The program where the loader finds these drivers only.
+/// Runs the program with these drivers as the only ones that the loader finds.
 fn with_drivers(folder: &tempfile::TempDir, line: &str, drivers: &str) -> Output {
     program(folder, line).env("VK_DRIVER_FILES", drivers).env("VK_ICD_FILENAMES", drivers).output().unwrap()
 }
 
-/// Proves that a Vulkan without drivers is said in one line, with what to do, and done without where no device is asked
-/// for.
+/// Missing drivers are reported in one line with a remedy; without `--device` the program runs on the CPU.
 #[test]
 fn without_drivers_the_cpu_runs_and_says_so() {
     let here = folder(&[
@@ -147,7 +146,7 @@ fn without_drivers_the_cpu_runs_and_says_so() {
     assert!(names(here.path()).contains(&"a.png".to_string()) && !names(here.path()).contains(&"b.png".to_string()));
 }
 
-/// Proves that a validation layer that was asked for and is not there is not done without.
+/// A requested validation layer that is not installed is an error.
 #[test]
 fn a_missing_validation_layer_is_said() {
     let here = folder(&[("none.json", "{}")]);
@@ -173,7 +172,7 @@ fn a_time_out_is_a_number() {
     }
 }
 
-/// Proves that a shader of the user's that does not end in time does not hold the program.
+/// A user's shader that does not finish in time does not hang the program.
 #[test]
 fn a_shader_that_hangs_is_left() {
     let here = folder(&[]);

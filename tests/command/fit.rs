@@ -1,8 +1,8 @@
-//! `milkglass fit-cdrf` from outside.
+//! `milkglass fit-cdrf` run as a program.
 
 use crate::shell::{bad, folder, good, read};
 
-/// The three numbers after these words.
+/// The three numbers of the line that starts with these words.
 fn list(text: &str, words: &str) -> Vec<f64> {
     let line = text.lines().find(|line| line.starts_with(words)).unwrap_or_else(|| panic!("no {words:?} in {text}"));
     let inner = line.split_once('[').unwrap().1.trim_end_matches(']');
@@ -13,7 +13,7 @@ fn list(text: &str, words: &str) -> Vec<f64> {
 fn a_fit_tells_sigma_0_and_draws() {
     let here = folder(&[]);
     let (out, _) = good(&here, "fit-cdrf marble --radii 10,20,40 --photons 4000 --svg marble.svg");
-    // On balls of many mean free paths the fit is the spread of the profile.
+    // On balls of many mean free paths, the fit is close to the spread of the profile.
     let (dipole, usual) = (list(&out, "fitted to the dipole"), list(&out, "without material.sigma_0"));
     let walk = list(&out, "fitted to the random walk");
     for c in 0..3 {

@@ -1,11 +1,11 @@
-//! Lights at the command line: what is refused and in which words, and what a plan leaves out.
+//! Lights in scene files and settings: which are refused and with what message, and which stages a plan leaves out.
 
 use crate::shell::{bad, close, folder, good, numbers, read};
 
 const BALL: &str = "[[object]]\nshape = 'sphere'\ndetail = 1\nsize = 10\nmaterial = { preset = 'marble' }\n";
 const SMALL: &str = "sphere --set object.0.detail=1 --device cpu";
 
-/// A small ball in this light.
+/// A small ball under this light.
 fn ball(light: &str) -> String {
     format!("[[light]]\n{light}\n{BALL}")
 }

@@ -1,4 +1,4 @@
-//! The command line from outside: what each command writes, what it says when it can't, and its exit code.
+//! The command line run as a program: what each command writes, its error messages, and its exit codes.
 
 use std::path::Path;
 use std::process::Command;
@@ -8,10 +8,10 @@ use crate::shell::{bad, bytes, close, folder, good, names, numbers, program, rea
 const TRIANGLE: &str = "v 0 0 0\nv 4 0 0\nv 0 2 0\nf 1 2 3\n";
 const BALL: &str = "[[object]]\nshape = 'sphere'\ndetail = 1\nsize = 10\nmaterial = { preset = 'marble' }\n";
 const SUN: &str = "[[light]]\ntype = 'directional'\ndirection = [0, 0, 1]\nirradiance = 3\n";
-/// What makes a built-in scene small and quick.
+/// Makes a built-in scene small and fast.
 const SMALL: &str = "sphere --set object.0.detail=1 --device cpu";
 
-/// Width, height and the pixels of an OpenEXR file, red green blue.
+/// Width, height and the red, green and blue of all pixels of an OpenEXR file.
 fn exr(path: &Path) -> (usize, usize, Vec<[f32; 3]>) {
     use exr::prelude::*;
     let image = read_first_rgba_layer_from_file(
@@ -60,7 +60,7 @@ fn exr_holds_linear_light() {
     assert_eq!((width, height), (16, 12));
     assert_eq!(pixels[0], [0.25, 0.5, 4.0], "the background is stored as it is");
     assert!(pixels.iter().flatten().all(|x| x.is_finite() && *x >= 0.0));
-    // Twice the light is twice the radiance where the ball is.
+    // Twice the irradiance gives twice the radiance on the ball.
     good(&here, &format!("render {SMALL} {set} --set light.0.irradiance=[6.4,6,5.4] -o b.exr --size 16x12"));
     let (_, _, twice) = exr(&here.path().join("b.exr"));
     let middle = 6 * 16 + 8;
@@ -154,7 +154,7 @@ fn odd_scenes_still_give_a_picture() {
 
 #[test]
 fn media_may_be_as_dense_or_thin_as_they_like() {
-    // Dense: what enters a face leaves it, less what is absorbed. Thin: hardly anything comes back.
+    // Dense: what enters a face leaves the same face, less absorption. Thin: almost nothing comes back.
     let here = folder(&[]);
     for (scale, ratio, off) in
         [("1e4", 0.8303, 1e-3), ("1e30", 0.8303, 1e-3), ("1e-9", 0.0, 1e-9), ("1e-300", 0.0, 1e-9)]

@@ -1,4 +1,4 @@
-//! What is built in, listed: stages, scenes, materials, devices; and the help of every command.
+//! The commands that list what is built in (stages, scenes, materials, devices), and the help of every command.
 
 use crate::shell::{folder, good};
 

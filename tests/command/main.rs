@@ -1,4 +1,4 @@
-//! The program from outside, one file a command or a subject.
+//! The program run from the command line; one file per command or subject.
 
 #[path = "../shell/mod.rs"]
 mod shell;

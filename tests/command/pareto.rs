@@ -1,12 +1,11 @@
-//! `milkglass pareto` from outside: what it prints and writes, and what it refuses. No test asks how long anything
-//! took.
+//! `milkglass pareto` run as a program: what it prints, writes and refuses. No test depends on run times.
 
 use crate::shell::{bad, folder, good, names, read};
 
-/// What makes it small and quick.
+/// A small and fast sweep.
 const SMALL: &str = "pareto sphere --set object.0.detail=2 --quick --samples 40";
 
-/// A CSV as its header and its rows.
+/// Header and rows of a CSV file.
 fn rows(text: &str) -> (Vec<String>, Vec<Vec<String>>) {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let cells = |record: &csv::StringRecord| record.iter().map(str::to_string).collect::<Vec<_>>();
@@ -41,7 +40,8 @@ fn table_csv_and_svg_appear() {
             assert!(number(row, "wall_low_ms") <= number(row, "wall_ms"), "{row:?}");
             assert!(number(row, "wall_ms") <= number(row, "wall_high_ms"), "{row:?}");
             assert_eq!((number(row, "samples"), number(row, "frames"), number(row, "faces")), (40.0, 5.0, 320.0));
-            // All methods integrate over their leaves: one error, and brute force has next to none.
+            // These methods integrate over their leaves: own error and total error are equal, and almost zero for brute
+            // force.
             assert_eq!((cell(row, "own_l2"), number(row, "leaves_l2")), (cell(row, "total_l2"), 0.0));
             let brute = cell(row, "method") == "brute";
             assert!(number(row, "own_l2") < if brute { 1e-3 } else { 0.1 }, "{row:?}");
@@ -69,10 +69,10 @@ fn all_methods_are_measured_side_by_side() {
         for row in rows.iter().filter(|row| cell(row, "left_out").is_empty()) {
             let octree = cell(row, "method") == "octree";
             assert!(number(row, "own_l2") < 0.2, "{row:?}");
-            // The octree sums midpoints, has no links, and knows no clock but the wall's.
+            // The octree sums midpoints, has no links, and is timed by wall clock only.
             assert_eq!(number(row, "leaves_l2") > 0.0, octree, "{row:?}");
             assert_eq!(cell(row, "device_ms").is_empty(), octree || device.ends_with("cpu"), "{row:?}");
-            // At most every face to every face, for each group of channels.
+            // At most all pairs of faces, for each channel group.
             let links = cell(row, "links_per_face");
             assert!(links.is_empty() || number(row, "links_per_face") <= 3.0 * 320.0, "{row:?}");
         }

@@ -1,10 +1,10 @@
-//! `profile`, `shader`, `--replace`, and what `conform` and `plan` say, as a user has them.
+//! `profile`, `shader`, `--replace`, and the output of `conform` and `plan`, as users run them.
 
 use crate::shell::{bad, folder, good, program, read, said};
 
 const SMALL: &str = "sphere --set object.0.detail=1 --set camera.size=[16,12]";
 
-/// A ball small enough to be compared in no time.
+/// A ball small enough to compare quickly.
 const BALL: &str = "[camera]\nsize = [16, 12]\n[[object]]\nshape = 'sphere'\ndetail = 1\nsize = 10\nmaterial = { preset = 'marble' }\n\
                     [[light]]\ntype = 'directional'\ndirection = [1, 1, 1]\nirradiance = 3\n[transport]\nreceivers = 'faces'\n";
 
@@ -25,7 +25,7 @@ fn a_profile_is_printed_and_written() {
     assert_eq!(rows.len(), stages.len());
     assert!(rows.iter().all(|row| row[column].parse::<f64>().unwrap() >= 0.0));
 
-    // Every step of every frame lies within its frame.
+    // Every step lies within its frame.
     let trace: serde_json::Value = serde_json::from_str(&read(&here, "t.json")).unwrap();
     let events: Vec<_> = trace["traceEvents"].as_array().unwrap().iter().filter(|event| event["ph"] == "X").collect();
     let frames: Vec<_> = events.iter().filter(|event| event["name"] == "frame").collect();
@@ -44,7 +44,7 @@ fn a_profile_on_the_cpu_has_times_only() {
     let (out, _) = good(&here, &format!("profile {SMALL} --frames 1 --device cpu --csv a.csv"));
     assert!(out.contains("the reference in f64") && !out.contains("FMA/s"), "{out}");
     assert!(read(&here, "a.csv").contains(",gather,"));
-    // The texture coordinates that it needs are made for it.
+    // The missing texture coordinates are generated.
     let blur = "--transport texture-blur --set transport.blur_texture=16";
     let (out, _) = good(&here, &format!("profile {SMALL} {blur} --frames 1 --device cpu"));
     assert!(out.contains("texture_blur"), "{out}");
@@ -79,7 +79,7 @@ fn a_shader_is_printed_and_taken_back() {
 fn a_bug_in_a_shader_is_caught_and_located() {
     let here = folder(&[("a.toml", BALL)]);
     let (text, _) = good(&here, "shader transport/blocks/push");
-    // From receiver 40 on a hundredth too much.
+    // 1 % too bright from receiver 40 on.
     let wrong = text.replace("max(sum, vec3(0))", "max(sum, vec3(0)) * (self.face < 40 ? 1.0 : 1.01)");
     assert_ne!(text, wrong);
     std::fs::write(here.path().join("my.comp"), wrong).unwrap();
@@ -93,7 +93,7 @@ fn a_bug_in_a_shader_is_caught_and_located() {
         ];
         bad(&here, &format!("{line} --replace transport/blocks/push=my.comp"), 1, &words);
     }
-    // The command to repeat, but for the device's name.
+    // The printed repeat command, without the device's name.
     let output = program(&here, "conform a.toml --no-validation --stage push --replace transport/blocks/push=my.comp")
         .output()
         .unwrap();
@@ -158,7 +158,7 @@ fn conform_says_what_it_did_not_compare() {
     bad(&here, "conform --only nonsense", 2, &["no fixture has this in its name; found nonsense"]);
     bad(&here, "conform sphere --only ball", 2, &["--only"]);
     bad(&here, "conform --set camera.fov=9", 2, &["--set"]);
-    // Deformed by an angle that frame 0 does not have; and light that is not carried.
+    // `deform` runs at frame 30 but not at frame 0; then a scene without light transport.
     let small = "--set object.0.detail=2 --set camera.size=[8,8] --stage";
     let (out, _) = good(&here, &format!("conform twist --frame 30 {small} deform"));
     assert!(out.contains("deform"), "{out}");
@@ -185,7 +185,7 @@ fn a_failure_is_repeated_by_its_own_words() {
     let again = shell.current_dir(here.path()).args(["-c", &own, env!("CARGO_BIN_EXE_milkglass")]).output().unwrap();
     let differs = |text: &str| text.lines().find(|line| line.starts_with("differs:")).map(String::from);
     assert!(again.status.code() == Some(1) && differs(&said(&again).1) == differs(&err), "{err}");
-    // Kernels that a picture does not run, but the methods of a sweep do.
+    // A kernel that no picture of this scene runs, but a method of the sweep does.
     std::fs::write(here.path().join("far.comp"), good(&here, "shader transport/brute/far").0).unwrap();
     let sweep = "pareto sphere --set object.0.detail=1 --quick --methods brute --replace transport/brute/far=far.comp";
     let (out, err) = good(&here, sweep);

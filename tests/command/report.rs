@@ -1,12 +1,12 @@
-//! `milkglass report` from outside: a page that is whole, refers to nothing outside, and what is refused.
+//! `milkglass report` run as a program: a complete page without external references, and what is refused.
 
 use crate::shell::{bad, folder, good, names, read};
 use milkglass::measure::report::SECTIONS;
 
-/// Tags that have no end.
+/// Tags without an end tag.
 const VOID: [&str; 4] = ["meta", "link", "img", "!doctype"];
 
-/// The names of all tags that are open where another one ends, or at the end.
+/// Tags that are closed out of order or left open.
 fn unbalanced(page: &str) -> Vec<String> {
     let (mut open, mut faults): (Vec<&str>, Vec<String>) = (Vec::new(), Vec::new());
     for part in page.split('<').skip(1) {
@@ -24,7 +24,7 @@ fn unbalanced(page: &str) -> Vec<String> {
     faults
 }
 
-/// The values of an attribute.
+/// All values of an attribute.
 fn values<'a>(page: &'a str, attribute: &str) -> Vec<&'a str> {
     page.split(&format!("{attribute}=\"")).skip(1).map(|rest| rest.split('"').next().unwrap()).collect()
 }
@@ -45,7 +45,7 @@ fn a_page_that_needs_nothing_else() {
         );
     }
     assert!(!page.contains("id=\"stress\""), "only what was asked for");
-    // Nothing is fetched, nothing runs.
+    // The page fetches nothing and runs no script.
     for word in ["http:", "https:", "<script", "url(", "@import", "<iframe", "javascript"] {
         assert!(!page.contains(word), "{word}");
     }
@@ -59,12 +59,12 @@ fn a_page_that_needs_nothing_else() {
     for words in ["Error by time, fish", "stage relief, ms", "paper&#39;s rule"] {
         assert!(page.contains(words) || page.contains(&words.replace("&#39;", "'")), "{words}");
     }
-    // The files have what the tables show.
+    // The CSV files contain what the tables show.
     let csv = read(&here, "r/layers.csv");
     assert!(csv.starts_with("scene,rule,samples,") && csv.lines().count() == 1 + 3 * 2 * 3, "{csv}");
     assert!(files.iter().any(|file| file == "plan.csv") && read(&here, "r/plan.csv").contains("\nlotus,"));
 
-    // Again, with less: the page is replaced, and what is not this report's own is left alone.
+    // A second report with fewer sections replaces the page and leaves other files alone.
     std::fs::write(here.path().join("r/notes.txt"), "mine").unwrap();
     good(&here, "report -o r --only devices,conform --device cpu");
     let page = read(&here, "r/index.html");

@@ -1,8 +1,8 @@
-//! `milkglass stress` from outside, and the table on every device.
+//! `milkglass stress` run as a program, with the whole table on the default device and on the CPU.
 
 use crate::shell::{bad, folder, good, read};
 
-/// The whole table passes here; its rows.
+/// Runs the whole table, checks that every case passes, and returns its rows.
 fn table(device: &str) -> Vec<csv::StringRecord> {
     let here = folder(&[]);
     let (out, _) = good(&here, &format!("stress --csv stress.csv {device}"));
@@ -15,7 +15,7 @@ fn table(device: &str) -> Vec<csv::StringRecord> {
     for row in &rows {
         assert_eq!((&row[1], &row[10]), ("yes", "passes"), "{row:?}");
         assert!(!row[11].is_empty() && !row[12].is_empty(), "{row:?}");
-        // Errors are numbers within their bounds.
+        // Errors are within their bounds.
         for (error, bound) in [(2, 4), (3, 5), (6, 8), (7, 9)] {
             let number = |k: usize| row[k].parse::<f64>().unwrap();
             assert!(number(error) <= number(bound) && number(bound) < 1.0, "{row:?}");

@@ -1,11 +1,11 @@
-//! Textures of files and material libraries: where they lie on a mesh, what is refused, and what a plan says.
+//! Textures from image files and material libraries: their placement on a mesh, what is refused, and what a plan says.
 
 use crate::shell::{bad, folder, good, read};
 use milkglass::pipeline::plan::{Change, Options};
 use milkglass::scene::Scene;
 use milkglass::session::run::{CapacityHints, Session};
 
-/// Two triangles with three textures across, from one before the first to one after it.
+/// Two triangles across three periods of the texture, u from -1 to 2.
 const SHEET: &str = "mtllib a.mtl\nv 0 0 0\nv 9 0 0\nv 9 3 0\nv 0 3 0\nvt -1 0\nvt 2 0\nvt 2 1\nvt -1 1\nusemtl paint\n\
                      f 1/1 2/2 3/3 4/4\n";
 const SCENE: &str = "[camera]\nposition = [4.5, 1.5, 6]\nsize = [48, 16]\n[[light]]\ntype = 'directional'\n\
@@ -36,13 +36,13 @@ fn textures_of_files_and_libraries_go_on_as_they_are_told() {
         session
     };
     let bare = load(&[]).picture().unwrap().pixels;
-    // Red of the two texels is 1 and 0: a hill about the first one's centre.
+    // The two texels have red 1 and 0: interpolation gives a tent around the centre of the first.
     let wave = |wrap: &str, u: f64| {
         let at = 2.0 * u - 0.5;
         let step = match wrap {
             "repeat" => (at - 2.0 * (at / 2.0).round()).abs(),
             "clamp" => at,
-            // The first two of four at -1 and 0, the others at 1 and 2.
+            // A period of four texels: red at -1 and 0, the others at 1 and 2.
             _ => (at + 0.5 - 4.0 * ((at + 0.5) / 4.0).round()).abs() - 0.5,
         };
         1.0 - step.clamp(0.0, 1.0)
@@ -120,7 +120,7 @@ fn bad_textures_are_named() {
     for (scene, set, words) in cases {
         bad(&here, &format!("render {scene} --device cpu --set object.0.material.{set} -o x.png"), 2, words);
     }
-    // A file's own fault has its line, whichever file it is about.
+    // A fault in a scene file is reported with its line, also where it concerns another file.
     write("a.obj", SHEET.as_bytes());
     write(
         "f.toml",

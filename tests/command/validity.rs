@@ -1,4 +1,4 @@
-//! `milkglass validity` from outside.
+//! `milkglass validity` run as a program.
 
 use crate::shell::{bad, folder, good, numbers, read};
 
@@ -13,14 +13,14 @@ fn a_large_ball_is_within_and_a_thin_slab_is_not() {
     let (header, rows) = numbers(&text);
     assert_eq!(header, "object,triangle,channel,area,sigma,thickness_over_sigma_0,B_dipole,B_cdrf");
     assert_eq!(rows.len(), 3 * 5120);
-    // A ball 200 mm across: as thick as that below every triangle, and of one curvature.
+    // A ball of diameter 200 mm: a thickness of 200 mm below every triangle, and a curvature of 1/100.
     let sigma_0: Vec<f64> = (0..3).map(|c| rows[c][4] * 100.0).collect();
     for row in &rows {
         let thickness = row[5] * sigma_0[row[2] as usize];
         assert!((thickness / 200.0 - 1.0).abs() < 0.02 && row[6] > 0.0, "{row:?}");
     }
 
-    // Light from behind goes through a thin slab, which no curvature shows.
+    // Light from behind crosses a thin slab, which curvature alone cannot show.
     let slab = "--device cpu --set object.0.detail=8 --set object.0.size=4";
     let (out, _) = good(&here, &format!("validity slab {slab}"));
     assert!(!out.lines().last().unwrap().starts_with("within 10 %: "), "{out}");

@@ -1,6 +1,6 @@
-//! What drivers make of nested loops. Mesa's llvmpipe (22.3.6, LLVM 15) gets one shape wrong: lanes that leave the
-//! inner loop early keep, of a variable that the loop assigns unconditionally, the value of those that go on, once the
-//! variable indexes a buffer after the loop. `tests/kernels/loops.comp` has that shape and the ones that kernels use
+//! How drivers compile nested loops. Mesa's llvmpipe (22.3.6, LLVM 15) miscompiles one structure: if the inner loop
+//! assigns a variable unconditionally and the variable indexes a buffer after the loop, lanes that leave the loop early
+//! get the value of lanes that continue. `tests/kernels/loops.comp` has that structure and the ones that kernels use
 //! instead.
 
 use crate::devices::on_devices;
@@ -15,7 +15,7 @@ use milkglass::session::run::{CapacityHints, Session};
 static SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-loops.spv"));
 const LANES: usize = 64;
 
-/// Rows of numbers, one column a lane; seeded, so that lanes leave their loops at different times.
+/// Rows of numbers, one column per lane; seeded so that lanes leave their loops at different times.
 fn numbers(rows: usize) -> Vec<u32> {
     let mut state = 0x2545_f491u32;
     let mut next = || {
@@ -27,7 +27,7 @@ fn numbers(rows: usize) -> Vec<u32> {
     (0..rows * LANES).map(|_| next()).collect()
 }
 
-/// The sum of one column, from the words of the shader's first comment.
+/// The sum of one column, as the shader's header comment defines it.
 fn expected(numbers: &[u32], lane: usize) -> u32 {
     let column: Vec<u32> = numbers.iter().skip(lane).step_by(LANES).copied().collect();
     let (mut row, mut sum) = (0, 0u32);
@@ -41,7 +41,7 @@ fn expected(numbers: &[u32], lane: usize) -> u32 {
     sum
 }
 
-/// How many of the 64 lanes a device gets wrong with a shape of the loop.
+/// Number of the 64 lanes that a device gets wrong with this loop structure.
 fn wrong(device: &Device, shape: u32, rows: usize) -> usize {
     let numbers = numbers(rows);
     let input = [&[rows as u32], &numbers[..]].concat();
@@ -56,7 +56,7 @@ fn bytes(words: &[u32]) -> Vec<u8> {
     words.iter().flat_map(|word| word.to_ne_bytes()).collect()
 }
 
-/// Proves that every device runs the three shapes of loop that kernels use as the CPU does.
+/// The three loop structures that kernels use give the CPU's results on every device.
 #[test]
 fn the_loops_that_kernels_use_are_right() {
     on_devices(|device| {
@@ -68,8 +68,8 @@ fn the_loops_that_kernels_use_are_right() {
     });
 }
 
-/// Names every driver that gets the shape wrong which no kernel may have. Its being wrong is no failure; but a driver
-/// known for it must be seen, or else this kernel has lost the shape and the rule its proof.
+/// Reports every driver that miscompiles the forbidden structure, which is no failure. On a driver known for it the
+/// error must appear; otherwise this kernel no longer tests the rule.
 #[test]
 fn the_loop_that_no_kernel_may_have_is_wrong_where_it_is_known_to_be() {
     on_devices(|device| {
@@ -87,7 +87,7 @@ fn the_loop_that_no_kernel_may_have_is_wrong_where_it_is_known_to_be() {
     });
 }
 
-/// Proves that the comparison can fail: of other numbers the sums are others.
+/// The comparison can fail: other numbers have other sums.
 #[test]
 fn a_wrong_sum_is_seen() {
     let numbers = numbers(300);
@@ -96,8 +96,8 @@ fn a_wrong_sum_is_seen() {
     assert!((0..LANES).filter(|&lane| expected(&numbers, lane) != expected(&other, lane)).count() > LANES / 2);
 }
 
-/// A crumpled heap of 1,600 triangles, all near each other and lit: to take these by the edge form is more than 65,535
-/// steps of loops an invocation, where llvmpipe ends them in silence.
+/// A crumpled heap of 1,600 triangles, all lit and near each other: their edge forms take more than 65,535 loop
+/// iterations per invocation, where llvmpipe silently ends loops.
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn long_lists_of_near_triangles_are_taken_to_the_end() {

@@ -1,5 +1,4 @@
-//! Every call of Vulkan that can fail, made to fail: a clear error, nothing leaked, and everything as right afterwards
-//! as if nothing had happened.
+//! Makes every fallible Vulkan call fail: the error is clear, nothing leaks, and later frames are correct.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -13,10 +12,10 @@ use milkglass::pipeline::plan::{Change, Goal, Options};
 use milkglass::scene::Scene;
 use milkglass::session::run::{CapacityHints, Session};
 
-/// Calls whose failure does no harm: of names that tools show, and of a wait before the end.
+/// Calls whose failure is harmless: naming objects for tools, waiting before teardown, listing instance extensions.
 const HARMLESS: [&str; 3] =
     ["vkSetDebugUtilsObjectNameEXT", "vkDeviceWaitIdle", "vkEnumerateInstanceExtensionProperties"];
-/// All that the program makes; `vkAllocateMemory` stands for what the allocator does, mapping included.
+/// All other calls of the program; `vkAllocateMemory` stands for the allocator's calls, mapping included.
 const CALLS: [&str; 22] = [
     "vkAllocateCommandBuffers",
     "vkAllocateDescriptorSets",
@@ -42,7 +41,7 @@ const CALLS: [&str; 22] = [
     "vkWaitForFences",
 ];
 
-/// The same with the calls that only devices with timestamps, and the naming of objects, need.
+/// All of these, with the call that only devices with timestamps need.
 fn expected() -> BTreeSet<&'static str> {
     CALLS.into_iter().chain(HARMLESS).chain(["vkGetQueryPoolResults"]).collect()
 }
@@ -54,7 +53,7 @@ fn scene(radiosity: bool, light: &str) -> Scene {
     Scene::load("sphere", &sets).unwrap()
 }
 
-/// A frame of a session: the picture, or the radiosity.
+/// One frame of a session: its picture or its radiosity.
 fn frame(session: &mut Session) -> Result<Vec<[f32; 3]>> {
     session.frame(Change::EVERYTHING)?;
     if session.plan().options().goal == Goal::Picture {
@@ -64,7 +63,7 @@ fn frame(session: &mut Session) -> Result<Vec<[f32; 3]>> {
     Ok(session.state().data.radiosity.clone())
 }
 
-/// A session from nothing to its values; what was opened stays open, to be looked at.
+/// A session from scratch to its values; opened objects stay open for inspection.
 struct Run {
     session: Option<Session>,
     device: Option<Device>,
@@ -86,7 +85,7 @@ impl Run {
         frame(session)
     }
 
-    /// Ends it; nothing may be left.
+    /// Closes everything; nothing may be leaked.
     fn close(&mut self, what: &str) {
         self.session = None;
         if let Some(device) = self.device.take() {
@@ -97,13 +96,13 @@ impl Run {
     }
 }
 
-/// One call for each name and purpose, and the last of them where a purpose has several.
+/// The index of the last call of each name and purpose.
 fn each_once(calls: &[Call]) -> Vec<usize> {
     let last = |(k, call): &(usize, &Call)| !calls[k + 1..].contains(call);
     calls.iter().enumerate().filter(last).map(|(k, _)| k).collect()
 }
 
-/// Proves that whatever fails, the error names call and remedy, and that nothing is left of what was begun.
+/// Every failing call gives an error that names call and remedy, and leaves nothing behind.
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn every_call_may_fail() {
@@ -118,7 +117,7 @@ fn every_call_may_fail() {
                 values
             });
             known.extend(calls.iter().map(|call| call.name));
-            // What both goals do the same is made to fail in the first.
+            // Calls that both goals share fail only under the first.
             let untried = |k: &usize| tried.insert((calls[*k].name, calls[*k].doing.clone()));
             let chosen: Vec<usize> = each_once(&calls).into_iter().filter(untried).collect();
             println!("{}, {goal:?}: {} calls, {} of them made to fail", device.name(), calls.len(), chosen.len());
@@ -142,7 +141,7 @@ fn every_call_may_fail() {
                     }
                 }
             }
-            // And a fresh one is as good as the first.
+            // A fresh run gives the same values.
             assert_eq!(run.go(&scene, goal, device.name()).unwrap(), whole);
             run.close("fresh");
         }
@@ -151,8 +150,7 @@ fn every_call_may_fail() {
     });
 }
 
-/// Proves that a session goes on after a frame, or a change before it, that failed: its next frame is right to the last
-/// bit.
+/// After a failed frame, or a failed change before it, a session's next frame is correct to the last bit.
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_session_survives() {
@@ -165,7 +163,7 @@ fn a_session_survives() {
             let right = [frame(&mut open(&first)).unwrap(), frame(&mut open(&second)).unwrap()];
             assert_ne!(right[0], right[1]);
 
-            // On a device of its own, whose kernels are yet to be made.
+            // On a separate device, whose kernels are not built yet.
             let instance = Instance::open(true).unwrap();
             let adapter = instance.adapters().unwrap().into_iter().find(|a| a.name == device.name()).unwrap();
             let fresh = Device::open(&instance, &adapter).unwrap();
@@ -187,7 +185,7 @@ fn a_session_survives() {
     });
 }
 
-/// Proves that frames before one that fails are whole, that nothing half-written stays, and that a second call goes on.
+/// Frames before a failing one are whole, no partial file stays, and a second run resumes.
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_sequence_is_whole_as_far_as_it_goes() {
@@ -204,7 +202,7 @@ fn a_sequence_is_whole_as_far_as_it_goes() {
         let read = |name: &str, k: usize| std::fs::read(here.path().join(format!("{name}{k}.png"))).ok();
         let (done, calls) = watch(None, || render("whole%d.png", &[]));
         done.unwrap();
-        // Submissions of frames, of which there is one a frame, or more.
+        // Submissions of frames; there is at least one per frame.
         let frames: Vec<usize> = (0..calls.len()).filter(|&k| calls[k].doing.starts_with("running a frame")).collect();
         for (turn, share) in [(0, 3), (1, 2), (2, 1)] {
             let k = frames[frames.len() - 1 - frames.len() * share / 4];
@@ -222,7 +220,7 @@ fn a_sequence_is_whole_as_far_as_it_goes() {
     });
 }
 
-/// Proves that a submission is not waited for without end, and that one that was only late is freed.
+/// Waiting for a submission times out, and a late submission is still freed.
 #[test]
 fn a_wait_ends() {
     devices::on_devices(|device| {
@@ -240,7 +238,7 @@ fn a_wait_ends() {
     });
 }
 
-/// Proves that memory that a driver really does not have is an error that names what it was for.
+/// Running out of device memory is an error that names the buffer.
 #[test]
 fn a_driver_without_memory_says_so() {
     devices::on_devices(|device| {
@@ -250,7 +248,7 @@ fn a_driver_without_memory_says_so() {
         let most = adapter.limits.allocation_bytes;
         let said = Buffer::new(device, "large", most + 1).err().unwrap().to_string();
         assert!(said.contains("buffer large") && said.contains(&most.to_string()), "{said}");
-        // Where the limit is not believed, the driver has to answer.
+        // With the limit raised, the driver itself has to refuse.
         adapter.limits.allocation_bytes = u64::MAX;
         let trusting = Device::open(&instance, &adapter).unwrap();
         if let Err(error) = Buffer::new(&trusting, "huge", 1 << 44) {

@@ -1,5 +1,4 @@
-//! The instrument: what is counted is right, a profile hangs together, and a frame makes what its plan lists and no
-//! more.
+//! Measurement: counts are correct, profiles are consistent, and a frame creates exactly what its plan lists.
 
 use std::collections::BTreeSet;
 
@@ -26,7 +25,7 @@ fn kernels_count_what_they_do() {
             let all = elements.next_multiple_of(64);
             assert_eq!(tally.invocations, all, "{}", device.name());
             assert_eq!((tally.exps, tally.roots), (elements * rounds.div_ceil(4), elements), "{elements} x {rounds}");
-            // A multiplication and an addition a round; five in the dot product, and the sum after it.
+            // One multiplication and one addition per round; five operations in the dot product, and the sum after it.
             assert_eq!(tally.flops, elements * (2 * rounds + 6), "{elements} x {rounds}");
             assert_eq!(tally.moved[&0], Traffic { loaded: 8 * all, stored: 0 });
             assert_eq!(tally.moved[&1], Traffic { loaded: 8 * elements, stored: 4 * elements });
@@ -52,7 +51,7 @@ fn a_profile_hangs_together() {
         assert!(rates.copy > 1e6 && rates.fma > 1e6 && rates.exp > 1e6, "{rates:?}");
         assert!(found.notes.is_empty() && found.peak > 100_000, "{:?}", found.notes);
         let row = |name: &str| found.rows.iter().find(|row| row.stage == name).unwrap();
-        // One value of 12 bytes a face, and invocations in groups of 64.
+        // One value of 12 bytes per face, and invocations in groups of 64.
         for name in ["irradiance", "push"] {
             let work = row(name).work.unwrap();
             assert_eq!((work.invocations, work.stored, work.written), (320, 320 * 12, 320 * 12), "{name}");
@@ -66,7 +65,7 @@ fn a_profile_hangs_together() {
         }
         assert!(row("gather").work.unwrap().exps > 0 && row("link").work.unwrap().exps == 0);
         assert_eq!(found.trace.len(), 3);
-        // Slow frames are fewer.
+        // Slow frames reduce the number of frames.
         let few = profile(&scene, Some(device), &Settings { frames: 9, enough: 0.0, ..Settings::default() }).unwrap();
         assert_eq!((few.frames, few.trace.len()), (3, 3));
     });
@@ -90,14 +89,14 @@ fn a_device_against_itself_takes_every_stage() {
     });
 }
 
-/// Kernels, buffers, and how often each stage dispatches.
+/// Kernels, buffers, and dispatches per stage.
 type Made = (BTreeSet<String>, BTreeSet<BufferId>, Vec<(&'static str, usize)>);
 
-/// What a frame made on a device: kernels and buffers; and what it dispatched. It has to be what the plan lists.
+/// What frames created and dispatched on a device; checks that this is what the plan lists.
 fn made(device: &Device, scene: &Scene, options: Options) -> Made {
     let mut session = Session::new(scene, Some(device), options, CapacityHints::default()).unwrap();
     let mut needs = Vec::new();
-    // Links that are kept are made in the first frame, and revised in the second.
+    // Incremental mode builds links in the first frame and updates them in the second.
     for revises in 0..1 + u32::from(options.mode == Mode::Incremental) {
         session.frame(Change::EVERYTHING).unwrap();
         let scratch = if revises == 0 { Change::RELINK } else { Change::default() };
@@ -139,10 +138,10 @@ fn carried(transport: ShadingMethod) -> Case {
     (ball(&[]), Options { transport, ..Options::default() })
 }
 
-/// Stages, buffers, with, without.
+/// Stages, buffers, a frame with the feature, a frame without it.
 type Feature = (&'static [&'static str], &'static [BufferId], Case, Case);
 
-/// Each feature: the stages and buffers that are its own, a frame with it, and the same without.
+/// Each feature: the stages and buffers that only it needs, a frame with it, and the same frame without it.
 fn features() -> Vec<Feature> {
     let sky = |background: bool| {
         let environment = format!("camera.background={}", if background { "environment" } else { "[0,0,0]" });
@@ -266,7 +265,7 @@ fn features() -> Vec<Feature> {
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn what_is_turned_off_is_not_there() {
     let list = features();
-    // Every stage of a frame is some feature's, but the one that nothing does without.
+    // Every stage belongs to some feature, except `refit`, which every frame runs, and the stages of `eval`.
     for stage in STAGES.iter().filter(|stage| !["refit", "evaluate", "cdrf_values"].contains(&stage.name)) {
         assert!(list.iter().any(|(stages, ..)| stages.contains(&stage.name)), "no feature has stage {}", stage.name);
     }

@@ -1,4 +1,4 @@
-//! Devices that allow less: work is cut to fit, or done in another way that is said, or refused by name. Limits are
+//! Devices with lower limits: work is split to fit, done differently with a message, or refused by name. The limits are
 //! lowered on a real device.
 
 use crate::devices::on_devices;
@@ -22,7 +22,7 @@ fn lowered(device: &Device, instance: &Instance, lower: impl Fn(&mut Limits)) ->
     Device::open(instance, &adapter).unwrap()
 }
 
-/// A picture and a session after it.
+/// Renders a picture; returns it with its session.
 fn render(scene: &Scene, device: &Device, mode: Mode) -> Result<(Session, Vec<[f32; 3]>), String> {
     let options = Options { mode, goal: Goal::Picture, ..Options::default() };
     let shown = Session::new(scene, Some(device), options, CapacityHints::default()).and_then(|mut session| {
@@ -33,7 +33,7 @@ fn render(scene: &Scene, device: &Device, mode: Mode) -> Result<(Session, Vec<[f
     shown.map_err(|error| error.to_string())
 }
 
-/// Runs a check with the device, an instance with validation of its own for lowered ones, and no messages from that.
+/// Runs a check with each device and a validating instance for lowered ones; that instance must report no messages.
 fn with(body: impl Fn(&Device, &Instance)) {
     on_devices(|device| {
         let instance = Instance::open(true).unwrap();
@@ -48,10 +48,10 @@ fn a_smaller_binding_cuts_the_lists() {
     with(|device, instance| {
         for scheme in ["blocks", "links"] {
             let mut scene = scene(scheme);
-            // So that lists are longer than what can't be cut.
+            // A tight tolerance, so that the lists are larger than the buffers that cannot be split.
             scene.transport.tolerance = 1e-5;
             let (whole, picture) = render(&scene, device, Mode::OnTheFly).unwrap();
-            // As little as the buffers need that can't be cut.
+            // The least size that the buffers that cannot be split need.
             let lists = [
                 BufferId::entries,
                 BufferId::links,
@@ -116,7 +116,7 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
         for scheme in ["blocks", "links"] {
             let scene = scene(scheme);
             let (_, picture) = render(&scene, device, Mode::OnTheFly).unwrap();
-            // With little room to begin with, so that what lists need is found out in the frame.
+            // Small capacities, so that the frame itself discovers what the lists need.
             let little = CapacityHints { links: 40, ..CapacityHints::default() };
             let options = Options { mode: Mode::Render, goal: Goal::Picture, ..Options::default() };
             let mut kept = Session::new(&scene, Some(device), options, little).unwrap();
@@ -125,10 +125,9 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
             let bytes =
                 |slot: BufferId| kept.buffers().into_iter().find(|(known, _)| *known == slot).map_or(0, |b| b.1);
             let lists = bytes(BufferId::entries).max(bytes(BufferId::links));
-            // Known beforehand, found out in the frame, and for want of memory.
             let all: u64 = kept.buffers().iter().map(|(_, bytes)| bytes).sum();
-            // Known beforehand, found out in the frame, and for want of memory: there on-the-fly needs less with blocks
-            // only.
+            // Too much to keep, by list size as known beforehand, by list size as found in the frame, and by memory;
+            // on-the-fly needs less memory with blocks only.
             let mut cases = vec![("few", 64, u64::MAX), ("some", lists - 64, u64::MAX)];
             cases.extend((scheme == "blocks").then_some(("heap", u64::MAX, all - 64)));
             for (name, most, heap) in cases {
@@ -143,12 +142,12 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
                     let why = session.not_kept().expect("too much to keep").to_string();
                     assert!(why.contains("on-the-fly"), "{why}");
                     assert!(session.plan().left_out.iter().any(|(what, known)| *what == "kept links" && *known == why));
-                    // The next frame is none the wiser.
+                    // The next frame has the same picture.
                     session.frame(Change::LIGHT).unwrap();
                     assert!(session.picture().unwrap().pixels == picture, "{scheme} {name} {mode:?}");
                 }
             }
-            // A layer that reports links can't do without them.
+            // A mode that reports links cannot run without them.
             let room = CapacityHints { kept: 64, ..CapacityHints::default() };
             let options = Options { mode: Mode::Keep, ..Options::default() };
             let said = Session::new(&scene, Some(device), options, room).err().unwrap().to_string();
@@ -157,7 +156,7 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
     });
 }
 
-/// What a command says where every device is altered.
+/// The result of a command with every device modified by `alter`.
 fn altered(device: &Device, line: &str, alter: fn(&mut Adapter)) -> Result<(), (u8, String)> {
     let words = line.split_whitespace().chain(["--device", device.name()]).map(Into::into);
     on_altered(alter, || crate::cli::run(words)).map_err(|error| (error.exit_code(), error.to_string()))

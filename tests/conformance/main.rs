@@ -1,4 +1,4 @@
-//! Every device against the reference, and what a device, its driver and its limits may do.
+//! Every device against the reference, and the behaviour of devices, drivers and limits.
 
 #[allow(dead_code, unused_imports, unreachable_pub)]
 #[path = "../../src/cli/mod.rs"]

@@ -1,7 +1,7 @@
-//! The built-in scenes against small reference pictures, compared as an eye would: blurred a little, in CIE Lab.
+//! The built-in scenes against small reference pictures, compared as an eye would: slightly blurred, in CIE Lab.
 //!
-//! After a wanted change of look: `milkglass render NAME --size 240x240 -o tests/pictures/NAME.png`; see `MORE` and
-//! `LARGE`, too.
+//! After an intended change of look: `milkglass render NAME --size 240x240 -o tests/pictures/NAME.png`; see also `MORE`
+//! and `LARGE`.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use milkglass::scene::{BUILTIN, Scene};
 use milkglass::session::run::{CapacityHints, Session};
 use rayon::prelude::*;
 
-/// Colour differences that no one notices: on average, and in the worst hundredth of the picture.
+/// Unnoticeable colour differences: the mean, and the 99th percentile.
 const MEAN: f64 = 0.5;
 const WORST: f64 = 2.5;
 
@@ -66,12 +66,12 @@ fn reference(name: &str) -> (Vec<u8>, usize, usize) {
     (picture.into_raw(), width as usize, height as usize)
 }
 
-/// What is rendered besides: the picture's name, the scene, settings, the transport.
+/// Additional pictures: file name, scene, settings, shading method.
 const MORE: [(&str, &str, &[&str], ShadingMethod); 1] =
     [("bust-cdrf", "bust", &["object.0.material.sigma_0=[1.5, 0.8, 0.4]", "light.0.occlusion=8"], ShadingMethod::Cdrf)];
 
-/// Scenes that take the CPU long. What is kept of them is the CPU's own picture, which devices have to show: made with
-/// `--device cpu --set camera.samples=1`, and again after any change that moves a bit of it.
+/// Scenes that take the CPU long: the stored picture is the CPU's exact output, which devices have to match. Write it
+/// with `--device cpu --set camera.samples=1`, and again after any change that alters a bit of it.
 const LARGE: [&str; 4] = ["bump", "bust", "twist", "veins"];
 
 fn render(name: &str, width: usize, height: usize, device: Option<&Device>) -> Vec<u8> {

@@ -1,6 +1,6 @@
-//! Every stage on every fixture and every Vulkan device, against the CPU; and proof that the harness can fail.
+//! Every stage on every fixture and every Vulkan device against the CPU, and proof that the harness detects errors.
 //!
-//! Without a device this fails, unless `MILKGLASS_NO_DEVICE=1` waives it, and then it says so.
+//! Fails without a device, unless `MILKGLASS_NO_DEVICE=1` waives it, which is printed.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock};
@@ -17,7 +17,7 @@ use milkglass::session::run::{CapacityHints, Session};
 use milkglass::state::dispatches;
 use spirq::spirv::Op;
 
-/// A kernel that does nothing: the built-in one's SPIR-V, with a return before anything else.
+/// A kernel that does nothing: the built-in SPIR-V with a return at the start of its entry point.
 fn idle(kernel: &str) -> Vec<u32> {
     const HEADER: usize = 5;
     const BOUND: usize = 3;
@@ -30,7 +30,7 @@ fn idle(kernel: &str) -> Vec<u32> {
             Some(Op::Function) => in_entry = words[at + 2] == entry,
             Some(Op::Label) if in_entry => labelled = true,
             Some(Op::Variable) => {}
-            // What follows becomes a block that no branch reaches.
+            // The rest becomes a block that no branch reaches.
             _ if labelled => break,
             _ => {}
         }
@@ -42,7 +42,7 @@ fn idle(kernel: &str) -> Vec<u32> {
     words
 }
 
-/// The fixtures, made once.
+/// All fixtures, built once.
 fn all() -> &'static [Fixture] {
     static LIST: OnceLock<Vec<Fixture>> = OnceLock::new();
     LIST.get_or_init(|| fixtures("").unwrap())
@@ -54,7 +54,7 @@ fn every_stage_conforms_on_every_fixture() {
     for stage in STAGES {
         assert!(covered(list, stage.name), "no fixture runs stage {}", stage.name);
     }
-    // The largest come last.
+    // Large fixtures are last in the list; run them first.
     let largest_first: Vec<&Fixture> = list.iter().rev().collect();
     let faults = Mutex::new(Vec::new());
     on_devices_each(&largest_first, |device, fixture| {
@@ -84,12 +84,12 @@ fn the_overflowing_fixtures_overflow() {
     assert!(counters.overflow == 1 && counters.required_hands > params.hand_capacity, "{counters:?}");
 }
 
-/// Proves that every kernel does something, in some fixture, that memory shows.
+/// Every kernel changes memory in some fixture.
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_kernel_that_does_nothing_is_reported() {
     let list = all();
-    // Of each kernel the fixtures that run it, small ones first.
+    // For each kernel, the fixtures that run it, small ones first.
     let mut order: Vec<usize> = (0..list.len()).collect();
     order.sort_by_key(|&k| list[k].state.data.triangles.len());
     let mut kernels: BTreeMap<String, Vec<usize>> = BTreeMap::new();
@@ -110,7 +110,7 @@ fn a_kernel_that_does_nothing_is_reported() {
         let stage = [owner(kernel).unwrap().name.to_string()];
         let seen = |&k: &usize| {
             let rows = conform_stages(&device, &list[k], &stage).unwrap();
-            // What the validation layer says of such a kernel is no matter.
+            // Validation messages about such a kernel do not count.
             rows.iter().any(|row| row.faults.iter().any(|fault| fault.contains("beyond tolerance")))
         };
         if !fixtures.iter().any(seen) {
@@ -126,7 +126,7 @@ fn a_kernel_that_does_nothing_is_reported() {
 fn a_planted_error_is_reported_by_name() {
     let list = all();
     on_devices(|device| {
-        // Each where the stage's buffer is not empty: the fixtures, with what is planted in them.
+        // For each written buffer, a small fixture in which it is not empty.
         let mut plants: BTreeMap<usize, Vec<Plant>> = BTreeMap::new();
         for stage in STAGES {
             for (slot, _, _) in stage.writes {
@@ -149,7 +149,7 @@ fn a_planted_error_is_reported_by_name() {
             }
         }
 
-        // And in a buffer that the stage has no business with.
+        // And in a buffer that the stage does not write.
         let fixture = list.iter().find(|fixture| fixture.name == "sphere with holes").unwrap();
         let plant = Plant { stage: "push", slot: BufferId::positions };
         let rows = conform(device, fixture, &[plant]).unwrap();
@@ -225,7 +225,7 @@ fn overflow_changes_no_bit(scene: &Scene) {
             let schedule = &cut.state().objects[0].schedule;
             assert!(schedule.chunks.len().max(schedule.batches.len()) > 4);
             assert_eq!(bits(&mut cut, BufferId::radiosity), expected);
-            // And once more, from whatever the buffers hold now.
+            // Again, with the buffers' present contents.
             cut.frame(Change::EVERYTHING).unwrap();
             assert_eq!(bits(&mut cut, BufferId::radiosity), expected);
         }

@@ -1,11 +1,11 @@
-//! Every usable device in turn, with validation, for the tests that need one.
+//! Opens every usable device in turn, with validation, for the tests that need one.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use milkglass::gpu::{Adapter, Device, Instance};
 
-/// The usable device of this number, with validation. Fails where there is none at all, unless `MILKGLASS_NO_DEVICE` is
-/// set.
+/// The usable device of this number, with validation. Fails if there is no usable device at all, unless
+/// `MILKGLASS_NO_DEVICE` is set.
 fn opened(number: usize) -> Option<Device> {
     let waived = std::env::var_os("MILKGLASS_NO_DEVICE").is_some();
     let instance = match Instance::open(true) {
@@ -24,7 +24,7 @@ fn opened(number: usize) -> Option<Device> {
     usable.get(number).map(|adapter| Device::open(&instance, adapter).unwrap())
 }
 
-/// Runs `body`, and has the validation layer agree.
+/// Runs `body`; fails on any validation message.
 fn silent<R>(device: &Device, body: impl FnOnce(&Device) -> R) -> R {
     let done = body(device);
     let messages = device.take_messages();
@@ -40,7 +40,8 @@ pub fn on_devices(body: impl Fn(&Device)) {
     }
 }
 
-/// The same for each of these, two at a time, each on a device of its own: half of the work keeps one core busy only.
+/// Runs `body` for each item on every usable device, in two threads with a device each: half of the work keeps only one
+/// core busy.
 #[allow(dead_code, reason = "each test program uses one of the two")]
 pub fn on_devices_each<T: Sync>(items: &[T], body: impl Fn(&Device, &T) + Sync) {
     let count = (0..).map_while(opened).count();

@@ -1,4 +1,4 @@
-//! Links that are kept while the shape changes: those of a frame from scratch, and never more work than was asked for.
+//! Links kept while the shape changes: they equal those of a frame from scratch, and the work stays within its budget.
 
 use crate::devices;
 use crate::shell::{bad, folder, good};
@@ -55,7 +55,7 @@ fn links(session: &mut Session) -> Vec<Vec<(u32, [u32; 3])>> {
     all
 }
 
-/// Links that touch what the last frame altered, and all links.
+/// The number of links that touch what the last frame changed, and of all links.
 fn touched(session: &mut Session) -> (u64, u64) {
     let all = links(session);
     session.fetch(&[BufferId::change_flags]).unwrap();
@@ -66,7 +66,7 @@ fn touched(session: &mut Session) -> (u64, u64) {
     (all.iter().enumerate().map(touches).sum(), all.iter().map(|own| own.len() as u64).sum())
 }
 
-/// Runs a hundred frames; one in `stride` is compared with one from scratch, to the last bit.
+/// Runs a hundred frames; one in `stride` is compared with a frame from scratch, bit for bit.
 fn hundred(name: &str, sets: &[&str], device: Option<&Device>, room: CapacityHints, stride: usize) {
     let frame = |k: usize| at(name, sets, 10.0 + 0.3 * k as f64);
     let mut session = open(&frame(0), device, Mode::Incremental, room);
@@ -132,11 +132,11 @@ fn a_local_bump_computes_form_factors_of_what_it_touches() {
         let share = faces as f64 / session.state().data.leaves.len() as f64;
         println!("{:.2} % of the triangles altered: {} of {all} form factors", 100.0 * share, session.renewed());
         assert!((0.003..0.02).contains(&share), "{share}");
-        // What is new touches an altered cluster, or takes the place of a link that did.
+        // New links touch a changed cluster, or replace a link that did.
         assert!(session.renewed() > 0 && session.renewed() <= touched + touched / 4, "{} {touched}", session.renewed());
         assert!(touched < all / 4, "{touched} of {all}");
 
-        // Only receivers whose links touch an altered cluster, or are removed, are dispatched.
+        // Only receivers with a link that touches a changed cluster, or with a removed link, are dispatched.
         assert_eq!(session.retries(), retries);
         let after = links(&mut session);
         let has = |own: &[(u32, [u32; 3])], emitter| own.binary_search_by_key(&emitter, |link| link.0).is_ok();
@@ -205,7 +205,7 @@ fn a_budget_is_kept_and_what_waits_is_made_up_for() {
         }
         assert_eq!(frames, waiting.div_ceil(budget), "{waiting} waited");
         assert!(radiosity(&mut session) == wanted, "error {} of {first}", error(&mut session));
-        // And then nothing is left to do.
+        // After that, nothing is left to do.
         let none = session.frame(Change::default()).unwrap();
         assert!(none.is_empty() && session.renewed() == 0, "{}", none.len());
         println!("{waiting} waited with an error of {first:.1e}, and were made in {frames} frames");

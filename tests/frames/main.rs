@@ -1,4 +1,4 @@
-//! What moves: deformations and sequences, and what is kept from one frame to the next.
+//! Motion: deformations and sequences, and what is kept from frame to frame.
 
 #[path = "../devices/mod.rs"]
 mod devices;

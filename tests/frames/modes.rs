@@ -1,4 +1,4 @@
-//! What the modes keep between frames, and that nothing of it shows in the results.
+//! What each mode keeps between frames, and that the results do not depend on it.
 
 use crate::devices;
 use crate::shell::{bytes, folder, good};
@@ -21,7 +21,7 @@ fn scene(name: &str, sets: &[&str]) -> Scene {
     Scene::load(name, &sets.iter().map(|set| set.to_string()).collect::<Vec<_>>()).unwrap()
 }
 
-/// The scene with its light `turn` turns further round.
+/// The scene's light, at this fraction of a full turn.
 fn turned(scene: &Scene, turn: f64) -> Vec<Light> {
     let (sine, cosine) = (std::f64::consts::TAU * turn).sin_cos();
     let direction =
@@ -40,7 +40,7 @@ fn names(session: &mut Session, change: Change) -> Vec<String> {
     session.frame(change).unwrap().into_iter().map(|time| time.name).collect()
 }
 
-/// Round a lotus goes a light: whether lists were rebuilt, stages of the frame, and errors.
+/// A light circles a lotus: checks when lists are rebuilt, which stages run, and the errors.
 fn round(device: Option<&Device>) {
     let scene = scene("lotus", &["object.0.detail=32", "transport.tolerance=1e-2"]);
     let mut session = Session::new(&scene, device, RENDER, CapacityHints::default()).unwrap();
@@ -60,7 +60,7 @@ fn round(device: Option<&Device>) {
         let error = worst(&verify(&mut session, 100, 5).unwrap()).l2;
         assert!(error <= 1e-2, "turn {step}: {error}");
         if step % 3 == 1 {
-            // Nothing is left of the frames before.
+            // Earlier frames leave no trace.
             let mut alone = scene.clone();
             alone.lights = lights;
             let mut alone = Session::new(&alone, device, RENDER, CapacityHints::default()).unwrap();
@@ -111,7 +111,7 @@ fn a_light_of_another_contrast_has_lists_made_anew() {
 
 #[test]
 fn frames_of_a_sequence_are_those_of_a_new_session() {
-    // Receivers at pixels and at triangles, an opaque object beside, lights of two colours, one of which moves.
+    // Receivers at pixels and at triangles, an opaque object, and lights of two colours, one of them moving.
     let at = |turn: f64, receivers: &str| {
         let (sine, cosine) = (std::f64::consts::TAU * turn).sin_cos();
         let receivers = format!("transport.receivers={receivers}");
@@ -163,7 +163,7 @@ fn a_frame_without_a_change_dispatches_nothing() {
                 Session::new(&scene("sphere", &sets), Some(device), options, CapacityHints::default()).unwrap();
             assert!(!names(&mut session, Change::EVERYTHING).is_empty());
             assert_eq!(names(&mut session, Change::default()), [""; 0], "{scheme} {mode:?}");
-            // Another view of it carries no light.
+            // A new view recomputes no transport.
             let transport = names(&mut session, Change::VIEW);
             assert_eq!(transport, ["visibility", "shade"], "{scheme} {mode:?}");
         }
@@ -194,7 +194,7 @@ fn the_same_scene_gives_the_same_bytes() {
             good(&here, &format!("{line} -o d.exr --mode render"));
             assert_eq!(bytes(&here, "a.exr"), bytes(&here, "b.exr"), "twice, {device}");
             assert_eq!(bytes(&here, "c.exr"), bytes(&here, "d.exr"), "twice, --mode render, {device}");
-            // Lists of blocks that serve any light are others.
+            // Lists of blocks that serve any light differ from those of one light.
             let same = bytes(&here, "a.exr") == bytes(&here, "c.exr");
             assert_eq!(same, scheme == "links", "--mode render, {device}");
         }

@@ -3,7 +3,7 @@
 use crate::shell::{bad, bytes, folder, good, numbers, read};
 use tempfile::TempDir;
 
-/// A pyramid over a square: its square's sides, and how far its top is out.
+/// An OBJ file: a pyramid over a square of this side, with its apex at `top`.
 fn pyramid(side: f64, top: [f64; 3]) -> String {
     let [x, y, z] = top;
     let s = side;
@@ -22,7 +22,7 @@ fn here() -> TempDir {
     folder(&[("a.obj", &a), ("b.obj", &b), ("m.toml", SCENE)])
 }
 
-/// Centres of the triangles that `solve` writes.
+/// Centroids of the triangles that `solve` writes.
 fn centers(here: &TempDir, arguments: &str) -> Vec<[f64; 3]> {
     good(here, &format!("solve m.toml --device cpu -o a.csv {arguments}"));
     numbers(&read(here, "a.csv")).1.into_iter().map(|row| [row[1], row[2], row[3]]).collect()
@@ -39,7 +39,7 @@ fn a_whole_morph_is_the_other_mesh_and_half_of_one_is_halfway() {
     assert!(near(&centers(&here, "--frame 4"), &b) && !near(&a, &b));
     let middle: Vec<[f64; 3]> = a.iter().zip(&b).map(|(a, b)| [0, 1, 2].map(|k| 0.5 * (a[k] + b[k]))).collect();
     assert!(near(&centers(&here, "--frame 2"), &middle));
-    // Nothing at rest costs nothing.
+    // A morph of weight 0 costs nothing.
     let (plan, _) = good(&here, "plan m.toml --frame 0");
     assert!(plan.contains("nothing deforms an object"), "{plan}");
     assert!(!good(&here, "plan m.toml --frame 1").0.contains("nothing deforms an object"));
@@ -49,7 +49,7 @@ fn a_whole_morph_is_the_other_mesh_and_half_of_one_is_halfway() {
 fn the_other_mesh_is_scaled_turned_and_subdivided_like_the_first() {
     let here = here();
     let own = |arguments: &str| centers(&here, &format!("{arguments} --set object.0.mesh=b.obj --frame 0"));
-    // By b's own size it would not be: with a's, 3.5 by 2 of it.
+    // The second mesh is transformed as the first: by the first's extent of 2, size 6 is a factor of 3.
     let turn = "--set object.0.rotation=[20,30,40] --set object.0.position=[1,2,3]";
     assert!(near(&centers(&here, &format!("{turn} --frame 4")), &own(turn)));
     let scaled = centers(&here, "--set object.0.size=6 --frame 4");
@@ -58,7 +58,7 @@ fn the_other_mesh_is_scaled_turned_and_subdivided_like_the_first() {
     assert!((apart(&scaled) / apart(&plain) - 3.0).abs() < 1e-5 && apart(&rest) != apart(&scaled));
     let fine = "--set transport.hierarchy=butterfly --set transport.levels=2";
     assert!(near(&centers(&here, &format!("{fine} --frame 4")), &own(fine)));
-    // Shrink-wrapped, it is the same points of the mesh that move: for a larger mesh they are farther out.
+    // Shrink-wrapped vertices keep their place on the mesh: on one that is 1.25 times as large they are farther out.
     std::fs::write(here.path().join("b.obj"), pyramid(2.5, [1.25, 1.25, 2.5])).unwrap();
     let wrap = "--set transport.hierarchy=shrink-wrap --set transport.levels=2";
     let [rest, end] = [0, 4].map(|frame| centers(&here, &format!("{wrap} --frame {frame}")));
@@ -69,7 +69,7 @@ fn the_other_mesh_is_scaled_turned_and_subdivided_like_the_first() {
 #[test]
 fn frames_of_a_morph_do_not_depend_on_each_other() {
     let here = here();
-    // Another goal in the middle.
+    // The target mesh changes with frame 2.
     let moving = SCENE.replace("'b.obj'", "'to-%d.obj'");
     std::fs::write(here.path().join("m.toml"), moving).unwrap();
     for (frame, side) in [(0, 2.5), (1, 2.5), (2, 1.5)] {
@@ -94,7 +94,7 @@ fn what_turns_inside_out_or_folds_is_told() {
     };
     let whole = told(pyramid(2.0, [1.0, 1.0, -1.0]));
     assert!(whole.contains("turn 6 of 6 triangles inside out"), "{whole}");
-    // Half a turn about the vertical is no fault, though every side faces the other way.
+    // A half turn about the vertical is valid, though every side faces the other way.
     let half = pyramid(2.0, [1.0, 1.0, 2.0])
         .replace("v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0", "v 2 2 0\nv 0 2 0\nv 0 0 0\nv 2 0 0");
     let said = told(half);
@@ -109,7 +109,7 @@ fn what_does_not_match_is_refused() {
     let write = |name: &str, text: &str| std::fs::write(here.path().join(name), text).unwrap();
     write("more.obj", &format!("{}v 9 9 9\nf 1 2 6\n", pyramid(2.0, [1.0; 3])));
     write("other.obj", &pyramid(2.0, [1.0; 3]).replace("f 2 3 5", "f 3 2 5"));
-    // Two vertices in one place, which the other file parts.
+    // Two coincident vertices that the other file separates.
     let twice = pyramid(2.0, [1.0; 3]).replace("v 0 0 0\n", "v 0 0 0\nv 0 0 0\n").replace("f 1 2 5", "f 1 3 6");
     write("welded.obj", &twice.replace("f 4 3 2 1", "f 5 4 3 2"));
     write("parted.obj", &twice.replace("f 4 3 2 1", "f 5 4 3 2").replacen("v 0 0 0", "v 0 0 1", 1));

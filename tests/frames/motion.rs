@@ -1,4 +1,4 @@
-//! Shapes that move: deformations, keyframes, sequences.
+//! Moving shapes: deformations, keyframes, sequences.
 
 use crate::shell::{bad, bytes, folder, good, names, numbers, read};
 use milkglass::layout::BufferId;
@@ -29,7 +29,7 @@ fn open(scene: &Scene) -> Session {
 
 #[test]
 fn a_session_that_moves_on_is_a_new_one() {
-    // Forwards, backwards, and to where nothing deforms and back.
+    // Forwards, backwards, and to an undeformed scene and back.
     let mut moving = open(&at(1.0));
     let bare = |frame: f64| {
         let mut scene = at(frame);
@@ -57,7 +57,7 @@ fn a_spoilt_tree_is_built_anew() {
     let trees = moving.prepared().trees.clone();
     moving.show(&twist(3.0)).unwrap();
     assert!(moving.prepared().spoilt == [None] && moving.prepared().trees == trees);
-    // There and back, each time as if nothing had been before.
+    // Forwards and back, each time without a trace of earlier frames.
     for frame in [40.0, 45.0, 0.0] {
         moving.show(&twist(frame)).unwrap();
         moving.frame(Change::default()).unwrap();
@@ -89,7 +89,7 @@ fn a_deformed_shape_meets_the_tolerance_and_has_its_own_triangles() {
     assert_eq!(turned(session.state()), [0]);
     let error = worst(&verify(&mut session, 200, 3).unwrap());
     assert!(error.l2 < scene.transport.tolerance, "{error:?}");
-    // Boxes hold the places, and these are not those at rest.
+    // Most positions differ from the rest pose, and the root's bounds contain them all.
     let data = &session.state().data;
     let moved = data.positions.iter().zip(&data.rest).filter(|(a, b)| a != b).count();
     assert!(moved > data.positions.len() / 2, "{moved}");
@@ -113,7 +113,7 @@ fn what_does_not_move_costs_nothing() {
 fn triangles_turned_inside_out_are_told() {
     let here = folder(&[]);
     let ball = "solve sphere --set object.0.detail=3 --device cpu -o a.csv";
-    // A hollow deeper than the ball is thick; a bend tighter than it is wide.
+    // A hollow deeper than the ball is thick; a bend tighter than the ball is wide.
     for deform in [
         "{type='bump',position=[0,10,0],radius=9,height=-25}",
         "{type='bend',angle=400,axis=[0,1,0],toward=[1,0,0],length=6}",
@@ -152,7 +152,7 @@ fn frames_do_not_depend_on_each_other() {
         assert!(bytes(&here, "f02.png") != bytes(&here, "f03.png"), "{device:?}");
     }
     assert_eq!(names(here.path()), ["f00.png", "f01.png", "f02.png", "f03.png", "moving.toml", "one.png"]);
-    // What is there is left alone, if that is asked for.
+    // With `--skip-existing`, existing files are left alone.
     std::fs::write(here.path().join("f01.png"), "mine").unwrap();
     std::fs::remove_file(here.path().join("f02.png")).unwrap();
     let (_, said) = good(&here, "render moving.toml --frames 1..2 --skip-existing -o f%02d.png --device cpu");
@@ -162,7 +162,7 @@ fn frames_do_not_depend_on_each_other() {
 
 #[test]
 fn a_mesh_a_frame() {
-    // Another shape, then other triangles.
+    // First other positions, then other triangles.
     let tall = |top: f64| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 {top}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
     let scene = "[camera]\nposition = [3, 3, 3]\nsize = [24, 24]\n[[light]]\ntype = 'directional'\ndirection = [1, 2, 1]\n\
                  irradiance = 1\n[[object]]\nmesh = 'm/f%02d.obj'\nmaterial = { preset = 'marble', scale = 20 }\n";
@@ -183,7 +183,7 @@ fn a_mesh_a_frame() {
 
 #[test]
 fn what_moves_from_object_to_object() {
-    // As many deformations, but of another object; another size of picture; a bend whose centre is elsewhere.
+    // As many deformations but of another object, another picture size, and deformations with another centre.
     let ball = |x: f64, angle: &str| {
         format!(
             "[[object]]\nshape = 'slab'\ndetail = 4\nsize = 8\nposition = [{x}, 0, 0]\nmaterial = {{ preset = 'marble' }}\n\

@@ -1,4 +1,4 @@
-//! Command lines.
+//! Invalid command lines.
 
 use super::Case;
 

@@ -1,4 +1,4 @@
-//! Images: PNG as texture and map, OpenEXR as environment, texture and map, Radiance HDR as environment.
+//! Malformed images: PNG as texture and map; OpenEXR as environment, texture and map; Radiance HDR as environment.
 
 use super::Case;
 use super::makers::{Exr, chunk, deflate, hdr as made, png as built};
@@ -6,7 +6,7 @@ use super::makers::{Exr, chunk, deflate, hdr as made, png as built};
 const BALL: &str = "[[object]]\nshape = 'sphere'\ndetail = 0\nmaterial = { preset = 'marble'";
 const LAYER: &str = "layer = [{ sigma_s = 1, sigma_t = 2, g = 0 }]";
 
-/// The file as each of these.
+/// One case per file; the files take turns in these uses.
 fn cases(name: &str, ways: &[&str], files: Vec<(Vec<u8>, &'static str)>) -> Vec<Case> {
     let text = |way: &str| match way {
         "map" => format!("{BALL}, layers = {{ maps = ['{name}'], scale = 1, {LAYER} }} }}\n"),
@@ -21,7 +21,7 @@ fn cases(name: &str, ways: &[&str], files: Vec<(Vec<u8>, &'static str)>) -> Vec<
     files.into_iter().enumerate().map(case).collect()
 }
 
-/// A good file with some bytes changed.
+/// A valid file with some bytes changed.
 fn changed(mut bytes: Vec<u8>, at: usize, new: &[u8]) -> Vec<u8> {
     bytes[at..at + new.len()].copy_from_slice(new);
     bytes
@@ -34,7 +34,7 @@ pub fn png() -> Vec<Case> {
     let read = "cannot be read; found ";
     let parts = |chunks: &[Vec<u8>]| [&b"\x89PNG\r\n\x1a\n"[..], &chunks.concat()].concat();
     let head = chunk(b"IHDR", &[0, 0, 0, 2, 0, 0, 0, 1, 8, 0, 0, 0, 0]);
-    // Two pixels of a palette of so many bytes.
+    // Two pixels with a palette of this many bytes.
     let coloured = |length: usize| {
         let head = chunk(b"IHDR", &[0, 0, 0, 2, 0, 0, 0, 1, 8, 3, 0, 0, 0]);
         let colours = chunk(b"PLTE", &vec![90; length]);
@@ -81,7 +81,7 @@ pub fn png() -> Vec<Case> {
         (built([2, 1], grey, &[0, 0, 0]), "the maps say that every layer lies at the surface"),
         (built([16_385, 1], grey, &[0; 16_386]), "too few or too many texels; found 16385 x 1"),
     ];
-    // The second to last has to be a map, the last may be either.
+    // The last but one has to be a map, so its index must be odd; the last is added again as a texture.
     let mut all = cases("a.png", &["texture", "map"], files);
     assert!(all.len() % 2 == 1);
     all.swap_remove(all.len() - 1);
@@ -99,27 +99,27 @@ pub fn exr() -> Vec<Case> {
         change(&mut exr);
         exr.bytes()
     };
-    // As long as the pixels themselves, it would not count as compressed.
+    // Shorter than the pixels themselves, or the block would not count as compressed.
     fn pack(exr: &mut Exr, compression: u8) {
         (exr.compression, exr.block, exr.data) = (compression, (0, 20), vec![0xa5; 20]);
     }
-    // One line that says its block has two gigabytes.
+    // One scan line whose block claims to have two gigabytes.
     let long: fn(&mut Exr) = |exr| {
         (exr.window, exr.compression, exr.block) = ([0, 0, 99_999, 0], 9, (0, i32::MAX));
         exr.data = vec![0; 4096];
     };
-    // Transformed squares of 2^62 averages.
+    // A DWAA block that claims 2^62 DC coefficients.
     let swollen: fn(&mut Exr) = |exr| {
         (exr.window, exr.compression, exr.block) = ([0, 0, 7, 7], 8, (0, 96));
         let counters = [2, 0, 0, 0, 6, 0, 0, 0, 0, 1u64 << 62, 0];
         exr.data = [&counters.map(u64::to_le_bytes).concat()[..], &[2, 0, 0x78, 0x9c, 0, 0, 0, 0]].concat();
     };
-    // A tile of the 64th level.
+    // A tile of level 64.
     let high: fn(&mut Exr) = |exr| {
         (exr.flags, exr.tiles, exr.block) = (0x202, Some([2, 1]), (0, 0));
         exr.data = [&[64, 0, 24].map(i32::to_le_bytes).concat()[..], &[0; 24]].concat();
     };
-    // Two lines, both of which the first is to be.
+    // Two scan lines whose offsets both point at the first block.
     let twice = {
         let bytes = of(|exr| exr.window = [0, 0, 1, 1]);
         let (head, block) = bytes.split_at(bytes.len() - 32);

@@ -1,5 +1,5 @@
-//! Input of a hostile user's own hand, thirty of each kind and more, through the program itself: one clear message,
-//! exit code 2, nothing written, no panic, and no more memory or time than the input deserves.
+//! Malformed and hostile input, at least thirty cases of each kind, run through the program: one clear message, exit
+//! code 2, no files written, no panic, and bounded memory and time.
 
 #[path = "../shell/mod.rs"]
 mod shell;
@@ -18,14 +18,14 @@ use rayon::prelude::*;
 use shell::{folder, names};
 use tempfile::TempDir;
 
-/// Fewest cases of a kind.
+/// Least number of cases per kind.
 const FEWEST: usize = 30;
-/// Memory that a run may map: 4,000,000 KiB, most of it never touched.
+/// Address space of a run: 4,000,000 KiB, most of it never touched.
 const MEMORY: &str = "ulimit -v 4000000; exec \"$0\" \"$@\"";
-/// Longest run.
+/// Time limit of a run.
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// One attempt: files, a command line, and words of the message that it deserves.
+/// One run: files, a command line, and words that the message must contain.
 pub struct Case {
     pub files: Vec<(String, Vec<u8>)>,
     pub line: Vec<String>,
@@ -38,7 +38,7 @@ impl Case {
         Self { files, line: line.split_whitespace().map(String::from).collect(), words }
     }
 
-    /// What is wrong with how the program took it.
+    /// What the program did wrong, if anything.
     fn fault(&self) -> Option<String> {
         let here = folder(&[]);
         for (name, bytes) in &self.files {
@@ -58,7 +58,7 @@ impl Case {
     }
 }
 
-/// Exit code and standard error, or a code of none where it took too long.
+/// Exit code and standard error; no code if the run exceeded the time limit.
 fn run(here: &TempDir, line: &[String]) -> (Option<i32>, String) {
     let mut command = Command::new("sh");
     command.args(["-c", MEMORY, env!("CARGO_BIN_EXE_milkglass")]).args(line).current_dir(here.path());
@@ -82,7 +82,7 @@ fn run(here: &TempDir, line: &[String]) -> (Option<i32>, String) {
     (code, text)
 }
 
-/// All of a kind.
+/// Checks all cases of a kind.
 fn refused(cases: &[Case]) {
     assert!(cases.len() >= FEWEST, "{} cases", cases.len());
     let faults: Vec<String> =

@@ -1,6 +1,6 @@
-//! Small images made by hand, byte by byte, so that any of their bytes may lie.
+//! Small images assembled byte by byte, so that any of their bytes can be wrong.
 
-/// One block that stores bytes as they are.
+/// A zlib stream of one stored block.
 pub fn deflate(bytes: &[u8]) -> Vec<u8> {
     let length = bytes.len() as u16;
     let (mut a, mut b) = (1u32, 0u32);
@@ -25,14 +25,14 @@ pub fn chunk(name: &[u8; 4], data: &[u8]) -> Vec<u8> {
     [&(data.len() as u32).to_be_bytes()[..], &body, &(!crc).to_be_bytes()].concat()
 }
 
-/// A PNG with this header and these bytes of filtered rows.
+/// A PNG with this header and these filtered rows.
 pub fn png(size: [u32; 2], rest: [u8; 5], rows: &[u8]) -> Vec<u8> {
     let head = [&size[0].to_be_bytes()[..], &size[1].to_be_bytes(), &rest].concat();
     let parts = [chunk(b"IHDR", &head), chunk(b"IDAT", &deflate(rows)), chunk(b"IEND", &[])];
     [&b"\x89PNG\r\n\x1a\n"[..], &parts.concat()].concat()
 }
 
-/// What an OpenEXR file says of itself.
+/// The fields of an OpenEXR file.
 #[derive(Clone)]
 pub struct Exr {
     pub window: [i32; 4],
@@ -41,7 +41,7 @@ pub struct Exr {
     pub channels: Vec<(String, i32, [i32; 2])>,
     pub flags: u32,
     pub tiles: Option<[u32; 2]>,
-    /// Where the only block says that it is, and how long it says it is.
+    /// The line and the length that its only block claims.
     pub block: (i32, i32),
     pub data: Vec<u8>,
 }
@@ -88,7 +88,7 @@ impl Exr {
     }
 }
 
-/// A Radiance file with this first part and these pixels.
+/// A Radiance file with this header and these pixels.
 pub fn hdr(head: &str, pixels: &[u8]) -> Vec<u8> {
     [head.as_bytes(), pixels].concat()
 }

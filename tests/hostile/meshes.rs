@@ -1,4 +1,4 @@
-//! Meshes and their material libraries.
+//! Malformed meshes and material libraries.
 
 use super::Case;
 
@@ -48,18 +48,18 @@ pub fn cases() -> Vec<Case> {
         .into_iter()
         .map(|(text, words)| Case::new(&[("m.obj", text.as_bytes())], "solve m.obj -o a.csv --device cpu", words))
         .collect();
-    // A disk of 5,000 triangles round its middle.
+    // A disk of 5,000 triangles around one vertex.
     let rim = |k: usize| (k as f64 * std::f64::consts::TAU / 5000.0).sin_cos();
     let rim: String = (0..5000).map(|k| format!("v {} {} 0\n", rim(k).0, rim(k).1)).collect();
     let disk: String = (0..5000).map(|k| format!("f 1 {} {}\n", k + 2, (k + 1) % 5000 + 2)).collect();
-    // Tetrahedra in one another: 2e10 faces to compare.
+    // Nested tetrahedra: 2e10 pairs of faces to compare.
     let shell = |k: usize| format!("v -{k} -{k} -{k}\nv {0} -{k} -{k}\nv -{k} {0} -{k}\nv -{k} -{k} {0}\n", 9 * k);
     let faces = "f -4 -2 -3\nf -4 -3 -1\nf -4 -1 -2\nf -3 -2 -1\n";
     let shells: String = (1..40_001).map(|k| shell(k) + faces).collect();
     let words =
         "m.obj: too many parts of the mesh lie in one another to tell walls from cavities; found 40000 closed parts";
     cases.push(Case::new(&[("m.obj", shells.as_bytes())], "solve m.obj -o a.csv --device cpu", words));
-    // By the ways of a scene.
+    // Meshes that fail only with certain scene settings.
     let flat = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\nf 1 3 2\n";
     let marble = "material = { preset = 'marble' }\n";
     let crowd = format!("v 0 0 0\n{rim}{disk}");
@@ -87,7 +87,7 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// Libraries: the mesh is a good one, but for the library's name.
+/// Malformed libraries; the mesh is valid except for its `mtllib` line.
 pub fn libraries() -> Vec<Case> {
     let mesh = |names: &str| format!("{names}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
     let one = |library: &str, words| (mesh("mtllib a.mtl"), library.to_string(), words);

@@ -1,4 +1,4 @@
-//! Scene files.
+//! Malformed scene files.
 
 use super::Case;
 

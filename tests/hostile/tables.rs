@@ -1,4 +1,4 @@
-//! Tables for `eval`.
+//! Malformed tables for `eval`.
 
 use super::Case;
 

@@ -1,4 +1,4 @@
-//! No cycles among the files of a module: no file uses itself through two or more others, going by the `use` lines.
+//! No cycles of three or more files within a module, judging by their `use` lines.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fs;
@@ -6,17 +6,17 @@ use std::path::Path;
 
 use super::files;
 
-/// Rooms that still have such cycles.
+/// Modules that still have such cycles.
 const CYCLIC: &[&str] = &["layers", "scene"];
 
-/// A module: `gpu::count::read`, empty for the library itself.
+/// A module path: `gpu::count::read`; empty for the library itself.
 type Module = Vec<String>;
 
-/// The files of a module, or of the whole library, by module.
+/// Source text by module path.
 struct Sources(BTreeMap<Module, String>);
 
 impl Sources {
-    /// The files below `src`, but for the program's own.
+    /// All files below `src` except main.rs.
     fn read() -> Self {
         let module = |path: &Path| {
             let inner = path.strip_prefix("src").unwrap().with_extension("");
@@ -27,8 +27,8 @@ impl Sources {
         Self(paths.map(|path| (module(&path), fs::read_to_string(&path).unwrap())).collect())
     }
 
-    /// The module whose file a path leads to, from the module that uses it. A name that a module re-exports leads to
-    /// the file that defines it. None for other crates.
+    /// The module that a path leads to, seen from the module that uses it. A re-exported name leads to the file that
+    /// defines it. `None` for other crates.
     fn target(&self, from: &Module, path: &[String]) -> Option<Module> {
         let mut rest = path;
         let mut at = match rest.first()?.as_str() {
@@ -44,7 +44,7 @@ impl Sources {
                 "super" => drop(at.pop()),
                 _ if self.0.contains_key(&child) => at = child,
                 _ => {
-                    // A name of this module, or one that it re-exports.
+                    // A name that this module defines or re-exports.
                     let exported = paths(self.0.get(&at)?, true).into_iter().find(|path| path.last() == Some(step));
                     return exported.and_then(|path| self.target(&at, &path)).or(Some(at));
                 }
@@ -54,7 +54,7 @@ impl Sources {
         Some(at)
     }
 
-    /// Which files of a module each of them uses.
+    /// For each file of a module, the other files of that module that it uses.
     fn uses(&self, room: &str) -> BTreeMap<Module, BTreeSet<Module>> {
         let inside = |module: &Module| module.first().is_some_and(|first| first == room);
         let used = |(module, source): (&Module, &String)| {
@@ -65,10 +65,10 @@ impl Sources {
     }
 }
 
-/// The paths that the `use` lines of a source name, braces resolved: those that the module re-exports, or the others.
+/// The paths in a source's `use` lines, braces expanded: those that it re-exports, or the others.
 fn paths(source: &str, exported: bool) -> Vec<Vec<String>> {
     let mut found = Vec::new();
-    // What only tests use does not count.
+    // Uses by tests do not count.
     let code = source.split("#[cfg(test)]\nmod ").next().unwrap();
     let mut lines = code.lines().map(str::trim);
     while let Some(line) = lines.next() {
@@ -87,7 +87,7 @@ fn paths(source: &str, exported: bool) -> Vec<Vec<String>> {
     found
 }
 
-/// `a::{b, c::d as e}` as `a::b` and `a::c::d`.
+/// Expands `a::{b, c::d as e}` to `a::b` and `a::c::d`.
 fn expand(prefix: &[String], tree: &str, out: &mut Vec<Vec<String>>) {
     let (head, group) = match tree.split_once('{') {
         Some((head, group)) => (head, group.strip_suffix('}')),
@@ -118,7 +118,7 @@ fn cycle(uses: &BTreeMap<Module, BTreeSet<Module>>) -> Option<String> {
     let mut best: Option<Vec<&Module>> = None;
     for (first, seconds) in uses {
         for second in seconds {
-            // The shortest way back that is not the direct one.
+            // The shortest way back, except the direct one.
             let mut before = BTreeMap::from([(second, second)]);
             let mut queue = VecDeque::from([second]);
             while let Some(at) = queue.pop_front() {
@@ -159,8 +159,7 @@ fn files_of_a_room_use_each_other_in_no_cycle() {
     );
 }
 
-/// Proves that a cycle is found, through braces, re-exports and folders, and that two files that use each other are
-/// none.
+/// A cycle is found through braces, re-exports and folders; two files that use each other are no cycle.
 #[test]
 fn a_planted_cycle_is_seen() {
     let seen = |files: &[(&str, &str)]| {

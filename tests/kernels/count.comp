@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "invocation.glsl"
 
-// Work that can be counted by hand: `elements` invocations of `rounds` rounds, a fourth of which take an exponential.
+// Work that can be counted by hand: `elements` invocations of `rounds` rounds; every fourth round takes an exponential.
 layout(set = 0, binding = 0) restrict readonly buffer size_block { uvec2 size[]; };
 layout(set = 0, binding = 1) restrict buffer value_block { float values[]; };
 

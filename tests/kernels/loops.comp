@@ -1,8 +1,9 @@
 #version 460
 #extension GL_EXT_scalar_block_layout : require
 
-// One search, written four ways: 64 columns of `rows` numbers each; an invocation walks its column, by three rows where
-// one of the two lowest bits of a number is set, else by one, and stops at every number whose third bit is set, too.
+// The same search with four loop structures. 64 columns of `rows` numbers; each invocation walks its column in steps of
+// three rows where either of a number's two lowest bits is set, else of one row, and sums over such numbers whose third
+// bit is set too.
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint SHAPE = 0;
 layout(set = 0, binding = 0, scalar) restrict readonly buffer numbers_block { uint rows; uint numbers[]; };
@@ -18,7 +19,7 @@ uint worth(uint row) {
     return (number(row) & 4) != 0 ? row * 7 + 1 : 1000000;
 }
 
-// 0: the inner loop assigns `hit` whether or not the lane goes on, and `hit` indexes a buffer after the loop.
+// 0: the inner loop assigns `hit` in every iteration, and `hit` indexes a buffer after the loop.
 uint unconditional() {
     uint i = 0, sum = 0;
     for (;;) {
@@ -38,7 +39,7 @@ uint unconditional() {
     return sum;
 }
 
-// 1: the inner loop changes what outlives it under a condition only, as in glsl/transport/brute/near.comp.
+// 1: the inner loop changes outer variables only under a condition, as in glsl/transport/brute/near.comp.
 uint sentinel() {
     uint i = 0, sum = 0;
     while (i < rows) {
@@ -57,7 +58,7 @@ uint sentinel() {
     return sum;
 }
 
-// 2: one loop, as in every walk of a tree.
+// 2: one flat loop, as in every tree traversal.
 uint flat_loop() {
     uint i = 0, sum = 0;
     while (i < rows) {
@@ -69,7 +70,7 @@ uint flat_loop() {
     return sum;
 }
 
-// 3: an inner loop that every lane runs equally often, as over the samples of a triangle.
+// 3: an inner loop with the same trip count in every lane, like a loop over the samples of a triangle.
 uint counted() {
     uint i = 0, sum = 0;
     while (i < rows) {

@@ -1,8 +1,8 @@
-//! `milkglass bake-layers`: maps of surfaces whose depths are known.
+//! `milkglass bake-layers`: maps of surfaces of known depth.
 
 use super::shell::{bad, folder, good};
 
-/// A square at a height, facing +z, that leans by `slope` along x; with texture coordinates or without.
+/// A square facing +z at this height, which rises by `slope` along x; with or without texture coordinates.
 fn square(height: f64, slope: f64, textured: bool) -> String {
     let corner = |x: f64, y: f64| format!("v {x} {y} {}\n", height + slope * x);
     let corners = [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)].map(|(x, y)| corner(x, y)).concat();
@@ -27,7 +27,7 @@ fn a_map_holds_the_depths_of_the_surfaces_below() {
         assert!(out.starts_with(&format!("maps = [\"{name}\"]\ndepth = \"{word}\"\nscale = 1.9")), "{out}");
         let scale: f64 = out.lines().nth(2).unwrap().trim_start_matches("scale = ").parse().unwrap();
         assert!(!err.contains("from behind"), "{err}");
-        // Triangles cover the left half; the rest has what is nearest, round the edge too.
+        // Triangles cover the left half; the other texels take the nearest value.
         assert!(out.contains("# 128 of 256 texels are covered by triangles, 0 rays met nothing"), "{out}");
         let image = image::open(here.path().join(name)).map(|image| image.into_rgba32f());
         let texel = |x: u32, y: u32| -> [f32; 4] {
@@ -44,7 +44,7 @@ fn a_map_holds_the_depths_of_the_surfaces_below() {
                 assert!((f64::from(*value) - share).abs() < 2e-5, "{name} ({x}, {y}): {value}, not {share}");
             }
         }
-        // It can be used as it is.
+        // The printed settings can be pasted into a scene.
         let scene = format!(
             "[[light]]\ntype = 'directional'\ndirection = [0, 0, 1]\nirradiance = 1\n[camera]\nsize = [8, 8]\n\
              [[object]]\nmesh = 'skin.obj'\n[object.material.layers]\n{out}layer = [{{ sigma_s = 1, sigma_t = 2 }}, \
@@ -68,7 +68,7 @@ fn exr_texel(path: &std::path::Path, x: usize, y: usize) -> [f32; 4] {
 
 #[test]
 fn an_inner_surface_that_lies_outside_is_told() {
-    // Flesh round the skin: what a ray down meets is its far wall, from within.
+    // Flesh encloses the skin: a downward ray meets its far wall from inside.
     let cube = |half: f64| -> String {
         let corner = |k: usize| [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { half } else { -half });
         let corners: String = (0..8).map(corner).map(|[x, y, z]| format!("v {x} {y} {}\n", z - 1.0)).collect();

@@ -1,4 +1,4 @@
-//! `milkglass eval layered` from outside.
+//! `milkglass eval layered` run as a program.
 
 use glam::DVec3;
 use milkglass::layers::slab::{Lamp, SlabLayer, radiance};

@@ -1,4 +1,4 @@
-//! Plans with and without layers, and what is done again when something changes.
+//! Plans with and without layers, and what reruns after a change.
 
 use milkglass::layout::BufferId;
 use milkglass::pipeline::plan::{Change, Options, ShadingMethod};
@@ -35,7 +35,7 @@ fn a_scene_without_layers_has_no_trace_of_them() {
 
     let layered = session(&scene("sphere", &[&SMALL[..], &[LAYERS]].concat()), Options::default());
     assert!(OWN.iter().all(|&slot| !layered.state().data.bytes(slot).is_empty()));
-    // Nor has one whose radiosity alone is wanted.
+    // With only radiosity requested, layers take nothing either.
     let options = Options { goal: milkglass::pipeline::plan::Goal::Radiosity, ..Options::default() };
     let solved = session(&scene("sphere", &[&SMALL[..], &[LAYERS]].concat()), options);
     assert!(OWN.iter().all(|&slot| solved.state().data.bytes(slot).is_empty()));
@@ -51,7 +51,7 @@ fn light_beneath_the_surface_is_added_to_what_any_transport_gives() {
         let both = picture(&mut session(&layered, with(transport)));
         let without = picture(&mut session(&scene("sphere", &SMALL), with(transport)));
         for ((both, without), alone) in both.iter().zip(&without).zip(&alone) {
-            // Where nothing is hit both show the background.
+            // Pixels without an object show the background in both.
             let shown = layered.camera.background.map(|x| x as f32) != *both;
             let fits = (0..3).all(|c| (both[c] - without[c] - alone[c]).abs() <= 1e-6 * (1.0 + both[c]));
             assert!(!shown || fits, "{transport:?}: {both:?} {without:?} {alone:?}");
@@ -74,7 +74,7 @@ fn planes_are_fitted_again_only_where_the_shape_changes() {
         let names = ran(&mut kept, change);
         assert!(names.contains(&"relief".to_string()) && !names.contains(&"plane_fit".to_string()), "{names:?}");
     }
-    // Another shape, other lights, another view: the frame that a new session makes.
+    // New shape, lights and view: the frame equals that of a new session.
     let more = ["object.0.deform.0.angle=140", "light.0.direction=[1, 0.2, 0.6]", "camera.position=[9, 4, 44]"];
     let second = scene("sphere", &[&sets[..], &more].concat());
     kept.show(&second).unwrap();
@@ -112,8 +112,8 @@ fn a_device_follows_shape_light_and_layers() {
 
 #[test]
 fn light_from_behind_does_not_come_in() {
-    // A layer thinner than the sag of the fitted planes, lit from behind without shadows: the samples of both rules
-    // that lie at the surface have no depth that could dim it.
+    // A layer thinner than the sag of the fitted planes, lit from behind without shadows: samples of both rules that
+    // lie at the surface have no depth to attenuate the light.
     for rule in ["exact", "paper"] {
         let layers = format!(
             "object.0.material.layers={{ integration = '{rule}', layer = [{{ sigma_s = 1, sigma_t = 1, thickness = 0.2 }}] }}"
@@ -162,7 +162,7 @@ fn of_several_objects_each_has_its_own_layers() {
 
 #[test]
 fn an_environment_shines_as_so_many_suns() {
-    // Even light from all around: E on a plane is pi times the radiance, and all suns together give 4 pi.
+    // Uniform light from all directions: the 32 beams together carry 4 pi times the radiance.
     let sky = "light.0={ type = 'environment', radiance = [0.5, 1.0, 2.0] }";
     let session = session(&scene("sphere", &[&SMALL[..], &[LAYERS, sky]].concat()), Options::default());
     let (beams, unit) = (&session.state().data.layer_lights, session.units().light);
@@ -175,7 +175,7 @@ fn an_environment_shines_as_so_many_suns() {
 
 #[test]
 fn an_environment_shines_from_where_it_is_bright() {
-    // The image's middle is at -z, +x to the right of it: one bright column of eight at a time.
+    // The image's middle is at -z, with +x to its right; one of eight columns is bright at a time.
     for (column, toward) in [(1, [-1.0, 0.4]), (6, [1.0, 0.4]), (3, [-0.4, -1.0]), (0, [-0.4, 1.0])] {
         let here = super::shell::folder(&[]);
         let path = here.path().join("sky.exr");
@@ -208,7 +208,7 @@ fn fish_and_gecko_are_closed_and_as_fine_as_the_papers() {
         assert_eq!(mesh.triangles.len(), triangles);
         assert!(vertices.is_none_or(|vertices| mesh.positions.len() == vertices));
         assert!(mesh.volume() > 0.0);
-        // Each edge is walked once in either direction.
+        // Each edge occurs once in each direction.
         let mut edges = std::collections::BTreeMap::new();
         for &[a, b, c] in &mesh.triangles {
             for (from, to) in [(a, b), (b, c), (c, a)] {
@@ -219,8 +219,8 @@ fn fish_and_gecko_are_closed_and_as_fine_as_the_papers() {
     }
 }
 
-/// Proves that a picture which takes more steps than one dispatch may is added up once: both parts meet in row 130,
-/// where the slab is seen.
+/// A picture that needs more steps than one dispatch allows is summed once: its two dispatches meet in row 130, where
+/// the slab is visible.
 #[test]
 fn no_pixel_is_lit_twice_where_dispatches_meet() {
     let sets = ["camera.size=[130, 138]", "camera.target=[0, 20, 0]", "object.0.material.layers.samples=990"];

@@ -1,4 +1,4 @@
-//! Bad layers, and those with a fallback.
+//! Invalid layers, and layers that are accepted with a fallback.
 
 use milkglass::pipeline::plan::Options;
 
@@ -71,11 +71,11 @@ fn a_lamp_in_layers_alone_is_an_error() {
     let words =
         ["light.0.position: the light stands in the medium; found a light at [1, 0, 0]", "expected a place outside"];
     bad(&here, &format!("{run} {}", lamp("[1,0,0]")), 2, &words);
-    // Beneath an open surface nothing is inside, and light from there does not come in.
+    // Nothing is inside an open surface, and light from below it does not enter.
     good(&here, &format!("{run} {} --set object.0.shape=plane", lamp("[0,-1,0]")));
 }
 
-/// What a slab of these layers shows under the sun, and its largest value.
+/// All values of a picture of a slab with these layers under the sun, and the largest.
 fn shown(layers: &str, sets: &[&str]) -> (Vec<f32>, f32) {
     let layers = format!("object.0.material.layers={{ samples = 9, layer = [{layers}] }}");
     let sun = "light=[{ type = 'directional', direction = [0.3, 1, 0.8], irradiance = 1 }]";
@@ -99,7 +99,7 @@ fn a_layer_of_no_thickness_counts_for_nothing() {
 
 #[test]
 fn what_is_seen_at_a_grazing_angle_is_a_number() {
-    // A plane from a hair above it, within 2 degrees, and from in it; a ball, whose silhouette has every angle.
+    // A plane from just above it, within 2 degrees, and from within it; a ball, whose silhouette has every angle.
     let above =
         |y: &str| format!("camera={{ position = [0, {y}, 9.9], target = [0, {y}, 0], fov = 4, size = [16, 16] }}");
     let round = "camera={ position = [0, 0, 40], target = [0, 0, 0], size = [16, 16] }".to_string();
@@ -126,7 +126,7 @@ fn a_mesh_needs_places_in_the_maps() {
     bad(&folder(&[("a.toml", &of_mesh), ("a.obj", &flat)]), run, 2, &words);
     let (_, err) = good(&folder(&[("a.toml", &of_mesh), ("a.obj", &half)]), run);
     assert!(err.contains("layers: 1 of 2 triangles have no area in the maps: there depths do not vary"), "{err}");
-    // Even layers need none.
+    // Uniform layers need no texture coordinates.
     let even = of_mesh.replace(&mapped, &format!("layer = [{LAYER}]\n"));
     good(&folder(&[("a.toml", &even), ("a.obj", &without)]), run);
 }
@@ -138,7 +138,7 @@ fn depths_that_rise_are_brought_down_and_counted() {
     image::RgbaImage::from_pixel(2, 2, image::Rgba([100, 50, 200, 0])).save(here.path().join("a.png")).unwrap();
     let (_, err) = good(&here, "render a.toml -o b.png --device cpu");
     assert!(err.contains("layers: 4 of 12 depths lay above the layer before and were brought down to it"), "{err}");
-    // Seen the other way round: 155, 205, 55.
+    // Inverted, the depths are 155, 205, 55.
     let (_, err) = good(&here, "render a.toml -o b.png --device cpu --set object.0.material.layers.depth=dark");
     assert!(err.contains("layers: 4 of 12 depths"), "{err}");
 }

@@ -1,4 +1,4 @@
-//! Layers beneath a surface: against closed forms, in plans, in pictures, and from the command line.
+//! Layers beneath a surface: closed forms, plans, pictures, and the command line.
 
 #[path = "../devices/mod.rs"]
 mod devices;

@@ -1,4 +1,4 @@
-//! The layered volume itself against the closed forms, and what is measured with it.
+//! Errors of the march through layers and of its approximations, on planes and on curved scenes.
 
 use milkglass::measure::layers::{approximations, rules};
 use milkglass::scene::Integration;
@@ -25,7 +25,7 @@ fn ours_with_ten_samples_beats_the_left_rule_with_a_hundred() {
         let (ours, theirs) = (of(Integration::Exact, 10), of(Integration::Paper, 100));
         assert!(ours.integration < theirs.integration, "{lines:?}");
         assert!(ours.integration < integration, "{lines:?}");
-        // On a plane the march knows all there is to know.
+        // On a plane the march makes no approximation.
         assert!(ours.total < total, "{lines:?}");
     }
 }
@@ -36,7 +36,7 @@ fn on_a_plane_no_approximation_costs_anything() {
     for (what, error) in approximations(&scene("slab-layers", &flat), 24).unwrap() {
         assert!(error < 2e-2, "{what}: {error}");
     }
-    // On a bumpy skin each does.
+    // On a bumpy surface every approximation costs some error.
     let gecko = approximations(&scene("gecko", &["camera.size=[48, 40]"]), 24).unwrap();
     let [.., (_, all), (_, march)] = gecko[..] else { panic!("{gecko:?}") };
     assert!((all / march - 1.0).abs() < 0.05, "{gecko:?}");

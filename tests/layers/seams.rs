@@ -1,4 +1,4 @@
-//! Seams of texture coordinates: a mesh of two islands shows what the same mesh in one piece does.
+//! Texture seams: a mesh of two islands looks like the same mesh in one piece.
 
 use glam::DVec3;
 use milkglass::layers::islands::{Whole, atlas};
@@ -11,15 +11,15 @@ use milkglass::state::Scope;
 
 use super::{scene, session};
 
-/// Texels along the square's sides.
+/// Texels along a side of the square.
 const SIDE: f64 = 96.0;
-/// Where the halves lie in the map of both: their corners, in texels.
+/// Upper left corners of the two halves in the common map, in texels.
 const LEFT: [f64; 2] = [9.0, 7.0];
 const RIGHT: [f64; 2] = [64.0, 30.0];
 const SIZE: [u32; 2] = [180, 120];
 
-/// A square of 20 mm that faces +y, seen aslant across its middle, under depths that are `of` its x and z from -0.5 to
-/// 0.5.
+/// A square of 20 mm facing +y, viewed obliquely across its middle, in one piece or as two islands. `of` is the depth
+/// at x and z from -0.5 to 0.5.
 fn square(whole: bool, of: impl Fn(f64, f64) -> f64) -> Scene {
     let layers = "object.0.material={ layers = { samples = 24, layer = [\
         { sigma_s = 2, sigma_t = 2.2, thickness = 1 }, { sigma_s = 0.3, sigma_t = 3, g = 0.3, thickness = 1 }] } }";
@@ -35,7 +35,7 @@ fn square(whole: bool, of: impl Fn(f64, f64) -> f64) -> Scene {
     let mut scene = scene("slab-layers", &sets);
     let mesh = &mut scene.objects[0].mesh;
     let right = |corners: &[u32; 3]| corners.iter().map(|&v| mesh.positions[v as usize].x).sum::<f64>() > 0.0;
-    // Texels from the upper left; the right half lies on its side.
+    // Texels from the upper left; the right half is rotated by 90 degrees.
     let place = |x: f64, z: f64, right: bool| match (whole, right) {
         (true, _) => [(x + 0.5) * SIDE, (z + 0.5) * SIDE],
         (_, false) => [LEFT[0] + (x + 0.5) * SIDE, LEFT[1] + (z + 0.5) * SIDE],
@@ -47,7 +47,7 @@ fn square(whole: bool, of: impl Fn(f64, f64) -> f64) -> Scene {
     let uvs = mesh.triangles.iter().map(|t| t.map(|v| uv(place(corner(v).x, corner(v).z, right(t))))).collect();
     mesh.uvs = Some(uvs);
 
-    // What belongs to neither half lies at the surface.
+    // Texels outside both halves lie at the surface.
     let depth = |k: u32| {
         let (u, v) = (f64::from(k % size[0]) + 0.5, f64::from(k / size[0]) + 0.5);
         let half = |[u0, v0]: [f64; 2], [w, h]: [f64; 2]| u > u0 && v > v0 && u < u0 + w && v < v0 + h;
@@ -70,8 +70,8 @@ fn taken(scene: &Scene) -> Session {
     session(scene, Options { transport: ShadingMethod::None, ..Options::default() })
 }
 
-/// Radiance of the pixels that show places within 2.5 mm of the square's middle, so that no ray comes near its edges;
-/// with the user's map looked at as it is where islands are `ignored`.
+/// Radiance of the pixels that show places within 2.5 mm of the square's centre, so that no ray comes near its edges.
+/// With `ignored`, the user's map is sampled directly, without islands.
 fn seen(scene: &Scene, ignored: bool) -> Vec<f64> {
     let session = taken(scene);
     let mut state = session.state().clone();
@@ -96,7 +96,7 @@ fn seen(scene: &Scene, ignored: bool) -> Vec<f64> {
     shown.map(|(_, pixel)| f64::from(pixel[0])).collect()
 }
 
-/// The largest difference of the square in one piece and in two, of the first one's mean.
+/// The largest difference between the square in one piece and in two, relative to the mean of the first.
 fn apart(of: impl Fn(f64, f64) -> f64 + Copy, ignored: bool) -> f64 {
     let (a, b) = (seen(&square(true, of), false), seen(&square(false, of), ignored));
     let mean = a.iter().sum::<f64>() / a.len() as f64;
@@ -115,7 +115,7 @@ fn even_depths_on_two_islands_look_as_in_one_piece() {
 fn depths_that_go_on_over_a_seam_do_not_show_it() {
     let wavy = |x: f64, z: f64| 0.6 + 0.4 * (9.0 * x + 4.0 * z).sin() * (7.0 * z - 2.0 * x).cos();
     let [parted, ignored] = [false, true].map(|ignored| apart(wavy, ignored));
-    // Halves have their texels in the same places here; margins are read between them.
+    // Both halves have the same texel positions; interpolation reads the margins between them.
     assert!(parted < 5e-3, "{parted}");
     assert!(ignored > 0.1, "{ignored}");
 }
@@ -129,7 +129,7 @@ fn texels_that_triangles_cover_stay_as_they_are() {
     assert_eq!(made.margin, (4.0 * SIDE / 20.0).ceil() as u32);
     let mut found = 0;
     for (face, island) in made.places.iter().enumerate() {
-        // The texel next to each triangle's centre, which lies between two.
+        // The texel nearest to each triangle's centroid, which lies between texels.
         let near = |x: f64| (x + 0.25).round() as u32;
         let middle = |k: usize| near(f64::from((island.a[k] + island.b[k] + island.c[k]) / 3.0));
         let [x, y] = [middle(0), middle(1)];
@@ -148,7 +148,7 @@ fn a_mesh_without_seams_has_none_of_it() {
         let session = taken(&scene);
         assert!(session.state().data.islands.is_empty());
         assert_eq!(session.maps(), ["object 0: its maps have no seams, and are taken as they are"], "{name}");
-        // A ball or a bust round which a map does not repeat has one.
+        // With a map that does not repeat, only `veins` has a seam.
         let mut map = scene.objects[0].material.layers.as_ref().unwrap().map.clone();
         map.wrap = Wrap::Clamp;
         let seams = atlas(&scene.objects[0].mesh, &map, 1.0);
@@ -163,7 +163,7 @@ fn a_mesh_without_seams_has_none_of_it() {
 
 #[test]
 fn islands_that_take_too_much_are_left_alone() {
-    // Half of a square, the map a million times over it.
+    // Half of a square, with texture coordinates that cover the map a million times.
     let mut two = square(false, |_, _| 0.5);
     for corners in two.objects[0].mesh.uvs.iter_mut().flatten().flatten() {
         *corners = corners.map(|x| 1000.0 * x);
@@ -174,7 +174,7 @@ fn islands_that_take_too_much_are_left_alone() {
 
 #[test]
 fn triangles_that_lie_over_one_another_are_left_alone() {
-    // A strip that goes to and fro over one place, 3000 times; its last triangle lies elsewhere, which makes a seam.
+    // A strip that folds over one place 3000 times; its last triangle lies elsewhere, which makes a seam.
     let place = |v: &u32| [[0.05, 0.05], [0.95, 0.05], [0.05, 0.95]][*v as usize % 3];
     let triangle = |i: u32| if i.is_multiple_of(2) { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] };
     let triangles: Vec<[u32; 3]> = (0..3000).map(triangle).collect();

@@ -1,4 +1,4 @@
-//! The closed forms of a flat slab, and the march against them.
+//! The closed forms of a flat slab, and the march through layers against them.
 
 use glam::DVec3;
 use milkglass::layers::beneath::phase;
@@ -14,7 +14,7 @@ const SKIN: [SlabLayer; 3] = [
     SlabLayer { sigma_s: 1.0, sigma_t: 1.5, g: 0.8, thickness: 1.7 },
 ];
 
-/// The same by steps of equal length along the view ray, sampled in their middles.
+/// Radiance of the slab by midpoint steps of equal length along the view ray.
 fn marched(layers: &[SlabLayer], lamp: Lamp, eye: DVec3, steps: u32) -> f64 {
     let total: f64 = layers.iter().map(|layer| layer.thickness).sum();
     let tau = |depth: f64| {
@@ -69,14 +69,14 @@ fn closed_forms_are_what_a_fine_march_gives() {
     assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
     let far = radiance(&deep, Lamp::Point(toward * 1e6, 1e12), DVec3::new(0.0, 0.6, 0.8));
     assert!((far / expected - 1.0).abs() < 1e-5, "{far} {expected}");
-    // What does not weaken light at all, and what is not there.
+    // A layer without extinction, and a layer without thickness.
     let clear = [SlabLayer { sigma_s: 0.0, sigma_t: 0.0, g: 0.0, thickness: 1.0 }];
     assert_eq!(radiance(&clear, Lamp::Directional(toward, 1.0), eye), 0.0);
     let thin = [SlabLayer { thickness: 0.0, ..SKIN[0] }];
     assert_eq!(radiance(&thin, Lamp::Point(near, 1.0), eye), 0.0);
 }
 
-/// Layers of a scene on an open square that faces +y.
+/// A session of these layers on an open square facing +y.
 fn flat(light: &str, samples: u32, more: &str) -> Session {
     let layer = |layer: &SlabLayer| {
         let SlabLayer { sigma_s, sigma_t, g, thickness } = layer;
@@ -93,7 +93,7 @@ fn flat(light: &str, samples: u32, more: &str) -> Session {
     session(&scene("slab-layers", &sets.each_ref().map(String::as_str)), Options::default())
 }
 
-/// Largest error of a picture's pixels against the closed form, and their mean ratio.
+/// The largest relative error of a picture's pixels against the closed form, and their mean ratio.
 fn error(session: &mut Session, lamp: impl Fn(DVec3) -> Lamp) -> (f64, f64) {
     let up = |v: DVec3| DVec3::new(v.x, -v.z, v.y);
     let picture = session.picture().unwrap();
@@ -120,7 +120,7 @@ fn even_layers_under_the_sun_are_exact_with_one_step() {
     let toward = DVec3::new(-1.0, -0.2, 0.5).normalize();
     for samples in [1, 2, 10] {
         let (worst, _) = error(&mut flat(SUN, samples, ""), |_| Lamp::Directional(toward, 2.0));
-        // The ray ends where light is dimmed to 1e-4; normals and places are rounded to f32.
+        // The ray ends where light is attenuated to 1e-4; normals and positions are rounded to f32.
         assert!(worst < 2e-4, "{samples}: {worst}");
     }
 }
@@ -134,7 +134,7 @@ fn the_left_rule_is_too_bright_and_the_exact_one_converges_faster() {
     let (ten, hundred) = (theirs(10), theirs(100));
     assert!(ten.1 > 1.1 && hundred.1 > 1.01 && hundred.1 < ten.1, "{ten:?} {hundred:?}");
     assert!(ours(10) < hundred.0 / 3.0, "{} {}", ours(10), hundred.0);
-    // Second order, until the end of the ray decides.
+    // Second order, until the truncation of the ray dominates.
     assert!(ours(40) < ours(5) / 8.0, "{} {}", ours(5), ours(40));
     assert!(ours(100) < 3e-4, "{}", ours(100));
 }

@@ -1,4 +1,4 @@
-//! Environments: nine harmonics against a sum over all pixels, and what is hidden of them.
+//! Environments: irradiance by nine spherical harmonics against a sum over all pixels, and occlusion.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,7 +12,7 @@ use milkglass::session::run::{CapacityHints, Session};
 
 use crate::{irradiance, places, scene, sheets};
 
-/// A scene in this environment alone.
+/// A scene lit by this environment alone.
 fn under(mut scene: Scene, sky: Sky, occlusion: u32) -> Scene {
     scene.lights = vec![Light { source: Source::Environment { sky, occlusion }, shadows: true }];
     scene
@@ -35,7 +35,7 @@ fn a_white_environment_gives_the_hemisphere_of_the_boundary() {
     }
 }
 
-/// Irradiance by a sum over all pixels, each cut in four by four, for one index of refraction.
+/// Irradiance by a sum over all pixels, each divided into 4 x 4, for one index of refraction.
 fn brute(sky: &Sky, normal: DVec3, eta: f64) -> DVec3 {
     let [width, height] = sky.size;
     let mut sum = DVec3::ZERO;
@@ -54,7 +54,7 @@ fn brute(sky: &Sky, normal: DVec3, eta: f64) -> DVec3 {
     sum
 }
 
-/// The largest error over a ball, as a share of the mean.
+/// The largest error over a ball, relative to the mean.
 fn error(sky: &Sky) -> f64 {
     let ball = scene("sphere", &["object.0.detail=2", "object.0.material.eta=1.4"]);
     let found = irradiance(&under(ball.clone(), sky.clone(), 0));
@@ -70,7 +70,7 @@ fn smooth_environments_are_within_a_hundredth() {
     let built_in = scene("sphere", &[light]);
     let Source::Environment { sky, .. } = &built_in.lights[0].source else { panic!("an environment") };
     assert!(error(sky) < 0.01, "{}", error(sky));
-    // One side twice as bright as the other, with a gradient of degree 3, which nine harmonics do not hold.
+    // A cubic gradient across, three times as bright on one side: nine harmonics cannot represent it exactly.
     let pixels = (0..32).flat_map(|row| {
         (0..64).map(move |column| {
             let (t, a) = (PI * (f64::from(row) + 0.5) / 32.0, TAU * (f64::from(column) + 0.5) / 64.0);
@@ -80,7 +80,7 @@ fn smooth_environments_are_within_a_hundredth() {
     });
     let smooth = Sky::new([64, 32], pixels.collect());
     assert!(error(&smooth) < 0.01, "{}", error(&smooth));
-    // One bright spot on black: the error that nine harmonics have.
+    // One bright spot on black shows the error of nine harmonics.
     let mut spot = vec![[0.0; 3]; 64 * 32];
     spot[10 * 64 + 20] = [1000.0; 3];
     let sharp = error(&Sky::new([64, 32], spot));
@@ -107,7 +107,7 @@ fn rotation_turns_about_the_vertical() {
 
 #[test]
 fn what_is_hidden_does_not_arrive() {
-    // The floor of a deep pit sees a part of the sky, the more the nearer the rim; a face in a closed box sees none.
+    // The floor of a pit sees part of the sky, more of it the shallower the pit; a closed box sees none.
     let well = |depth: f64| {
         let (x, y, z) = (DVec3::X * 2.0, DVec3::Y * 2.0, DVec3::Z * depth);
         let corner = DVec3::new(-1.0, -1.0, 0.0);
@@ -153,7 +153,7 @@ fn a_wide_plane_in_a_white_environment_gives_back_what_the_half_space_does() {
         let mut flat = scene("sphere", &["object.0.detail=0", &format!("object.0.material.preset={preset}")]);
         let material = &flat.objects[0].material;
         let dipoles = dipoles(material, 1.0);
-        // 1,000 times the height of the virtual source across, in the channel where that is highest.
+        // The plane is 1,000 times as wide as the height of the highest channel's virtual source.
         let half = 500.0 * dipoles.iter().map(|dipole| dipole.z_virtual).fold(0.0, f64::max);
         let expected = dipoles.map(|dipole| {
             let source = |z: f64| (-dipole.sigma * z).exp();

@@ -1,4 +1,4 @@
-//! Spots and areas against closed forms.
+//! Spot and area lights against closed forms.
 
 use std::f64::consts::PI;
 
@@ -7,7 +7,7 @@ use milkglass::scene::{Light, Scene, Source};
 
 use crate::{CLEAR, irradiance, scene, sheets};
 
-/// One small face in the plane z = 0 round the origin, facing +z, in this light.
+/// Irradiance of one small square in the plane z = 0 at the origin, facing +z, under this light.
 fn face(source: Source) -> f64 {
     let mut small = scene("sphere", &["object.0.detail=0", CLEAR]);
     let (a, b) = (1e-3, 2e-3);
@@ -43,7 +43,7 @@ fn panel(height: f64, edge_u: DVec3, edge_v: DVec3, samples: u32, two_sided: boo
 
 #[test]
 fn an_area_tends_to_the_closed_form() {
-    // A square of side 2 at height 1 over the face: four corner rectangles of 1 x 1 at distance 1.
+    // A square of side 2 at height 1 above the face: four corner rectangles of 1 x 1 at distance 1.
     let (u, v) = (DVec3::Y * 2.0, DVec3::X * 2.0);
     let corner = 2.0 * (0.5f64.sqrt() * 0.5f64.sqrt().atan()) / (2.0 * PI);
     let expected = PI * 4.0 * corner;
@@ -69,7 +69,7 @@ fn an_area_far_away_is_a_point_and_shines_to_its_side() {
 
 #[test]
 fn a_soft_shadow_has_a_penumbra() {
-    // A panel above, a plate half way: right under the plate all is dark, far aside nothing is, in between some.
+    // A panel above and a plate half way: all dark right under the plate, fully lit far aside, a penumbra in between.
     let floor = [DVec3::new(-4.0, -4.0, 0.0), DVec3::X * 8.0, DVec3::Y * 8.0];
     let plate = [DVec3::new(-1.0, -1.0, 2.0), DVec3::X * 2.0, DVec3::Y * 2.0];
     let mut scene = scene("sphere", &["object.0.detail=0", CLEAR]);

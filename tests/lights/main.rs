@@ -1,4 +1,4 @@
-//! Light arriving: shadows, spots, areas and environments against what is known of them.
+//! Arriving light: shadows, spots, area lights and environments against known results.
 
 mod environment;
 mod kinds;
@@ -14,10 +14,10 @@ pub fn scene(name: &str, sets: &[&str]) -> Scene {
     Scene::load(name, &sets.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap()
 }
 
-/// Sets that take the boundary away: all light passes.
+/// Settings that remove the Fresnel boundary: all light passes.
 pub const CLEAR: &str = "object.0.material.eta=1";
 
-/// What enters each face of the mesh, in its order and in the scene's units, by the reference.
+/// Irradiance of each face of the mesh, in its order and in the scene's units, by the CPU reference.
 pub fn irradiance(scene: &Scene) -> Vec<DVec3> {
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(scene, None, options, CapacityHints::default()).unwrap();
@@ -27,19 +27,19 @@ pub fn irradiance(scene: &Scene) -> Vec<DVec3> {
     session.prepared().all_places().map(value).collect()
 }
 
-/// The same with no light casting shadows.
+/// The same without shadows.
 pub fn unshadowed(scene: &Scene) -> Vec<DVec3> {
     let lights = scene.lights.iter().map(|light| Light { shadows: false, ..light.clone() }).collect();
     irradiance(&Scene { lights, ..scene.clone() })
 }
 
-/// A mesh from plain numbers.
+/// A mesh of these positions and triangles.
 pub fn mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     let input_face = (0..triangles.len() as u32).collect();
     Mesh { positions, triangles, input_face, ..Mesh::default() }
 }
 
-/// Rectangles of `n` x `n` cells, each given by a corner and two edges.
+/// Rectangles of `n` x `n` cells, each given by a corner and two edge vectors.
 pub fn sheets(n: u32, rectangles: &[[DVec3; 3]]) -> Mesh {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for &[corner, u, v] in rectangles {

@@ -1,11 +1,11 @@
-//! Shadows: none where there can be none, at any scale; else those of a ray caster in `f64`.
+//! Shadows: convex objects have none at any scale; others have those of a ray caster in `f64`.
 
 use glam::DVec3;
 use milkglass::scene::{Light, Mesh, Scene};
 
 use crate::{irradiance, mesh, places, scene, sheets, unshadowed};
 
-/// A scene of this mesh in these lights.
+/// A scene of this mesh under these lights.
 fn of(mesh: Mesh, lights: Vec<Light>) -> Scene {
     let mut scene = scene("sphere", &["object.0.detail=0"]);
     (scene.objects[0].mesh, scene.lights) = (mesh, lights);
@@ -16,7 +16,7 @@ fn sun(x: f64, y: f64, z: f64) -> Light {
     Light::directional(DVec3::new(x, y, z).normalize(), [1.0; 3])
 }
 
-/// Equal to the last bit, but for light so grazing that rounding says whether a face is turned away from it.
+/// Equal to the last bit, except where light is so grazing that rounding decides whether a face is turned away from it.
 fn same(found: &[DVec3], expected: &[DVec3], what: &str) {
     let most = expected.iter().map(|e| e.x).fold(0.0, f64::max);
     for (face, (a, b)) in found.iter().zip(expected).enumerate() {
@@ -58,7 +58,7 @@ fn coincident_sheets_do_not_shadow_each_other() {
         let scene = of(sheet, vec![sun(0.2, 0.3, 1.0), sun(0.9, 0.1, -0.02)]);
         assert!(irradiance(&scene) == unshadowed(&scene));
     }
-    // A sheet above, however near, does.
+    // A sheet above casts a shadow, however near it is.
     for gap in [1e-1, 1e-4, 1e-5] {
         let above = corner + DVec3::Z * gap;
         let scene = of(sheets(7, &[[corner, x, y], [above, x, y]]), vec![sun(0.0, 0.0, 1.0)]);
@@ -69,7 +69,8 @@ fn coincident_sheets_do_not_shadow_each_other() {
 
 #[test]
 fn a_lamp_in_a_surface_lights_what_it_sees() {
-    // A lamp in the floor, a wall on the floor's edge: both as without shadows; a lid over the lamp hides the wall.
+    // A lamp in the floor and a wall at its edge: both lit as without shadows. A lid over the lamp shades the wall's
+    // top.
     let floor = [DVec3::new(-1.0, -1.0, 0.0), DVec3::X * 2.0, DVec3::Y * 2.0];
     let wall = [DVec3::new(1.0, -1.0, 0.0), DVec3::Z, DVec3::Y * 2.0];
     let lid = [DVec3::new(-0.5, -0.5, 0.01), DVec3::X, DVec3::Y];
@@ -82,7 +83,7 @@ fn a_lamp_in_a_surface_lights_what_it_sees() {
     }
 }
 
-/// Whether the ray is blocked for certain, and whether it may be: by barycentric coordinates within a margin.
+/// Whether a ray is certainly blocked, and whether it may be, by barycentric coordinates with a margin.
 fn cast(mesh: &Mesh, face: usize, origin: DVec3, direction: DVec3, far: bool) -> (bool, bool) {
     let (mut certain, mut possible) = (false, false);
     for other in (0..mesh.triangles.len()).filter(|&other| other != face) {

@@ -1,4 +1,4 @@
-//! A seeded population of triangles and receivers, every channel a medium of its own.
+//! A seeded population of triangles and receivers, with an individual medium in every channel.
 
 use glam::{DQuat, DVec3};
 use milkglass::dipole::profile::Dipole;
@@ -7,8 +7,8 @@ use milkglass::scene::PRESETS;
 
 use crate::seeded::Seeded;
 
-/// A medium whose sigma_tr times `length` lies evenly in the logarithm from 1e-4 to 1e4: a channel of a measured
-/// material, or any albedo and index.
+/// A medium whose sigma_tr times `length` is log-uniform from 1e-4 to 1e4: a channel of a measured material, or any
+/// albedo and index.
 pub fn medium(random: &mut Seeded, length: f64) -> [f64; 3] {
     let channel = (random.bits() % 3) as usize;
     let [s, a, eta] = if random.bits().is_multiple_of(2) {
@@ -18,13 +18,13 @@ pub fn medium(random: &mut Seeded, length: f64) -> [f64; 3] {
         let absorbed = random.log_between(1e-5, 1.0);
         [1.0 - absorbed, absorbed, random.between(0.5, 3.0)]
     };
-    // Some absorb nothing: of those it is the mean free path that varies.
+    // Without absorption, the mean free path is scaled instead.
     let sigma = Dipole::new(s, a, 1.0).sigma;
     let scale = random.log_between(1e-4, 1e4) / (length * if sigma > 0.0 { sigma } else { s });
     [s * scale, a * scale, eta]
 }
 
-/// A triangle of a longest edge of about 1, from well shaped to a ten-thousandth as wide as long.
+/// A triangle whose longest edge is about 1, from well shaped to a width of 1e-4.
 fn triangle(random: &mut Seeded) -> [DVec3; 3] {
     let width = if random.bits().is_multiple_of(2) { random.between(0.3, 1.0) } else { random.log_between(1e-4, 1.0) };
     let turn = DQuat::from_axis_angle(random.direction(), random.between(0.0, 6.0));
@@ -32,8 +32,8 @@ fn triangle(random: &mut Seeded) -> [DVec3; 3] {
     [[0.0, 0.0], [1.0, 0.0], [random.between(0.0, 1.0), width]].map(|[x, y]| turn * DVec3::new(x, y, 0.0) + offset)
 }
 
-/// A receiver: over, under or in the plane of a point inside, on an edge, at a vertex or beside, or anywhere up to ten
-/// thousand edges away.
+/// A receiver above, below or in the plane, at a point inside, on an edge, at a vertex or beside the triangle; or
+/// anywhere up to ten thousand edge lengths away.
 fn receiver(random: &mut Seeded, [a, b, c]: [DVec3; 3], length: f64) -> DVec3 {
     let normal = (b - a).cross(c - a).normalize();
     let (u, v) = (random.between(0.0, 1.0), random.between(0.0, 1.0));
@@ -48,12 +48,12 @@ fn receiver(random: &mut Seeded, [a, b, c]: [DVec3; 3], length: f64) -> DVec3 {
     base + if random.bits().is_multiple_of(2) { height } else { -height } * normal
 }
 
-/// The longest edge, length.
+/// Length of the longest edge.
 pub fn longest([a, b, c]: [DVec3; 3]) -> f64 {
     a.distance(b).max(b.distance(c)).max(c.distance(a))
 }
 
-/// So many triangles with a receiver and three media each.
+/// `count` triangles, each with a receiver and three media.
 pub fn population(seed: u64, count: usize) -> Vec<Pair> {
     let mut random = Seeded(seed);
     let pair = |_| {
@@ -65,7 +65,7 @@ pub fn population(seed: u64, count: usize) -> Vec<Pair> {
     (0..count).map(pair).collect()
 }
 
-/// Height of the nearer source over the plane of the triangle, in longest edges, a channel: radial distances.
+/// Per channel, the distance from the nearer source to the triangle's plane, in longest edges; radial distances.
 pub fn heights(pair: &Pair) -> [f64; 3] {
     let [a, b, c] = pair.triangle;
     let delta = (b - a).cross(c - a).normalize().dot(pair.point - a);

@@ -1,4 +1,4 @@
-//! Local shading: what runs for it and what does not, and what its pictures show.
+//! Local shading: which stages run for it, and what its pictures show.
 
 use crate::devices::on_devices;
 use crate::shell::{bad, folder, good};
@@ -81,7 +81,7 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
     assert_eq!(names(&session), ["refit", "visibility", "shade"]);
     assert!(session.picture().unwrap().pixels.contains(&[0.0; 3]));
 
-    // And where light is carried, none of these.
+    // With light transport, none of these stages run.
     let session = run(&ball, Options::default());
     for stage in [
         "curvature",
@@ -137,7 +137,7 @@ fn curvature_follows_the_shape_and_nothing_else() {
 
 #[test]
 fn only_other_objects_cast_shadows() {
-    // A ball lit from behind, and a plate between it and the light, or behind the eye.
+    // A ball lit from behind, with a plate between it and the light, or behind the camera.
     let ball = ["object.0.detail=3", "object.0.material.sigma_0=9", "light.0.direction=[0, 0, -1]"];
     let plate =
         "object.1={ shape = 'slab', detail = 2, size = 60, position = [0, 0, -40], material = { opaque = true } }";
@@ -157,7 +157,7 @@ fn only_other_objects_cast_shadows() {
 
 #[test]
 fn opaque_objects_are_shaded_as_ever() {
-    // Alone, with its own shadow, and its texture where the light arrives.
+    // One opaque object, with its own shadow, and a texture set for light that enters.
     let sets = [
         "object.0.detail=64",
         "object.0.material={ opaque = true, texture = 'builtin:tiles', texture_on = 'entry' }",
@@ -217,7 +217,7 @@ fn the_command_line_says_what_local_shading_does_not_tell() {
 
 #[test]
 fn an_environment_counts_by_its_own_factors() {
-    // Light from all around alike: A_0(sigma) of it at every normal, sigma the same all over a ball.
+    // Uniform light from all directions gives A_0(sigma) at every normal; sigma is constant on a ball.
     let sky = "light.0={ type = 'environment', radiance = 2 }";
     let ball =
         ["object.0.detail=5", "object.0.size=20", "object.0.material.eta=1", "object.0.material.sigma_0=[9, 2, 0]"];
@@ -244,7 +244,8 @@ fn between_its_points_the_table_is_near_and_the_closed_form_everywhere() {
     use milkglass::state::{DeviceState, Scope, State, Step};
     let table = scene("sphere", &["object.0.detail=1", "transport.cdrf=table"], 0.0);
     let cells = run(&table, CDRF).state().data.cdrf_cells.clone();
-    // Additive recurrences: no place is on the grid. Then the terminator as sigma tends to 0, where the table is worst.
+    // Additive recurrences, so that no point is on the grid; then the terminator as sigma tends to 0, the table's worst
+    // case.
     let share = |k: u32, rate: f64| (f64::from(k) * rate).fract();
     let all = (1..60_000).map(|k| (2.0 * share(k, 0.754_877_666) - 1.0, CDRF_WIDEST * share(k, 0.569_840_291)));
     let terminator = (1..20_000).map(|k| (0.03 * share(k, 0.754_877_666) - 0.015, 0.03 * share(k, 0.569_840_291)));

@@ -1,4 +1,4 @@
-//! What pictures look like: light that leaves, reflections, backgrounds; and what is refused.
+//! The look of pictures: light that leaves, reflections, backgrounds, tone; and what is refused.
 
 use std::f64::consts::PI;
 
@@ -9,7 +9,7 @@ use milkglass::scene::Scene;
 use milkglass::session::antialiasing::picture;
 use milkglass::session::run::{CapacityHints, Session};
 
-/// A small ball with these settings, drawn by the reference.
+/// A session of a small ball with these settings after one frame on the CPU.
 fn session(sets: &[&str]) -> Session {
     let small = ["object.0.detail=2", "camera.size=[48, 40]"];
     let sets: Vec<_> = small.iter().chain(sets).map(ToString::to_string).collect();
@@ -38,9 +38,9 @@ fn all_light_leaves_where_the_exit_is_normalised() {
     }
 }
 
-/// The settings of a sky as bright all over.
+/// A uniform sky.
 const WHITE: &str = "light.0={ type = 'environment', radiance = 1 }";
-/// The sky that is built in.
+/// The built-in sky.
 const SKY: &str = "light.0={ type = 'environment', image = 'builtin:sky' }";
 
 #[test]
@@ -60,9 +60,9 @@ fn a_mirror_in_a_white_sky_reflects_its_fresnel_share() {
             };
             let eye = (glam::Vec3::from(data.camera[0].origin).as_dvec3() - mix(&data.positions)).normalize();
             let cosine = mix(&data.normals).normalize().dot(eye);
-            // Towards silhouettes the lobe's width counts.
+            // Near silhouettes the width of the lobe matters.
             if cosine > 0.3 {
-                // Phong's lobe keeps the cosine that a mirror loses.
+                // Phong's lobe keeps the cosine that a mirror drops.
                 let mirror = 1.0 - transmittance(data.object_params[0].eta[0].into(), cosine);
                 let expected = if data.object_params[0].reflection == 1 { mirror * cosine } else { mirror };
                 let found = f64::from(pixels[pixel][0] - bare[pixel][0]);
@@ -76,7 +76,7 @@ fn a_mirror_in_a_white_sky_reflects_its_fresnel_share() {
 
 #[test]
 fn a_highlight_stands_where_the_sun_is_mirrored_and_not_in_shadow() {
-    // The sun behind the eye, a little above; then on the other side of the ball.
+    // The sun behind the camera, a little above; then on the other side of the ball.
     let sun = |direction: &str| format!("light.0.direction={direction}");
     let looks = ["camera.position=[0, 0, 45]", "object.0.size=20", "object.0.material.reflection=ggx"];
     let gain = |direction: &str| {
@@ -97,7 +97,7 @@ fn the_environment_stands_behind_the_object() {
     let mut seen = session(&[SKY, "camera.background=environment", "camera.position=[0, 0, 60]"]);
     let pixels = seen.picture().unwrap().pixels;
     let hits = &seen.state().data.hits;
-    // Up is blue; below it is darker; towards -z and +x it glows.
+    // Blue above, darker below; brighter towards +x.
     let (top, bottom) = (pixels[24], pixels[39 * 48 + 24]);
     assert!(hits[24].face == u32::MAX && top[2] > bottom[2] && bottom[2] > 0.0, "{top:?} {bottom:?}");
     assert!(pixels[20 * 48 + 47][0] > pixels[20 * 48][0]);
@@ -170,7 +170,7 @@ fn a_plan_has_no_look_that_is_not_asked_for() {
 
 #[test]
 fn samples_bring_a_pixel_near_its_mean() {
-    // What the pixels should show, from a picture 8 times as fine.
+    // The expected pixels, from a picture with 8 x 8 times the pixels.
     let mut fine = session(&["camera.size=[384, 320]"]);
     let fine = fine.picture().unwrap();
     let mean = |pixel: usize| -> f64 {
@@ -184,7 +184,7 @@ fn samples_bring_a_pixel_near_its_mean() {
     };
     let (one, sixteen) = (error("camera.samples=1"), error("camera.samples=16"));
     assert!(sixteen < 0.25 * one && one > 0.0, "{sixteen} {one}");
-    // One sample is the plain picture, bit for bit.
+    // One sample gives the plain picture, bit for bit.
     assert_eq!(picture(&mut session(&[])).unwrap().pixels, session(&[]).picture().unwrap().pixels);
 }
 

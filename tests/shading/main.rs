@@ -1,4 +1,4 @@
-//! What a camera sees: objects, textures, pixels, and shading by local means.
+//! What a camera sees: objects, textures, pixels, and local shading.
 
 #[path = "../devices/mod.rs"]
 mod devices;

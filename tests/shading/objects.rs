@@ -1,4 +1,4 @@
-//! Several objects in one scene: no light is carried from one to another, but each may hide light from the others.
+//! Several objects in one scene: no light is transported between them, but they cast shadows on each other.
 
 use milkglass::layout::BufferId;
 use milkglass::measure::reference::verify;
@@ -19,7 +19,7 @@ fn run(scene: &Scene, transport: ShadingMethod, mode: Mode) -> Session {
     session
 }
 
-/// A value of each face of an object, scene units, in the order of its mesh.
+/// Irradiance or radiosity of each face of an object, in scene units and in the order of its mesh.
 fn of(session: &Session, object: usize, slot: BufferId) -> Vec<[f64; 3]> {
     let data = &session.state().data;
     let values = if slot == BufferId::irradiance { &data.irradiance } else { &data.radiosity };
@@ -27,7 +27,7 @@ fn of(session: &Session, object: usize, slot: BufferId) -> Vec<[f64; 3]> {
     session.prepared().places(object).into_iter().map(|face| values[face].map(|x| f64::from(x) * light)).collect()
 }
 
-/// L2 of the difference as a share of the second.
+/// L2 norm of the difference, relative to that of `b`.
 fn apart(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
     let square = |x: f64| x * x;
     let error: f64 = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| square(a - b)).sum();
@@ -49,7 +49,7 @@ fn each_object_is_lit_as_if_it_were_alone() {
         (ShadingMethod::Octree, "transport.scheme=blocks"),
     ] {
         let mut three = scene(&[SECOND, GROUND, scheme]);
-        // The sun is high: nobody stands in another's shadow.
+        // Without shadows, so that none falls on another object.
         three.lights[0].shadows = false;
         let together = run(&three, transport, Mode::OnTheFly);
         for object in [0, 1] {
@@ -68,7 +68,7 @@ fn each_object_is_lit_as_if_it_were_alone() {
 
 #[test]
 fn each_object_is_seen_as_if_it_were_alone() {
-    // Between its vertices, so that a picture of the second or third object shows that vertices are its own.
+    // Receivers at faces, interpolated from vertices: the picture of each object shows that it uses its own vertices.
     let mut three = scene(&[SECOND, GROUND, "transport.receivers=faces", "camera.size=[160, 120]"]);
     three.lights[0].shadows = false;
     let shown = |scene: &Scene| {
@@ -106,7 +106,7 @@ fn what_is_opaque_gives_back_its_albedo() {
 
 #[test]
 fn an_object_shades_another() {
-    // A plate between the sun and the ball, and the same elsewhere.
+    // A plate between the sun and the ball, and the same plate elsewhere.
     let plate = |place: &str| {
         format!(
             "object.1={{ shape = 'slab', detail = 2, size = 30, position = {place}, rotation = [-45, 40, 0], \
@@ -173,7 +173,7 @@ fn faults_name_the_object() {
         let found = fault(&sets);
         assert!(found.contains(expected), "{found}");
     }
-    // In what is opaque a lamp just shines at nothing.
+    // A lamp inside an opaque object is allowed; it lights nothing.
     let lamp = "light.0={ type = 'point', position = [0, -15, 0], intensity = 1 }";
     assert!(Scene::load("sphere", &[SECOND, GROUND, lamp].map(String::from)).is_ok());
 }

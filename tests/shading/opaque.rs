@@ -1,4 +1,4 @@
-//! Opaque objects in pictures: lit where the pixels show them.
+//! Opaque objects in pictures, lit per pixel.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ use milkglass::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use milkglass::scene::Scene;
 use milkglass::session::run::{CapacityHints, Session};
 
-/// A floor of two triangles, with a ball over it, and a lamp over that.
+/// A floor of two triangles, a ball above it, and a lamp above the ball.
 fn scene(sets: &[&str]) -> Scene {
     let all = [
         "camera.size=[64, 48]",
@@ -40,7 +40,7 @@ fn on_each(body: &dyn Fn(Option<&Device>)) {
     on_devices(|device| body(Some(device)));
 }
 
-/// Radiance of each pixel that shows the floor, and the place there, in the scene's units.
+/// Position and radiance of each pixel that shows the floor, in the scene's units.
 fn floor(session: &mut Session) -> Vec<(DVec3, [f32; 3])> {
     let picture = session.picture().unwrap();
     session.fetch(&[BufferId::positions]).unwrap();
@@ -67,7 +67,7 @@ fn a_floor_of_two_triangles_has_the_lamps_light_and_the_balls_shadow() {
         let (mut lit, mut dark) = (0, 0);
         for (place, radiance) in pixels {
             let way = lamp - place;
-            // How near the way to the lamp comes to the ball's centre.
+            // Distance between the ray to the lamp and the ball's centre.
             let near = (DVec3::new(0.0, 15.0, 0.0) - place).cross(way).length() / way.length();
             let irradiance = way.y / way.length().powi(3);
             let expected = [0.5, 0.25, 0.0].map(|albedo| albedo * irradiance / PI);
@@ -90,7 +90,7 @@ fn every_transport_shows_the_same() {
     for transport in [ShadingMethod::None, ShadingMethod::Cdrf, ShadingMethod::Lambert, ShadingMethod::Brute] {
         assert_eq!(picture(transport), carried, "{transport:?}");
     }
-    // And beside the layers of a picture, though its triangles are lit as well.
+    // The same in a picture with layers, though its triangles are lit as well.
     let layers = Options { goal: Goal::Layers, estimate: true, ..Options::default() };
     let mut session = run(&scene(&[]), None, layers);
     assert_eq!(floor(&mut session), carried);
@@ -130,7 +130,7 @@ fn what_nobody_asks_for_has_no_stage() {
     assert_eq!(of(&session(&["object.1.material={ preset = 'marble' }"], picture)), (false, false, false));
     assert_eq!(of(&session(&[], Options { goal: Goal::Radiosity, ..picture })), (false, false, true));
 
-    // Where everything is opaque nothing is looked at by triangle.
+    // If everything is opaque, no lighting is evaluated per triangle.
     let all = session(&["object.0.material={ opaque = true }"], picture);
     let names: Vec<&str> = all.plan().stages.iter().map(|stage| stage.name).collect();
     assert_eq!(names, ["refit", "visibility", "shade", "pixel_shadow", "shade_opaque"]);

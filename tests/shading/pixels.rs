@@ -1,4 +1,4 @@
-//! Receivers at the places that pixels show: as near to brute force as asked, chosen by count, and gone where unused.
+//! Receivers at pixels: within the tolerance of brute force, chosen by count, and absent where unused.
 
 use milkglass::layout::BufferId;
 use milkglass::measure::reference::at;
@@ -118,7 +118,7 @@ fn every_transport_gives_nearly_the_same_picture() {
     };
     let hierarchy = mean(ShadingMethod::Hierarchy);
     assert!(hierarchy > 0.01);
-    // The octree takes triangles of this size for points.
+    // The octree treats triangles of this size as points.
     for (transport, most) in [(ShadingMethod::Brute, 0.05), (ShadingMethod::Octree, 0.5)] {
         let other = mean(transport);
         assert!((other / hierarchy - 1.0).abs() < most, "{transport:?}: {other} instead of {hierarchy}");

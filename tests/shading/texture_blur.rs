@@ -1,4 +1,4 @@
-//! Light blurred over texture coordinates: what runs for it, what it gives back, and what it asks of a mesh.
+//! Irradiance blurred in texture space: the stages it runs, its results, and its requirements on a mesh.
 
 use crate::shell::{bad, folder, good};
 use milkglass::layout::{BUFFER_IDS, BufferId};
@@ -27,7 +27,7 @@ fn names(session: &Session) -> Vec<&'static str> {
     session.plan().stages.iter().map(|stage| stage.name).collect()
 }
 
-/// A plane from above, evenly lit.
+/// A plane seen from above, evenly lit.
 const PLANE: [&str; 8] = [
     "object.0.shape=plane",
     "object.0.detail=6",
@@ -114,7 +114,7 @@ fn what_it_needs_is_there_and_elsewhere_nothing_of_it() {
 
 #[test]
 fn an_objects_own_shadow_counts() {
-    // A ball under a ball of the same object would need a mesh; a ball lit from behind is dark in front.
+    // A ball lit from behind is dark in front.
     let behind = ["object.0.detail=3", "object.0.size=400", "light.0.direction=[0, 0, -1]", "camera.background=0"];
     let view = ["camera.position=[0, 0, 1500]", "camera.target=[0, 0, 0]"];
     let ball = scene("sphere", &[&behind[..], &view].concat());
@@ -145,7 +145,7 @@ fn it_asks_for_texture_coordinates_that_are_one_to_one() {
 
 #[test]
 fn a_map_gives_sigma_0_by_the_square_of_what_it_holds() {
-    // Squares of 1 and of a quarter: as with sigma_0 itself, and with a sixteenth of it.
+    // The checker's texels are 1 and 1/4, so sigma_0 is multiplied by 1 and by 1/16.
     let shade = |sigma: &str, more: &[&str]| {
         let sigma = format!("object.0.material.sigma_0={sigma}");
         let sets = [&["object.0.detail=3", "camera.size=[80, 60]", sigma.as_str()], more].concat();

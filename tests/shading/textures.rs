@@ -1,4 +1,4 @@
-//! Textures: what they do to light that enters and to light that leaves, and where they lie on a ball.
+//! Textures: their effect on light that enters and on light that leaves, and their placement on a ball.
 
 use std::f64::consts::TAU;
 
@@ -7,21 +7,21 @@ use milkglass::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use milkglass::scene::{Scene, Side, Texture, Wrap};
 use milkglass::session::run::{CapacityHints, Session};
 
-/// A small ball that may have a texture, and its settings.
+/// A small ball with a checker texture and these settings.
 fn ball(sets: &[&str]) -> Scene {
     let small = ["object.0.detail=3", "camera.size=[48, 40]", "object.0.material.texture=builtin:checker"];
     let sets: Vec<_> = small.iter().chain(sets).map(ToString::to_string).collect();
     Scene::load("sphere", &sets).unwrap()
 }
 
-/// The same with this texture, or none.
+/// The same ball with this texture, or with none.
 fn painted(texture: Option<Texture>) -> Scene {
     let mut scene = ball(&[]);
     scene.objects[0].material.texture = texture;
     scene
 }
 
-/// A scene after one frame of the reference.
+/// A session after one frame on the CPU.
 fn drawn(scene: &Scene, options: Options) -> Session {
     let mut session = Session::new(scene, None, options, CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
@@ -32,7 +32,7 @@ fn grey(value: f32, side: Side) -> Option<Texture> {
     Some(Texture::new([1, 1], vec![[value; 3]], side, Wrap::Repeat))
 }
 
-/// Whether all numbers of `found` are `factor` times those of `bare`.
+/// Whether all numbers of `found` are `factor` times those of `bare`, within a relative `slack`.
 fn scaled(found: &[[f32; 3]], bare: &[[f32; 3]], factor: f32, slack: f32) -> bool {
     let near = |(a, b): (&f32, &f32)| (a - factor * b).abs() <= slack * factor * b;
     assert!(found.len() == bare.len() && bare.as_flattened().iter().any(|&x| x > 0.0));
@@ -69,7 +69,7 @@ fn what_enters_through_a_texture_and_its_complement_adds_up() {
             error += (some.as_flattened()[k] + rest.as_flattened()[k] - all).powi(2);
             size += all * all;
         }
-        // The octree errs by its angle each time.
+        // The octree's clustering error differs between the three solves.
         let slack = if transport == ShadingMethod::Octree { 0.05 } else { 2e-3 };
         assert!((error / size).sqrt() < slack, "{transport:?}: {}", (error / size).sqrt());
     }
@@ -113,7 +113,7 @@ fn channels_part_only_where_a_texture_at_the_entry_parts_them() {
     assert_eq!((groups(one.clone(), Side::Entry), groups(one, Side::Both)), (1, 1));
     assert_eq!(groups(vec![[0.5, 0.0, 0.1], [0.2, 0.0, 0.3]], Side::Entry), 2);
 
-    // A ratio of channels is carried by the light alone: each is right by itself.
+    // Blue of a channel group does not depend on the texture's ratio of red to blue.
     let [together, red] = [[0.5, 0.25, 0.1], [0.1, 0.1, 0.1]].map(|texel| {
         drawn(&painted(Some(Texture::new([1, 1], vec![texel], Side::Entry, Wrap::Clamp))), Options::default())
     });
@@ -128,7 +128,7 @@ fn channels_part_only_where_a_texture_at_the_entry_parts_them() {
 
 #[test]
 fn the_seam_of_a_ball_is_not_seen() {
-    // Brighter once round, darkest at the seam, which the eye looks at; and brighter upwards.
+    // Red is darkest at the seam, which the camera faces; green increases upwards.
     let texel = |k: u32| {
         let (u, v) = ((f64::from(k % 128) + 0.5) / 128.0, 1.0 - (f64::from(k / 128) + 0.5) / 64.0);
         [0.5 - 0.4 * (TAU * u).cos(), v, 0.5 + 0.4 * (TAU * u).sin()].map(|x| x as f32)

@@ -1,4 +1,4 @@
-//! Running the program in a folder of its own, for the tests of the command line.
+//! Runs the program in a temporary folder, for the tests of the command line.
 
 #![allow(dead_code)] // each test program uses a part
 
@@ -15,7 +15,7 @@ pub fn folder(files: &[(&str, &str)]) -> TempDir {
     folder
 }
 
-/// The program in this folder, with arguments that hold no spaces.
+/// The program in this folder; arguments are split at spaces.
 pub fn program(folder: &TempDir, line: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_milkglass"));
     command.current_dir(folder.path()).args(line.split_whitespace()).env("MILKGLASS_VALIDATION", "0");
@@ -35,7 +35,7 @@ pub fn good(folder: &TempDir, line: &str) -> (String, String) {
     (out, err)
 }
 
-/// Fails with this code and all these words, and leaves the folder's names as they were.
+/// Must fail with this code and a message that contains all these words, and leave the folder's files as they were.
 pub fn bad(folder: &TempDir, line: &str, code: i32, words: &[&str]) {
     let before = names(folder.path());
     let output = program(folder, line).output().unwrap();
@@ -64,7 +64,7 @@ pub fn bytes(folder: &TempDir, name: &str) -> Vec<u8> {
     std::fs::read(folder.path().join(name)).unwrap()
 }
 
-/// The rows of a CSV as numbers, after its header.
+/// Header of a CSV file, and its rows as numbers.
 pub fn numbers(text: &str) -> (String, Vec<Vec<f64>>) {
     let mut lines = text.lines();
     let header = lines.next().unwrap().to_string();

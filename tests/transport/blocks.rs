@@ -1,5 +1,5 @@
-//! The hierarchy with blocks, against definitions written a second time here: every pair is settled once, decisions are
-//! those of double precision, moments are sums over faces, distances keep what they promise, the tolerance is met.
+//! The hierarchy with blocks, against independent definitions: lists cover every emitter at most once, their decisions
+//! are those of double precision, moments are sums over faces, and the tolerance is met.
 
 use glam::DVec3;
 use milkglass::dipole::profile::Dipole;
@@ -44,7 +44,7 @@ fn every_emitter_is_settled_at_most_once_and_what_is_missing_is_dark_or_faint() 
                 faces(data, node).for_each(|face| settled[face] += 1);
             }
             assert!(settled.iter().all(|&n| n <= 1), "block at face {}", block.first);
-            // What is left out: together no more than its share for each node dropped.
+            // The dropped emitters together stay within the allowance per dropped node.
             let left = |face: usize| settled[face] == 0 && data.irradiance[face] != [0.0; 3];
             for receiver in block.first..block.first + block.count {
                 let x = wide(data.clusters[data.leaves[receiver as usize] as usize].center);
@@ -72,7 +72,7 @@ fn every_emitter_is_settled_at_most_once_and_what_is_missing_is_dark_or_faint() 
 fn lists_are_those_of_double_precision() {
     let session = solved("slab", &["object.0.detail=16"]);
     let data = &session.state().data;
-    // The lists are those of the last group of channels.
+    // The lists are those of the last channel group.
     let groups = session.state().objects[0].groups.len();
     let base = data.emitters.len() / groups * (groups - 1);
     let (mut compared, mut ties) = (0, 0);
@@ -85,7 +85,7 @@ fn lists_are_those_of_double_precision() {
             lists.push(&data.entries[at..at + count]);
             at += count;
         }
-        // The distance of each listed node against its rule, with the rule before it failing.
+        // Check that each listed node's distance satisfies its rule and no earlier one.
         for (kind, list) in lists.iter().enumerate() {
             for &node in *list {
                 let e = &data.emitters[base + node as usize];
@@ -166,7 +166,7 @@ fn the_tolerance_is_met() {
         [("sphere", "object.0.detail=4"), ("slab", "object.0.detail=20"), ("lotus", "object.0.detail=32")]
     {
         for size in [4.0, 20.0, 300.0] {
-            // A lamp stays where it is beside the object.
+            // The lamp's position scales with the object.
             let lamp = match name {
                 "slab" => format!("light.0.position={:?}", [-3.0, 2.0, -7.0].map(|x| x * size / 20.0)),
                 "lotus" => format!("light.0.position={:?}", [0.0, -2.0, 0.0].map(|x| x * size / 60.0)),
@@ -182,7 +182,7 @@ fn the_tolerance_is_met() {
                     let exact = radiosity(session.state(), &sample.faces);
                     (sample, session.state().data.irradiance.clone(), exact)
                 });
-                // What has to come out follows from the light that arrives, and that from no tolerance.
+                // The exact result depends only on the irradiance, which does not depend on the tolerance.
                 let data = &session.state().data;
                 assert!(data.irradiance == *irradiance);
                 let values: Vec<_> = sample.faces.iter().map(|&face| data.radiosity[face].map(f64::from)).collect();

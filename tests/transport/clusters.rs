@@ -1,4 +1,4 @@
-//! `render --view clusters`: the emitters of one receiver settle every triangle that shines, once.
+//! `render --view clusters`: the emitters of one receiver cover every lit triangle once.
 
 use crate::shell::{bad, folder, good};
 use milkglass::pipeline::plan::{Change, Mode, Options};
@@ -21,17 +21,17 @@ fn emitters_settle_every_lit_triangle_once() {
         let settled = emitters.of_face.iter().filter(|emitter| emitter.is_some()).count();
         let inside: usize = emitters.levels.values().map(|(_, triangles)| triangles).sum();
         assert_eq!(settled, inside, "{set}: an emitter in another");
-        // What is nobody's is too faint to count.
+        // Triangles that no emitter covers are too faint to matter.
         let shines = |face: usize| state.data.irradiance[face].map(f64::from).iter().sum::<f64>();
         let all: f64 = (0..emitters.of_face.len()).map(shines).sum();
         let missed: f64 =
             (0..emitters.of_face.len()).filter(|&face| emitters.of_face[face].is_none()).map(shines).sum();
         assert!(missed <= 1e-3 * all, "{set}: {missed} of {all} shine and are nobody's");
-        // Near ones alone, far ones in clusters.
+        // Near triangles are listed individually, far ones as clusters.
         let (clusters, levels) = (emitters.levels.values().map(|level| level.0).sum::<usize>(), emitters.levels.len());
         assert!(clusters < inside && levels > 3, "{set}: {:?}", emitters.levels);
 
-        // The receiver is white, nothing else is; what is seen besides has a colour.
+        // The receiver is shown in white, the other triangles in the colours of their emitters.
         let at = picture.pixels[(middle[1] * 40 + middle[0]) as usize];
         assert!(at[0] == at[1] && at[1] == at[2] && at[0] > 0.5, "{set}: {at:?}");
         let colors = picture.pixels.iter().filter(|p| p[0] != p[2]).map(|p| p.map(f32::to_bits));

@@ -1,4 +1,4 @@
-//! Hierarchies of 4-to-1 splits: butterfly subdivision and shrink-wrapping, and what their trees are good for.
+//! Hierarchies of 4-to-1 splits: butterfly subdivision and shrink-wrapping, and the quality of their trees.
 
 use crate::shell::{bad, bytes, folder, good, numbers, read};
 use milkglass::layout::BufferId;
@@ -31,7 +31,7 @@ fn both_meet_the_tolerance_on_a_deformed_thing_with_full_blocks() {
         let faces = scene.objects[0].mesh.triangles.len();
         let tree = &session.prepared().trees[0];
         assert_eq!((tree.check(faces), session.prepared().spoilt[0]), (Ok(()), None));
-        // A triangle of the base is 16 faces, and that is a block.
+        // Each base triangle has 16 faces, which are one block.
         assert!(session.state().data.blocks.iter().all(|block| block.count == 16));
         let error = worst(&verify(&mut session, 200, 3).unwrap());
         assert!(error.l2 < scene.transport.tolerance, "{sets:?}: {error:?}");
@@ -82,7 +82,7 @@ fn such_a_tree_stays_whatever_deforms_it() {
     for slot in [BufferId::bounds, BufferId::radiosity, BufferId::radiance] {
         assert!(moving.state().data.bytes(slot) == fresh.state().data.bytes(slot), "{slot:?}");
     }
-    // Where the median tree of the same triangles would be rebuilt.
+    // The median tree of the same triangles would be rebuilt here.
     let mut median = at(500.0);
     median.transport.hierarchy = Hierarchy::Median;
     assert!(solved(&median).prepared().spoilt[0].is_some());
@@ -90,7 +90,7 @@ fn such_a_tree_stays_whatever_deforms_it() {
 
 #[test]
 fn parts_of_parts_belong_to_the_tree() {
-    // Cut once more where a cone of light ends.
+    // Subdivided once more at the edge of a light cone.
     let lamp = "light.0={ type = 'spot', position = [0, 0, 40], direction = [0, 0, -1], intensity = 900, outer = 4, inner = 3.8 }";
     let session = solved(&load(&BUTTERFLY[1..], &[lamp, "transport.subdivide=1", "transport.tolerance=0.01"]));
     let mesh = &session.scene().objects[0].mesh;
@@ -107,12 +107,12 @@ fn what_the_command_line_says_of_them() {
     good(&here, &format!("{solve} --set transport.hierarchy=butterfly --set transport.levels=2"));
     let (header, rows) = numbers(&read(&here, "a.csv"));
     assert_eq!(rows.len(), 80 * 16);
-    // Of which face of the base each triangle is a part.
+    // `input_face` is the base triangle of each triangle.
     let column = header.split(',').position(|name| name == "input_face").unwrap();
     assert!(rows.iter().enumerate().all(|(row, cells)| cells[column] == (row / 16) as f64));
     let (_, said) = good(&here, &format!("{solve} --set transport.hierarchy=shrink-wrap --set object.0.detail=4"));
     assert!(said.contains("shrink-wrapped: 5120 triangles (320 x 4^2) for 5120, volume "), "{said}");
-    // Opaque things need no hierarchy, closed or not.
+    // Opaque objects need no hierarchy, closed or not.
     let table = "--set object.1={shape=\"plane\",position=[0,-12,0],size=60,material={opaque=true,albedo=0.5}}";
     good(
         &here,
@@ -133,7 +133,7 @@ fn what_the_command_line_says_of_them() {
 
 #[test]
 fn small_and_odd_meshes_are_taken_or_refused() {
-    // A tetrahedron with a spike on each face: no vertex can be taken away without a fold.
+    // A tetrahedron with a spike on each face: no vertex can be removed without a fold.
     let corners = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]];
     let tips = [[12, 12, -12], [12, -12, 12], [-12, 12, 12], [-12, -12, -12]];
     let vertices: String = corners.iter().chain(&tips).map(|[x, y, z]: &[i32; 3]| format!("v {x} {y} {z}\n")).collect();
@@ -145,7 +145,7 @@ fn small_and_odd_meshes_are_taken_or_refused() {
         format!("solve {mesh} --device cpu -o a.csv --set transport.hierarchy={hierarchy} --set transport.levels=1")
     };
     good(&here, &solve("spikes.obj", "shrink-wrap"));
-    // Both sides of one triangle: new vertices stay near its edges.
+    // The two sides of one triangle: new vertices stay near its edges.
     good(&here, &solve("both.obj", "butterfly"));
     let text = read(&here, "a.csv");
     let centers = text.lines().skip(1).map(|row| row.split(',').nth(1).unwrap().parse::<f64>().unwrap());

@@ -1,4 +1,4 @@
-//! Light carried inside a material: trees of faces and of space, links and blocks, and the estimate of their error.
+//! Light transport inside a material: trees of faces and of space, links and blocks, and their error estimate.
 
 #[path = "../devices/mod.rs"]
 mod devices;

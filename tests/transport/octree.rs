@@ -1,4 +1,4 @@
-//! `--transport octree` from outside: as right as its threshold allows, on the CPU and on a device, and where it runs.
+//! `--transport octree` run as a program: accurate to its threshold on the CPU and on a device, and listed in the plan.
 
 use crate::shell::{bad, folder, good, numbers, read};
 
@@ -28,7 +28,7 @@ fn a_smaller_angle_comes_nearer() {
         let (_, own) = numbers(&read(&here, "own.csv"));
         good(&here, &format!("solve sphere {sets} --transport brute --device cpu -o all.csv"));
         let (_, all) = numbers(&read(&here, "all.csv"));
-        // B_g, face by face.
+        // B_g of every face.
         let rows = || own.iter().zip(&all).map(|(own, all)| (own[9], all[9]));
         (rows().map(|(a, b)| (a - b).powi(2)).sum::<f64>() / rows().map(|(_, b)| b * b).sum::<f64>()).sqrt()
     };

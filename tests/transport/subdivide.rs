@@ -1,4 +1,4 @@
-//! Triangles cut finer where a shadow's border crosses them.
+//! Triangles subdivided where a shadow border crosses them.
 
 use milkglass::layout::BufferId;
 use milkglass::measure::estimate::Quality;
@@ -13,7 +13,7 @@ fn scene(sets: &[&str]) -> Scene {
     let mut all =
         vec!["object.0.detail=12", "light.0={ type = 'directional', direction = [0.2, 0.3, 1], irradiance = 3 }"];
     all.push("object.0.size=20");
-    // A plate hangs over a part of it, slanting, so that its shadow's border crosses triangles in every way.
+    // A slanted plate above part of the slab: its shadow border crosses triangles in all directions.
     all.push(
         "object.1={ shape = 'slab', detail = 4, size = 14, position = [3, 4, 12], rotation = [0, 0, 33], \
          material = { opaque = true } }",
@@ -26,7 +26,7 @@ fn options() -> Options {
     Options { goal: Goal::Radiosity, ..Options::default() }
 }
 
-/// Radiosity at the centres of the slab's triangles, their areas, and how many triangles it took.
+/// Radiosity at the centroids of the slab's triangles before subdivision, and the number of triangles after it.
 fn solved(scene: &Scene) -> (Vec<[f64; 3]>, usize) {
     let mut session = Session::new(scene, None, options(), CapacityHints::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
@@ -40,7 +40,7 @@ fn solved(scene: &Scene) -> (Vec<[f64; 3]>, usize) {
     (values, places.len())
 }
 
-/// The same by brute force over the mesh cut in sixteen everywhere.
+/// The same by brute force, with every triangle of the slab divided into sixteen.
 fn exact(scene: &Scene) -> Vec<[f64; 3]> {
     let mut fine = scene.clone();
     fine.transport.subdivide = 0;
@@ -50,7 +50,7 @@ fn exact(scene: &Scene) -> Vec<[f64; 3]> {
     let mut session = Session::new(&fine, None, options(), CapacityHints::default()).unwrap();
     session.prepare_light();
     let alone = session.state().alone(0);
-    // Part 15 of 16 is the middle of the middle.
+    // Part 15 of 16 is the centre of the centre part.
     let places = session.prepared().places(0);
     let centers: Vec<_> = (0..scene.objects[0].mesh.triangles.len())
         .map(|face| wide(alone.data.clusters[alone.data.leaves[places[16 * face + 15]] as usize].center))
@@ -59,7 +59,7 @@ fn exact(scene: &Scene) -> Vec<[f64; 3]> {
     at(&alone, &centers).into_iter().map(|value| value.map(|x| x * light)).collect()
 }
 
-/// L2 over the slab's triangles, worst channel.
+/// Area-weighted relative L2 error over the slab's triangles, in the worst channel.
 fn error(scene: &Scene, values: &[[f64; 3]], exact: &[[f64; 3]]) -> f64 {
     let mesh = &scene.objects[0].mesh;
     let area = |face: usize| mesh.corners(face).map_or(0.0, |[a, b, c]| 0.5 * (b - a).cross(c - a).length());
@@ -89,7 +89,7 @@ fn the_borders_of_shadows_are_where_they_are() {
 
 #[test]
 fn the_estimate_knows_what_a_border_still_misses() {
-    // One cut leaves much, two leave little.
+    // One level of subdivision leaves a large error, two leave a small one.
     for cuts in [1, 2] {
         let scene = scene(&["transport.tolerance=1e-2", &format!("transport.subdivide={cuts}")]);
         let options = Options { estimate: true, ..options() };
@@ -124,12 +124,12 @@ fn only_what_needs_it_is_cut() {
     let (fine, parts) = subdivide(&lit, false).unwrap();
     let [whole, part] = [&lit, &fine].map(|scene| scene.objects[0].mesh.triangles.len());
     assert!(part > whole && part < 2 * whole, "{whole} {part}");
-    // Every triangle has all its parts, and its centre in one of them.
+    // Every triangle has all of its parts, and its centre is in one of them.
     let mut count = vec![0; whole];
     parts[0].of.iter().for_each(|&face| count[face as usize] += 1);
     assert!(count.iter().all(|&n| n == 1 || n == 4));
     assert!((0..whole).all(|face| parts[0].of[parts[0].middle[face] as usize] == face as u32));
-    // Without a plate there is no border.
+    // Without the plate there is no border.
     lit.objects.truncate(1);
     lit.lights.truncate(1);
     let (_, parts) = subdivide(&lit, false).unwrap();

@@ -1,4 +1,4 @@
-//! A table for `milkglass eval`; the first byte says which.
+//! Fuzzes the tables of `milkglass eval`; the first byte selects the table and the formula.
 #![no_main]
 
 use milkglass::measure::eval::{Formula, Kind, answers};

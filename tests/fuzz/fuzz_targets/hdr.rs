@@ -1,4 +1,4 @@
-//! A file as an image wherever a scene takes one of its kind.
+//! Fuzzes Radiance HDR files as environment, texture and map of layers.
 #![no_main]
 mod shared;
 

@@ -1,4 +1,4 @@
-//! A mesh and, after a line of dashes, its material library; the first byte says in which way a scene reaches them.
+//! Fuzzes a mesh and, after a line of dashes, its material library; the first byte selects how a scene uses them.
 #![no_main]
 mod shared;
 
@@ -19,6 +19,6 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
         _ => "material = { preset = 'marble' }\nsize = 10\n[transport]\nscheme = 'links'",
     };
     let png = include_bytes!("../seeds/png/grey.png");
-    // The other mesh of a morph is the library's text.
+    // The library's text also serves as the second mesh of a morph.
     shared::load(&format!("{LIGHT}{rest}\n"), &[("m.obj", mesh), ("m.mtl", library), ("n.obj", library), ("a.png", png)]);
 });

@@ -1,4 +1,4 @@
-//! A scene file, beside a mesh and a map that it may name.
+//! Fuzzes a scene file, with a mesh and a texture that it may name.
 #![no_main]
 mod shared;
 

@@ -1,18 +1,18 @@
-//! What the targets share: a limit on memory that holds for every allocation, and scenes of files in memory.
+//! Shared by the targets: a limit on all allocated memory, and scenes loaded from files in memory.
 
 use cap::Cap;
 use milkglass::pipeline::plan::{Change, Options};
 use milkglass::session::run::{CapacityHints, Session};
 use milkglass::scene::{Files, Scene};
 
-/// What `--limit-memory` would be.
+/// Stands for the value of `--limit-memory`.
 const LIMIT: u64 = 128 << 20;
 
-/// Twice that is refused outright, which ends the run: estimates may be off, but not by so much.
+/// The allocator fails beyond twice the limit, which ends the run: memory estimates may be off by less than that.
 #[global_allocator]
 static MEMORY: Cap<std::alloc::System> = Cap::new(std::alloc::System, 256 << 20);
 
-/// Loads a scene whose text names these files; what loads and is small has to be a frame of finite light of at least 0.
+/// Loads a scene whose text names these files; a small scene that loads must give finite radiosity of at least 0.
 pub fn load(text: &str, files: &[(&str, &[u8])]) {
     let held = files.iter().map(|(name, bytes)| ((*name).into(), bytes.to_vec()));
     let Ok(scene) = Scene::parse_from("fuzz.toml", text, &[], &Files::held(held, LIMIT)) else { return };
@@ -28,7 +28,7 @@ pub fn load(text: &str, files: &[(&str, &[u8])]) {
     }
 }
 
-/// The same of a file that is an environment, a texture, a map of sigma_0 or a map of layers.
+/// As `load`, with the file as an environment, as a texture and as a map of layers.
 #[allow(dead_code, reason = "not every target is of images")]
 pub fn image(name: &str, bytes: &[u8]) {
     let ball = "[camera]\nsize = [4, 4]\n[[object]]\nshape = 'sphere'\ndetail = 0\n";
