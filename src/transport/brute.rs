@@ -17,7 +17,7 @@ const FAR_EMITTERS: u32 = 32768;
 /// The same where each may take the edge form's nested loops.
 const NEAR_EMITTERS: u32 = 1024;
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "brute",
     module: "transport",

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::layout::BufferId;
 use crate::state::{Granularity, Pass, Role, Scope, Serves, Stage, State, Tolerance, stage::never, wide};
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "evaluate",
     module: "transport",

@@ -30,7 +30,7 @@ const EMITTER: &[Field] = &[
     Field { name: "area", relative: 5e-4, floor: 1e-6, of: "" },
 ];
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "acceptance_radii",
     module: "transport/blocks",

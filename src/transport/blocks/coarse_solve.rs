@@ -21,7 +21,7 @@ const SAMPLE: &[Field] = &[
     Field { name: "light", relative: 2e-5, floor: 1e-30, of: "" },
 ];
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "coarse_solve",
     module: "transport/blocks",

@@ -18,7 +18,7 @@ use crate::state::{
     wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "gather",
     module: "transport/blocks",

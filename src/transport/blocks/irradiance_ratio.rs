@@ -10,7 +10,7 @@ use crate::layout::{
 };
 use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update};
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "irradiance_ratio",
     module: "transport/blocks",

@@ -25,7 +25,7 @@ const SECOND_MOMENTS: &[Field] = &[
     Field { name: "coarse", relative: 1e-3, floor: 1e-5, of: "" },
 ];
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "pull",
     module: "transport/blocks",

@@ -10,7 +10,7 @@ use crate::state::{
     Carrier, Granularity, Need, Object, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "push",
     module: "transport/blocks",

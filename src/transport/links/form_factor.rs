@@ -18,7 +18,7 @@ use crate::state::{
     narrow, stage::never, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "form_factor",
     module: "transport/links",

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::layout::{ALTERED_MOVED, BufferId};
 use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update};
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "mark_moved",
     module: "transport/links",

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::layout::{ALTERED_RELIT, BufferId};
 use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance};
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "mark_relit",
     module: "transport/links",

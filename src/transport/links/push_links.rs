@@ -9,7 +9,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "push_links",
     module: "transport/links",

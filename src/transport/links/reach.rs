@@ -10,7 +10,7 @@ use crate::state::{
     Carrier, Distance, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, stage::never,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "reach",
     module: "transport/links",

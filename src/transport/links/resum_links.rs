@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::layout::{BufferId, DUE_SUMMED, Range};
 use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance};
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "resum_links",
     module: "transport/links",

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::layout::BufferId;
 use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update};
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "snapshot",
     module: "transport/links",

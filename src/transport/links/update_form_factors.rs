@@ -13,7 +13,7 @@ use crate::state::{
     Carrier, Distance, Granularity, Near, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, narrow, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "update_form_factors",
     module: "transport/links",

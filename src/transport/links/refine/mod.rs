@@ -16,7 +16,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "refine",
     module: "transport/links",

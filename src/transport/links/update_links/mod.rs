@@ -21,7 +21,7 @@ use crate::state::{
 };
 use crate::transport::links::not_incremental;
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "update_links",
     module: "transport/links",
