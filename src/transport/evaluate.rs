@@ -1,4 +1,4 @@
-//! Stage `evaluate`: single form factors and profile values, so that the kernels can be checked from outside.
+//! Stage `evaluate`: single form factors and profile values, so that users can check the kernels.
 
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,5 +1,5 @@
-//! Stage `push_links`: a face's radiosity B is what was gathered at its leaf and at every cluster above it (section
-//! 3.2).
+//! Stage `push_links`: a face's radiosity B is the sum of what was gathered at its leaf and at every cluster above it
+//! (section 3.2).
 
 use rayon::prelude::*;
 

@@ -1,4 +1,5 @@
-//! Stage `snapshot`: places and clusters that the links are made for, so that the next frame knows what it alters.
+//! Stage `snapshot`: copies the positions and clusters that the links are made for, so that the next frame can find
+//! changes.
 
 use super::not_incremental;
 use crate::error::Result;

@@ -1,4 +1,4 @@
-//! Stage `sum_links`: what each node receives at its centre over its own links, E times F summed (equation 6).
+//! Stage `sum_links`: what each node receives at its centre over its own links, the sum of E times F (equation 6).
 
 use rayon::prelude::*;
 
