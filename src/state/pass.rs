@@ -1,4 +1,4 @@
-//! What a stage records its dispatches with: a [`Pass`] that passes them to a device or lists them.
+//! What a stage records its dispatches with: a [`Pass`] sends them to a device or lists them.
 
 use super::device::{Call, DeviceState, Groups};
 use super::{Object, Scope, State, Step};

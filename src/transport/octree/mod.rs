@@ -6,7 +6,7 @@
 //! otherwise it is opened. Each source adds `E A R_d(d)`, with the dipole's distance measured from the point where
 //! light enters.
 //!
-//! What makes it fast changes nothing of that:
+//! The optimisations change none of this:
 //! - 16 neighbouring receivers walk the tree together (`traverse`); a cell is opened for all where one of them, or
 //!   the nearest point of their common box, wants it open. So no receiver gets less than it asks for.
 //! - The up to eight children of a cell lie side by side and are judged at once.
