@@ -1,4 +1,5 @@
-//! The profile and its derivatives by half the squared distance, per channel of a group: what links are made of.
+//! The profile and its first two derivatives by half the squared distance, per channel of a group: what links are
+//! made of.
 //!
 //! With a = sigma s: `p0 = (1+a) e^-a / s^3`, `p1 = p0'/s = -(3+3a+a^2) e^-a / s^5`,
 //! `p2 = p1'/s = (15+15a+6a^2+a^3) e^-a / s^7`, each summed over both sources times their depths and the strength.
@@ -20,7 +21,7 @@ pub struct ProfileDerivatives {
 }
 
 impl ProfileDerivatives {
-    /// Of a dipole at a squared distance.
+    /// For a dipole at a squared distance.
     #[must_use]
     pub fn of(dipole: &Dipole, d2: f64) -> Self {
         let mut jet = Self::default();
@@ -36,7 +37,7 @@ impl ProfileDerivatives {
     }
 }
 
-/// The dipoles of a group of channels, each times the channel's tint.
+/// The dipoles of a group of channels, each multiplied by the channel's tint.
 pub struct GroupProfile {
     dipoles: [Dipole; 3],
     mask: u32,
@@ -54,7 +55,7 @@ pub struct ClusterMoments {
 }
 
 impl ClusterMoments {
-    /// As it is stored.
+    /// From the records that store it.
     #[must_use]
     pub fn new(m: &Moment, s: &SecondMoments) -> Self {
         Self { weight: m.weight.into(), center: point(m.center), moments: [point(s.diagonal), point(s.mixed)] }
@@ -112,7 +113,7 @@ impl GroupProfile {
         ProfileDerivatives::of(&self.dipoles[channel], d2)
     }
 
-    /// What a cluster gives a receiver at `x`: `W [p0 + (p1 tr Q + p2 d.Q.d) / 2]`; without Q below order 2.
+    /// Radiosity at `x` from a cluster: `W [p0 + (p1 tr Q + p2 d.Q.d) / 2]`; without Q below order 2.
     #[must_use]
     pub fn link(&self, channel: usize, m: &ClusterMoments, x: DVec3, order: u32) -> f64 {
         let d = x - m.center;
@@ -124,8 +125,8 @@ impl GroupProfile {
         m.weight * value
     }
 
-    /// `chi = tau q2 / (2 s^2)` of the channel as the kernels take it, for tau = 1: from the derivatives themselves,
-    /// with the real source's distance.
+    /// `chi = tau q2 / (2 s^2)` of a channel for tau = 1, as the kernels compute it: from the derivatives themselves,
+    /// with the distance to the real source.
     #[must_use]
     pub fn unit_chi(&self, channel: usize, d2: f64) -> f64 {
         let jet = self.at(channel, d2);

@@ -1,8 +1,8 @@
 //! The dipole profile `R_d` of one colour channel: Table 1 of Mertens et al. 2003.
 //!
 //! `R_d(r) = alpha'/(4 pi) [ z_r p(s_r) + z_v p(s_v) ]`, `p(s) = (1 + sigma s) e^(-sigma s) / s^3`,
-//! `s_j^2 = r^2 + z_j^2`: a real source below the surface and a virtual one above it. The factor
-//! in front is a depth `z_j`, not the height of the source over some other plane.
+//! `s_j^2 = r^2 + z_j^2`: a real source below the surface and a virtual one above it. The factor in front of `p` is
+//! the depth `z_j`, not the height of the source over some other plane.
 
 use std::f64::consts::PI;
 
@@ -22,7 +22,7 @@ pub struct Dipole {
 }
 
 impl Dipole {
-    /// One channel of a frame's material, in internal units.
+    /// One channel of an object's material, in internal units.
     #[must_use]
     pub fn of(params: &ObjectParams, channel: usize) -> Self {
         Self {

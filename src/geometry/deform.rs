@@ -1,9 +1,9 @@
-//! Stage `deform`: an object's vertices, twisted, bent, raised by bumps and noise, morphed, from where they are at
-//! rest.
+//! Stage `deform`: moves an object's vertices from their positions at rest: twists, bends, bumps, noise and morphs.
 //!
-//! All of it is `f32` additions, multiplications and comparisons in the order of `glsl/geometry/deform.comp`, sine and
-//! cosine too, so that every device has the same shape to the last bit, and whatever is decided by it. Normals are
-//! those at rest, whatever deforms come before: bumps and noise belong before twists and bends.
+//! All of it, sine and cosine included, is `f32` additions, multiplications and comparisons in the order of
+//! `glsl/geometry/deform.comp`, so that every device computes the same shape to the last bit and makes the same
+//! decisions on it. Normals are those at rest, whatever deformations come before: bumps and noise belong before
+//! twists and bends.
 
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ use crate::layout::{
 };
 use crate::state::{Carrier, Granularity, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never};
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "deform",
     module: "geometry",
@@ -40,7 +40,7 @@ fn each(f: impl Fn(usize) -> f32) -> [f32; 3] {
     [f(0), f(1), f(2)]
 }
 
-/// sin of up to a quarter of a turn.
+/// sin of an angle in turns, of at most a quarter turn.
 fn quarter(x: f32) -> f32 {
     let z = x * x;
     let mut sum = SINE[6];
@@ -57,7 +57,7 @@ fn turn(turns: f32) -> [f32; 2] {
     [quarter(if x.abs() > 0.25 { half } else { x }), quarter(0.25 - x.abs())]
 }
 
-/// Gradient noise, -1 to 1: Perlin's of 2002 with a hash in place of the table.
+/// Gradient noise, -1 to 1: Perlin 2002, with a hash in place of the table.
 fn noise(p: [f32; 3]) -> f32 {
     let cell = p.map(f32::floor);
     let f = each(|k| p[k] - cell[k]);
@@ -86,7 +86,7 @@ fn noise(p: [f32; 3]) -> f32 {
     mix(across(0), across(4), fade[2])
 }
 
-/// Where a deformation moves a point with this normal at rest; a morph moves it by its weight times `way`.
+/// Where a deformation moves a point that has this normal at rest; a morph moves it by its weight times `way`.
 pub fn displace(deform: &Deform, p: [f32; 3], normal: [f32; 3], way: [f32; 3]) -> [f32; 3] {
     let d = deform;
     let from = each(|k| p[k] - d.origin[k]);
@@ -105,7 +105,8 @@ pub fn displace(deform: &Deform, p: [f32; 3], normal: [f32; 3], way: [f32; 3]) -
             let inside = above.clamp(0.0, d.extent);
             let beyond = above - inside;
             let [s, c] = turn(d.rate * inside);
-            // Up the arc, and from it; with little curvature the radius is long and would cancel.
+            // How far up the arc and away from the axis. At small curvature by series, because the large radius would
+            // cancel.
             let phi = 6.283_185_5 * (d.rate * inside);
             let z = phi * phi;
             let flat = z < 0.0625;
@@ -130,7 +131,7 @@ pub fn displace(deform: &Deform, p: [f32; 3], normal: [f32; 3], way: [f32; 3]) -
     }
 }
 
-/// Where a morph's vertex goes, from where it is at rest; nowhere for any other deformation.
+/// The displacement of a vertex to its position in a morph's other mesh; 0 for any other deformation.
 pub fn way(morphs: &[[f32; 3]], deform: &Deform, vertex: usize) -> [f32; 3] {
     if deform.kind == DEFORM_MORPH { morphs[deform.first as usize + vertex] } else { [0.0; 3] }
 }
@@ -139,11 +140,11 @@ fn cpu(state: &mut State, _at: Scope) {
     deform(&mut state.data, 0);
 }
 
-/// Deforms the object of this frame.
+/// Deforms the vertices of one object.
 pub fn deform(data: &mut Buffers, object: usize) {
     let params = data.object_params[object];
     let own = &data.deforms[params.first_deform as usize..(params.first_deform + params.deforms) as usize];
-    // Of one object alone the rest begins at 0, of all objects where the places do.
+    // In a state of one object `rest` begins at 0, in one of several objects at the object's first vertex.
     let (first, count) = (params.first_vertex as usize, params.vertices as usize);
     let begin = if data.object_params.len() == 1 { 0 } else { first };
     let (rest, normals) = (&data.rest[begin..], &data.rest_normals[begin..]);
@@ -237,7 +238,7 @@ mod tests {
             (least, most) = (least.min(height), most.max(height));
         }
         assert!(least < -0.05 && most > 0.05, "{least} to {most}");
-        // At the lattice it is nothing.
+        // At the lattice points noise is 0.
         assert_eq!(displace(&waves, [0.5, 0.5, -0.5], normal, [0.0; 3]), [0.5, 0.5, -0.5]);
     }
 

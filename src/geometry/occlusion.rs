@@ -1,18 +1,18 @@
 //! Whether a ray from a triangle towards a light is blocked: a decision, in step with `glsl/geometry/occlusion.glsl`.
 //!
-//! A triangle blocks when the ray passes through it by [`trace`](super::trace)'s test, and
-//! - it is not the one that the ray starts from;
-//! - one of its corners lies in front of the plane of that one, for certain ([`Plane::beyond`]). Light that arrives
-//!   from the front never goes below that plane, so this leaves out no triangle that could block, but every one that
-//!   rounding might put in the way: flat and convex neighbours, however fine, and coincident sheets. A convex object
-//!   never shadows itself, at any light and any scale;
-//! - where an object does not shadow itself, it is none of that object's; what the corners are in front of counts no
-//!   more then;
-//! - a light that has a place lies beyond the triangle, for certain: a light in a surface is not blocked by that
-//!   surface.
+//! A triangle blocks the ray if the ray passes through it by [`trace`](super::trace)'s test, and all of these hold:
+//! - It is not the triangle that the ray starts from.
+//! - One of its corners lies in front of the plane of that triangle, for certain ([`Plane::beyond`]). Light that
+//!   arrives from the front never goes below that plane, so this rejects no triangle that could block, but every one
+//!   that rounding might put in the way: flat and convex neighbours, however fine, and coincident sheets. A convex
+//!   object never shadows itself, at any light and any scale.
+//! - It is not spared. Where an object does not shadow itself, all its triangles are spared, and the test of corners
+//!   is skipped.
+//! - The light, if it has a position, lies beyond the triangle, for certain: a light in a surface is not blocked by
+//!   that surface.
 //!
-//! What is left to rounding is which side of an edge a ray passes, as for any ray; a ray through a shared edge or
-//! corner meets at least one of the triangles.
+//! The only thing left to rounding is on which side of an edge a ray passes, as for any ray; a ray through a shared
+//! edge or corner hits at least one of the triangles.
 
 use std::ops::Range;
 
@@ -25,15 +25,15 @@ use crate::layout::{Buffers, NONE};
 pub struct Ray {
     /// The triangle that it starts from.
     pub face: u32,
-    /// Where it starts.
+    /// The point where it starts.
     pub origin: [f32; 3],
-    /// Where it runs to, of any length.
+    /// Its direction, of any length.
     pub direction: [f32; 3],
-    /// The light's position; none where it is infinitely far away.
+    /// The light's position; none for a light at infinity.
     pub light: Option<[f32; 3]>,
-    /// On which side of its triangle it leaves: 1 in front, -1 behind.
+    /// On which side of its triangle the ray leaves: 1 in front, -1 behind.
     pub side: f32,
-    /// Triangles that block nothing; where they are given, those behind the plane that the ray starts from do.
+    /// Triangles that block nothing. If given, triangles behind the plane that the ray starts from do block.
     pub spared: Option<Range<u32>>,
 }
 

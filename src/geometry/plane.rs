@@ -4,9 +4,9 @@
 //! For corners a, b, c in `f32` and u = 2^-24: the edges b - a and c - a carry one rounding each (u), the products of
 //! the normal two edges and one rounding (3 u), their difference one more (4 u), all relative to `size`, the same sum
 //! with every term positive. The height of a point over the plane is a dot product of its offset from a (u) and that
-//! normal: products (6 u), two sums (8 u). So it is off by at most 8 u times the dot product of |offset| and `size`, to
-//! first order in u; twice that is asked for, which covers the higher orders and the rounding of the bound itself.
-//! Nothing in it has a length: it holds at every scale.
+//! normal: products (6 u), two sums (8 u). So its error is at most 8 u times the dot product of |offset| and `size`,
+//! to first order in u. The test requires twice that, which covers the higher orders and the rounding of the bound
+//! itself. The bound is relative, so it holds at every scale.
 
 use super::trace::{cross, dot, minus};
 use crate::layout::PLANE_ROUNDING;
@@ -15,13 +15,13 @@ use crate::layout::PLANE_ROUNDING;
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
     corner: [f32; 3],
-    /// Its normal, of twice the triangle's area.
+    /// Its normal; the length is twice the triangle's area.
     pub normal: [f32; 3],
     size: [f32; 3],
 }
 
 impl Plane {
-    /// Through these corners.
+    /// The plane through these corners.
     pub fn new([a, b, c]: [[f32; 3]; 3]) -> Self {
         let (e1, e2) = (minus(b, a), minus(c, a));
         let (p, q) = (e1.map(f32::abs), e2.map(f32::abs));

@@ -1,5 +1,5 @@
-//! Stage `refit`: positions to face geometry, to the boxes, centroids, vector areas and second moments of clusters,
-//! bottom-up, and to vertex normals. Runs again whenever the shape changes.
+//! Stage `refit`: recomputes from positions the boxes, centroids, vector areas and second moments of faces and
+//! clusters, bottom-up, the spheres of blocks, and vertex normals. Runs whenever the shape changes.
 
 use std::f64::consts::TAU;
 
@@ -13,7 +13,8 @@ use crate::state::{
     stage::never, wide,
 };
 
-/// A centre within rounding of the extent; an area and a spread of their own size; a vector area of the area's size.
+/// Tolerances of clusters: centres relative to the extent, areas and second moments to themselves, vector areas to
+/// the area.
 const CLUSTER: &[Field] = &[
     Field { name: "center", relative: 0.0, floor: 2e-6, of: "" },
     Field { name: "area", relative: 5e-5, floor: 0.0, of: "" },
@@ -21,14 +22,14 @@ const CLUSTER: &[Field] = &[
     Field { name: "moment_trace", relative: 5e-5, floor: 0.0, of: "" },
 ];
 
-/// A block's sphere within rounding of the extent.
+/// Tolerances of a block's sphere: centre and radius relative to the extent.
 pub const SPHERE: &[Field] = &[
     Field { name: "center", relative: 0.0, floor: 4e-6, of: "" },
     Field { name: "radius", relative: 1e-5, floor: 4e-6, of: "" },
     Field { name: "relative_moment", relative: 1e-3, floor: 0.0, of: "" },
 ];
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "refit",
     module: "geometry",
@@ -54,13 +55,13 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// Where blocks receive, each receiver's place.
+/// Elements of `receiver_positions`: one per receiver if there are blocks, else none.
 fn places(state: &State) -> usize {
     let extent = state.extent();
     if extent.blocks > 0 { extent.receivers } else { 0 }
 }
 
-/// Where a ray goes from a node, on through the trees of all objects.
+/// The next node and the triangle of a node's box, as indices over the trees of all objects.
 fn way(params: &ObjectParams, place: Topology) -> Bounds {
     let next = if place.skip == params.nodes { params.next_node } else { params.first_node + place.skip };
     let face = if place.face == NONE { NONE } else { params.first_face + place.face };
@@ -121,7 +122,7 @@ fn cpu(state: &mut State, _at: Scope) {
         })
         .collect();
 
-    // The spheres round the blocks' receivers.
+    // The bounding spheres of the blocks' receivers.
     let disc = disc(sums.first().map_or(0.0, |root| root.area), params.usual_blocks);
     if params.by_pixel == 0 && params.blocks > 0 {
         let center = |&leaf: &u32| sums[leaf as usize].center;
@@ -130,7 +131,7 @@ fn cpu(state: &mut State, _at: Scope) {
         data.spheres = data.blocks.iter().map(of_block).collect();
     }
 
-    // Vertex normals from the triangles round each vertex.
+    // Vertex normals from the triangles around each vertex.
     let around = |v: usize| &data.corners[data.corner_starts[v] as usize..data.corner_starts[v + 1] as usize];
     data.normals = (0..data.corner_starts.len() - 1)
         .map(|v| {
@@ -140,13 +141,14 @@ fn cpu(state: &mut State, _at: Scope) {
         .collect();
 }
 
-/// Mean square distance from its centre in a flat disc of the mean area of all blocks.
+/// Mean square distance from the centre over a flat disc of a block's mean area.
 #[must_use]
 pub fn disc(area: f64, blocks: u32) -> f64 {
     f64::max(area / (TAU * f64::from(blocks)), 1e-30)
 }
 
-/// The sphere round a block's receivers; their spread is against that of a usual block's [`disc`].
+/// The bounding sphere of a block's receivers; their mean square distance from its centre is given relative to that
+/// of a usual block, [`disc`].
 pub fn sphere(block: &Block, disc: f64, center_of: impl Fn(usize) -> DVec3) -> Sphere {
     let points = || (block.first as usize..(block.first + block.count) as usize).map(&center_of);
     let low = points().fold(DVec3::INFINITY, DVec3::min);

@@ -1,16 +1,16 @@
-//! The nearest triangle along a ray, by the tree: a decision, so it is `f32` additions, multiplications and
+//! Finds the nearest triangle along a ray by the tree: a decision, so it is `f32` additions, multiplications and
 //! comparisons only, in the same order as `glsl/geometry/trace.glsl`, and the two agree bit for bit.
 
 use crate::layout::{Buffers, NONE};
 
 pub use crate::layout::UNFINISHED;
 
-/// What a ray met first.
+/// The first hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
     /// The triangle, or [`NONE`].
     pub face: u32,
-    /// On which side of the triangle's edges the ray passes; barycentric once divided by their sum.
+    /// Edge functions of the triangle at the ray; barycentric coordinates once divided by their sum.
     pub weights: [f32; 3],
     /// Distance along the ray is `numerator / denominator`, in multiples of its direction.
     pub numerator: f32,
@@ -36,14 +36,14 @@ pub(super) struct Sight {
     along: [f32; 3],
     right: [f32; 3],
     up: [f32; 3],
-    /// The power of two that `along` is the direction times, so that its largest part is 1 to 2.
+    /// The power of two that scales the direction to `along`, whose largest component is 1 to 2.
     pub scale: f32,
     /// Square of the length of `along`.
     pub square: f32,
 }
 
 impl Sight {
-    /// Of a ray along `direction`, of any length.
+    /// For a ray along `direction`, of any length.
     pub fn new(direction: [f32; 3]) -> Self {
         let m = direction.map(f32::abs);
         let largest = m[0].max(m[1].max(m[2]));
@@ -58,12 +58,12 @@ impl Sight {
         Self { along, right, up, scale, square: dot(along, along) }
     }
 
-    /// Where the ray hits a triangle, its corners seen from the ray's origin: distance is
+    /// Where the ray hits a triangle, whose corners are relative to the ray's origin: the distance is
     /// `numerator / (denominator * square)`, in multiples of `along`.
     ///
-    /// Each corner's place across the ray is rounded once, the same for all triangles around it, and the sign of a
-    /// difference of two products of such places is never wrong, zero at most: no ray slips between triangles, nor past
-    /// a corner that many share.
+    /// Each corner's coordinates across the ray are rounded once, the same for all triangles around it, and the sign
+    /// of a difference of two products of such coordinates is never wrong, at worst 0: no ray slips between
+    /// triangles, nor past a corner that many share.
     pub fn pierce(&self, corners: [[f32; 3]; 3]) -> Option<Nearest> {
         let [x, y, z] = [self.right, self.up, self.along].map(|axis| corners.map(|corner| dot(axis, corner)));
         let w = [x[1] * y[2] - y[1] * x[2], x[2] * y[0] - y[2] * x[0], x[0] * y[1] - y[0] * x[1]];
@@ -74,7 +74,8 @@ impl Sight {
     }
 }
 
-/// Whether the half line may meet the box before the nearest hit: separating axes, with a margin above rounding.
+/// Whether the half line may meet the box before the nearest hit: separating axes, with a margin larger than
+/// rounding.
 pub(super) fn meets(low: [f32; 3], high: [f32; 3], origin: [f32; 3], ray: &Sight, nearest: &Nearest) -> bool {
     let each = |f: &dyn Fn(usize) -> f32| [f(0), f(1), f(2)];
     let c = each(&|k| 0.5 * (low[k] + high[k]) - origin[k]);

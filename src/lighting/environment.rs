@@ -1,8 +1,8 @@
 //! Stage `environment`: the nine spherical-harmonic coefficients of the environment's image, a reduction over its
 //! pixels.
 //!
-//! A pixel is as bright all over; integrals of the harmonics over it are products of one over its row and one over its
-//! column, which the host has tables of, so that a constant image of any size has no error.
+//! Each pixel has constant radiance. The integral of a harmonic over it is a product of an integral over its row and
+//! one over its column, both tabulated by the host, so that a constant image of any size has no error.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -13,7 +13,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, narrow, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "environment",
     module: "lighting",
@@ -32,7 +32,8 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// Sums level by level: the number of blocks of pixels, of sums of those, and so on to one.
+/// Sizes of the levels of the reduction: the number of blocks of pixels, of blocks of their sums, and so on down to
+/// one.
 fn levels([width, height]: [u32; 2]) -> Vec<usize> {
     let mut levels = vec![height as usize * (width as usize).div_ceil(SKY_BLOCK)];
     while let Some(&last) = levels.last().filter(|&&last| last > 1) {
@@ -57,7 +58,7 @@ fn block(data: &Buffers, k: usize) -> [DVec3; SKY_HARMONICS] {
         let (r, c) = (&data.sky_rows[row], &data.sky_columns[column]);
         let ([one, y, s], [yy, sy, ss]) = (r.first.map(f64::from), r.second.map(f64::from));
         let ([all, x, z], [xz, difference]) = (c.first.map(f64::from), c.second.map(f64::from));
-        // Solid angle times each harmonic's polynomial; its normalisation by `basis` at points where that is known.
+        // Solid angle times each harmonic's polynomial, not yet normalised.
         let polynomials =
             [one * all, s * x, y * all, s * z, sy * z, ss * xz, sy * x, (3.0 * yy - one) * all, ss * difference];
         for (sum, polynomial) in sums.iter_mut().zip(polynomials) {
@@ -68,7 +69,7 @@ fn block(data: &Buffers, k: usize) -> [DVec3; SKY_HARMONICS] {
     std::array::from_fn(|k| sums[k] * norms[k])
 }
 
-/// What each polynomial is multiplied by, to be orthonormal.
+/// The factor that makes each polynomial orthonormal, from `basis` where the polynomial is known.
 fn norms() -> [f64; SKY_HARMONICS] {
     let at = |x, y, z| super::harmonics::basis(DVec3::new(x, y, z));
     let (axis, middle) = (at(0.0, 1.0, 0.0), at(1.0, 1.0, 1.0));
@@ -80,7 +81,7 @@ fn cpu(state: &mut State, _at: Scope) {
     let levels = levels(data.object_params[0].sky);
     let mut sums: Vec<[DVec3; SKY_HARMONICS]> = (0..levels[0]).into_par_iter().map(|k| block(data, k)).collect();
 
-    // The last sum comes first.
+    // Levels are stored last to first, so that the final sum comes first.
     let mut all = vec![sums.clone()];
     for _ in 1..levels.len() {
         let add =

@@ -24,7 +24,7 @@ pub fn transmittance(eta: f64, cos_theta: f64) -> f64 {
         return 0.0;
     }
     let cos_in = cos2.sqrt() / eta;
-    // One minus the reflectance of the two polarisations, in sums of what is positive only.
+    // One minus the reflectance of both polarisations, from positive terms only.
     let (across, along) = (cos_out + eta * cos_in, eta * cos_out + cos_in);
     (2.0 * eta * (cos_out / across * (cos_in / across) + cos_out / along * (cos_in / along))).min(1.0)
 }
@@ -59,7 +59,7 @@ pub fn diffuse_external_exact(eta: f64) -> f64 {
     }
 }
 
-/// `1 / (1 - F_ext)`, at least 1: by so much light that leaves is too dark where each direction gets only its
+/// `1 / (1 - F_ext)`, at least 1: the factor that light leaving the object lacks where each direction gets only its
 /// transmittance of it, because the directional transmittances average to `1 - F_ext`. `eta`: index inside over
 /// outside, positive.
 #[must_use]

@@ -1,8 +1,8 @@
-//! Light from all around by nine spherical harmonics (Ramamoorthi and Hanrahan 2001), with the boundary's Fresnel
-//! transmittance in their factors.
+//! Irradiance from an environment of nine spherical harmonics (Ramamoorthi and Hanrahan 2001), with the boundary's
+//! Fresnel transmittance in their factors.
 //!
-//! Irradiance is a convolution of radiance with F_t(mu) mu, so that harmonic of degree l is multiplied by the integral
-//! 2 pi F_t(mu) mu P_l(mu) over mu from 0 to 1. For F_t = 1 those are pi, 2 pi / 3, pi / 4.
+//! Irradiance is a convolution of radiance with F_t(mu) mu, so each harmonic of degree l is multiplied by the
+//! integral of 2 pi F_t(mu) mu P_l(mu) over mu from 0 to 1. For F_t = 1 the factors are pi, 2 pi / 3, pi / 4.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,7 +13,7 @@ use super::fresnel::transmittance;
 /// The factors of degrees 0, 1 and 2 for a relative index, inside over outside, positive.
 #[must_use]
 pub fn zonal(eta: f64) -> [f64; 3] {
-    // Simpson's rule in s, mu = s^2: for an index near 1 the transmittance bends near mu = 0.
+    // Simpson's rule in s with mu = s^2, because for an index near 1 the transmittance bends near mu = 0.
     const PANELS: usize = 8192;
     let mut sums = [0.0; 3];
     for i in 0..=PANELS {
@@ -52,14 +52,14 @@ pub fn basis(n: DVec3) -> [f64; 9] {
     ]
 }
 
-/// Radiance from direction `n`, at least 0, of nine coefficients.
+/// Radiance from direction `n`, at least 0, given nine coefficients.
 #[must_use]
 pub fn radiance(coefficients: &[DVec3], n: DVec3) -> DVec3 {
     let sum: DVec3 = coefficients.iter().zip(basis(n)).map(|(&c, y)| c * y).sum();
     sum.max(DVec3::ZERO)
 }
 
-/// What of it enters a face of normal `n`, at least 0; `factors` are those of each degree, per channel.
+/// Irradiance that enters a face of normal `n`, at least 0; `factors` are those of each degree, per channel.
 #[must_use]
 pub fn irradiance(coefficients: &[DVec3], factors: [DVec3; 3], n: DVec3) -> DVec3 {
     const DEGREE: [usize; 9] = [0, 1, 1, 1, 2, 2, 2, 2, 2];
@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn the_basis_is_orthonormal() {
-        // A product rule exact for polynomials of degree 4 is not needed: many points are.
+        // A midpoint rule with many points is accurate enough.
         let (rows, columns) = (400, 800);
         let mut products = [[0.0; 9]; 9];
         for row in 0..rows {

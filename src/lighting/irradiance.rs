@@ -1,8 +1,8 @@
 //! Stage `irradiance`: the light that enters each face, E of equation 5, from every light that reaches it and from the
 //! environment.
 //!
-//! Below an index of 1 transmittance rises from the critical angle as a square root, so that the rounding of a cosine
-//! counts: where the squared cosine is within 0.01 of the critical one, a device in `f32` may miss the stage's
+//! For an index below 1, transmittance rises from the critical angle like a square root, which amplifies the rounding
+//! of the cosine: where the squared cosine is within 0.01 of the critical one, a device in `f32` may miss the stage's
 //! tolerance, by up to 2e-3 of the light right at it. The fixture of such indices has no face there.
 
 use glam::DVec3;
@@ -18,7 +18,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "irradiance",
     module: "lighting",
@@ -66,20 +66,20 @@ pub fn arrival(light: &Light, point: DVec3) -> (DVec3, f64) {
     (toward, falloff)
 }
 
-/// Whether a light reaches a face, as far as shadows are known.
+/// Whether a light reaches a face, according to its bits of shadow.
 #[must_use]
 pub fn reaches(data: &Buffers, light: &Light, face: usize) -> bool {
     bit(&data.lit, data.object_params[0].shadow_words, light, face)
 }
 
-/// The same of what such bits are of, `words` each.
+/// The same for any such bits, `words` per element; a light that casts no shadows always reaches.
 #[must_use]
 pub fn bit(bits: &[u32], words: u32, light: &Light, index: usize) -> bool {
     let bit = |bit: u32| bits[index * words as usize + bit as usize / 32] >> (bit % 32) & 1;
     light.shadow == NONE || bit(light.shadow) == 1
 }
 
-/// E of equation 5 at a place of an object, by its unit normal: from the lights that reach it, and the environment.
+/// E of equation 5 at a point with a unit normal (`place`), from the lights that reach it and the environment.
 pub fn entering(data: &Buffers, params: &ObjectParams, place: [DVec3; 2], reaches: &dyn Fn(&Light) -> bool) -> DVec3 {
     let [point, normal] = place;
     let eta = params.eta.map(f64::from);

@@ -1,4 +1,4 @@
-//! Stage `opaque_faces`: what an object that no light enters gives back, in all directions alike.
+//! Stage `opaque_faces`: radiosity of the faces of opaque objects, by Lambert's law.
 
 use rayon::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "opaque_faces",
     module: "lighting",

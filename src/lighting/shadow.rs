@@ -1,4 +1,4 @@
-//! Stage `shadow`: whether each light that casts shadows reaches each face, a ray from the centroid each.
+//! Stage `shadow`: whether each light that casts shadows reaches each face, by one ray from the centroid.
 
 use rayon::prelude::*;
 
@@ -10,7 +10,7 @@ use crate::state::{
     Carrier, Granularity, Local, Need, Object, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "shadow",
     module: "lighting",
@@ -43,7 +43,7 @@ fn skip(state: &State) -> Option<&'static str> {
     }
 }
 
-/// Rays of one dispatch at most: about a second on the slowest device.
+/// Most rays of one dispatch: about a second on the slowest device.
 pub const RAYS: usize = 1 << 18;
 
 fn cpu(state: &mut State, _at: Scope) {
@@ -67,25 +67,25 @@ fn cpu(state: &mut State, _at: Scope) {
     state.data.lit = lit;
 }
 
-/// Whether only other objects shadow an object.
+/// Whether an object is shadowed by other objects only.
 fn others_only(state: &State, object: &Object) -> bool {
     state.method.local.is_some_and(Local::spares_itself) && !object.opaque
 }
 
-/// Whether a light reaches a place of a triangle.
+/// Whether a light reaches a point of a triangle.
 #[must_use]
 pub fn free(state: &State, face: u32, place: [f32; 3], light: &Light) -> bool {
     ray(state, face, place, light).is_some_and(|ray| !blocked(&state.data, &ray))
 }
 
-/// The ray from a place of a triangle to a light; none where the triangle is turned away, behind an area, or outside a
-/// spot's cone.
+/// The ray from a point of a triangle to a light; none where the triangle faces away, behind an area light, or
+/// outside a spot's cone.
 fn ray(state: &State, face: u32, origin: [f32; 3], light: &Light) -> Option<Ray> {
     let data = &state.data;
     let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let far = light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_SKY_RAY;
     let direction = if far { light.place } else { std::array::from_fn(|k| light.place[k] - origin[k]) };
-    // In local shading an object's own triangles neither block light nor turn away from it.
+    // In local shading an object's own triangles do not block light, nor does it matter which way they face.
     let number = state.object_of(face as usize);
     let (object, both) = (&state.objects[number], data.object_params[number].two_sided != 0);
     let spared = others_only(state, object).then(|| {

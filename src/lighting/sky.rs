@@ -1,4 +1,4 @@
-//! The environment's radiance from one direction: its image, linear between the centres of four pixels.
+//! The environment's radiance from one direction: its image, bilinear between the centres of pixels.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::layout::Buffers;
 use crate::state::wide;
 
-/// Radiance from a direction of any length but 0, in the frame's units; columns go round, rows end at the poles.
+/// Radiance from a direction of any length but 0, in internal units; columns wrap around, rows end at the poles.
 #[must_use]
 pub fn radiance(data: &Buffers, direction: DVec3) -> DVec3 {
     let params = &data.object_params[0];

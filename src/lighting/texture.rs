@@ -1,11 +1,11 @@
-//! A texture at one place: its texels, linear between the centres of four of them.
+//! A texture at one point, bilinear between the centres of texels.
 
 use glam::{DVec2, DVec3};
 
 use crate::layout::{Buffers, ObjectParams, TEXTURE_LEAVES, WRAP_CLAMP, WRAP_REPEAT};
 use crate::state::{State, wide};
 
-/// Why no light is multiplied by a texture on this side, if none is.
+/// Why no light is multiplied by a texture on this side, `TEXTURE_ENTERS` or `TEXTURE_LEAVES`, if none is.
 #[must_use]
 pub fn untextured(state: &State, side: u32) -> Option<&'static str> {
     let sides = state.data.object_params.iter().fold(0, |sides, params| sides | params.texture_side);
@@ -17,7 +17,7 @@ pub fn untextured(state: &State, side: u32) -> Option<&'static str> {
     }
 }
 
-/// Which of `count` texels in a row stands at place `i`; `wrap` as in `object_params.texture_wrap`.
+/// Which texel of a row of `count` serves as texel `i`; `wrap` as in `object_params.texture_wrap`.
 #[must_use]
 pub fn texel(i: i64, count: u32, wrap: u32) -> u32 {
     let last = i64::from(count) - 1;
@@ -32,14 +32,14 @@ pub fn texel(i: i64, count: u32, wrap: u32) -> u32 {
     k as u32
 }
 
-/// Factors of an object's texture at a place: (0, 0) is the upper left corner of the texture, (1, 1) the lower right
+/// Factors of an object's texture at a point: (0, 0) is the upper left corner of the texture, (1, 1) the lower right
 /// one.
 #[must_use]
 pub fn factor(params: &ObjectParams, texels: &[[f32; 3]], place: DVec2) -> DVec3 {
     look(texels, params.texture_first, params.texture_size, params.texture_wrap, place)
 }
 
-/// The same of a texture of this size whose first texel is there, and which goes on like this beyond its edges.
+/// The same for a texture of this first texel, size and wrap mode.
 #[must_use]
 pub fn look(texels: &[[f32; 3]], first: u32, [width, height]: [u32; 2], wrap: u32, place: DVec2) -> DVec3 {
     let at = place * DVec2::new(width.into(), height.into()) - 0.5;
@@ -52,7 +52,7 @@ pub fn look(texels: &[[f32; 3]], first: u32, [width, height]: [u32; 2], wrap: u3
     row(top as i64).lerp(row(top as i64 + 1), at.y - top)
 }
 
-/// Where a triangle has this place, `u` and `v` the weights of its second and third corner.
+/// The texture coordinates of a point of a triangle, `u` and `v` being the weights of the second and third corner.
 #[must_use]
 pub fn place(data: &Buffers, face: usize, u: f64, v: f64) -> DVec2 {
     let corners = &data.corner_uvs[face];
@@ -82,7 +82,7 @@ mod tests {
             data.object_params[0].texture_wrap = wrap;
             factor(&data.object_params[0], &data.texels, DVec2::new(x, y)).x
         };
-        // Centres; three quarters of the first and one of the second in each direction; over the edge.
+        // Centres; 3/4 of the first and 1/4 of the second in each direction; over the edge.
         let cases = [
             (0.25, 0.25, 0, 0.0),
             (0.75, 0.25, 0, 0.4),

@@ -1,7 +1,8 @@
-//! Stage `texture_in`: light that enters a face is multiplied by the texture's mean over the face.
+//! Stage `texture_in`: multiplies the light that enters a face by the texture's mean over the face.
 //!
-//! The mean is taken at the centroids of n x n equal triangles that the face is cut into, n its longest edge along
-//! either side of the texture in texels, from 1 to [`TEXTURE_PARTS`]: of larger faces a sample, no longer every texel.
+//! The mean is taken over the centroids of n x n equal triangles that the face is cut into, where n is the longest
+//! extent of an edge along either axis of the texture, in texels, from 1 to [`TEXTURE_PARTS`]. Faces longer than that
+//! are sampled: not every texel counts.
 
 use rayon::prelude::*;
 
@@ -12,7 +13,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "texture_in",
     module: "lighting",
@@ -31,7 +32,7 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// Parts along an edge, decided in `f32` on both sides.
+/// Parts along an edge; decided in `f32` both here and in the shader.
 fn parts(uvs: &CornerUvs, size: [u32; 2]) -> u32 {
     let along = |axis: usize| {
         let edge = |p: [f32; 2], q: [f32; 2]| (q[axis] - p[axis]).abs() * size[axis] as f32;
@@ -43,7 +44,7 @@ fn parts(uvs: &CornerUvs, size: [u32; 2]) -> u32 {
 /// Weights of the second and third corner at the centroid of part `k` of n x n.
 fn part(k: u32, n: u32) -> (f64, f64) {
     let (i, j) = (k / n, k % n);
-    // Beyond the diagonal: the parts that stand on their heads, counted from the far corner.
+    // Beyond the diagonal lie the parts that are upside down, counted from the far corner.
     let (i, j, third) = if i + j < n { (i, j, 1.0 / 3.0) } else { (n - 1 - i, n - 1 - j, 2.0 / 3.0) };
     ((f64::from(i) + third) / f64::from(n), (f64::from(j) + third) / f64::from(n))
 }

@@ -1,4 +1,4 @@
-//! How large the buffers are that a plan's stages write.
+//! Sizes of the buffers that a plan's stages write.
 
 use super::frame::STAGES;
 use super::plan::Plan;
@@ -6,7 +6,7 @@ use crate::layout::{BUFFER_IDS, BufferId, Partition};
 use crate::state::{Extent, Size, State};
 use crate::view::shade;
 
-/// What the host and the picture read of every frame, whether a stage writes it or not.
+/// Buffers that the host and the picture read in every frame, whether a stage writes them or not.
 pub const RESULTS: [BufferId; 6] = [
     BufferId::irradiance,
     BufferId::radiosity,
@@ -16,7 +16,7 @@ pub const RESULTS: [BufferId; 6] = [
     BufferId::seen,
 ];
 
-/// How many elements a buffer has that stages write: as one of them says, or by what the buffer has one element each.
+/// Number of elements of a buffer that stages write: as a stage declares, or as its partition implies.
 fn elements(state: &State, slot: BufferId) -> usize {
     let Extent { vertices, faces, nodes, blocks, receivers } = state.extent();
     if let Some(Size::Elements(count) | Size::Grows(count)) = declared(slot) {
@@ -42,31 +42,31 @@ fn declared(slot: BufferId) -> Option<Size> {
     STAGES.iter().flat_map(|stage| stage.sizes).find(|(sized, _)| *sized == slot).map(|(_, size)| *size)
 }
 
-/// Whether a frame turns out to need more or less of a buffer than there is to begin with.
+/// Whether the size of a buffer is a guess that a frame may correct.
 pub fn grows(slot: BufferId) -> bool {
     matches!(declared(slot), Some(Size::Grows(_)))
 }
 
-/// Whether a frame of this plan has to do with a buffer that stages write.
+/// Whether a frame of this plan needs a buffer that stages write.
 fn wanted(state: &State, plan: &Plan, slot: BufferId) -> bool {
-    // In local shading only stage `shade` and what it needs read radiosity.
+    // In local shading only stage `shade`, and what it needs, reads radiosity.
     let carries = state.method.local.is_none() || plan.has(&shade::STAGE);
     match slot {
         BufferId::irradiance | BufferId::radiosity | BufferId::vertex_radiosity => carries,
         BufferId::estimate => state.method.estimate,
-        // Where nothing is lit there is no stage that finds receivers; `shade` reads on, and finds no radiosity.
+        // Without light no stage writes this, but `shade` still reads it, and finds no radiosity.
         BufferId::seen => state.objects.iter().any(|object| object.by_pixel),
         _ => plan.writes(slot) || RESULTS.contains(&slot),
     }
 }
 
-/// Gives every buffer that a plan's stages write its size, zeroed; the others stay empty, as does the error estimate
-/// where none is requested.
+/// Sets the size of every buffer that the plan's stages write, zeroed; all other buffers that stages write become
+/// empty, as does the error estimate where it is not requested.
 pub fn size(state: &mut State, plan: &Plan) {
     resize(state, plan, |_| true);
 }
 
-/// The same for those of these buffers that stages write.
+/// The same for the buffers that `chosen` accepts.
 pub fn resize(state: &mut State, plan: &Plan, chosen: impl Fn(BufferId) -> bool) {
     for slot in BUFFER_IDS.iter().copied().filter(|slot| chosen(*slot) && !Plan::is_input(*slot)) {
         let count = if wanted(state, plan, slot) { elements(state, slot) } else { 0 };

@@ -1,5 +1,5 @@
-//! The frame: every stage in its order, with the loops that it runs in. Conformance, profile, plan and the guide go by
-//! it; a new stage adds a line here.
+//! The frame: every stage in order, with the loops that they run in. Conformance, profile and plan follow this list;
+//! a new stage adds a line here.
 
 use crate::geometry::{deform, refit};
 use crate::layers::{plane_fit, relief};
@@ -17,8 +17,8 @@ use crate::transport::{average, evaluate};
 use crate::transport::{brute, octree};
 use crate::view::{backdrop, pixel_receivers, pixel_shadow, reflect, shade, shade_opaque, texture_out, visibility};
 
-/// The frame. A loop runs all of its stages for one object, chunk, group or batch before the next, because those share
-/// their lists where none are kept.
+/// The frame. A loop runs all of its stages for one object, chunk, group or batch before the next one, because where
+/// lists are not kept they all share the same buffers.
 pub static FRAME: &[Section] = &[
     section(
         "The shape of this frame",
@@ -79,7 +79,7 @@ pub static FRAME: &[Section] = &[
     section("Reflections, and what is behind the objects", &[once(&[&reflect::STAGE, &backdrop::STAGE])]),
 ];
 
-/// Stages that are no part of a frame: they answer `milkglass eval`.
+/// Stages that are not part of a frame: they answer `milkglass eval`.
 pub static QUERIES: &[&Stage] = &[&evaluate::STAGE, &cdrf_values::STAGE];
 
 /// A part of the frame under a heading.
@@ -92,7 +92,7 @@ pub struct Section {
 
 /// What runs in one go.
 pub enum Part {
-    /// These stages, one after the other, for each of these.
+    /// These stages, in order, once for each object, chunk, group or batch, or once for the scene.
     Loop(Granularity, &'static [&'static Stage]),
     /// A step on the host.
     Host(&'static Host),
@@ -102,7 +102,7 @@ const fn section(title: &'static str, parts: &'static [Part]) -> Section {
     Section { title, parts }
 }
 
-/// A loop; a stage that runs in another one does not compile here.
+/// A loop; does not compile if a stage has another granularity.
 const fn each(granularity: Granularity, stages: &'static [&'static Stage]) -> Part {
     let mut k = 0;
     while k < stages.len() {
@@ -141,7 +141,7 @@ pub fn parts() -> impl Iterator<Item = &'static Part> {
     FRAME.iter().flat_map(|section| section.parts)
 }
 
-/// Number of stages of the frame.
+/// Number of stages in the frame.
 const COUNT: usize = {
     let (mut count, mut s) = (0, 0);
     while s < FRAME.len() {
@@ -157,7 +157,7 @@ const COUNT: usize = {
     count
 };
 
-/// Every stage in the order of the frame, then those that are no part of one.
+/// Every stage in the order of the frame, then the queries.
 pub static STAGES: &[&Stage] = &{
     let mut all = [QUERIES[0]; COUNT + QUERIES.len()];
     let (mut count, mut s) = (0, 0);
@@ -193,7 +193,7 @@ pub fn owner(kernel: &str) -> Option<&'static Stage> {
     STAGES.iter().copied().find(|stage| stage.owns(kernel))
 }
 
-/// The steps of the stages that run, in the order of the frame.
+/// The steps of the stages for which `runs` is true, in the order of the frame.
 pub fn steps(state: &State, runs: impl Fn(&Stage) -> bool) -> Vec<Step> {
     let mut steps = Vec::new();
     for part in parts() {
@@ -221,19 +221,19 @@ pub fn steps(state: &State, runs: impl Fn(&Stage) -> bool) -> Vec<Step> {
     steps
 }
 
-/// How many of these steps come before what runs on the host, in a frame whose transport does.
+/// How many of these steps precede the host step, in a frame whose transport runs on the host.
 pub fn before_host(steps: &[Step]) -> usize {
     steps.iter().take_while(|step| precedes_transport(step.stage)).count()
 }
 
-/// Whether a stage comes before the light is carried through the material, whatever carries it.
+/// Whether a stage comes before the transport of light through the material, whichever carrier does it.
 pub fn precedes_transport(stage: &Stage) -> bool {
     let before = parts().take_while(|part| matches!(part, Part::Loop(..)));
     before.flat_map(Part::stages).any(|known| known.is(stage))
 }
 
 impl Part {
-    /// Its stages; none where the host is at work.
+    /// Its stages; none for a host step.
     pub fn stages(&self) -> impl Iterator<Item = &'static Stage> + use<> {
         match self {
             Self::Loop(_, stages) => stages.iter().copied(),

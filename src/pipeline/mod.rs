@@ -1,4 +1,4 @@
-//! The frame as data: options, the plan, the table of stages, and why a stage is skipped.
+//! The frame as data: options, the plan, the table of stages, and why stages are skipped.
 
 pub mod buffer_sizes;
 pub mod frame;

@@ -1,4 +1,4 @@
-//! What a scene needs: the stages of its frame, and each one left out with the reason.
+//! The plan of a frame: the stages that a scene needs, and why each other one is left out.
 
 pub use crate::state::Change;
 pub use crate::state::options::{Goal, Mode, Options, ShadingMethod};
@@ -12,13 +12,13 @@ use crate::state::{Carrier, Host, Stage, State, Step, Update};
 pub struct Plan {
     /// The stages that run, in order.
     pub stages: Vec<&'static Stage>,
-    /// The stages that do not, and what else is left out, each with the reason.
+    /// The stages that do not run, and other features that are left out, each with the reason.
     pub left_out: Vec<(&'static str, String)>,
     options: Options,
 }
 
 impl Plan {
-    /// Decides for this state and these options.
+    /// Makes the plan for this state and these options.
     pub fn new(state: &State, options: Options) -> Self {
         let mut plan = Self { stages: Vec::new(), left_out: Vec::new(), options };
         for &stage in STAGES {
@@ -36,24 +36,24 @@ impl Plan {
         plan
     }
 
-    /// With something else that is left out, and the reason.
+    /// Adds something else that is left out, with the reason.
     #[must_use]
     pub fn without(mut self, what: (&'static str, String)) -> Self {
         self.left_out.push(what);
         self
     }
 
-    /// The options it was made for.
+    /// The options that the plan was made for.
     pub fn options(&self) -> Options {
         self.options
     }
 
-    /// Whether it has this stage.
+    /// Whether the plan has this stage.
     pub fn has(&self, stage: &Stage) -> bool {
         self.stages.iter().any(|known| known.is(stage))
     }
 
-    /// Whether a stage of it writes a buffer.
+    /// Whether a stage of the plan writes a buffer.
     pub fn writes(&self, slot: BufferId) -> bool {
         self.stages.iter().any(|stage| stage.writes(slot))
     }
@@ -64,7 +64,7 @@ impl Plan {
         steps(state, |stage| self.has(stage) && (stage.runs)(&update))
     }
 
-    /// A frame after this change.
+    /// What a frame after this change has to update.
     fn update(&self, state: &State, change: Change) -> Update {
         let keeps = self.options.mode != Mode::OnTheFly && self.options.transport == ShadingMethod::Hierarchy;
         Update {
@@ -76,19 +76,19 @@ impl Plan {
         }
     }
 
-    /// Whether a step on the host takes its turn in a frame after this change.
+    /// Whether a host step runs in a frame after this change.
     pub fn runs_on_host(&self, host: &Host, state: &State, change: Change) -> bool {
         let carrier = Carrier::new(self.options.transport, state.method.scheme);
         carrier == host.carrier && self.writes(host.reads) && self.update(state, change).sums()
     }
 
-    /// Buffers that are inputs.
+    /// The buffers that are inputs.
     pub fn inputs() -> impl Iterator<Item = BufferId> {
         BUFFER_IDS.iter().copied().filter(|slot| Self::is_input(*slot))
     }
 
-    /// Whether no stage writes a buffer, or not always: blocks are written only where they are of pixels, positions
-    /// only of objects that deform.
+    /// Whether a buffer is an input: no stage writes it, or stages write it in some cases only (`blocks` where the
+    /// receivers are pixels, `positions` of objects that deform).
     pub fn is_input(slot: BufferId) -> bool {
         [BufferId::blocks, BufferId::positions].contains(&slot) || !STAGES.iter().any(|stage| stage.writes(slot))
     }

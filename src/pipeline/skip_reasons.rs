@@ -1,4 +1,4 @@
-//! Why a stage has no place in the frame of a scene, and what else a frame does without.
+//! Why a frame does without a stage, or without another feature.
 
 use super::frame::QUERIES;
 use crate::state::options::{Goal, Mode, Options, ShadingMethod};
@@ -25,7 +25,7 @@ pub(super) fn reason(stage: &Stage, state: &State, options: Options) -> Option<S
     (stage.skip)(state).or_else(|| nobody().then_some(stage.serves.none)).map(String::from)
 }
 
-/// Why no error estimate is carried along, if none is.
+/// Why there is no error estimate, if there is none.
 pub(crate) fn unestimated(state: &State, options: Options) -> Option<&'static str> {
     match options.transport {
         _ if state.method.estimate => None,
@@ -40,7 +40,7 @@ pub(crate) fn unestimated(state: &State, options: Options) -> Option<&'static st
     }
 }
 
-/// Why links are not revised where mode `incremental` was asked for, if they are not.
+/// Why links are not updated although mode `incremental` is requested, if they are not.
 pub(crate) fn unkept(state: &State, options: Options) -> Option<&'static str> {
     match options.transport {
         _ if options.mode != Mode::Incremental => None,
@@ -53,7 +53,7 @@ pub(crate) fn unkept(state: &State, options: Options) -> Option<&'static str> {
     }
 }
 
-/// What the mode keeps from frame to frame.
+/// Describes what the mode keeps from frame to frame.
 pub fn about_mode(state: &State, options: Options) -> String {
     let links = state.method.scheme == Scheme::Links;
     let budget = state.data.object_params.iter().map(|params| u64::from(params.budget)).sum::<u64>();

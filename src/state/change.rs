@@ -1,4 +1,4 @@
-//! What has changed since the last frame, and what each stage decides by whether it runs again.
+//! What has changed since the last frame; from it each stage decides whether it runs again.
 
 /// What has changed since the last frame; changes add up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -9,11 +9,11 @@ pub struct Change {
     pub light: bool,
     /// The camera.
     pub view: bool,
-    /// Nothing, yet radiosity is summed again from what is known of the light: over kept links gather, push and
-    /// average; where links are scratch they are rebuilt.
+    /// No input changed; radiosity is summed again. Over kept lists only the sums rerun (`gather`, `push` and the
+    /// like); where lists are not kept they are rebuilt.
     pub resum: bool,
-    /// The lists are of no use: too short, or kept for another light; with everything: no links are kept that could be
-    /// revised.
+    /// The lists must be rebuilt: too short, or made for another light. Together with `everything`: there are no kept
+    /// links to update.
     pub relink: bool,
 }
 
@@ -26,7 +26,7 @@ impl Change {
     pub const VIEW: Self = Self { everything: false, light: false, view: true, resum: false, relink: false };
     /// Lists are rebuilt, and summed over.
     pub const RELINK: Self = Self { everything: false, light: false, view: false, resum: false, relink: true };
-    /// Nothing, yet radiosity is summed again.
+    /// No input changed; radiosity is summed again.
     pub const RESUM: Self = Self { everything: false, light: false, view: false, resum: true, relink: false };
 
     /// Both changes.
@@ -42,7 +42,7 @@ impl Change {
     }
 }
 
-/// A frame that follows another one: what has changed, and what has been kept.
+/// A frame that follows another one: what has changed, and what is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Update {
     /// What has changed.
@@ -53,12 +53,12 @@ pub struct Update {
     pub any_light: bool,
     /// Whether kept links are updated where the shape changes.
     pub incremental: bool,
-    /// Whether receivers are what the pixels show, so that another view has other receivers.
+    /// Whether receivers are the points that pixels show, so that a new view has new receivers.
     pub by_pixel: bool,
 }
 
 impl Update {
-    /// The shape has changed, or the material, or there was no frame yet: every stage of most frames runs.
+    /// The shape or the material has changed, or there was no frame yet: most stages run.
     #[must_use]
     pub fn shape(&self) -> bool {
         self.change.everything
@@ -106,19 +106,19 @@ impl Update {
         self.change.resum || self.change.relink
     }
 
-    /// Kept links are updated for another shape.
+    /// Kept links are updated for a new shape.
     #[must_use]
     pub fn updates_links(&self) -> bool {
         self.incremental && self.change.everything && !self.change.relink
     }
 
-    /// Sums run over all links rather than over those that an update of kept links has touched.
+    /// Radiosity is summed over all links, not only over those that an update of kept links has touched.
     #[must_use]
     pub fn sums_all_links(&self) -> bool {
         !self.incremental || self.change.light || (self.change.everything && self.change.relink)
     }
 
-    /// Links are made from nothing.
+    /// Links are built from scratch.
     #[must_use]
     pub fn makes_links(&self) -> bool {
         match (self.incremental, self.keeps) {

@@ -7,9 +7,9 @@ use crate::error::Result;
 use crate::gpu::{Binding, Buffer, BufferRange, Device, Kernels, Recorder, Upload, Work, download, upload};
 use crate::layout::{BUFFER_IDS, BufferId};
 
-/// Bytes after the end of each buffer that no kernel may touch, when guarded.
+/// Guard bytes after the end of each buffer of a guarded state, which no kernel may touch.
 const GUARD: u64 = 64;
-/// What they hold.
+/// The value of each guard byte.
 const GUARD_BYTE: u8 = 0xA5;
 
 /// The buffers and kernels of one device.
@@ -17,7 +17,7 @@ pub struct DeviceState {
     device: Device,
     kernels: Kernels,
     buffers: BTreeMap<BufferId, Buffer>,
-    /// Bound where a kernel names a buffer that this scene has no elements of.
+    /// Bound where a kernel names a buffer that has no elements in this scene.
     nothing: Box<Buffer>,
     guarded: bool,
 }
@@ -34,8 +34,8 @@ impl DeviceState {
         &self.device
     }
 
-    /// Makes every buffer as large as the state's; contents survive only where the size is unchanged. What is empty has
-    /// no buffer, unless guarded.
+    /// Makes every buffer as large as the state's; contents survive only where the size is unchanged. An empty buffer
+    /// is not allocated unless guarded.
     pub fn resize(&mut self, state: &State) -> Result<()> {
         let mut made = Vec::new();
         for &slot in BUFFER_IDS {
@@ -61,7 +61,7 @@ impl DeviceState {
         upload(&self.device, &fill)
     }
 
-    /// The bytes after the end of these buffers, where they are guarded.
+    /// The guard bytes after the end of these buffers; none where buffers are not guarded.
     fn guards(&self, state: &State, slots: &[BufferId]) -> Vec<BufferRange<'_>> {
         let guard = |slot: &BufferId| {
             let (buffer, used) = (self.buffers.get(slot)?, state.data.bytes(*slot).len() as u64);
@@ -103,17 +103,17 @@ impl DeviceState {
         Ok(slots.iter().zip(found).filter(|(_, found)| *found).map(|(slot, _)| slot.spec().name).collect())
     }
 
-    /// The kernels made so far, and what they have done where they count.
+    /// The kernels created so far, and what they have done where they count it.
     pub fn kernels(&self) -> &Kernels {
         &self.kernels
     }
 
-    /// The buffers that are there, but for the one that stands for all empty ones, with their bytes.
+    /// The allocated buffers with their sizes in bytes, without the placeholder for empty ones.
     pub fn buffers(&self) -> impl Iterator<Item = (BufferId, u64)> + '_ {
         self.buffers.iter().map(|(slot, buffer)| (*slot, buffer.size()))
     }
 
-    /// Records one dispatch of a kernel, with the part of every buffer that belongs to this part of the work.
+    /// Records one dispatch of a kernel; each buffer is bound to its part for the scope of the call.
     pub(super) fn submit(&self, recorder: &mut Recorder, state: &State, call: &Call<'_>) -> Result<()> {
         let kernel = self.kernels.get(call.kernel, call.constants)?;
         let mut bindings = Vec::with_capacity(kernel.accesses.len());
@@ -144,7 +144,7 @@ impl DeviceState {
     }
 }
 
-/// A dispatch as a stage asks for it.
+/// A dispatch that a stage requests.
 pub(super) struct Call<'a> {
     pub(super) kernel: &'a str,
     pub(super) constants: &'a [u32],
@@ -158,11 +158,12 @@ pub(super) struct Call<'a> {
 pub(super) enum Groups {
     /// This many invocations.
     Invocations(usize),
-    /// As many groups as this element of this buffer's part says: three numbers, written earlier.
+    /// Indirect: as many work groups as this element of the buffer's part says (three numbers, written by an earlier
+    /// dispatch).
     Counted {
         /// The buffer.
         slot: BufferId,
-        /// The element of its part.
+        /// The element, counted from the beginning of its part.
         element: usize,
     },
 }

@@ -19,18 +19,18 @@ pub use stage::{Carrier, Field, Host, Need, Role, Serves, Size, Stage, Step, Tol
 use crate::layout::Buffers;
 pub use crate::scene::{Distance, Near, Scheme};
 
-/// All that a frame reads and writes on the host, and how its work is cut up.
+/// All that a frame reads and writes on the host, and how its work is divided.
 #[derive(Clone, Debug, Default)]
 pub struct State {
     /// The buffers.
     pub data: Buffers,
-    /// The objects; none where nothing is rendered.
+    /// The objects; empty where nothing is rendered.
     pub objects: Vec<Object>,
     /// The distance convention.
     pub distance: Distance,
     /// Whether each chunk or batch keeps its lists for later frames, or all share one buffer part.
     pub keep: bool,
-    /// How the blocks' transport is to be done.
+    /// The switches of the transport.
     pub method: Method,
 }
 
@@ -39,11 +39,12 @@ pub struct State {
 pub struct Group {
     /// Bit c is set for channel c.
     pub channels: u32,
-    /// The channel whose irradiance weighs the moments; the others' are that times `object_params.tint`.
+    /// The channel whose irradiance weights the moments; the irradiance of the others is that times
+    /// `object_params.tint`.
     pub lead: u32,
 }
 
-/// Which part of the work; the first by default.
+/// Which part of the work a step does; by default the first of each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Scope {
     /// The object.
@@ -64,39 +65,39 @@ impl Scope {
 pub enum Granularity {
     /// Once, for all objects.
     Scene,
-    /// Once an object.
+    /// Once per object.
     Object,
-    /// Once a chunk of the tree.
+    /// Once per chunk of the tree.
     Chunk,
-    /// Once a group of channels.
+    /// Once per group of channels.
     Group,
-    /// Once a batch of blocks, for each group of channels.
+    /// Once per batch of blocks and group of channels.
     Batch,
 }
 
 /// The switches of the hierarchical transport, fixed for a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Method {
-    /// How clusters give light to receivers.
+    /// How light gets from clusters to receivers.
     pub scheme: Scheme,
-    /// Order of the emitters' moments: 0 a point at the centroid of area, 1 at the centroid of light, 2 with second
-    /// moments.
+    /// Order of the emitters' moments: 0 a point at the centroid of the area, 1 at the centroid of the light, 2 with
+    /// second moments.
     pub order: u32,
-    /// Nodes an edge of the edge form: 3, 6 or 12.
+    /// Quadrature nodes per edge of the edge form: 3, 6 or 12.
     pub nodes: u32,
     /// Whether an error estimate is carried along.
     pub estimate: bool,
-    /// Whether lists are made to serve any light, as mode `render` has them.
+    /// Whether lists are made to serve any light, as in mode `render`.
     pub any_light: bool,
-    /// Whether links are kept while the shape changes, as mode `incremental` has them in the scheme as published.
+    /// Whether links are kept while the shape changes: mode `incremental` with scheme `links`.
     pub incremental: bool,
-    /// How the scheme as published evaluates triangles too near for a few samples.
+    /// How scheme `links` evaluates triangles too near for a few samples.
     pub near: Near,
-    /// The function of light and normal that takes the place of transport, if one does.
+    /// The local shading that takes the place of transport, if any.
     pub local: Option<Local>,
 }
 
-/// Local shading: what a surface gives back depends on its normal, and on its curvature perhaps.
+/// Shading without transport through the material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Local {
     /// max(cos, 0).
@@ -110,7 +111,7 @@ pub enum Local {
 }
 
 impl Local {
-    /// Whether an object does not shadow itself: its shadow would cut off the very glow beyond 90 degrees.
+    /// Whether objects do not shadow themselves: their own shadow would cut off the glow beyond 90 degrees.
     #[must_use]
     pub fn spares_itself(self) -> bool {
         self != Self::Blur
@@ -132,12 +133,12 @@ impl Default for Method {
     }
 }
 
-/// Three stored singles as doubles.
+/// Three stored `f32` as `f64`.
 pub fn wide(v: [f32; 3]) -> glam::DVec3 {
     glam::DVec3::new(v[0].into(), v[1].into(), v[2].into())
 }
 
-/// Doubles rounded once to what is stored.
+/// Three `f64`, each rounded once to the `f32` that is stored.
 pub fn narrow(v: glam::DVec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }

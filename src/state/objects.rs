@@ -1,10 +1,11 @@
-//! Several objects in one state: each has a run of its own in every buffer, found by [`State::part`], and a state of
-//! its own can be made of it. Runs begin at multiples of 64 elements, so that a device can bind any of them.
+//! Several objects in one state. Each object has its own range of elements in every buffer, found by [`State::part`],
+//! and can be extracted as a state of its own. Ranges begin at multiples of 64 elements, so that a device can bind
+//! any of them.
 
 use super::{Group, Schedule, Scope, State};
 use crate::layout::{BUFFER_IDS, BufferId, ObjectParams, Partition};
 
-/// How many an object has of what there is, or where its first ones lie.
+/// How many elements of each kind an object has, or the indices of its first ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extent {
     /// Vertices.
@@ -15,7 +16,7 @@ pub struct Extent {
     pub nodes: usize,
     /// Blocks of receivers.
     pub blocks: usize,
-    /// Receivers: triangles, or places that pixels show.
+    /// Receivers: triangles, or points that pixels show.
     pub receivers: usize,
 }
 
@@ -26,15 +27,15 @@ pub struct Object {
     pub schedule: Schedule,
     /// The groups of channels that are carried together; a black channel is in none.
     pub groups: Vec<Group>,
-    /// Where its own begin.
+    /// Indices of its first elements.
     pub first: Extent,
-    /// What it has.
+    /// Numbers of its elements.
     pub count: Extent,
     /// Whether no light enters it.
     pub opaque: bool,
-    /// Where light that arrives at it is looked at, if it is opaque.
+    /// Where incident light is evaluated if the object is opaque.
     pub lit_at: LitAt,
-    /// Whether its receivers are the places that pixels show, 16 a tile of 4 x 4.
+    /// Whether its receivers are the points that pixels show, 16 per tile of 4 x 4 pixels.
     pub by_pixel: bool,
     /// Whether it has layers beneath its surface.
     pub layered: bool,
@@ -42,15 +43,15 @@ pub struct Object {
     pub deforms: usize,
 }
 
-/// Where light that arrives at an opaque object is looked at.
+/// Where light incident on an opaque object is evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LitAt {
     /// At its triangles.
     #[default]
     Faces,
-    /// At the places that pixels show.
+    /// At the points that pixels show.
     Pixels,
-    /// At both: a picture, and what is known of the triangles beside it.
+    /// At both: pixels for the picture, triangles for the layers of face data beside it.
     Both,
 }
 
@@ -60,17 +61,18 @@ fn room(count: usize) -> usize {
 }
 
 impl Object {
-    /// Whether it is opaque, and shown as its pixels are lit.
+    /// Whether it is opaque and lit per pixel.
     pub fn plain(&self) -> bool {
         self.opaque && self.lit_at != LitAt::Faces
     }
 
-    /// Whether anything asks for the light at its triangles.
+    /// Whether the light at its triangles is needed.
     pub fn lit_by_face(&self) -> bool {
         !self.opaque || self.lit_at != LitAt::Pixels
     }
 
-    /// Elements of a buffer that it has, and where the first of them lies.
+    /// The object's range in a buffer, its first element and their number; `words` is the number of shadow words per
+    /// triangle.
     pub(super) fn run(&self, partition: Partition, words: usize) -> (usize, usize) {
         let (first, count) = (self.first, self.count);
         match partition {
@@ -85,24 +87,24 @@ impl Object {
         }
     }
 
-    /// Elements of the buffers of moments, of one group of channels.
+    /// Elements that each group of channels has in the buffers of moments.
     pub(super) fn of_group(&self) -> usize {
         room(self.count.nodes)
     }
 }
 
 impl State {
-    /// The object that a part of the work is about.
+    /// The object of a scope.
     pub fn object(&self, at: Scope) -> &Object {
         &self.objects[at.object]
     }
 
-    /// The object of a triangle, by its number among those of all objects.
+    /// The object of a triangle, given the triangle's index over all objects.
     pub fn object_of(&self, face: usize) -> usize {
         self.objects.iter().rposition(|object| object.first.faces <= face).unwrap_or(0)
     }
 
-    /// Every triangle, by its number among those of all objects, and its leaf likewise.
+    /// Every triangle and its leaf, both as indices over all objects.
     pub fn faces(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         self.objects.iter().flat_map(move |object| {
             let (first, nodes) = (object.first.faces, object.first.nodes);
@@ -110,7 +112,7 @@ impl State {
         })
     }
 
-    /// Elements of all objects' buffers of a kind, gaps included.
+    /// Number of elements of each kind over all objects, gaps included.
     pub fn extent(&self) -> Extent {
         self.objects.last().map_or_else(Extent::default, |Object { first, count, .. }| Extent {
             vertices: first.vertices + count.vertices,
@@ -126,17 +128,18 @@ impl State {
         self.data.camera.first().map_or(0, |camera| camera.width as usize * camera.height as usize)
     }
 
-    /// Whether any light gives any light at all.
+    /// Whether any light shines: one with a positive colour, or an environment.
     pub fn lit(&self) -> bool {
         self.data.lights.iter().any(|light| light.color.iter().any(|&x| x > 0.0)) || !self.data.sky.is_empty()
     }
 
-    /// Sums up over all objects.
+    /// The sum of `of` over all objects.
     pub fn sum(&self, of: impl Fn(&Object) -> usize) -> usize {
         self.objects.iter().map(of).sum()
     }
 
-    /// One state of several, whose lists and results are still empty: their vertices, triangles, trees and blocks.
+    /// Joins states of one object each: their vertices, triangles, trees and blocks. Lists and results are still
+    /// empty.
     pub fn join(states: Vec<Self>) -> Self {
         let mut joined = Self::default();
         let mut first = Extent::default();
@@ -146,7 +149,8 @@ impl State {
             }
             let mut object = state.objects.into_iter().next().unwrap_or_default();
             object.first = first;
-            // Triangles name places in all objects' runs, gaps included: the same as in what vertices have besides.
+            // Triangles index the joined vertices, gaps included; positions get the same gaps as all other vertex
+            // data.
             let corner = first.vertices as u32;
             joined.data.positions.resize(first.vertices, [0.0; 3]);
             joined.data.positions.extend(&state.data.positions);
@@ -193,7 +197,7 @@ impl State {
         joined
     }
 
-    /// One object's part of it all, as a state of that object alone.
+    /// One object's part of every buffer, as a state of that object alone.
     pub fn alone(&self, number: usize) -> Self {
         let object = Object { first: Extent::default(), ..self.objects[number].clone() };
         let mut one = Self { data: Default::default(), objects: vec![object], ..*self };
@@ -205,7 +209,7 @@ impl State {
         one
     }
 
-    /// Takes buffers over from such a state.
+    /// Copies these buffers back from a state made by [`Self::alone`].
     pub fn take(&mut self, number: usize, one: &Self, slots: impl IntoIterator<Item = BufferId>) {
         for slot in slots {
             let (stride, (first, count)) = (slot.spec().stride, self.parts(slot, number));

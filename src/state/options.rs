@@ -10,21 +10,21 @@ pub enum ShadingMethod {
     Hierarchy,
     /// The irradiance octree of Jensen and Buhler 2002, on the host.
     Octree,
-    /// Every face to every face.
+    /// Brute force: every face to every face.
     Brute,
-    /// Not at all: what scatters once in layers, and what opaque objects give back.
+    /// No transport: only single scattering in layers, and opaque objects.
     None,
-    /// None: the curvature-dependent reflectance function of Kubo et al. 2010.
+    /// No transport: the curvature-dependent reflectance function of Kubo et al. 2010.
     Cdrf,
-    /// None: Lambert's cosine.
+    /// No transport: Lambert's cosine.
     Lambert,
-    /// Over the texture coordinates: irradiance blurred by Gaussians (d'Eon et al. 2007).
+    /// No transport: irradiance blurred by Gaussians over the texture coordinates (d'Eon et al. 2007).
     TextureBlur,
 }
 
 impl ShadingMethod {
-    /// Whether no light is carried through the material: what a surface gives back depends on what arrives at the very
-    /// place, or near it in its texture.
+    /// Whether no light is carried through the material: radiosity depends only on the light at the same point, or
+    /// near it in the texture.
     #[must_use]
     pub fn is_local(self) -> bool {
         matches!(self, Self::Cdrf | Self::Lambert | Self::TextureBlur)
@@ -34,21 +34,21 @@ impl ShadingMethod {
 /// What survives from frame to frame (section 5.5).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
-    /// Everything from scratch in each frame; links are scratch.
+    /// No links: they are rebuilt in each frame.
     #[default]
     OnTheFly,
-    /// Links are made for the light of a frame, and kept: frames in which nothing changes sum them again only.
+    /// Links made for the light of one frame: a frame in which nothing changes only sums over them again.
     Keep,
-    /// Links serve any light, and are kept: a change of light runs `shadow`, `irradiance`, `pull`, `coarse_solve`,
-    /// `irradiance_ratio`, `gather`, `push` and `average` only, as long as the ratio stays the same.
+    /// Links that serve any light: when the light changes, light and radiosity are computed again, but lists are
+    /// rebuilt only if `irradiance_ratio` changes.
     Render,
-    /// Links are kept while the shape changes, too: only those that touch an altered cluster are looked at again. Of
-    /// scheme links; blocks have it as `Render`.
+    /// Links that survive changes of shape, too: only those that touch an altered cluster are decided again. For
+    /// scheme `links`; with blocks it acts as `Render`.
     Incremental,
 }
 
 impl Mode {
-    /// The mode itself if it keeps links, else the one that keeps them as they are.
+    /// This mode if it keeps links, else [`Self::Keep`].
     #[must_use]
     pub fn kept(self) -> Self {
         if self == Self::OnTheFly { Self::Keep } else { self }
@@ -61,7 +61,7 @@ pub enum Goal {
     /// A picture.
     #[default]
     Picture,
-    /// A picture, and beside it what is known of the faces.
+    /// A picture, with layers of face data beside it.
     Layers,
     /// The radiosity of the faces.
     Radiosity,
@@ -76,19 +76,19 @@ pub struct Options {
     pub mode: Mode,
     /// The goal.
     pub goal: Goal,
-    /// Whether an error estimate is wanted for each receiver; scheme blocks has one, the others do not.
+    /// Whether an error estimate is requested for each receiver; only scheme `blocks` has one.
     pub estimate: bool,
 }
 
 impl Options {
-    /// For a picture with layers, of which one is the error estimate; another holds the lengths of the lists, so that
-    /// they are kept.
+    /// For a picture with layers: one of them is the error estimate, and another shows the lengths of the lists,
+    /// which must be kept for it.
     #[must_use]
     pub fn with_layers(self) -> Self {
         Self { goal: Goal::Layers, estimate: true, mode: self.mode.kept(), ..self }
     }
 
-    /// Fails where no light is carried, that `what` could report on.
+    /// Fails for local shading, which carries no light that `what` could report on.
     pub fn carries(&self, what: &str) -> Result<()> {
         if !self.transport.is_local() {
             return Ok(());

@@ -1,5 +1,5 @@
-//! The parts that buffers are cut into, of which a dispatch binds one: those of an object, a group of channels, a chunk
-//! of links or a batch of blocks.
+//! The parts of a buffer, one of which a dispatch binds: that of an object, a group of channels, a chunk of links or
+//! a batch of blocks.
 
 use super::{Object, Scope, State};
 use crate::layout::{BufferId, Partition, Runs};
@@ -15,8 +15,8 @@ impl State {
         })
     }
 
-    /// Where the lists of all blocks lie, as far as they are there: of every batch where lists are kept, else of the
-    /// last one. Between the batches' parts a device's buffer may hold anything.
+    /// The list ranges of all blocks: of every batch where lists are kept, else only of the last one. The gaps
+    /// between the parts of batches are left out, because on a device they may hold anything.
     pub fn runs(&self) -> impl Iterator<Item = &Runs> + '_ {
         let there = if self.keep { 0 } else { self.batches().count().saturating_sub(1) };
         let of_batch = |(at, batch): (Scope, &std::ops::Range<u32>)| {
@@ -26,33 +26,34 @@ impl State {
         self.batches().skip(there).flat_map(of_batch)
     }
 
-    /// Chunks of all objects that light enters.
+    /// Number of chunks of all translucent objects.
     pub fn chunk_count(&self) -> usize {
         self.sum(chunks)
     }
 
-    /// Batches of all objects and groups of channels.
+    /// Number of batches over all objects and groups of channels.
     pub fn batch_count(&self) -> usize {
         self.sum(batches)
     }
 
-    /// Parts that lists of chunks have: one a chunk where they are kept, else one that all share.
+    /// Number of parts of a buffer of chunk lists: one per chunk where lists are kept, else one that all share.
     pub fn chunk_parts(&self) -> usize {
         if self.keep { self.chunk_count() } else { 1 }
     }
 
-    /// Parts that lists of batches have: one a batch and group where they are kept, else one that all share.
+    /// Number of parts of a buffer of batch lists: one per batch and group where lists are kept, else one that all
+    /// share.
     pub fn batch_parts(&self) -> usize {
         if self.keep { self.batch_count() } else { 1 }
     }
 
-    /// Blocks of the largest batch.
+    /// Number of blocks of the largest batch.
     pub fn largest_batch(&self) -> usize {
         let batches = self.objects.iter().flat_map(|object| &object.schedule.batches);
         batches.map(|batch| batch.len()).max().unwrap_or(0)
     }
 
-    /// The part of a buffer that a dispatch of this part of the work binds: first element and number of elements.
+    /// The part of a buffer that a dispatch of this scope binds: first element and number of elements.
     pub fn part(&self, slot: BufferId, at: Scope) -> (usize, usize) {
         let (cut, all) = (slot.spec().partition, self.data.bytes(slot).len() / slot.spec().stride);
         let Some(object) = self.objects.get(at.object).filter(|_| all > 0) else { return (0, all) };
@@ -68,7 +69,7 @@ impl State {
             Partition::Batch => {
                 (before(batches) + at.group * object.schedule.batches.len() + at.chunk, self.sum(batches))
             }
-            // What no later object has ends before it would begin.
+            // A buffer of which later objects have no elements ends before their range.
             _ => {
                 return Some(object.run(cut, self.data.object_params[0].shadow_words as usize))
                     .filter(|run| run.0 + run.1 <= all)
@@ -92,7 +93,7 @@ impl State {
     }
 }
 
-/// Chunks whose links are kept.
+/// Number of chunks that are linked; none if the object is opaque.
 fn chunks(object: &Object) -> usize {
     if object.opaque { 0 } else { object.schedule.chunks.len() }
 }

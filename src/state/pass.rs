@@ -1,4 +1,4 @@
-//! What a stage records its dispatches with: on a device, or as a list of what it would dispatch.
+//! What a stage records its dispatches with: a [`Pass`] sends them to a device or lists them.
 
 use super::device::{Call, DeviceState, Groups};
 use super::{Object, Scope, State, Step};
@@ -22,7 +22,7 @@ enum Sink<'a> {
     List(usize, &'a mut Vec<Dispatch>),
 }
 
-/// A dispatch that a step asks for.
+/// A dispatch that a step requests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dispatch {
     /// The stage.
@@ -31,9 +31,9 @@ pub struct Dispatch {
     pub kernel: String,
     /// Its specialization constants 0, 1, ...
     pub constants: Vec<u32>,
-    /// The part of the work.
+    /// The scope.
     pub at: Scope,
-    /// Invocations; none where the device counts them itself.
+    /// Invocations; none where the device determines the number itself.
     pub invocations: Option<usize>,
 }
 
@@ -69,7 +69,7 @@ impl Dispatch {
     }
 }
 
-/// What these steps dispatch on a device of this subgroup size, without a device.
+/// Lists what these steps dispatch on a device of this subgroup size; needs no device.
 pub fn dispatches(state: &State, steps: &[Step], subgroup: usize) -> Result<Vec<Dispatch>> {
     let mut found = Vec::new();
     for step in steps {
@@ -107,7 +107,7 @@ impl<'s> Pass<'s> {
         self.state.object(self.at)
     }
 
-    /// Invocations that run in lockstep on the device.
+    /// The subgroup size of the device.
     pub fn subgroup(&self) -> usize {
         match &self.sink {
             Sink::Device(device_state, _) => device_state.device().limits().subgroup_size.max(1) as usize,
@@ -115,12 +115,13 @@ impl<'s> Pass<'s> {
         }
     }
 
-    /// Runs the stage's own kernel for `count` invocations, or its kernel of the name `part`.
+    /// Runs the stage's only kernel, or its kernel of the name `part`, for `count` invocations.
     pub fn dispatch(&mut self, part: Option<&str>, constants: &[u32], push: &[u8], count: usize) -> Result<()> {
         self.submit(part, constants, push, Groups::Invocations(count))
     }
 
-    /// The same for as many groups as this element of this buffer's part says: three numbers, written earlier.
+    /// Runs kernel `part` indirectly, for as many work groups as this element of the buffer's part says (three
+    /// numbers, written by an earlier dispatch).
     pub fn dispatch_counted(
         &mut self,
         part: &str,
@@ -155,7 +156,7 @@ impl<'s> Pass<'s> {
         Ok(())
     }
 
-    /// Runs the stage's kernel `part` once a level of the tree, children always before their parents.
+    /// Runs the stage's kernel `part` once per level of the tree, children always before their parents.
     pub fn climb(&mut self, part: &str, constants: &[u32]) -> Result<()> {
         for level in self.object().schedule.upward() {
             let range = Range { first: level.start, count: level.end - level.start };

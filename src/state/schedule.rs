@@ -1,20 +1,20 @@
-//! How the work on the tree is cut up: by chunks that fit a binding, and inside a chunk by levels.
+//! How the work on the tree is divided: into chunks whose lists fit a binding, and inside a chunk into levels.
 
 use std::ops::Range;
 
 use crate::hierarchy::Tree;
 
-/// A part of the tree that is linked and gathered in one go.
+/// A part of the tree that is linked and summed in one go.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Chunk {
     /// Its nodes, as a range of the state's `order`.
     pub nodes: Range<u32>,
-    /// The same by level, root side first; every range lies in `nodes`.
+    /// The same by level, the root's side first; every range lies in `nodes`.
     pub levels: Vec<Range<u32>>,
 }
 
-/// The chunks of a tree. With more than one, the first is the top of the tree, whose handed-down emitters
-/// every other chunk starts from; the others are whole subtrees.
+/// The chunks of a tree. If there are several, the first is the top of the tree, and all others are whole subtrees
+/// that start from the emitters it hands down.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Schedule {
     /// The chunks, the top first.
@@ -24,12 +24,12 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// Cuts the tree into subtrees of at most `faces` faces; returns the nodes in the order of the work, too.
+    /// Cuts the tree into subtrees of at most `faces` faces; also returns the nodes in the order of processing.
     pub fn new(tree: &Tree, faces: usize) -> (Self, Vec<u32>) {
         let nodes = tree.nodes();
         let small = |node: usize| tree.skip[node] as usize - node < 2 * faces.max(1);
 
-        // A subtree's root is a small node whose parent is not small; what lies above them is the top.
+        // A subtree's root is a small node whose parent is not small; the nodes above these roots are the top.
         let mut chunk_of = vec![0u32; nodes];
         let mut count = 1;
         let mut node = 0;
@@ -68,7 +68,7 @@ impl Schedule {
         (Self { chunks, batches: Vec::new() }, order)
     }
 
-    /// Every level from the leaves' side to the root, children always before their parents.
+    /// Every level, from the leaves to the root: children always come before their parents.
     pub fn upward(&self) -> impl Iterator<Item = Range<u32>> + '_ {
         self.chunks.iter().rev().flat_map(|chunk| chunk.levels.iter().rev().cloned())
     }

@@ -1,5 +1,5 @@
-//! What a [`Stage`] is: all that the frame, the plan, conformance and the profile need to know of a step of the frame
-//! stands in its own declaration.
+//! [`Stage`]: the declaration of one step of the frame, with all that the frame, the plan, conformance and the
+//! profile need to know of it.
 
 use crate::error::Result;
 use crate::layout::BufferId;
@@ -7,17 +7,18 @@ use crate::layout::BufferId;
 use super::{Granularity, Method, Object, Pass, Scheme, Scope, State, Update};
 use crate::state::options::ShadingMethod;
 
-/// One piece of a frame: a stage, and the part of the work.
+/// One run of a stage.
 #[derive(Clone, Copy)]
 pub struct Step {
     /// The stage.
     pub stage: &'static Stage,
-    /// The part of the work.
+    /// The part of the work that it does.
     pub at: Scope,
 }
 
 impl Step {
-    /// Runs the reference. It knows of one object only: of several, each becomes a state of its own.
+    /// Runs the CPU reference. References handle one object only: of several, this one is extracted as a state of its
+    /// own.
     pub fn reference(&self, state: &mut State) {
         let (stage, at) = (self.stage, self.at);
         if at == Scope::SCENE || state.objects.len() < 2 {
@@ -38,7 +39,7 @@ impl std::fmt::Debug for Step {
     }
 }
 
-/// How near a device's value has to come to the reference's.
+/// How far a device's value may be from the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tolerance {
     /// Bit for bit: decisions, indices, minima and maxima.
@@ -55,7 +56,7 @@ pub enum Tolerance {
     Fields(&'static [Field]),
 }
 
-/// How near one field of a record has to come.
+/// The tolerance of one field of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Field {
     /// The field.
@@ -64,22 +65,22 @@ pub struct Field {
     pub relative: f32,
     /// Added to that: a share of the field `of` of the same element.
     pub floor: f32,
-    /// The field that the floor is a share of, or empty: of 1.
+    /// The field that the floor is a share of; if empty, the floor is absolute.
     pub of: &'static str,
 }
 
-/// What becomes of a buffer that a stage writes.
+/// How a stage treats the old contents of a buffer that it writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// Its old contents don't matter: conformance poisons it first.
+    /// It ignores them: conformance fills the buffer with poison first.
     Output,
-    /// Part of its old contents is read or must survive.
+    /// It reads some of them, or some must survive.
     Update,
 }
 
 /// One step of the frame, on the CPU and on the GPU.
 pub struct Stage {
-    /// Its one name: here, in GLSL, in the profile, in the conformance table, in the README.
+    /// Its name, the same in Rust, in GLSL, in the profile, in the conformance table and in the README.
     pub name: &'static str,
     /// The module it lives in; its shaders are `glsl/MODULE/NAME.comp` or `glsl/MODULE/NAME/*.comp`.
     pub module: &'static str,
@@ -87,25 +88,25 @@ pub struct Stage {
     pub about: &'static str,
     /// The equation or section it comes from.
     pub equation: &'static str,
-    /// The buffers it writes, what becomes of their old contents, and how near the two sides have to be.
+    /// The buffers it writes, how it treats their old contents, and the tolerance of the new ones.
     pub writes: &'static [(BufferId, Role, Tolerance)],
     /// Why the tolerances are what they are.
     pub reason: &'static str,
-    /// Elements of the buffers that it writes, where their partition does not say; one stage says so for each buffer.
+    /// Sizes of the buffers that it writes, where the partition does not imply them; only one stage may declare each.
     pub sizes: &'static [(BufferId, Size)],
     /// How often it runs.
     pub granularity: Granularity,
-    /// Who has to carry the light for it to have a place in the frame.
+    /// The carriers of light in whose frames it has a place.
     pub carriers: &'static [Carrier],
-    /// What else a frame has to have.
+    /// What else a frame must have.
     pub needs: &'static [Need],
-    /// The objects that it has to do with.
+    /// The objects that it processes.
     pub serves: Serves,
     /// Why a frame of this state does without it, if it does.
     pub skip: fn(&State) -> Option<&'static str>,
-    /// Whether it runs in this frame.
+    /// Whether it runs in a frame after this update.
     pub runs: fn(&Update) -> bool,
-    /// The reference.
+    /// The CPU reference.
     pub cpu: fn(&mut State, Scope),
     /// Records its dispatches.
     pub gpu: fn(&mut Pass<'_>) -> Result<()>,
@@ -138,30 +139,30 @@ impl Stage {
         self.name == other.name
     }
 
-    /// Whether it fills lists that may turn out to be too short.
+    /// Whether it fills lists that may overflow.
     #[must_use]
     pub fn fills_lists(&self) -> bool {
         self.writes(BufferId::counters) && self.sizes.iter().any(|(_, size)| matches!(size, Size::Grows(_)))
     }
 }
 
-/// A step of the frame that runs on the host, whatever runs the stages.
+/// A step of the frame that always runs on the host, whether stages run on the CPU or on a device.
 pub struct Host {
     /// Its name.
     pub name: &'static str,
     /// What it does, in one sentence.
     pub about: &'static str,
-    /// Where it comes from.
+    /// The paper it comes from.
     pub equation: &'static str,
-    /// The buffer that it starts from.
+    /// The buffer that it reads.
     pub reads: BufferId,
     /// The buffer that it writes.
     pub writes: BufferId,
-    /// Who carries the light where it has a place in the frame.
+    /// The carrier of light in whose frames it has a place.
     pub carrier: Carrier,
 }
 
-/// Who brings light from where it enters to where it leaves: the transport, and the scheme of the hierarchy.
+/// What carries light from where it enters to where it leaves: a transport and, for the hierarchy, its scheme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carrier {
     /// The hierarchy, with blocks of receivers that share their lists.
@@ -170,7 +171,7 @@ pub enum Carrier {
     Links,
     /// The irradiance octree.
     Octree,
-    /// Every face to every face.
+    /// Brute force: every face to every face.
     Brute,
     /// No light is carried.
     Nothing,
@@ -195,7 +196,7 @@ impl Carrier {
         Self::TextureBlur,
     ];
 
-    /// Of a transport and a scheme.
+    /// The carrier for a transport and a scheme.
     #[must_use]
     pub fn new(transport: ShadingMethod, scheme: Scheme) -> Self {
         match (transport, scheme) {
@@ -210,7 +211,7 @@ impl Carrier {
         }
     }
 
-    /// How the user asks for it.
+    /// The option that selects it.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -241,7 +242,7 @@ impl Carrier {
     }
 }
 
-/// What a frame has to have for a stage to have a place in it.
+/// What a frame must have for a stage to have a place in it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
     /// A light that shines.
@@ -250,12 +251,12 @@ pub enum Need {
     Picture,
 }
 
-/// The objects that a stage has to do with.
+/// The objects that a stage processes.
 #[derive(Clone, Copy)]
 pub struct Serves {
-    /// Whether it has to do with this one.
+    /// Whether it processes this one.
     pub object: fn(&Object, &Method) -> bool,
-    /// What a plan says where it has to do with none.
+    /// What a plan says where it processes none.
     pub none: &'static str,
 }
 
@@ -264,7 +265,7 @@ impl Serves {
     pub const ALL: Self = Self { object: |_, _| true, none: "there is no object" };
     /// Objects that light enters.
     pub const TRANSLUCENT: Self = Self { object: |object, _| !object.opaque, none: "every object is opaque" };
-    /// Objects whose triangles' light is asked for.
+    /// Objects whose light is needed per triangle.
     pub const LIT_BY_FACE: Self = Self {
         object: |object, method| object.lit_by_face() && (object.opaque || method.local.is_none()),
         none: "light is evaluated where the pixels are",
@@ -274,13 +275,13 @@ impl Serves {
 /// How many elements a buffer has.
 #[derive(Clone, Copy)]
 pub enum Size {
-    /// As many as this says.
+    /// This many.
     Elements(fn(&State) -> usize),
-    /// As many as this says: a guess that grows where a frame turns out to need more.
+    /// At first this many: a guess that grows where a frame turns out to need more.
     Grows(fn(&State) -> usize),
 }
 
-/// No state does without it.
+/// For stages that no state does without.
 pub fn never(_: &State) -> Option<&'static str> {
     None
 }

@@ -1,4 +1,4 @@
-//! Stage `brute`: every face to every face, the yardstick of the hierarchy.
+//! Stage `brute`: every face to every face, the reference for the hierarchy.
 
 use rayon::prelude::*;
 
@@ -10,14 +10,14 @@ use crate::state::{
     stage::never, wide,
 };
 
-/// Receivers of one dispatch, so that no single one runs for many seconds.
+/// Most receivers of one dispatch, so that none runs for many seconds.
 const RECEIVERS: u32 = 8192;
-/// Emitters of one dispatch: lavapipe ends an invocation's loops, silently, after 65,535 iterations all together.
+/// Most emitters of one dispatch: lavapipe silently ends an invocation's loops after 65,535 iterations in total.
 const FAR_EMITTERS: u32 = 32768;
-/// The same where each may take the edge form's nested loops.
+/// The same where each emitter may take the edge form's nested loops.
 const NEAR_EMITTERS: u32 = 1024;
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "brute",
     module: "transport",

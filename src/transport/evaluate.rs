@@ -1,4 +1,4 @@
-//! Stage `evaluate`: single form factors and profile values, so that the kernels can be checked from outside.
+//! Stage `evaluate`: single form factors and profile values, so that users can check the kernels.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::layout::BufferId;
 use crate::state::{Granularity, Pass, Role, Scope, Serves, Stage, State, Tolerance, stage::never, wide};
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "evaluate",
     module: "transport",

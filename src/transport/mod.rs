@@ -1,7 +1,8 @@
-//! Mertens et al. 2003: from the light that enters to the light that leaves, by a hierarchy of clusters.
+//! Mertens et al. 2003: transport from the light that enters to the light that leaves, by a hierarchy of clusters.
 //!
-//! [`blocks`]: made to meet an error; [`links`]: as published; [`brute`]: every face to every face; [`octree`]: an
-//! irradiance octree in native code. `average` brings radiosity to vertices; `evaluate` answers single questions.
+//! [`blocks`]: extended to meet a given error; [`links`]: as published; [`brute`]: every face to every face;
+//! [`octree`]: an irradiance octree in native code. `average` computes radiosity at vertices; `evaluate` answers
+//! single queries.
 
 pub mod average;
 pub mod blocks;

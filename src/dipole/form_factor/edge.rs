@@ -1,19 +1,19 @@
 //! The form factor as a line integral over the triangle's edges, free of cancellation.
 //!
 //! Equation 10 of Mertens et al. 2003 is `J = sum over edges of int [g(h) - g(s)] dtheta` with
-//! `g(s) = e^(-sigma s) / s`. The paper evaluates its two parts apart and subtracts; here they are
-//! joined analytically (`s - s_m = (r^2 - r_m^2) / (s + s_m)`), so that `1/r^2` cancels at the foot:
+//! `g(s) = e^(-sigma s) / s`. The paper evaluates the two parts separately and subtracts; here they are joined
+//! analytically (`s - s_m = (r^2 - r_m^2) / (s + s_m)`), so that `1/r^2` cancels at the foot:
 //!
 //! `J = g(s_m) sum R int q [1 + sigma s_m phi1(sigma (s - s_m))] / ((s + s_m) s) dt`,
 //! `phi1(x) = (1 - e^(-x)) / x`, `q = (r^2 - r_m^2) / r^2`.
 //!
-//! The constant `g(s_m)` is free where the foot is outside (the angles sum to 0); taking it at the
-//! nearest point keeps the relative error small far away. For a foot inside, or nearer than `h`,
-//! `r_m = 0`. There is no test for inside or outside and no sign rule: `R` carries the sign.
+//! The constant `g(s_m)` can be chosen freely where the foot is outside (the angles sum to 0); choosing it at the
+//! nearest point keeps the relative error small far away. For a foot inside, or nearer than `h`, `r_m = 0`. There is
+//! no test for inside or outside and no sign rule: `R` carries the sign.
 //!
-//! The quadrature runs in `w = tan(psi/2) = t / (S + s)`, `psi` being the angle at the source:
-//! `s = S (1+w^2)/(1-w^2)`, `t = 2 S w/(1-w^2)`, `dt/s = 2 dw/(1-w^2)`. The map is rational, so that
-//! a shader needs no trigonometric function, whose precision Vulkan leaves open.
+//! The quadrature runs in `w = tan(psi/2) = t / (S + s)`, where `psi` is the angle at the source:
+//! `s = S (1+w^2)/(1-w^2)`, `t = 2 S w/(1-w^2)`, `dt/s = 2 dw/(1-w^2)`. The map is rational, so a shader needs no
+//! trigonometric function, whose precision Vulkan does not specify.
 
 use super::Distance;
 use super::footprint::{Edge, Footprint};
@@ -23,9 +23,9 @@ use glam::DVec3;
 
 /// The form factor of a triangle by quadrature over its edges, no unit, in [0, total].
 ///
-/// `triangle`: corners, counter-clockwise. `indices`: their vertex indices in the mesh. `x_o`: the
-/// receiving point. `nodes`: the rule used on each edge ([`super::gauss::SIX`] for the shaders').
-/// A triangle without area gives 0. Unclamped Table 1 gives infinity where the integral diverges.
+/// `triangle`: corners, counter-clockwise. `indices`: their vertex indices in the mesh. `x_o`: the receiving point.
+/// `nodes`: the rule used on each edge ([`super::gauss::SIX`] for scheme `links`). A triangle without area gives 0.
+/// Unclamped Table 1 gives infinity where the integral diverges.
 #[must_use]
 pub fn edge_form(
     triangle: &[DVec3; 3],
@@ -38,7 +38,7 @@ pub fn edge_form(
     weighed(triangle, indices, x_o, dipole, distance, |f, sigma, h| integral(f, sigma, h, nodes))
 }
 
-/// The same by quadrature in the angle `psi` itself: a little more even, but trigonometric.
+/// The same by quadrature in the angle `psi` itself: a little more even, but it needs trigonometric functions.
 #[must_use]
 pub fn edge_form_psi(
     triangle: &[DVec3; 3],
@@ -51,8 +51,8 @@ pub fn edge_form_psi(
     weighed(triangle, indices, x_o, dipole, distance, |f, sigma, h| integral_psi(f, sigma, h, nodes))
 }
 
-/// Both sources of the dipole, each with its depth as the numerator (equation 7). `one` is the
-/// integral for a source of this extinction and height.
+/// The sum over both sources of the dipole, each with its depth as the numerator (equation 7). `one` is the integral
+/// for a source of this extinction and height.
 pub(super) fn weighed(
     triangle: &[DVec3; 3],
     indices: [u32; 3],
@@ -86,31 +86,31 @@ pub fn integral_psi(footprint: &Footprint, sigma: f64, height: f64, nodes: &[Nod
     around(footprint, sigma, height, |edge, source| edge.in_psi(source, nodes))
 }
 
-/// What the three edges add to `J`, 1/length: an edge shared within a plane cancels bit for bit,
-/// as long as both triangles use the constant of the foot (inside, or nearer than the height).
+/// What the three edges add to `J`, 1/length. An edge that two triangles of a plane share cancels bit for bit if both
+/// use the constant of the foot (inside, or nearer than the height).
 #[must_use]
 pub fn terms(footprint: &Footprint, sigma: f64, height: f64, nodes: &[Node]) -> [f64; 3] {
     let source = Source::new(sigma, height, footprint.nearest);
     footprint.edges.map(|edge| source.constant() * edge.in_w(&source, nodes))
 }
 
-/// `J` with this line integral for each edge.
+/// `J`, with the line integral of each edge by `line`.
 pub(super) fn around(footprint: &Footprint, sigma: f64, height: f64, line: impl Fn(&Edge, &Source) -> f64) -> f64 {
     let source = Source::new(sigma, height, footprint.nearest);
-    // A source in the triangle (unclamped Table 1 only): the integral diverges.
+    // A source inside the triangle (unclamped Table 1 only): the integral diverges.
     if source.reference == 0.0 {
         return f64::INFINITY;
     }
     source.constant() * footprint.edges.iter().map(|edge| line(edge, &source)).sum::<f64>()
 }
 
-/// One source over the plane, and the reference distance of its constant.
+/// One source above the plane, and the reference distance of its constant.
 pub(super) struct Source {
     /// Extinction, 1/length.
     pub sigma: f64,
     /// Height over the plane, length.
     pub height: f64,
-    /// `r_m^2`, length^2: squared distance from foot to triangle, or 0 where that is small.
+    /// `r_m^2`, length^2: squared distance from foot to triangle, or 0 where the distance is less than the height.
     pub nearest2: f64,
     /// `s_m = sqrt(h^2 + r_m^2)`, length.
     pub reference: f64,
@@ -127,7 +127,8 @@ impl Source {
         (-self.sigma * self.reference).exp() / self.reference
     }
 
-    /// `q [1 + sigma s_m phi1(sigma (s - s_m))]` at the distance `s`, with `r2` its squared foot.
+    /// `q [1 + sigma s_m phi1(sigma (s - s_m))]` at the distance `s`, with `r2` the squared distance in the plane
+    /// from the foot.
     pub(super) fn density(&self, s: f64, r2: f64) -> f64 {
         let excess = (r2 - self.nearest2).max(0.0);
         let q = if self.nearest2 == 0.0 { 1.0 } else { excess / r2 };
@@ -142,7 +143,7 @@ fn phi1(x: f64) -> f64 {
 }
 
 impl Edge {
-    /// The edge's line integral in `w`, signed, no unit (times `g(s_m)` it is its part of `J`).
+    /// The edge's line integral in `w`, signed, no unit (multiplied by `g(s_m)` it is its part of `J`).
     fn in_w(&self, source: &Source, nodes: &[Node]) -> f64 {
         if self.offset == 0.0 {
             return 0.0;

@@ -1,9 +1,8 @@
-//! The form factor to nearly all digits: the edge form on graded panels.
+//! The form factor to almost full precision: the edge form on graded panels.
 //!
-//! The same line integral as [`super::edge`], but taken in `t`, with 24 nodes on each of many panels
-//! that shrink towards the foot and towards both ends of the edge. Too slow to render with; it is
-//! what the quadratures are measured against. With 6 nodes a panel it is what sums over all triangles
-//! are measured against.
+//! The same line integral as [`super::edge`], but in `t`, with 24 nodes on each of many panels that shrink towards
+//! the foot and towards both ends of the edge. Too slow for rendering; it is the reference that the quadratures are
+//! tested against. With 6 nodes per panel it is the reference for sums over all triangles.
 
 use super::Distance;
 use super::edge::{Source, around, weighed};
@@ -44,7 +43,7 @@ pub fn edge_form_fine(
     weighed(triangle, indices, x_o, dipole, distance, integral)
 }
 
-/// `J` of [`super::edge::integral`] to nearly all digits, 1/length.
+/// `J` of [`super::edge::integral`] to almost full precision, 1/length.
 #[must_use]
 pub fn integral(footprint: &Footprint, sigma: f64, height: f64) -> f64 {
     around(footprint, sigma, height, |edge, source| panels(edge, source, &RULE))
@@ -69,10 +68,10 @@ fn panels(edge: &Edge, source: &Source, rule: &[Node]) -> f64 {
     edge.sense * edge.offset * sum
 }
 
-/// Places along the edge in rising order: its ends, the foot, and steps doubling away from each.
+/// Points along the edge in rising order: its ends, the foot, and steps doubling away from each.
 fn breakpoints(edge: &Edge, source: &Source) -> Vec<f64> {
-    // The integrand varies over S (geometry), sqrt(S/sigma) (extinction near the foot) and
-    // 1/sigma (extinction away from it); start below the smallest.
+    // The integrand varies over S (geometry), sqrt(S/sigma) (extinction near the foot) and 1/sigma (extinction away
+    // from it); start below the smallest.
     let nearest = edge.offset.hypot(source.height);
     let extinct = if source.sigma > 0.0 { 1.0 / source.sigma } else { f64::INFINITY };
     let finest = 0.5 * nearest.min((nearest * extinct).sqrt()).min(extinct);
@@ -80,7 +79,7 @@ fn breakpoints(edge: &Edge, source: &Source) -> Vec<f64> {
     let mut places = vec![edge.start, edge.end];
     for centre in [edge.start, 0.0, edge.end] {
         places.push(centre);
-        // From 60 doublings below the length there is nothing left to resolve.
+        // Steps below 2^-60 of the length have nothing left to resolve.
         let mut step = finest.max(length * 2.0_f64.powi(-60));
         while step < length + centre.abs() {
             places.extend([centre - step, centre + step]);

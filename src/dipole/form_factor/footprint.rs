@@ -1,9 +1,9 @@
-//! A triangle as its form factor sees it: edges around the foot of the receiving point.
+//! A triangle as its form factor needs it: edges around the foot of the receiving point.
 //!
-//! Symbols of Table 2 of Mertens et al. 2003: the foot `d'` is the projection of the point on the
-//! triangle's plane, `R` its distance to an edge's line (here with a sign: positive where the foot
-//! is on the inner side), `t` the place along that line counted from the foot's projection on it.
-//! Both sources and all channels share the foot, so this is computed once for a triangle and point.
+//! Symbols of Table 2 of Mertens et al. 2003: the foot `d'` is the projection of the point on the triangle's plane,
+//! `R` its distance to an edge's line (here with a sign: positive where the foot is on the inner side), `t` the
+//! position along that line, counted from the foot's projection on it. Both sources and all channels share the foot,
+//! so this is computed once for a triangle and point.
 
 use super::vector_area;
 use glam::DVec3;
@@ -11,13 +11,13 @@ use glam::DVec3;
 /// One edge, walked from its lower to its higher vertex index.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edge {
-    /// +1 where that is the triangle's own counter-clockwise sense, else -1.
+    /// +1 if that is the triangle's own counter-clockwise direction, else -1.
     pub sense: f64,
     /// Distance of the foot to the edge's line, length; positive on the left of the walk.
     pub offset: f64,
-    /// Place of the first end along the line, length.
+    /// Position of the first end along the line, length.
     pub start: f64,
-    /// Place of the second end along the line, length, not below `start`.
+    /// Position of the second end along the line, length, not below `start`.
     pub end: f64,
 }
 
@@ -35,8 +35,8 @@ pub struct Footprint {
 impl Footprint {
     /// The footprint of a triangle with counter-clockwise corners for the point `x_o`.
     ///
-    /// `indices` are the corners' vertex indices in the mesh: an edge shared by two triangles of
-    /// one plane then gives the same bits in both, with opposite signs. None if the area is 0.
+    /// `indices` are the corners' vertex indices in the mesh: an edge shared by two triangles of one plane then gives
+    /// the same bits in both, with opposite signs. None if the area is 0.
     #[must_use]
     pub fn new(triangle: &[DVec3; 3], indices: [u32; 3], x_o: DVec3) -> Option<Self> {
         let area = vector_area(triangle);

@@ -5,13 +5,13 @@ use std::f64::consts::PI;
 /// One node of a quadrature rule on [-1, 1].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
-    /// Where the integrand is taken, in (-1, 1).
+    /// Where the integrand is evaluated, in (-1, 1).
     pub x: f64,
     /// Its weight, positive; the weights of a rule sum to 2.
     pub weight: f64,
 }
 
-/// The rule with 6 nodes, exact to degree 11: the one the shaders use.
+/// The rule with 6 nodes, exact to degree 11: the one that scheme `links` and brute force use.
 pub const SIX: [Node; 6] = [
     Node { x: -0.932_469_514_203_152, weight: 0.171_324_492_379_170_36 },
     Node { x: -0.661_209_386_466_264_5, weight: 0.360_761_573_048_138_6 },

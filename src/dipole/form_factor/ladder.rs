@@ -1,10 +1,10 @@
-//! Which rule will do for a triangle at a distance, decided before anything is integrated.
+//! Selects the quadrature rule for a triangle at a distance, before anything is integrated.
 //!
-//! One number foretells the error of every area rule: `chi = tau q2(sigma s) / (2 s^2)`, the leading
-//! term of the midpoint rule's relative error without its sign. `tau` is the trace of the triangle's
-//! second moment, `s` the distance from the source to the centroid, and `q2` comes from the second
-//! derivative of `p(s) = (1 + sigma s) e^(-sigma s) / s^3`. `chi` falls as `s` grows, so that each
-//! threshold is one radius: the choice at run time is a comparison of squared distances.
+//! One number predicts the error of every area rule: `chi = tau q2(sigma s) / (2 s^2)`, the magnitude of the leading
+//! term of the midpoint rule's relative error. `tau` is the trace of the triangle's second moment, `s` the distance
+//! from the source to the centroid, and `q2` comes from the second derivative of
+//! `p(s) = (1 + sigma s) e^(-sigma s) / s^3`. `chi` falls as `s` grows, so each threshold is one radius: the choice
+//! at run time is a comparison of squared distances.
 
 use crate::layout::{FAINTEST, FARTHEST};
 
@@ -14,9 +14,9 @@ pub const RUNGS: usize = 4;
 /// Tolerances of the table below, as powers of ten.
 const POWERS: [f64; 4] = [-4.0, -3.0, -2.0, -1.0];
 
-/// Largest `chi` for each rule at each tolerance: the 99th percentile of the relative error of
-/// well-shaped triangles stays within it. The last row, for 0.1, is a modest extrapolation: its 99th
-/// percentile is 0.03, since beyond it the area rules can be wrong by far more than their law says.
+/// Largest `chi` for each rule at each tolerance: the 99th percentile of the relative error of well-shaped triangles
+/// stays within the tolerance. The last row, for 0.1, is a modest extrapolation: its 99th percentile is 0.03, because
+/// beyond it the errors of the area rules can be much larger than predicted.
 const LARGEST: [[f64; RUNGS]; 4] =
     [[0.007, 0.017, 0.12, 0.35], [0.025, 0.06, 0.3, 0.7], [0.1, 0.3, 0.6, 0.9], [0.3, 0.7, 1.0, 1.2]];
 
@@ -30,8 +30,8 @@ pub struct Ladder {
 impl Ladder {
     /// The ladder for a relative error of the form factor.
     ///
-    /// `tolerance` from 1e-4 to 1e-1, interpolated between powers of ten in the logarithm; outside
-    /// that range the nearest end is used (below 1e-4 the rules then keep an error of 1e-4).
+    /// `tolerance` from 1e-4 to 1e-1, interpolated between powers of ten in the logarithm; outside that range the
+    /// nearest end is used (for tolerances below 1e-4 the error of the rules remains 1e-4).
     #[must_use]
     pub fn new(tolerance: f64) -> Self {
         let power = tolerance.max(1e-4).log10().min(POWERS[3]);
@@ -58,9 +58,9 @@ pub fn chi(tau: f64, sigma: f64, s: f64) -> f64 {
     tau * q2(sigma * s) / (2.0 * s * s)
 }
 
-/// Distance between source and centroid from which on `chi` stays below `limit` in every channel, with
-/// q2(a) <= 15 + 5a + a^2; at most 4, four times an object's extent. A channel counts up to
-/// sigma s = 20 (e^-20 = 2e-9).
+/// Distance between source and centroid beyond which `chi` stays below `limit` in every channel, with
+/// q2(a) <= 15 + 5a + a^2; at most 4, four times an object's extent. A channel counts up to sigma s = 20 (e^-20 =
+/// 2e-9).
 #[must_use]
 pub fn chi_distance(tau: f64, sigma: [f64; 3], limit: f64) -> f64 {
     let channel = |sigma: f64| {

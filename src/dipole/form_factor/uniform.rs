@@ -1,17 +1,17 @@
-//! The form factor by uniform point samples: what Mertens et al. 2003 compare theirs with (section 4.2, table 5, figure
-//! 5).
+//! The form factor by uniform point samples: the method that Mertens et al. 2003 compare theirs with (section 4.2,
+//! table 5, figure 5).
 //!
-//! As many samples as Jensen and Buhler 2002 spread over a surface, one for each disc of a mean free path:
-//! `n = A / (pi l^2)`. They fall evenly at random and belong to the triangle, not to the receiver, as a cloud of
-//! points on the surface does; a sample alone stands at the centroid. Which place is drawn is integer arithmetic, how
-//! many are drawn one product and a comparison in `f32`, so that every device takes the same samples.
+//! As many samples as Jensen and Buhler 2002 spread over a surface, one per disc whose radius is a mean free path:
+//! `n = A / (pi l^2)`. They are uniformly random and belong to the triangle, not to the receiver, like a cloud of
+//! points on the surface; a single sample is at the centroid. The positions come from integer arithmetic, and their
+//! number from one product and a comparison in `f32`, so that every device takes the same samples.
 
 use std::f64::consts::PI;
 
 use super::points::Sample;
 use crate::layout::{MOST_SAMPLES, ObjectParams, SAMPLE_BITS};
 
-/// Samples per squared internal length: by the shortest mean free path of the channels.
+/// Samples per squared internal length, from the shortest mean free path of the channels.
 #[must_use]
 pub fn density(params: &ObjectParams) -> f32 {
     let shortest = params.z_real.iter().copied().map(f64::from).fold(f64::INFINITY, f64::min);
@@ -34,7 +34,7 @@ fn mixed(mut x: u32) -> u32 {
     x ^ x >> 16
 }
 
-/// The samples of face number `face`, `count` of them, as an area rule.
+/// The `count` samples of triangle number `face`, as an area rule.
 pub fn samples(face: u32, count: u32) -> Vec<Sample> {
     let weight = 1.0 / f64::from(count);
     if count == 1 {

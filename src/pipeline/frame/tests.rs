@@ -1,4 +1,4 @@
-//! The frame keeps its promises: shared lists, sizes, names.
+//! Invariants of the frame: shared lists, sizes, names.
 
 use crate::gpu::{accesses, sources};
 use crate::layout::{BUFFER_IDS, BufferId, Partition};
@@ -11,7 +11,7 @@ fn bound(stage: &Stage) -> Vec<BufferId> {
     own.flat_map(|name| accesses(name).unwrap()).map(|access| BUFFER_IDS[access.binding as usize]).collect()
 }
 
-/// Lists that all turns of a loop share where none are kept, but that are bound in several of these loops.
+/// Buffers that all iterations of a loop share where lists are not kept, but that several of these loops bind.
 fn strays(loops: &[&[&'static Stage]]) -> Vec<BufferId> {
     let binds =
         |slot: BufferId| loops.iter().filter(move |stages| stages.iter().any(|stage| bound(stage).contains(&slot)));

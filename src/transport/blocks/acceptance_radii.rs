@@ -1,13 +1,12 @@
-//! Stage `acceptance_radii`: the oracle, folded into distances. How much of the light of a link is lost falls with
-//! distance whatever the law, so each threshold becomes one distance a node; the walk then only adds, multiplies and
-//! compares.
+//! Stage `acceptance_radii`: turns the oracle into distances. The error of a link falls with distance under every
+//! error law, so each threshold becomes one distance per node, and the walk only adds, multiplies and compares.
 //!
 //! A law `factor W tau^n sum_j z_j p(s_j) (q2 / (2 s_j^2))^n` separates into the node's strength `W tau^n` and a
-//! function of distance alone, the same for all nodes. Its inverse is tabled once a frame: a node takes a look at a
-//! table.
+//! function of distance alone, the same for all nodes. The inverse of that function is tabulated once per frame; a
+//! node only looks it up.
 //!
-//! Where lists have to serve any light of some contrast (mode `render`), W is the node's area, tau the second moment of
-//! its area, about the area's centroid.
+//! Where lists have to serve any light of the same contrast (mode `render`), W is the node's area, and tau the second
+//! moment of that area about its centroid.
 
 use rayon::prelude::*;
 
@@ -23,14 +22,14 @@ use crate::state::{
     wide,
 };
 
-/// A logarithm's rounding, 60 x 2^-24, moves the argument by that share of the table's depth.
+/// Tolerances: the rounding of a logarithm, 60 x 2^-24, moves the argument by that share of the table's depth.
 const EMITTER: &[Field] = &[
     Field { name: "place.3", relative: 5e-4, floor: 1e-6, of: "" },
     Field { name: "accept", relative: 5e-4, floor: 1e-6, of: "" },
     Field { name: "area", relative: 5e-4, floor: 1e-6, of: "" },
 ];
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "acceptance_radii",
     module: "transport/blocks",
@@ -55,20 +54,20 @@ pub static STAGE: Stage = Stage {
 
 fn runs(update: &Update) -> bool {
     match update.any_light {
-        // Lists that are rebuilt anyway, for other pixels, are made for the light of now.
+        // Lists that are rebuilt anyway, for other pixels, are made for the current light.
         true => update.shape() || update.change.relink || (update.other_receivers() && update.change.light),
         false => update.light(),
     }
 }
 
-/// Exponent n and factor of each law for the moments' order.
+/// Exponent n and factor of each law, for this order of the moments.
 fn laws(order: u32) -> ([f64; ERROR_LAWS], [f64; ERROR_LAWS]) {
     let cluster = 0.5 + 0.5 * f64::from(order);
     let (triangle, sample) = if order == 2 { (2.0, 1.5) } else { (1.0, 0.55) };
     ([0.0, cluster, 1.5, triangle, 3.0], [1.0, if order == 2 { 0.5 } else { 1.0 }, 0.5, sample, 0.045])
 }
 
-/// The binary logarithm of a law at a distance: the largest over the channels, each times its scale.
+/// The binary logarithm of a law at distance `u`: the largest over the channels, each multiplied by its scale.
 fn law(jets: &GroupProfile, scale: [f64; 3], u: f64, power: f64) -> f64 {
     let channel = |c: usize| {
         let dipole = jets.dipole(c);
@@ -85,7 +84,7 @@ fn law(jets: &GroupProfile, scale: [f64; 3], u: f64, power: f64) -> f64 {
     jets.channels().map(channel).fold(-1e30, f64::max)
 }
 
-/// One law's table: its logarithm at distance 0, how far it falls, and the distances of evenly spaced values.
+/// One law's table: its logarithm at distance 0, by how much it falls, and the distances of evenly spaced values.
 fn table(jets: &GroupProfile, scale: [f64; 3], power: f64) -> Vec<f32> {
     let top = law(jets, scale, 0.0, power);
     let depth = RANGE_DEPTH.min(top - law(jets, scale, FARTHEST, power));
@@ -108,7 +107,7 @@ fn cpu(state: &mut State, at: Scope) {
     let params = data.object_params[0];
     let jets = GroupProfile::new(&params, group.channels);
     let (power, factor) = laws(order);
-    // Of what enters as light, or of areas where lists have to serve any light.
+    // The scale of the laws per channel: contrast / tint where lists serve any light, else 1 / reference level.
     let scale = [0, 1, 2].map(|c| {
         let tint = f64::from(params.tint[c]).max(1e-37);
         if any_light {
@@ -162,8 +161,8 @@ fn cpu(state: &mut State, at: Scope) {
             };
             let accept = range(rule, weight + power[rule] * tau, error);
             let accept = if leaf { accept.max(valid(SAMPLE_CHI)) } else { accept };
-            // The laws hold at a cluster's nearest point, a triangle's at its centroid; at distance 0 they hold
-            // everywhere.
+            // The laws hold at a cluster's nearest point, hence the radius, but at a triangle's centroid. A distance
+            // of 0 means that they hold everywhere.
             let reach = |radius: f64, range: f64| if range > 0.0 { (radius + range) as f32 } else { -1e9 };
             let edge = if leaf { 0.0 } else { radius };
             emitter.place[3] = reach(radius, range(LAW_MAGNITUDE, weight, DROPPED_SHARE * error));

@@ -1,5 +1,6 @@
-//! Stage `coarse_solve`: how bright the object will be, from a coarse solution at a few receivers. A link's error is
-//! allowed in proportion to it. Taken from the same frame, never from the last one: results must not depend on history.
+//! Stage `coarse_solve`: how bright the object will be, from a coarse solution at a few receivers. The error allowed
+//! per link is proportional to it. It depends on this frame only, never on the last one: results must not depend on
+//! history.
 
 use rayon::prelude::*;
 
@@ -12,7 +13,7 @@ use crate::state::{
     wide,
 };
 
-/// Samples of either kind.
+/// Number of samples of each kind: drawn evenly among the faces, and drawn by the light that enters.
 const HALF: usize = COARSE_SAMPLES / 2;
 
 const SAMPLE: &[Field] = &[
@@ -21,7 +22,7 @@ const SAMPLE: &[Field] = &[
     Field { name: "light", relative: 2e-5, floor: 1e-30, of: "" },
 ];
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "coarse_solve",
     module: "transport/blocks",
@@ -108,7 +109,8 @@ fn cpu(state: &mut State, at: Scope) {
     }
 }
 
-/// The leaf at this share of the light: decisions in `f32`.
+/// The leaf of sample `k` of those drawn by light: the one at share (k + 1/2) / `HALF` of the cumulative light, in
+/// `f32`.
 fn by_light(data: &crate::layout::Buffers, moments: &[Moment], k: usize) -> usize {
     let mut target = moments[0].weight * ((k as f32 + 0.5) * (1.0 / HALF as f32));
     let mut node = 0;

@@ -1,19 +1,20 @@
-//! What the transport may miss at a receiver: the laws of the error estimate, which `gather` sums and `push` closes.
-//! `glsl/transport/blocks/estimate.glsl` states the same laws.
+//! The estimated error of the transport at a receiver: the laws that `gather` sums and from which `push` computes the
+//! estimate. `glsl/transport/blocks/estimate.glsl` states the same laws.
 //!
-//! Each link adds the square of what it may miss: links err to either side. Their laws are those of the oracle, by chi
-//! = tau q2(sigma s) / (2 s^2), with three changes. The oracle takes a law at a cluster's nearest point; here it is
-//! taken at the centroid and grows by e^(sigma sqrt(tau)), since the profile falls by that from one to the other. An
-//! expansion for a whole block is of second order in the emitter's spread and the receiver's offset together, so the
-//! third order is lost in both: (tau + offset^2)^3 is at most 4 (tau^3 + offset^6), which needs two sums instead of
-//! four. Factors are measured, so that each law alone is right in size: a third moment is a small share of tau^1.5,
-//! hence 0.15 where the oracle has 0.5, and few offsets lie in the worst direction, hence 0.4. And what was dropped is
-//! all of one sign, so it adds up before it is squared.
+//! Each link adds the square of its error, because links err in either direction. Their laws are those of the oracle,
+//! in chi = tau q2(sigma s) / (2 s^2), with three changes. First, the oracle evaluates a law at a cluster's nearest
+//! point; here it is evaluated at the centroid and multiplied by e^(sigma sqrt(tau)), because the profile falls by
+//! that from one to the other. Second, an expansion for a whole block is of second order in the emitter's spread and
+//! the receiver's offset together, so the third order of both is lost: (tau + offset^2)^3 is at most
+//! 4 (tau^3 + offset^6), which needs two sums instead of four. Third, the factors are measured, so that each law
+//! alone has the right magnitude: a third moment is a small share of tau^1.5, hence 0.15 where the oracle has 0.5,
+//! and few offsets lie in the worst direction, hence 0.4. Dropped emitters all err in the same direction, so they are
+//! summed before the sum is squared.
 
 use crate::dipole::derivatives::{ClusterMoments, GroupProfile};
 use crate::layout::{ESTIMATE_BOTH, ESTIMATE_ROUNDING, ESTIMATE_SAFETY, ESTIMATE_STEEPEST};
 
-/// What a link by moments of this order misses, squared.
+/// Squared error of a link by moments of this order.
 pub fn moments(jets: &GroupProfile, c: usize, m: &ClusterMoments, d2: f64, order: u32) -> f64 {
     let chi = jets.unit_chi(c, d2) * m.trace();
     let share = match order {
@@ -25,21 +26,21 @@ pub fn moments(jets: &GroupProfile, c: usize, m: &ClusterMoments, d2: f64, order
     (m.weight * jets.at(c, d2).value * share.min(1.0) * nearer).powi(2)
 }
 
-/// What an expansion misses at a block's radius, squared.
+/// Squared error of an expansion at a block's radius.
 pub fn bend(jets: &GroupProfile, c: usize, m: &ClusterMoments, d2: f64, radius: f64) -> f64 {
     let chi = jets.unit_chi(c, d2) * radius * radius;
     (m.weight * jets.at(c, d2).value * 0.4 * chi.powf(1.5) / (1.0 + 0.4 * chi)).powi(2)
 }
 
-/// What a triangle's 6 area points miss, squared.
+/// Squared error of a triangle's 6 area points.
 pub fn points(jets: &GroupProfile, c: usize, m: &ClusterMoments, d2: f64) -> f64 {
     let chi = jets.unit_chi(c, d2) * m.trace();
     (m.weight * jets.at(c, d2).value * (0.006 * chi.powi(3)).min(1.0)).powi(2)
 }
 
-/// What the edge form of a triangle of this value misses, squared: a share by the nodes of an edge, and by how large
-/// the triangle is against the reach of the light in the material (measured: next to exact at 0.1, a few % at 3 and 3
-/// nodes).
+/// Squared error of the edge form of a triangle, given its value: a share of the value that depends on the nodes per
+/// edge and on the size of the triangle relative to how far light reaches in the material (measured: almost exact at
+/// 0.1, a few % at 3 with 3 nodes).
 pub fn edge(sigma: f64, m: &ClusterMoments, nodes: u32, value: f64) -> f64 {
     let size = (sigma * m.trace().sqrt()).min(3.0);
     let share = match nodes {
@@ -50,16 +51,16 @@ pub fn edge(sigma: f64, m: &ClusterMoments, nodes: u32, value: f64) -> f64 {
     (share * value).powi(2)
 }
 
-/// What a dropped cluster would have given: e^(-sigma s) is on average sinh(t)/t times that of the centre, over a line
-/// of this spread with t = sigma sqrt(3 tau) for half its length.
+/// What a dropped cluster would have contributed: over a line of this spread, e^(-sigma s) is on average sinh(t)/t
+/// times its value at the centre, where t = sigma sqrt(3 tau) stands for half the line's length.
 pub fn dropped(jets: &GroupProfile, c: usize, m: &ClusterMoments, d2: f64) -> f64 {
     let t = (jets.dipole(c).sigma * (3.0 * m.trace()).sqrt()).min(ESTIMATE_STEEPEST);
     let grown = if t > 1e-2 { t.sinh() / t } else { 1.0 };
     m.weight * jets.at(c, d2).value * grown
 }
 
-/// The estimate of a receiver: from its own squares, those of its block at its centre and its radius, its offset and
-/// that radius, its radiosity before it is clamped.
+/// The estimate of a receiver, from its own squared error, its block's squared errors at the centre and at the
+/// radius, its offset and that radius, and its radiosity before clamping to 0.
 pub fn close(sigma: f64, own: f64, [center, rim]: [f64; 2], [offset, radius]: [f64; 2], sum: f64) -> f64 {
     let nearer = (2.0 * sigma * offset).min(ESTIMATE_STEEPEST).exp();
     let out = if radius > 0.0 { offset / radius } else { 0.0 };

@@ -1,5 +1,6 @@
-//! Stage `gather`: what each block's emitters give its receivers: distant ones expanded once about the block's centre,
-//! nearer ones at each receiver, triangles too near for one sample by area points or the edge form.
+//! Stage `gather`: light from each block's lists at its receivers. Distant emitters are expanded once about the
+//! block's centre, nearer ones evaluated at each receiver, and triangles too near for one sample take area points or
+//! the edge form.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -18,7 +19,7 @@ use crate::state::{
     wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "gather",
     module: "transport/blocks",
@@ -45,11 +46,11 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// Near triangles that a block takes in one dispatch: lavapipe ends an invocation's loops, silently, after 65,535
-/// iterations all together, and the edge form takes up to 85.
+/// Near triangles per block and dispatch: lavapipe silently ends an invocation's loops after 65,535 iterations in
+/// total, and the edge form takes up to 85 per triangle.
 pub const NEAR_PART: u32 = 512;
 
-/// The distant emitters of a block, about its centre.
+/// Expands the distant emitters of a block about its centre.
 fn expand(
     jets: &GroupProfile,
     order: u32,
@@ -109,7 +110,7 @@ fn expand(
     }
 }
 
-/// What one receiver gets from the other lists, and the squared estimate of what it misses.
+/// Evaluates the other lists at a receiver: their light, and the squared estimate of its error.
 struct Near<'a> {
     data: &'a Buffers,
     cloud: &'a (dyn Fn(u32) -> ClusterMoments + Sync),
@@ -154,7 +155,7 @@ impl Near<'_> {
 }
 
 impl Near<'_> {
-    /// What the emitters that a block left out would have given at its centre, per channel.
+    /// For each channel the light that the emitters dropped by a block would have sent to its centre.
     fn dropped(&self, sphere: &Sphere, emitters: &[Emitter], expands: &[[f32; 4]]) -> Vec<(usize, f64)> {
         let center = wide(sphere.center);
         let mut sums: Vec<(usize, f64)> = self.jets.channels().map(|c| (c, 0.0)).collect();

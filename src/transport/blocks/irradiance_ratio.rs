@@ -1,8 +1,8 @@
-//! Stage `irradiance_ratio`: how bright the light that enters is against how bright the object will be. In mode
-//! `render` lists are made as if light entered everywhere alike, as much as its root mean square, so that they depend
-//! on shape, material, tolerance and this one number a channel, and serve every light of the same contrast. Steps of a
-//! fourth of an octave, upward, so that it seldom changes; when it does, lists are rebuilt. Nothing depends on the
-//! light of earlier frames.
+//! Stage `irradiance_ratio`: the contrast, the ratio of the brightness of the entering light to that of the object.
+//! In mode `render` lists are made as if light entered evenly everywhere, at its root mean square, so that they
+//! depend only on shape, material, tolerance and this one number per channel, and serve every light of the same
+//! contrast. It is rounded up in steps of a quarter octave, so that it seldom changes; when it does, lists are
+//! rebuilt. Nothing depends on the light of earlier frames.
 
 use crate::error::Result;
 use crate::layout::{
@@ -10,7 +10,7 @@ use crate::layout::{
 };
 use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update};
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "irradiance_ratio",
     module: "transport/blocks",
@@ -29,9 +29,9 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// The contrast of one channel, of the mean square of irradiance over its mean, and the light and area of all:
-/// decisions, as the kernel has them. What is squared is scaled by a power of two, so that however dim an object is
-/// nothing vanishes.
+/// The contrast of one channel, from the mean square of irradiance relative to its mean (`square`), and the light and
+/// area of the whole object: `f32` decisions, as in the kernel. Numbers are scaled by a power of two before they are
+/// squared, so that nothing underflows however dim an object is.
 fn contrast(square: f32, [light, area]: [f32; 2], params: &ObjectParams, level: f32, channel: usize) -> f32 {
     let scale = scale(light);
     let (light, level) = (light * scale * params.tint[channel], level * scale * area);
@@ -48,7 +48,7 @@ fn contrast(square: f32, [light, area]: [f32; 2], params: &ObjectParams, level: 
     octave
 }
 
-/// The power of two that brings a number below 1 to 1 or more.
+/// The power of two that brings a number below 1 to at least 1.
 fn scale(light: f32) -> f32 {
     let mut scale = 1.0f32;
     for _ in 0..CONTRAST_DOUBLINGS {
@@ -85,7 +85,7 @@ mod tests {
         assert_eq!(contrast(1.0, 0.99, 0), CONTRAST_ROOTS[1]);
         assert_eq!(contrast(2.0, 1.0, 1), 1.0);
         assert_eq!(contrast(3.0, 1.0, 0), 2.0 * CONTRAST_ROOTS[3]);
-        // In the dark, and beyond the last; but not where all is dim.
+        // No light; beyond the last step; but dim light has the same contrast as bright light.
         assert_eq!((contrast(0.0, 1e-30, 0), contrast(1.0, 1e-30, 0)), (1.0 / 256.0, 1_048_576.0));
         assert_eq!(contrast(3e-25, 1e-25, 0), 2.0 * CONTRAST_ROOTS[3]);
         let steps = |q: f32| f64::from(q).log2() * 4.0;

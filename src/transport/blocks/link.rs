@@ -1,8 +1,9 @@
-//! Stage `link`: for each block of receivers which emitters it expands, links directly, or takes triangle by triangle.
+//! Stage `link`: the lists of each block of receivers: emitters to expand, to link directly, or to take triangle by
+//! triangle.
 //!
-//! Decisions: `f32` additions, multiplications and comparisons in the order of `glsl/transport/blocks/link/walk.glsl`,
-//! so that all devices agree bit for bit. Lists are counted, placed by a prefix sum, written; there is no fixed
-//! capacity a block.
+//! Decisions: `f32` additions, multiplications and comparisons in the order of
+//! `glsl/transport/blocks/link/walk.glsl`, so that all devices agree bit for bit. Lists are counted, placed by a
+//! prefix sum, and written; a block has no fixed capacity.
 
 use rayon::prelude::*;
 
@@ -16,7 +17,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "link",
     module: "transport/blocks",
@@ -59,16 +60,16 @@ fn runs(update: &Update) -> bool {
     made_for || update.shape() || update.other_receivers() || update.change.relink
 }
 
-/// One element a block of each batch, rounded up so that a device can bind each batch's part.
+/// One element per block of each batch, rounded up so that a device can bind each batch's part.
 fn blocks_of_batches(state: &State) -> usize {
     state.batch_parts() * state.largest_batch().next_multiple_of(64)
 }
 
-/// What becomes of an emitter at a block.
+/// How a block treats an emitter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Kind {
-    /// It counts for nothing.
+    /// Its light is neglected.
     Dropped = LINK_DROPPED,
     /// It is expanded about the block's centre.
     Expanded = LINK_EXPANDED,
@@ -78,11 +79,11 @@ pub enum Kind {
     Area = LINK_AREA,
     /// A triangle that takes the edge form.
     Edge = LINK_EDGE,
-    /// Its children settle it.
+    /// Its children are visited instead.
     Opened = LINK_OPENED,
 }
 
-/// Whether a squared distance is at least (reach + radius)^2; a reach far below 0 is always passed.
+/// Whether a squared distance is at least (reach + radius)^2; always true for a reach far below 0.
 fn beyond(d2: f32, reach: f32, radius: f32) -> bool {
     let sum = (reach + radius).max(0.0);
     d2 >= sum * sum
@@ -114,7 +115,7 @@ pub fn walk(sphere: &Sphere, emitters: &[Emitter], expands: &[[f32; 4]], mut tel
     }
 }
 
-/// The batch's blocks and the lists' part.
+/// The blocks of a batch, and where its parts of `runs` and of `entries` begin.
 pub fn batch(state: &State, at: Scope) -> (std::ops::Range<usize>, usize, usize) {
     let blocks = state.object(at).schedule.batches[at.chunk].clone();
     (blocks.start as usize..blocks.end as usize, state.part(BufferId::runs, at).0, state.part(BufferId::entries, at).0)

@@ -1,8 +1,9 @@
-//! Mertens et al. 2003 made to meet an error: from the light that enters to the light that leaves, by a hierarchy of
-//! clusters with moments, and blocks of receivers.
+//! Mertens et al. 2003, extended to meet a given error: from the light that enters to the light that leaves, by a
+//! hierarchy of clusters with moments, and blocks of receivers.
 //!
-//! The modules are the stages, in the order of a frame: `pull`, `coarse_solve`, `irradiance_ratio`, `acceptance_radii`,
-//! `link`, `gather`, `push`. `estimate` has the laws by which `gather` and `push` estimate errors.
+//! The modules are the stages, in the order of a frame: `pull`, `coarse_solve`, `irradiance_ratio`,
+//! `acceptance_radii`, `link`, `gather`, `push`. `estimate` contains the laws by which `gather` and `push` estimate
+//! errors.
 
 pub mod acceptance_radii;
 pub mod coarse_solve;

@@ -1,5 +1,5 @@
-//! Stage `pull`: the light that enters every cluster, as moments: its sum W, its centroid, and its second moments.
-//! (Section 3.2 of the paper averages irradiance; moments up to the second are what makes few links enough.)
+//! Stage `pull`: moments of the light that enters every cluster: its sum W, its centroid, and its second moments.
+//! (Section 3.2 of the paper averages irradiance; with moments up to the second, few links are enough.)
 
 use glam::DVec3;
 
@@ -11,13 +11,13 @@ use crate::state::{
     stage::never, wide,
 };
 
-/// By their own size or the extent.
+/// Tolerances relative to the value or to the extent.
 const MOMENT: &[Field] = &[
     Field { name: "center", relative: 0.0, floor: 4e-6, of: "" },
     Field { name: "weight", relative: 5e-5, floor: 0.0, of: "" },
 ];
 
-/// Second moments as a share of their trace and the square of the radius.
+/// Tolerances of second moments: relative to the value, plus a share of the radius.
 const SECOND_MOMENTS: &[Field] = &[
     Field { name: "diagonal", relative: 1e-4, floor: 2e-6, of: "radius" },
     Field { name: "mixed", relative: 1e-4, floor: 2e-6, of: "radius" },
@@ -25,7 +25,7 @@ const SECOND_MOMENTS: &[Field] = &[
     Field { name: "coarse", relative: 1e-3, floor: 1e-5, of: "" },
 ];
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "pull",
     module: "transport/blocks",

@@ -1,5 +1,5 @@
-//! Stage `push`: a face's radiosity B: what it received itself, and its block's expansion at its centroid (section 3.2
-//! adds up clusters' constants; here a block hands down a quadratic).
+//! Stage `push`: a receiver's radiosity B: what it received itself, plus its block's expansion at its position
+//! (section 3.2 adds up clusters' constants; here a block hands down a quadratic).
 
 use rayon::prelude::*;
 
@@ -10,7 +10,7 @@ use crate::state::{
     Carrier, Granularity, Need, Object, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "push",
     module: "transport/blocks",
@@ -32,7 +32,7 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// The channels of any group.
+/// Bits of the channels that are in any group.
 fn alive(object: &Object) -> u32 {
     object.groups.iter().fold(0, |mask, group| mask | group.channels)
 }

@@ -1,5 +1,6 @@
-//! Stage `form_factor`: F of every link, by one sample, by area points, or for the nearest triangles by the edge form;
-//! instead of the last, by uniform point samples, if `transport.near` asks for what the paper compares with.
+//! Stage `form_factor`: F of every link, by one sample, by area points, or for the nearest triangles by the edge
+//! form. Where `transport.near` selects point sampling, uniform samples replace the edge form, for comparison with
+//! the paper.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -18,7 +19,7 @@ use crate::state::{
     narrow, stage::never, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "form_factor",
     module: "transport/links",
@@ -44,17 +45,17 @@ pub static STAGE: Stage = Stage {
 /// How a form factor is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QuadratureRule {
-    /// One sample at the centre, with the second moment of a triangle.
+    /// One sample at the centre; for a triangle with its second moment.
     Center,
     /// An area rule: 0, 1, 2 for 3, 6, 12 points.
     Points(usize),
     /// The edge form.
     Edges,
-    /// So many uniform point samples.
+    /// This many uniform point samples.
     Uniform(u32),
 }
 
-/// Everything the form factor of a node depends on.
+/// What the form factors of nodes depend on.
 pub struct Emitters<'a> {
     data: &'a Buffers,
     distance: crate::dipole::form_factor::Distance,
@@ -63,7 +64,7 @@ pub struct Emitters<'a> {
 }
 
 impl<'a> Emitters<'a> {
-    /// Over the tree and material of `data`.
+    /// For the tree and material of `data`.
     pub fn new(data: &'a Buffers, distance: Distance, near: Near) -> Self {
         let distance = match distance {
             Distance::Radial => crate::dipole::form_factor::Distance::Radial,
@@ -72,7 +73,7 @@ impl<'a> Emitters<'a> {
         Self { data, distance, near, dipoles: [0, 1, 2].map(|channel| Dipole::of(&data.object_params[0], channel)) }
     }
 
-    /// The quadrature rule of a link of this node to a receiver at `center`: the shader's decision.
+    /// The quadrature rule of a link from this node to a receiver at `center`: decided as in the shaders.
     pub fn rule(&self, node: u32, center: [f32; 3]) -> QuadratureRule {
         let Some(&reach) = self.data.reach.get(self.data.topology[node as usize].face as usize) else {
             return QuadratureRule::Center;
@@ -91,7 +92,7 @@ impl<'a> Emitters<'a> {
         }
     }
 
-    /// The form factor per channel of a node for a receiver at `x`.
+    /// The form factor of a node for a receiver at `x`, per channel.
     pub fn factor(&self, node: u32, x: DVec3, rule: QuadratureRule) -> DVec3 {
         let face = self.data.topology[node as usize].face;
         let Some(corner) = self.data.triangles.get(face as usize) else {
@@ -111,7 +112,7 @@ impl<'a> Emitters<'a> {
         DVec3::from_array(self.dipoles.each_ref().map(channel))
     }
 
-    /// One sample at a cluster's centre; displaced sources hang on its mean normal, which is shorter than 1.
+    /// One sample at a cluster's centre; displaced sources lie along its mean normal, whose length is at most 1.
     fn cluster(&self, node: u32, x: DVec3) -> DVec3 {
         let cluster = &self.data.clusters[node as usize];
         let (center, area) = (wide(cluster.center), f64::from(cluster.area));

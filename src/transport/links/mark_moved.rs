@@ -1,11 +1,11 @@
-//! Stage `mark_moved`: which clusters have a triangle that has moved since the kept links were made.
+//! Stage `mark_moved`: which clusters contain a triangle that has moved since the kept links were made.
 
 use super::not_incremental;
 use crate::error::Result;
 use crate::layout::{ALTERED_MOVED, BufferId};
 use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update};
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "mark_moved",
     module: "transport/links",
@@ -27,7 +27,8 @@ pub static STAGE: Stage = Stage {
 fn cpu(state: &mut State, _at: Scope) {
     let data = &mut state.data;
     let moved = |&v: &u32| data.positions[v as usize] != data.kept_positions[v as usize];
-    // Whoever has such a triangle somewhere below: nodes are stored depth first.
+    // Count the moved triangles before each node: nodes are stored depth first, so a subtree has one if the count
+    // grows in it.
     let before: Vec<usize> = std::iter::once(0)
         .chain(data.topology.iter().scan(0, |sum, place| {
             let triangle = data.triangles.get(place.face as usize);

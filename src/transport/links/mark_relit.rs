@@ -1,12 +1,12 @@
-//! Stage `mark_relit`: which clusters have a triangle that another light enters than the one whose radiosity was summed
-//! last.
+//! Stage `mark_relit`: which clusters contain a triangle whose irradiance differs from the one that radiosity was
+//! last summed with.
 
 use super::not_incremental;
 use crate::error::Result;
 use crate::layout::{ALTERED_RELIT, BufferId};
 use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance};
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "mark_relit",
     module: "transport/links",
@@ -31,7 +31,7 @@ fn cpu(state: &mut State, _at: Scope) {
         if *light == data.cluster_irradiance[leaf as usize] {
             continue;
         }
-        // Every cluster above it.
+        // Mark the leaf and every cluster above it.
         let mut node = leaf;
         while let Some(altered) = data.change_flags.get_mut(node as usize) {
             *altered |= ALTERED_RELIT;

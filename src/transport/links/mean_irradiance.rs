@@ -1,5 +1,5 @@
-//! Stage `mean_irradiance`: a cluster's irradiance is the mean over its faces, weighted by area. (Section 3.2 averages
-//! the children; without their areas that would not conserve power.)
+//! Stage `mean_irradiance`: the irradiance of each cluster, the area-weighted mean over its faces. (Section 3.2
+//! averages the children; without their areas that would not conserve power.)
 
 use crate::error::Result;
 use crate::layout::{BufferId, NONE};
@@ -7,7 +7,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "mean_irradiance",
     module: "transport/links",
@@ -31,7 +31,7 @@ fn cpu(state: &mut State, _at: Scope) {
 
     let mean = |power, area| if area > 0.0 { narrow(power / area) } else { [0.0; 3] };
 
-    // Power and area of each node, straight from its faces.
+    // Power and area of each node, summed from its faces.
     let nodes = data.topology.len();
     let mut power = vec![glam::DVec3::ZERO; nodes];
     let mut area = vec![0.0; nodes];

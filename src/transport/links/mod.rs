@@ -1,4 +1,5 @@
-//! The method as Mertens et al. 2003 published it: links chosen by solid angles, one sample a link.
+//! The method as Mertens et al. 2003 published it: links chosen by solid angles, one sample per link except near
+//! triangles.
 //!
 //! The stages, in the order of a frame: `reach`, `mark_moved`, `mark_relit`, `mean_irradiance`, `refine`,
 //! `form_factor`, `update_links`, `update_form_factors`, `sum_links`, `resum_links`, `push_links`, `snapshot`. Those
@@ -19,7 +20,7 @@ pub mod update_links;
 
 use crate::state::State;
 
-/// Why the stages that update kept links have no place in a frame that keeps none.
+/// Why stages that update kept links are skipped, if they are.
 fn not_incremental(state: &State) -> Option<&'static str> {
     let why = "links are made anew when the shape changes; --mode incremental revises them";
     (!state.method.incremental).then_some(why)

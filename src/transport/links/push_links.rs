@@ -1,5 +1,5 @@
-//! Stage `push_links`: a face's radiosity B is what was gathered at its leaf and at every cluster above it (section
-//! 3.2).
+//! Stage `push_links`: a face's radiosity B is the sum of what was gathered at its leaf and at every cluster above it
+//! (section 3.2).
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "push_links",
     module: "transport/links",

@@ -1,5 +1,5 @@
-//! Stage `reach`: how far a triangle must be for each quadrature rule of the form factor's ladder. Folding the
-//! criterion chi into squared distances beforehand keeps square roots out of the decisions.
+//! Stage `reach`: how far away a triangle must be for each quadrature rule of the ladder. Turning the criterion chi
+//! into squared distances in advance keeps square roots out of the decisions.
 
 use rayon::prelude::*;
 
@@ -10,7 +10,7 @@ use crate::state::{
     Carrier, Distance, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, stage::never,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "reach",
     module: "transport/links",

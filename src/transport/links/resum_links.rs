@@ -1,5 +1,5 @@
-//! Stage `resum_links`: what `sum_links` does, for those receivers alone whose links, form factors or emitters are not
-//! what they were; what the others received before, they would receive again to the last bit.
+//! Stage `resum_links`: `sum_links` for only those receivers whose links, form factors or emitters have changed; for
+//! all others the result would be the same to the last bit.
 
 use super::not_incremental;
 use super::sum_links::sum;
@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::layout::{BufferId, DUE_SUMMED, Range};
 use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance};
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "resum_links",
     module: "transport/links",

@@ -1,11 +1,12 @@
-//! Stage `snapshot`: places and clusters that the links are made for, so that the next frame knows what it alters.
+//! Stage `snapshot`: copies the positions and clusters that the links are made for, so that the next frame can find
+//! changes.
 
 use super::not_incremental;
 use crate::error::Result;
 use crate::layout::BufferId;
 use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update};
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "snapshot",
     module: "transport/links",

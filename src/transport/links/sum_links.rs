@@ -1,4 +1,4 @@
-//! Stage `sum_links`: what each node receives at its centre over its own links, E times F summed (equation 6).
+//! Stage `sum_links`: what each node receives at its centre over its own links, the sum of E times F (equation 6).
 
 use rayon::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, narrow, stage::never, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "sum_links",
     module: "transport/links",

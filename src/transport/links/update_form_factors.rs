@@ -1,5 +1,5 @@
-//! Stage `update_form_factors`: form factors of kept links that wait for them, in the order of the work, no more than
-//! the budget has.
+//! Stage `update_form_factors`: computes form factors of stale links in the order of the receivers, at most as many
+//! as the budget allows.
 
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ use crate::state::{
     Carrier, Distance, Granularity, Near, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, narrow, wide,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "update_form_factors",
     module: "transport/links",
@@ -48,7 +48,7 @@ pub static STAGE: Stage = Stage {
 
 pub use crate::layout::{DUE_GROUPS as GROUPS, DUE_MERGED as EDITED, DUE_SUMMED as SUMMED};
 
-/// Groups to dispatch for so many elements.
+/// Work groups to dispatch for this many elements.
 pub(super) fn groups(count: u32) -> [u32; 3] {
     let needed = count.div_ceil(GROUP_SIZE);
     [needed.min(GROUPS_A_ROW), needed.div_ceil(GROUPS_A_ROW), 1]
@@ -61,7 +61,7 @@ fn cpu(state: &mut State, at: Scope) {
     let spent = if at.chunk == 0 { 0 } else { data.counters[0].computed };
     let left = if data.counters[0].void() { 0 } else { data.object_params[0].budget - spent };
 
-    // The first links that wait; receivers that have any, or were merged, are summed again.
+    // Take the first stale links; receivers that have any of them, or were merged, are summed again.
     let mut busy = Vec::new();
     let (mut due, mut rest) = (Vec::new(), 0);
     for &receiver in &data.order[nodes.start as usize..nodes.end as usize] {
@@ -93,7 +93,7 @@ fn cpu(state: &mut State, at: Scope) {
     (counters.due, counters.computed) = (due.len() as u32, spent + due.len() as u32);
     counters.stale = rest + if at.chunk == 0 { 0 } else { counters.stale };
 
-    // By what is evaluated.
+    // Sort by quadrature rule.
     let emitters = Emitters::new(&state.data, state.distance, state.method.near);
     let center = |k: u32| state.data.clusters[state.data.links[base + k as usize].receiver as usize].center;
     let emitter = |k: u32| state.data.links[base + k as usize].emitter;

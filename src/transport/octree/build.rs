@@ -1,40 +1,40 @@
-//! Samples to cells: sorted along a Morton curve, where every cell of the octree is a run.
+//! Builds the octree: samples are sorted along a Morton curve, so that every cell is a contiguous run of them.
 
 use rayon::prelude::*;
 
 use super::{Children, Octree, Sample, Source};
 
-/// Most lit samples of a leaf. Measured: 8 is faster than 2, 4, 16 and 24 at equal error.
+/// Most lit samples in a leaf. Measured: 8 is faster than 2, 4, 16 and 24 at equal error.
 const LEAF: usize = 8;
 
-/// Bits of an axis in a key: as deep as the tree can get. Samples that agree in all stay in one leaf.
+/// Bits per axis of a key: the largest depth of the tree. Samples with equal keys stay in one leaf.
 const BITS: u32 = 21;
 
-/// Entries past the last node, so that eight siblings can be read from any.
+/// Entries after the last node, so that eight siblings can be read from any node on.
 const PADDING: usize = 8;
 
 /// A run of the sorted samples.
 struct Cell {
     start: usize,
     end: usize,
-    /// Bit triples, from the top, that its samples share by construction.
+    /// Bit triples, from the top, that all its samples share.
     level: u32,
     /// Cells it is cut into; none at a leaf.
     first: usize,
     count: usize,
 }
 
-/// What a node sums up, beside its source.
+/// The sums of a node, other than its source.
 #[derive(Clone, Copy)]
 struct Sum {
     area: f32,
-    /// Power, summed over the channels: what a sample's place counts.
+    /// Power summed over the channels: the weight of a sample's position.
     weight: f32,
     low: [f32; 3],
     high: [f32; 3],
 }
 
-/// Builds the tree; empty where nothing is lit.
+/// Builds the tree; empty if nothing is lit.
 pub fn build(samples: &[Sample]) -> Octree {
     let keys = sorted(samples);
     let cells = cut(&keys, samples);
@@ -99,7 +99,7 @@ fn lit(sample: &Sample) -> bool {
     sample.irradiance.iter().map(|e| e * sample.area).sum::<f32>() > 0.0
 }
 
-/// Adds a child; the sum's place stays multiplied by the weight.
+/// Adds a child; the sum's position stays multiplied by the weight.
 fn add(sum: &mut Sum, source: &mut Source, child: &Sum, from: &Source) {
     sum.area += child.area;
     sum.weight += child.weight;
@@ -111,7 +111,8 @@ fn add(sum: &mut Sum, source: &mut Source, child: &Sum, from: &Source) {
     }
 }
 
-/// Cells breadth first, without the unlit and without those that have one cell in them.
+/// Cells in breadth-first order, without unlit cells and without the levels on which a cell's samples all share one
+/// child.
 fn cut(keys: &[(u64, u32)], samples: &[Sample]) -> Vec<Cell> {
     let mut before = vec![0usize; keys.len() + 1];
     for (i, &(_, index)) in keys.iter().enumerate() {
@@ -151,7 +152,7 @@ fn highest_bit(key: u64) -> u32 {
     key.leading_zeros() - (u64::BITS - 3 * BITS)
 }
 
-/// Keys and indices, sorted.
+/// Keys with the indices of their samples, sorted.
 fn sorted(samples: &[Sample]) -> Vec<(u64, u32)> {
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for sample in samples {
@@ -174,7 +175,7 @@ fn sorted(samples: &[Sample]) -> Vec<(u64, u32)> {
     keys
 }
 
-/// The low [`BITS`] bits, two zeros between each.
+/// The low [`BITS`] bits, with two zeros after each.
 fn every_third_bit(x: u64) -> u64 {
     let x = x & 0x1f_ffff;
     let x = (x | x << 32) & 0x001f_0000_0000_ffff;

@@ -8,7 +8,7 @@ use fearless_simd::{Level, Simd, f32x16, i32x16, prelude::*};
 use super::Source;
 use crate::dipole::profile::Dipole;
 
-/// The dipole of one channel, as the sum needs it.
+/// The dipole of one channel, prepared for the sum.
 #[derive(Clone, Copy, Debug)]
 pub struct Channel {
     sigma: f32,
@@ -26,7 +26,7 @@ struct Term {
 }
 
 impl Channel {
-    /// Rounds a dipole.
+    /// Rounds a dipole to `f32`.
     pub fn new(dipole: &Dipole) -> Self {
         Self {
             sigma: dipole.sigma as f32,
@@ -73,10 +73,10 @@ fn kernel<S: Simd>(simd: S, channel: &Channel, term: &Term, d2: f32x16<S>) -> f3
     (inverse * inverse) * (inverse * decay)
 }
 
-/// `2^t` for `t` at most 0, within 3e-7; stops at 2^-126.
+/// `2^t` for `t` at most 0, within 3e-7; not below 2^-126.
 #[inline(always)]
 fn exp2<S: Simd>(simd: S, t: f32x16<S>) -> f32x16<S> {
-    // Adding 1.5 * 2^23 rounds to a whole number, which then stands in the low bits.
+    // Adding 1.5 * 2^23 rounds to a whole number, which is then in the low bits.
     let round = f32x16::splat(simd, 12_582_912.0);
     let t = t.max(-126.0);
     let whole = t + round;
@@ -90,7 +90,7 @@ fn exp2<S: Simd>(simd: S, t: f32x16<S>) -> f32x16<S> {
     (power.bitcast::<i32x16<S>>() + (whole.bitcast::<i32x16<S>>() << 23)).bitcast()
 }
 
-/// `1 / sqrt(x)`: the processor's estimate and one step of Newton's where there is one.
+/// `1 / sqrt(x)`: the processor's estimate and one Newton step, or exactly where it has no estimate.
 #[inline(always)]
 fn inverse_root<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     let estimate = match simd.level() {
@@ -104,7 +104,7 @@ fn inverse_root<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     (estimate * 0.5).mul_add(error, estimate)
 }
 
-/// Estimates of `1 / sqrt(x)`: within 2^-14 and 1.5 * 2^-12.
+/// Estimates of `1 / sqrt(x)`: within 2^-14 for AVX-512, within 1.5 * 2^-12 for AVX2.
 #[cfg(target_arch = "x86_64")]
 mod estimate {
     use std::arch::x86_64::{__m256, __m512, _mm256_rsqrt_ps, _mm512_rsqrt14_ps};

@@ -1,11 +1,12 @@
-//! The baseline to beat: the irradiance octree of Jensen and Buhler 2002, "A Rapid Hierarchical Rendering Technique
-//! for Translucent Materials", in `f32` and as fast as it goes on a CPU.
+//! The baseline: the irradiance octree of Jensen and Buhler 2002, "A Rapid Hierarchical Rendering Technique for
+//! Translucent Materials", in `f32` and optimised for CPUs.
 //!
-//! Every cell knows the power of its samples, their mean place weighted by it, and their area. A cell stands for its
-//! samples where its solid angle `area / d^2` is below a threshold and the receiver is outside its box; else it is
-//! opened. Each source adds `E A R_d(d)`, with the dipole's distance taken from the place where light enters.
+//! Every cell stores the power of its samples, their mean position weighted by power, and their area. A cell stands
+//! for its samples where its solid angle `area / d^2` is below a threshold and the receiver is outside its box;
+//! otherwise it is opened. Each source adds `E A R_d(d)`, with the dipole's distance measured from the point where
+//! light enters.
 //!
-//! What makes it fast changes nothing of that:
+//! The optimisations change none of this:
 //! - 16 neighbouring receivers walk the tree together (`traverse`); a cell is opened for all where one of them, or
 //!   the nearest point of their common box, wants it open. So no receiver gets less than it asks for.
 //! - The up to eight children of a cell lie side by side and are judged at once.
@@ -31,7 +32,7 @@ use crate::dipole::profile::Dipole;
 use crate::layout::BufferId;
 use crate::state::{Carrier, Host};
 
-/// Its place in the frame: it is no stage, because it runs on the host in native code, wherever the stages run.
+/// The octree's place in the frame: not a stage, because it always runs on the host, in native code.
 pub static HOST: Host = Host {
     name: "octree",
     about: "irradiance octree over the faces' centroids, in native code on the host",
@@ -41,13 +42,13 @@ pub static HOST: Host = Host {
     carrier: Carrier::Octree,
 };
 
-/// Sources summed in one go, before the sum joins the total: keeps the rounding of long lists down.
+/// Sources summed in one go before their sum joins the total: this limits the rounding of long lists.
 const RUN: usize = 512;
 
-/// A place where light enters: one a face.
+/// A point where light enters: one per face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Where: the face's centroid, length.
+    /// The face's centroid, length.
     pub position: [f32; 3],
     /// The face's area, length^2, at least 0.
     pub area: f32,
@@ -55,7 +56,7 @@ pub struct Sample {
     pub irradiance: [f32; 3],
 }
 
-/// What sends light: a cell or a single sample.
+/// An emitter: a cell or a single sample.
 #[derive(Clone, Copy, Debug, Default)]
 struct Source {
     place: [f32; 3],
@@ -74,15 +75,16 @@ struct Children {
 /// Samples in an octree, with the sums of every cell. Nodes lie breadth first, siblings side by side.
 #[derive(Clone, Debug, Default)]
 pub struct Octree {
-    /// The nodes', then the samples'.
+    /// Those of the nodes, then those of the samples.
     sources: Vec<Source>,
-    /// The nodes' places again, by axis, and some padding at the end.
+    /// The nodes' positions again, by axis, with padding at the end.
     places: [Vec<f32>; 3],
-    /// The nodes' areas, and padding; 0 where there is a single source.
+    /// The nodes' areas, with padding; 0 for a single sample.
     areas: Vec<f32>,
-    /// Squared distance from a node's place beyond which nothing is in its box, and padding.
+    /// Squared distance from a node's position beyond which there is nothing of its box, with padding; 0 for a single
+    /// sample.
     reaches: Vec<f32>,
-    /// The boxes round the nodes' samples: low and high corner.
+    /// The boxes around the nodes' samples: low and high corner.
     boxes: Vec<[[f32; 3]; 2]>,
     children: Vec<Children>,
 }
@@ -95,7 +97,7 @@ struct Profile {
 }
 
 impl Octree {
-    /// Builds the tree over the lit of `samples`.
+    /// Builds the tree over the lit ones of `samples`.
     #[must_use]
     pub fn new(samples: &[Sample]) -> Self {
         build::build(samples)
@@ -103,8 +105,9 @@ impl Octree {
 
     /// Radiosity of each channel at each of `receivers`.
     ///
-    /// `dipoles`: the profile of each channel, in the unit of the samples. `threshold`: the solid angle, in steradians,
-    /// from which on a cell is opened; 0 sums every sample. The same bits for every number of threads.
+    /// `dipoles`: the profile of each channel, in the unit of the samples. `threshold`: the solid angle, in
+    /// steradians, above which a cell is opened; 0 sums every sample. The result has the same bits for any number of
+    /// threads.
     #[must_use]
     pub fn gather(&self, dipoles: &[Dipole; 3], threshold: f32, receivers: &[[f32; 3]]) -> Vec<[f32; 3]> {
         self.gather_at(Level::new(), dipoles, threshold, receivers)
@@ -133,7 +136,7 @@ impl Octree {
         radiosity
     }
 
-    /// No receiver is farther from any source: the squared diagonal of the box round both.
+    /// Squared diagonal of the box around all sources and receivers: no receiver is farther from any source.
     fn farthest2(&self, receivers: &[[f32; 3]]) -> f64 {
         let [low, high] = receivers.iter().fold(self.boxes[0], |[low, high], p| {
             [std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k]))]
@@ -150,7 +153,7 @@ impl Octree {
         packet: &[Point],
         walk: &mut traverse::Walk,
     ) -> [[f32; LANES]; 3] {
-        // Lanes left over repeat the last receiver.
+        // Unused lanes repeat the last receiver.
         let mut at = [[0.0; LANES]; 3];
         for lane in 0..LANES {
             let point = packet[lane.min(packet.len() - 1)].at;
@@ -178,7 +181,7 @@ impl Octree {
 }
 
 impl Profile {
-    /// The table only where it can be used.
+    /// Makes the table only where it can be used.
     #[cfg_attr(not(target_arch = "x86_64"), expect(unused_variables, reason = "only AVX-512 has use for a table"))]
     fn new(level: Level, dipoles: &[Dipole; 3], farthest2: f64) -> Self {
         Self {

@@ -1,9 +1,9 @@
-//! Receivers by sixteens that lie close together: median cuts across the longest side, at multiples of sixteen.
+//! Packets of 16 receivers that lie close together, by median cuts across the longest side at multiples of 16.
 //!
 //! Measured against packets of consecutive receivers along a Morton curve, whose jumps make large boxes: 10 to 20 %
-//! fewer sources a packet at equal threshold, and every packet but the last is full.
+//! fewer sources per packet at equal threshold, and every packet but the last is full.
 
-/// Receivers of a packet: the lanes of the widest registers.
+/// Receivers per packet: the lanes of the widest registers.
 pub const LANES: usize = 16;
 
 /// Fewest receivers that are worth another thread.
@@ -12,13 +12,13 @@ const PARALLEL: usize = 4096;
 /// A receiver.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// Where.
+    /// Its position.
     pub at: [f32; 3],
-    /// Its place among the caller's.
+    /// Its index in the caller's list.
     pub index: u32,
 }
 
-/// The receivers so that each [`LANES`] form a packet.
+/// Sorts the receivers so that every [`LANES`] of them form a packet.
 pub fn sort(receivers: &[[f32; 3]]) -> Vec<Point> {
     let mut points: Vec<Point> =
         receivers.iter().enumerate().map(|(index, &at)| Point { at, index: index as u32 }).collect();
@@ -26,7 +26,7 @@ pub fn sort(receivers: &[[f32; 3]]) -> Vec<Point> {
     points
 }
 
-/// The box round some points: low and high corner.
+/// The box around some points: low and high corner.
 pub fn bounds(points: &[Point]) -> [[f32; 3]; 2] {
     points.iter().fold([[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]], |[low, high], Point { at, .. }| {
         [std::array::from_fn(|k| low[k].min(at[k])), std::array::from_fn(|k| high[k].max(at[k]))]

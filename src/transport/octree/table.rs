@@ -1,9 +1,9 @@
 //! The dipole without roots and exponentials: `R_d` as a polynomial in each half octave of `d^2 + offset`, for AVX-512.
 //!
-//! 32 coefficients fit two registers, so that a lane looks its own up in one instruction, and 32 half octaves reach
-//! from a mean free path to 256 of them. The three channels share the distance, the half octave and the place in it:
-//! 20 instructions a channel instead of 45. Where the fit is not good enough, for an object of more than that or one
-//! so dense that light dies out within a half octave, there is no table.
+//! 32 coefficients fit two registers, so that a lane looks up its own in one instruction, and 32 half octaves cover
+//! distances from one mean free path to 256. The three channels share the distance, the half octave and the position
+//! in it: 20 instructions per channel instead of 45. There is no table where the fit is not good enough: for an
+//! object larger than that, or one so dense that light dies out within a half octave.
 
 use std::arch::x86_64::{
     __m512, __m512i, _mm512_and_si512, _mm512_castps_si512, _mm512_castsi512_ps, _mm512_fmadd_ps, _mm512_or_si512,
@@ -16,13 +16,13 @@ use fearless_simd::{Avx512, f32x16, prelude::*};
 use super::Source;
 use crate::dipole::profile::Dipole;
 
-/// Degree of the polynomials: 5 is off by 6e-6 everywhere, 6 by less than 3e-6 but in the far tail.
+/// Degree of the polynomials: with 5 the error is 6e-6 everywhere, with 6 it is below 3e-6 except in the far tail.
 const DEGREE: usize = 6;
 
 /// Largest relative error of a fit. Only the far tail comes near it.
 const TOLERANCE: f64 = 2e-5;
 
-/// Bits of an `f32` below those that number the half octaves: all of the mantissa but one.
+/// Bits of an `f32` below those that number the half octaves: all of the mantissa except one.
 const SHIFT: u32 = 22;
 
 /// Polynomials of three channels.
@@ -31,15 +31,16 @@ const SHIFT: u32 = 22;
 pub struct Table {
     /// For each channel and power, the coefficients by half octave: exponent and first bit of the mantissa, modulo 32.
     coefficients: [[[f32; 32]; DEGREE + 1]; 3],
-    /// Added to the squared distance, to keep away from where `f32` has too many octaves: length^2.
+    /// Added to the squared distance, so that distances near 0 do not span too many octaves: length^2.
     offset: f32,
 }
 
 impl Table {
-    /// Up to the squared distance `farthest2`; none where that does not work.
+    /// The table up to the squared distance `farthest2`; none where that is too far, or where a fit is not good
+    /// enough.
     pub fn new(dipoles: &[Dipole; 3], farthest2: f64) -> Option<Self> {
         let offset = dipoles.iter().map(|dipole| dipole.z_real * dipole.z_real).fold(f64::INFINITY, f64::min) as f32;
-        // A little farther, for the rounding of the distance.
+        // A little farther, to allow for the rounding of the distance.
         let farthest = ((f64::from(offset) + farthest2) * (1.0 + 1e-5)) as f32;
         if !(offset.is_normal() && farthest.is_normal()) {
             return None;
@@ -51,13 +52,14 @@ impl Table {
         let mut table = Self { coefficients: [[[0.0; 32]; DEGREE + 1]; 3], offset };
         for half in halves {
             let [low, high] = [half, half + 1].map(|bits| f64::from(f32::from_bits(bits << SHIFT)));
-            // The last ends where the distances do, but not so soon that the fit is left in the air.
+            // The last interval ends at the largest distance, but not before its middle, so that the fit stays well
+            // determined.
             let end = (2.0 * (f64::from(farthest) - low) / (high - low) - 1.0).clamp(0.0, 1.0);
             for (dipole, channel) in dipoles.iter().zip(&mut table.coefficients) {
                 let at = |u: f64| dipole.radial(0.5 * (low + high) + 0.5 * (high - low) * u - f64::from(offset));
                 let polynomial = fit(at, end)?;
                 for (power, row) in channel.iter_mut().enumerate() {
-                    // From u in [-1, 1] to [-1/4, 1/4], what the mantissa gives.
+                    // Rescale u from [-1, 1] to [-1/4, 1/4], which is what the mantissa gives.
                     row[half as usize % 32] = (polynomial[power] * 4f64.powi(power as i32)) as f32;
                 }
             }
@@ -66,8 +68,8 @@ impl Table {
     }
 }
 
-/// The polynomial on [-1, `end`] of least relative squares, lowest power first; none where it is off by more than
-/// allowed.
+/// The polynomial on [-1, `end`] with the least relative squared error, lowest power first; none where its error
+/// exceeds the tolerance.
 fn fit(f: impl Fn(f64) -> f64, end: f64) -> Option<[f64; DEGREE + 1]> {
     const N: usize = DEGREE + 1;
     const POINTS: usize = 32;
@@ -156,7 +158,8 @@ fearless_simd::kernel!(
 );
 
 fearless_simd::kernel!(
-    /// Of the squared distances to a source: the half octaves, in the low bits, and the places in them, -1/4 to 1/4.
+    /// For the squared distances to a source: the half octaves, in the low bits, and the positions in them, -1/4 to
+    /// 1/4.
     #[inline]
     fn locate(_token: Avx512, offset: f32, at: [__m512; 3], source: &Source) -> (__m512i, __m512) {
         let mut x = _mm512_set1_ps(offset);

@@ -1,4 +1,4 @@
-//! The octree against the sum over all samples in `f64`.
+//! The octree compared with the sum over all samples in `f64`.
 
 use fearless_simd::Level;
 
@@ -40,7 +40,7 @@ fn sum(samples: &[Sample], dipoles: &[Dipole; 3], at: [f32; 3]) -> [f64; 3] {
     radiosity
 }
 
-/// Every instruction set this processor has.
+/// Every instruction set that this processor has.
 fn levels() -> Vec<Level> {
     let best = Level::new();
     let mut levels = vec![best];
@@ -66,12 +66,12 @@ fn error(samples: &[Sample], dipoles: &[Dipole; 3], level: Level, threshold: f32
 fn threshold_zero_is_the_sum_over_all_samples() {
     let samples = ball(3000);
     let receivers: Vec<_> = positions(&samples).into_iter().step_by(7).collect();
-    // Without absorption; and so dense that there is no table.
+    // One material without absorption, and one so dense that there is no table.
     let clear = [(2.0, 0.0), (3.0, 0.0), (2.5, 0.01)].map(|(s, a)| Dipole::new(s, a, 3.0));
     let dense = [(50.0, 0.5), (60.0, 0.0), (70.0, 0.1)].map(|(s, a)| Dipole::new(s, a, 2.5));
     for level in levels() {
         for dipoles in [marble(), clear, dense] {
-            // What dies out on the way is lost to f32: compare where there is light.
+            // Radiosity too small for `f32` is lost: compare only where there is light.
             let lit: Vec<_> = receivers
                 .iter()
                 .copied()

@@ -1,11 +1,11 @@
-//! Which sources a packet of receivers hears: solid angle and box of a cell, judged at the nearest point of the box
-//! round the packet.
+//! Lists the sources that a packet of receivers sums: a cell's solid angle and box are tested at the nearest point of
+//! the box around the packet.
 
 use fearless_simd::{Simd, f32x8, prelude::*};
 
 use super::{Children, Octree};
 
-/// A walk's result and scratch, kept from one packet to the next.
+/// A walk's result and scratch memory, reused for the next packet.
 #[derive(Debug, Default)]
 pub struct Walk {
     /// The sources to sum.
@@ -13,7 +13,7 @@ pub struct Walk {
     open: Vec<Children>,
 }
 
-/// The lowest set bit of a mask, taken out.
+/// Takes the lowest set bit out of a mask.
 #[inline(always)]
 fn take(mask: &mut u64) -> usize {
     let bit = mask.trailing_zeros() as usize;
@@ -41,7 +41,7 @@ impl Octree {
             let area = f32x8::from_slice(simd, &self.areas[siblings.clone()]);
             let mut near = (d2 * threshold).simd_lt(area).to_bitmask() & all;
 
-            // Boxes matter only to the few that look small from close by.
+            // Boxes matter only for the few cells that look small from close by.
             let reach = f32x8::from_slice(simd, &self.reaches[siblings]);
             let mut close = d2.simd_le(reach).to_bitmask() & all & !near;
             while close != 0 {

@@ -1,8 +1,9 @@
 //! Stage `refine`: which node receives from which, by refining the pair (root, root) with the oracle of section 5.2.
 //!
-//! Receivers are walked level by level. Each takes the emitters that its parent could not settle and, for each,
-//! hands it down to its own children, splits the emitter, or links: count, scan, write, so that every receiver's
-//! links stand together in a fixed order. Lists have a fixed capacity; one that does not fit is noted in the counters.
+//! Receivers are walked level by level. Each takes the emitters that its parent handed down and, for each one, hands
+//! it down to its own children, splits the emitter, or links. Lists are counted, scanned and written, so that the
+//! links of every receiver are contiguous and in a fixed order. Lists have a fixed capacity; the counters record one
+//! that does not fit.
 
 mod walk;
 
@@ -16,7 +17,7 @@ use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
 };
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "refine",
     module: "transport/links",
@@ -76,11 +77,11 @@ fn cpu(state: &mut State, at: Scope) {
         let data = &mut state.data;
         let receivers = &data.order[level.start as usize..level.end as usize];
 
-        // Every receiver of the level by itself.
+        // Decide for every receiver of the level, in parallel.
         let walk = Walk::new(data);
         let mut lists: Vec<Lists> = receivers.par_iter().map(|&receiver| decide(&walk, data, receiver)).collect();
 
-        // Where each one's lists begin, if all fit.
+        // Find where the lists of each receiver begin, and whether all fit.
         let counters = &mut data.counters[0];
         for list in lists.iter_mut().filter(|list| list.links.len() > MOST_PAIRS || list.hands.len() > MOST_PAIRS) {
             counters.unfinished = 1;
@@ -104,7 +105,7 @@ fn cpu(state: &mut State, at: Scope) {
             counters.overflow = 1;
         }
 
-        // Write.
+        // Write the lists that fit.
         for (&receiver, list) in receivers.iter().zip(&lists) {
             let counts = sizes(list);
             let n: [u32; 4] = std::array::from_fn(|k| if fits[k] { counts[k] } else { 0 });
@@ -142,7 +143,7 @@ fn cpu(state: &mut State, at: Scope) {
     }
 }
 
-/// Starts a chunk's lists.
+/// Resets the counters of lists for a chunk.
 pub fn open(counters: &mut ListCounters, chunk: usize) {
     if chunk == 0 {
         *counters = counters.opened();

@@ -7,10 +7,10 @@ use crate::layout::{
     RULE_EDGE, RULE_SAMPLE, Topology,
 };
 
-/// What becomes of an emitter at a receiver.
+/// What happens to an emitter at a receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
-    /// The receiver's children settle it.
+    /// The emitter is handed down to the receiver's children.
     HandDown,
     /// It is linked.
     Link {
@@ -19,7 +19,7 @@ pub enum Decision {
     },
 }
 
-/// What the walk looks at.
+/// The inputs of the walk.
 pub struct Walk<'a> {
     params: ObjectParams,
     topology: &'a [Topology],
@@ -27,7 +27,7 @@ pub struct Walk<'a> {
     reach: &'a [[f32; 4]],
 }
 
-/// Which evaluation serves at this squared distance, for a triangle with these radii.
+/// The quadrature rule for a triangle with these squared radii at this squared distance: a `RULE_`.
 pub fn rule(d2: f32, radii: [f32; 4]) -> u32 {
     if d2 >= radii[0] {
         RULE_SAMPLE
@@ -38,15 +38,15 @@ pub fn rule(d2: f32, radii: [f32; 4]) -> u32 {
     }
 }
 
-/// What becomes of a pair of clusters.
+/// What happens to a pair of clusters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Choice {
     /// It is linked.
     Linked = PAIR_LINKED,
-    /// The receiver's children settle it.
+    /// It is handed down to the receiver's children.
     Handed = PAIR_HANDED,
-    /// The emitter's children settle it.
+    /// The emitter is split: its children are visited instead.
     Split = PAIR_SPLIT,
 }
 
@@ -57,14 +57,15 @@ fn deviates(params: &ObjectParams, area: f32, d2: f32, child2: f32) -> bool {
     change > allowed
 }
 
-/// Whether A'/A falls short.
+/// Whether A'/A is below the threshold of planarity.
 fn bent(params: &ObjectParams, emitter: &Cluster) -> bool {
     let n = emitter.normal.map(|x| x * FAR_FROM_DENORMAL);
     let area = emitter.area * FAR_FROM_DENORMAL;
     n[0] * n[0] + n[1] * n[1] + n[2] * n[2] < params.planarity * (area * area)
 }
 
-/// The oracle on one pair: the receiver by its centre and those of its children, if it has any.
+/// The oracle's decision on one pair; the receiver is given by its centre and by those of its children, if it has
+/// any.
 pub fn choose(
     params: &ObjectParams,
     emitter: &Cluster,
@@ -83,19 +84,19 @@ pub fn choose(
     }
 }
 
-/// Centres of a node's children; none of a leaf.
+/// Centres of a node's children; none for a leaf.
 pub fn children(topology: &[Topology], clusters: &[Cluster], node: usize) -> Option<[[f32; 3]; 2]> {
     (topology[node].face == NONE)
         .then(|| [node + 1, topology[node + 1].skip as usize].map(|child| clusters[child].center))
 }
 
 impl<'a> Walk<'a> {
-    /// Over the tree and radii of `data`.
+    /// For the tree and radii of `data`.
     pub fn new(data: &'a Buffers) -> Self {
         Self { params: data.object_params[0], topology: &data.topology, clusters: &data.clusters, reach: &data.reach }
     }
 
-    /// Goes through the emitters handed to this receiver and reports each decision, with the emitter, in order.
+    /// Visits the emitters handed down to this receiver and reports each decision, with the emitter, in order.
     pub fn walk(&self, receiver: u32, handed: &[u32], mut tell: impl FnMut(Decision, u32)) {
         let receiver = receiver as usize;
         let center = self.clusters[receiver].center;

@@ -1,10 +1,11 @@
-//! Stage `update_links`: kept links after a change of shape. Pairs that touch an altered cluster are decided again:
-//! links that the oracle does not allow any more are demoted to pairs of children, those whose parents it allows now
-//! are promoted.
+//! Stage `update_links`: updates kept links after a change of shape. Pairs that touch an altered cluster are decided
+//! again: links that the oracle no longer allows are demoted to pairs of children, and links whose parents it now
+//! allows are promoted.
 //!
-//! The links are then those of `refine` on the same frame. Receivers are walked level by level as there, but each is
-//! given only of pairs that are altered, or that the refinement before has and that of now has not, or the other way
-//! round. Pairs whose emitter has another light are passed on, too: the receiver has to be summed again.
+//! The result is the links that `refine` would make in the same frame. Receivers are walked level by level as there,
+//! but each one only visits pairs that are altered, or that only one of the two refinements, the one before and the
+//! one now, contains. Pairs whose emitter's light has changed are visited, too, because the receiver has to be summed
+//! again.
 
 mod walk;
 
@@ -21,7 +22,7 @@ use crate::state::{
 };
 use crate::transport::links::not_incremental;
 
-/// The table's entry.
+/// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "update_links",
     module: "transport/links",
@@ -79,7 +80,7 @@ fn cpu(state: &mut State, at: Scope) {
     }
 }
 
-/// What each receiver of a level does, one after the other in the lists if all fit.
+/// Walks every receiver of a level; appends its edits to the lists, one receiver after the other, if all fit.
 fn level_of(data: &mut Buffers, level: std::ops::Range<u32>, top: bool) {
     let receivers = data.order[level.start as usize..level.end as usize].to_vec();
     let handed = |receiver: u32| match data.edits.get(data.topology[receiver as usize].parent as usize) {
@@ -122,13 +123,13 @@ fn level_of(data: &mut Buffers, level: std::ops::Range<u32>, top: bool) {
     }
 }
 
-/// Whether anything about a receiver's links is to be merged, or its links to be summed again.
+/// Whether a receiver has links to merge, or links to be summed again.
 pub(super) fn has_edits(data: &Buffers, receiver: u32) -> bool {
     let edit = data.edits[receiver as usize];
     edit.links + edit.areas > 0
 }
 
-/// Lists that change get new places behind all others of the chunk.
+/// Reserves new ranges for the lists that change, behind all others of the chunk.
 fn place(data: &mut Buffers, nodes: std::ops::Range<usize>) {
     let receivers = data.order[nodes.clone()].iter().map(|&receiver| receiver as usize);
     let mut next = receivers.clone().map(|r| data.spans[r].link + data.spans[r].links).max().unwrap_or(0);
@@ -151,8 +152,7 @@ fn place(data: &mut Buffers, nodes: std::ops::Range<usize>) {
     counters.overflow |= u32::from(next > data.object_params[0].link_capacity);
 }
 
-/// A receiver's links as they are now: those before without what is undone, with what is made, in the order of the
-/// emitters.
+/// The current links of a receiver: the previous ones without `undone`, with `made`, in the order of the emitters.
 fn merge(data: &mut Buffers, receiver: u32, base: usize, stale_base: usize) {
     if !has_edits(data, receiver) {
         return;
@@ -164,7 +164,7 @@ fn merge(data: &mut Buffers, receiver: u32, base: usize, stale_base: usize) {
     let area = |emitter: u32| f64::from(data.clusters[emitter as usize].area);
     let altered = |node: u32| data.change_flags[node as usize];
 
-    // Every emitter of either list, once, in order.
+    // Visit every emitter of either list once, in order.
     let old = base + span.link as usize..base + (span.link + span.links) as usize;
     let flags = stale_base + span.link as usize..stale_base + (span.link + span.links) as usize;
     let mut all: Vec<u32> =

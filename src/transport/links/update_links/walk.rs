@@ -1,23 +1,24 @@
-//! The refinement before and after a change, side by side: decisions in the order of
+//! Walks the refinements before and after a change side by side: decisions in the order of
 //! `glsl/transport/links/update_links/walk.glsl`.
 
 use crate::layout::{ALTERED_MOVED, Buffers, NONE, PAIR_BEFORE, PAIR_BOTH, PAIR_NOW};
 use crate::transport::links::refine::{Choice, children, choose};
 
-/// What one receiver has to do.
+/// The edits of one receiver's links.
 #[derive(Default)]
 pub struct Edits {
-    /// Emitters of links that it makes, or that touch what is altered.
+    /// Emitters of links that are new, or that touch an altered or relit cluster.
     pub made: Vec<u32>,
-    /// Emitters of links that it undoes.
+    /// Emitters of links that are removed.
     pub undone: Vec<u32>,
-    /// How many of `made` were no link before.
+    /// How many of `made` were not linked before.
     pub fresh: u32,
-    /// What it hands down: four times the emitter, and who has the pair.
+    /// Pairs that it hands down, packed: four times the emitter, plus which refinements contain the pair (`PAIR_NOW`,
+    /// `PAIR_BEFORE` or `PAIR_BOTH`).
     pub hands: Vec<u32>,
 }
 
-/// Goes through what the parent hands down to a receiver.
+/// Visits the pairs that the parent handed down to a receiver.
 pub fn walk(data: &Buffers, receiver: u32, handed: &[u32]) -> Edits {
     let node = receiver as usize;
     let of = |clusters: &[crate::layout::Cluster]| (clusters[node].center, children(&data.topology, clusters, node));
