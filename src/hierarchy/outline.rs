@@ -9,7 +9,7 @@ pub(super) struct Outline {
     pub faces: usize,
     /// The two parts of cluster `faces + k`.
     pub parts: Vec<[u32; 2]>,
-    /// Centroid of each cluster, length.
+    /// Centroid of each cluster, in the mesh's unit of length.
     pub centroid: Vec<DVec3>,
 }
 

@@ -16,7 +16,7 @@ use std::io::Cursor;
 use std::path::Path;
 use std::result::Result;
 
-/// Size and pixels of an image file, rows from the top, or what is wrong with it.
+/// Size and pixels of an image file, rows from the top, or an error message.
 pub(super) type Image = Result<([u32; 2], Vec<[f32; 3]>), String>;
 
 /// Maximum bytes of pixels per byte of a file: above the ratio of deflated 1-bit images, and of deflated uniform images
@@ -53,7 +53,7 @@ fn open_exr(files: &Files, path: &Path, most: usize, kept: u64) -> Result<Vec<u8
     let mut cursor = Cursor::new(&bytes);
     let meta = MetaData::read_from_buffered(&mut cursor, false).map_err(|error| error.to_string())?;
     let headers = cursor.position() as usize;
-    // The exr reader checks the parts only, and would read the samples of a deep pixel as pixels.
+    // The exr reader checks the parts' own headers only, and would read the samples of a deep pixel as pixels.
     if meta.requirements.has_deep_data {
         return Err("deep data, which is not supported".into());
     }

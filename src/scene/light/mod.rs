@@ -112,7 +112,7 @@ impl Light {
         }
     }
 
-    /// Its colour: irradiance, intensity or radiance of its brightest part.
+    /// Its colour: the irradiance, intensity or radiance of its brightest part.
     pub fn color(&self) -> [f64; 3] {
         match &self.source {
             Source::Directional { irradiance, .. } => *irradiance,

@@ -57,7 +57,7 @@ fn outline(step: f64) -> Vec<DVec2> {
     };
     let foot = arc(DVec2::new(FOOT - ROUND, ROUND), ROUND, -FRAC_PI_2, lean);
     let rim_middle = DVec2::new(TOP - RIM, HEIGHT - RIM);
-    // The rim turns until it falls as steeply as the hollow begins.
+    // The rim ends where it is as steep as the beginning of the hollow.
     let end = PI - 0.45;
     let rim = arc(rim_middle, RIM, lean, end);
     let (start, slope) = (rim(1.0), DVec2::from_angle(end + FRAC_PI_2));

@@ -21,7 +21,7 @@ pub(super) fn fish(detail: u32) -> Mesh {
 /// The point at `s`, 0 at the nose to 1 at the tail's end, and an angle around the body, 0 at its side.
 fn surface(s: f64, angle: f64) -> DVec3 {
     let (up, side) = angle.sin_cos();
-    // Body: a drop, fat at a third of its length, that tapers into the tail's stem.
+    // Body: a drop, thickest at a third of its length, that tapers into the tail.
     let body = (s / 0.34).clamp(0.0, 1.0);
     let front = (body * (2.0 - body)).sqrt();
     let back = 1.0 - 0.84 * smooth(0.3, 0.86, s);

@@ -1,4 +1,4 @@
-//! How deep each closed part of a mesh lies inside the others.
+//! The nesting depth of each closed part of a mesh within the others.
 
 use super::Mesh;
 use crate::error::Input;

@@ -153,7 +153,7 @@ impl Ball<'_> {
             }
             face = self.device_state[3 * face as usize + worst] / 3;
         }
-        // Going round in circles: the one that it is least outside of.
+        // The walk went in circles: take the triangle that the point is least outside of.
         let least = |face: &u32| self.within(*face, p).into_iter().fold(f64::INFINITY, f64::min);
         (0..self.triangles.len() as u32).max_by(|a, b| least(a).total_cmp(&least(b))).unwrap_or(face)
     }
