@@ -150,7 +150,7 @@ impl Layers {
         })
     }
 
-    /// Reports how many triangles have no area in the maps; an error if none of them has any.
+    /// Reports how many triangles have no area in the maps; an error if every triangle is such.
     pub(super) fn check_mesh(&self, mesh: &Mesh, key: &str, report: &mut Vec<String>) -> Checked<()> {
         let Some(uvs) = mesh.uvs.as_ref().filter(|_| self.map.mapped) else { return Ok(()) };
         let flat = |[a, b, c]: &&[[f64; 2]; 3]| (b[0] - a[0]) * (c[1] - a[1]) == (b[1] - a[1]) * (c[0] - a[0]);
