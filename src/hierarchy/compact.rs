@@ -1,4 +1,4 @@
-//! How compact a tree's clusters are, over a mesh that may have moved since the tree was built.
+//! Measures how compact the clusters of a tree are on a mesh that may have moved since the tree was built.
 
 use std::f64::consts::TAU;
 
@@ -6,15 +6,15 @@ use glam::DVec3;
 
 use super::Tree;
 
-/// Clusters of fewer triangles don't count: lists are made of larger ones, or of triangles.
+/// Smaller clusters are ignored: emitter lists hold larger clusters or single triangles.
 const FEWEST: usize = 16;
 
-/// The mean over the clusters of at least 16 triangles, but for the whole, of their root mean square radius against
-/// that of a flat disc of their area: about 1 for round flat patches, more for long or folded ones. 1 where there are
-/// none.
+/// The mean ratio of a cluster's root-mean-square radius to that of a flat disc of equal area, over all clusters of at
+/// least 16 triangles except the root: about 1 for round flat patches, more for elongated or folded ones. 1 if there is
+/// no such cluster.
 #[must_use]
 pub fn relative_radius(tree: &Tree, positions: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
-    // Of each node, children first: triangles, area, centroid and mean squared distance from it.
+    // Per node, children first: number of triangles, area, centroid, mean squared distance from the centroid.
     let mut sums = vec![(0, 0.0, DVec3::ZERO, 0.0); tree.nodes()];
     let (mut sum, mut count) = (0.0, 0);
     for node in (0..tree.nodes()).rev() {

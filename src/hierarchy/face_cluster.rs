@@ -1,9 +1,9 @@
-//! The face cluster hierarchy: neighbours merged bottom up, the most compact pair first.
+//! The face cluster hierarchy, built bottom up: the adjacent pair of clusters with the lowest cost is merged first.
 //!
-//! Section 5.1.1 of Mertens et al. 2003 (after Garland et al. 2001), by compactness alone: merging
-//! clusters of areas `A`, `B` with centroids `a`, `b` costs `A B / (A + B) |a - b|^2`, by which the
-//! area-weighted second moment about the centroid grows. Two clusters are neighbours if faces of
-//! theirs share an edge. Pieces that share no edge are joined at the top by median splits.
+//! Section 5.1.1 of Mertens et al. 2003 (after Garland et al. 2001), with compactness as the only criterion: merging
+//! clusters of areas `A`, `B` with centroids `a`, `b` costs `A B / (A + B) |a - b|^2`, the growth of the area-weighted
+//! second moment about the centroid. Two clusters are adjacent if they contain faces that share an edge. Components
+//! that share no edge are joined at the top by median splits.
 
 use super::outline::Outline;
 use super::{NONE, Tree, face_area_and_centroid, median};
@@ -11,26 +11,26 @@ use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// The deepest tree handed out; greedy merging can go deeper on meshes of very uneven areas.
+/// Maximum depth of the returned tree; greedy merging can go deeper on meshes of very uneven areas.
 pub const DEEPEST: u32 = 64;
 
-/// Neighbours looked at, per face, before the mesh counts as too entangled to merge greedily. Ordinary
-/// meshes need about 10.
+/// Work limit of greedy merging: neighbour entries visited, per face of the mesh. Ordinary meshes need about 10; a mesh
+/// that exceeds the limit gets a median-split tree.
 const VISITS_PER_FACE: usize = 256;
 
-/// How a tree came about.
+/// How a tree was built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// Merged from neighbours.
+    /// Merged bottom up from adjacent clusters.
     Merged,
     /// Split at medians, because merging gave a tree deeper than [`DEEPEST`].
     TooDeep,
-    /// Split at medians, because clusters had too many neighbours for merging to end in time.
+    /// Split at medians, because clusters had so many neighbours that merging exceeded its work limit.
     TooEntangled,
 }
 
-/// The face cluster tree over `triangles` (indices into `positions`, all in range, fewer than 2^31
-/// triangles), and whether a median split had to take its place. An empty mesh gives an empty tree.
+/// Builds the face cluster tree over `triangles` (indices into `positions`, all in range, fewer than 2^31 triangles),
+/// or a median-split tree if merging fails; [`Method`] says which. An empty mesh gives an empty tree.
 #[must_use]
 pub fn build(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Tree, Method) {
     if triangles.is_empty() {
@@ -39,7 +39,7 @@ pub fn build(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Tree, Method) {
     let Some(mut merging) = Merging::new(positions, triangles).run() else {
         return (median::build(positions, triangles, 1), Method::TooEntangled);
     };
-    // What no edge connects is joined from the top.
+    // Join the components that no edge connects.
     let clusters = merging.outline.centroid.len() as u32;
     let mut roots: Vec<u32> = (0..clusters).filter(|&id| merging.into[id as usize] == NONE).collect();
     let root = merging.outline.split_at_medians(&mut roots, 1);
@@ -50,16 +50,16 @@ pub fn build(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Tree, Method) {
     (tree, Method::Merged)
 }
 
-/// A possible merge: cost (the bits of a number at least 0, which sort as it does), then the ids.
+/// A possible merge: cost, as the bits of a non-negative `f64` (which sort like the value), then the two cluster ids.
 type Candidate = Reverse<(u64, u32, u32)>;
 
 struct Merging {
     outline: Outline,
     /// Area of each cluster, length^2.
     area: Vec<f64>,
-    /// For each cluster one that contains it, or [`NONE`] if it has not been merged.
+    /// For each cluster a larger one that contains it, or [`NONE`] if it has not been merged: union-find links.
     into: Vec<u32>,
-    /// For each unmerged cluster its neighbours, perhaps under the ids of parts of theirs.
+    /// For each unmerged cluster its neighbours; an entry may be a cluster that has been merged since.
     neighbours: Vec<Vec<u32>>,
     queue: BinaryHeap<Candidate>,
 }
@@ -82,11 +82,11 @@ impl Merging {
         merging
     }
 
-    /// Merge until no two neighbours are left; none if that would take too long.
+    /// Merges until no adjacent pair is left; `None` if that exceeds the work limit.
     fn run(mut self) -> Option<Self> {
         let mut visits = VISITS_PER_FACE * self.outline.faces;
         while let Some(Reverse((_, a, b))) = self.queue.pop() {
-            // An entry dies with either of its clusters.
+            // Skip candidates whose clusters have been merged since.
             if self.into[a as usize] != NONE || self.into[b as usize] != NONE {
                 continue;
             }
@@ -118,7 +118,7 @@ impl Merging {
     fn merge(&mut self, a: u32, b: u32) -> u32 {
         let ((area_a, at_a), (area_b, at_b)) = (self.weight(a), self.weight(b));
         let area = area_a + area_b;
-        // Without area the middle will do.
+        // Without area, use the midpoint.
         let share = if area > 0.0 { area_b / area } else { 0.5 };
         let merged = self.outline.merge([a, b], at_a + (at_b - at_a) * share);
         self.area.push(area);
@@ -135,7 +135,7 @@ impl Merging {
         Reverse((cost.to_bits(), a.min(b), a.max(b)))
     }
 
-    /// The unmerged cluster that contains this one; the way there is halved as it is walked.
+    /// The unmerged cluster that contains `id`: union-find lookup with path halving.
     fn present(&mut self, mut id: u32) -> u32 {
         while self.into[id as usize] != NONE {
             let next = self.into[id as usize];
@@ -152,8 +152,8 @@ impl Merging {
 
 /// Pairs of faces that share an edge, lower face first, each pair once.
 ///
-/// Where more than two faces meet at an edge they are chained in order of their index, which keeps
-/// them connected without linking each with each.
+/// Where more than two faces share an edge, consecutive ones by index are paired: this connects all of them without
+/// pairing each with each.
 fn adjacent(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     let mut edges = Vec::with_capacity(3 * triangles.len());
     for (face, &[a, b, c]) in triangles.iter().enumerate() {

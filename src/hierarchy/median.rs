@@ -1,14 +1,15 @@
-//! The plain tree: halve the faces at the median centroid along the longest axis, until one is left.
+//! The median-split tree: faces are halved at the median centroid along the longest axis, until one is left.
 //!
-//! Needs no connectivity and is always as shallow as a tree can be. Section 5.1 of Mertens et al.
-//! 2003 leaves the choice of clusters open; this one is the fallback and the baseline.
+//! It needs no connectivity and is balanced. Section 5.1 of Mertens et al. 2003 leaves the choice of clusters open;
+//! this tree is the default of scheme `blocks`, and the fallback of `face_cluster`.
 
 use super::outline::Outline;
 use super::{Tree, face_area_and_centroid};
 use glam::DVec3;
 
-/// The median-split tree over `triangles`: indices into `positions`, all in range, fewer than 2^31
-/// triangles. Clusters of `block` faces (1 or more) come out full. An empty mesh gives an empty tree.
+/// Builds the median-split tree over `triangles`: indices into `positions`, all in range, fewer than 2^31 triangles.
+/// Ranges of more than `block` faces (1 or more) are split at multiples of `block`, so that whole blocks are clusters.
+/// An empty mesh gives an empty tree.
 #[must_use]
 pub fn build(positions: &[DVec3], triangles: &[[u32; 3]], block: usize) -> Tree {
     if triangles.is_empty() {

@@ -1,9 +1,9 @@
 //! A binary tree of face clusters over a triangle mesh, built once on the CPU.
 //!
-//! Section 5.1 of Mertens et al. 2003: leaves are the triangles, inner nodes are clusters of them.
-//! Nodes lie flat and depth first, so that a traversal needs no stack: it goes to `i + 1` to open a
-//! node and to `skip[i]` to leave it. [`face_cluster`] grows the tree from neighbours upward,
-//! [`median`] cuts it from the whole downward, [`split`] finds it in a mesh of triangles cut in four.
+//! Section 5.1 of Mertens et al. 2003: leaves are the triangles, inner nodes are clusters of them. Nodes are stored
+//! depth first, so that a traversal needs no stack: from node `i` it continues at `i + 1` to descend, or at `skip[i]`
+//! to pass over the subtree. [`face_cluster`] builds the tree bottom up from adjacent faces, [`median`] top down by
+//! median splits, [`split`] from the 4-to-1 subdivision of the mesh.
 
 pub mod compact;
 pub mod face_cluster;
@@ -48,7 +48,7 @@ impl Tree {
         (!self.is_leaf(i)).then(|| [i + 1, self.skip[i + 1] as usize])
     }
 
-    /// The leaves' node indices, rising.
+    /// Node indices of the leaves, ascending.
     pub fn leaves(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.nodes()).filter(|&i| self.is_leaf(i))
     }
@@ -59,10 +59,10 @@ impl Tree {
         self.level.iter().copied().max().unwrap_or(0)
     }
 
-    /// Whether this is a well-formed tree over the faces `0 .. faces`, each at exactly one leaf.
+    /// Checks that this is a well-formed tree over the faces `0 .. faces`, each at exactly one leaf.
     ///
     /// # Errors
-    /// The first broken rule, with the node.
+    /// The first violated rule, with the node.
     pub fn check(&self, faces: usize) -> Result<(), String> {
         let nodes = self.nodes();
         let expected = if faces == 0 { 0 } else { 2 * faces - 1 };

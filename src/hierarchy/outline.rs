@@ -1,26 +1,26 @@
-//! A tree before it is laid flat: who was merged with whom, and where each cluster is.
+//! A tree under construction: the two parts and the centroid of each cluster.
 
 use super::{NONE, Tree};
 use glam::DVec3;
 
-/// Clusters by id: the faces first (`0 .. faces`), then the merged ones in order of their making.
+/// Clusters by id: the faces first (`0 .. faces`), then the merged ones in order of creation.
 pub(super) struct Outline {
     /// Number of faces.
     pub faces: usize,
     /// The two parts of cluster `faces + k`.
     pub parts: Vec<[u32; 2]>,
-    /// Centroid of each cluster, length.
+    /// Centroid of each cluster, in the mesh's unit of length.
     pub centroid: Vec<DVec3>,
 }
 
 impl Outline {
-    /// Only the faces, nothing merged.
+    /// Faces only, nothing merged yet.
     pub fn new(centroid: Vec<DVec3>) -> Self {
         let faces = centroid.len();
         Self { faces, parts: Vec::with_capacity(faces.saturating_sub(1)), centroid }
     }
 
-    /// Make a cluster of two; its id is returned.
+    /// Merges two clusters and returns the id of the new one.
     pub fn merge(&mut self, parts: [u32; 2], centroid: DVec3) -> u32 {
         let id = self.centroid.len() as u32;
         self.parts.push(parts);
@@ -28,17 +28,18 @@ impl Outline {
         id
     }
 
-    /// Make a cluster of two, about their middle; its id is returned.
+    /// Merges two clusters, with the midpoint of their centroids as the new centroid, and returns the id of the new
+    /// one.
     pub fn join(&mut self, a: u32, b: u32) -> u32 {
         let [p, q] = [a, b].map(|part| self.centroid[part as usize]);
         self.merge([a, b], 0.5 * (p + q))
     }
 
-    /// Join these clusters under one root, halving them at the median centroid along the longest axis of their
-    /// centroids' bounds; ties go by id. Ranges of more than `block` members are cut at multiples of it, so that whole
-    /// blocks are clusters. `members` must not be empty.
+    /// Joins `members` under one root, halving them recursively at the median centroid along the longest axis of their
+    /// centroids' bounds; ties are broken by id. Ranges of more than `block` members are split at multiples of `block`,
+    /// so that whole blocks are clusters. `members` must not be empty. Returns the id of the root.
     pub fn split_at_medians(&mut self, members: &mut [u32], block: usize) -> u32 {
-        // Ranges still to halve; those halved, in order, so that parts come after their whole.
+        // Ranges in breadth-first order: the two halves of a range come after it.
         let mut cuts = vec![(0, members.len())];
         let mut next = 0;
         while next < cuts.len() {
@@ -49,8 +50,8 @@ impl Outline {
                 cuts.extend([(start, middle), (middle, end)]);
             }
         }
-        // Backwards, every range finds its two halves already made. Range k of more than one
-        // member owns the next two ranges in the order of the list.
+        // Join backwards, so that both halves exist before their range. Each range of more than one member takes the
+        // last two ranges that are not taken yet.
         let mut id = vec![NONE; cuts.len()];
         let mut last = cuts.len();
         for k in (0..cuts.len()).rev() {
@@ -65,7 +66,7 @@ impl Outline {
         id[0]
     }
 
-    /// Reorder the members into a lower and an upper half; the size of the lower one.
+    /// Reorders the members into a lower and an upper half and returns the size of the lower one.
     fn halve(&self, members: &mut [u32], block: usize) -> usize {
         let place = |id: u32| self.centroid[id as usize];
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -87,8 +88,8 @@ impl Outline {
         middle
     }
 
-    /// Lay the tree flat, depth first. Of two parts the one nearer to the leaf laid last goes left,
-    /// so that leaves next to each other in the tree are next to each other in space.
+    /// Flattens the tree, depth first. The part nearer to the last leaf written goes left, so that consecutive leaves
+    /// are close in space.
     pub fn flatten(&self, root: u32) -> Tree {
         let nodes = self.centroid.len();
         let mut tree = Tree {
@@ -114,7 +115,7 @@ impl Outline {
             let (left, right) = if far(b) < far(a) { (b, a) } else { (a, b) };
             open.extend([(right, node, level + 1), (left, node, level + 1)]);
         }
-        // A subtree ends where its right child's ends, and that lies behind.
+        // A subtree ends where its right child's subtree ends; children come after their parents.
         for i in (0..nodes).rev() {
             let leaf = tree.face[i] != NONE;
             tree.skip[i] = if leaf { i as u32 + 1 } else { tree.skip[tree.skip[i + 1] as usize] };

@@ -1,16 +1,18 @@
-//! The tree that 4-to-1 splits leave: every triangle that was cut is a cluster of its four parts.
+//! The tree of a mesh made by 4-to-1 splits: every triangle that was split is a cluster of its four parts.
 //!
-//! Section 5.1.2 of Mertens et al. 2003. Nodes are binary, so that a cut takes two levels: the part in the middle with
-//! the first corner's, the other two corners', and both. The triangles of the base are joined as face clusters are.
+//! Section 5.1.2 of Mertens et al. 2003. Nodes are binary, so that a split takes two levels: the middle part is paired
+//! with the first corner's part, the other two corners' parts with each other, then the two pairs are joined. The
+//! triangles of the base are joined as in [`face_cluster`].
 
 use super::outline::Outline;
 use super::{Tree, face_area_and_centroid, face_cluster};
 use face_cluster::Method;
 use glam::DVec3;
 
-/// The tree over `triangles` (indices into `positions`, all in range, fewer than 2^31 triangles), each cut `splits`
-/// times, the parts of one after each other, the one in the middle last; and how that of the base came about. Where
-/// splits do not describe such parts, all triangles are the base.
+/// Builds the tree over `triangles` (indices into `positions`, all in range, fewer than 2^31 triangles), and says how
+/// the tree of the base was built. `splits` gives for each triangle how often it was split; the four parts of a
+/// triangle are consecutive, the middle one last. If `splits` does not describe such parts, all triangles are taken as
+/// the base.
 #[must_use]
 pub fn build(positions: &[DVec3], triangles: &[[u32; 3]], splits: &[u8]) -> (Tree, Method) {
     let centroid = triangles.iter().map(|t| face_area_and_centroid(positions, *t).1).collect();
@@ -24,7 +26,7 @@ pub fn build(positions: &[DVec3], triangles: &[[u32; 3]], splits: &[u8]) -> (Tre
     }
     let corners: Vec<[u32; 3]> = bases.iter().map(|base| base.1).collect();
     let (top, method) = face_cluster::build(positions, &corners);
-    // Children come after their parents.
+    // Put the tree of the base on top; children come after their parents.
     let mut outline = forest.outline;
     let mut ids = vec![0; top.nodes()];
     for node in (0..top.nodes()).rev() {
@@ -42,13 +44,14 @@ pub fn build(positions: &[DVec3], triangles: &[[u32; 3]], splits: &[u8]) -> (Tre
 struct Forest<'a> {
     triangles: &'a [[u32; 3]],
     splits: &'a [u8],
-    /// The first triangle that is in no cluster yet.
+    /// The first triangle that is not in a cluster yet.
     next: usize,
     outline: Outline,
 }
 
 impl Forest<'_> {
-    /// The next triangle of those cut so many times or its parts: a cluster, and its corners.
+    /// The next triangle that was split `times` times, or the cluster of its parts if it was split further: cluster id
+    /// and corners. `None` if `splits` is inconsistent.
     fn cluster(&mut self, times: u8) -> Option<(u32, [u32; 3])> {
         let own = *self.splits.get(self.next)?;
         if own == times {
@@ -70,7 +73,7 @@ impl Forest<'_> {
 mod tests {
     use super::*;
 
-    /// One triangle cut in four, as often as these numbers say, and vertices on a line of their own.
+    /// A mesh with one triangle per entry of `splits`, each with vertices of its own.
     fn cut(splits: &[u8]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
         let positions = (0..3 * splits.len() as u32).map(|k| DVec3::new(f64::from(k), f64::from(k % 3), 0.0)).collect();
         (positions, (0..splits.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect())
@@ -78,7 +81,7 @@ mod tests {
 
     #[test]
     fn parts_of_a_triangle_are_a_cluster() {
-        // A base triangle whole, one cut with its third part cut again, one cut.
+        // An unsplit base triangle, one split whose third part is split again, and one split once.
         let splits = [0, 1, 1, 2, 2, 2, 2, 1, 1, 1, 1, 1];
         let (positions, triangles) = cut(&splits);
         let (tree, method) = build(&positions, &triangles, &splits);

@@ -1,19 +1,19 @@
-//! Keyframes: any number of a scene file, or list of numbers, may be a table `{ keyframes = [[frame, value], ...] }`;
-//! and a mesh may be of a frame: `mesh = "walk-%04d.obj"`.
+//! Keyframes: any number or list of numbers in a scene file may be a table `{ keyframes = [[frame, value], ...] }`, and
+//! a mesh may be one file per frame: `mesh = "walk-%04d.obj"`.
 
 use super::range::Checked;
 use crate::error::Input;
 use std::fmt::Write as _;
 use toml::{Table, Value};
 
-/// Between two keyframes: evenly, or with a soft start and end.
+/// Interpolation between two keyframes: linear, or with a soft start and end.
 #[derive(Clone, Copy)]
 enum Curve {
     Linear,
     Smooth,
 }
 
-/// The table with every value as it is at a frame, and whether any of them moves.
+/// The table with every value evaluated at a frame, and whether any of them is animated.
 pub(super) fn at(table: &Table, frame: f64) -> Checked<(Table, bool)> {
     let mut moves = false;
     let mut still = Table::new();
@@ -23,7 +23,7 @@ pub(super) fn at(table: &Table, frame: f64) -> Checked<(Table, bool)> {
     Ok((still, moves))
 }
 
-/// A value at a frame; its key grows and shrinks in place, for names may be long and lists, too.
+/// A value at a frame. `key` is extended and truncated in place, since names and lists may be long.
 fn value_at(value: &Value, key: &mut String, frame: f64, moves: &mut bool) -> Checked<Value> {
     match value {
         Value::Table(table) if table.contains_key("keyframes") => {
@@ -41,7 +41,7 @@ fn value_at(value: &Value, key: &mut String, frame: f64, moves: &mut bool) -> Ch
             Ok(Value::Array(list.iter().enumerate().map(inner).collect::<Checked<_>>()?))
         }
         Value::String(path) if key.starts_with("object.") && key.ends_with(".mesh") => {
-            // A whole number that no file name would miss.
+            // Round to the nearest frame.
             let file = numbered(path, frame.round() as i64);
             *moves |= file.is_some();
             Ok(Value::String(file.unwrap_or_else(|| path.replace("%%", "%"))))
@@ -50,7 +50,7 @@ fn value_at(value: &Value, key: &mut String, frame: f64, moves: &mut bool) -> Ch
     }
 }
 
-/// What `go` makes of the key of a part of this one.
+/// Calls `go` with the key extended by a part.
 pub(super) fn below<R>(key: &mut String, part: impl std::fmt::Display, go: impl FnOnce(&mut String) -> R) -> R {
     let length = key.len();
     // Writing to a string does not fail.
@@ -60,8 +60,8 @@ pub(super) fn below<R>(key: &mut String, part: impl std::fmt::Display, go: impl 
     made
 }
 
-/// A file name with its one `%d` or `%04d` replaced by a frame's number, and `%%` by `%`; none where it has not exactly
-/// one number's place.
+/// A file name with its one `%d` or `%04d` replaced by a frame's number, and `%%` by `%`; `None` unless it has exactly
+/// one such placeholder.
 #[must_use]
 pub fn numbered(text: &str, frame: i64) -> Option<String> {
     let (mut name, mut rest, mut found) = (String::new(), text, false);
@@ -85,7 +85,7 @@ pub fn numbered(text: &str, frame: i64) -> Option<String> {
     found.then_some(name)
 }
 
-/// The value of a list of keyframes at a frame: before the first the first, after the last the last.
+/// The value of a list of keyframes at a frame: the first one's before it, the last one's after it.
 fn keyed(table: &Table, key: &str, frame: f64) -> Checked<Value> {
     let fault =
         |what: &str, found: String, expected: &str| Err(Input::new(what).key(key).found(found).expected(expected));
@@ -126,7 +126,7 @@ fn keyed(table: &Table, key: &str, frame: f64) -> Checked<Value> {
     mixed.map_or_else(|| fault("keyframes of different kinds", table["keyframes"].to_string(), shape), Ok)
 }
 
-/// Whether no number of it is infinite or none.
+/// Whether all its numbers are finite.
 fn finite(value: &Value) -> bool {
     match value {
         Value::Array(list) => list.iter().all(finite),
@@ -141,7 +141,7 @@ fn number(value: &Value) -> Option<f64> {
     number.filter(|x| x.is_finite())
 }
 
-/// Between two values of one kind; whole numbers stay so where they can.
+/// Interpolates between two values of one kind; integers stay integers if the result is whole.
 fn mix(a: &Value, b: &Value, t: f64) -> Option<Value> {
     match (a, b) {
         (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {

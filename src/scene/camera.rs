@@ -1,4 +1,4 @@
-//! The camera: where it stands, where it looks, and how it is fitted to the object where the scene does not say.
+//! The camera: position, target and picture; what the scene omits is fitted to the objects.
 
 use super::file::CameraFile;
 use super::light::{Light, Source};
@@ -11,7 +11,7 @@ use serde::Deserialize;
 /// The direction from the object to a fitted camera: from the front, a little above and to the right.
 const FRONT: DVec3 = DVec3::new(0.35, 0.3, 1.0);
 
-/// How much larger than the object the view of a fitted camera is.
+/// Size of a fitted camera's view relative to the object.
 const MARGIN: f64 = 1.08;
 
 /// The vertical field of view when the file gives none, in degrees.
@@ -23,60 +23,61 @@ pub const SIZE: [u32; 2] = [512, 512];
 /// The largest width or height of a picture, in pixels.
 pub const LARGEST_SIZE: u32 = 16_384;
 
-/// How exposed radiance becomes a PNG's 0 to 1, before the sRGB curve.
+/// Tone curve from exposed radiance to a PNG's 0 to 1, before the sRGB curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tone {
-    /// As it is, cut off at 1.
+    /// Linear, clipped at 1.
     #[default]
     Clip,
     /// Hable's curve: a soft shoulder that reaches 1 at 5.6, and a toe.
     Filmic,
 }
 
-/// A pinhole camera, checked.
+/// A validated pinhole camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     /// The pinhole, in scene units; never equal to `target`.
     pub position: DVec3,
     /// The point in the middle of the picture, in scene units.
     pub target: DVec3,
-    /// Roughly up, length 1; may be parallel to the view.
+    /// Approximate up direction, length 1; may be parallel to the view.
     pub up: DVec3,
     /// Vertical field of view in degrees, between 0 and 180.
     pub fov: f64,
     /// Width and height in pixels, each 1 to 16384.
     pub size: [u32; 2],
-    /// Places of a pixel whose mean it shows, 1 to 64.
+    /// Samples of a pixel, which shows their mean, 1 to 64.
     pub samples: u32,
     /// Factor on radiance before it becomes sRGB, above 0.
     pub exposure: f64,
-    /// What becomes of radiance that is exposed, in a PNG.
+    /// Tone curve, for PNG only.
     pub tone: Tone,
     /// Linear radiance where no object is seen, r g b, at least 0.
     pub background: [f64; 3],
-    /// Whether the environment is seen there instead.
+    /// Whether the environment is shown there instead.
     pub environment: bool,
 }
 
-/// The least angle of a pixel, radian: four times what `f32` resolves.
+/// The minimum angle of a pixel, radian: four times the resolution of `f32`.
 const NARROWEST: f64 = 4.0 / 16_777_216.0;
 
 impl Camera {
-    /// Right, up and forward: of length 1 and perpendicular, right = forward x up.
-    /// When `up` is parallel to the view, the axis least along the view stands in for it.
+    /// Right, up and forward: of length 1 and perpendicular, right = forward x up. When `up` is parallel to the view,
+    /// the axis least aligned with the view replaces it.
     pub fn basis(&self) -> (DVec3, DVec3, DVec3) {
         frame((self.target - self.position).normalize_or(DVec3::NEG_Z), self.up)
     }
 
-    /// The same with a picture of another size, where its pixels are wide enough for `f32`.
+    /// The same camera with another picture size; an error if its pixels are too narrow for `f32`.
     pub fn sized(self, size: [u32; 2]) -> Result<Self> {
         let camera = Self { size, ..self };
         camera.wide_enough()?;
         Ok(camera)
     }
 
-    /// Rays and places are `f32`: neighbours have to differ by more than what it rounds.
+    /// Checks the angle of a pixel: rays and positions are `f32`, and those of neighbours must differ by more than
+    /// rounding.
     fn wide_enough(&self) -> Checked<()> {
         let lines = f64::from(self.size[1]);
         if 2.0 * (self.fov.to_radians() / 2.0).tan() / lines >= NARROWEST {
@@ -88,7 +89,7 @@ impl Camera {
     }
 }
 
-/// What the file says about the camera, checked; gaps are filled by [`Framing::fit`].
+/// The camera of the file, validated; [`Framing::fit`] fills in what is omitted.
 #[derive(Debug, Clone)]
 pub(super) struct Framing {
     position: Option<DVec3>,
@@ -132,7 +133,7 @@ impl Framing {
         Ok(Self { position, target, rest })
     }
 
-    /// An error when an environment is to be seen and no light is one.
+    /// Returns an error if the background is the environment but no light is one.
     pub(super) fn check_background(&self, lights: &[Light]) -> Checked<()> {
         if !self.rest.environment || lights.iter().any(|light| matches!(light.source, Source::Environment { .. })) {
             return Ok(());
@@ -153,7 +154,7 @@ impl Framing {
     }
 }
 
-/// How far from `target` a camera looking `forward` sees every corner of the box.
+/// Distance from `target` at which a camera that looks `forward` sees every corner of the box.
 fn distance(camera: &Camera, target: DVec3, forward: DVec3, low: DVec3, high: DVec3) -> f64 {
     let (right, up, forward) = frame(forward, camera.up);
     let tall = (camera.fov.to_radians() / 2.0).tan();
@@ -169,7 +170,7 @@ fn distance(camera: &Camera, target: DVec3, forward: DVec3, low: DVec3, high: DV
     needed.fold(0.0, f64::max) + (high - low).length() * 1e-3
 }
 
-/// Right, up and forward from a view of length 1 and a rough up.
+/// Right, up and forward from a view direction of length 1 and an approximate up direction.
 fn frame(forward: DVec3, up: DVec3) -> (DVec3, DVec3, DVec3) {
     let cross = forward.cross(up);
     let right = if cross.length() > 1e-6 {
@@ -188,7 +189,7 @@ fn frame(forward: DVec3, up: DVec3) -> (DVec3, DVec3, DVec3) {
     (right, right.cross(forward), forward)
 }
 
-/// An error when the camera stands on the point it looks at.
+/// Returns an error if the camera stands on its target.
 fn apart(position: DVec3, target: DVec3) -> Checked<()> {
     if position.distance(target) > 1e-9 * position.length().max(1e-6) {
         return Ok(());
@@ -198,7 +199,7 @@ fn apart(position: DVec3, target: DVec3) -> Checked<()> {
     Err(Input::new(what).key("camera.position").found(found).expected("two different points"))
 }
 
-/// Two whole numbers of pixels.
+/// Width and height in pixels.
 fn size(found: &[i64]) -> Checked<[u32; 2]> {
     let pixels = |value: &i64| u32::try_from(*value).ok().filter(|n| (1..=LARGEST_SIZE).contains(n));
     if let [width, height] = found

@@ -1,4 +1,4 @@
-//! What a scene may choose about its light transport.
+//! Enumerated settings of light transport.
 
 use serde::Deserialize;
 
@@ -6,57 +6,58 @@ use serde::Deserialize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Hierarchy {
-    /// Neighbouring clusters are joined, pair by pair, the most compact first.
+    /// Adjacent clusters are merged pairwise, the most compact pair first.
     #[default]
     FaceClusters,
-    /// The box is split at the median centre of its longest axis.
+    /// Faces are split at the median centroid along the longest axis.
     Median,
-    /// The mesh is a coarse base; its triangles are cut in four, new vertices by the modified butterfly scheme.
+    /// The mesh is a coarse base, subdivided 4-to-1 by the modified butterfly scheme.
     Butterfly,
-    /// A coarse base is made for a closed mesh and cut in four, new vertices on the mesh.
+    /// A coarse base is made for a closed mesh and subdivided 4-to-1, with new vertices on the mesh.
     ShrinkWrap,
 }
 
-/// How clusters give light to receivers.
+/// How light is transported from clusters to receivers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
-    /// Emitters with moments, chosen by what they contribute, to blocks of receivers.
+    /// To blocks of receivers, from emitters with moments, which are selected by their contribution.
     #[default]
     Blocks,
-    /// Pairs of clusters, as published.
+    /// By links between pairs of clusters, as published.
     Links,
 }
 
-/// What decides whether a cluster is taken as one.
+/// Criterion for treating a cluster as one emitter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Oracle {
-    /// What taking it as one may change the radiosity by.
+    /// The change in radiosity that this may cause.
     Contribution,
     /// Its solid angle, as published.
     SolidAngle,
 }
 
-/// From where to where the dipole's distances are measured.
+/// Which points the dipole's distances are measured between.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Distance {
     /// Between the points on the surface.
     #[default]
     Radial,
-    /// To sources displaced along the emitter's normal, as the paper's table 1 has it.
+    /// From sources displaced along the emitter's normal, as in the paper's table 1.
     Table1,
 }
 
-/// How a triangle too near for a few samples gives light to a receiver.
+/// How the form factor of a triangle is evaluated that is too near for a few samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Near {
-    /// By the line integral over its edges.
+    /// As a line integral over its edges.
     #[default]
     Exact,
-    /// By uniform point samples, one for each disc of a mean free path, as the paper's table 5 compares with.
+    /// By uniform point samples, one per disc with a radius of one mean free path, the method that the paper's table 5
+    /// compares with.
     PointSampling,
 }
 
@@ -64,11 +65,11 @@ pub enum Near {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Receivers {
-    /// Wherever they are fewer.
+    /// At faces or pixels, whichever are fewer.
     #[default]
     Auto,
-    /// At the triangles' centroids, blended between vertices.
+    /// At the triangles' centroids, interpolated between vertices.
     Faces,
-    /// At the places that the pixels show.
+    /// At the surface points that the pixels show.
     Pixels,
 }

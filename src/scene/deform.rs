@@ -1,4 +1,4 @@
-//! What deforms an object, after it has been given its size and place: in the scene's coordinates.
+//! Deformations of an object, in scene coordinates, applied after it is scaled and placed.
 
 use super::files::Files;
 use super::mesh::{Mesh, Origin};
@@ -13,62 +13,62 @@ use std::sync::Arc;
 /// A deformation; lengths in scene units.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Deform {
-    /// Turned about an axis: not at all at the low end, by `angle` radians at the high one and beyond, evenly between.
+    /// Rotation about an axis that grows linearly along it: 0 at the low end and below, `angle` radians at the high end
+    /// and beyond.
     Twist {
         /// The axis and its ends.
         span: Span,
         /// Radians, right-handed about the axis.
         angle: f64,
     },
-    /// Bent into an arc: the low end stays, the high one is turned by `angle`; what lies beyond either end stays
-    /// straight.
+    /// Bend into an arc: the low end stays, the high end is rotated by `angle`; parts beyond either end stay straight.
     Bend {
-        /// The direction that is bent, and its ends.
+        /// The axis that is bent, and its ends.
         span: Span,
-        /// Across it, of length 1: where it leans to.
+        /// The direction of the bend, perpendicular to the axis, length 1.
         toward: DVec3,
         /// Radians, not 0.
         angle: f64,
     },
-    /// Raised by `height (1 - r^2 / radius^2)^2` within a radius.
+    /// Displacement by `height (1 - r^2 / radius^2)^2` within a radius.
     Bump {
-        /// Its middle.
+        /// The centre.
         position: DVec3,
-        /// Where it ends.
+        /// The radius at which it ends.
         radius: f64,
-        /// How high it is; below 0 a hollow.
+        /// The height; negative for a hollow.
         height: f64,
-        /// Of length 1; none is along the normals.
+        /// The direction, length 1; none for along the normals.
         direction: Option<DVec3>,
     },
-    /// Raised along the normals by gradient noise, of -1 to 1 times `amplitude`.
+    /// Displacement along the normals by gradient noise from -1 to 1, times `amplitude`.
     Noise {
-        /// Largest height.
+        /// Maximum height.
         amplitude: f64,
-        /// Size of its features.
+        /// Feature size.
         scale: f64,
-        /// Where its lattice begins.
+        /// Origin of the noise lattice.
         offset: DVec3,
     },
-    /// Moved towards the places of another mesh of equal topology.
+    /// Interpolation towards another mesh of equal topology.
     Morph {
-        /// Of each vertex, the way from its place at rest to that of the other mesh.
+        /// For each vertex the vector from its rest position to its position in the other mesh.
         ways: Arc<[DVec3]>,
-        /// Which share of the way: 1 all of it, -10 to 10.
+        /// Factor on `ways`, -10 to 10: 1 gives the other mesh.
         weight: f64,
     },
 }
 
-/// A stretch of an axis.
+/// A section of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Span {
-    /// A point of the axis.
+    /// A point on the axis.
     pub center: DVec3,
     /// Its direction, of length 1.
     pub axis: DVec3,
-    /// Height of the low end along it, from `center`.
+    /// Position of the low end along the axis, from `center`.
     pub low: f64,
-    /// From there to the high end, above 0.
+    /// Length from the low to the high end, above 0.
     pub length: f64,
 }
 
@@ -83,17 +83,17 @@ pub(super) enum DeformFile {
     Morph { mesh: PathBuf, weight: f64 },
 }
 
-/// A deformation, checked, but for what the mesh decides.
+/// A validated deformation, without what depends on the mesh.
 #[derive(Debug, Clone)]
 pub(super) struct Draft {
     deform: Deform,
     center: Option<DVec3>,
     length: Option<f64>,
-    /// A morph's other mesh, relative to the scene file.
+    /// File of a morph's other mesh, relative to the scene file.
     other: Option<PathBuf>,
 }
 
-/// Most deformations of an object.
+/// Maximum number of deformations of an object.
 const MOST: usize = 64;
 
 /// Checks an object's deformations.
@@ -169,8 +169,9 @@ impl DeformFile {
 }
 
 impl Draft {
-    /// Reads a morph's other mesh, from `folder`, which must match the object's own file `own`; none is a shape made
-    /// here. `origin` is how the object's vertices come from that file's, `place` how ways are scaled and turned.
+    /// Reads a morph's other mesh, relative to `folder`; it must match the object's own file `own`, which is none for a
+    /// built-in shape. `origin` maps the vertices of that file to the object's, `place` scales and rotates
+    /// displacements.
     pub(super) fn load(
         &mut self,
         files: &Files,
@@ -195,8 +196,8 @@ impl Draft {
         Ok(())
     }
 
-    /// The deformation of this mesh: an axis goes through the middle of its box, from its low end to its high one,
-    /// where nothing else is said.
+    /// The deformation for this mesh. By default, an axis passes through the centre of the bounding box, and its ends
+    /// are those of the mesh.
     pub(super) fn on(&self, mesh: &Mesh) -> Deform {
         let mut deform = self.deform.clone();
         if let Deform::Twist { span, .. } | Deform::Bend { span, .. } = &mut deform {
@@ -205,9 +206,9 @@ impl Draft {
             let heights = mesh.positions.iter().map(|p| (*p - span.center).dot(span.axis));
             let (least, most) = heights
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), h| (f64::min(least, h), f64::max(most, h)));
-            // What is flat across the axis has no ends.
+            // A mesh that is flat across the axis has no extent along it.
             let whole = if most > least { most - least } else { 1.0 };
-            // A length of one's own lies about the middle.
+            // A length that is given is centred on `center`.
             (span.low, span.length) = self.length.map_or((least, whole), |length| (-0.5 * length, length));
         }
         deform

@@ -1,4 +1,4 @@
-//! Objects that are lost in their scene: a frame is as large as the scene, and `f32` has an end.
+//! Rejects objects that are too small beside their scene: a frame spans the whole scene, with the precision of `f32`.
 
 use super::mesh::Mesh;
 use super::object::Object;
@@ -6,16 +6,16 @@ use super::range::Checked;
 use crate::error::Input;
 use glam::DVec3;
 
-/// The most mean free paths that a frame takes across the scene: anything denser is brought down to that.
+/// The maximum number of mean free paths across the scene; denser materials are reduced to it.
 pub const DENSEST: f64 = 1e6;
-/// How many times an object's size the scene may be: `f32` distinguishes positions to some 2^-24 of the scene, here a
-/// hundredth of the object.
+/// Maximum ratio of the scene's extent to an object's size: `f32` resolves positions to about 2^-24 of the scene, which
+/// at this ratio is a hundredth of the object.
 const WIDEST: f64 = 1e5;
-/// The same where its material is denser than [`DENSEST`], so that its mean free path grows with the scene: to a
-/// ten-thousandth of the object at most.
+/// The same for materials denser than [`DENSEST`], whose mean free path then grows with the scene: to at most a
+/// ten-thousandth of the object.
 const WIDEST_DENSE: f64 = 1e2;
 
-/// An error where an object is too small beside all of them.
+/// Returns an error if an object is too small beside the whole scene.
 pub(super) fn check(objects: &[Object]) -> Checked<()> {
     let (low, high) = super::bounds(objects);
     let extent = (high - low).max_element();
@@ -34,10 +34,10 @@ pub(super) fn check(objects: &[Object]) -> Checked<()> {
     Ok(())
 }
 
-/// The root of a surface's area, or its longest edge where that is longer: unlike its box they know nothing of a speck
-/// far away.
+/// The square root of a surface's area, or its longest edge if that is longer. Unlike the bounding box, neither depends
+/// on a speck far away.
 fn size(mesh: &Mesh) -> f64 {
-    // Against the box's size, for squares of squares of small lengths are 0.
+    // Relative to the bounding box, since fourth powers of small lengths underflow to 0.
     let (low, high) = mesh.bounds();
     let whole = (high - low).max_element().max(f64::MIN_POSITIVE);
     let (mut twice, mut longest) = (0.0, 0.0);

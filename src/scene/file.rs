@@ -1,5 +1,4 @@
-//! The scene file: its tables and keys as serde sees them, and the check that turns them into a
-//! [`Draft`], which is everything but the meshes themselves.
+//! The scene file as serde deserializes it, and the check that turns it into a [`Draft`]: a scene without its meshes.
 
 use super::camera::{self, Framing, Tone};
 use super::layers::LayersFile;
@@ -178,12 +177,12 @@ impl Default for TransportFile {
     }
 }
 
-/// A scene but for its meshes, checked.
+/// A validated scene without its meshes.
 #[derive(Debug)]
 pub(super) struct Draft {
     /// Millimetres per scene unit.
     pub unit_mm: f64,
-    /// The camera, perhaps still to be fitted.
+    /// The camera, not fitted to the objects yet.
     pub framing: Framing,
     /// The lights, in the file's order.
     pub lights: Vec<Light>,

@@ -1,4 +1,4 @@
-//! The files that a scene is read from, and the memory that it may take: sizes are checked before any is taken.
+//! File access and memory limit of a scene: sizes are checked before memory is allocated.
 
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -6,32 +6,33 @@ use std::io::{Error, ErrorKind, Read, Result};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// How much memory a scene may take, and what it has taken, bytes.
+/// Memory limit of a scene, and the memory it has taken, bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Memory {
-    /// The most that it may take.
+    /// The limit.
     pub limit: u64,
-    /// What it holds already.
+    /// The memory taken so far.
     pub taken: u64,
 }
 
 impl Memory {
-    /// The limit where nothing else is said: 16 GiB.
+    /// The default limit: 16 GiB.
     pub const USUAL: u64 = 16 << 30;
 
-    /// Nothing taken yet of so many bytes.
+    /// A limit with nothing taken yet.
     #[must_use]
     pub fn new(limit: u64) -> Self {
         Self { limit, taken: 0 }
     }
 
-    /// What is left of it.
+    /// The memory left.
     #[must_use]
     pub fn left(&self) -> u64 {
         self.limit.saturating_sub(self.taken)
     }
 
-    /// An error of kind `OutOfMemory` with all three numbers where so many bytes more are too many.
+    /// Returns an error of kind `OutOfMemory` that states `bytes`, the memory taken and the limit, if `bytes` more do
+    /// not fit.
     pub fn need(&self, bytes: u64) -> Result<()> {
         if bytes <= self.left() {
             return Ok(());
@@ -48,7 +49,7 @@ impl Default for Memory {
     }
 }
 
-/// Bytes as people write them.
+/// A number of bytes in a readable unit.
 fn in_words(bytes: u64) -> String {
     const NAMES: [&str; 5] = ["bytes", "KiB", "MiB", "GiB", "TiB"];
     let step = (bytes.max(1).ilog2() / 10).min(4);
@@ -56,7 +57,7 @@ fn in_words(bytes: u64) -> String {
     if step == 0 { format!("{bytes} bytes") } else { format!("{value:.1} {}", NAMES[step as usize]) }
 }
 
-/// Where a scene's files are read from, and the memory that they take.
+/// Source of a scene's files, and its memory limit.
 #[derive(Debug, Default)]
 pub struct Files {
     /// Files in memory, instead of those on disk.
@@ -64,42 +65,42 @@ pub struct Files {
     memory: Cell<Memory>,
 }
 
-/// What was read so far: no output may take its place.
+/// Files read so far; no output may overwrite them.
 static INPUTS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 fn inputs() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     INPUTS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Whether the file of this whole path, without links, has been read.
+/// Whether the file at this canonical path has been read.
 #[must_use]
 pub fn was_read(path: &Path) -> bool {
     inputs().contains(path)
 }
 
 impl Files {
-    /// Files on disk, and how many bytes a scene may take.
+    /// Files on disk, and the scene's memory limit in bytes.
     #[must_use]
     pub fn on_disk(limit: u64) -> Self {
         Self { held: None, memory: Cell::new(Memory::new(limit)) }
     }
 
-    /// These files only, by their paths, and how many bytes a scene may take.
+    /// These files only, by path, and the scene's memory limit in bytes.
     pub fn held(files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>, limit: u64) -> Self {
         Self { held: Some(files.into_iter().collect()), memory: Cell::new(Memory::new(limit)) }
     }
 
-    /// What is taken, and the limit.
+    /// The memory taken, and the limit.
     pub fn memory(&self) -> Memory {
         self.memory.get()
     }
 
-    /// An error where so many bytes for a while are too many.
+    /// Returns an error if so many bytes of temporary memory do not fit.
     pub fn need(&self, bytes: u64) -> Result<()> {
         self.memory.get().need(bytes)
     }
 
-    /// The same of bytes that the scene keeps; they are taken from now on.
+    /// The same for memory that the scene keeps, which counts as taken from now on.
     pub fn take(&self, bytes: u64) -> Result<()> {
         let memory = self.memory.get();
         memory.need(bytes)?;
@@ -107,21 +108,21 @@ impl Files {
         Ok(())
     }
 
-    /// A plain file's bytes; of those, `copies` times as many have to fit the memory.
+    /// Reads a plain file; `copies` times its size must fit the memory.
     pub fn read(&self, path: &Path, copies: u64) -> Result<Vec<u8>> {
         if let Some(held) = &self.held {
             let bytes = held.get(path).ok_or_else(|| Error::new(ErrorKind::NotFound, "no such file"))?;
             self.need(copies.saturating_mul(bytes.len() as u64))?;
             return Ok(bytes.clone());
         }
-        // What is no plain file may block or never end.
+        // Anything but a plain file may block or never end.
         if !std::fs::metadata(path)?.is_file() {
             return Err(Error::new(ErrorKind::Unsupported, "not a plain file"));
         }
         self.stream(path, copies)
     }
 
-    /// The same of whatever can be read: a pipe, too.
+    /// The same for anything that can be read, such as a pipe.
     pub fn stream(&self, path: &Path, copies: u64) -> Result<Vec<u8>> {
         let file = std::fs::File::open(path)?;
         if let Ok(place) = path.canonicalize() {

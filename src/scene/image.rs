@@ -1,8 +1,8 @@
-//! Images as linear numbers: OpenEXR, Radiance HDR, and PNG with its sRGB undone; or as they are, where they hold
-//! depths.
+//! Reads images as linear values: OpenEXR, Radiance HDR, and PNG, decoded from sRGB. Depth maps are read without
+//! conversion.
 //!
-//! What a file says of its size is checked before memory is taken: by the most pixels that it may have, by its own
-//! length, and by the memory of the scene.
+//! The size that a file states is checked before memory is allocated: against the maximum number of pixels, the file's
+//! length, and the scene's memory limit.
 
 mod chunks;
 
@@ -16,18 +16,18 @@ use std::io::Cursor;
 use std::path::Path;
 use std::result::Result;
 
-/// Size and pixels of an image file, rows from the top, or what is wrong with it.
+/// Size and pixels of an image file, rows from the top, or an error message.
 pub(super) type Image = Result<([u32; 2], Vec<[f32; 3]>), String>;
 
-/// Most bytes of pixels that one byte of a file may stand for: more than a deflated map of single bits, or a flat
-/// picture of transformed squares, deflated.
+/// Maximum bytes of pixels per byte of a file: above the ratio of deflated 1-bit images, and of deflated uniform images
+/// that were transformed in squares.
 const MOST_PACKED: u64 = 1 << 17;
 
-/// Most bytes that a PNG's colour profile may take.
+/// Maximum memory that a PNG's colour profile may take, bytes.
 const MOST_BESIDE: u64 = 64 << 20;
 
-/// Whether an image of this size may be read, and the memory for it is there: of `stored` bytes a pixel, `kept` after
-/// it is read, `held` meanwhile.
+/// Checks the size of an image and takes memory for it: per pixel, `stored` bytes uncompressed in the file, `kept`
+/// after reading, and `held` in addition while reading.
 fn fits(
     files: &Files,
     size: [u64; 2],
@@ -47,13 +47,13 @@ fn fits(
     files.take(pixels * kept).map_err(|error| error.to_string())
 }
 
-/// The bytes of an OpenEXR file all of whose layers fit, by their headers.
+/// Reads the bytes of an OpenEXR file and checks the size of every layer by its header.
 fn open_exr(files: &Files, path: &Path, most: usize, kept: u64) -> Result<Vec<u8>, String> {
     let bytes = files.read(path, 1).map_err(|error| error.to_string())?;
     let mut cursor = Cursor::new(&bytes);
     let meta = MetaData::read_from_buffered(&mut cursor, false).map_err(|error| error.to_string())?;
     let headers = cursor.position() as usize;
-    // The reader looks at the parts alone, and would take the samples of a deep pixel for pixels.
+    // The exr reader checks the parts' own headers only, and would read the samples of a deep pixel as pixels.
     if meta.requirements.has_deep_data {
         return Err("deep data, which is not supported".into());
     }
@@ -61,8 +61,7 @@ fn open_exr(files: &Files, path: &Path, most: usize, kept: u64) -> Result<Vec<u8
         let size = [header.layer_size.width() as u64, header.layer_size.height() as u64];
         let stored = header.channels.bytes_per_pixel as u64;
         fits(files, size, most, [stored, kept, 2 * stored], bytes.len())?;
-        // A tile may be larger than the picture, and the reader makes room for as much of it as the file claims to
-        // hold.
+        // A tile may be larger than the picture; the reader allocates as much of it as the file claims to hold.
         if let BlockDescription::Tiles(tiles) = header.blocks {
             let [width, height] = [tiles.tile_size.width() as u64, tiles.tile_size.height() as u64];
             let pixels = width.saturating_mul(height);
@@ -89,7 +88,7 @@ pub(super) fn read_exr(files: &Files, path: &Path, most: usize) -> Image {
     Ok(([width as u32, height as u32], pixels))
 }
 
-/// Radiance: what was multiplied into the pixels, by the file's `EXPOSURE` and `COLORCORR`, is undone.
+/// Reads a Radiance file; pixels are divided by its `EXPOSURE` and `COLORCORR`.
 pub(super) fn read_hdr(files: &Files, path: &Path, most: usize) -> Image {
     let bytes = files.read(path, 1).map_err(|error| error.to_string())?;
     let decoder = HdrDecoder::new(Cursor::new(&bytes)).map_err(|error| error.to_string())?;
@@ -99,25 +98,25 @@ pub(super) fn read_hdr(files: &Files, path: &Path, most: usize) -> Image {
     if factor.iter().any(|f| !f.is_normal() || *f < 0.0) {
         return Err(format!("an exposure and colour correction of {factor:?}"));
     }
-    // A pixel may be repeated as often as one likes.
+    // Runs repeat a pixel without limit, so that the file's length bounds nothing: `stored` is 0.
     fits(files, [meta.width.into(), meta.height.into()], most, [0, 16, 32], bytes.len())?;
     let image = DynamicImage::from_decoder(decoder).map_err(|error| error.to_string())?.into_rgb32f();
     let light = |pixel: [f32; 3]| [0, 1, 2].map(|c| pixel[c] / factor[c]);
     Ok(([image.width(), image.height()], image.pixels().map(|pixel| light(pixel.0)).collect()))
 }
 
-/// Size, pixels of up to four channels with nothing undone, and how many there are.
+/// Size, unconverted pixels of up to four channels, and the number of channels.
 pub(super) type Depths = Result<([u32; 2], Vec<[f32; 4]>, usize), String>;
 
-/// Numbers of a .png (8 or 16 bits, 0 to 1) or .exr (channels R, G, B, A, or one alone) as they are, rows from the top;
-/// none where the name ends otherwise.
+/// Reads unconverted values of a .png (8 or 16 bits, scaled to 0 to 1) or .exr (channels R, G, B, A, or a single one),
+/// rows from the top; `None` for other extensions.
 pub(super) fn read_depths(files: &Files, path: &Path, most: usize) -> Option<Depths> {
     let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
     match end.as_str() {
         "png" => Some(decode(files, path, most).map(|image| {
             let (channels, image) = (usize::from(image.color().channel_count()), image.into_rgba16());
             let size = [image.width(), image.height()];
-            // Grey with opacity: two channels.
+            // Two channels are grey and alpha.
             let order = if channels == 2 { [0, 3, 3, 3] } else { [0, 1, 2, 3] };
             let share = |pixel: [u16; 4]| order.map(|c| (f64::from(pixel[c]) / 65535.0) as f32);
             (size, image.pixels().map(|pixel| share(pixel.0)).collect(), channels)
@@ -148,7 +147,7 @@ fn exr_depths(files: &Files, path: &Path, most: usize) -> Depths {
     Ok(([layer.size.width() as u32, layer.size.height() as u32], pixels, channels.len()))
 }
 
-/// 8 or 16 bits a channel, or one channel of grey; opacity is passed over.
+/// Reads a PNG of 8 or 16 bits per channel, in colour or grey; alpha is ignored.
 pub(super) fn read_png(files: &Files, path: &Path, most: usize) -> Image {
     let image = decode(files, path, most)?.into_rgb16();
     let size = [image.width(), image.height()];
@@ -160,8 +159,8 @@ pub(super) fn read_png(files: &Files, path: &Path, most: usize) -> Image {
     Ok((size, image.pixels().map(|pixel| pixel.0.map(linear)).collect()))
 }
 
-/// Whether a PNG's palettes are of whole colours, 256 at most, as the decoder takes for granted: chunks of a length in
-/// four bytes, a name in four, so many bytes, and a sum in four.
+/// Checks that a PNG's palettes hold 1 to 256 whole colours, as the decoder assumes. A chunk is its length in four
+/// bytes, a name in four, that many bytes, and a checksum in four.
 fn whole_palettes(bytes: &[u8]) -> Result<(), String> {
     let mut rest = bytes.get(8..).unwrap_or_default();
     while let Some((head, body)) = rest.split_first_chunk::<8>() {
@@ -178,7 +177,7 @@ fn decode(files: &Files, path: &Path, most: usize) -> Result<DynamicImage, Strin
     let bytes = files.read(path, 1).map_err(|error| error.to_string())?;
     whole_palettes(&bytes)?;
     let mut reader = ImageReader::with_format(Cursor::new(&bytes), ImageFormat::Png);
-    // What is beside the pixels is unpacked before they are looked at.
+    // The decoder unpacks metadata such as colour profiles before the pixels: limit the memory for it.
     let mut limits = Limits::default();
     limits.max_alloc = Some(files.memory().left().min(MOST_BESIDE));
     reader.limits(limits);

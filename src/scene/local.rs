@@ -1,11 +1,11 @@
-//! How local shading works (Kubo et al. 2010): how its function is evaluated, and what curvature is.
+//! Settings of local shading (Kubo et al. 2010): how the CDRF is evaluated, and which curvature it takes.
 
 use serde::Deserialize;
 
-/// Rows and columns of the table of the CDRF.
+/// Default number of rows and columns of the CDRF table.
 pub const CDRF_TABLE: u32 = 256;
 
-/// Texels a side of what light is blurred over.
+/// Default side of the texture that irradiance is blurred in, texels.
 pub const BLUR_TEXTURE: u32 = 512;
 
 /// How the curvature-dependent reflectance function is evaluated.
@@ -19,7 +19,7 @@ pub enum Cdrf {
     Table,
 }
 
-/// What the curvature kappa of the CDRF is, of principal curvatures k1 and k2.
+/// The curvature kappa of the CDRF as a function of the principal curvatures k1 and k2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kappa {

@@ -1,5 +1,5 @@
-//! Where in a scene file a fault is: from a key to its line, from a TOML message to one of ours,
-//! and from a misspelt word to the one that was meant.
+//! Locates errors in a scene file: finds the line of a key, rewords messages of serde and TOML, and suggests a
+//! correction for a misspelt word.
 
 use super::animate::below;
 use crate::error::Input;
@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
 
-/// The fault of a TOML error in `text`, with file, line and key.
+/// Converts a TOML error in `text` to an input error with file, line and key.
 pub(super) fn from_toml(error: &toml::de::Error, text: &str, file: &Path) -> Input {
     let mut input = in_words(error.message()).file(file);
     if let Some(span) = error.span() {
@@ -19,7 +19,7 @@ pub(super) fn from_toml(error: &toml::de::Error, text: &str, file: &Path) -> Inp
     input
 }
 
-/// A fault under a known key, with file and the line of that key or of its nearest parent.
+/// Adds the file to an error, and the line of its key or of the nearest parent.
 pub(super) fn from_check(input: Input, text: &str, file: &Path) -> Input {
     let line = input.key.as_deref().and_then(|key| line_of(text, key));
     match line {
@@ -28,7 +28,7 @@ pub(super) fn from_check(input: Input, text: &str, file: &Path) -> Input {
     }
 }
 
-/// A message of serde or TOML as what, found, expected; a misspelt word gets a suggestion.
+/// Splits a message of serde or TOML into what, found and expected, and adds a suggestion for a misspelt word.
 pub(super) fn in_words(message: &str) -> Input {
     let first = message.lines().next().unwrap_or_default();
     for (start, what) in [("unknown field", "unknown key"), ("unknown variant", "unknown value")] {
@@ -51,13 +51,13 @@ pub(super) fn in_words(message: &str) -> Input {
         Some((what @ ("invalid type" | "invalid value"), found)) => Input::new(what).found(found),
         _ => Input::new(fault),
     };
-    // One bracket too few is the commonest slip: [light] for [[light]].
+    // A common mistake: [light] for [[light]].
     if input.found.as_deref() == Some("map") && expected == Some("a sequence") {
         input.found = Some("a table".to_owned());
         input.expected = Some("a list of tables: [[light]], [[object]] with double brackets".to_owned());
         return input;
     }
-    // The types' names are those of the sources.
+    // Translate the names of Rust types.
     input.expected = expected.map(|expected| match expected {
         "f64" => "a number".to_owned(),
         "i64" => "a whole number".to_owned(),
@@ -68,7 +68,7 @@ pub(super) fn in_words(message: &str) -> Input {
     input
 }
 
-/// `what`, and the accepted word nearest to `found` if one is near.
+/// `what`, with a suggestion if an accepted word is similar to `found`.
 pub(super) fn with_suggestion(what: &str, found: &str, accepted: &[&str]) -> String {
     let lower = found.to_lowercase();
     let near = |word: &&str| strsim::jaro_winkler(&lower, &word.to_lowercase());
@@ -79,12 +79,12 @@ pub(super) fn with_suggestion(what: &str, found: &str, accepted: &[&str]) -> Str
     }
 }
 
-/// The line of a byte, both counted from the start of the text, lines from 1.
+/// The line, from 1, of a byte offset in the text.
 fn line_at(text: &str, byte: usize) -> usize {
     1 + text.bytes().take(byte).filter(|&b| b == b'\n').count()
 }
 
-/// The line of a dotted key, or of the nearest parent that the text has.
+/// The line of a dotted key, or of its nearest parent in the text.
 fn line_of(text: &str, key: &str) -> Option<usize> {
     let root = DeTable::parse(text).ok()?;
     let mut parts = key.split('.');
@@ -113,7 +113,7 @@ fn line_of(text: &str, key: &str) -> Option<usize> {
     Some(line_at(text, start))
 }
 
-/// The dotted key whose name or value holds the start of a span.
+/// The innermost dotted key whose name or value contains the start of a span.
 fn key_at(text: &str, span: &Range<usize>) -> Option<String> {
     let root = DeTable::parse(text).ok()?;
     let mut best: Option<(usize, String)> = None;
@@ -127,7 +127,7 @@ fn key_at(text: &str, span: &Range<usize>) -> Option<String> {
     best.map(|(_, key)| key)
 }
 
-/// Visits every key of a table, and of those within it, with the places of its name and value.
+/// Visits every key of a table and of those nested in it, with the spans of its name and its value.
 fn walk_table(table: &DeTable<'_>, above: &mut String, visit: &mut dyn FnMut(Range<usize>, &str)) {
     for (name, value) in table {
         below(above, name.get_ref(), |key| {

@@ -1,4 +1,5 @@
-//! What an object is made of: scattering and absorption per scene unit, refraction, Fresnel formula.
+//! Materials: scattering and absorption per scene unit, index of refraction, Fresnel formula, surface, textures,
+//! layers.
 
 use super::file::MaterialFile;
 use super::layers::Layers;
@@ -11,24 +12,24 @@ use super::vector::Rgb;
 use crate::error::Input;
 use serde::Deserialize;
 
-/// The relative index of refraction of a material that has no preset and gives none.
+/// Default relative index of refraction of a material without a preset.
 pub const ETA: f64 = 1.3;
 
-/// The largest index for which the papers' polynomial F_dr stays below 1, where the boundary term is infinite.
+/// The largest index for which the papers' polynomial F_dr stays below 1; at 1 the boundary term is infinite.
 const PAPER_ETA: f64 = 3.8;
 
-/// Which diffuse Fresnel reflectance F_dr the dipole's boundary uses.
+/// Which formula gives the diffuse Fresnel reflectance F_dr of the dipole's boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Fresnel {
     /// The closed form of the integral.
     #[default]
     Exact,
-    /// The polynomial that the papers print.
+    /// The polynomial printed in the papers.
     Paper,
 }
 
-/// A homogeneous material, translucent or opaque, checked.
+/// A validated homogeneous material, translucent or opaque.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     /// The preset's name, `NAME, modified` when keys override it, or `custom`.
@@ -39,21 +40,21 @@ pub struct Material {
     pub sigma_a: [f64; 3],
     /// Relative index of refraction, inside over outside, r g b, 0.5 to 5.
     pub eta: [f64; 3],
-    /// Share of light that an opaque object gives back in all directions, r g b, 0 to 1; none where light enters.
+    /// Diffuse albedo of an opaque object, r g b, 0 to 1; none if light enters.
     pub opaque: Option<[f64; 3]>,
     /// Which formula gives the diffuse Fresnel reflectance.
     pub fresnel: Fresnel,
-    /// Whether both sides of a face receive light, each by its own cosine; lights may then stand in the medium.
+    /// Whether both sides of a face receive light, each by its own cosine; lights may then be inside the medium.
     pub two_sided: bool,
-    /// What its surface does with light.
+    /// Exit and reflection of light at the surface.
     pub surface: Surface,
-    /// sigma_0 of the CDRF in scene units, r g b, at least 0; none where it follows from the coefficients.
+    /// sigma_0 of the CDRF in scene units, r g b, at least 0; none if it follows from the coefficients.
     pub sigma_0: Option<[f64; 3]>,
-    /// d of each place, if it is not 1 everywhere: sigma_0 is multiplied by its square.
+    /// Factor d over the surface, if not 1 everywhere: sigma_0 is multiplied by d^2.
     pub sigma_0_texture: Option<Texture>,
-    /// What light is multiplied by where it enters or leaves, if not by 1 everywhere.
+    /// Factor on light where it enters or leaves, if not 1 everywhere.
     pub texture: Option<Texture>,
-    /// What lies beneath the surface, if anything does; light scatters once in it.
+    /// Layers beneath the surface, if any, in which light scatters once.
     pub layers: Option<Layers>,
 }
 
@@ -76,7 +77,7 @@ impl Material {
             return Err(fault.found("opaque = false").expected("opaque = true, or scattering and absorption"));
         }
 
-        // The preset, and what overrides it.
+        // The preset and its overrides.
         let preset = file.preset.as_deref().map(|name| find(name, &key("preset"))).transpose()?;
         let pick = |name: &str, own: Option<Rgb>, of_preset: Option<[f64; 3]>| {
             own.map(|rgb| rgb.0).or(of_preset).ok_or_else(|| {
@@ -100,7 +101,7 @@ impl Material {
         }
         let scale = range::number(&key("scale"), file.scale, |x| x > 0.0, "above 0")?;
 
-        // Per scene unit; here a coefficient may overflow, or vanish in all of a channel.
+        // Convert to scene units: a coefficient may overflow, or a whole channel vanish.
         let per_unit = |name: &str, values: [f64; 3]| {
             let values = values.map(|x| x * scale * unit_mm);
             range::channels(&key(name), values, |_| true, "a finite number after unit and scale")
@@ -150,7 +151,7 @@ impl Material {
         made.check_wraps(key).map(|()| made)
     }
 
-    /// A material that no light enters: a diffuse surface, refracting only where its index is not 1.
+    /// A material that no light enters: a diffuse surface with an index that defaults to 1 if nothing is reflected.
     fn opaque(file: &MaterialFile, key: &impl Fn(&str) -> String) -> Checked<Self> {
         let others = [
             ("preset", file.preset.is_some()),
@@ -173,7 +174,7 @@ impl Material {
                 .found(found)
                 .expected("albedo, eta, reflection, roughness, shininess, texture"));
         }
-        // Of layers alone the surface gives back nothing itself, unless it says so.
+        // With layers alone, the surface itself has albedo 0 by default.
         let usual = if file.layers.is_some() && !file.opaque { 0.0 } else { 0.5 };
         let albedo = file.albedo.map_or([usual; 3], |rgb| rgb.0);
         range::channels(&key("albedo"), albedo, |x| (0.0..=1.0).contains(&x), "numbers from 0 to 1")?;
@@ -196,7 +197,8 @@ impl Material {
         })
     }
 
-    /// A depth map and a texture share the places of the mesh's corners, whole periods taken off.
+    /// Depth maps and textures share the texture coordinates of the mesh, reduced by whole periods: they must wrap
+    /// alike.
     fn check_wraps(&self, key: impl Fn(&str) -> String) -> Checked<()> {
         match (&self.layers, self.texture.as_ref().or(self.sigma_0_texture.as_ref())) {
             (Some(layers), Some(texture)) if layers.map.mapped && layers.map.wrap != texture.wrap => {
@@ -208,7 +210,7 @@ impl Material {
     }
 }
 
-/// The preset of this name, or an error with the nearest one and all of them.
+/// The preset of this name, or an error with the nearest name and the list of all.
 fn find(name: &str, key: &str) -> Checked<&'static Preset> {
     Preset::named(name).ok_or_else(|| {
         let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();

@@ -1,7 +1,7 @@
-//! What the user wrote, checked: a scene is objects and what they are made of, lights, a camera, and how
-//! light is transported. It comes from a built-in text, a TOML file, or a mesh file alone.
+//! The scene as the user wrote it, validated: objects and their materials, lights, a camera, and the settings of light
+//! transport. It comes from a built-in text, a TOML file, or a mesh file alone.
 //!
-//! Everything is `f64` and in scene units; `unit_mm` says how long one is.
+//! All values are `f64` in scene units; `unit_mm` is the length of one unit.
 
 mod animate;
 mod camera;
@@ -75,30 +75,30 @@ pub const BUILTIN: &[(&str, &str, &str)] = &[
     ("veins", include_str!("builtin/veins.toml"), "a bust of skin with veins under it"),
 ];
 
-/// A scene, checked.
+/// A validated scene.
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// The built-in name, or the file name without its extension.
     pub name: String,
     /// Millimetres per scene unit, above 0.
     pub unit_mm: f64,
-    /// The camera, fitted to the object where the file leaves it open.
+    /// The camera, fitted to the objects where the file omits position or target.
     pub camera: Camera,
-    /// The lights, in the file's order; perhaps none.
+    /// The lights, in the file's order; may be empty.
     pub lights: Vec<Light>,
     /// The objects, in the file's order; at least one.
     pub objects: Vec<Object>,
-    /// How light is carried through the material.
+    /// Settings of light transport.
     pub transport: Transport,
-    /// Repairs and warnings, one a line, to be shown to the user.
+    /// Repairs and warnings for the user, one per entry.
     pub report: Vec<String>,
-    /// How much memory it may take, and has taken.
+    /// The memory limit, and the memory taken so far.
     pub memory: Memory,
-    /// What it was read from, for faults that show later.
+    /// Its text and settings, to locate errors that are found later.
     pub origin: Arc<Origin>,
 }
 
-/// A scene's text and the settings that changed it.
+/// A scene's text and the settings applied to it.
 #[derive(Debug)]
 pub struct Origin {
     toml: String,
@@ -107,7 +107,7 @@ pub struct Origin {
 }
 
 impl Scene {
-    /// A fault under one of its keys with the file and line of that key, or with the setting that gave it.
+    /// Adds the file and line of its key to an input error, or the setting that gave the key its value.
     #[must_use]
     pub fn placed(&self, error: Error) -> Error {
         match error {
@@ -124,17 +124,17 @@ impl Scene {
         Self::load_at(name_or_path, sets, 0.0)
     }
 
-    /// The same as it is at a frame, where values have keyframes.
+    /// The same at `frame`, where values have keyframes.
     pub fn load_at(name_or_path: &str, sets: &[String], frame: f64) -> Result<Self> {
         Self::load_from(name_or_path, sets, frame, &Files::default())
     }
 
-    /// The same from these files, within their memory.
+    /// The same, reading from `files` within their memory limit.
     pub fn load_from(name_or_path: &str, sets: &[String], frame: f64, files: &Files) -> Result<Self> {
         Self::of(Text::find(name_or_path, files)?, sets, frame, files)
     }
 
-    /// Checks what the text says of a frame, without reading any other file.
+    /// Checks the text at `frame` without reading any other file.
     pub fn check_at(name_or_path: &str, sets: &[String], frame: f64) -> Result<()> {
         let text = Text::find(name_or_path, &Files::default())?;
         read::read(&text.toml, &text.file, sets, frame).map(|_| ()).map_err(Into::into)
@@ -145,7 +145,7 @@ impl Scene {
         Self::parse_from(name, toml, sets, &Files::default())
     }
 
-    /// The same, with the files that the text names.
+    /// The same; `files` provides the files that the text names.
     pub fn parse_from(name: &str, toml: &str, sets: &[String], files: &Files) -> Result<Self> {
         let (name, file) = (name.to_owned(), PathBuf::from(name));
         Self::of(Text { name, toml: toml.to_owned(), file, folder: PathBuf::new() }, sets, 0.0, files)
@@ -155,7 +155,7 @@ impl Scene {
         let draft = read::read(&text.toml, &text.file, sets, frame)?;
         let mut report = Vec::new();
 
-        // The meshes, at their sizes and places, and their textures.
+        // Meshes, scaled and placed, and their textures.
         let several = draft.objects.len() > 1;
         let most = draft.objects.iter().map(object::Draft::most_triangles).sum::<u64>();
         files.need(most.saturating_mul(Mesh::BYTES)).map_err(|error| {
@@ -178,12 +178,12 @@ impl Scene {
 
         extent::check(&objects).map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
 
-        // The camera, now that there is something to look at.
+        // Camera: fitting it needs the meshes.
         let (low, high) = bounds(&objects);
         let camera = draft.framing.fit(low, high);
         let camera = camera.map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
 
-        // The lights, now that there is something to stand in, and files to read.
+        // Lights last: their placement checks need the meshes.
         let mut lights = draft.lights;
         for (index, light) in lights.iter_mut().enumerate() {
             let loaded = light.load(files, &text.folder, index).and_then(|()| light.check_outside(&objects, index));
@@ -208,7 +208,7 @@ impl Scene {
 }
 
 impl Scene {
-    /// The lowest and highest corner of the box round all objects, in scene units.
+    /// The lowest and highest corner of the bounding box of all objects, in scene units.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         bounds(&self.objects)
     }
@@ -219,9 +219,9 @@ fn bounds(objects: &[Object]) -> (DVec3, DVec3) {
     objects.iter().map(|object| object.mesh.bounds()).reduce(both).unwrap_or_default()
 }
 
-/// Longest scene file, bytes.
+/// Maximum size of a scene file, bytes.
 const MOST_TEXT: usize = 1 << 22;
-/// Bytes that reading a scene file takes, for each of its own.
+/// Memory that reading a scene file takes, in bytes per byte of the file.
 const COPIES: u64 = 400;
 
 /// The TOML text of a scene and where it comes from.
@@ -231,7 +231,7 @@ struct Text {
     toml: String,
     /// For error messages.
     file: PathBuf,
-    /// What paths in the text are relative to.
+    /// The folder that paths in the text are relative to.
     folder: PathBuf,
 }
 
@@ -276,7 +276,7 @@ impl Text {
 
 /// The scene of a mesh alone: marble, 20 mm across, one light, a fitted camera.
 fn around_mesh(path: &str) -> String {
-    // A name of its own, which no frame's number changes.
+    // Escape `%`, which would stand for the frame's number.
     let path = toml::Value::String(path.replace('%', "%%"));
     format!(
         "unit = \"mm\"\n\n\

@@ -1,4 +1,4 @@
-//! The objects of a scene: where each mesh comes from, how large it is and where it stands, and what it is made of.
+//! The objects of a scene: the source of each mesh, its size, position and rotation, its material and its deformations.
 
 use super::deform::{self, Deform, DeformFile};
 use super::file::MaterialFile;
@@ -13,14 +13,14 @@ use glam::{DQuat, DVec3, EulerRot};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
-/// A mesh and what it is made of.
+/// A mesh with its material and deformations.
 #[derive(Debug, Clone)]
 pub struct Object {
     /// The surface, in scene units.
     pub mesh: Mesh,
-    /// The inside, with coefficients per scene unit.
+    /// The material, with coefficients per scene unit.
     pub material: Material,
-    /// What deforms the mesh, in this order.
+    /// The deformations, in order of application.
     pub deforms: Vec<Deform>,
 }
 
@@ -40,18 +40,18 @@ pub(super) struct ObjectFile {
     material: MaterialFile,
 }
 
-/// An object but for its mesh, checked.
+/// A validated object whose mesh is not loaded yet.
 #[derive(Debug)]
 pub(super) struct Draft {
     source: Source,
     /// Largest extent to give the mesh, in scene units.
     size: Option<f64>,
-    /// How it is turned, then moved.
+    /// Rotation, applied before the position.
     rotation: DQuat,
     position: DVec3,
     /// Its material.
     pub material: Material,
-    /// What deforms it.
+    /// Its deformations.
     pub deforms: Vec<deform::Draft>,
 }
 
@@ -60,14 +60,14 @@ pub(super) struct Draft {
 pub(super) enum Source {
     /// A file, relative to the scene file.
     File(PathBuf),
-    /// A shape made here, and its detail.
+    /// A built-in shape, and its detail.
     Shape(Shape, u32),
 }
 
-/// Most objects of a scene.
+/// Maximum number of objects in a scene.
 const MOST: usize = 256;
 
-/// Checks the objects of a scene whose unit is this long.
+/// Checks the objects of a scene with units of `unit_mm` millimetres.
 pub(super) fn check_all(files: &[ObjectFile], unit_mm: f64) -> Checked<Vec<Draft>> {
     if !(1..=MOST).contains(&files.len()) {
         let found = format!("{} times [[object]]", files.len());
@@ -137,7 +137,7 @@ impl ObjectFile {
 }
 
 impl Draft {
-    /// No fewer triangles than its shape has; 0 of a file.
+    /// An upper bound on the triangles of its shape; 0 for a file.
     pub(super) fn most_triangles(&self) -> u64 {
         match self.source {
             Source::Shape(shape, detail) => shape.most_triangles(detail),
@@ -145,8 +145,8 @@ impl Draft {
         }
     }
 
-    /// Loads texture and depth maps, reads or makes the mesh, as fine as the hierarchy wants it, at its size and place,
-    /// and reads the meshes that it is morphed to; paths are relative to `folder`.
+    /// Loads textures and depth maps; reads or builds the mesh, refines it for the hierarchy, scales, rotates and moves
+    /// it; reads the targets of its morphs. Paths are relative to `folder`.
     pub(super) fn mesh(
         &mut self,
         files: &Files,
@@ -185,14 +185,14 @@ impl Draft {
                 if textured.is_some() { shape.build_textured(*detail) } else { shape.build(*detail) }
             }
         };
-        // What no light enters needs no hierarchy.
+        // No light enters an opaque object: it is not refined for the hierarchy.
         let (mut mesh, origin) = match self.material.opaque {
             None => mesh.refined(files, transport, report)?,
             Some(_) => (mesh, Origin::File),
         };
         let mut unsaid = Vec::new();
         if let Some(layers) = &self.material.layers {
-            // What is flat in the places of a shape made here is known.
+            // Built-in shapes are known to have triangles without area in the texture: do not report those.
             let shape = matches!(self.source, Source::Shape(..));
             layers.check_mesh(&mesh, &layered, if shape { &mut unsaid } else { report })?;
         }

@@ -4,11 +4,11 @@ use super::range::Checked;
 use crate::error::Input;
 use toml::{Table, Value};
 
-/// Most names of a key: no scene is as deep, and tables in tables are walked over by recursion.
+/// Maximum number of names in a key: no scene nests as deeply, and nested tables are visited recursively.
 const MOST_PARTS: usize = 16;
 
-/// Applies one `key=value` to the table. The key is dotted, numbers index lists; missing tables are
-/// made, and the number one past the end of a list appends. The value is TOML, or else plain text.
+/// Applies one `key=value` to the table. The key is dotted, numbers index lists; missing tables are created, and an
+/// index one past the end of a list appends. The value is TOML, or else plain text.
 pub(super) fn apply(table: &mut Table, set: &str) -> Checked<()> {
     let fault = |what: String| Input::new(what).key(format!("--set {set}"));
     let (key, value) = set
@@ -24,7 +24,7 @@ pub(super) fn apply(table: &mut Table, set: &str) -> Checked<()> {
         return Err(fault.expected(format!("at most {MOST_PARTS}")));
     }
 
-    // Down to the value, making what is missing.
+    // Descend to the value, creating what is missing.
     let mut rest = parts.iter().copied().enumerate().peekable();
     let mut place: Option<&mut Value> = None;
     while let Some((depth, part)) = rest.next() {
@@ -44,7 +44,7 @@ pub(super) fn apply(table: &mut Table, set: &str) -> Checked<()> {
     Ok(())
 }
 
-/// A preset that is set means the whole preset: coefficients of the file would hide it.
+/// Setting a preset replaces the coefficients of the file, which would override it.
 fn forget_coefficients(table: &mut Table, path: &[&str]) {
     let Some((first, rest)) = path.split_first() else { return };
     let mut place = table.get_mut(*first);
@@ -62,7 +62,7 @@ fn forget_coefficients(table: &mut Table, path: &[&str]) {
     }
 }
 
-/// The value under one part of a key, made when missing; otherwise what is wrong and what is right.
+/// The value under one part of a key, created if missing; the error has what is wrong and what is expected.
 fn slot<'a>(place: &'a mut Value, part: &str, path: &str, list: bool) -> Result<&'a mut Value, (String, String)> {
     match place {
         Value::Table(table) => Ok(table.entry(part).or_insert_with(|| empty(list))),
@@ -85,7 +85,7 @@ fn slot<'a>(place: &'a mut Value, part: &str, path: &str, list: bool) -> Result<
     }
 }
 
-/// What a missing part of a key becomes.
+/// The value created for a missing part of a key.
 fn empty(list: bool) -> Value {
     if list { Value::Array(Vec::new()) } else { Value::Table(Table::new()) }
 }

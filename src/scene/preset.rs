@@ -17,13 +17,13 @@ pub struct Preset {
 }
 
 impl Preset {
-    /// The preset of this name; case, spaces, hyphens and underscores do not matter.
+    /// The preset of this name; case, spaces, hyphens and underscores are ignored.
     pub fn named(name: &str) -> Option<&'static Self> {
         PRESETS.iter().find(|preset| plain(preset.name) == plain(name))
     }
 }
 
-/// A name without what does not matter in it.
+/// A name in lower case, without spaces, hyphens and underscores.
 fn plain(name: &str) -> String {
     let kept = name.chars().filter(|c| !matches!(c, ' ' | '-' | '_'));
     kept.flat_map(char::to_lowercase).collect()

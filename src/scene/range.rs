@@ -1,15 +1,15 @@
-//! Checks of single values: finite, within range, and an error that names the key when not.
+//! Checks of single values: finite and within range, or an error that names the key.
 
 use crate::error::Input;
 use glam::DVec3;
 
-/// The result of a check before its place in the file is known.
+/// The result of a check; file and line are added to the error later.
 pub(super) type Checked<T> = Result<T, Input>;
 
-/// The largest coordinate, in scene units, of anything in a scene file.
+/// The largest absolute coordinate in a scene file, in scene units.
 pub(super) const LARGEST: f64 = 1e9;
 
-/// A number for which `accept` holds; `expected` says in words which those are.
+/// A finite number for which `accept` holds; `expected` describes the range in the error.
 pub(super) fn number(key: &str, value: f64, accept: impl Fn(f64) -> bool, expected: &str) -> Checked<f64> {
     if value.is_finite() && accept(value) {
         return Ok(value);
@@ -18,7 +18,7 @@ pub(super) fn number(key: &str, value: f64, accept: impl Fn(f64) -> bool, expect
     Err(Input::new(what).key(key).found(value).expected(expected))
 }
 
-/// Three channels, each for which `accept` holds.
+/// Three finite channels, for each of which `accept` holds.
 pub(super) fn channels(key: &str, values: [f64; 3], accept: impl Fn(f64) -> bool, expected: &str) -> Checked<[f64; 3]> {
     match fault_in(values, &accept) {
         None => Ok(values),

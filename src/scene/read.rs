@@ -1,4 +1,4 @@
-//! From a scene's text and its `--set` changes to a checked draft, or to the fault and its place.
+//! Reads a scene's text and applies its `--set` changes: returns a checked draft, or an error with its location.
 
 use super::file::{Draft, SceneFile};
 use super::range::Checked;
@@ -8,8 +8,8 @@ use serde::Deserialize;
 use std::path::Path;
 use toml::Table;
 
-/// Reads `text` of `file`, applies `sets` in order, and checks the result as it is at a frame. A fault of the file
-/// itself carries file and line; a fault that a setting brought in names that setting.
+/// Reads `text` of `file`, applies `sets` in order, evaluates keyframes at `frame`, and checks the result. An error in
+/// the file itself carries file and line; an error caused by a setting names that setting.
 pub(super) fn read(text: &str, file: &Path, sets: &[String], frame: f64) -> Checked<Draft> {
     let original: Table = toml::from_str(text).map_err(|error| locate::from_toml(&error, text, file))?;
     changed(&original, sets, frame).or_else(|fault| {
@@ -18,7 +18,7 @@ pub(super) fn read(text: &str, file: &Path, sets: &[String], frame: f64) -> Chec
     })
 }
 
-/// Places a fault that shows only once the mesh is there: at the setting of that very key, or in the text.
+/// Locates an error that is found once the mesh is loaded: at the setting of its key, or else in the text.
 pub(super) fn place(fault: Input, text: &str, file: &Path, sets: &[String]) -> Input {
     let key_of = |set: &&String| set.split('=').next().map(str::trim).map(str::to_owned);
     let culprit = sets.iter().rev().find(|set| fault.key.is_some() && key_of(set) == fault.key);
@@ -31,7 +31,7 @@ pub(super) fn place(fault: Input, text: &str, file: &Path, sets: &[String]) -> I
     }
 }
 
-/// The draft of the table after these settings.
+/// The draft after these settings have been applied.
 fn changed(original: &Table, sets: &[String], frame: f64) -> Checked<Draft> {
     let mut table = original.clone();
     for setting in sets {
@@ -42,9 +42,9 @@ fn changed(original: &Table, sets: &[String], frame: f64) -> Checked<Draft> {
     scene.check()
 }
 
-/// The draft of the text alone; its faults carry file and line.
+/// The draft of the text alone; errors carry file and line.
 fn check_text(original: &Table, text: &str, file: &Path, frame: f64) -> Checked<Draft> {
-    // With keyframes the text itself is no scene: its lines are found by the keys alone.
+    // A text with keyframes does not deserialize as it is: find lines by key alone.
     match animate::at(original, frame) {
         Ok((_, false)) => {}
         _ => return changed(original, &[], frame).map_err(|fault| locate::from_check(fault, text, file)),
@@ -53,7 +53,7 @@ fn check_text(original: &Table, text: &str, file: &Path, frame: f64) -> Checked<
     scene.check().map_err(|fault| locate::from_check(fault, text, file))
 }
 
-/// Names the setting that turned a good scene into this fault: the last one before which all was well.
+/// Names the setting that caused the error: the one after the longest run of settings that gives a valid scene.
 fn blame(original: &Table, sets: &[String], frame: f64, mut fault: Input) -> Input {
     let good = |count: &usize| changed(original, &sets[..*count], frame).is_ok();
     let Some(culprit) = (0..sets.len()).rev().find(good).and_then(|count| sets.get(count)) else {

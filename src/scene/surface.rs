@@ -1,32 +1,32 @@
-//! What a material's surface does with light: what leaves, and what it reflects.
+//! The surface of a material: transmission of light that leaves, and reflection.
 
 use super::file::MaterialFile;
 use super::range::{self, Checked};
 use crate::error::Input;
 use serde::Deserialize;
 
-/// Switches of a surface; by default as published.
+/// Settings of a surface; the defaults are as published.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Surface {
-    /// Whether light that leaves is divided by 1 - F_ext, so that all of it does: the dipole's boundary term already
-    /// has what is reflected back inside.
+    /// Whether light that leaves is divided by 1 - F_ext, so that all of it leaves: the dipole's boundary term already
+    /// accounts for internal reflection.
     pub normalize_exit: bool,
-    /// What is reflected, times the boundary's Fresnel reflectance.
+    /// The reflection, scaled by the boundary's Fresnel reflectance.
     pub reflection: Reflection,
 }
 
 /// How light is reflected at a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Reflection {
-    /// Not at all, as published.
+    /// No reflection, as published.
     #[default]
     None,
-    /// A lobe about the mirror direction, the cosine to the power of `shininess`, a whole number from 1 to 1000.
+    /// A lobe about the mirror direction: the cosine to the power of `shininess`, a whole number from 1 to 1000.
     Phong {
         /// The exponent.
         shininess: u32,
     },
-    /// Microfacets (Walter et al. 2007).
+    /// GGX microfacets (Walter et al. 2007).
     Ggx {
         /// alpha, 0.001 to 1.
         roughness: f64,
@@ -44,7 +44,7 @@ pub(super) enum ReflectionKind {
 }
 
 impl Surface {
-    /// Checks a material's keys, each called by `key`.
+    /// Checks a material's surface keys, whose full names `key` gives.
     pub(super) fn check(file: &MaterialFile, key: impl Fn(&str) -> String) -> Checked<Self> {
         let others = [("roughness", file.roughness.is_some(), "ggx"), ("shininess", file.shininess.is_some(), "phong")];
         let kind = match file.reflection {

@@ -1,4 +1,4 @@
-//! Loading: built-in scenes, files, meshes alone, and what is neither.
+//! Loading of built-in scenes, scene files and meshes alone, and its errors.
 
 use super::*;
 use glam::DVec3;
@@ -30,7 +30,7 @@ fn every_built_in_scene_loads_without_a_word() {
         assert_eq!((scene.name.as_str(), scene.report.len()), (*name, 0));
         assert!(!about.is_empty() && !scene.lights.is_empty());
         assert_eq!(scene.objects[0].mesh.open_edges, 0);
-        // Users copy the text to a file of their own.
+        // Users copy the text to their own file.
         let (_folder, path) = files(&[("copy.toml", toml)]);
         let copy = Scene::load(&path, &[]).expect(name);
         assert_eq!((copy.name.as_str(), &copy.camera), ("copy", &scene.camera));
@@ -43,7 +43,7 @@ fn the_candle_stands_in_the_bowl() {
     let Some(Source::Point { position, .. }) = scene.lights.first().map(|light| &light.source) else {
         panic!("the first light is the candle");
     };
-    // From above, the floor of the bowl is under the candle and the rim is above it.
+    // The candle is above the floor of the bowl and below its rim.
     let (_, high) = scene.objects[0].mesh.bounds();
     let near = |p: &&DVec3| p.x.hypot(p.z) < 2.0;
     let floor = scene.objects[0].mesh.positions.iter().filter(near).map(|p| p.y);
@@ -105,7 +105,7 @@ fn a_camera_that_stands_on_its_target_has_a_line() {
     let error = message(Scene::load(&path, &[]));
     assert!(error.contains("a.toml:2: camera.position: the camera stands on"), "{error}");
 
-    // Brought in by a setting, the fault is the setting's.
+    // An error caused by a setting names that setting.
     let sets = ["camera.position=[0,0,0]".to_owned()];
     let error = message(Scene::load("sphere", &sets));
     assert!(error.starts_with("--set camera.position=[0,0,0]: camera.position: the camera stands on"), "{error}");

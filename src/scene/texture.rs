@@ -1,4 +1,4 @@
-//! A texture: what light is multiplied by where it enters the material, or where it leaves.
+//! Textures: factors on light where it enters the material, or where it leaves.
 
 use super::file::MaterialFile;
 use super::files::Files;
@@ -13,59 +13,59 @@ use serde::Deserialize;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Most texels of a texture: what the smallest devices bind.
+/// Maximum texels of a texture: as many as the smallest devices can bind.
 pub(super) const MOST_TEXELS: usize = 1 << 23;
-/// Most texels along a side.
+/// Maximum texels along a side.
 pub(super) const MOST_SIDE: u32 = 1 << 14;
-/// The name that stands for the one in the mesh's material library.
+/// The name that stands for the texture in the mesh's material library.
 const LIBRARY: &str = "mtl";
-/// Textures made here: name, and the two colours of its squares, linear.
+/// Built-in checkerboards: name, and the two colours of the squares, linear.
 const BUILTIN: [(&str, [[f32; 3]; 2]); 2] =
     [("builtin:checker", [[1.0; 3], [0.25; 3]]), ("builtin:tiles", [[0.9, 0.55, 0.2], [0.1, 0.35, 0.8]])];
 
-/// Factors from 0 to 1 for each place of a surface, r g b, linear.
+/// Factors from 0 to 1 over a surface, r g b, linear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
     /// Width and height, in texels, each from 1 to 16,384.
     pub size: [u32; 2],
-    /// Its texels, row by row from the top, each from 0 to 1; at most 2^23.
+    /// The texels, row by row from the top, each from 0 to 1; at most 2^23.
     pub texels: Arc<Vec<[f32; 3]>>,
-    /// Where light is multiplied.
+    /// Where the factors apply.
     pub side: Side,
-    /// What lies beyond its edges.
+    /// How the texture continues beyond its edges.
     pub wrap: Wrap,
-    /// Where the texels are still to be read from.
+    /// The file that the texels are still to be read from, if any.
     image: Option<String>,
 }
 
-/// Where light is multiplied by a texture.
+/// Where a texture's factors apply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
-    /// Where it enters.
+    /// To light that enters.
     Entry,
-    /// Where it leaves.
+    /// To light that leaves.
     #[default]
     Exit,
-    /// Each time by the texels' square root.
+    /// To both, each time by the square root of the texel.
     Both,
 }
 
-/// What a texture is beyond its edges.
+/// How a texture continues beyond its edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Wrap {
-    /// The same again.
+    /// It repeats.
     #[default]
     Repeat,
-    /// Its outermost texels.
+    /// The outermost texels continue.
     Clamp,
-    /// The same, mirrored every other time.
+    /// It repeats, every other copy mirrored.
     Mirror,
 }
 
 impl Wrap {
-    /// As shaders know it.
+    /// The constant that shaders use.
     #[must_use]
     pub fn code(self) -> u32 {
         match self {
@@ -75,7 +75,7 @@ impl Wrap {
         }
     }
 
-    /// After what length it is the same again, in sides of the texture; none where it is not.
+    /// The period, in sides of the texture; none for clamp.
     #[must_use]
     pub fn period(self) -> Option<f64> {
         match self {
@@ -87,12 +87,12 @@ impl Wrap {
 }
 
 impl Texture {
-    /// Of these texels, row by row from the top.
+    /// A texture of these texels, row by row from the top.
     pub fn new(size: [u32; 2], texels: Vec<[f32; 3]>, side: Side, wrap: Wrap) -> Self {
         Self { size, texels: Arc::new(texels), side, wrap, image: None }
     }
 
-    /// Checks a material's keys, each called by `key`; a file is read later.
+    /// Checks a material's texture keys, whose full names `key` gives; a file is read later.
     pub(super) fn check(file: &MaterialFile, key: impl Fn(&str) -> String) -> Checked<Option<Self>> {
         let Some(image) = &file.texture else {
             let wraps = file.texture_wrap.is_some() && file.sigma_0_texture.is_none();
@@ -107,7 +107,7 @@ impl Texture {
         Self::named(image, side, wrap, key("texture")).map(Some)
     }
 
-    /// The same of the map of sigma_0.
+    /// The same for the texture of sigma_0.
     pub(super) fn sigma_0(file: &MaterialFile, key: impl Fn(&str) -> String) -> Checked<Option<Self>> {
         let wrap = file.texture_wrap.unwrap_or_default();
         let of = |image: &String| Self::named(image, Side::default(), wrap, key("sigma_0_texture"));
@@ -127,7 +127,8 @@ impl Texture {
         })
     }
 
-    /// Reads the file's texels, if there is one, relative to `folder`, or the one that the mesh's library names.
+    /// Reads the texels of a texture that is not built in: from its file, relative to `folder`, or from the one that
+    /// the mesh's material library names.
     pub(super) fn load(&mut self, files: &Files, folder: &Path, mesh: &Source, key: &str) -> Checked<()> {
         let Some(image) = self.image.take() else { return Ok(()) };
         let path = match mesh {
@@ -144,19 +145,19 @@ impl Texture {
     }
 }
 
-/// A fault of another file as one of a scene's key.
+/// Turns an error in another file into an error of a scene's key.
 fn at_key(fault: Input, key: &str) -> Input {
     let line = fault.line.map_or(String::new(), |line| format!(":{line}"));
     let what = format!("{}{line}: {}", fault.file.display(), fault.what);
     Input { found: fault.found, expected: fault.expected, ..Input::new(what).key(key) }
 }
 
-/// Eight by eight squares of eight by eight texels, the first colour at the top left.
+/// 8 x 8 squares of 8 x 8 texels, the first colour at the top left.
 fn squares(colors: [[f32; 3]; 2]) -> Vec<[f32; 3]> {
     (0..64 * 64).map(|place| colors[(place % 64 / 8 + place / 64 / 8) % 2]).collect()
 }
 
-/// Size and texels of a file; `key` is of the texture.
+/// Reads the size and texels of a file; `key` is the texture's key, for errors.
 fn read(files: &Files, path: &Path, key: &str) -> Checked<([u32; 2], Vec<[f32; 3]>)> {
     let at = |what: String| Input::new(what).key(key);
     let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
@@ -200,7 +201,7 @@ mod tests {
         image::ImageBuffer::from_fn(2, 2, pixel).save(path("b.png")).expect("written");
         exr::prelude::write_rgb_file(path("c.exr"), 2, 2, |x, y| (x as f32, 0.5 * y as f32, 0.25)).expect("written");
         let of = |name: &str| read(&Files::default(), &path(name), "texture").expect(name);
-        // sRGB of 0.2, 0.4, 0.6 and 128 / 255 by the standard's formula.
+        // Linear values of sRGB 0.2, 0.4, 0.6 and 128 / 255 by the standard's formula.
         let light = [0.0, 0.033_104_8, 0.132_868_3, 0.318_546_8];
         for (name, others) in [("a.png", Some([0.215_860_5, 1.0])), ("b.png", None)] {
             let (size, texels) = of(name);
@@ -215,7 +216,7 @@ mod tests {
 
     #[test]
     fn an_exr_whose_window_is_the_wrong_way_round_is_read_as_if_it_were_not() {
-        // The crate reorders corners silently.
+        // The exr crate reorders corners silently.
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name);
         exr::prelude::write_rgb_file(path("a.exr"), 2, 2, |x, y| (x as f32, 0.5 * y as f32, 0.25)).expect("written");

@@ -1,4 +1,4 @@
-//! How light is carried through the material: which tree, which sources, and how fine the links are.
+//! Settings of light transport: hierarchy, scheme and accuracy.
 
 pub use super::choices::{Distance, Hierarchy, Near, Oracle, Receivers, Scheme};
 use super::file::TransportFile;
@@ -6,42 +6,42 @@ use super::local::{Cdrf, Kappa};
 use super::range::{self, Checked};
 use crate::error::Input;
 
-/// Relative error of the radiosity to be met.
+/// Default of the relative error of the radiosity.
 pub const TOLERANCE: f64 = 1e-3;
-/// How much an emitter's solid angle may vary over a receiver's children, in steradian.
+/// Default of how much an emitter's solid angle may vary over a receiver's children, steradian.
 pub const RECEIVER_ANGLE: f64 = 0.05;
-/// The largest solid angle of a cluster that emits over a link, in steradian.
+/// Default of the largest solid angle of a cluster that emits over a link, steradian.
 pub const EMITTER_ANGLE: f64 = 0.07;
-/// The smallest ratio of projected to true area of an emitter that may be linked.
+/// Default of the smallest ratio of projected to true area of an emitter that may be linked.
 pub const PLANARITY: f64 = 0.3;
-/// The relative error allowed in one form factor.
+/// Default of the relative error allowed in one form factor.
 pub const FORM_FACTOR_TOLERANCE: f64 = 1e-2;
 
-/// From which solid angle on a cell of the octree is opened, in steradian.
+/// Default of the solid angle from which a cell of the octree is opened, steradian.
 pub const OCTREE_ANGLE: f64 = 0.2;
 
-/// The settings of light transport, checked.
+/// The validated settings of light transport.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transport {
-    /// How clusters give light to receivers.
+    /// How light is transported from clusters to receivers.
     pub scheme: Scheme,
-    /// Why that scheme, for a plan.
+    /// The reason for that scheme, printed with the plan.
     pub because: &'static str,
-    /// Scheme blocks: relative error of the radiosity to be met (L2, worst channel), 1e-6 to 0.5.
+    /// Scheme blocks: target relative error of the radiosity (L2, worst channel), 1e-6 to 0.5.
     pub tolerance: f64,
     /// Scheme blocks: order of the emitters' moments, 0 to 2.
     pub order: u32,
-    /// How faces are grouped.
+    /// How faces are grouped into clusters.
     pub hierarchy: Hierarchy,
-    /// Hierarchies butterfly and shrink-wrap: how often the base is cut in four, 1 to 8, if the scene says so.
+    /// Hierarchies butterfly and shrink-wrap: levels of 4-to-1 subdivision of the base, 1 to 8, if given.
     pub levels: Option<u32>,
     /// Where radiosity is computed for a picture.
     pub receivers: Receivers,
-    /// How often triangles may be cut in four where irradiance is not alike all over them, 0 to 4.
+    /// Maximum levels of 4-to-1 subdivision where irradiance varies over a triangle, 0 to 4.
     pub subdivide: u32,
     /// How distances are measured.
     pub distance: Distance,
-    /// How near triangles are evaluated.
+    /// How form factors of near triangles are evaluated.
     pub near: Near,
     /// epsilon_1: how much an emitter's solid angle may vary over a receiver's children, steradian, above 0.
     pub receiver_angle: f64,
@@ -51,20 +51,20 @@ pub struct Transport {
     pub planarity: f64,
     /// Relative error allowed in one form factor, 1e-4 to 1e-1.
     pub form_factor_tolerance: f64,
-    /// The irradiance octree: the solid angle from which on a cell is opened, steradian, above 0.
+    /// The irradiance octree: solid angle from which a cell is opened, steradian, above 0.
     pub octree_angle: f64,
-    /// Mode incremental: most form factors that a frame computes over links that are kept, at least 1; unlimited if
-    /// left out.
+    /// Mode incremental: maximum number of form factors that a frame computes for links that are kept, at least 1;
+    /// unlimited if omitted.
     pub budget: Option<u32>,
     /// How the CDRF is evaluated.
     pub cdrf: Cdrf,
-    /// Rows and columns of its table, 8 to 1024.
+    /// Rows and columns of the CDRF table, 8 to 1024.
     pub cdrf_table: u32,
-    /// What its curvature is.
+    /// Which curvature the CDRF takes.
     pub curvature: Kappa,
-    /// Whether translucent objects keep their texture coordinates though no texture is asked for.
+    /// Whether translucent objects keep their texture coordinates although no texture needs them.
     pub unwrap: bool,
-    /// Transport texture-blur: texels a side, 16 to 2048.
+    /// Transport texture-blur: side of the texture, 16 to 2048 texels.
     pub blur_texture: u32,
 }
 
@@ -132,14 +132,14 @@ impl Transport {
     }
 }
 
-/// Most form factors of a frame, if there is a bound.
+/// Maximum number of form factors per frame, if limited.
 fn budget(given: Option<i64>) -> Checked<Option<u32>> {
     let fits = |n: f64| (1.0..=f64::from(u32::MAX)).contains(&n);
     let number = |n: i64| range::number("transport.budget", n as f64, fits, "form factors of a frame, 1 to 4294967295");
     Ok(given.map(number).transpose()?.map(|n| n as u32))
 }
 
-/// How often a base is cut in four, where the hierarchy has one.
+/// Levels of subdivision of a base, for hierarchies that have one.
 fn levels(file: &TransportFile) -> Checked<Option<u32>> {
     let split = matches!(file.hierarchy, Some(Hierarchy::Butterfly | Hierarchy::ShrinkWrap));
     let key = "transport.levels";
@@ -157,7 +157,7 @@ fn levels(file: &TransportFile) -> Checked<Option<u32>> {
     }
 }
 
-/// The scheme that the keys ask for, and why; keys that contradict each other are an error.
+/// The scheme that the keys ask for, and the reason; contradicting keys are an error.
 fn scheme(file: &TransportFile) -> Checked<(Scheme, &'static str)> {
     let angles = file.receiver_angle.or(file.emitter_angle).or(file.planarity).is_some();
     let mut reasons = Vec::new();

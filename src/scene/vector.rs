@@ -10,7 +10,7 @@ pub(super) struct Vector(pub [f64; 3]);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rgb(pub [f64; 3]);
 
-/// What is seen where no object is: a colour, or the word `environment`.
+/// What is shown where no object is: a colour, or the word `environment`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Background {
     /// Three channels.

@@ -1,5 +1,5 @@
-//! The chunks of an OpenEXR file, looked at before its reader is, which believes what they say of themselves: whose
-//! pixels they hold, and how much memory they take.
+//! Checks the chunks of an OpenEXR file before its reader sees them: the reader trusts what they state about the pixels
+//! they hold and the memory they take.
 
 use std::collections::HashSet;
 
@@ -11,13 +11,13 @@ use exr::prelude::Vec2;
 
 use crate::scene::files::Files;
 
-/// Bytes that the reader and this take for each chunk of a part.
+/// Memory that the reader and this check take per chunk, bytes.
 const BYTES: u64 = 96;
-/// Most bytes that one byte of a run, or of a deflated section, unpacks to; the former is held twice.
+/// Memory per packed byte: of run-length data, which is held twice, and of deflated data.
 const MOST_RUN: u64 = 128;
 const MOST_DEFLATED: u64 = 1032;
 
-/// Where the bytes of a chunk end too early.
+/// The error for a chunk that ends too early.
 const CUT: &str = "a block that ends beyond the file";
 
 fn take<const N: usize>(rest: &mut &[u8]) -> Result<[u8; N], String> {
@@ -30,8 +30,8 @@ fn number(rest: &mut &[u8]) -> Result<i32, String> {
     take(rest).map(i32::from_le_bytes)
 }
 
-/// Whether each part has each of its blocks once, within the file, and of a size that may be unpacked. The tables of
-/// where they are begin at `start`.
+/// Checks that each part has each of its blocks once, within the file, and of a size that may be unpacked. The tables
+/// of their offsets begin at `start`.
 pub(super) fn check(files: &Files, bytes: &[u8], start: usize, meta: &MetaData) -> Result<(), String> {
     let mut start = start;
     for (part, header) in meta.headers.iter().enumerate() {
@@ -57,12 +57,12 @@ pub(super) fn check(files: &Files, bytes: &[u8], start: usize, meta: &MetaData) 
     Ok(())
 }
 
-/// Which block of a part a chunk says that it is.
+/// The block of a part that a chunk claims to hold.
 fn place(header: &Header, rest: &mut &[u8]) -> Result<TileCoordinates, String> {
     let index = |at: i32| usize::try_from(at).map_err(|_| "a block before the first".to_string());
     if let BlockDescription::Tiles(_) = header.blocks {
         let [x, y, level_x, level_y] = [number(rest)?, number(rest)?, number(rest)?, number(rest)?];
-        // Sides halve at each level.
+        // Sides halve at each level, so that there are at most 32.
         if level_x.max(level_y) > 31 {
             return Err("a block of a level beyond the last".into());
         }
@@ -76,7 +76,7 @@ fn place(header: &Header, rest: &mut &[u8]) -> Result<TileCoordinates, String> {
     Ok(TileCoordinates { tile_index: Vec2(0, line / lines), level_index: Vec2(0, 0) })
 }
 
-/// Whether a block's bytes may be unpacked.
+/// Checks that unpacking a block fits the memory.
 fn packed(files: &Files, header: &Header, place: TileCoordinates, data: &[u8]) -> Result<(), String> {
     let bounds = header.get_absolute_block_pixel_coordinates(place).map_err(|error| error.to_string())?;
     let (width, height) = (bounds.size.width() as u64, bounds.size.height() as u64);
@@ -88,7 +88,8 @@ fn packed(files: &Files, header: &Header, place: TileCoordinates, data: &[u8]) -
     let most = match header.compression {
         Compression::RLE => MOST_RUN,
         Compression::DWAA(_) | Compression::DWAB(_) => {
-            // Eleven counters: of a version, of sizes before and after, and a kind. Squares of 8 are transformed.
+            // A DWA block begins with eleven 64-bit counters: version, sizes before and after packing, and kind. It
+            // transforms squares of 8 x 8 pixels.
             let squares = width.next_multiple_of(8) * height.next_multiple_of(8) * pixel;
             let sizes = data.as_chunks().0.iter().take(10).skip(1).map(|size| u64::from_le_bytes(*size));
             if let Some(size) = sizes.max().filter(|size| *size > 4 * squares + 4096) {
@@ -107,7 +108,7 @@ mod tests {
     use exr::prelude::*;
     use std::io::Cursor;
 
-    /// A file of layers of these sizes, and where its lists of blocks begin.
+    /// A file with layers of these sizes, and the start of its offset tables.
     fn file(sizes: &[(usize, usize)], compression: Compression) -> (Vec<u8>, usize) {
         let layer = |(k, size): (usize, &(usize, usize))| {
             let attributes = LayerAttributes::named(Text::new_or_panic(format!("layer {k}")));
@@ -152,12 +153,12 @@ mod tests {
 
     #[test]
     fn a_block_in_another_ones_place_is_told() {
-        // The first layer's only block is the second one's.
+        // The first layer's only offset points to the second layer's block.
         let (mut bytes, start) = file(&[(1, 1), (16, 16)], Compression::Uncompressed);
         let theirs = bytes[start + 8..start + 16].to_vec();
         bytes[start..start + 8].copy_from_slice(&theirs);
         assert_eq!(checked(&bytes), Err("a block of another part of the file".into()));
-        // The second block is the first again.
+        // The second offset repeats the first.
         let (mut bytes, start) = file(&[(4, 4)], Compression::Uncompressed);
         let first = bytes[start..start + 8].to_vec();
         bytes[start + 8..start + 16].copy_from_slice(&first);
@@ -170,7 +171,7 @@ mod tests {
     fn a_block_may_not_unpack_to_more_than_there_is_memory() {
         let (mut bytes, start) = file(&[(64, 64)], Compression::DWAA(None));
         let at = u64::from_le_bytes(*bytes[start..].first_chunk().expect("an entry")) as usize;
-        // After line and length the counters, of which the second is a size.
+        // The counters follow line and length; the second is a size.
         bytes[at + 16..at + 24].copy_from_slice(&(1u64 << 40).to_le_bytes());
         assert!(checked(&bytes).is_err_and(|words| words.contains("64 x 32 pixels with a section of 1099511627776")));
         let (bytes, start) = file(&[(64, 64)], Compression::RLE);

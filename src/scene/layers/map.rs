@@ -1,4 +1,4 @@
-//! Depth maps: for each place of a surface the depths of the layers' lower interfaces.
+//! Depth maps: for each point of a surface the depths of the layers' lower interfaces.
 
 use super::{Depth, pattern};
 use crate::error::Input;
@@ -9,18 +9,18 @@ use crate::scene::texture::{MOST_SIDE, MOST_TEXELS, Wrap};
 use std::path::Path;
 use std::sync::Arc;
 
-/// A depth that no ray reaches: of channels beyond the last layer.
+/// A depth that no ray reaches, for channels beyond the last layer.
 pub const BOTTOMLESS: f32 = 1e30;
 
-/// Depths of the layers' lower interfaces, which never rise from one layer to the next.
+/// Depths of the layers' lower interfaces, each at least that of the layer before.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthMap {
     /// Width and height, in texels; 1 x 1 where the depths are the same everywhere.
     pub size: [u32; 2],
-    /// Rows from the top, scene units, layers 4 i to 4 i + 3 in the i-th run of width x height; channels beyond the
-    /// last layer are 1e30.
+    /// Depths in scene units, rows from the top; the i-th run of width x height texels has layers 4 i to 4 i + 3.
+    /// Channels beyond the last layer are 1e30.
     pub texels: Arc<Vec<[f32; 4]>>,
-    /// What lies beyond its edges.
+    /// How the map continues beyond its edges.
     pub wrap: Wrap,
     /// The greatest depth of the last layer's lower interface, scene units.
     pub deepest: f64,
@@ -29,7 +29,7 @@ pub struct DepthMap {
     source: Source,
 }
 
-/// What is still to be read.
+/// The files to read, and what their values mean.
 #[derive(Debug, Clone, PartialEq)]
 struct Source {
     maps: Vec<String>,
@@ -39,7 +39,7 @@ struct Source {
 }
 
 impl DepthMap {
-    /// Layers of the same thickness everywhere, scene units; none where all are 0.
+    /// Layers of uniform thickness, scene units; `None` if all are 0.
     #[must_use]
     pub fn constant(thick: &[f64]) -> Option<Self> {
         let mut depths = vec![[BOTTOMLESS; 4]; thick.len().div_ceil(4)];
@@ -54,8 +54,8 @@ impl DepthMap {
         (depth > 0.0).then_some(map)
     }
 
-    /// Depths in scene units of so many layers, row by row from the top, all layers of a place together; each is
-    /// brought down to the one before. None where the last layer lies at 0 everywhere.
+    /// A map of `depths` in scene units, row by row from the top, all layers of a texel together; a depth less than
+    /// that of the layer before is set to the latter. `None` if the last layer's depth is 0 everywhere.
     #[must_use]
     pub fn new(size: [u32; 2], layers: usize, depths: &[f64], wrap: Wrap) -> Option<Self> {
         let places = size[0] as usize * size[1] as usize;
@@ -74,13 +74,13 @@ impl DepthMap {
         (deepest > 0.0).then_some(map)
     }
 
-    /// Maps by their names, to be read.
+    /// Maps that are still to be read, by name.
     pub(super) fn unread(maps: &[String], layers: usize, scale: f64, depth: Depth, wrap: Wrap) -> Self {
         let source = Source { maps: maps.to_vec(), layers, scale, depth };
         Self { size: [0, 0], texels: Arc::default(), wrap, deepest: 0.0, mapped: true, source }
     }
 
-    /// Reads the maps, relative to `folder`; `key` is theirs.
+    /// Reads the maps, relative to `folder`; `key` is their key, for errors.
     pub(super) fn load(&mut self, files: &Files, folder: &Path, key: &str, report: &mut Vec<String>) -> Checked<()> {
         if self.source.maps.is_empty() || !self.texels.is_empty() {
             return Ok(());
@@ -98,7 +98,7 @@ impl DepthMap {
             return Err(fault.expected(format!("{} x {}, as the first", size[0], size[1])));
         }
 
-        // From values to depths, and those that rise.
+        // Convert values to depths, and count those above the layer before.
         let direct = |value: f32| match source.depth {
             Depth::Bright => source.scale * f64::from(value),
             Depth::Dark => source.scale * (1.0 - f64::from(value)),
@@ -124,7 +124,7 @@ impl DepthMap {
     }
 }
 
-/// Size and texels of a file with so many layers; `key` is the maps'.
+/// Reads the size and texels of a file for so many layers; `key` is the maps' key, for errors.
 fn read(files: &Files, path: &Path, key: &str, layers: usize) -> Checked<([u32; 2], Vec<[f32; 4]>)> {
     let at = |what: String| Input::new(what).key(key);
     let image = read_depths(files, path, MOST_TEXELS / 2);
@@ -142,7 +142,7 @@ fn read(files: &Files, path: &Path, key: &str, layers: usize) -> Checked<([u32; 
             .found(found)
             .expected(format!("1 to {} texels, at most {MOST_SIDE} a side", MOST_TEXELS / 2)));
     }
-    // What no layer uses may hold anything.
+    // Channels that no layer uses are not checked.
     let bad = |texel: &[f32; 4]| texel[..layers].iter().any(|x| !(0.0..=1.0).contains(x));
     if let Some(place) = texels.iter().position(bad) {
         let (x, y, found) = (place % size[0] as usize, place / size[0] as usize, &texels[place][..layers]);

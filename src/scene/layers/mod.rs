@@ -1,4 +1,4 @@
-//! Layers beneath a surface (Francois et al. 2006): what each is made of, and how deep its lower interface lies.
+//! Layers beneath a surface (Francois et al. 2006): the coefficients of each, and the depth of its lower interface.
 
 mod map;
 mod pattern;
@@ -14,26 +14,26 @@ use crate::error::Input;
 use serde::Deserialize;
 use std::path::Path;
 
-/// Most layers.
+/// Maximum number of layers.
 const MOST_LAYERS: usize = 16;
-/// Most samples along a ray.
+/// Maximum number of samples along a ray.
 const MOST_SAMPLES: i64 = 1000;
 
-/// Layers from the surface down, checked.
+/// Validated layers, from the surface down.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layers {
-    /// 1 to 16 of them.
+    /// The layers, 1 to 16.
     pub layers: Vec<Layer>,
-    /// Depths of their lower interfaces.
+    /// The depths of their lower interfaces.
     pub map: DepthMap,
-    /// Places along a ray, 1 to 1000: ends of steps, and by the exact rule where interfaces are crossed.
+    /// Samples along a ray, 1 to 1000: ends of steps, and with exact integration also crossings of interfaces.
     pub samples: u32,
-    /// How light is summed along it.
+    /// How light is integrated along the ray.
     pub integration: Integration,
     /// The phase function.
     pub phase: Phase,
-    /// Light dimmed to this share says nothing about the surface any more: it bounds the plane fit, above 0 and
-    /// below 1.
+    /// Transmittance through the first layer that bounds the plane fit: vertices beyond that distance are ignored.
+    /// Above 0 and below 1.
     pub epsilon: f64,
     /// Whether light is multiplied by the Fresnel transmittance where it enters and leaves.
     pub fresnel: bool,
@@ -46,31 +46,31 @@ pub struct Layer {
     pub sigma_s: [f64; 3],
     /// Extinction coefficient per scene unit, r g b, at least `sigma_s`.
     pub sigma_t: [f64; 3],
-    /// The phase function's parameter, -0.999 to 0.999; forward is above 0.
+    /// Parameter of the phase function, -0.999 to 0.999; above 0 is forward.
     pub g: f64,
 }
 
-/// How light is summed along a ray.
+/// How light is integrated along a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Integration {
-    /// Exponentials between samples and interfaces, in closed form.
+    /// Exponentials between samples and interfaces, integrated in closed form.
     #[default]
     Exact,
-    /// Algorithm 1: the value at each step's beginning, times its length.
+    /// Algorithm 1: the value at the beginning of each step, times its length.
     Paper,
 }
 
-/// How a layer scatters.
+/// The phase function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Phase {
-    /// Schlick's, `g` being his k, as published.
+    /// Schlick's, with `g` as his k, as published.
     #[default]
     Schlick,
-    /// Schlick's, `g` being the mean cosine.
+    /// Schlick's, with `g` as the mean cosine.
     SchlickMean,
-    /// Henyey's and Greenstein's, `g` being the mean cosine.
+    /// Henyey and Greenstein's, with `g` as the mean cosine.
     HenyeyGreenstein,
 }
 
@@ -150,7 +150,7 @@ impl Layers {
         })
     }
 
-    /// Counts what of the mesh the maps cannot resolve: triangles whose corners are on a line in them.
+    /// Reports how many triangles have no area in the maps; an error if every triangle is such.
     pub(super) fn check_mesh(&self, mesh: &Mesh, key: &str, report: &mut Vec<String>) -> Checked<()> {
         let Some(uvs) = mesh.uvs.as_ref().filter(|_| self.map.mapped) else { return Ok(()) };
         let flat = |[a, b, c]: &&[[f64; 2]; 3]| (b[0] - a[0]) * (c[1] - a[1]) == (b[1] - a[1]) * (c[0] - a[0]);
@@ -189,7 +189,7 @@ impl LayerFile {
 }
 
 impl LayersFile {
-    /// The depths: of maps, perhaps still to be read, or the same everywhere.
+    /// The depths: from maps, which may still have to be read, or uniform.
     fn map(&self, key: &str) -> Checked<DepthMap> {
         let at = |name: &str| format!("{key}.{name}");
         let count = self.layer.len();

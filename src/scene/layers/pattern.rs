@@ -1,19 +1,19 @@
-//! Depth maps made here.
+//! Built-in depth maps.
 
 use std::f64::consts::TAU;
 
-/// Their names.
+/// The names of the maps.
 pub(super) const NAMES: [&str; 3] = ["builtin:fish", "builtin:skin", "builtin:veins"];
 
 /// Texels along a side.
 const SIDE: u32 = 512;
 
-/// Whether a map of this name is made here.
+/// Whether a map of this name is built in.
 pub(super) fn is(name: &str) -> bool {
     NAMES.contains(&name)
 }
 
-/// The map of this name, channels as shares of the scale, 0 at the surface; it goes on without a seam.
+/// The map of this name: channels as fractions of the scale, 0 at the surface. Skin and veins tile without seams.
 pub(super) fn of(name: &str) -> Option<([u32; 2], Vec<[f32; 4]>)> {
     let depths: fn(f64, f64) -> [f64; 4] = match name {
         "builtin:fish" => fish,
@@ -26,18 +26,19 @@ pub(super) fn of(name: &str) -> Option<([u32; 2], Vec<[f32; 4]>)> {
     Some(([SIDE, SIDE], (0..SIDE * SIDE).map(texel).collect()))
 }
 
-/// A sum of waves that fits the unit square, about -1 to 1: wave numbers in u and v, phase in turns.
+/// A sum of sine waves, about -1 to 1, periodic over the unit square. `list` gives wave numbers in u and v, and the
+/// phase in turns.
 fn waves(u: f64, v: f64, list: &[(f64, f64, f64)]) -> f64 {
     let sum: f64 = list.iter().map(|&(a, b, turn)| (TAU * (a * u + b * v + turn)).sin()).sum();
     sum / (list.len() as f64).sqrt()
 }
 
-/// 1 where a wave crosses 0, falling to 0 at `width` on either side, as a tube's thickness does.
+/// The thickness profile of a tube: 1 where a wave crosses 0, falling to 0 at `width` on either side.
 fn tube(wave: f64, width: f64) -> f64 {
     (1.0 - (wave / width).powi(2)).max(0.0).sqrt()
 }
 
-/// Skin, blood in two widths of veins, flesh to the full depth.
+/// Skin, blood in veins of two widths, flesh to the full depth.
 fn veins(u: f64, v: f64) -> [f64; 4] {
     let bend = 0.03 * waves(u, v, &[(3.0, 1.0, 0.1), (-2.0, 4.0, 0.6), (5.0, 3.0, 0.3)]);
     let (u, v) = (u + bend, v - bend);
@@ -47,16 +48,16 @@ fn veins(u: f64, v: f64) -> [f64; 4] {
     [0.2, 0.2 + blood, 1.0, 1.0]
 }
 
-/// From 0 at `low` to 1 at `high`, without a corner.
+/// Smoothstep: from 0 at `low` to 1 at `high`.
 fn smooth(low: f64, high: f64, x: f64) -> f64 {
     let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// A fish from its side, head to the right: skin, blood between ribs and at the gills, organs; eye and belly lie near
-/// the surface.
+/// A fish from its side, head to the right: skin, blood that is thin over bones and gills, organs; eye and belly lie
+/// near the surface.
 fn fish(u: f64, v: f64) -> [f64; 4] {
-    // From tail to nose, and upwards.
+    // x from tail to nose, y upwards.
     let (x, y) = (u - 0.5, 0.5 - v);
     let blob = |cx: f64, cy: f64, rx: f64, ry: f64| {
         let d = ((x - cx) / rx).hypot((y - cy) / ry);
@@ -65,7 +66,7 @@ fn fish(u: f64, v: f64) -> [f64; 4] {
     let eye = blob(0.37, 0.035, 0.022, 0.022);
     let iris = blob(0.37, 0.035, 0.045, 0.045) - eye;
     let belly = f64::max(blob(0.13, -0.05, 0.13, 0.055), blob(0.24, -0.02, 0.05, 0.05));
-    // Ribs lean back from the spine; the spine itself; rays of the fins.
+    // Ribs that lean back from the spine, the spine itself, and the rays of the tail fin.
     let body = smooth(-0.36, -0.3, x) * (1.0 - smooth(0.22, 0.27, x));
     let ribs =
         smooth(0.35, 0.9, (TAU * 22.0 * (x + 0.35 * y.abs())).sin()) * body * (1.0 - smooth(0.09, 0.13, y.abs()));
@@ -83,7 +84,7 @@ fn fish(u: f64, v: f64) -> [f64; 4] {
     [0.12, 0.12 + blood, organs, 1.0]
 }
 
-/// A thin skin of small scales: their bright layer, a net of dark lines between them, flesh.
+/// A thin skin of small scales, spots beneath them, flesh.
 fn skin(u: f64, v: f64) -> [f64; 4] {
     let (a, b) = (TAU * 12.0 * u, TAU * 12.0 * v);
     let bump = 0.5 + 0.25 * (a.sin() * b.sin() + (0.5 * (a + b)).sin() * (0.5 * (a - b)).cos());

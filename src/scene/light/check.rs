@@ -1,4 +1,4 @@
-//! From `[[light]]` of the file to a checked light.
+//! Turns `[[light]]` of the file into a validated light.
 
 use super::super::object::Object;
 use super::super::range::{self, Checked};
@@ -8,7 +8,7 @@ use super::{Light, Sky, Source};
 use crate::error::Input;
 use glam::DVec3;
 
-/// A kind's name, the keys that it must have, and those that it may have beside `type`.
+/// A kind's name, its required keys, and its optional keys besides `type`.
 type Keys = (&'static str, &'static [&'static str], &'static [&'static str]);
 
 fn keys(kind: LightKind) -> Keys {
@@ -29,7 +29,7 @@ fn article(kind: &str) -> String {
     format!("{an} {kind}")
 }
 
-/// One light of the file, and its place in it.
+/// One light of the file, and its index there.
 struct Reader<'a> {
     file: &'a LightFile,
     index: usize,
@@ -159,7 +159,8 @@ impl Light {
         Ok(Self { source, shadows: file.shadows.unwrap_or(true) })
     }
 
-    /// No part of it may stand in the medium of an object that is closed and has an inside, be it of layers alone.
+    /// Checks that no part of the light is inside a closed object that light enters, or that has layers, unless the
+    /// object is two-sided.
     pub(in crate::scene) fn check_outside(&self, objects: &[Object], index: usize) -> Checked<()> {
         let lets_in = |object: &&Object| {
             let material = &object.material;

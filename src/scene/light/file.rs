@@ -1,11 +1,11 @@
-//! `[[light]]` as serde sees it.
+//! `[[light]]` as serde deserializes it.
 
 use super::super::vector::{Rgb, Vector};
 use serde::Deserialize;
 
 macro_rules! keys {
     ($($key:ident: $kind:ty,)*) => {
-        /// `[[light]]`: the keys of every kind; [`Light::check`](super::Light::check) knows which belong together.
+        /// `[[light]]`: the keys of every kind; [`Light::check`](super::Light::check) checks which belong to a kind.
         #[derive(Debug, Deserialize)]
         #[serde(deny_unknown_fields)]
         pub(in crate::scene) struct LightFile {
@@ -15,7 +15,7 @@ macro_rules! keys {
         }
 
         impl LightFile {
-            /// The names of the keys that are there, `type` apart.
+            /// The names of the keys that are given, except `type`.
             pub fn given(&self) -> Vec<&'static str> {
                 let all = [$((stringify!($key), self.$key.is_some()),)*];
                 all.into_iter().filter(|(_, there)| *there).map(|(name, _)| name).collect()

@@ -1,4 +1,4 @@
-//! The lights of a scene. Directions point towards the light; a spot's direction is where it shines.
+//! The lights of a scene. Directions point towards the light, except a spot's, which points where it shines.
 
 mod check;
 mod file;
@@ -12,16 +12,16 @@ use super::range::Checked;
 use glam::DVec3;
 use std::path::Path;
 
-/// A light, checked: every number finite, every amount at least 0.
+/// A validated light: every number finite, every amount at least 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Light {
-    /// What shines, and where.
+    /// The kind of light, with its position and emission.
     pub source: Source,
-    /// Whether the object casts shadows in it; nothing to an environment, which has `occlusion`.
+    /// Whether objects cast shadows in its light; unused for an environment, which has `occlusion`.
     pub shadows: bool,
 }
 
-/// What shines, and where.
+/// A kind of light, with its position and emission.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
     /// A light infinitely far away, such as the sun.
@@ -31,25 +31,25 @@ pub enum Source {
         /// Irradiance on a plane perpendicular to the direction, r g b, at least 0.
         irradiance: [f64; 3],
     },
-    /// A light at a point, the same in all directions.
+    /// A point light with the same intensity in all directions.
     Point {
-        /// Where it is, in scene units.
+        /// Position, in scene units.
         position: DVec3,
         /// Intensity in W/sr, r g b, at least 0; falls off with the squared distance in scene units.
         intensity: [f64; 3],
     },
-    /// A light at a point that shines into a cone.
+    /// A point light that shines into a cone.
     Spot {
-        /// Where it is, in scene units.
+        /// Position, in scene units.
         position: DVec3,
         /// The axis of the cone, away from the light, length 1.
         direction: DVec3,
         /// Intensity within the inner cone in W/sr, r g b, at least 0.
         intensity: [f64; 3],
-        /// Angle to the axis up to which all the intensity is sent, degrees, from 0 to 0.95 times `outer`.
+        /// Angle to the axis up to which intensity is full, degrees, from 0 to 0.95 times `outer`.
         inner: f64,
-        /// Angle to the axis from which on nothing is sent, degrees, 1 to 90. In between 3 t^2 - 2 t^3 of the
-        /// intensity, t = (cos - cos outer) / (cos inner - cos outer).
+        /// Angle to the axis from which intensity is 0, degrees, 1 to 90. In between it is multiplied by 3 t^2 - 2 t^3,
+        /// t = (cos - cos outer) / (cos inner - cos outer).
         outer: f64,
     },
     /// A rectangle of constant radiance, as a grid of samples.
@@ -62,7 +62,7 @@ pub enum Source {
         edge_v: DVec3,
         /// Radiance, r g b, at least 0.
         radiance: [f64; 3],
-        /// Whether it shines to the other side, too.
+        /// Whether it also shines to the other side.
         two_sided: bool,
         /// Samples along each side, 1 to 64.
         samples: u32,
@@ -71,13 +71,13 @@ pub enum Source {
     Environment {
         /// The radiance from every direction.
         sky: Sky,
-        /// Rays a face that ask what of it is hidden, spread over the sphere; 0 where nothing is.
+        /// Occlusion rays per face, spread over the sphere; 0 for no occlusion.
         occlusion: u32,
     },
 }
 
 impl Light {
-    /// Most samples of all lights of a scene together: drivers end loops over more.
+    /// Maximum number of samples of all lights of a scene together: some drivers end longer loops.
     pub const MOST_SAMPLES: usize = 16384;
 
     /// A light infinitely far away, with shadows; `direction` has length 1.
@@ -90,7 +90,7 @@ impl Light {
         Self { source: Source::Point { position, intensity }, shadows: true }
     }
 
-    /// Where it is, in scene units; for an area the centres of its samples. Nowhere where it is infinitely far away.
+    /// Positions in scene units: of an area light, the centres of its samples; none for a light infinitely far away.
     pub fn places(&self) -> Vec<DVec3> {
         match &self.source {
             Source::Directional { .. } | Source::Environment { .. } => Vec::new(),
@@ -103,7 +103,7 @@ impl Light {
         }
     }
 
-    /// How many samples it takes: records a face sums over, and rays it sends where there are shadows.
+    /// Number of samples: light records per face, and rays per face where there are shadows.
     pub fn samples(&self) -> usize {
         match &self.source {
             Source::Area { samples, .. } => (*samples as usize).pow(2),
@@ -112,7 +112,7 @@ impl Light {
         }
     }
 
-    /// Its colour: irradiance, intensity or radiance of its brightest part.
+    /// Its colour: the irradiance, intensity or radiance of its brightest part.
     pub fn color(&self) -> [f64; 3] {
         match &self.source {
             Source::Directional { irradiance, .. } => *irradiance,
@@ -122,7 +122,7 @@ impl Light {
         }
     }
 
-    /// Reads what it needs from files in `folder`; it is number `index` of the scene.
+    /// Reads its files, relative to `folder`; it is light number `index` of the scene.
     pub(super) fn load(&mut self, files: &Files, folder: &Path, index: usize) -> Checked<()> {
         match &mut self.source {
             Source::Environment { sky, .. } => sky.load(files, folder, &format!("light.{index}")),
@@ -130,7 +130,7 @@ impl Light {
         }
     }
 
-    /// Whether channel `c` is everywhere `ratio` times channel `lead`, but for `slack`.
+    /// Whether channel `c` is `ratio` times channel `lead` everywhere, within `slack`.
     pub fn proportional(&self, c: usize, lead: usize, ratio: f64, slack: f64) -> bool {
         let holds = |color: [f64; 3]| (color[c] - ratio * color[lead]).abs() <= slack;
         match &self.source {

@@ -13,9 +13,9 @@ use std::f64::consts::{PI, TAU};
 use std::path::Path;
 use std::sync::Arc;
 
-/// The name of the sky that is built in.
+/// The name of the built-in sky.
 const BUILTIN: &str = "builtin:sky";
-/// Most pixels of an image: what the smallest devices bind.
+/// Maximum pixels of an image: as many as the smallest devices can bind.
 const MOST_PIXELS: usize = 1 << 23;
 
 /// Radiance from every direction.
@@ -25,34 +25,34 @@ pub struct Sky {
     pub size: [u32; 2],
     /// Its pixels, row by row from the top, finite and at least 0.
     pub pixels: Arc<Vec<[f32; 3]>>,
-    /// What they are to be multiplied by, r g b, at least 0.
+    /// Factor on the pixels, r g b, at least 0.
     pub factor: [f64; 3],
-    /// How far it is turned about +y, degrees.
+    /// Rotation about +y, degrees.
     pub rotation: f64,
-    /// Where the pixels are still to be read from.
+    /// The file that the pixels are still to be read from, if any.
     image: Option<String>,
 }
 
 impl Sky {
-    /// Of these pixels, row by row from the top.
+    /// A sky of these pixels, row by row from the top.
     pub fn new(size: [u32; 2], pixels: Vec<[f32; 3]>) -> Self {
         Self { size, pixels: Arc::new(pixels), factor: [1.0; 3], rotation: 0.0, image: None }
     }
 
-    /// The same from all directions.
+    /// A sky with the same radiance from all directions.
     pub(super) fn constant(radiance: [f64; 3], factor: [f64; 3]) -> Self {
         let factor = std::array::from_fn(|c| radiance[c] * factor[c]);
         Self { factor, ..Self::new([1, 1], vec![[1.0; 3]]) }
     }
 
-    /// Of a file that is read later, or the one built in.
+    /// A sky from a file, which is read later, or the built-in sky.
     pub(super) fn of_image(image: &str, factor: [f64; 3], rotation: f64) -> Self {
         let mut sky = if image == BUILTIN { built_in() } else { Self::new([0, 0], Vec::new()) };
         sky.image = (image != BUILTIN).then(|| image.to_owned());
         Self { factor, rotation, ..sky }
     }
 
-    /// Reads the file's image, if there is one; `key` is of the light.
+    /// Reads the image file, if there is one; `key` is the light's key, for errors.
     pub(in crate::scene) fn load(&mut self, files: &Files, folder: &Path, key: &str) -> Checked<()> {
         let Some(image) = self.image.take() else { return Ok(()) };
         let path = folder.join(&image);
@@ -98,7 +98,7 @@ impl Sky {
         PI * f64::from(row) / f64::from(self.size[1])
     }
 
-    /// The azimuth of the left edge of `column`, as turned.
+    /// The azimuth of the left edge of `column`, with the rotation.
     pub fn azimuth(&self, column: u32) -> f64 {
         TAU * (f64::from(column) / f64::from(self.size[0]) - 0.5) - self.rotation.to_radians()
     }
@@ -113,7 +113,7 @@ impl Sky {
     }
 }
 
-/// Blue above, grey below, with a warm glow low at one side: a polynomial of degree 2 in the direction.
+/// Blue above, grey below, with a warm glow low on one side: a polynomial of degree 2 in the direction.
 fn built_in() -> Sky {
     let [width, height] = [64u32, 32];
     let glow = DVec3::new(0.6, 0.25, -0.76).normalize();

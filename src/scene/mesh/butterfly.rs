@@ -1,11 +1,11 @@
-//! Interpolating subdivision: every triangle cut in four, new vertices by the modified butterfly scheme (Zorin,
-//! Schroeder, Sweldens 1996, after Dyn, Levin, Gregory 1990), while those that are there stay where they are.
+//! Interpolating subdivision: every triangle is split in four, with new vertices by the modified butterfly scheme
+//! (Zorin, Schroeder, Sweldens 1996, after Dyn, Levin, Gregory 1990), while existing vertices stay in place.
 //!
-//! On an edge between vertices of six neighbours, eight points: halves of its ends, an eighth of the two corners
-//! across, minus a sixteenth of the four wings. From a vertex of another number of neighbours the weights of its ring
-//! and 3/4 of its own; where both ends are such, the mean of both. On a border four points of the border. What a wing
-//! lacks beyond a border is what the triangle within gives, reflected at its edge; vertices on a border count as
-//! regular.
+//! On an edge between vertices of valence six the stencil has eight points: weights 1/2 for the ends, 1/8 for the two
+//! opposite corners, -1/16 for the four wings. For an end of another valence the stencil is its ring of neighbours plus
+//! 3/4 of itself; if both ends are such, the mean of the two is taken. On a border the stencil has four points of the
+//! border. A wing missing beyond a border is replaced by the corner of the triangle within, reflected at its edge;
+//! vertices on a border count as regular.
 
 use super::Mesh;
 use super::edges::NONE;
@@ -13,14 +13,14 @@ use super::walk::{Surface, after, before};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// A mesh cut in four everywhere, `levels` times over.
+/// Subdivides a mesh `levels` times.
 pub(super) fn butterfly(base: &Mesh, levels: u32) -> Mesh {
     let mut mesh = Mesh { splits: vec![0; base.triangles.len()], ..base.clone() };
     for _ in 0..levels {
         let (mut fine, _) = mesh.split(|_| true);
         let surface = Surface::of(&mesh);
         for half in 0..3 * mesh.triangles.len() {
-            // The part in the middle comes last; its corners are the middles of the edges in their order.
+            // The middle part comes last; its corners are the midpoints of the edges, in their order.
             let middle = fine.triangles[4 * (half / 3) + 3][half % 3];
             if surface.device_state[half] == NONE || half < surface.device_state[half] as usize {
                 fine.positions[middle as usize] = surface.middle(half as u32);
@@ -33,8 +33,8 @@ pub(super) fn butterfly(base: &Mesh, levels: u32) -> Mesh {
 }
 
 impl Surface<'_> {
-    /// The corner across an edge, on the side of this half-edge: that of its triangle, or without one the other side's
-    /// reflected.
+    /// The corner opposite this edge in the other triangle; without one, this triangle's own corner, reflected at the
+    /// edge's midpoint.
     fn wing(&self, half: u32) -> DVec3 {
         match self.across(half) {
             NONE => self.place(half) + self.place(after(half)) - self.place(before(half)),
@@ -63,8 +63,8 @@ impl Surface<'_> {
         }
     }
 
-    /// What the start of a half-edge says of its middle, if it lies within and has not six neighbours, nor two: the
-    /// scheme has weights for three and more.
+    /// The new vertex by the stencil of the half-edge's start, if that is an interior vertex of a valence other than
+    /// six, and at least three: the scheme has no weights below.
     fn extraordinary(&self, half: u32) -> Option<DVec3> {
         let (fan, whole) = self.fan(half);
         if !whole || fan.len() == 6 || fan.len() < 3 {
@@ -74,7 +74,7 @@ impl Surface<'_> {
         Some(0.75 * self.place(half) + ring.sum::<DVec3>())
     }
 
-    /// The vertex of the border after the end of one of its half-edges.
+    /// The border vertex after the end of a half-edge on the border.
     fn along(&self, half: u32) -> DVec3 {
         let mut next = after(half);
         while self.across(next) != NONE {
@@ -83,7 +83,7 @@ impl Surface<'_> {
         self.place(after(next))
     }
 
-    /// The vertex of the border before the start of one of its half-edges.
+    /// The border vertex before the start of a half-edge on the border.
     fn back(&self, half: u32) -> DVec3 {
         let mut last = before(half);
         while self.across(last) != NONE {
@@ -93,8 +93,7 @@ impl Surface<'_> {
     }
 }
 
-/// Weights of the neighbours of a vertex that has `count` of them, from the one at the other end of the edge on; their
-/// sum is 1/4.
+/// Weights of the `count` neighbours of a vertex, from the one at the other end of the edge on; their sum is 1/4.
 fn ring(count: usize) -> Vec<f64> {
     let weight = |j: usize| match (count, j) {
         (3, 0) => 5.0 / 12.0,
@@ -114,7 +113,7 @@ fn ring(count: usize) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// The grid of equilateral triangles of `n` by `n` cells, raised by `height`.
+    /// A grid of `n` by `n` cells of equilateral triangles, raised by `height`.
     fn grid(n: u32, height: impl Fn(f64, f64) -> f64) -> Mesh {
         let at = |k: u32| {
             let (column, row) = (f64::from(k % (n + 1)), f64::from(k / (n + 1)));
@@ -134,7 +133,7 @@ mod tests {
         for count in 3..12 {
             assert!((ring(count).iter().sum::<f64>() - 0.25).abs() < 1e-12, "{count}");
         }
-        // Of five the paper has 7/20 and the cosines' own.
+        // For valence five the paper's first weight is 7/20.
         let five = ring(5);
         assert!((five[0] - 0.35).abs() < 1e-12 && (five[1] - five[4]).abs() < 1e-12 && five[2] < 0.0);
     }
@@ -148,7 +147,7 @@ mod tests {
         assert_eq!(fine.splits, vec![2; 72 * 16]);
         let cubic = |x: f64, y: f64| x * x * x - 2.0 * x * y * y + y * y + 0.3 * x;
         let fine = butterfly(&grid(8, cubic), 1);
-        // All but new vertices whose stencils reach over the border.
+        // Without new vertices whose stencils reach over the border.
         let within = |p: &&DVec3| {
             let (row, column) = (p.y / 0.75f64.sqrt(), p.x - 0.5 * p.y / 0.75f64.sqrt());
             (1.9..6.1).contains(&row) && (1.9..6.1).contains(&column)
@@ -178,7 +177,7 @@ mod tests {
         let base = Mesh::made(corners.to_vec(), faces.to_vec());
         let fine = butterfly(&base, 4);
         assert_eq!((fine.positions.len(), fine.triangles.len()), (1026, 2048));
-        // Between 1/sqrt(3) of the flat faces and a little more than the ball.
+        // Outside the flat faces, 1/sqrt(3) from the centre, and hardly outside the unit sphere.
         assert!(fine.positions.iter().all(|p| (0.75..1.05).contains(&p.length())));
         let place = |p: DVec3| fine.positions.iter().any(|q| q.distance(p) < 1e-12);
         assert!(fine.positions.iter().step_by(17).all(|p| place(-*p) && place(DVec3::new(p.y, p.z, p.x))));

@@ -1,5 +1,5 @@
-//! The candle: a body of wax that tapers a little, with a rounded foot, a soft uneven rim, and a hollow burnt into its
-//! top, in which a flame can hang.
+//! The candle: a slightly tapered body of wax with a rounded foot, a soft uneven rim, and a hollow burnt into its top,
+//! in which a flame can hang.
 
 use super::Mesh;
 use super::sweep::{smooth, sweep};
@@ -15,13 +15,13 @@ const HEIGHT: f64 = 1.0;
 const ROUND: f64 = 0.05;
 const RIM: f64 = 0.045;
 
-/// How deep the hollow is.
+/// Depth of the hollow.
 const HOLLOW: f64 = 0.16;
 
-/// How far the rim goes up and down.
+/// Amplitude of the rim's waves.
 const WAVE: f64 = 0.018;
 
-/// A closed candle with `cells` round the circle, 1 high.
+/// A closed candle with `cells` around the circle, 1 high.
 pub(super) fn candle(cells: u32) -> Mesh {
     // Steps of the outline about as long as a cell is wide.
     let outline = outline(std::f64::consts::TAU * TOP / f64::from(cells));
@@ -31,7 +31,7 @@ pub(super) fn candle(cells: u32) -> Mesh {
         if ring == 0 || ring == last {
             return 1;
         }
-        // Fewer cells where the circle gets short, halved as often as the count allows.
+        // Fewer cells where the circle gets small, halved as often as the count allows.
         let mut count = cells;
         let mut radius = widest / 2.0;
         while p.x < radius && count.is_multiple_of(2) && count >= 12 {
@@ -57,7 +57,7 @@ fn outline(step: f64) -> Vec<DVec2> {
     };
     let foot = arc(DVec2::new(FOOT - ROUND, ROUND), ROUND, -FRAC_PI_2, lean);
     let rim_middle = DVec2::new(TOP - RIM, HEIGHT - RIM);
-    // The rim turns until it falls as steeply as the hollow begins.
+    // The rim ends where it is as steep as the beginning of the hollow.
     let end = PI - 0.45;
     let rim = arc(rim_middle, RIM, lean, end);
     let (start, slope) = (rim(1.0), DVec2::from_angle(end + FRAC_PI_2));
@@ -86,7 +86,7 @@ fn outline(step: f64) -> Vec<DVec2> {
     add(&wall, 4);
     add(&rim, 10);
     add(&hollow, 6);
-    // The last lies on the axis exactly.
+    // The last point lies exactly on the axis.
     if let Some(end) = outline.last_mut() {
         *end = floor;
     }

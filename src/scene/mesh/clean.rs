@@ -1,5 +1,4 @@
-//! Cleaning: one vertex per place, no face without area, no vertex without a face. Each repair is
-//! counted and reported.
+//! Cleaning: one vertex per position, no face without area, no vertex without a face. Repairs are counted and reported.
 
 use super::Mesh;
 use super::import::Soup;
@@ -11,13 +10,13 @@ use rayon::slice::ParallelSliceMut;
 /// A face with at most this area, relative to its longest edge squared, is degenerate.
 const SLIVER: f64 = 1e-7;
 
-/// The cleaned mesh, faces in the order of the input, and the vertex of the input that each of its own is; its open
-/// edges are not counted yet.
+/// The cleaned mesh, with faces in the order of the input, and for each of its vertices that of the input. Open edges
+/// are not counted yet.
 pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<(Mesh, Vec<u32>)> {
     let Soup { positions, triangles, input_face, uvs, unused } = soup;
     let (first, welded) = weld(&positions);
 
-    // Faces with three different corners and an area stay.
+    // Keep faces with three different corners and an area.
     let mut mesh = Mesh { uvs: uvs.as_ref().map(|_| Vec::new()), ..Mesh::default() };
     let (mut repeated, mut slivers) = (0, 0);
     for (triangle, (corners, face)) in triangles.iter().zip(input_face).enumerate() {
@@ -40,7 +39,7 @@ pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<(Mesh, Vec<
         return Err(fault.found(found).expected("at least one face with an area"));
     }
 
-    // Vertices are numbered again in the order of first use.
+    // Renumber vertices in the order of first use.
     let mut number = vec![u32::MAX; positions.len()];
     let mut from = Vec::new();
     for corner in mesh.triangles.iter_mut().flatten() {
@@ -68,9 +67,9 @@ pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<(Mesh, Vec<
     Ok((mesh, from))
 }
 
-/// For each vertex the first one in the same place, and how many are not the first.
+/// For each vertex the first one at the same position, and the number of duplicates.
 pub(super) fn weld(positions: &[DVec3]) -> (Vec<u32>, usize) {
-    // Adding 0 makes -0 into 0, so that equal coordinates have equal bits.
+    // Adding 0 turns -0 into 0, so that equal coordinates have equal bits.
     let key = |p: &DVec3| (*p + DVec3::ZERO).to_array().map(f64::to_bits);
     let mut sorted: Vec<([u64; 3], u32)> = positions.iter().map(key).zip(0..).collect();
     sorted.par_sort_unstable();
@@ -88,7 +87,7 @@ pub(super) fn weld(positions: &[DVec3]) -> (Vec<u32>, usize) {
 /// Whether a triangle has (almost) no area for its size.
 fn is_sliver([a, b, c]: [DVec3; 3]) -> bool {
     let (ab, bc, ca) = (b - a, c - b, a - c);
-    // Scaled to about 1 first: squares of tiny or huge edges would leave the range of f64.
+    // Scale to about 1 first: squares of tiny or huge edges would leave the range of f64.
     let scale = ab.abs().max(bc.abs()).max(ca.abs()).max_element();
     let (ab, bc, ca) = (ab / scale, bc / scale, ca / scale);
     let longest = ab.length_squared().max(bc.length_squared()).max(ca.length_squared());

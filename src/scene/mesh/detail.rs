@@ -1,4 +1,4 @@
-//! How fine shapes are made.
+//! Levels of detail of the built-in shapes.
 
 use super::Shape;
 use std::ops::RangeInclusive;
@@ -19,7 +19,7 @@ impl Shape {
         }
     }
 
-    /// The detail when none is given.
+    /// The default detail.
     pub fn usual_detail(self) -> u32 {
         match self {
             Self::Sphere => 5,
@@ -35,7 +35,7 @@ impl Shape {
         }
     }
 
-    /// No fewer triangles than the shape has, and not many more.
+    /// An upper bound on the number of triangles of the shape, no more than about twice it.
     pub fn most_triangles(self, detail: u32) -> u64 {
         let n = u64::from(detail);
         match self {

@@ -8,18 +8,18 @@ pub(super) const NONE: u32 = u32::MAX;
 /// The edges of a mesh. Half-edge `3 t + k` runs from corner `k` of triangle `t` to the next one.
 #[derive(Debug)]
 pub(super) struct Edges {
-    /// For each half-edge the one of the only other face at this edge, or [`NONE`].
+    /// For each half-edge its twin, that of the only other face at this edge, or [`NONE`].
     pub device_state: Vec<u32>,
-    /// Edges that one face has alone.
+    /// Number of edges with one face.
     pub open: usize,
-    /// Edges that three or more faces share.
+    /// Number of edges with three or more faces.
     pub crowded: usize,
 }
 
 impl Edges {
-    /// Finds the edges of triangles whose corners differ from each other.
+    /// Finds the edges of triangles with three different corners.
     pub fn of(triangles: &[[u32; 3]]) -> Self {
-        // Sorted by their two ends, the half-edges of an edge are neighbours.
+        // Sort half-edges by their two ends, so that those of an edge are adjacent.
         let ends = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)];
         let key = |(a, b): (u32, u32)| u64::from(a.min(b)) << 32 | u64::from(a.max(b));
         let mut sorted: Vec<(u64, u32)> = triangles.iter().flat_map(ends).map(key).zip(0..).collect();

@@ -6,11 +6,11 @@ use super::sweep::{outward, smooth, sweep};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Cells round and rings along the body and a leg, of detail 1.
+/// Cells around and rings along the body and a leg, at detail 1.
 const BODY: [u32; 2] = [40, 90];
 const LEG: [u32; 2] = [18, 26];
 
-/// A gecko about 1 long in the xz-plane, its nose at +x, its back at +y; of detail 1 it has 10,944 triangles.
+/// A gecko about 1 long in the xz-plane, its nose at +x, its back at +y; at detail 1 it has 10,944 triangles.
 pub(super) fn gecko(detail: u32) -> Mesh {
     let mut parts = vec![tube(BODY.map(|n| n * detail), |s, angle| bumpy(spine(s), radius(s), angle))];
     for (place, side) in [(0.3, 1.0), (0.3, -1.0), (0.55, 1.0), (0.55, -1.0)] {
@@ -25,14 +25,14 @@ pub(super) fn gecko(detail: u32) -> Mesh {
     Mesh::made(positions, triangles)
 }
 
-/// A tube of so many cells and rings that closes at both ends.
+/// A tube of so many cells and rings that is closed at both ends.
 fn tube([cells, rings]: [u32; 2], point: impl Fn(f64, f64) -> DVec3) -> Mesh {
     let counts: Vec<u32> = (0..rings + 2).map(|ring| if ring == 0 || ring == rings + 1 { 1 } else { cells }).collect();
     let along = |ring: usize| ring as f64 / f64::from(rings + 1);
     outward(sweep(&counts, |ring, angle| point(along(ring), angle)))
 }
 
-/// Place and direction of the spine, from nose to tail.
+/// Position and direction of the spine, from nose to tail.
 fn spine(s: f64) -> (DVec3, DVec3) {
     let bend = |s: f64| 0.1 * (2.2 * PI * s).sin() * smooth(0.2, 0.9, s);
     let step = 1e-4;
@@ -48,7 +48,7 @@ fn radius(s: f64) -> [f64; 2] {
     [(head + trunk) * tail, 0.72 * (head + trunk) * tail]
 }
 
-/// Place and direction of a leg that begins at `place` of the spine and goes to one side, then down.
+/// Position and direction of a leg that begins at `place` of the spine and goes to one side, then down.
 fn leg(place: f64, side: f64, s: f64) -> (DVec3, DVec3) {
     let (hip, _) = spine(place);
     let at = |s: f64| {
@@ -67,7 +67,7 @@ fn limb(s: f64) -> [f64; 2] {
     [thick * round, (0.02 - 0.01 * smooth(0.6, 1.0, s)) * round]
 }
 
-/// A point round a place of a tube, lifted by the skin's bumps.
+/// A point around a position on a tube, displaced by the skin's bumps.
 fn bumpy((center, along): (DVec3, DVec3), [width, height]: [f64; 2], angle: f64) -> DVec3 {
     let aside = along.cross(DVec3::Y).normalize_or(DVec3::Z);
     let up = aside.cross(along);

@@ -1,9 +1,8 @@
-//! The lotus: a bowl of two staggered rows of petals, as one closed sheet, thick at the base and
-//! thin at the rim, so that a light inside makes the petals glow.
+//! The lotus: a bowl of two staggered rows of petals, as one closed sheet, thick at the base and thin at the rim, so
+//! that a light inside makes the petals glow.
 //!
-//! The sheet is swept round the y axis. Its middle follows a curve from the bottom to the rim, cut
-//! at a height that draws the petals, and is pushed in and out to cup them; the two walls lie half
-//! a thickness to either side of the middle.
+//! The sheet is swept around the y axis. Its middle follows a curve from the bottom to the rim, ends at a height that
+//! outlines the petals, and is offset in and out to cup them; the two walls are half a thickness on either side.
 
 use super::Mesh;
 use super::sweep::{smooth, sweep};
@@ -19,13 +18,13 @@ const CURVE: [DVec2; 4] = [DVec2::ZERO, DVec2::new(0.84, 0.0), DVec2::new(0.68, 
 /// The full thickness at the bottom and at the rim.
 const THICKNESS: [f64; 2] = [0.12, 0.03];
 
-/// Where the rounding of the rim begins, as a part of the way from bottom to rim.
+/// Where the rounding of the rim begins, as a fraction of the way from bottom to rim.
 const ROUNDING: f64 = 0.986;
 
-/// Half the width of a petal of the inner row, as a part of half the pitch.
+/// Half the width of a petal of the inner row, as a fraction of half the pitch.
 const INNER_WIDTH: f64 = 0.64;
 
-/// A closed lotus with `cells` round the circle, in units of about half its width.
+/// A closed lotus with `cells` around the circle, in units of about half its width.
 pub(super) fn lotus(cells: u32) -> Mesh {
     let rings = rings(cells);
     let counts: Vec<u32> = rings.iter().map(|ring| ring.cells).collect();
@@ -35,9 +34,9 @@ pub(super) fn lotus(cells: u32) -> Mesh {
 /// One ring of vertices.
 #[derive(Debug, Clone, Copy)]
 struct Ring {
-    /// The part of the way from the bottom to the rim, 0 to 1.
+    /// Position from the bottom to the rim, 0 to 1.
     way: f64,
-    /// Which wall: 1 the outer, -1 the inner, and between them over the rim.
+    /// The wall: 1 the outer, -1 the inner, and in between over the rim.
     side: f64,
     /// Vertices on the ring; 1 at the bottom.
     cells: u32,
@@ -45,7 +44,7 @@ struct Ring {
 
 /// The rings from the bottom up the outer wall, over the rim, and down the inner wall.
 fn rings(cells: u32) -> Vec<Ring> {
-    // The wall: even steps, with fewer cells where the circle gets short.
+    // The wall: even steps, with fewer cells where the circle gets small.
     let rows = (cells / 4).max(6);
     let mut wall: Vec<Ring> =
         (0..=rows).map(|row| Ring { way: ROUNDING * f64::from(row) / f64::from(rows), side: 1.0, cells }).collect();
@@ -62,7 +61,7 @@ fn rings(cells: u32) -> Vec<Ring> {
         bottom.cells = 1;
     }
 
-    // The rim: a half circle, of which the middle belongs to both walls.
+    // The rim: a half circle, whose middle belongs to both walls.
     let cap = (1..6).map(|step| {
         let (sine, cosine) = (TAU / 12.0 * f64::from(step)).sin_cos();
         let side = if step == 3 { 0.0 } else { cosine };
@@ -72,7 +71,7 @@ fn rings(cells: u32) -> Vec<Ring> {
     wall.iter().copied().chain(cap).chain(inner).collect()
 }
 
-/// A point of the sheet at an angle, a part of the way from bottom to rim, and a side.
+/// A point of the sheet at an angle, a position from bottom to rim, and a side.
 fn point(angle: f64, way: f64, side: f64) -> DVec3 {
     let petal = Petal::at(angle);
     let t = way * petal.height;
@@ -81,12 +80,12 @@ fn point(angle: f64, way: f64, side: f64) -> DVec3 {
     let thickness = THICKNESS[0] + (THICKNESS[1] - THICKNESS[0]) * smooth(0.05, 0.95, way);
     let offset = petal.push * smooth(0.2, 0.95, t) + side * thickness / 2.0;
     let flat = middle + normal * offset;
-    // The poles lie on the axis exactly.
+    // The poles lie exactly on the axis.
     let radius = if way == 0.0 { 0.0 } else { flat.x };
     DVec3::new(radius * angle.cos(), flat.y, radius * angle.sin())
 }
 
-/// The petal rows at an angle.
+/// Height and offset of the sheet at an angle.
 #[derive(Debug)]
 struct Petal {
     /// How far the sheet reaches along the curve, 0 to 1.
@@ -102,13 +101,13 @@ impl Petal {
         let inner = 2.0 * (turn - turn.round()).abs();
         let outer = 1.0 - inner;
 
-        // The outline: each petal an arch that runs out into a point.
+        // The outline: each petal is an arch that ends in a point.
         let arch = |x: f64| (1.0 - x * x).max(0.0).sqrt() * 0.76 + 0.24 * (-x / 0.15).exp();
         let inner_height = 0.46 + 0.54 * arch((inner / 0.88).min(1.0));
         let outer_height = 0.46 + 0.40 * arch((outer / 0.72).min(1.0));
         let height = soft_max(inner_height, outer_height, 0.015);
 
-        // The rows: both cupped, the outer one leaning further out.
+        // The rows: both are cupped, the outer one leans further out.
         let cup = |x: f64, width: f64| 1.0 - (x / width).powi(2);
         let inner_push = 0.10 * cup(inner, INNER_WIDTH);
         let outer_push = 0.15 + 0.07 * cup(outer, 1.0 - INNER_WIDTH);
@@ -117,7 +116,7 @@ impl Petal {
     }
 }
 
-/// The point and the tangent of the middle curve, `t` from 0 to 1.
+/// The point and the tangent of the middle curve at `t`, 0 to 1.
 fn curve(t: f64) -> [DVec2; 2] {
     let u = 1.0 - t;
     let [a, b, c, d] = CURVE;
@@ -126,7 +125,7 @@ fn curve(t: f64) -> [DVec2; 2] {
     [point, tangent]
 }
 
-/// The larger of two numbers, rounded off where they are within `width` of each other.
+/// The larger of two numbers, smoothed where they are within `width` of each other.
 fn soft_max(a: f64, b: f64, width: f64) -> f64 {
     f64::midpoint(a + b, ((a - b).powi(2) + width * width).sqrt())
 }

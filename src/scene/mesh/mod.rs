@@ -1,4 +1,4 @@
-//! Triangle meshes: read from a file or made as a shape, cleaned, and turned the right way out.
+//! Triangle meshes: read from a file or built as a shape, cleaned, and oriented outwards.
 
 mod bust;
 mod butterfly;
@@ -34,7 +34,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// A triangle mesh without degenerate faces, unused vertices or two vertices in one place.
+/// A triangle mesh without degenerate faces, unused vertices or duplicate vertices.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
     /// Vertices, in scene units.
@@ -42,29 +42,29 @@ pub struct Mesh {
     /// Corners of each triangle, as indices into `positions`; the outward normal is
     /// `(p1 - p0) x (p2 - p0)`.
     pub triangles: Vec<[u32; 3]>,
-    /// For each triangle the face of the input it came from, from 0; polygons count once.
+    /// For each triangle the face of the input it came from, from 0; a polygon counts as one face.
     pub input_face: Vec<u32>,
-    /// Places in the texture of each triangle's corners, if there is one: (0, 0) is its lower left, (1, 1) its upper
-    /// right corner. As many as triangles.
+    /// Texture coordinates of each triangle's corners, if it has any, one entry per triangle: (0, 0) is the lower left,
+    /// (1, 1) the upper right corner of the texture.
     pub uvs: Option<Vec<[[f64; 2]; 3]>>,
-    /// The number of edges that one triangle has alone; 0 when the mesh is closed.
+    /// The number of edges with one triangle only; 0 when the mesh is closed.
     pub open_edges: usize,
-    /// How often each triangle was cut in four, of a mesh that came about like that: the parts of one follow each
-    /// other, the one in the middle last. Empty of any other mesh.
+    /// For a subdivided mesh, how often each triangle was split in four: the four parts are consecutive, the middle one
+    /// last. Empty for any other mesh.
     pub splits: Vec<u8>,
 }
 
-/// The smallest extent of a mesh's file: its volume is a number still.
+/// Minimum extent of a mesh in a file, for which its volume does not underflow.
 const SMALLEST: f64 = 1e-30;
-/// Pairs of a point and a triangle that are tried for a lamp in a medium.
+/// Maximum pairs of point and triangle that are tested to find a light inside a medium.
 const MOST_INSIDE: usize = 1 << 31;
 
 impl Mesh {
-    /// Bytes that a triangle takes in memory, with its share of the vertices, while a mesh is made.
+    /// Memory per triangle, with its share of the vertices, while a mesh is built, bytes.
     pub const BYTES: u64 = 150;
 
-    /// Reads, cleans and orients a Wavefront OBJ file; repairs and warnings are added to `report`. Where a texture is
-    /// wanted, its key is given, and every corner must have a place in it.
+    /// Reads, cleans and orients a Wavefront OBJ file; repairs and warnings are added to `report`. `textured` is the
+    /// key of a texture, if there is one: every corner must then have texture coordinates.
     pub(super) fn read(files: &Files, path: &Path, textured: Option<&str>, report: &mut Vec<String>) -> Checked<Self> {
         let soup = import::read(files, path, textured)?;
         let (mut mesh, _) = clean::clean(soup, report).map_err(|fault| fault.file(path))?;
@@ -78,7 +78,7 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// A mesh made here, which is known to be closed, clean and outward.
+    /// A mesh built here, which is known to be clean, closed unless the caller says otherwise, and oriented outwards.
     fn made(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Self {
         let input_face = (0..triangles.len()).filter_map(|face| u32::try_from(face).ok()).collect();
         Self { positions, triangles, input_face, ..Self::default() }
@@ -98,30 +98,30 @@ impl Mesh {
         Some([at(a)?, at(b)?, at(c)?])
     }
 
-    /// How many triangles each vertex has.
+    /// The number of triangles at each vertex.
     pub fn round(&self) -> Vec<u32> {
         let mut round = vec![0; self.positions.len()];
         self.triangles.iter().flatten().for_each(|&vertex| round[vertex as usize] += 1);
         round
     }
 
-    /// For each half-edge the one of the only other triangle at this edge, or `u32::MAX`; `3 t + k` runs from corner
-    /// `k` of triangle `t` to the next one.
+    /// For each half-edge its twin, that of the only other triangle at this edge, or `u32::MAX`; half-edge `3 t + k`
+    /// runs from corner `k` of triangle `t` to the next one.
     pub fn twins(&self) -> Vec<u32> {
         edges::Edges::of(&self.triangles).device_state
     }
 
-    /// The enclosed volume in cubic scene units, negative when the mesh is inside out; for an open
-    /// mesh, of the cone from the first vertex.
+    /// The enclosed volume in cubic scene units, negative when the mesh is inside out; for an open mesh, the volume of
+    /// the cone from the first vertex.
     pub fn volume(&self) -> f64 {
         let apex = self.positions.first().copied().unwrap_or_default();
         let corners = (0..self.triangles.len()).filter_map(|triangle| self.corners(triangle));
         corners.map(|[a, b, c]| (a - apex).dot((b - apex).cross(c - apex)) / 6.0).sum()
     }
 
-    /// The first of these points that lies in the medium: the solid angle of the surface about it is the whole sphere,
-    /// or more of it where parts overlap. In a cavity it is zero, on the surface a part of the sphere. A mesh with an
-    /// open edge has no inside.
+    /// The first of these points that lies in the medium: the winding number of the surface about it is 1, or more
+    /// where parts overlap. It is 0 in a cavity, and between 0 and 1 on the surface. A mesh with an open edge has no
+    /// inside.
     pub fn first_inside(&self, points: &[DVec3]) -> Option<DVec3> {
         let (low, high) = self.bounds();
         let boxed = |p: &&DVec3| p.cmpge(low).all() && p.cmple(high).all();
@@ -130,14 +130,14 @@ impl Mesh {
         if self.open_edges > 0 {
             return None;
         }
-        // Of very many by very many only so many, spread evenly.
+        // Limit the work: test every `step`-th point only.
         let boxed: Vec<&DVec3> = points.iter().filter(boxed).collect();
         let step = (boxed.len() * self.triangles.len()).div_ceil(MOST_INSIDE).max(1);
         boxed.par_iter().step_by(step).find_first(|p| inside(p)).copied().copied()
     }
 
-    /// Moves the middle of the bounding box to the origin and scales the largest extent to `size`, which `key` asks
-    /// for; returns the factor.
+    /// Moves the centre of the bounding box to the origin and scales the largest extent to `size`; returns the factor.
+    /// `key` is the key of the size, for errors.
     pub(super) fn resize(&mut self, size: f64, key: &str) -> Checked<f64> {
         let (low, high) = self.bounds();
         let extent = (high - low).max_element();
@@ -152,7 +152,7 @@ impl Mesh {
     }
 }
 
-/// The number of a vertex; shapes have far fewer than 2^32.
+/// The index of a vertex as `u32`; shapes have far fewer than 2^32.
 fn number(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }

@@ -1,4 +1,4 @@
-//! Two files of equal topology: where each vertex of a mesh is in either.
+//! Morph targets: the positions of a mesh's vertices in two files of equal topology.
 
 use super::{Mesh, clean, import};
 use crate::error::Input;
@@ -8,9 +8,9 @@ use glam::DVec3;
 use std::path::Path;
 
 impl Mesh {
-    /// The places of the vertices of the mesh read from `own`, in that file and in `other`, which `key` names. Both
-    /// must have the same triangles of as many vertices, in the same order, and what lies in one place in the first has
-    /// to in the other.
+    /// The positions of the vertices of the mesh read from `own`, in that file and in `other`, whose key for errors is
+    /// `key`. Both must have the same number of vertices and the same triangles in the same order; vertices that
+    /// coincide in the first must coincide in the other.
     pub(in crate::scene) fn read_ends(files: &Files, own: &Path, other: &Path, key: &str) -> Checked<[Vec<DVec3>; 2]> {
         let [rest, end] = [own, other].map(|path| import::read(files, path, None));
         let (rest, end) = (rest?, end?);

@@ -1,4 +1,4 @@
-//! How deep each closed part of a mesh lies inside the others.
+//! The nesting depth of each closed part of a mesh within the others.
 
 use super::Mesh;
 use crate::error::Input;
@@ -6,15 +6,15 @@ use crate::scene::range::Checked;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Most faces that points are compared with, all together: a minute or two.
+/// Maximum tests of a point against a face, all together: a minute or two.
 const MOST: u64 = 4_000_000_000;
 
-/// Boxes that are compared in the time of a face.
+/// Comparisons of boxes that take as long as one such test.
 const BOXES: u64 = 16;
 
-/// For each closed part, given by its faces, the number of other ones that contain it. A part contains another when the
-/// centres of that one's outermost faces are all inside. An error where parts are so many, and so deep in one another,
-/// that it would take too long to decide.
+/// For each closed part, given by its faces, the number of other parts that contain it. A part contains another if the
+/// centroids of the other's outermost faces are all inside. Returns an error if the parts are so many and so deeply
+/// nested that this would take too long.
 pub(super) fn depths(mesh: &Mesh, parts: &[&[u32]]) -> Checked<Vec<usize>> {
     depths_within(MOST, mesh, parts).ok_or_else(|| {
         let fault = Input::new("too many parts of the mesh lie in one another to tell walls from cavities");
@@ -22,11 +22,11 @@ pub(super) fn depths(mesh: &Mesh, parts: &[&[u32]]) -> Checked<Vec<usize>> {
     })
 }
 
-/// The same; none, before the first comparison, where there would be more than `most`.
+/// The same; `None`, before the first test, if there would be more than `most`.
 fn depths_within(most: u64, mesh: &Mesh, parts: &[&[u32]]) -> Option<Vec<usize>> {
     let most = most.checked_sub((parts.len() as u64).pow(2) / BOXES)?;
     let boxes: Vec<(DVec3, DVec3)> = parts.par_iter().map(|faces| bounds(mesh, faces)).collect();
-    // Those whose boxes hold a part's box.
+    // The parts whose boxes contain a part's box.
     let around = |inner: usize| {
         let ((low, high), boxes) = (boxes[inner], &boxes);
         let holds = move |&outer: &usize| {
@@ -58,11 +58,11 @@ fn bounds(mesh: &Mesh, faces: &[u32]) -> (DVec3, DVec3) {
     corners.fold(empty, |(low, high), corner| (low.min(corner), high.max(corner)))
 }
 
-/// Points that a part is looked at in.
+/// Points at which a part is tested.
 const SAMPLES: usize = 6;
 
-/// The centres of the faces that lie furthest along each axis, both ways. Centres, and not
-/// corners, because a corner may also be one of another part.
+/// The centroids of the faces that lie furthest along each axis, both ways. Not corners, because a corner may be shared
+/// with another part.
 fn outermost(mesh: &Mesh, faces: &[u32]) -> [DVec3; SAMPLES] {
     let mut best = [(f64::NEG_INFINITY, DVec3::ZERO); SAMPLES];
     for [a, b, c] in faces.iter().filter_map(|&face| mesh.corners(face as usize)) {
@@ -109,7 +109,7 @@ mod tests {
 
     #[test]
     fn no_more_faces_are_compared_than_are_allowed() {
-        // Balls of 80 faces round one another: each but the outermost is looked at in 6 points, against all round it.
+        // Nested balls of 80 faces: each except the outermost is tested at 6 points, against all balls around it.
         let balls = |count: usize| {
             let ball = Shape::Sphere.build(1);
             let (vertices, faces) = (ball.positions.len() as u32, ball.triangles.len() as u32);

@@ -1,13 +1,13 @@
-//! Surface nets: the closed surface where a function is 0, as quadrilaterals about the edges of a grid.
+//! Surface nets: a mesh of the zero set of a function, with quadrilaterals around the edges of a grid.
 
 use super::Mesh;
 use super::number;
 use glam::{DVec3, IVec3, Vec3Swizzles};
 use std::collections::HashMap;
 
-/// The surface where `field` goes from below 0 inside to above 0 outside, all of it within `low` and `high`, on a grid
-/// of cubes with this side. One vertex for each patch of the surface in a cube, moved onto it. Parts thinner than a
-/// cube are lost, or grow together.
+/// The closed surface where `field` goes from negative inside to positive outside, all of it between `low` and `high`,
+/// on a grid of cubes with this side. Each patch of the surface in a cube gets one vertex, projected onto the surface.
+/// Parts thinner than a cube vanish or merge.
 pub(super) fn surface(field: impl Fn(DVec3) -> f64, low: DVec3, high: DVec3, side: f64) -> Mesh {
     let counts = ((high - low) / side).ceil().as_ivec3() + 3;
     let at = |p: IVec3| low + (p.as_dvec3() - 1.0) * side;
@@ -18,7 +18,8 @@ pub(super) fn surface(field: impl Fn(DVec3) -> f64, low: DVec3, high: DVec3, sid
     };
     let values: Vec<f64> = all().map(|p| field(at(p))).collect();
 
-    // The patch of the surface in a cube, between these corners: two that only meet in a face's diagonal part there.
+    // The patch of the surface in a cube that separates these two corners: inside corners are connected along the
+    // cube's edges, outside corners also across the diagonals of its faces.
     let patch = |cube: IVec3, inside: IVec3, outside: IVec3| {
         let corner = |k: i32| cube + IVec3::new(k & 1, k >> 1 & 1, k >> 2);
         let under = (0..8).filter(|&k| values[index(corner(k))] < 0.0).fold(0, |mask, k| mask | 1 << k);
@@ -34,7 +35,7 @@ pub(super) fn surface(field: impl Fn(DVec3) -> f64, low: DVec3, high: DVec3, sid
         [grow(inside, under, 1), grow(outside, !under, 2)]
     };
 
-    // A square about each edge that the surface crosses, its corners in the four cubes that share the edge.
+    // One quadrilateral around each edge that the surface crosses, with corners in the four cubes at the edge.
     let mut cubes = HashMap::new();
     let mut middles: Vec<(DVec3, f64)> = Vec::new();
     let mut squares = Vec::new();
@@ -66,7 +67,7 @@ pub(super) fn surface(field: impl Fn(DVec3) -> f64, low: DVec3, high: DVec3, sid
         }
     }
 
-    // Vertices: even out, then onto the surface, twice.
+    // Vertices: smooth, then project onto the surface, four times.
     let mut positions: Vec<DVec3> = middles.iter().map(|(sum, count)| *sum / *count).collect();
     for _ in 0..4 {
         even_out(&mut positions, &squares);
@@ -83,7 +84,7 @@ pub(super) fn surface(field: impl Fn(DVec3) -> f64, low: DVec3, high: DVec3, sid
     Mesh::made(positions, triangles)
 }
 
-/// Moves each vertex half of the way to the mean of its neighbours.
+/// Moves each vertex halfway to the mean of its neighbours.
 fn even_out(positions: &mut [DVec3], squares: &[[usize; 4]]) {
     let mut means = vec![(DVec3::ZERO, 0.0); positions.len()];
     for corners in squares {
@@ -100,8 +101,7 @@ fn even_out(positions: &mut [DVec3], squares: &[[usize; 4]]) {
     }
 }
 
-/// The point of the surface next to one that is near it, by three steps of Newton's along the gradient, none longer
-/// than half of `side`.
+/// Projects a point near the surface onto it by three Newton steps along the gradient, none longer than half of `side`.
 fn onto(field: impl Fn(DVec3) -> f64, mut p: DVec3, side: f64) -> DVec3 {
     let h = 1e-3 * side;
     for _ in 0..3 {

@@ -1,4 +1,4 @@
-//! A mesh made finer as a hierarchy wants it: a coarse base cut in four, or the mesh wrapped.
+//! Refines a mesh for its hierarchy: by subdivision of a coarse base, or by shrink-wrapping.
 
 use super::Mesh;
 use super::butterfly::butterfly;
@@ -10,28 +10,29 @@ use crate::scene::range::Checked;
 use crate::scene::transport::{Hierarchy, Transport};
 use glam::DVec3;
 
-/// How often a base is cut in four, where the scene does not say.
+/// Default levels of 4-to-1 subdivision.
 const LEVELS: u32 = 4;
 
-/// Fewest triangles of a base then, of those that are made here: with fewer a thing of many limbs loses some.
+/// Minimum triangles of a base made by shrink-wrapping with the default levels: with fewer, a shape of many limbs loses
+/// some.
 const BASE: usize = 200;
 
-/// Most triangles after that.
+/// Maximum triangles after subdivision.
 const MOST: usize = 1 << 23;
 
 /// How the vertices of an object come from those of its file.
 #[derive(Debug)]
 pub(in crate::scene) enum Origin {
-    /// They are the same.
+    /// The vertices of the file.
     File,
-    /// By subdivision of this base, so many times.
+    /// By subdividing this base so many times.
     Butterfly(Box<Mesh>, u32),
-    /// Each from three of the file's.
+    /// Each a weighted mean of three of the file's.
     Wrapped(Vec<Share>),
 }
 
 impl Origin {
-    /// About how many vertices the object has where they are not those of its file.
+    /// Approximate number of the object's vertices; 0 if they are those of its file.
     pub fn vertices(&self) -> usize {
         match self {
             Self::File => 0,
@@ -40,7 +41,7 @@ impl Origin {
         }
     }
 
-    /// Where the object's vertices are if the file's are here.
+    /// Positions of the object's vertices from those of the file's.
     pub fn apply(&self, positions: Vec<DVec3>) -> Vec<DVec3> {
         match self {
             Self::File => positions,
@@ -50,10 +51,10 @@ impl Origin {
     }
 }
 
-/// Most triangles at a vertex of a base: the scheme looks at all of them for each of its edges.
+/// Maximum triangles at a vertex of a base: the scheme visits all of them for each of its edges.
 const MOST_ROUND: u32 = 4096;
 
-/// Whether no vertex has too many triangles round it.
+/// Checks that no vertex has too many triangles.
 fn crowds(mesh: &Mesh, key: &str) -> Checked<()> {
     match mesh.round().into_iter().max() {
         Some(most) if most > MOST_ROUND => {
@@ -64,7 +65,7 @@ fn crowds(mesh: &Mesh, key: &str) -> Checked<()> {
     }
 }
 
-/// Whether a base may be cut in four so often.
+/// Checks that a base may be split in four so often, and takes the memory.
 pub(super) fn room(files: &Files, base: usize, levels: u32) -> Checked<()> {
     let all = base << (2 * levels);
     let fault = |what: &str, found: String| {
@@ -79,7 +80,7 @@ pub(super) fn room(files: &Files, base: usize, levels: u32) -> Checked<()> {
 }
 
 impl Mesh {
-    /// The mesh as its hierarchy wants it, and where its vertices come from.
+    /// Refines the mesh for its hierarchy; also returns the origin of its vertices.
     pub(in crate::scene) fn refined(
         self,
         files: &Files,

@@ -1,4 +1,4 @@
-//! An open plane, and boxes with round edges: a cube, and a slab with a bump on it.
+//! An open plane, and boxes with rounded edges: a cube, and a slab with a bump on it.
 
 use super::Mesh;
 use super::number;
@@ -20,7 +20,7 @@ pub(super) fn plane(cells: u32) -> Mesh {
     Mesh { open_edges: 4 * cells as usize, ..mesh }
 }
 
-/// Radius of the cube's round edges.
+/// Radius of the cube's rounded edges.
 const SOFT: f64 = 0.1;
 
 /// The slab's thickness, the radius of its edges, and the bump's radius and height.
@@ -29,8 +29,8 @@ const ROUND: f64 = 0.04;
 const WIDE: f64 = 0.24;
 const HIGH: f64 = 0.2;
 
-/// A closed slab of 1 x 0.2 x 1 with round edges and a smooth round bump of 0.2 in the middle of its top, with `cells`
-/// along a side.
+/// A closed slab of 1 x 0.2 x 1 with rounded edges and a smooth round bump of 0.2 in the middle of its top, with
+/// `cells` along a side.
 pub(super) fn bump(cells: u32) -> Mesh {
     rounded(cells, DVec3::new(0.5, THICK / 2.0, 0.5), ROUND, |p, out| {
         let distance = (p.x.hypot(p.z) / WIDE).min(1.0);
@@ -39,13 +39,13 @@ pub(super) fn bump(cells: u32) -> Mesh {
     })
 }
 
-/// A closed cube of 1 with round edges, with `cells` along a side.
+/// A closed cube of 1 with rounded edges, with `cells` along a side.
 pub(super) fn cube(cells: u32) -> Mesh {
     rounded(cells, DVec3::splat(0.5), SOFT, |_, _| DVec3::ZERO)
 }
 
-/// A closed box with edges of this radius, of nearly square cells, `cells` in a length of 1; its points are moved by
-/// what `lift` says of their places on the box with sharp edges and of their normals.
+/// A closed box with half extents `half` and edges of radius `round`, of nearly square cells, `cells` in a length of 1.
+/// `lift` displaces its points by their position on the box with sharp edges and their normal.
 fn rounded(cells: u32, half: DVec3, round: f64, lift: impl Fn(DVec3, DVec3) -> DVec3) -> Mesh {
     // Along each axis: the straight part in equal steps, and the roundings in equal angles.
     let step = 1.0 / f64::from(cells);
@@ -82,7 +82,7 @@ fn rounded(cells: u32, half: DVec3, round: f64, lift: impl Fn(DVec3, DVec3) -> D
                         vertex(place)
                     });
                     let [a, b, c, d] = corners;
-                    // The diagonals run away from the middle, so that the bump is the same from four sides.
+                    // Diagonals run away from the middle, so that the bump is symmetric.
                     let inward = (2 * i < axes[u].len() - 1) == (2 * j < axes[v].len() - 1);
                     let two = if inward { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
                     triangles.extend(two.map(|[p, q, r]| if side > 0 { [p, q, r] } else { [p, r, q] }));

@@ -1,4 +1,4 @@
-//! Shapes made here: closed but for the plane, outward, and as fine as their `detail` says.
+//! Built-in shapes: closed except for the plane, oriented outwards, and as fine as their `detail` says.
 
 use super::{Mesh, bust, candle, fish, gecko, lotus, number, relief, sweep, uv};
 use glam::DVec3;
@@ -13,17 +13,17 @@ pub enum Shape {
     Sphere,
     /// A box of 1 x 1 x 0.2, thin along z; detail: cells along a long side.
     Slab,
-    /// An open bowl of petals, about 2 across, opening towards +y; detail: cells round the circle.
+    /// An open bowl of petals, about 2 across, opening towards +y; detail: cells around the circle.
     Lotus,
     /// An open square of 1 x 1 in the xz-plane, facing +y; detail: cells along a side.
     Plane,
-    /// A cube of 1 with round edges; detail: cells along a side.
+    /// A cube of 1 with rounded edges; detail: cells along a side.
     Cube,
-    /// A ring in the xy-plane, 2.8 across, its tube 0.8; detail: cells along it.
+    /// A torus in the xy-plane, 2.8 across, its tube 0.8 thick; detail: cells along it.
     Torus,
-    /// A slab of 1 x 0.2 x 1 with round edges and a smooth bump of 0.2 on its top; detail: cells along a side.
+    /// A slab of 1 x 0.2 x 1 with rounded edges and a smooth bump of 0.2 on its top; detail: cells along a side.
     Bump,
-    /// A candle with a hollow in its top, 1 high, 0.7 across; detail: cells round the circle.
+    /// A candle with a hollow in its top, 1 high, 0.7 across; detail: cells around the circle.
     Candle,
     /// A head on shoulders and a plinth, 1.8 high, looking along +z; detail: grid cells from top to bottom.
     Bust,
@@ -34,7 +34,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// The shape; a detail outside of [`Shape::details`] is brought inside.
+    /// Builds the shape; `detail` is clamped to [`Shape::details`].
     pub fn build(self, detail: u32) -> Mesh {
         let detail = detail.clamp(*self.details().start(), *self.details().end());
         match self {
@@ -52,17 +52,17 @@ impl Shape {
         }
     }
 
-    /// The same with places in a texture.
+    /// The same with texture coordinates.
     pub fn build_textured(self, detail: u32) -> Mesh {
         let mesh = self.build(detail);
         Mesh { uvs: Some(uv::of_shape(self, &mesh)), ..mesh }
     }
 }
 
-/// Half the thickness of the ring's tube.
+/// Minor radius of the torus.
 const TUBE: f64 = 0.4;
 
-/// An icosahedron, its triangles cut into four again and again, its corners pushed out to the ball.
+/// A subdivided icosahedron, its vertices projected onto the unit sphere.
 fn sphere(subdivisions: u32) -> Mesh {
     let g = f64::midpoint(1.0, 5f64.sqrt());
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
@@ -72,7 +72,7 @@ fn sphere(subdivisions: u32) -> Mesh {
         }
     }
 
-    // The faces of the icosahedron: three corners each 2 / |corner| apart, seen from outside.
+    // The faces of the icosahedron: three corners each 2 / |corner| apart, oriented outwards.
     let edge = 2.0 / (1.0 + g * g).sqrt() + 1e-9;
     let near = |a: usize, b: usize| positions[a].distance(positions[b]) < edge;
     for a in 0..12 {
@@ -146,7 +146,7 @@ mod tests {
     use super::super::{clean, edges::Edges, import::Soup, orient};
     use super::*;
 
-    /// A shape must come through the import untouched.
+    /// A shape passes the import unchanged.
     fn check(shape: Shape, detail: u32) -> Mesh {
         let mesh = shape.build(detail);
         let edges = Edges::of(&mesh.triangles);
@@ -216,7 +216,7 @@ mod tests {
         }
         for detail in [3, 4, 17, 160] {
             let mesh = check(Shape::Torus, detail);
-            // A handle: as many vertices and triangles as edges.
+            // One handle: Euler characteristic 0, so that there are half as many vertices as triangles.
             assert_eq!(2 * mesh.positions.len(), mesh.triangles.len());
             let whole = 2.0 * std::f64::consts::PI.powi(2) * TUBE * TUBE;
             assert!(mesh.volume() < whole && (detail < 160 || mesh.volume() > 0.99 * whole), "{}", mesh.volume());

@@ -1,12 +1,12 @@
-//! Triangles cut in four at the middles of their edges. A neighbour that is not cut keeps its edge: the new vertices
-//! lie on it, so that there is no gap, only corners that one side does not know of.
+//! 4-to-1 subdivision of triangles at the midpoints of their edges. A neighbour that is not split keeps its edge: the
+//! new vertices lie on it, which leaves T-junctions but no gaps.
 
 use super::Mesh;
 use std::collections::HashMap;
 
 impl Mesh {
-    /// The mesh with some triangles cut in four, the one in the middle last, and the number of the triangle that each
-    /// came from. Vertices keep their numbers.
+    /// Splits some triangles in four, the middle part last, and returns for each new triangle the one that it came
+    /// from. Vertices keep their numbers.
     #[must_use]
     pub fn split(&self, cut: impl Fn(usize) -> bool) -> (Self, Vec<u32>) {
         let mut fine = Self { positions: self.positions.clone(), open_edges: self.open_edges, ..Self::default() };
@@ -63,7 +63,7 @@ mod tests {
         assert!((fine.volume() - ball.volume()).abs() < 1e-12);
         let (whole, _) = ball.split(|_| true);
         assert_eq!(whole.positions.len(), ball.positions.len() + 120);
-        // The part in the middle has its parent's centre, in space and in the texture.
+        // The middle part has its parent's centroid, in space and in the texture.
         let center = |[a, b, c]: [glam::DVec3; 3]| (a + b + c) / 3.0;
         for face in 0..80 {
             let [middle, parent] = [whole.corners(4 * face + 3).unwrap(), ball.corners(face).unwrap()].map(center);

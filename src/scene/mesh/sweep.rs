@@ -1,13 +1,13 @@
-//! Closed surfaces swept round an axis, ring by ring.
+//! Closed surfaces swept around an axis, ring by ring.
 
 use super::Mesh;
 use super::number;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// The surface of rings with these counts of vertices, each the same as the one before, or twice or half of it, or 1 on
-/// the axis, as the first and the last. `point` is asked for a ring and an angle; outside lies to the right of the way
-/// from ring to ring as seen with the axis on the left.
+/// A surface of rings with these numbers of vertices, each equal to the one before, or twice or half of it, or 1 on the
+/// axis, as the first and the last are. `point` gives the position for a ring and an angle. With the axis on the left,
+/// the outside is to the right of the path from ring to ring.
 pub(super) fn sweep(counts: &[u32], point: impl Fn(usize, f64) -> DVec3) -> Mesh {
     let mut positions = Vec::new();
     let mut starts = Vec::with_capacity(counts.len());
@@ -22,8 +22,8 @@ pub(super) fn sweep(counts: &[u32], point: impl Fn(usize, f64) -> DVec3) -> Mesh
     Mesh::made(positions, triangles)
 }
 
-/// A ring round the z axis, 1 from its middle to the middle of its tube, which is `tube` thick either way: `cells`
-/// along it, and round the tube so many that they are nearly square.
+/// A torus about the z axis with major radius 1 and minor radius `tube`: `cells` along it, and around the tube as many
+/// as make cells nearly square.
 pub(super) fn torus(cells: u32, tube: f64) -> Mesh {
     let round = ((f64::from(cells) * tube).round() as u32).max(3);
     let point = |k: u32| {
@@ -38,8 +38,8 @@ pub(super) fn torus(cells: u32, tube: f64) -> Mesh {
     Mesh::made((0..cells * round).map(point).collect(), (0..cells * round).flat_map(cell).collect())
 }
 
-/// The triangles between two rings, each given by its first vertex and its count. The counts are
-/// the same, or one is twice the other, or one is 1.
+/// The triangles between two rings, each given by its first vertex and its count. The counts are equal, or one is twice
+/// the other, or one is 1.
 fn join(positions: &[DVec3], (a, na): (usize, usize), (b, nb): (usize, usize), triangles: &mut Vec<[u32; 3]>) {
     let low = |cell: usize| number(a + cell % na);
     let high = |cell: usize| number(b + cell % nb);
@@ -62,7 +62,7 @@ fn join(positions: &[DVec3], (a, na): (usize, usize), (b, nb): (usize, usize), t
     }
 }
 
-/// The same surface with its outside on the side away from its volume, whichever way it was swept.
+/// The same surface, oriented outwards whichever way it was swept.
 pub(super) fn outward(mut mesh: Mesh) -> Mesh {
     if mesh.volume() < 0.0 {
         mesh.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
@@ -70,7 +70,7 @@ pub(super) fn outward(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// From 0 at `low` to 1 at `high`, without a corner.
+/// Smoothstep: from 0 at `low` to 1 at `high`.
 pub(super) fn smooth(low: f64, high: f64, x: f64) -> f64 {
     let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

@@ -1,16 +1,16 @@
-//! Places in a texture for the shapes made here.
+//! Texture coordinates of the built-in shapes.
 
 use super::{Mesh, Shape};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// For each corner of a shape as it is built.
+/// Texture coordinates of each corner of a shape as it is built.
 ///
-/// Ball: longitude to the right, latitude upwards; the middle of the texture is at +z, its left and right edge meet at
-/// -z. Lotus: the angle round its axis in the same way, and the height. Slab: each side has the texture by itself, the
-/// longest side of the slab across the whole of it, seen upright from outside where that has a meaning. Candle and
-/// bust: as the lotus. Plane and bump: seen from above, +x to the right, -z upwards; so the gecko, four times over its
-/// length. Cube: as the slab. Torus: seen from +z. Fish: seen from its side, +x to the right.
+/// Sphere: longitude to the right, latitude upwards; the middle of the texture is at +z, its left and right edges meet
+/// at -z. Lotus, candle and bust: the angle around the axis in the same way, and the height. Slab and cube: each side
+/// has its own copy, with the longest side across the whole texture, upright as seen from outside where that has a
+/// meaning. Plane and bump: seen from above, +x to the right, -z upwards; the gecko likewise, repeated four times over
+/// its length. Torus: seen from +z. Fish: seen from its side, +x to the right.
 pub(super) fn of_shape(shape: Shape, mesh: &Mesh) -> Vec<[[f64; 2]; 3]> {
     let (low, high) = mesh.bounds();
     let corners = (0..mesh.triangles.len()).filter_map(|face| mesh.corners(face));
@@ -26,7 +26,8 @@ pub(super) fn of_shape(shape: Shape, mesh: &Mesh) -> Vec<[[f64; 2]; 3]> {
     corners.map(place).collect()
 }
 
-/// Round the y axis. A triangle across the seam goes on beyond 1; a corner on the axis lies between the others.
+/// Cylindrical, about the y axis. A triangle across the seam continues beyond 1; a corner on the axis gets the mean of
+/// the others.
 fn around(corners: [DVec3; 3], height: impl Fn(DVec3) -> f64) -> [[f64; 2]; 3] {
     let on_axis = |p: DVec3| p.x.hypot(p.z) < 1e-9;
     let turns = corners.map(|p| if on_axis(p) { f64::NAN } else { 0.5 + p.x.atan2(p.z) / TAU });
@@ -38,7 +39,7 @@ fn around(corners: [DVec3; 3], height: impl Fn(DVec3) -> f64) -> [[f64; 2]; 3] {
     std::array::from_fn(|k| [turns[k], height(corners[k])])
 }
 
-/// On the side of a box that the triangle lies in.
+/// Planar, on the side of a box that contains the triangle.
 fn planar(corners: [DVec3; 3]) -> [[f64; 2]; 3] {
     let [a, b, c] = corners;
     let normal = (b - a).cross(c - a);
@@ -75,7 +76,7 @@ mod tests {
             }
             let us = places.map(|[u, _]| u);
             let span = us.into_iter().fold(0.0, f64::max) - us.into_iter().fold(2.0, f64::min);
-            // A triangle at a pole sees much of the circle; elsewhere few degrees.
+            // A triangle at a pole spans much of the circle; elsewhere a few degrees.
             let steep = corners.iter().any(|p| p.x.hypot(p.z) < 0.3);
             assert!(span < if steep { 0.5 } else { 0.12 }, "{span} {corners:?}");
             crossing += usize::from(us.iter().any(|u| *u > 1.0));

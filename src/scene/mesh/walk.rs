@@ -6,17 +6,16 @@ use crate::error::Input;
 use crate::scene::range::Checked;
 use glam::DVec3;
 
-/// Half-edges of a mesh, and where its vertices are. Half-edge `3 t + k` runs from corner `k` of triangle `t` to the
-/// next.
+/// Half-edges and vertex positions of a mesh. Half-edge `3 t + k` runs from corner `k` of triangle `t` to the next.
 pub(super) struct Surface<'a> {
     positions: &'a [DVec3],
     triangles: &'a [[u32; 3]],
-    /// The half-edge of the other triangle at the same edge, or [`NONE`].
+    /// For each half-edge its twin, that of the other triangle at the same edge, or [`NONE`].
     pub device_state: Vec<u32>,
 }
 
 impl<'a> Surface<'a> {
-    /// The edges of a mesh.
+    /// The half-edges of a mesh.
     pub fn of(mesh: &'a Mesh) -> Self {
         Self {
             positions: &mesh.positions,
@@ -30,12 +29,12 @@ impl<'a> Surface<'a> {
         self.positions[start(self.triangles, half) as usize]
     }
 
-    /// The other half-edge, or [`NONE`].
+    /// The twin of a half-edge, or [`NONE`].
     pub fn across(&self, half: u32) -> u32 {
         self.device_state[half as usize]
     }
 
-    /// Half-edges out of this one's start, in turn, from this one; whether they go all the way round.
+    /// Half-edges out of this one's start, in order around it from this one, and whether they go all the way around.
     pub fn fan(&self, half: u32) -> (Vec<u32>, bool) {
         let mut fan = vec![half];
         loop {
@@ -48,7 +47,8 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// How many parts a closed surface has, and at how many vertices more it touches itself than it has.
+    /// The number of connected parts of a closed surface, and of vertices at which it touches itself, once per extra
+    /// fan.
     pub fn parts(&self) -> (usize, usize) {
         let (mut seen, mut parts) = (vec![false; self.triangles.len()], 0);
         for first in 0..self.triangles.len() as u32 {
@@ -71,7 +71,7 @@ impl<'a> Surface<'a> {
     }
 }
 
-/// Whether a mesh is a surface that can be walked over: no edge of three triangles or more, and two sides.
+/// Checks that a mesh is a surface with consistent orientation and no edge of three triangles or more.
 pub(super) fn check(mesh: &Mesh, key: &str) -> Checked<()> {
     let edges = Edges::of(&mesh.triangles);
     let fault = |found: String| {
@@ -94,7 +94,7 @@ pub(super) fn after(half: u32) -> u32 {
     if half % 3 == 2 { half - 2 } else { half + 1 }
 }
 
-/// The one before it.
+/// The half-edge before it.
 pub(super) fn before(half: u32) -> u32 {
     if half.is_multiple_of(3) { half + 2 } else { half - 1 }
 }

@@ -51,7 +51,7 @@ fn in_vertex(words: &[&str]) -> Option<Input> {
     Some(fault.found(format!("{value:e}")).expected(expected))
 }
 
-/// The fault of an `f` statement after `before` of `vertices` vertices.
+/// The fault of an `f` statement that follows `before` of the `vertices` vertices of the file.
 fn in_face(words: &[&str], before: usize, vertices: usize) -> Option<Input> {
     for word in words {
         let Ok(index) = index_of(word).parse::<i64>() else {

@@ -1,8 +1,7 @@
-//! Wavefront OBJ: positions and faces as they are in the file, polygons cut into fans.
+//! Reads Wavefront OBJ: positions and faces as they are in the file, polygons cut into fans.
 //!
-//! Only `v` and `f` statements matter here; materials, groups, normals, points and lines are passed over, so that a
-//! fault in them, or a missing `.mtl` file, is not one of ours. Texture coordinates, and the library that names a
-//! texture, are read where a texture is wanted.
+//! Materials, groups, normals, points and lines are ignored, so that an error in them, or a missing `.mtl` file, does
+//! not matter. Texture coordinates, and the library that names a texture, are read only if a texture is requested.
 
 use super::Mesh;
 use crate::error::Input;
@@ -22,12 +21,12 @@ pub(in crate::scene) use mtl::map_kd;
 /// The largest coordinate a mesh may have; its cube is still far from overflow.
 const LARGEST: f64 = 1e30;
 
-/// Times that the text of a file is held in memory.
+/// Copies of a file's text that are held in memory.
 const COPIES: u64 = 4;
-/// Bytes that a word of it takes in memory before the mesh is clean: the corner of a face with a place in a texture.
+/// Memory per word of the text until the mesh is clean, bytes: that of a face's corner with texture coordinates.
 const BYTES: u64 = 150;
 
-/// Triangles as they came, not yet cleaned.
+/// Triangles as read, not yet cleaned.
 #[derive(Debug, Default)]
 pub(super) struct Soup {
     /// Vertices that faces use, in the order of first use.
@@ -36,13 +35,13 @@ pub(super) struct Soup {
     pub triangles: Vec<[u32; 3]>,
     /// For each triangle the face of the file it came from, from 0.
     pub input_face: Vec<u32>,
-    /// Places in the texture of each triangle's corners, where it is to have one.
+    /// Texture coordinates of each triangle's corners, if requested.
     pub uvs: Option<Vec<[[f64; 2]; 3]>>,
     /// Vertices of the file that no face uses.
     pub unused: usize,
 }
 
-/// Reads a file; every fault carries the file, and the line if one statement is to blame. `textured` is the key of the
+/// Reads a file; every error carries the file, and the line if one statement is to blame. `textured` is the key of the
 /// texture, if the mesh is to have one.
 pub(super) fn read(files: &Files, path: &Path, textured: Option<&str>) -> Checked<Soup> {
     let text = text(files, path)?;
@@ -56,7 +55,7 @@ pub(super) fn read(files: &Files, path: &Path, textured: Option<&str>) -> Checke
     Ok(soup)
 }
 
-/// The text of a file.
+/// Reads the text of a file.
 fn text(files: &Files, path: &Path) -> Checked<String> {
     let bytes = files.read(path, COPIES).map_err(|error| match error.kind() {
         ErrorKind::NotFound => Input::new("there is no such mesh file").file(path),
@@ -73,7 +72,7 @@ fn unread(path: &Path, error: &std::io::Error) -> Input {
     Input::new("the mesh file cannot be read").file(path).found(error)
 }
 
-/// Reads the text of a file.
+/// Parses the text of a file.
 fn parse(text: &str) -> Checked<Soup> {
     let (kept, vertices) = geometry(text);
     let options = tobj::LoadOptions::default();
@@ -94,8 +93,7 @@ fn parse(text: &str) -> Checked<Soup> {
     Ok(soup)
 }
 
-/// The models one after the other; `None` when a face has too few corners or a coordinate is out
-/// of range.
+/// Concatenates the models; `None` when a face has too few corners or a coordinate is out of range.
 fn join(models: &[tobj::Model], vertices: usize) -> Option<Soup> {
     let mut soup = Soup::default();
     let mut face = 0;
@@ -219,7 +217,7 @@ mod tests {
 
     #[test]
     fn a_statement_of_a_million_lines_is_joined_once() {
-        // If it were joined for each line, this takes minutes.
+        // Joining once per line would take minutes.
         let text = format!("{SQUARE}f 1 2 3 {}4\n", "\\\n".repeat(1_000_000));
         assert_eq!(parse(&text).expect("a square").triangles.len(), 2);
     }

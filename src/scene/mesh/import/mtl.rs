@@ -6,13 +6,13 @@ use crate::scene::files::Files;
 use crate::scene::range::Checked;
 use std::path::{Path, PathBuf};
 
-/// Most libraries of a mesh.
+/// Maximum number of libraries of a mesh.
 const MOST: usize = 64;
-/// Bytes that reading a library takes, for each of its own.
+/// Memory that reading a library takes, in bytes per byte of the file.
 const COPIES: u64 = 100;
 
-/// The file of the only `map_Kd` in the libraries that this mesh file names, relative to the library; the materials'
-/// colours, and which face has which material, are passed over.
+/// The file of the only `map_Kd` in the libraries that this mesh file names, relative to the library. The materials'
+/// colours, and which face has which material, are ignored.
 pub(in crate::scene) fn map_kd(files: &Files, mesh: &Path) -> Checked<PathBuf> {
     let text = text(files, mesh)?;
     let library = |(line, statement): (usize, std::borrow::Cow<'_, str>)| {
@@ -32,7 +32,7 @@ pub(in crate::scene) fn map_kd(files: &Files, mesh: &Path) -> Checked<PathBuf> {
             fault.file(mesh).line(line).found(found)
         };
         let bytes = files.read(&path, COPIES).map_err(|error| fault(error.to_string()))?;
-        // Colours are passed over, so that a fault in them is not ours.
+        // Ignore colours, so that errors in them do not matter.
         let matters = |line: &&str| matches!(line.split_whitespace().next(), Some("newmtl" | "map_Kd"));
         let text = String::from_utf8_lossy(&bytes);
         let kept = text.lines().filter(matters).collect::<Vec<_>>().join("\n");

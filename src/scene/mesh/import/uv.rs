@@ -1,13 +1,14 @@
-//! Texture coordinates: `vt` statements, and which of them the corners of faces name.
+//! Texture coordinates: `vt` statements, and the corners of faces that refer to them.
 
 use super::statements;
 use crate::error::Input;
 use crate::scene::range::Checked;
 
-/// The largest texture coordinate: places between 10,000 repetitions are still distinguished.
+/// The largest absolute texture coordinate: points in a texture are still distinguished after 10,000 repetitions.
 const MOST: f64 = 1e4;
 
-/// For each triangle, polygons cut into fans in the order of the file; a fault carries its line.
+/// Texture coordinates of each triangle's corners, with polygons cut into fans in the order of the file; an error
+/// carries its line.
 pub(super) fn corners(text: &str) -> Checked<Vec<[[f64; 2]; 3]>> {
     let mut places = Vec::new();
     let mut named: Vec<(usize, Vec<i64>)> = Vec::new();
@@ -23,7 +24,7 @@ pub(super) fn corners(text: &str) -> Checked<Vec<[[f64; 2]; 3]>> {
         }
     }
 
-    // A face may name a place that comes later.
+    // Look up coordinates last: a face may refer to a later `vt`.
     let mut triangles = Vec::new();
     for (line, numbers) in named {
         let at = |number: &i64| {
@@ -39,7 +40,7 @@ pub(super) fn corners(text: &str) -> Checked<Vec<[[f64; 2]; 3]>> {
     Ok(triangles)
 }
 
-/// The first two numbers of a `vt` statement; the second is 0 where there is one only.
+/// The first two numbers of a `vt` statement; the second defaults to 0.
 fn place<'a>(words: impl Iterator<Item = &'a str>) -> Checked<[f64; 2]> {
     let words: Vec<&str> = words.take(2).collect();
     let number = |word: &str| word.parse().ok().filter(|x: &f64| x.abs() <= MOST);
@@ -53,7 +54,7 @@ fn place<'a>(words: impl Iterator<Item = &'a str>) -> Checked<[f64; 2]> {
     }
 }
 
-/// The place that a corner such as `7/2` or `7/-1/3` names, from 0, after `before` of them.
+/// The texture coordinate that a corner such as `7/2` or `7/-1/3` refers to, from 0, when `before` of them precede.
 fn index(corner: &str, before: usize) -> Checked<i64> {
     let what = corner.split('/').nth(1).unwrap_or_default();
     match what.parse::<i64>() {

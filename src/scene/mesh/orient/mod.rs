@@ -1,8 +1,7 @@
-//! Orientation: all faces of a connected part point to the same side, and that side is outwards.
+//! Orientation: the faces of each connected part are made consistent, and point outwards.
 //!
-//! A closed part points away from the medium: outwards, or, as the wall of a cavity, inwards; which
-//! of the two follows from how many other closed parts contain it. An open part keeps the side on
-//! which most of its area already is.
+//! A closed part points away from the medium: outwards, or inwards if it is the wall of a cavity, which follows from
+//! the number of other closed parts that contain it. An open part keeps the side on which most of its area already is.
 
 use super::edges::{Edges, NONE, start};
 use super::{Mesh, nesting};
@@ -13,12 +12,12 @@ use glam::DVec3;
 #[derive(Debug)]
 struct Part {
     faces: Vec<u32>,
-    /// Every edge has two faces, and they agree on a side.
+    /// Every edge has two faces with consistent orientation.
     closed: bool,
 }
 
-/// Turns faces where needed (an error where parts are too deep in one another to decide which), counts the open edges,
-/// and reports repairs and warnings.
+/// Flips faces where needed, counts open edges, and reports repairs and warnings. Returns an error if the nesting of
+/// parts would take too long to decide.
 pub(super) fn orient(mesh: &mut Mesh, report: &mut Vec<String>) -> Checked<()> {
     let edges = Edges::of(&mesh.triangles);
     mesh.open_edges = edges.open;
@@ -29,7 +28,7 @@ pub(super) fn orient(mesh: &mut Mesh, report: &mut Vec<String>) -> Checked<()> {
         parts[part_of[*half as usize / 3]].closed = false;
     }
 
-    // Open parts: the side of most of the area.
+    // Open parts: the side on which most of the area is.
     for part in parts.iter().filter(|part| !part.closed) {
         let area = |face: &u32| mesh.corners(*face as usize).map_or(0.0, area);
         let signed = |face: &u32| {
@@ -83,8 +82,8 @@ pub(super) fn orient(mesh: &mut Mesh, report: &mut Vec<String>) -> Checked<()> {
     Ok(())
 }
 
-/// The connected parts, each with its faces in ascending order, and the part of each face.
-/// `reversed` becomes true for faces that must turn to agree with the first face of their part.
+/// The connected parts, each with its faces in ascending order, and the part of each face. `reversed` becomes true for
+/// faces that must be flipped to agree with the first face of their part.
 fn split(triangles: &[[u32; 3]], edges: &Edges, reversed: &mut [bool]) -> (Vec<Part>, Vec<usize>) {
     const UNSEEN: usize = usize::MAX;
     let mut part_of = vec![UNSEEN; triangles.len()];
@@ -103,7 +102,7 @@ fn split(triangles: &[[u32; 3]], edges: &Edges, reversed: &mut [bool]) -> (Vec<P
                 if device_state == NONE {
                     part.closed = false;
                 } else if part_of[device_state as usize / 3] == UNSEEN {
-                    // Faces that agree run along their shared edge in opposite directions.
+                    // Consistent faces traverse their shared edge in opposite directions.
                     let same = start(triangles, half) == start(triangles, device_state);
                     reversed[device_state as usize / 3] = reversed[face as usize] != same;
                     part_of[device_state as usize / 3] = parts.len();
@@ -117,7 +116,7 @@ fn split(triangles: &[[u32; 3]], edges: &Edges, reversed: &mut [bool]) -> (Vec<P
     (parts, part_of)
 }
 
-/// One half-edge of each edge whose two faces still point to different sides.
+/// One half-edge of each edge whose two faces are still inconsistent.
 fn disagreements(triangles: &[[u32; 3]], edges: &Edges, reversed: &[bool]) -> Vec<u32> {
     let twins = (0..).zip(edges.device_state.iter().copied());
     let disagree = |&(half, device_state): &(u32, u32)| {
@@ -149,7 +148,7 @@ fn area([a, b, c]: [DVec3; 3]) -> f64 {
     (b - a).cross(c - a).length() / 2.0
 }
 
-/// Six times the volume of a closed part, seen from one of its own corners for precision.
+/// Six times the volume of a closed part, relative to one of its own corners for precision.
 fn volume(mesh: &Mesh, faces: &[u32]) -> f64 {
     let corners = || faces.iter().filter_map(|&face| mesh.corners(face as usize));
     let apex = corners().next().map_or(DVec3::ZERO, |[a, ..]| a);

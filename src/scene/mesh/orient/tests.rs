@@ -1,4 +1,4 @@
-//! Parts inside each other, inside out, mixed up, open, crowded and one-sided.
+//! Parts that are nested, inside out, mixed, open, crowded and one-sided.
 
 use super::super::Shape;
 use super::*;
@@ -64,7 +64,7 @@ fn places_in_a_texture_turn_with_their_corners() {
 
 #[test]
 fn walls_of_cavities_face_them() {
-    // A hollow ball with a ball in its cavity, and a ball apart, in every mixture of orientations.
+    // A hollow ball with a ball in its cavity, and a separate ball, in every mixture of orientations.
     let balls = [
         ball(3.0, DVec3::ZERO),
         ball(2.0, DVec3::new(0.3, 0.0, 0.1)),

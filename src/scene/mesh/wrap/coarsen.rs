@@ -1,31 +1,31 @@
-//! A closed surface with vertices taken away one by one, each drawn into a neighbour, and given back in the opposite
-//! order. First go those that change the shape least (quadrics: Garland and Heckbert 1997) and whose neighbours are
-//! near, so that tips stay, and what is left is even elsewhere.
+//! Simplifies a closed surface by half-edge collapses, which are undone in reverse order. The cost of a collapse is the
+//! change of shape (quadrics: Garland and Heckbert 1997) plus a weight on distance, so that tips stay, and vertices are
+//! spaced evenly elsewhere.
 
 use glam::{DMat3, DVec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// A vertex drawn into a neighbour, and the two triangles that went with it.
+/// A half-edge collapse: a vertex moved into a neighbour, and the two triangles that vanished.
 pub(super) struct Removal {
-    /// The vertex.
+    /// The vertex that was removed.
     pub vertex: u32,
     into: u32,
     gone: [u32; 2],
 }
 
-/// Triangles round vertices. Those of a vertex that is away are still its own.
+/// Triangles around vertices. A removed vertex keeps its list, from which it is restored.
 pub(super) struct Rounds {
     /// Corners of each triangle, anticlockwise from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// The triangles round each vertex, in no order.
+    /// The triangles around each vertex, unordered.
     pub round: Vec<Vec<u32>>,
-    /// Which vertices are there.
+    /// Which vertices are present.
     pub there: Vec<bool>,
 }
 
 impl Rounds {
-    /// Of a closed surface.
+    /// The triangles around the vertices of a closed surface.
     pub fn new(vertices: usize, triangles: &[[u32; 3]]) -> Self {
         let mut round = vec![Vec::new(); vertices];
         for (number, triangle) in triangles.iter().enumerate() {
@@ -34,7 +34,7 @@ impl Rounds {
         Self { triangles: triangles.to_vec(), round, there: vec![true; vertices] }
     }
 
-    /// The edges across from a vertex, anticlockwise from outside: every neighbour begins one.
+    /// The edges opposite a vertex, anticlockwise from outside; each starts at another neighbour.
     pub fn ring(&self, vertex: u32) -> impl Iterator<Item = [u32; 2]> + '_ {
         self.round[vertex as usize].iter().map(move |&t| {
             let [a, b, c] = self.triangles[t as usize];
@@ -48,7 +48,7 @@ impl Rounds {
         })
     }
 
-    /// The triangles that are there.
+    /// The triangles that are present.
     pub fn present(&self) -> Vec<u32> {
         let own =
             |v: usize| self.round[v].iter().copied().filter(move |&t| self.triangles[t as usize][0] as usize == v);
@@ -74,7 +74,7 @@ impl Rounds {
         Removal { vertex, into, gone }
     }
 
-    /// Gives a vertex back; those taken away after it have to be there again.
+    /// Restores a vertex; those removed after it must have been restored already.
     pub fn restore(&mut self, removal: &Removal) {
         let Removal { vertex, into, gone } = *removal;
         for t in self.round[vertex as usize].clone() {
@@ -89,8 +89,7 @@ impl Rounds {
         self.there[vertex as usize] = true;
     }
 
-    /// Whether drawing a vertex into a neighbour leaves a closed surface; unless `freely`, one without new folds as
-    /// well.
+    /// Whether a collapse leaves a closed surface and, unless `freely`, makes no new folds.
     fn may_go(&self, places: &[DVec3], vertex: u32, into: u32, freely: bool) -> bool {
         let common = self.ring(vertex).filter(|[a, _]| self.ring(into).any(|[b, _]| *a == b)).count();
         let stays = |&[a, b]: &[u32; 2]| {
@@ -103,7 +102,7 @@ impl Rounds {
     }
 }
 
-/// Area times squared distance from planes, summed over them: p.A p + 2 b.p + c.
+/// The sum over planes of area times squared distance from the plane: p.A p + 2 b.p + c.
 #[derive(Clone, Copy, Default)]
 struct Quadric {
     a: DMat3,
@@ -112,7 +111,7 @@ struct Quadric {
 }
 
 impl Quadric {
-    /// Of the plane of a triangle.
+    /// The quadric of a triangle's plane.
     fn of([p, q, r]: [DVec3; 3]) -> Self {
         let normal = (q - p).cross(r - p);
         let (area, unit) = (0.5 * normal.length(), normal.normalize_or_zero());
@@ -130,10 +129,10 @@ impl Quadric {
     }
 }
 
-/// How much distance counts beside the change of shape.
+/// Weight of distance relative to the change of shape.
 const EVEN: f64 = 0.03;
 
-/// What it costs to draw a vertex into a neighbour; more where too many triangles would meet.
+/// Cost of a collapse, as the bits of a non-negative `f64`; higher where too many triangles would meet.
 fn cost(rounds: &Rounds, places: &[DVec3], quadrics: &[Quadric], vertex: u32, into: u32) -> u64 {
     let [from, to] = [vertex, into].map(|v| places[v as usize]);
     let area = |[a, b]: [u32; 2]| 0.5 * (places[a as usize] - from).cross(places[b as usize] - from).length();
@@ -143,11 +142,11 @@ fn cost(rounds: &Rounds, places: &[DVec3], quadrics: &[Quadric], vertex: u32, in
     ((quadrics[vertex as usize].at(to) + EVEN * around * from.distance_squared(to)) * crowd as f64).to_bits()
 }
 
-/// Takes vertices away until four are left; none if that cannot be done.
+/// Removes vertices until four are left; `None` if that is impossible.
 pub(super) fn coarsen(rounds: &mut Rounds, places: &[DVec3]) -> Option<Vec<Removal>> {
     let mut removals = Vec::new();
     let last = places.len().checked_sub(4)?;
-    // About the middle, so that digits are not lost.
+    // Relative to the mean position, for precision.
     let middle = places.iter().sum::<DVec3>() / places.len().max(1) as f64;
     let places: &[DVec3] = &places.iter().map(|p| *p - middle).collect::<Vec<_>>();
     let mut quadrics = vec![Quadric::default(); places.len()];
@@ -179,7 +178,7 @@ pub(super) fn coarsen(rounds: &mut Rounds, places: &[DVec3]) -> Option<Vec<Remov
                 queue.extend(rounds.ring(into).flat_map(|[a, _]| [(a, into), (into, a)]).map(entry));
             }
         }
-        // What was not possible may be now, or with folds.
+        // Retry: collapses that were rejected may be possible now, or with folds.
         if removals.len() - before <= last / 64 {
             if freely && removals.len() == before {
                 return None;

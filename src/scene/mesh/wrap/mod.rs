@@ -1,10 +1,10 @@
-//! Shrink-wrapping (section 5.1.2 of Mertens et al. 2003, after Kobbelt et al. 1999): a closed mesh without handles
-//! made anew, as a coarse base cut in four again and again.
+//! Shrink-wrapping (section 5.1.2 of Mertens et al. 2003, after Kobbelt et al. 1999): remeshes a closed mesh of genus 0
+//! as a coarse base with repeated 4-to-1 splits.
 //!
-//! The mesh is laid over the ball and relaxed. The base shares its vertices with the mesh; its triangles are split on
-//! the ball, and every new vertex gets the place of the mesh's triangle that it lies in, as seen from the ball's
-//! middle. Of an edge that place is taken which is as far from one end as from the other on the mesh: so parts are
-//! nearly even however uneven the ball is.
+//! The mesh is mapped to the unit sphere and relaxed. The base uses some of the mesh's vertices; its triangles are
+//! split on the sphere, and every new vertex is mapped back through the triangle of the mesh that contains it. An edge
+//! is split at the point that is equally far from both ends on the mesh, so that parts are nearly even however uneven
+//! the spherical map is.
 
 mod coarsen;
 mod sphere;
@@ -19,18 +19,18 @@ use crate::scene::range::Checked;
 use glam::DVec3;
 use sphere::{lay, side};
 
-/// Where a vertex comes from: three vertices of the mesh as it was, and the share of each.
+/// The origin of a vertex: three vertices of the original mesh, and the weight of each.
 pub(super) type Share = ([u32; 3], [f64; 3]);
 
-/// An edge is cut no nearer to its ends than this share of it, found by so many halvings.
+/// Minimum distance of a split from the ends of its edge, as a fraction of the edge, and the number of bisections.
 const LEAST: f64 = 1e-3;
 const HALVINGS: usize = 14;
 
-/// Fewest triangles of a base, where the mesh has as many.
+/// Minimum number of triangles of a base, if the mesh has as many.
 const BASE: usize = 12;
 
-/// The mesh as a base cut in four `levels` times, of about as many triangles as before, and where its vertices come
-/// from.
+/// Remeshes `mesh` as a base split in four `levels` times, of about as many triangles as before; also returns the
+/// origins of the vertices.
 pub(super) fn shrink_wrap(
     mesh: &Mesh,
     levels: u32,
@@ -49,7 +49,7 @@ pub(super) fn shrink_wrap(
     let ball =
         Ball { places: laid.places, triangles: &mesh.triangles, device_state: Edges::of(&mesh.triangles).device_state };
 
-    // The base, with vertices of its own numbers.
+    // The base, with its own vertex numbers.
     let mut number = vec![u32::MAX; mesh.positions.len()];
     let mut fine = Mesh { splits: vec![0; laid.base.len()], ..Mesh::made(Vec::new(), laid.base) };
     let mut from = Vec::new();
@@ -62,7 +62,7 @@ pub(super) fn shrink_wrap(
         }
         *corner = number[own];
     }
-    // Which triangle each vertex lies in: of a corner any of its own.
+    // The triangle of the mesh that contains each vertex; for a vertex of the mesh, any of its own.
     let mut own = vec![0; mesh.positions.len()];
     (0..).zip(&mesh.triangles).for_each(|(face, triangle)| triangle.iter().for_each(|&v| own[v as usize] = face));
     let mut lies: Vec<u32> = from.iter().map(|&v| own[v as usize]).collect();
@@ -97,14 +97,14 @@ pub(super) fn shrink_wrap(
     Ok((fine, shares))
 }
 
-/// Where vertices are, from those that they come from.
+/// Positions of vertices from those of the original mesh.
 pub(super) fn apply(shares: &[Share], positions: &[DVec3]) -> Vec<DVec3> {
     let place =
         |(corners, parts): &Share| corners.iter().zip(parts).map(|(&v, &part)| part * positions[v as usize]).sum();
     shares.iter().map(place).collect()
 }
 
-/// Whether a mesh is one closed surface without handles.
+/// Checks that a mesh is one closed surface of genus 0.
 fn check(mesh: &Mesh, key: &str) -> Checked<()> {
     let fault = |found: String| {
         let fault = Input::new("the mesh cannot be shrink-wrapped").key(key).found(found);
@@ -129,7 +129,7 @@ fn check(mesh: &Mesh, key: &str) -> Checked<()> {
     Ok(())
 }
 
-/// The mesh on the ball.
+/// The mesh mapped to the unit sphere.
 struct Ball<'a> {
     places: Vec<DVec3>,
     triangles: &'a [[u32; 3]],
@@ -137,13 +137,13 @@ struct Ball<'a> {
 }
 
 impl Ball<'_> {
-    /// For each edge of a triangle how far within it a point is.
+    /// For each edge of a triangle how far a point is on its inner side, as a triple product.
     fn within(&self, face: u32, p: DVec3) -> [f64; 3] {
         let [a, b, c] = self.triangles[face as usize].map(|v| self.places[v as usize]);
         [side(p, a, b), side(p, b, c), side(p, c, a)]
     }
 
-    /// The triangle that a point lies in, looked for from another one on.
+    /// The triangle that contains a point, found by walking from `face`.
     fn find(&self, p: DVec3, mut face: u32) -> u32 {
         for _ in 0..self.triangles.len() {
             let within = self.within(face, p);
@@ -153,13 +153,13 @@ impl Ball<'_> {
             }
             face = self.device_state[3 * face as usize + worst] / 3;
         }
-        // Going round in circles: the one that it is least outside of.
+        // The walk went in circles: take the triangle that the point is least outside of.
         let least = |face: &u32| self.within(*face, p).into_iter().fold(f64::INFINITY, f64::min);
         (0..self.triangles.len() as u32).max_by(|a, b| least(a).total_cmp(&least(b))).unwrap_or(face)
     }
 
-    /// The place on the edge between two others, and the triangle that it lies in, that is as far from both on the
-    /// mesh.
+    /// The point on the edge between two others that is equally far from both on the mesh, and the triangle that
+    /// contains it.
     fn between(&self, a: (DVec3, u32), b: (DVec3, u32), positions: &[DVec3]) -> (DVec3, u32) {
         let [from, to] = [a, b].map(|(p, face)| self.on_mesh(face, p, positions));
         let (mut low, mut high, mut face) = (LEAST, 1.0 - LEAST, a.1);
@@ -174,12 +174,12 @@ impl Ball<'_> {
         (place, face)
     }
 
-    /// The place of the mesh that a point of the ball shows.
+    /// The point of the mesh that a point on the sphere corresponds to.
     fn on_mesh(&self, face: u32, p: DVec3, positions: &[DVec3]) -> DVec3 {
         apply(&[(self.triangles[face as usize], self.shares(face, p))], positions)[0]
     }
 
-    /// The shares of a triangle's corners at a point in it.
+    /// The barycentric weights of a triangle's corners at a point in it.
     fn shares(&self, face: u32, p: DVec3) -> [f64; 3] {
         let [c, a, b] = self.within(face, p).map(|x| x.max(0.0));
         let sum = a + b + c;
@@ -201,7 +201,7 @@ mod tests {
         (mesh, fine)
     }
 
-    /// Closed, of one part, without handles, every triangle with an area.
+    /// Closed, in one part, without handles, every triangle with an area.
     fn check_surface(fine: &Mesh) {
         assert!(check(fine, "k").is_ok());
         let area = |face| fine.corners(face).map_or(0.0, |[a, b, c]| (b - a).cross(c - a).length());
@@ -215,7 +215,8 @@ mod tests {
         assert_eq!(fine.splits, vec![3; fine.triangles.len()]);
         let count = fine.triangles.len() as f64 / ball.triangles.len() as f64;
         assert!((0.9..1.1).contains(&count), "{count}");
-        // On the triangles of the ball, so hardly within it, and as even as can be expected.
+        // The vertices lie on the triangles of the ball, so hardly inside the sphere; areas are as even as can be
+        // expected.
         assert!(fine.positions.iter().all(|p| (0.99..=1.0 + 1e-12).contains(&p.length())));
         assert!((fine.volume() / ball.volume() - 1.0).abs() < 0.03, "{}", fine.volume() / ball.volume());
         let mut areas: Vec<f64> = (0..fine.triangles.len())
@@ -228,7 +229,7 @@ mod tests {
 
     #[test]
     fn folded_things_are_wrapped_too() {
-        // Seen from the middle the bowl hides itself many times over.
+        // The bowl is far from star-shaped: seen from the middle it hides itself many times over.
         for (shape, detail, levels, most) in
             [(Shape::Lotus, 64, 2, 0.1), (Shape::Candle, 48, 3, 0.03), (Shape::Cube, 16, 3, 0.03)]
         {

@@ -1,26 +1,26 @@
-//! A closed surface without handles laid over the ball, coarse first, so that no triangle is ever turned over: vertices
-//! come back one by one inside of what their neighbours enclose, and all are drawn towards the middle of their
-//! neighbours (the umbrella operator) as far as their triangles allow.
+//! Maps a closed surface of genus 0 to the unit sphere, coarse to fine, without ever flipping a triangle: vertices are
+//! restored one by one inside the polygon of their neighbours, and all are relaxed towards the mean of their neighbours
+//! (the umbrella operator) as far as their triangles allow.
 
 use super::coarsen::{Removal, Rounds, coarsen};
 use glam::DVec3;
 
-/// Rounds of relaxation whenever there are half as many vertices again, and of base and whole in the end.
+/// Rounds of relaxation each time the number of vertices has grown by half, and for the base and the whole at the end.
 const OFTEN: usize = 3;
 const LAST: usize = 10;
 
-/// No triangle is made thinner than this that was not so before, height by length.
+/// No triangle is made thinner than this, height by length, unless it was already.
 const THIN: f64 = 0.03;
 
-/// A surface on the ball, and its base.
+/// A surface mapped to the sphere, and its base.
 pub(super) struct Sphere {
-    /// Of length 1, one a vertex.
+    /// The position of each vertex, length 1.
     pub places: Vec<DVec3>,
-    /// Triangles of some of the vertices, which cover the ball as well.
+    /// Triangles of some of the vertices, which cover the sphere as well.
     pub base: Vec<[u32; 3]>,
 }
 
-/// Lays a surface over the ball, with a base of about as many triangles; none if rounding does not let it.
+/// Maps a surface to the sphere, with a base of about `base` triangles; `None` if rounding prevents it.
 pub(super) fn lay(positions: &[DVec3], triangles: &[[u32; 3]], base: usize) -> Option<Sphere> {
     let mut rounds = Rounds::new(positions.len(), triangles);
     let mut removals = coarsen(&mut rounds, positions)?;
@@ -47,11 +47,12 @@ pub(super) fn lay(positions: &[DVec3], triangles: &[[u32; 3]], base: usize) -> O
 struct Laid {
     rounds: Rounds,
     places: Vec<DVec3>,
-    /// The base, once it is known: its triangles are not turned over either.
+    /// The base, once it is known: its triangles are not flipped either.
     base: Option<Rounds>,
 }
 
-/// The last four vertices as seen from the middle of the surface, or as even as can be where that would turn them over.
+/// The positions to start from: the last four vertices as seen from the mean of the surface, or at the corners of a
+/// regular tetrahedron if that would flip them or nearly so.
 fn first(rounds: &Rounds, positions: &[DVec3]) -> Option<Vec<DVec3>> {
     let middle = positions.iter().sum::<DVec3>() / positions.len() as f64;
     let mut places: Vec<DVec3> = positions.iter().map(|p| (*p - middle).normalize_or(DVec3::Z)).collect();
@@ -73,22 +74,22 @@ fn first(rounds: &Rounds, positions: &[DVec3]) -> Option<Vec<DVec3>> {
     (steep(&places) > 0.0).then_some(places)
 }
 
-/// Above 0 where three points of the ball run anticlockwise, as seen from outside. Differences keep the digits of near
-/// ones.
+/// Positive where three points of the sphere are anticlockwise as seen from outside. Differences keep the precision of
+/// near points.
 pub(super) fn side(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     a.dot((b - a).cross(c - a))
 }
 
 impl Laid {
-    /// The triangles that are there are the base.
+    /// Takes the triangles that are present as the base.
     fn settle(&mut self) {
         self.relax(LAST);
         let base: Vec<[u32; 3]> = self.rounds.present().iter().map(|&t| self.rounds.triangles[t as usize]).collect();
         self.base = Some(Rounds::new(self.places.len(), &base));
     }
 
-    /// The thinnest of a vertex's triangles, the base's too, if it were here: height by length, below 0 where one is
-    /// turned over.
+    /// The thinnest triangle around a vertex at `place`, those of the base included: height by length, negative if one
+    /// is flipped.
     fn thinnest(&self, vertex: u32, place: DVec3) -> f64 {
         let thin = |[a, b]: [u32; 2]| {
             let (a, b) = (self.places[a as usize], self.places[b as usize]);
@@ -99,25 +100,27 @@ impl Laid {
         self.rounds.ring(vertex).chain(base).map(thin).fold(f64::INFINITY, f64::min)
     }
 
-    /// The middle of the neighbours.
+    /// The mean of the neighbours, on the sphere.
     fn umbrella(&self, vertex: u32) -> DVec3 {
         self.rounds.ring(vertex).map(|[a, _]| self.places[a as usize]).sum::<DVec3>().normalize_or_zero()
     }
 
-    /// Brings a vertex back, into the middle of its neighbours, or of the part that sees all of them.
+    /// Restores a vertex, at the mean of its neighbours or in the kernel of their polygon, which sees all of them;
+    /// `None` if a triangle is flipped.
     fn insert(&mut self, removal: &Removal) -> Option<()> {
         self.rounds.restore(removal);
         let vertex = removal.vertex;
         let tries = [self.umbrella(vertex), self.kernel(vertex)].map(|place| (self.thinnest(vertex, place), place));
         let (thinnest, place) = if tries[0].0 > THIN || tries[0].0 >= tries[1].0 { tries[0] } else { tries[1] };
         self.places[vertex as usize] = place;
-        // Its neighbours make room.
+        // Relax its neighbours.
         let near: Vec<u32> = self.rounds.ring(vertex).map(|[a, _]| a).collect();
         near.into_iter().for_each(|v| self.draw(v));
         (thinnest > 0.0).then_some(())
     }
 
-    /// The middle of the corners of that part: where two of the great circles meet and all others agree.
+    /// The mean of the corners of the kernel: intersections of two edges' great circles on the inner side of all
+    /// others.
     fn kernel(&self, vertex: u32) -> DVec3 {
         let circle = |[a, b]: [u32; 2]| {
             let (a, b) = (self.places[a as usize], self.places[b as usize]);
@@ -130,7 +133,7 @@ impl Laid {
         corners.sum::<DVec3>().normalize_or_zero()
     }
 
-    /// Draws every vertex towards the middle of its neighbours, so many times.
+    /// Relaxes every vertex that is present, so many times.
     fn relax(&mut self, times: usize) {
         for _ in 0..times {
             for vertex in 0..self.places.len() {
@@ -141,7 +144,8 @@ impl Laid {
         }
     }
 
-    /// Draws a vertex towards the middle of its neighbours, the whole way or a half or a quarter.
+    /// Moves a vertex towards the mean of its neighbours: all the way, a half or a quarter, the first that makes no
+    /// triangle too thin.
     fn draw(&mut self, vertex: u32) {
         let (from, to) = (self.places[vertex as usize], self.umbrella(vertex));
         let least = self.thinnest(vertex, from).min(THIN);
