@@ -14,7 +14,7 @@ use crate::state::options::{Goal, Options};
 use crate::state::{State, narrow};
 
 /// The largest extinction, per internal length: beyond it light goes no farther than `f32` can distinguish positions.
-const DENSEST: f64 = 1e8;
+const DENSEST_LAYER: f64 = 1e8;
 /// Light attenuated below this share is ignored.
 const FAINTEST: f64 = 1e-4;
 /// Number of directional lights that represent an environment in layers.
@@ -104,7 +104,7 @@ fn about(islands: &Result<Atlas, Whole>) -> String {
 
 fn record(layer: &crate::scene::Layer, phase: Phase, units: Units) -> Layer {
     let change =
-        |c: usize| f64::min(1.0, DENSEST * units.length / layer.sigma_t[c].max(f64::MIN_POSITIVE)) / units.length;
+        |c: usize| f64::min(1.0, DENSEST_LAYER * units.length / layer.sigma_t[c].max(f64::MIN_POSITIVE)) / units.length;
     let scaled = |values: [f64; 3]| std::array::from_fn(|c| (values[c] * change(c)) as f32);
     Layer { sigma_s: scaled(layer.sigma_s), sigma_t: scaled(layer.sigma_t), g: parameter(phase, layer.g) as f32 }
 }

@@ -50,12 +50,12 @@ impl Faces<'_> {
 
     /// Offsets of a half-edge's ends from those of its twin; none at an open edge.
     pub fn apart(&self, half: u32) -> Option<[DVec2; 2]> {
-        let device_state = self.twins[half as usize];
-        if device_state == NONE {
+        let twin = self.twins[half as usize];
+        if twin == NONE {
             return None;
         }
-        let ([p, q], mut other) = (self.ends(half), self.ends(device_state));
-        if self.vertices(half)[0] != self.vertices(device_state)[0] {
+        let ([p, q], mut other) = (self.ends(half), self.ends(twin));
+        if self.vertices(half)[0] != self.vertices(twin)[0] {
             other.reverse();
         }
         Some([p - other[0], q - other[1]])

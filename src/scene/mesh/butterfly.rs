@@ -22,7 +22,7 @@ pub(super) fn butterfly(base: &Mesh, levels: u32) -> Mesh {
         for half in 0..3 * mesh.triangles.len() {
             // The middle part comes last; its corners are the midpoints of the edges, in their order.
             let middle = fine.triangles[4 * (half / 3) + 3][half % 3];
-            if surface.device_state[half] == NONE || half < surface.device_state[half] as usize {
+            if surface.twin[half] == NONE || half < surface.twin[half] as usize {
                 fine.positions[middle as usize] = surface.middle(half as u32);
             }
         }
@@ -38,26 +38,25 @@ impl Surface<'_> {
     fn wing(&self, half: u32) -> DVec3 {
         match self.across(half) {
             NONE => self.place(half) + self.place(after(half)) - self.place(before(half)),
-            device_state => self.place(before(device_state)),
+            twin => self.place(before(twin)),
         }
     }
 
     /// The new vertex on an edge.
     fn middle(&self, half: u32) -> DVec3 {
         let (a, b) = (self.place(half), self.place(after(half)));
-        let device_state = self.across(half);
-        if device_state == NONE {
+        let twin = self.across(half);
+        if twin == NONE {
             let (c, d) = (self.along(half), self.back(half));
             return 9.0 / 16.0 * (a + b) - (c + d) / 16.0;
         }
-        let ends = [half, device_state].map(|half| self.extraordinary(half));
+        let ends = [half, twin].map(|half| self.extraordinary(half));
         match ends {
             [Some(p), Some(q)] => 0.5 * (p + q),
             [Some(p), None] | [None, Some(p)] => p,
             [None, None] => {
-                let sides = self.place(before(half)) + self.place(before(device_state));
-                let wings =
-                    [after(half), before(half), after(device_state), before(device_state)].map(|half| self.wing(half));
+                let sides = self.place(before(half)) + self.place(before(twin));
+                let wings = [after(half), before(half), after(twin), before(twin)].map(|half| self.wing(half));
                 0.5 * (a + b) + 0.125 * sides - wings.into_iter().sum::<DVec3>() / 16.0
             }
         }

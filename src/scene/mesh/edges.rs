@@ -9,7 +9,7 @@ pub(super) const NONE: u32 = u32::MAX;
 #[derive(Debug)]
 pub(super) struct Edges {
     /// For each half-edge its twin, that of the only other face at this edge, or [`NONE`].
-    pub device_state: Vec<u32>,
+    pub twin: Vec<u32>,
     /// Number of edges with one face.
     pub open: usize,
     /// Number of edges with three or more faces.
@@ -25,13 +25,13 @@ impl Edges {
         let mut sorted: Vec<(u64, u32)> = triangles.iter().flat_map(ends).map(key).zip(0..).collect();
         sorted.par_sort_unstable();
 
-        let mut edges = Self { device_state: vec![NONE; sorted.len()], open: 0, crowded: 0 };
+        let mut edges = Self { twin: vec![NONE; sorted.len()], open: 0, crowded: 0 };
         for edge in sorted.chunk_by(|a, b| a.0 == b.0) {
             match edge {
                 [_] => edges.open += 1,
                 [(_, a), (_, b)] => {
-                    edges.device_state[*a as usize] = *b;
-                    edges.device_state[*b as usize] = *a;
+                    edges.twin[*a as usize] = *b;
+                    edges.twin[*b as usize] = *a;
                 }
                 _ => edges.crowded += 1,
             }
@@ -53,9 +53,9 @@ mod tests {
     fn pairs_faces_and_counts_the_rest() {
         let square = Edges::of(&[[0, 1, 2], [0, 2, 3]]);
         assert_eq!((square.open, square.crowded), (4, 0));
-        assert_eq!(square.device_state, [NONE, NONE, 3, 2, NONE, NONE]);
+        assert_eq!(square.twin, [NONE, NONE, 3, 2, NONE, NONE]);
         let three = Edges::of(&[[0, 1, 2], [0, 1, 3], [1, 0, 4]]);
         assert_eq!((three.open, three.crowded), (6, 1));
-        assert!(three.device_state.iter().all(|&device_state| device_state == NONE));
+        assert!(three.twin.iter().all(|&twin| twin == NONE));
     }
 }

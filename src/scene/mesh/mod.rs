@@ -108,7 +108,7 @@ impl Mesh {
     /// For each half-edge its twin, that of the only other triangle at this edge, or `u32::MAX`; half-edge `3 t + k`
     /// runs from corner `k` of triangle `t` to the next one.
     pub fn twins(&self) -> Vec<u32> {
-        edges::Edges::of(&self.triangles).device_state
+        edges::Edges::of(&self.triangles).twin
     }
 
     /// The enclosed volume in cubic scene units, negative when the mesh is inside out; for an open mesh, the volume of

@@ -11,17 +11,13 @@ pub(super) struct Surface<'a> {
     positions: &'a [DVec3],
     triangles: &'a [[u32; 3]],
     /// For each half-edge its twin, that of the other triangle at the same edge, or [`NONE`].
-    pub device_state: Vec<u32>,
+    pub twin: Vec<u32>,
 }
 
 impl<'a> Surface<'a> {
     /// The half-edges of a mesh.
     pub fn of(mesh: &'a Mesh) -> Self {
-        Self {
-            positions: &mesh.positions,
-            triangles: &mesh.triangles,
-            device_state: Edges::of(&mesh.triangles).device_state,
-        }
+        Self { positions: &mesh.positions, triangles: &mesh.triangles, twin: Edges::of(&mesh.triangles).twin }
     }
 
     /// Where a half-edge starts.
@@ -31,7 +27,7 @@ impl<'a> Surface<'a> {
 
     /// The twin of a half-edge, or [`NONE`].
     pub fn across(&self, half: u32) -> u32 {
-        self.device_state[half as usize]
+        self.twin[half as usize]
     }
 
     /// Half-edges out of this one's start, in order around it from this one, and whether they go all the way around.
@@ -60,8 +56,8 @@ impl<'a> Surface<'a> {
                 }
             }
         }
-        let (mut met, mut fans) = (vec![false; self.device_state.len()], 0);
-        for half in 0..self.device_state.len() {
+        let (mut met, mut fans) = (vec![false; self.twin.len()], 0);
+        for half in 0..self.twin.len() {
             if !met[half] {
                 fans += 1;
                 self.fan(half as u32).0.into_iter().for_each(|half| met[half as usize] = true);
@@ -82,8 +78,8 @@ pub(super) fn check(mesh: &Mesh, key: &str) -> Checked<()> {
         return fault(format!("{} edges that three triangles or more share", edges.crowded));
     }
     let from = |half: u32| start(&mesh.triangles, half);
-    let same = |&(half, &device_state): &(u32, &u32)| device_state != NONE && from(half) == from(device_state);
-    match (0..).zip(&edges.device_state).filter(same).count() / 2 {
+    let same = |&(half, &twin): &(u32, &u32)| twin != NONE && from(half) == from(twin);
+    match (0..).zip(&edges.twin).filter(same).count() / 2 {
         0 => Ok(()),
         count => fault(format!("{count} edges whose triangles disagree on a side")),
     }

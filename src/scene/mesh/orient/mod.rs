@@ -98,15 +98,15 @@ fn split(triangles: &[[u32; 3]], edges: &Edges, reversed: &mut [bool]) -> (Vec<P
         while let Some(&face) = part.faces.get(next) {
             next += 1;
             for half in 3 * face..3 * face + 3 {
-                let device_state = edges.device_state[half as usize];
-                if device_state == NONE {
+                let twin = edges.twin[half as usize];
+                if twin == NONE {
                     part.closed = false;
-                } else if part_of[device_state as usize / 3] == UNSEEN {
+                } else if part_of[twin as usize / 3] == UNSEEN {
                     // Consistent faces traverse their shared edge in opposite directions.
-                    let same = start(triangles, half) == start(triangles, device_state);
-                    reversed[device_state as usize / 3] = reversed[face as usize] != same;
-                    part_of[device_state as usize / 3] = parts.len();
-                    part.faces.push(device_state / 3);
+                    let same = start(triangles, half) == start(triangles, twin);
+                    reversed[twin as usize / 3] = reversed[face as usize] != same;
+                    part_of[twin as usize / 3] = parts.len();
+                    part.faces.push(twin / 3);
                 }
             }
         }
@@ -118,11 +118,11 @@ fn split(triangles: &[[u32; 3]], edges: &Edges, reversed: &mut [bool]) -> (Vec<P
 
 /// One half-edge of each edge whose two faces are still inconsistent.
 fn disagreements(triangles: &[[u32; 3]], edges: &Edges, reversed: &[bool]) -> Vec<u32> {
-    let twins = (0..).zip(edges.device_state.iter().copied());
-    let disagree = |&(half, device_state): &(u32, u32)| {
-        device_state != NONE && half < device_state && {
-            let same = start(triangles, half) == start(triangles, device_state);
-            same == (reversed[half as usize / 3] == reversed[device_state as usize / 3])
+    let twins = (0..).zip(edges.twin.iter().copied());
+    let disagree = |&(half, twin): &(u32, u32)| {
+        twin != NONE && half < twin && {
+            let same = start(triangles, half) == start(triangles, twin);
+            same == (reversed[half as usize / 3] == reversed[twin as usize / 3])
         }
     };
     twins.filter(disagree).map(|(half, _)| half).collect()

@@ -46,8 +46,7 @@ pub(super) fn shrink_wrap(
         fault.expected("a mesh without parts that hang on next to nothing, or another hierarchy")
     })?;
     room(files, laid.base.len(), levels)?;
-    let ball =
-        Ball { places: laid.places, triangles: &mesh.triangles, device_state: Edges::of(&mesh.triangles).device_state };
+    let ball = Ball { places: laid.places, triangles: &mesh.triangles, twin: Edges::of(&mesh.triangles).twin };
 
     // The base, with its own vertex numbers.
     let mut number = vec![u32::MAX; mesh.positions.len()];
@@ -133,7 +132,7 @@ fn check(mesh: &Mesh, key: &str) -> Checked<()> {
 struct Ball<'a> {
     places: Vec<DVec3>,
     triangles: &'a [[u32; 3]],
-    device_state: Vec<u32>,
+    twin: Vec<u32>,
 }
 
 impl Ball<'_> {
@@ -151,7 +150,7 @@ impl Ball<'_> {
             if within[worst] >= 0.0 {
                 return face;
             }
-            face = self.device_state[3 * face as usize + worst] / 3;
+            face = self.twin[3 * face as usize + worst] / 3;
         }
         // The walk went in circles: take the triangle that the point is least outside of.
         let least = |face: &u32| self.within(*face, p).into_iter().fold(f64::INFINITY, f64::min);
