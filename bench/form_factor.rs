@@ -11,7 +11,7 @@ mod population;
 mod seeded;
 
 use milkglass::error::Result;
-use milkglass::gpu::{Device, Instance, SingleKernel};
+use milkglass::internals::gpu::{Device, Instance, SingleKernel};
 use milkglass::measure::stress::factor::Pair;
 use population::{heights, longest, population};
 use seeded::percentile;
@@ -28,7 +28,7 @@ fn record(pair: &Pair) -> Vec<f32> {
     let length = longest(pair.triangle);
     let dipoles = pair.dipoles();
     let corners = pair.triangle.iter().flat_map(|&corner| ((corner - pair.point) / length).to_array());
-    let of = |f: fn(&milkglass::dipole::profile::Dipole) -> f64| dipoles.each_ref().map(f);
+    let of = |f: fn(&milkglass::internals::dipole::profile::Dipole) -> f64| dipoles.each_ref().map(f);
     let [sigma, z_real, z_virtual] = [of(|d| d.sigma), of(|d| d.z_real), of(|d| d.z_virtual)];
     let media = [sigma.map(|x| x * length), z_real.map(|x| x / length), z_virtual.map(|x| x / length)];
     corners.chain(media.into_iter().flatten()).chain(of(|d| d.strength)).map(|x| x as f32).collect()

@@ -9,14 +9,14 @@
 use std::time::Instant;
 
 use milkglass::error::Result;
-use milkglass::gpu::Device;
-use milkglass::layout::BufferId;
+use milkglass::internals::gpu::Device;
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options};
+use milkglass::internals::session::aov::links;
+use milkglass::internals::session::run::Session;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
-use milkglass::pipeline::plan::{Change, Goal, Mode, Options};
 use milkglass::scene::{Hierarchy, Scene};
-use milkglass::session::aov::links;
-use milkglass::session::run::{CapacityHints, Session};
 
 /// The ball and its motion.
 const BALL: [&str; 3] = [
@@ -56,8 +56,7 @@ fn scene(hierarchy: Hierarchy, mesh: &[&str], tolerance: f64, frame: f64) -> Res
 fn row(device: &Device, name: &str, hierarchy: Hierarchy, mesh: &[&str], tolerance: f64) -> Result<String> {
     let options = Options { mode: Mode::Keep, goal: Goal::Radiosity, ..Options::default() };
     let start = Instant::now();
-    let mut session =
-        Session::new(&scene(hierarchy, mesh, tolerance, FRAMES[0])?, Some(device), options, CapacityHints::default())?;
+    let mut session = Session::new(&scene(hierarchy, mesh, tolerance, FRAMES[0])?, Some(device), options)?;
     let build = start.elapsed().as_secs_f64() * 1e3;
     session.frame(Change::EVERYTHING)?;
     let (mut ms, mut host, mut count, mut error, mut built) = (0.0, 0.0, 0.0, 0f64, 0);
@@ -88,7 +87,7 @@ fn row(device: &Device, name: &str, hierarchy: Hierarchy, mesh: &[&str], toleran
 }
 
 fn run() -> Result<()> {
-    let Some(device) = Device::first()? else {
+    let Some(device) = Device::best()? else {
         println!("no usable Vulkan device");
         return Ok(());
     };

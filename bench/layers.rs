@@ -5,14 +5,14 @@
 //! and 100 samples under both integration rules (figure 14).
 
 use milkglass::error::{Error, Input, Result};
-use milkglass::gpu::Device;
+use milkglass::internals::gpu::Device;
+use milkglass::internals::pipeline::plan::{Change, Options};
+use milkglass::internals::session::run::Session;
 use milkglass::measure::layers::{Line, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules, uneven};
-use milkglass::pipeline::plan::{Change, Options};
 use milkglass::scene::{Integration, Scene};
-use milkglass::session::run::{CapacityHints, Session};
 
 fn scene(name: &str, sets: &[&str]) -> Result<Scene> {
-    Scene::load(name, &sets.iter().map(|set| (*set).to_string()).collect::<Vec<_>>())
+    Scene::load_with(name, &sets.iter().map(|set| (*set).to_string()).collect::<Vec<_>>())
 }
 
 fn name(rule: Integration) -> &'static str {
@@ -34,7 +34,7 @@ fn run() -> Result<()> {
             }
         }
     }
-    let device = if cpu { None } else { Device::first()? };
+    let device = if cpu { None } else { Device::best()? };
     println!("on {}\n", device.as_ref().map_or("cpu", Device::name));
     let (pixels, repeat) = if quick { (40, 3) } else { (240, 7) };
 
@@ -102,10 +102,10 @@ fn run() -> Result<()> {
             for layers in scene.objects.iter_mut().filter_map(|object| object.material.layers.as_mut()) {
                 (layers.samples, layers.integration) = (samples, rule);
             }
-            let mut session = Session::new(&scene, device.as_ref(), Options::default(), CapacityHints::default())?;
+            let mut session = Session::new(&scene, device.as_ref(), Options::default())?;
             session.frame(Change::EVERYTHING)?;
             let path = std::path::Path::new(folder).join(format!("fish-{}-{samples}.png", name(rule)));
-            session.picture()?.save(&path, &scene.camera)?;
+            session.picture()?.save(&path)?;
         }
     }
     Ok(())

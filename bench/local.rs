@@ -5,7 +5,7 @@
 //! alternate, and medians are compared.
 
 use milkglass::error::Result;
-use milkglass::gpu::Device;
+use milkglass::internals::gpu::Device;
 use milkglass::measure::local::{PAPER, bending, table_1};
 use milkglass::scene::Scene;
 
@@ -13,7 +13,7 @@ use milkglass::scene::Scene;
 const FRAMES: (usize, usize) = (81, 5);
 
 fn run() -> Result<()> {
-    let Some(device) = Device::first()? else {
+    let Some(device) = Device::best()? else {
         println!("no usable Vulkan device");
         return Ok(());
     };
@@ -27,7 +27,7 @@ fn run() -> Result<()> {
     );
     for name in &names {
         let own = ["camera.size=[1024, 1024]".into(), "transport.unwrap=true".into()];
-        let scene = Scene::load(name, &[&own[..], &fine].concat())?;
+        let scene = Scene::load_with(name, &[&own[..], &fine].concat())?;
         for row in table_1(&scene, Some(&device), FRAMES.0)? {
             let (technique, shading, ratio) = (row.technique, row.shading, row.ratio);
             let (frame, error) = (row.frame, row.error);
@@ -40,7 +40,7 @@ fn run() -> Result<()> {
     }
     println!();
     for name in &names {
-        let bend = bending(&Scene::load(name, &fine)?, Some(&device), FRAMES.1)?;
+        let bend = bending(&Scene::load_with(name, &fine)?, Some(&device), FRAMES.1)?;
         let (vertices, curvature, solve) = (bend.vertices, bend.curvature, bend.solve);
         println!(
             "{name:<20} curvature of {vertices} vertices {curvature:.2} ms, the hierarchy {solve:.1} ms: {:.4}",

@@ -6,12 +6,12 @@
 //! median of N frames.
 
 use milkglass::error::Result;
-use milkglass::gpu::Device;
+use milkglass::internals::gpu::Device;
 use milkglass::measure::modes::{Row, rows};
 use milkglass::scene::Scene;
 
 fn run() -> Result<()> {
-    let Some(device) = Device::first()? else {
+    let Some(device) = Device::best()? else {
         println!("no usable Vulkan device");
         return Ok(());
     };
@@ -33,7 +33,7 @@ fn run() -> Result<()> {
     println!("| {} |", Row::HEADS.join(" | "));
     println!("|---|---|---|---|---:|---:|---:|---:|---:|");
     for name in &names {
-        for row in rows(Some(&device), &Scene::load(name, &sets)?, frames, &only)? {
+        for row in rows(Some(&device), &Scene::load_with(name, &sets)?, frames, &only)? {
             println!("| {} |", row.cells().join(" | "));
         }
     }

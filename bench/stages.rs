@@ -5,15 +5,15 @@
 //! are against brute force on the same scene. Stages are compared with the reference before they are timed.
 
 use milkglass::error::{Error, Result};
-use milkglass::gpu::Device;
+use milkglass::internals::gpu::Device;
+use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
+use milkglass::internals::session::run::Session;
 use milkglass::measure::conform::conform;
 use milkglass::measure::fixtures::Fixture;
 use milkglass::measure::norms::worst;
 use milkglass::measure::profile::{Quantiles, Settings, profile};
 use milkglass::measure::reference::verify;
-use milkglass::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
 
 /// Times each stage of a picture on the device and on the CPU, after checking that they agree.
 fn stages(scene: &Scene, device: &Device) -> Result<()> {
@@ -42,7 +42,7 @@ fn time(session: &mut Session, change: Change, frames: usize) -> Result<f64> {
 }
 
 fn run() -> Result<()> {
-    let Some(device) = Device::first()? else {
+    let Some(device) = Device::best()? else {
         println!("no usable Vulkan device");
         return Ok(());
     };
@@ -51,11 +51,11 @@ fn run() -> Result<()> {
     let named: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
     let mut scenes = Vec::new();
     for name in &named {
-        scenes.push(Scene::load(name, &[])?);
+        scenes.push(Scene::load_with(name, &[])?);
     }
     if scenes.is_empty() {
         for (name, set) in [("sphere", "object.0.detail=5"), ("slab", "object.0.detail=64")] {
-            scenes.push(Scene::load(name, &[set.to_string()])?);
+            scenes.push(Scene::load_with(name, &[set.to_string()])?);
         }
     }
     for scene in scenes {
@@ -66,7 +66,7 @@ fn run() -> Result<()> {
             ("hierarchy, render, new light", ShadingMethod::Hierarchy, Mode::Render, Change::LIGHT),
         ] {
             let options = Options { transport, mode, goal: Goal::Radiosity, ..Options::default() };
-            let mut session = Session::new(&scene, Some(&device), options, CapacityHints::default())?;
+            let mut session = Session::new(&scene, Some(&device), options)?;
             session.frame(Change::EVERYTHING)?;
             let error = worst(&verify(&mut session, 2000, 1)?);
             if !error.l2.is_finite() {

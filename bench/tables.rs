@@ -8,7 +8,7 @@
 use std::path::Path;
 
 use milkglass::error::{Error, Input, Result};
-use milkglass::gpu::Device;
+use milkglass::internals::gpu::Device;
 use milkglass::measure::tables::{Bench, TABLES, Told, figure_3, figure_4, given};
 
 /// The parsed command line.
@@ -65,7 +65,7 @@ fn run() -> Result<()> {
         return Ok(());
     }
 
-    let device = if asked.cpu { None } else { Device::first()? };
+    let device = if asked.cpu { None } else { Device::best()? };
     match &device {
         Some(device) => {
             tell(Told::Words(&format!("On {}, {}; the device's own clock.", device.name(), device.driver())));

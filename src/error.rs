@@ -2,7 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-/// What went wrong, sorted by whose fault it is. The variant decides the exit code.
+/// What went wrong, sorted by whose fault it is. The variant decides the program's exit code.
+///
+/// ```
+/// use milkglass::{Error, Scene};
+///
+/// let Err(Error::Input(fault)) = Scene::parse("my.toml", "[[light]]\ntype = \"sun\"", &[]) else { unreachable!() };
+/// assert_eq!((fault.line, fault.found.as_deref()), (Some(2), Some("sun")));
+/// ```
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The user's input: arguments, scene, mesh, CSV. Exit code 2.

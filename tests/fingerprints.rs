@@ -10,13 +10,13 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::Mutex;
 
-use milkglass::gpu::Device;
-use milkglass::layout::{BUFFER_IDS, BufferId};
+use milkglass::internals::gpu::Device;
+use milkglass::internals::layout::{BUFFER_IDS, BufferId};
+use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
+use milkglass::internals::session::run::Session;
+use milkglass::internals::state::{State, Step};
 use milkglass::measure::fixtures::fixtures;
-use milkglass::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use milkglass::scene::{BUILTIN, Scene};
-use milkglass::session::run::{CapacityHints, Session};
-use milkglass::state::{State, Step};
 
 /// FNV-1a over words of eight bytes, with a rotation.
 fn hash(bytes: &[u8]) -> u64 {
@@ -69,7 +69,7 @@ const CHANGES: [(&str, Change); 5] = [
 
 /// A scene's buffers after a first frame and after a second for `Change::LIGHT`, and the planned steps of its frames.
 fn of_scene(key: &str, scene: &Scene, options: Options, device: Option<&Device>, found: &mut BTreeMap<String, String>) {
-    let mut session = Session::new(scene, device, options, CapacityHints::default()).unwrap();
+    let mut session = Session::new(scene, device, options).unwrap();
     for (name, change) in CHANGES {
         let steps = session.plan().steps(session.state(), change);
         found.insert(format!("{key} steps {name}"), names(&steps));
@@ -132,7 +132,7 @@ fn all(device: Option<&Device>) -> BTreeMap<String, String> {
             let size = ["camera.size=[24, 20]", "camera.samples=1", detail];
             let mut sets: Vec<String> = sets.into_iter().map(String::from).collect();
             sets.extend(size.into_iter().filter(|set| !set.is_empty()).map(String::from));
-            let scene = Scene::load(name, &sets).unwrap();
+            let scene = Scene::load_with(name, &sets).unwrap();
             let triangles: usize = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
             if triangles > 5000
                 && !matches!(way.as_str(), "transport.scheme=blocks Render" | "transport.scheme=links Keep" | "Cdrf")

@@ -11,6 +11,7 @@ mod cycles;
 const FLOORS: &[&[&str]] = &[
     &["main"],
     &["cli"],
+    &["internals"],
     &["measure"],
     &["session"],
     &["prepare"],
@@ -120,12 +121,13 @@ fn shaders_stand_beside_their_stages() {
     let mut owners = std::collections::BTreeSet::new();
     for path in files("glsl", "comp").into_iter().filter(|path| !path.starts_with("glsl/measure")) {
         let kernel = path.strip_prefix("glsl").unwrap().with_extension("").to_string_lossy().into_owned();
-        let stage = milkglass::pipeline::frame::owner(&kernel).unwrap_or_else(|| panic!("{kernel} has no stage"));
+        let stage =
+            milkglass::internals::pipeline::frame::owner(&kernel).unwrap_or_else(|| panic!("{kernel} has no stage"));
         let file = format!("src/{}/{}", stage.module, stage.name);
         assert!(Path::new(&format!("{file}.rs")).exists() || Path::new(&file).is_dir(), "{file}.rs is missing");
         owners.insert(stage.name);
     }
-    for stage in milkglass::pipeline::frame::STAGES {
+    for stage in milkglass::internals::pipeline::frame::STAGES {
         assert!(owners.contains(stage.name), "stage {} has no shader", stage.name);
     }
 }
@@ -146,7 +148,7 @@ fn stages_are_named_in_their_own_files_only() {
         let source = fs::read_to_string(&path).unwrap();
         let code = source.split("#[cfg(test)]").next().unwrap_or_default();
         let code: Vec<&str> = code.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
-        for stage in milkglass::pipeline::frame::STAGES {
+        for stage in milkglass::internals::pipeline::frame::STAGES {
             let own = code.iter().any(|line| line.trim() == format!("name: \"{}\",", stage.name));
             let ordinary = ORDINARY.iter().any(|(word, file, _)| *word == stage.name && path.ends_with(file));
             let literal = format!("\"{}\"", stage.name);
@@ -180,9 +182,9 @@ fn files_are_short_and_comments_are_wrapped() {
 
 #[test]
 fn device_structs_lie_as_the_host_has_them() {
-    let records = milkglass::layout::records();
+    let records = milkglass::internals::layout::records();
     let mut seen = std::collections::BTreeSet::new();
-    for found in milkglass::gpu::reflect_records().unwrap() {
+    for found in milkglass::internals::gpu::reflect_records().unwrap() {
         let (kernel, name) = (found.kernel, found.name);
         if let Some(record) = records.iter().find(|record| record.name == name) {
             seen.insert(record.name);
@@ -193,7 +195,7 @@ fn device_structs_lie_as_the_host_has_them() {
                 let field = record.fields.iter().find(|(field, _, _)| *field == member.name);
                 assert_eq!(field.map(|f| f.2), Some(member.offset), "{kernel}: {name}.{}", member.name);
             }
-        } else if let Some(slot) = milkglass::layout::BUFFER_IDS.iter().find(|slot| slot.spec().name == name)
+        } else if let Some(slot) = milkglass::internals::layout::BUFFER_IDS.iter().find(|slot| slot.spec().name == name)
             && let Some(stride) = found.stride
         {
             assert_eq!(stride, slot.spec().stride, "{kernel}: stride of {name}");
@@ -233,7 +235,7 @@ fn no_constant_is_written_twice() {
         declared("#include \"a\"\nconst uint A = 1, B[2] = 3;\nfloat C = 4;\nconst float D = 5.0;"),
         ["A", "B", "D"]
     );
-    let (numbers, kinds) = (milkglass::layout::numbers(), milkglass::layout::kinds());
+    let (numbers, kinds) = (milkglass::internals::layout::numbers(), milkglass::internals::layout::kinds());
     let read = |folder: &str, ending: &str| -> Vec<(PathBuf, String)> {
         files(folder, ending).into_iter().map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
     };

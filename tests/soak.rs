@@ -3,10 +3,10 @@
 //!
 //! 200 frames, or `MILKGLASS_SOAK_FRAMES=10000 cargo test --release --test soak -- --nocapture`.
 
-use milkglass::gpu::Device;
-use milkglass::pipeline::plan::{Change, Mode, Options};
+use milkglass::internals::gpu::Device;
+use milkglass::internals::pipeline::plan::{Change, Mode, Options};
+use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
 
 /// Frames after which memory should be constant: every material and shape has occurred.
 const WARM: usize = 100;
@@ -28,7 +28,7 @@ fn scene(frame: usize) -> Scene {
         format!("object.0.deform=[{{type='twist',angle={}}}]", 5 * (frame / 4 % 9) + 1),
         format!("transport.scheme='{}'", ["blocks", "links"][frame / 60 % 2]),
     ];
-    Scene::load("sphere", &sets).unwrap()
+    Scene::load_with("sphere", &sets).unwrap()
 }
 
 /// Resident memory of the process in bytes; `None` where the system does not report it.
@@ -39,13 +39,13 @@ fn resident() -> Option<u64> {
 
 /// Runs `frames` frames; checks memory throughout, and some pictures against a fresh session.
 fn soak(frames: usize) {
-    let Some(device) = Device::first().ok().flatten() else {
+    let Some(device) = Device::best().ok().flatten() else {
         assert!(std::env::var_os("MILKGLASS_NO_DEVICE").is_some(), "no usable Vulkan device");
         println!("WAIVED by MILKGLASS_NO_DEVICE: no usable device");
         return;
     };
     let options = Options { mode: Mode::Render, ..Options::default() };
-    let open = |scene: &Scene| Session::new(scene, Some(&device), options, CapacityHints::default()).unwrap();
+    let open = |scene: &Scene| Session::new(scene, Some(&device), options).unwrap();
     let mut session = open(&scene(0));
     let (mut warm, mut most, mut peak) = (None, 0, 0);
     for frame in 0..frames {

@@ -7,9 +7,9 @@ use exr::prelude::{Image, SpecificChannels, Vec2, WritableImage};
 
 use super::{MemoryArgument, print};
 use milkglass::error::{Input, Result};
+use milkglass::internals::session::bake::bake;
+use milkglass::internals::view::atomic_file::{encode_atomically, ready};
 use milkglass::scene::Scene;
-use milkglass::session::bake::bake;
-use milkglass::view::atomic_file::{encode_atomically, ready};
 
 /// Arguments of `bake-layers`.
 #[derive(Args)]

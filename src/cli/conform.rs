@@ -5,20 +5,20 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::device::{opened, pick};
+use super::device::opened;
 use super::replace::{ReplaceArgument, replaced};
 use super::run_args::{OptionArguments, quoted, repeated};
 use super::{MemoryArgument, print, table};
 use milkglass::error::{Error, Input, Result};
-use milkglass::gpu::{Adapter, Device, Instance};
+use milkglass::internals::gpu::{Adapter, Device, Instance};
+use milkglass::internals::pipeline::frame::{STAGES, stage};
+use milkglass::internals::session::run::CapacityHints;
+use milkglass::internals::view::atomic_file::{ready, write_atomically};
 use milkglass::measure::conform::{BINS, Row, conform, conform_stages};
 use milkglass::measure::fixtures::{Fixture, fixtures};
 use milkglass::measure::replace;
 use milkglass::measure::verdict::verdict;
-use milkglass::pipeline::frame::{STAGES, stage};
 use milkglass::scene::Scene;
-use milkglass::session::run::CapacityHints;
-use milkglass::view::atomic_file::{ready, write_atomically};
 
 /// Arguments of `conform`.
 #[derive(Args)]
@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             let fault = Input::new("the CPU is the reference itself").key("--device").found("cpu");
             return Err(fault.expected("a Vulkan device").into());
         }
-        Some(wish) => vec![pick(&adapters, wish)?],
+        Some(wish) => vec![Adapter::find(&adapters, wish)?],
         None => {
             for adapter in &adapters {
                 if let Some(why) = &adapter.unusable {

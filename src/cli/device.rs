@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use clap::Args;
 
-use milkglass::error::{Error, Input, Result};
-use milkglass::gpu::{Adapter, Device, Instance};
+use milkglass::error::{Input, Result};
+use milkglass::internals::gpu::{Adapter, Device, Instance};
 
 /// The device argument.
 #[derive(Args)]
@@ -38,7 +38,7 @@ impl DeviceArgument {
                 Ok(None)
             }
             (_, Err(error)) => Err(error),
-            (Some(wish), Ok((adapters, instance))) => opened(&instance, pick(&adapters, wish)?).map(Some),
+            (Some(wish), Ok((adapters, instance))) => opened(&instance, Adapter::find(&adapters, wish)?).map(Some),
         }
     }
 }
@@ -53,51 +53,4 @@ pub(super) fn opened(instance: &Instance, adapter: &Adapter) -> Result<Device> {
         device.wait_at_most(Duration::from_secs_f64(seconds.ok_or_else(fault)?));
     }
     Ok(device)
-}
-
-/// The adapter with this number or name, or the only one whose name contains this text.
-pub(super) fn pick<'a>(adapters: &'a [Adapter], wish: &str) -> Result<&'a Adapter> {
-    let low = wish.to_lowercase();
-    let named = |fits: &dyn Fn(&str) -> bool| {
-        let fitting = |adapter: &&Adapter| !low.is_empty() && fits(&adapter.name.to_lowercase());
-        adapters.iter().filter(fitting).collect::<Vec<_>>()
-    };
-    let whole = named(&|name| name == low);
-    let found = if whole.is_empty() { named(&|name| name.contains(&low)) } else { whole };
-    let by_number = wish.parse::<usize>().ok().and_then(|index| adapters.get(index));
-    let names: Vec<_> = adapters.iter().enumerate().map(|(i, a)| format!("{i} ({})", a.name)).collect();
-    let known = if names.is_empty() { "no Vulkan device is installed".to_string() } else { names.join(", ") };
-    let what = match (by_number, found.as_slice()) {
-        (Some(adapter), _) => return Ok(adapter),
-        (None, &[adapter]) => return Ok(adapter),
-        (None, []) => format!("there is none; there are cpu, {known}"),
-        (None, several) => format!("{} devices have that in their names, give a number: {known}", several.len()),
-    };
-    Err(Error::device(format!("looking for device {wish:?}"), what))
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::cli::device::*;
-
-    #[test]
-    fn devices_go_by_number_and_by_as_much_of_the_name_as_tells_them_apart() {
-        let named = |name: &str| {
-            let mut adapter = Adapter::default();
-            adapter.name = name.into();
-            adapter
-        };
-        let adapters = ["GeForce RTX 4090", "GeForce RTX 4090 Ti", "llvmpipe", "llvmpipe"].map(named);
-        let at = |wish: &str| pick(&adapters, wish).map(|found| found as *const Adapter as usize);
-        let place = |k: usize| &raw const adapters[k] as usize;
-        for (wish, k) in [("0", 0), ("3", 3), ("ti", 1), ("geforce rtx 4090", 0), ("4090 TI", 1)] {
-            assert_eq!(at(wish).unwrap(), place(k), "{wish}");
-        }
-        for (wish, words) in [("geforce", "2 devices"), ("llvmpipe", "give a number"), ("7", "there is none")] {
-            let error = at(wish).unwrap_err();
-            assert!(error.to_string().contains(words) && error.exit_code() == 3, "{wish}: {error}");
-            assert!(error.to_string().contains("2 (llvmpipe)"), "{error}");
-        }
-        assert!(at("").is_err() && pick(&[], "x").unwrap_err().to_string().contains("no Vulkan device is installed"));
-    }
 }

@@ -2,7 +2,7 @@
 
 use super::{print, size, table};
 use milkglass::error::Result;
-use milkglass::gpu::{Adapter, Instance};
+use milkglass::internals::gpu::{Adapter, Instance};
 
 /// Prints every Vulkan device and the CPU back end.
 pub fn run() -> Result<()> {
@@ -40,7 +40,8 @@ pub fn run() -> Result<()> {
 
 fn row(index: &str, name: &str, driver: &str, version: &str, state: &str, adapter: Option<&Adapter>) -> Vec<String> {
     let limits = adapter.map(|adapter| adapter.limits);
-    let show = |f: &dyn Fn(&milkglass::gpu::Limits) -> String| limits.as_ref().map_or_else(|| "-".to_string(), f);
+    let show =
+        |f: &dyn Fn(&milkglass::internals::gpu::Limits) -> String| limits.as_ref().map_or_else(|| "-".to_string(), f);
     vec![
         index.to_string(),
         name.to_string(),

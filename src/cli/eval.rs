@@ -6,8 +6,8 @@ use clap::{Args, ValueEnum};
 
 use super::{DeviceArgument, MemoryArgument, check_messages, validation};
 use milkglass::error::{Input, Result};
+use milkglass::internals::view::atomic_file::{ready, write_atomically};
 use milkglass::measure::eval::{self, answers};
-use milkglass::view::atomic_file::{ready, write_atomically};
 
 /// Arguments of `eval`.
 #[derive(Args)]

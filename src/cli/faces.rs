@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 
 use glam::DVec3;
 
+use milkglass::internals::session::run::Session;
+use milkglass::internals::session::subdivide::Parts;
 use milkglass::scene::Object;
-use milkglass::session::run::Session;
-use milkglass::session::subdivide::Parts;
 
 /// One row of results per input face, object after object, in input order: centroid, area, irradiance, radiosity, and
 /// an error estimate if there is one.
@@ -156,7 +156,7 @@ pub(super) fn ply(session: &Session) -> String {
         }
     );
     for (p, value) in positions.iter().zip(&values) {
-        let byte = |x: f64| (milkglass::view::picture::encode(x / brightest) * 255.0 + 0.5) as u8;
+        let byte = |x: f64| (milkglass::internals::view::picture::encode(x / brightest) * 255.0 + 0.5) as u8;
         let b = value.to_array();
         let [red, green, blue] = b.map(byte);
         let _ = writeln!(

@@ -5,17 +5,17 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{print, table};
-use milkglass::dipole::profile::Dipole;
 use milkglass::error::{Input, Result};
-use milkglass::lighting::fresnel;
+use milkglass::internals::dipole::profile::Dipole;
+use milkglass::internals::lighting::fresnel;
+use milkglass::internals::prepare::shading::default_sigma_0;
+use milkglass::internals::view::atomic_file::{ready, write_atomically};
 use milkglass::measure::balls::fit::{Fit, fit};
 use milkglass::measure::balls::plot::{Panel, svg};
 use milkglass::measure::balls::walk::curve as walk;
 use milkglass::measure::balls::{ANGLES, Curve, angle, dipole::curve as solve};
 use milkglass::measure::walk::Medium;
-use milkglass::prepare::shading::default_sigma_0;
 use milkglass::scene::Preset;
-use milkglass::view::atomic_file::{ready, write_atomically};
 
 /// Arguments of `fit-cdrf`.
 #[derive(Args)]

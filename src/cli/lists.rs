@@ -4,9 +4,9 @@ use clap::Args;
 
 use super::{print, table};
 use milkglass::error::{Input, Result};
-use milkglass::pipeline::frame::{FRAME, Part, QUERIES};
+use milkglass::internals::pipeline::frame::{FRAME, Part, QUERIES};
+use milkglass::internals::state::{Change, Stage, Update};
 use milkglass::scene::{BUILTIN, PRESETS};
-use milkglass::state::{Change, Stage, Update};
 
 /// Arguments of `scenes`.
 #[derive(Args)]

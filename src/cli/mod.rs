@@ -37,12 +37,12 @@ use self::run_args::OptionArguments;
 pub use self::stop::{leave, remove_when_stopped};
 use self::text::{print, size, table};
 use milkglass::error::{Error, Input, Result};
-use milkglass::gpu::{Device, Timing};
-use milkglass::hierarchy::face_cluster::Method;
+use milkglass::internals::gpu::{Device, Timing};
+use milkglass::internals::hierarchy::face_cluster::Method;
+use milkglass::internals::pipeline::plan::{Change, Options};
+use milkglass::internals::session::run::Session;
 use milkglass::measure::progress::observe;
-use milkglass::pipeline::plan::{Change, Options};
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
 
 #[derive(Parser)]
 #[command(name = "milkglass", version, about = "Renders translucent things in Vulkan compute, proved against the CPU")]
@@ -157,8 +157,7 @@ impl RunArguments {
 
 /// Opens a session on this device; reports tree fallbacks and the like on standard error.
 fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Result<Session> {
-    let session =
-        Session::new(scene, device, options, CapacityHints::default()).map_err(|error| scene.placed(error))?;
+    let session = Session::new(scene, device, options)?;
     match session.prepared().method {
         Method::Merged => {}
         Method::TooDeep => tell!("tree: merging neighbours made it too deep; split at medians instead"),

@@ -8,14 +8,14 @@ use clap::Args;
 use super::replace::ReplaceArgument;
 use super::{DeviceArgument, SceneArguments, check_messages, print, table, validation};
 use milkglass::error::{Input, Result};
+use milkglass::internals::pipeline::plan::{Goal, Mode, Options, ShadingMethod};
+use milkglass::internals::state::Scheme;
+use milkglass::internals::view::atomic_file::{ready, write_atomically};
 use milkglass::measure::norms::Norms;
 use milkglass::measure::pareto::{
     Against, Bench, Leaves, Lighting, METHODS, Method, Norm, Origin, Settings, Sweep, csv, mark, ratios, svg, sweep,
 };
-use milkglass::pipeline::plan::{Goal, Mode, Options, ShadingMethod};
 use milkglass::scene::{Material, Scene};
-use milkglass::state::Scheme;
-use milkglass::view::atomic_file::{ready, write_atomically};
 
 /// Arguments of `pareto`.
 #[derive(Args)]

@@ -9,16 +9,16 @@ use serde_json::{Value, json};
 
 use super::{RunArguments, SceneArguments, open_session, print, size, table, validation};
 use milkglass::error::{Input, Result};
-use milkglass::gpu::constants;
-use milkglass::pipeline::about_mode;
-use milkglass::pipeline::buffer_sizes::grows;
-use milkglass::pipeline::frame::precedes_transport;
-use milkglass::pipeline::plan::{Change, Options};
-use milkglass::session::requirements::{KernelRequirements, StageRequirements};
-use milkglass::session::run::Session;
-use milkglass::state::Extent;
-use milkglass::transport::octree::HOST;
-use milkglass::view::atomic_file::{ready, write_atomically};
+use milkglass::internals::gpu::constants;
+use milkglass::internals::pipeline::about_mode;
+use milkglass::internals::pipeline::buffer_sizes::grows;
+use milkglass::internals::pipeline::frame::precedes_transport;
+use milkglass::internals::pipeline::plan::{Change, Options};
+use milkglass::internals::session::requirements::{KernelRequirements, StageRequirements};
+use milkglass::internals::session::run::Session;
+use milkglass::internals::state::Extent;
+use milkglass::internals::transport::octree::HOST;
+use milkglass::internals::view::atomic_file::{ready, write_atomically};
 
 /// Arguments of `plan`.
 #[derive(Args)]

@@ -7,10 +7,10 @@ use clap::{Args, ValueEnum};
 use super::replace::ReplaceArgument;
 use super::{RunArguments, SceneArguments, check_messages, print, size, table, validation};
 use milkglass::error::Result;
+use milkglass::internals::pipeline::plan::{Change, Mode};
+use milkglass::internals::view::atomic_file::{ready, write_atomically};
 use milkglass::measure::profile::{Against, Profile, Quantiles, Row, Settings, against, profile};
 use milkglass::measure::replace::stages;
-use milkglass::pipeline::plan::{Change, Mode};
-use milkglass::view::atomic_file::{ready, write_atomically};
 
 /// Arguments of `profile`.
 #[derive(Args)]

@@ -9,12 +9,11 @@ use super::{
     RunArguments, SceneArguments, check_messages, open_session, print, run_frame, sequence, table, validation,
 };
 use milkglass::error::{Input, Result};
-use milkglass::pipeline::plan::{Change, Mode, ShadingMethod};
-use milkglass::scene::{Camera, Tone};
-use milkglass::session::cluster_view::{Emitters, clusters, color};
-use milkglass::session::curvature_view::{CurvatureView, curvature_view, flat};
-use milkglass::view::atomic_file::ready;
-use milkglass::view::picture::{check, encode};
+use milkglass::internals::pipeline::plan::{Change, Mode, ShadingMethod};
+use milkglass::internals::session::cluster_view::{Emitters, clusters, color};
+use milkglass::internals::session::curvature_view::{CurvatureView, curvature_view, flat};
+use milkglass::internals::view::atomic_file::ready;
+use milkglass::internals::view::picture::{check, encode};
 
 /// Arguments of `render`.
 #[derive(Args)]
@@ -114,13 +113,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(pick) = pick {
         let (picture, emitters) = clusters(&mut session, pick)?;
         check_messages(device.as_ref())?;
-        picture.save(&arguments.output, &plain(&scene.camera))?;
+        picture.save(&arguments.output)?;
         return print_levels(&emitters);
     }
     if arguments.view.is_some() {
         let (picture, curvature_view) = curvature_view(&mut session)?;
         check_messages(device.as_ref())?;
-        picture.save(&arguments.output, &plain(&scene.camera))?;
+        picture.save(&arguments.output)?;
         return print_curvature(&curvature_view, scene.unit_mm);
     }
     let picture = sequence::shoot(&mut session, aov, &arguments.output)?;
@@ -138,11 +137,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         );
     }
     Ok(())
-}
-
-/// The camera without exposure and tone curve, so that colours stay as they are.
-fn plain(camera: &Camera) -> Camera {
-    Camera { exposure: 1.0, tone: Tone::default(), ..camera.clone() }
 }
 
 /// Prints the number of emitters per level.

@@ -6,13 +6,13 @@ use clap::Args;
 
 use super::run_args::{quoted, repeated};
 use milkglass::error::{Error, Input, Result};
-use milkglass::gpu::{Device, replacement};
+use milkglass::internals::gpu::{Device, replacement};
+use milkglass::internals::pipeline::plan::Options;
+use milkglass::internals::session::run::CapacityHints;
 use milkglass::measure::fixtures::Fixture;
 use milkglass::measure::replace::{check, unused};
 use milkglass::measure::verdict::verdict;
-use milkglass::pipeline::plan::Options;
 use milkglass::scene::Scene;
-use milkglass::session::run::CapacityHints;
 
 /// Shaders that replace built-in ones.
 #[derive(Args)]

@@ -2,8 +2,8 @@
 
 use clap::{Args, ValueEnum};
 
-use milkglass::gpu::Device;
-use milkglass::pipeline::plan::{Mode, Options, ShadingMethod};
+use milkglass::internals::gpu::Device;
+use milkglass::internals::pipeline::plan::{Mode, Options, ShadingMethod};
 
 /// Transport and mode.
 #[derive(Args)]

@@ -8,14 +8,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{SceneArguments, check_messages, open_session, run_frame};
 use milkglass::error::{Error, Input, Result};
-use milkglass::gpu::Device;
-use milkglass::pipeline::plan::{Change, Options};
-use milkglass::prepare::shape::turned;
-use milkglass::session::antialiasing::picture;
-use milkglass::session::aov::layers;
-use milkglass::session::run::Session;
-use milkglass::view::aov::save;
-use milkglass::view::picture::Picture;
+use milkglass::internals::gpu::Device;
+use milkglass::internals::pipeline::plan::{Change, Options};
+use milkglass::internals::prepare::shape::turned;
+use milkglass::internals::session::antialiasing::picture;
+use milkglass::internals::session::aov::layers;
+use milkglass::internals::session::run::Session;
+use milkglass::internals::view::aov::save;
+use milkglass::internals::view::picture::Picture;
 
 /// Most frames in one call.
 const MOST: i64 = 1_000_000;
@@ -117,7 +117,7 @@ pub fn shoot(session: &mut Session, aov: bool, output: &Path) -> Result<Picture>
     let picture = picture(session)?;
     match layers {
         Some(layers) => save(&picture, &layers, output)?,
-        None => picture.save(output, &session.scene().camera)?,
+        None => picture.save(output)?,
     }
     Ok(picture)
 }

@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::print;
 use milkglass::error::{Input, Result};
-use milkglass::gpu::{source, sources};
+use milkglass::internals::gpu::{source, sources};
 
 /// Arguments of `shader`.
 #[derive(Args)]

@@ -8,15 +8,15 @@ use clap::Args;
 use super::faces::{csv, ply};
 use super::{RunArguments, SceneArguments, check_messages, open_session, print, run_frame, table, validation};
 use milkglass::error::{Error, Input, Result};
-use milkglass::gpu::Timing;
-use milkglass::layout::BufferId;
+use milkglass::internals::gpu::Timing;
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Change, Goal, Options, ShadingMethod};
+use milkglass::internals::session::run::Session;
+use milkglass::internals::state::Scheme;
+use milkglass::internals::view::atomic_file::{ready, write_atomically};
 use milkglass::measure::estimate::Quality;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::check;
-use milkglass::pipeline::plan::{Change, Goal, Options, ShadingMethod};
-use milkglass::session::run::Session;
-use milkglass::state::Scheme;
-use milkglass::view::atomic_file::{ready, write_atomically};
 
 /// Arguments of `solve`.
 #[derive(Args)]
@@ -138,8 +138,9 @@ pub fn print_times(session: &mut Session, times: &[Timing]) -> Result<()> {
     let data = &session.state().data;
     let links: u64 = data.spans.iter().map(|span| u64::from(span.links)).sum();
     print(&table(&["stage", "ms"], &[1], &rows))?;
-    let count =
-        |of: fn(&milkglass::layout::Runs) -> u32| session.state().runs().map(|run| u64::from(of(run))).sum::<u64>();
+    let count = |of: fn(&milkglass::internals::layout::Runs) -> u32| {
+        session.state().runs().map(|run| u64::from(of(run))).sum::<u64>()
+    };
     let lists = [
         ("expanded", count(|run| run.expanded)),
         ("direct", count(|run| run.direct)),

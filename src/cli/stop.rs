@@ -10,7 +10,7 @@ pub fn remove_when_stopped() {
     let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGHUP, SIGINT, SIGTERM, SIGXFSZ]) else { return };
     std::thread::spawn(move || {
         for signal in signals.forever().filter(|signal| *signal != SIGXFSZ) {
-            milkglass::view::atomic_file::abandon(|| signal_hook::low_level::exit(128 + signal));
+            milkglass::internals::view::atomic_file::abandon(|| signal_hook::low_level::exit(128 + signal));
         }
     });
 }

@@ -6,8 +6,8 @@ use clap::Args;
 
 use super::{DeviceArgument, check_messages, print, table, validation};
 use milkglass::error::{Error, Input, Result};
+use milkglass::internals::view::atomic_file::{ready, write_atomically};
 use milkglass::measure::stress::{Bound, Outcome, Worst, stress};
-use milkglass::view::atomic_file::{ready, write_atomically};
 
 /// Arguments of `stress`.
 #[derive(Args)]

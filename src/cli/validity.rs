@@ -8,8 +8,8 @@ use plotters::prelude::*;
 use super::device::DeviceArgument;
 use super::{SceneArguments, check_messages, print, table, validation};
 use milkglass::error::{Error, Input, Result};
+use milkglass::internals::view::atomic_file::{ready, write_atomically};
 use milkglass::measure::validity::{BENT, Place, THICK, places, share, verdict};
-use milkglass::view::atomic_file::{ready, write_atomically};
 
 /// Arguments of `validity`.
 #[derive(Args)]

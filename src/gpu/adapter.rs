@@ -4,6 +4,8 @@ use std::ffi::CStr;
 
 use ash::vk;
 
+use crate::error::{Error, Result};
+
 /// What a device can do, as far as milkglass cares.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Limits {
@@ -62,6 +64,27 @@ impl Adapter {
             _ => 3,
         };
         adapters.iter().filter(|adapter| adapter.unusable.is_none()).min_by_key(rank)
+    }
+
+    /// The adapter with this number or name, or the only one whose name contains this text.
+    pub fn find<'a>(adapters: &'a [Self], wish: &str) -> Result<&'a Self> {
+        let low = wish.to_lowercase();
+        let named = |fits: &dyn Fn(&str) -> bool| {
+            let fitting = |adapter: &&Self| !low.is_empty() && fits(&adapter.name.to_lowercase());
+            adapters.iter().filter(fitting).collect::<Vec<_>>()
+        };
+        let whole = named(&|name| name == low);
+        let found = if whole.is_empty() { named(&|name| name.contains(&low)) } else { whole };
+        let by_number = wish.parse::<usize>().ok().and_then(|index| adapters.get(index));
+        let names: Vec<_> = adapters.iter().enumerate().map(|(i, a)| format!("{i} ({})", a.name)).collect();
+        let known = if names.is_empty() { "no Vulkan device is installed".to_string() } else { names.join(", ") };
+        let what = match (by_number, found.as_slice()) {
+            (Some(adapter), _) => return Ok(adapter),
+            (None, &[adapter]) => return Ok(adapter),
+            (None, []) => format!("there is none; there are cpu, {known}"),
+            (None, several) => format!("{} devices have that in their names, give a number: {known}", several.len()),
+        };
+        Err(Error::device(format!("looking for device {wish:?}"), what))
     }
 
     /// What an instance says of one of its physical devices.
@@ -149,5 +172,30 @@ impl Adapter {
             physical,
             queue_family: u32::try_from(family.unwrap_or(0)).unwrap_or(0),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Adapter;
+
+    #[test]
+    fn devices_go_by_number_and_by_as_much_of_the_name_as_tells_them_apart() {
+        let named = |name: &str| Adapter { name: name.into(), ..Adapter::default() };
+        let adapters = ["GeForce RTX 4090", "GeForce RTX 4090 Ti", "llvmpipe", "llvmpipe"].map(named);
+        let at = |wish: &str| Adapter::find(&adapters, wish).map(|found| found as *const Adapter as usize);
+        let place = |k: usize| &raw const adapters[k] as usize;
+        for (wish, k) in [("0", 0), ("3", 3), ("ti", 1), ("geforce rtx 4090", 0), ("4090 TI", 1)] {
+            assert_eq!(at(wish).unwrap(), place(k), "{wish}");
+        }
+        for (wish, words) in [("geforce", "2 devices"), ("llvmpipe", "give a number"), ("7", "there is none")] {
+            let error = at(wish).unwrap_err();
+            assert!(error.to_string().contains(words) && error.exit_code() == 3, "{wish}: {error}");
+            assert!(error.to_string().contains("2 (llvmpipe)"), "{error}");
+        }
+        assert!(
+            at("").is_err()
+                && Adapter::find(&[], "x").unwrap_err().to_string().contains("no Vulkan device is installed")
+        );
     }
 }

@@ -10,7 +10,17 @@ use super::kernel_cache::KernelCache;
 use super::logical_device::LogicalDevice;
 use crate::error::Result;
 
-/// A device with one compute queue and its kernels. Clones share both.
+/// A Vulkan device with one compute queue, and its kernels. Clones share both.
+///
+/// ```no_run
+/// use milkglass::Device;
+///
+/// if let Some(device) = Device::best()? {
+///     println!("{}, {}", device.name(), device.driver());
+/// }
+/// let software = Device::named("llvmpipe")?;
+/// # Ok::<(), milkglass::Error>(())
+/// ```
 #[derive(Clone)]
 pub struct Device {
     logical: LogicalDevice,
@@ -23,11 +33,21 @@ impl Device {
         Ok(Self { logical: LogicalDevice::open(instance, adapter)?, kernels: Rc::default() })
     }
 
-    /// The best usable device, by its kind and then in the loader's order; none where there is none.
-    pub fn first() -> Result<Option<Self>> {
-        let instance = Instance::open(false)?;
+    /// The best usable device: discrete, then integrated, then virtual, then software, each in the loader's order.
+    /// None where the machine has no Vulkan device that milkglass can use.
+    pub fn best() -> Result<Option<Self>> {
+        let Ok(instance) = Instance::open(false) else {
+            return Ok(None);
+        };
         let adapters = instance.adapters()?;
         Adapter::best(&adapters).map(|adapter| Self::open(&instance, adapter)).transpose()
+    }
+
+    /// The device of this number (as `milkglass devices` counts), or with this text in its name.
+    pub fn named(wish: &str) -> Result<Self> {
+        let instance = Instance::open(false)?;
+        let adapters = instance.adapters()?;
+        Self::open(&instance, Adapter::find(&adapters, wish)?)
     }
 
     /// The same device, with this SPIR-V in place of a kernel of the build. Nothing is checked: see

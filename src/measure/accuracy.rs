@@ -12,7 +12,7 @@ use crate::measure::reference::verify;
 use crate::measure::walk::{Estimate, Medium};
 use crate::pipeline::plan::{Change, Goal, Options};
 use crate::scene::{Preset, Scene};
-use crate::session::run::{CapacityHints, Session};
+use crate::session::run::Session;
 
 /// The size of the measurement.
 #[derive(Clone, Copy, Debug)]
@@ -105,7 +105,7 @@ pub fn numerical(preset: &Preset, device: Option<&Device>, effort: Effort) -> Re
         "camera.size=[1, 1]".into(),
     ];
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
-    let mut session = Session::new(&Scene::load("sphere", &sets)?, device, options, CapacityHints::default())?;
+    let mut session = Session::new(&Scene::load_with("sphere", &sets)?, device, options)?;
     session.frame(Change::EVERYTHING)?;
     Ok(worst(&verify(&mut session, effort.samples, effort.seed)?).l2)
 }

@@ -9,7 +9,7 @@ use crate::gpu::Device;
 use crate::layers::relief::{self, Kept, full};
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::{Integration, Light, Scene, Surface};
-use crate::session::run::{CapacityHints, Session};
+use crate::session::run::Session;
 use crate::state::State;
 
 /// Numbers of samples in table 2 of Francois et al. 2006.
@@ -63,7 +63,7 @@ fn with(scene: &Scene, rule: Integration, samples: u32) -> Scene {
 
 fn session(scene: &Scene, device: Option<&Device>) -> Result<Session> {
     let options = Options { transport: ShadingMethod::None, ..Options::default() };
-    let mut session = Session::new(scene, device, options, CapacityHints::default())?;
+    let mut session = Session::new(scene, device, options)?;
     session.frame(Change::EVERYTHING)?;
     Ok(session)
 }

@@ -11,7 +11,7 @@ use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::prepare::scene::dipoles;
 use crate::prepare::shading::default_sigma_0;
 use crate::scene::{Cdrf, Receivers, Scene, Surface};
-use crate::session::run::{CapacityHints, Session};
+use crate::session::run::Session;
 use crate::shading::reflectance;
 use crate::shading::{bake_irradiance, blur, cdrf, curvature, lambert, pack_normals, texture_blur};
 use crate::state::{Stage, wide};
@@ -75,7 +75,7 @@ pub fn table_1(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
         let mut scene = scene.clone();
         scene.transport.cdrf = cdrf;
         let options = Options { transport, ..Options::default() };
-        let mut session = match Session::new(&scene, device, options, CapacityHints::default()) {
+        let mut session = match Session::new(&scene, device, options) {
             // No texture coordinates, or overlapping ones.
             Err(Error::Input(_)) if transport == ShadingMethod::TextureBlur => continue,
             session => session?,
@@ -125,7 +125,7 @@ fn bare(scene: &Scene) -> Scene {
 
 /// Renders a scene.
 fn picture(scene: &Scene, device: Option<&Device>, options: Options) -> Result<Vec<[f32; 3]>> {
-    let mut session = Session::new(scene, device, options, CapacityHints::default())?;
+    let mut session = Session::new(scene, device, options)?;
     session.frame(Change::EVERYTHING)?;
     Ok(session.picture()?.pixels)
 }
@@ -166,8 +166,7 @@ pub fn bending(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
     // Rendering is not timed, so a small picture will do.
     (scene.camera.size, scene.transport.receivers) = ([64, 64], Receivers::Faces);
     let session = |transport: ShadingMethod| {
-        let mut session =
-            Session::new(&scene, device, Options { transport, ..Options::default() }, CapacityHints::default())?;
+        let mut session = Session::new(&scene, device, Options { transport, ..Options::default() })?;
         session.frame(Change::EVERYTHING).map(|_| session)
     };
     let (mut local, mut carried) = (session(ShadingMethod::Cdrf)?, session(ShadingMethod::Hierarchy)?);
@@ -246,7 +245,7 @@ pub fn panels(size: [u32; 2]) -> Result<Vec<Panel>> {
     let mut add = |figure: u32, caption: &str, name: &str, sets: &[&str], transport: ShadingMethod| -> Result<()> {
         let mut sets: Vec<String> = sets.iter().map(|set| (*set).to_string()).collect();
         sets.push(format!("camera.size=[{}, {}]", size[0], size[1]));
-        all.push(Panel { figure, caption: caption.into(), scene: Scene::load(name, &sets)?, transport });
+        all.push(Panel { figure, caption: caption.into(), scene: Scene::load_with(name, &sets)?, transport });
         Ok(())
     };
     add(1, "Lambert", "bust", &[], ShadingMethod::Lambert)?;

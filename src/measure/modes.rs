@@ -12,7 +12,7 @@ use crate::measure::norms::worst;
 use crate::measure::reference::verify;
 use crate::pipeline::plan::{Change, Goal, Mode, Options};
 use crate::scene::{Deform, Scene, Scheme};
-use crate::session::run::{CapacityHints, Session};
+use crate::session::run::Session;
 use crate::transport::blocks::gather;
 use crate::transport::links::form_factor;
 
@@ -152,7 +152,7 @@ pub fn rows(device: Option<&Device>, scene: &Scene, frames: usize, only: &str) -
 /// One row; the caller fills in scheme, mode and ratio.
 fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frames: usize) -> Result<Row> {
     let options = Options { mode, goal: Goal::Radiosity, ..Options::default() };
-    let mut session = Session::new(&moved(scene, what, 0), device, options, CapacityHints::default())?;
+    let mut session = Session::new(&moved(scene, what, 0), device, options)?;
     session.frame(Change::EVERYTHING)?;
     let (start, mut times, mut names) = (Instant::now(), Vec::new(), Vec::new());
     for step in 1..=frames {
@@ -190,7 +190,7 @@ fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frame
 fn links(session: &mut Session, scene: &Scene, device: Option<&Device>) -> Result<u64> {
     let options = session.plan().options();
     if options.mode == Mode::OnTheFly {
-        let mut kept = Session::new(scene, device, Options { mode: Mode::Keep, ..options }, CapacityHints::default())?;
+        let mut kept = Session::new(scene, device, Options { mode: Mode::Keep, ..options })?;
         kept.frame(Change::EVERYTHING)?;
         return links(&mut kept, scene, device);
     }

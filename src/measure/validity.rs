@@ -10,7 +10,7 @@ use crate::gpu::Device;
 use crate::layout::BufferId;
 use crate::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use crate::scene::{Receivers, Scene};
-use crate::session::run::{CapacityHints, Session};
+use crate::session::run::Session;
 use crate::shading::diffuse::{received, sigma_0};
 use crate::shading::reflectance::cdrf;
 use crate::state::{State, wide};
@@ -58,11 +58,11 @@ pub fn places(scene: &Scene, device: Option<&Device>) -> Result<Vec<Place>> {
     let clear = scene.objects.iter_mut().filter(|object| object.material.opaque.is_none());
     clear.for_each(|object| object.material.texture = None);
     let solve = Options { goal: Goal::Radiosity, ..Options::default() };
-    let mut dipole = Session::new(&scene, device, solve, CapacityHints::default())?;
+    let mut dipole = Session::new(&scene, device, solve)?;
     dipole.frame(Change::EVERYTHING)?;
     dipole.fetch(&[BufferId::radiosity])?;
     let local = Options { transport: ShadingMethod::Cdrf, ..Options::default() };
-    let mut session = Session::new(&scene, None, local, CapacityHints::default())?;
+    let mut session = Session::new(&scene, None, local)?;
     session.frame(Change::EVERYTHING)?;
     if session.state().data.curvature.is_empty() && session.state().objects.iter().any(|object| !object.opaque) {
         return Err(Input::new("no light shines: there is nothing to compare").expected("a [[light]]").into());

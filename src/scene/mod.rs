@@ -75,7 +75,19 @@ pub const BUILTIN: &[(&str, &str, &str)] = &[
     ("veins", include_str!("builtin/veins.toml"), "a bust of skin with veins under it"),
 ];
 
-/// A validated scene.
+/// A validated scene: objects with their materials, lights, a camera, and settings of light transport.
+///
+/// It is plain data: load one, change what you like, and render it.
+///
+/// ```
+/// use milkglass::Scene;
+///
+/// let mut scene = Scene::load("sphere")?;
+/// scene.camera.size = [320, 240];
+/// scene.camera.samples = 4;
+/// scene.lights.truncate(1);
+/// # Ok::<(), milkglass::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// The built-in name, or the file name without its extension.
@@ -118,9 +130,30 @@ impl Scene {
         }
     }
 
-    /// Loads a built-in scene by name, a mesh alone by a path that ends in `.obj`, or else a TOML
-    /// file, and applies the `key=value` settings in order.
-    pub fn load(name_or_path: &str, sets: &[String]) -> Result<Self> {
+    /// Loads a built-in scene by its name, a mesh alone by its file (`.obj`), or a scene file (TOML).
+    ///
+    /// ```
+    /// let scene = milkglass::Scene::load("sphere")?;
+    /// assert_eq!(scene.objects.len(), 1);
+    /// # Ok::<(), milkglass::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Input`] names the file, line and key, what was found there and what was expected.
+    pub fn load(name_or_path: &str) -> Result<Self> {
+        Self::load_with(name_or_path, &[])
+    }
+
+    /// The same, with `key=value` settings that change the scene, applied in order.
+    ///
+    /// ```
+    /// let sets = ["object.0.material.preset=ketchup".to_string(), "camera.size=[64,64]".to_string()];
+    /// let scene = milkglass::Scene::load_with("sphere", &sets)?;
+    /// assert_eq!(scene.camera.size, [64, 64]);
+    /// # Ok::<(), milkglass::Error>(())
+    /// ```
+    pub fn load_with(name_or_path: &str, sets: &[String]) -> Result<Self> {
         Self::load_at(name_or_path, sets, 0.0)
     }
 

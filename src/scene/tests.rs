@@ -26,20 +26,20 @@ fn files(contents: &[(&str, &str)]) -> (tempfile::TempDir, String) {
 #[test]
 fn every_built_in_scene_loads_without_a_word() {
     for (name, toml, about) in BUILTIN {
-        let scene = Scene::load(&name.to_uppercase(), &[]).expect(name);
+        let scene = Scene::load_with(&name.to_uppercase(), &[]).expect(name);
         assert_eq!((scene.name.as_str(), scene.report.len()), (*name, 0));
         assert!(!about.is_empty() && !scene.lights.is_empty());
         assert_eq!(scene.objects[0].mesh.open_edges, 0);
         // Users copy the text to their own file.
         let (_folder, path) = files(&[("copy.toml", toml)]);
-        let copy = Scene::load(&path, &[]).expect(name);
+        let copy = Scene::load_with(&path, &[]).expect(name);
         assert_eq!((copy.name.as_str(), &copy.camera), ("copy", &scene.camera));
     }
 }
 
 #[test]
 fn the_candle_stands_in_the_bowl() {
-    let scene = Scene::load("lotus", &[]).expect("lotus");
+    let scene = Scene::load_with("lotus", &[]).expect("lotus");
     let Some(Source::Point { position, .. }) = scene.lights.first().map(|light| &light.source) else {
         panic!("the first light is the candle");
     };
@@ -54,7 +54,7 @@ fn the_candle_stands_in_the_bowl() {
 #[test]
 fn a_mesh_alone_is_a_scene_too() {
     let (_folder, path) = files(&[("leaf.obj", TRIANGLE)]);
-    let scene = Scene::load(&path, &[]).expect("a triangle");
+    let scene = Scene::load_with(&path, &[]).expect("a triangle");
     assert_eq!((scene.name.as_str(), scene.objects[0].material.name.as_str()), ("leaf", "Marble"));
     let (low, high) = scene.objects[0].mesh.bounds();
     assert_eq!((low, high), (DVec3::new(-10.0, -5.0, 0.0), DVec3::new(10.0, 5.0, 0.0)));
@@ -62,11 +62,11 @@ fn a_mesh_alone_is_a_scene_too() {
     assert!(scene.report[0].starts_with("open: 3 edges have one face only"));
 
     let settings = sets(&["object.0.size=30", "object.0.material.preset=whole-milk", "unit=cm"]);
-    let scene = Scene::load(&path, &settings).expect("a larger triangle");
+    let scene = Scene::load_with(&path, &settings).expect("a larger triangle");
     assert!((scene.objects[0].mesh.bounds().1.x - 15.0).abs() < 1e-12);
     assert!((scene.objects[0].material.sigma_s_prime[0] - 25.5).abs() < 1e-12);
 
-    let error = message(Scene::load(&path, &sets(&["object.0.size=0"])));
+    let error = message(Scene::load_with(&path, &sets(&["object.0.size=0"])));
     assert!(error.starts_with("--set object.0.size=0: object.0.size: out of range; found 0"), "{error}");
 }
 
@@ -74,7 +74,7 @@ fn a_mesh_alone_is_a_scene_too() {
 fn meshes_are_found_beside_the_scene_file_and_keep_their_size() {
     let text = "[[object]]\nmesh = 'leaf.obj'\nmaterial.preset = 'apple'\n";
     let (_folder, path) = files(&[("a.toml", text), ("leaf.obj", TRIANGLE)]);
-    let scene = Scene::load(&path, &[]).expect("a triangle");
+    let scene = Scene::load_with(&path, &[]).expect("a triangle");
     assert_eq!(scene.objects[0].mesh.bounds().1, DVec3::new(4.0, 2.0, 0.0));
     assert_eq!(scene.camera.target, DVec3::new(2.0, 1.0, 0.0));
     assert!(scene.report.contains(&"dark: the scene has no [[light]]".to_owned()));
@@ -82,32 +82,32 @@ fn meshes_are_found_beside_the_scene_file_and_keep_their_size() {
 
 #[test]
 fn what_is_not_there_or_cannot_be_read_is_an_error() {
-    let error = message(Scene::load("lotsu", &[]));
+    let error = message(Scene::load_with("lotsu", &[]));
     let expected = "neither a built-in scene nor a file, did you mean `lotus`?; found lotsu; \
                     expected a file, or one of bump, bust, candle, fish, gecko, lotus, noise, slab, slab-layers, sphere, torus, \
                     twist, veins";
     assert_eq!(error, expected);
-    let error = message(Scene::load("no/such/horse.obj", &[]));
+    let error = message(Scene::load_with("no/such/horse.obj", &[]));
     assert!(error.starts_with("neither a built-in scene nor a file; found no/such/horse.obj"), "{error}");
 
     let (folder, path) = files(&[("a.toml", "[[object]]\nmesh = 'gone.obj'\nmaterial.preset = 'apple'\n")]);
-    assert!(message(Scene::load(&path, &[])).ends_with("gone.obj: there is no such mesh file"));
-    let error = message(Scene::load(&folder.path().to_string_lossy(), &[]));
+    assert!(message(Scene::load_with(&path, &[])).ends_with("gone.obj: there is no such mesh file"));
+    let error = message(Scene::load_with(&folder.path().to_string_lossy(), &[]));
     assert!(error.contains(": the scene file cannot be read; found "), "{error}");
     std::fs::write(&path, b"\xff\xfe").expect("written");
-    assert!(message(Scene::load(&path, &[])).contains("a.toml: the scene file cannot be read"));
+    assert!(message(Scene::load_with(&path, &[])).contains("a.toml: the scene file cannot be read"));
 }
 
 #[test]
 fn a_camera_that_stands_on_its_target_has_a_line() {
     let text = "[camera]\nposition = [0, 0, 0]\n[[object]]\nshape = 'slab'\nmaterial.preset = 'apple'\n";
     let (_folder, path) = files(&[("a.toml", text)]);
-    let error = message(Scene::load(&path, &[]));
+    let error = message(Scene::load_with(&path, &[]));
     assert!(error.contains("a.toml:2: camera.position: the camera stands on"), "{error}");
 
     // An error caused by a setting names that setting.
     let sets = ["camera.position=[0,0,0]".to_owned()];
-    let error = message(Scene::load("sphere", &sets));
+    let error = message(Scene::load_with("sphere", &sets));
     assert!(error.starts_with("--set camera.position=[0,0,0]: camera.position: the camera stands on"), "{error}");
 }
 
@@ -115,7 +115,7 @@ fn a_camera_that_stands_on_its_target_has_a_line() {
 fn a_preset_that_is_set_is_the_whole_preset() {
     let material = |sets: &[&str]| {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-        Scene::load("lotus", &sets).expect("a scene").objects[0].material.clone()
+        Scene::load_with("lotus", &sets).expect("a scene").objects[0].material.clone()
     };
     let marble = material(&["object.0.material.preset=marble"]);
     assert_eq!((marble.name.as_str(), marble.sigma_s_prime, marble.eta), ("Marble", [2.19, 2.62, 3.0], [1.5; 3]));

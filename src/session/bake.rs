@@ -4,7 +4,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::run::{CapacityHints, Session};
+use super::run::Session;
 use crate::error::{Input, Result};
 use crate::geometry::trace::{UNFINISHED, trace};
 use crate::pipeline::plan::Change;
@@ -30,7 +30,7 @@ pub struct Baked {
 /// A session whose tree is ready for rays.
 fn ready(scene: &Scene) -> Result<Session> {
     let options = Options { transport: ShadingMethod::None, ..Options::default() };
-    let mut session = Session::new(scene, None, options, CapacityHints::default())?;
+    let mut session = Session::new(scene, None, options)?;
     session.frame(Change::EVERYTHING)?;
     Ok(session)
 }

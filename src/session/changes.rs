@@ -147,7 +147,7 @@ impl Session {
         let device = self.device().cloned();
         let mut scene = self.fixed.asked.clone().unwrap_or_else(|| self.scene.clone());
         change(&mut scene);
-        *self = Self::new(&scene, device.as_ref(), self.plan.options(), self.fixed.room)?;
+        *self = Self::with_capacity(&scene, device.as_ref(), self.plan.options(), self.fixed.room)?;
         Ok(())
     }
 

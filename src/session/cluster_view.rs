@@ -159,5 +159,5 @@ fn paint(state: &State, emitters: &Emitters, receivers: &[usize]) -> Picture {
         narrow(facing * paint)
     };
     let pixels = data.hits.iter().map(pixel).collect();
-    Picture { width: camera.width as usize, height: camera.height as usize, pixels }
+    Picture::plain(camera.width as usize, camera.height as usize, pixels)
 }

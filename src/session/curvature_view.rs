@@ -111,5 +111,5 @@ pub fn curvature_view(session: &mut Session) -> Result<(Picture, CurvatureView)>
         narrow(facing * color)
     };
     let pixels = data.hits.iter().map(pixel).collect();
-    Ok((Picture { width: camera.width as usize, height: camera.height as usize, pixels }, curvature_view))
+    Ok((Picture::plain(camera.width as usize, camera.height as usize, pixels), curvature_view))
 }

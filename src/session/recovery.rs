@@ -80,8 +80,9 @@ mod tests {
             .flat_map(|scheme| [Mode::OnTheFly, Mode::Keep, Mode::Render].map(|mode| (scheme, mode)))
         {
             let sets = ["object.0.detail=2".to_string(), format!("transport.scheme={scheme}")];
-            let scene = Scene::load("sphere", &sets).unwrap();
-            let open = |room| Session::new(&scene, None, Options { mode, ..Options::default() }, room).unwrap();
+            let scene = Scene::load_with("sphere", &sets).unwrap();
+            let open =
+                |room| Session::with_capacity(&scene, None, Options { mode, ..Options::default() }, room).unwrap();
             let mut short = open(CapacityHints { links: 1, ..CapacityHints::default() });
             let steps = short.plan.steps(short.state(), Change::EVERYTHING);
             short.run(&steps).unwrap();

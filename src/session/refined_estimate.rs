@@ -1,6 +1,6 @@
 //! A refined error estimate, from a second solution at a smaller tolerance. It accounts for errors that cancel.
 
-use super::run::{CapacityHints, Session};
+use super::run::Session;
 use crate::error::Result;
 use crate::layout::BufferId;
 use crate::pipeline::plan::{Goal, Mode, Options};
@@ -64,7 +64,7 @@ impl Session {
         if self.state().objects.iter().all(|object| !object.by_pixel && !object.opaque) {
             options.goal = Goal::Radiosity;
         }
-        Self::new(&scene, self.device(), options, CapacityHints::default()).map(Some)
+        Self::new(&scene, self.device(), options).map(Some)
     }
 
     /// Whether the estimate is the refined one, which exists on the host only.

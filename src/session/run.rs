@@ -38,7 +38,22 @@ pub(crate) enum Backend {
     Gpu(DeviceState),
 }
 
-/// Renders a scene frame after frame.
+/// Renders a scene frame after frame, on a device or on the CPU.
+///
+/// ```
+/// use milkglass::{Options, Scene, Session};
+///
+/// let mut scene = Scene::load("slab")?;
+/// scene.camera.size = [32, 32];
+/// let mut session = Session::new(&scene, None, Options::default())?; // none: on the CPU
+/// let before = session.render()?;
+///
+/// // Another frame with other lights; what does not depend on them is kept.
+/// session.set_lights(&[])?;
+/// let dark = session.render()?;
+/// assert!(before.pixels != dark.pixels);
+/// # Ok::<(), milkglass::Error>(())
+/// ```
 pub struct Session {
     /// The state, its units and the order of its faces.
     pub(crate) prepared: Prepared,
@@ -84,8 +99,13 @@ pub(crate) struct Fixed {
 }
 
 impl Session {
-    /// Prepares a scene for a device, or for the CPU if there is none.
-    pub fn new(scene: &Scene, device: Option<&Device>, options: Options, room: CapacityHints) -> Result<Self> {
+    /// The same as [`Session::new`], with initial capacities of the lists.
+    pub fn with_capacity(
+        scene: &Scene,
+        device: Option<&Device>,
+        options: Options,
+        room: CapacityHints,
+    ) -> Result<Self> {
         memory_estimate::check(scene, options)?;
         let octree = match options.transport {
             ShadingMethod::Octree => Some(OctreeTransport::new(&scene.transport)?),
@@ -271,15 +291,16 @@ impl Session {
         }
     }
 
-    /// The picture of the last frame: linear radiance, row by row.
+    /// The picture of the last frame, with one sample per pixel; [`Session::render`] takes all.
     pub fn picture(&mut self) -> Result<Picture> {
         self.fetch(&[BufferId::hits, BufferId::radiance])?;
         let data = &self.prepared.state.data;
         if data.hits.iter().any(|hit| hit.face == UNFINISHED) {
             return Err(unfinished("tracing a ray through the tree", "use a mesh with fewer overlapping parts"));
         }
-        let [width, height] = self.scene.camera.size.map(|n| n as usize);
-        Ok(Picture { width, height, pixels: data.radiance.clone() })
+        let camera = &self.scene.camera;
+        let [width, height] = camera.size.map(|n| n as usize);
+        Ok(Picture { width, height, pixels: data.radiance.clone(), exposure: camera.exposure, tone: camera.tone })
     }
 
     /// Uploads these buffers from the host.

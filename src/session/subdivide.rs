@@ -4,7 +4,7 @@
 //! the scene's number of levels. Where irradiance varies smoothly over a triangle no split is needed: light enters at
 //! the right place on the whole.
 
-use super::run::{CapacityHints, Session};
+use super::run::Session;
 use crate::error::{Input, Result};
 use crate::pipeline::frame::precedes_transport;
 use crate::pipeline::plan::{Change, Goal, Options};
@@ -129,7 +129,7 @@ impl Parts {
 /// Irradiance of each triangle, by the CPU reference; object by object, in mesh order.
 fn irradiance(scene: &Scene) -> Result<Vec<Vec<[f64; 3]>>> {
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
-    let mut session = Session::new(scene, None, options, CapacityHints::default())?;
+    let mut session = Session::new(scene, None, options)?;
     session.prepare_light();
     Ok(by_object(&session, &session.state().data.irradiance, 1.0))
 }
@@ -166,7 +166,7 @@ fn carried(scene: &Scene, lost: &[Vec<[f64; 3]>]) -> Result<Vec<Vec<[f64; 3]>>> 
     let mut rough = scene.clone();
     rough.transport.tolerance = ROUGH;
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
-    let mut session = Session::new(&rough, None, options, CapacityHints::default())?;
+    let mut session = Session::new(&rough, None, options)?;
     let steps = session.plan.steps(session.state(), Change::EVERYTHING);
     let after: Vec<_> = steps.iter().filter(|step| !precedes_transport(step.stage)).collect();
     loop {

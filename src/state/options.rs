@@ -67,7 +67,16 @@ pub enum Goal {
     Radiosity,
 }
 
-/// How a scene is to be run.
+/// How a scene is rendered: how light is carried, what is kept from frame to frame, and what for.
+///
+/// ```
+/// use milkglass::{Mode, Options, ShadingMethod};
+///
+/// // Local shading by curvature; links of the hierarchical method, kept while the light moves.
+/// let local = Options { transport: ShadingMethod::Cdrf, ..Options::default() };
+/// let relit = Options { mode: Mode::Render, ..Options::default() };
+/// assert_ne!(local, relit);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// The transport.

@@ -7,9 +7,16 @@ use exr::prelude::{Image, SpecificChannels, Vec2, WritableImage};
 use super::atomic_file::encode_atomically;
 pub use super::atomic_file::write_atomically;
 use crate::error::{Input, Result};
-use crate::scene::{Camera, Tone};
+use crate::scene::Tone;
 
-/// A picture in memory.
+/// A picture in memory: linear radiance, and how a PNG shows it.
+///
+/// ```
+/// use milkglass::Picture;
+///
+/// let grey = Picture { width: 2, height: 1, pixels: vec![[0.5; 3]; 2], exposure: 2.0, tone: Default::default() };
+/// assert_eq!(grey.bytes(), [255; 6]);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Picture {
     /// Width in pixels.
@@ -18,6 +25,10 @@ pub struct Picture {
     pub height: usize,
     /// Linear radiance, row by row from the top.
     pub pixels: Vec<[f32; 3]>,
+    /// Factor on radiance before the tone curve of a PNG, above 0.
+    pub exposure: f64,
+    /// Tone curve of a PNG.
+    pub tone: Tone,
 }
 
 /// The sRGB transfer curve, from linear 0..1 to encoded 0..1.
@@ -34,18 +45,25 @@ pub fn filmic(exposed: f64) -> f64 {
 }
 
 impl Picture {
-    /// Eight bits per channel: exposure and tone curve of the camera, then the sRGB curve, rounded.
-    pub fn bytes(&self, camera: &Camera) -> Vec<u8> {
-        let tone = |exposed: f64| if camera.tone == Tone::Filmic { filmic(exposed) } else { exposed };
-        let byte = |x: &f32| (encode(tone(f64::from(*x) * camera.exposure)) * 255.0 + 0.5) as u8;
+    /// Linear radiance, shown as it is: exposure 1, no tone curve.
+    pub fn plain(width: usize, height: usize, pixels: Vec<[f32; 3]>) -> Self {
+        Self { width, height, pixels, exposure: 1.0, tone: Tone::Clip }
+    }
+
+    /// The picture as sRGB, 8 bits per channel, row by row from the top: exposure, tone curve, sRGB curve, rounding.
+    pub fn bytes(&self) -> Vec<u8> {
+        let tone = |exposed: f64| if self.tone == Tone::Filmic { filmic(exposed) } else { exposed };
+        let byte = |x: &f32| (encode(tone(f64::from(*x) * self.exposure)) * 255.0 + 0.5) as u8;
         self.pixels.iter().flat_map(|pixel| pixel.iter().map(byte)).collect()
     }
 
-    /// Writes a `.png` with the camera's exposure and tone curve, or a linear `.exr`; the extension decides.
-    pub fn save(&self, path: &Path, camera: &Camera) -> Result<()> {
+    /// Writes a `.png` (sRGB, 8 bits per channel) or a linear `.exr`; the extension decides. The file appears whole or
+    /// not at all.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        let path = path.as_ref();
         match kind(path)? {
             Kind::Png => encode_atomically(path, |file| {
-                let (bytes, width, height) = (self.bytes(camera), self.width as u32, self.height as u32);
+                let (bytes, width, height) = (self.bytes(), self.width as u32, self.height as u32);
                 let (color, format) = (image::ExtendedColorType::Rgb8, image::ImageFormat::Png);
                 image::write_buffer_with_format(file, &bytes, width, height, color, format).map_err(|e| e.to_string())
             }),

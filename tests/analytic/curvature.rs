@@ -3,20 +3,20 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-use milkglass::layout::Curvature;
-use milkglass::pipeline::plan::{Change, Options, ShadingMethod};
+use milkglass::internals::layout::Curvature;
+use milkglass::internals::pipeline::plan::{Change, Options, ShadingMethod};
+use milkglass::internals::session::run::Session;
+use milkglass::internals::shading::fit;
 use milkglass::scene::{Mesh, Scene};
-use milkglass::session::run::{CapacityHints, Session};
-use milkglass::shading::fit;
 
 /// A session after one frame of this mesh, shaded by curvature.
 fn session(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Session {
     let sets = ["object.0.detail=0", "camera.size=[16, 16]", "object.0.material.sigma_0=1"].map(String::from);
-    let mut scene = Scene::load("sphere", &sets).unwrap();
+    let mut scene = Scene::load_with("sphere", &sets).unwrap();
     let input_face = (0..triangles.len() as u32).collect();
     scene.objects[0].mesh = Mesh { positions, triangles, input_face, ..Mesh::default() };
     let options = Options { transport: ShadingMethod::Cdrf, ..Options::default() };
-    let mut session = Session::new(&scene, None, options, CapacityHints::default()).unwrap();
+    let mut session = Session::new(&scene, None, options).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }

@@ -4,10 +4,10 @@ use crate::materials::channels;
 use crate::quadrature::Area;
 use crate::seeded::{Seeded, percentile};
 use glam::DVec3;
-use milkglass::dipole::form_factor::footprint::Footprint;
-use milkglass::dipole::form_factor::gauss::{SIX, legendre};
-use milkglass::dipole::form_factor::{Distance, edge, exact, vector_area};
-use milkglass::dipole::profile::Dipole;
+use milkglass::internals::dipole::form_factor::footprint::Footprint;
+use milkglass::internals::dipole::form_factor::gauss::{SIX, legendre};
+use milkglass::internals::dipole::form_factor::{Distance, edge, exact, vector_area};
+use milkglass::internals::dipole::profile::Dipole;
 
 /// Where the receiver's foot lies in the plane of the triangle.
 #[derive(Clone, Copy)]

@@ -7,9 +7,9 @@ use crate::devices::on_devices;
 use crate::population::{heights, longest, medium, population};
 use crate::seeded::{Seeded, percentile};
 use glam::DVec3;
-use milkglass::dipole::form_factor::Distance;
-use milkglass::dipole::form_factor::exact::{edge_form_exact, edge_form_fine};
-use milkglass::dipole::profile::Dipole;
+use milkglass::internals::dipole::form_factor::Distance;
+use milkglass::internals::dipole::form_factor::exact::{edge_form_exact, edge_form_fine};
+use milkglass::internals::dipole::profile::Dipole;
 use milkglass::measure::stress::factor::{Pair, evaluated};
 use milkglass::scene::Scene;
 use rayon::prelude::*;
@@ -72,7 +72,7 @@ fn a_population_keeps_within_its_error() {
 /// All faces of a closed shape paired with each of 24 receivers: at centroids, corners and edge midpoints, half of them
 /// off the surface.
 fn closed(shape: &str, detail: u32, random: &mut Seeded) -> (usize, Vec<Pair>) {
-    let mesh = Scene::load(shape, &[format!("object.0.detail={detail}")]).unwrap().objects[0].mesh.clone();
+    let mesh = Scene::load_with(shape, &[format!("object.0.detail={detail}")]).unwrap().objects[0].mesh.clone();
     let faces: Vec<[DVec3; 3]> = (0..mesh.triangles.len()).filter_map(|face| mesh.corners(face)).collect();
     let mut pairs = Vec::new();
     for k in 0..24 {

@@ -1,8 +1,8 @@
 //! Walsh's closed form against quadrature of the directional transmittance, and against the polynomial.
 
 use crate::materials::MATERIALS;
-use milkglass::dipole::form_factor::gauss::legendre;
-use milkglass::lighting::fresnel::*;
+use milkglass::internals::dipole::form_factor::gauss::legendre;
+use milkglass::internals::lighting::fresnel::*;
 
 /// `1 - 2 int T(mu) mu dmu` above the critical angle's cosine, substituted to remove the square root there.
 fn diffuse_reflectance(eta: f64) -> f64 {

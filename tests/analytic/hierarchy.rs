@@ -3,8 +3,8 @@
 use crate::seeded::Seeded;
 use crate::sphere::icosphere;
 use glam::DVec3;
-use milkglass::hierarchy::face_cluster::{self, DEEPEST, Method};
-use milkglass::hierarchy::{Tree, median};
+use milkglass::internals::hierarchy::face_cluster::{self, DEEPEST, Method};
+use milkglass::internals::hierarchy::{Tree, median};
 use proptest::prelude::*;
 
 /// Builds both trees twice, checks them, and returns the face-cluster tree.

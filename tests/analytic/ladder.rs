@@ -4,10 +4,10 @@ use crate::materials::channels;
 use crate::quadrature::Area;
 use crate::seeded::{Seeded, percentile};
 use glam::DVec3;
-use milkglass::dipole::form_factor::{Distance, vector_area};
-use milkglass::dipole::form_factor::{ladder, ladder::Ladder, points};
-use milkglass::dipole::profile::Dipole;
-use milkglass::transport::links::reach;
+use milkglass::internals::dipole::form_factor::{Distance, vector_area};
+use milkglass::internals::dipole::form_factor::{ladder, ladder::Ladder, points};
+use milkglass::internals::dipole::profile::Dipole;
+use milkglass::internals::transport::links::reach;
 
 /// A random triangle of extent about 1, all angles above 30 degrees, centred at the origin.
 fn well_shaped(random: &mut Seeded) -> [DVec3; 3] {

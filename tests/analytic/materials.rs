@@ -1,7 +1,7 @@
 //! The twelve materials of Jensen et al. 2001 (figure 5), with the diffuse reflectance printed there.
 
-use milkglass::dipole::profile::Dipole;
-use milkglass::lighting::fresnel;
+use milkglass::internals::dipole::profile::Dipole;
+use milkglass::internals::lighting::fresnel;
 
 /// One row of the table, channels in the order red, green, blue.
 pub struct Material {

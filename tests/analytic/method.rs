@@ -2,17 +2,17 @@
 //! section 5.2, rays hit the nearest triangle, sums are conserved, and the result is near brute force.
 
 use glam::DVec3;
-use milkglass::layout::Buffers;
+use milkglass::internals::layout::Buffers;
+use milkglass::internals::pipeline::plan::{Change, Goal, Options, ShadingMethod};
+use milkglass::internals::session::run::Session;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
-use milkglass::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
 
 fn solved(name: &str, sets: &[&str], options: Options) -> Session {
     let sets: Vec<String> = sets.iter().map(|set| set.to_string()).collect();
-    let scene = Scene::load(name, &sets).unwrap();
-    let mut session = Session::new(&scene, None, options, CapacityHints::default()).unwrap();
+    let scene = Scene::load_with(name, &sets).unwrap();
+    let mut session = Session::new(&scene, None, options).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -151,7 +151,7 @@ fn rays_hit_the_nearest_triangle() {
         let origin = 2.0 * DVec3::new(spread(3), spread(5), spread(7)).normalize();
         let direction = DVec3::new(spread(11), spread(13), spread(17)) - origin;
         let (o, d) = (origin.to_array().map(|x| x as f32), direction.to_array().map(|x| x as f32));
-        let found = milkglass::geometry::trace::trace(data, o, d);
+        let found = milkglass::internals::geometry::trace::trace(data, o, d);
 
         // All triangles in f64, without the tree; skip rays within 1e-4 of an edge (barycentric) or hits within 1e-5 of
         // a tie.
@@ -192,7 +192,7 @@ fn no_ray_slips_through_a_closed_mesh() {
     let data = &session.state().data;
     let toward = |origin: DVec3, at: DVec3| {
         let direction = (at - origin).to_array().map(|x| x as f32);
-        milkglass::geometry::trace::trace(data, origin.to_array().map(|x| x as f32), direction)
+        milkglass::internals::geometry::trace::trace(data, origin.to_array().map(|x| x as f32), direction)
     };
     let mut rays = 0;
     for (eye, far) in [(DVec3::new(0.3, 0.4, 0.87), 4.0), (DVec3::new(-0.9, 0.1, 0.42), 40.0), (DVec3::Y, 900.0)] {
@@ -268,12 +268,12 @@ fn a_moved_camera_and_light_give_a_fresh_picture() {
     let sets = ["object.0.detail=2", "camera.size=[24, 20]"];
     let moved = ["camera.position=[9.0, 8.0, 20.0]", "camera.size=[30, 20]", "light.0.direction=[-1.0, 0.1, 0.2]"];
     let all: Vec<String> = sets.iter().chain(&moved).map(|set| set.to_string()).collect();
-    let target = Scene::load("sphere", &all).unwrap();
+    let target = Scene::load_with("sphere", &all).unwrap();
     let mut session = solved("sphere", &sets, Options::default());
     session.set_camera(&target.camera).unwrap();
     session.set_lights(&target.lights).unwrap();
     session.frame(Change::default()).unwrap();
-    let mut fresh = Session::new(&target, None, Options::default(), CapacityHints::default()).unwrap();
+    let mut fresh = Session::new(&target, None, Options::default()).unwrap();
     fresh.frame(Change::EVERYTHING).unwrap();
     assert_eq!(session.picture().unwrap().pixels, fresh.picture().unwrap().pixels);
 

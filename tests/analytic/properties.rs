@@ -3,11 +3,11 @@
 //! what enters.
 
 use glam::{DQuat, DVec3};
-use milkglass::dipole::profile::Dipole;
-use milkglass::lighting::fresnel;
-use milkglass::pipeline::plan::{Change, Goal, Options};
+use milkglass::internals::dipole::profile::Dipole;
+use milkglass::internals::lighting::fresnel;
+use milkglass::internals::pipeline::plan::{Change, Goal, Options};
+use milkglass::internals::session::run::Session;
 use milkglass::scene::{Files, Memory, Scene};
-use milkglass::session::run::{CapacityHints, Session};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::fmt::Write as _;
@@ -53,7 +53,7 @@ fn frame(mesh: &Mesh, lights: &[String], rest: &str) -> Option<Session> {
     let files = Files::held([("m.obj".into(), mesh.obj().into_bytes())], Memory::USUAL);
     let scene = Scene::parse_from("property.toml", &text, &[], &files).ok()?;
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
-    let mut session = Session::new(&scene, None, options, CapacityHints::default()).ok()?;
+    let mut session = Session::new(&scene, None, options).ok()?;
     session.frame(Change::EVERYTHING).unwrap();
     Some(session)
 }
@@ -95,7 +95,7 @@ const VERTICES: usize = 162;
 fn dented() -> impl Strategy<Value = Mesh> {
     let size = (2f64.ln()..60f64.ln()).prop_map(f64::exp);
     (proptest::collection::vec(0.8..1.1f64, VERTICES), size).prop_map(|(radii, size)| {
-        let scene = Scene::load("sphere", &["object.0.detail=2".into(), format!("object.0.size={size}")]).unwrap();
+        let scene = Scene::load_with("sphere", &["object.0.detail=2".into(), format!("object.0.size={size}")]).unwrap();
         let mesh = &scene.objects[0].mesh;
         let positions = mesh.positions.iter().zip(radii).map(|(p, radius)| radius * *p).collect();
         Mesh { positions, faces: mesh.triangles.iter().map(|t| t.map(|v| v as usize)).collect() }

@@ -1,8 +1,8 @@
 //! Reference integrals that share only the integrand and the Gauss-Legendre nodes with the code under test.
 
 use glam::DVec3;
-use milkglass::dipole::form_factor::gauss::{Node, legendre};
-use milkglass::dipole::profile::kernel;
+use milkglass::internals::dipole::form_factor::gauss::{Node, legendre};
+use milkglass::internals::dipole::profile::kernel;
 
 /// `int_low^high f` with 16 nodes per panel; panels double in length, starting with `finest`.
 pub fn on_line(low: f64, high: f64, finest: f64, f: impl Fn(f64) -> f64) -> f64 {

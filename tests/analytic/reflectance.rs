@@ -3,8 +3,8 @@
 use crate::materials::channels;
 use crate::quadrature::on_line;
 use glam::DVec3;
-use milkglass::dipole::form_factor::gauss::legendre;
-use milkglass::dipole::form_factor::{Distance, edge::edge_form, exact::edge_form_exact};
+use milkglass::internals::dipole::form_factor::gauss::legendre;
+use milkglass::internals::dipole::form_factor::{Distance, edge::edge_form, exact::edge_form_exact};
 use std::f64::consts::PI;
 
 #[test]

@@ -1,8 +1,8 @@
 //! A closed sphere under constant irradiance: form factors summed over a mesh against the smooth surface.
 
 use glam::DVec3;
-use milkglass::dipole::form_factor::{Distance, edge::edge_form, gauss::SIX};
-use milkglass::dipole::profile::Dipole;
+use milkglass::internals::dipole::form_factor::{Distance, edge::edge_form, gauss::SIX};
+use milkglass::internals::dipole::profile::Dipole;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 

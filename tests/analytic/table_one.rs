@@ -3,11 +3,11 @@
 use crate::quadrature::Area;
 use crate::seeded::Seeded;
 use glam::DVec3;
-use milkglass::dipole::form_factor::edge::edge_form;
-use milkglass::dipole::form_factor::exact::edge_form_exact;
-use milkglass::dipole::form_factor::points::{self, midpoint_moment, sampled};
-use milkglass::dipole::form_factor::{Distance, gauss};
-use milkglass::dipole::profile::Dipole;
+use milkglass::internals::dipole::form_factor::edge::edge_form;
+use milkglass::internals::dipole::form_factor::exact::edge_form_exact;
+use milkglass::internals::dipole::form_factor::points::{self, midpoint_moment, sampled};
+use milkglass::internals::dipole::form_factor::{Distance, gauss};
+use milkglass::internals::dipole::profile::Dipole;
 
 const CLAMPED: Distance = Distance::Table1 { clamp: true };
 const LITERAL: Distance = Distance::Table1 { clamp: false };

@@ -6,7 +6,7 @@ use crate::shell::{folder, good};
 fn every_stage_is_listed() {
     let here = folder(&[]);
     let text = good(&here, "stages").0;
-    for stage in milkglass::pipeline::frame::STAGES {
+    for stage in milkglass::internals::pipeline::frame::STAGES {
         let row = text.lines().find(|line| line.split_whitespace().next() == Some(stage.name));
         assert!(row.is_some_and(|row| row.contains(stage.about)), "{}", stage.name);
     }

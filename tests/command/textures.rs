@@ -1,9 +1,9 @@
 //! Textures from image files and material libraries: their placement on a mesh, what is refused, and what a plan says.
 
 use crate::shell::{bad, folder, good, read};
-use milkglass::pipeline::plan::{Change, Options};
+use milkglass::internals::pipeline::plan::{Change, Options};
+use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
 
 /// Two triangles across three periods of the texture, u from -1 to 2.
 const SHEET: &str = "mtllib a.mtl\nv 0 0 0\nv 9 0 0\nv 9 3 0\nv 0 3 0\nvt -1 0\nvt 2 0\nvt 2 1\nvt -1 1\nusemtl paint\n\
@@ -29,9 +29,7 @@ fn textures_of_files_and_libraries_go_on_as_they_are_told() {
     let here = sheet("newmtl bare\nKd 1 1 1\nnewmtl paint\nmap_Kd two.png\n");
     let path = here.path().join("a.toml").to_string_lossy().into_owned();
     let load = |sets: &[String]| {
-        let mut session =
-            Session::new(&Scene::load(&path, sets).unwrap(), None, Options::default(), CapacityHints::default())
-                .unwrap();
+        let mut session = Session::new(&Scene::load_with(&path, sets).unwrap(), None, Options::default()).unwrap();
         session.frame(Change::EVERYTHING).unwrap();
         session
     };

@@ -4,13 +4,13 @@
 //! instead.
 
 use crate::devices::on_devices;
-use milkglass::gpu::{Device, SingleKernel};
-use milkglass::layout::BufferId;
+use milkglass::internals::gpu::{Device, SingleKernel};
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Change, Goal, Options};
+use milkglass::internals::session::run::Session;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
-use milkglass::pipeline::plan::{Change, Goal, Options};
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
 
 static SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-loops.spv"));
 const LANES: usize = 64;
@@ -120,10 +120,10 @@ fn long_lists_of_near_triangles_are_taken_to_the_end() {
     let rest = "[transport]\ntolerance = 1e-4\n[[object]]\nmesh = \"heap.obj\"\nsize = 20\n[object.material]\npreset = \"marble\"\n";
     let file = library.path().join("heap.toml");
     std::fs::write(&file, lights.concat() + rest).unwrap();
-    let scene = Scene::load(file.to_str().unwrap(), &[]).unwrap();
+    let scene = Scene::load_with(file.to_str().unwrap(), &[]).unwrap();
     on_devices(|device| {
         let options = Options { goal: Goal::Radiosity, ..Options::default() };
-        let mut session = Session::new(&scene, Some(device), options, CapacityHints::default()).unwrap();
+        let mut session = Session::new(&scene, Some(device), options).unwrap();
         session.frame(Change::EVERYTHING).unwrap();
         session.fetch(&[BufferId::runs]).unwrap();
         let longest = session.state().runs().map(|run| run.edge).max().unwrap();

@@ -5,12 +5,12 @@ use std::time::Duration;
 
 use crate::devices;
 use milkglass::error::{Error, Result};
-use milkglass::gpu::faults::{Call, watch};
-use milkglass::gpu::{Adapter, Buffer, Device, Instance};
-use milkglass::layout::BufferId;
-use milkglass::pipeline::plan::{Change, Goal, Options};
+use milkglass::internals::gpu::faults::{Call, watch};
+use milkglass::internals::gpu::{Adapter, Buffer, Device, Instance};
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Change, Goal, Options};
+use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
 
 /// Calls whose failure is harmless: naming objects for tools, waiting before teardown, listing instance extensions.
 const HARMLESS: [&str; 3] =
@@ -50,7 +50,7 @@ fn scene(radiosity: bool, light: &str) -> Scene {
     let scheme = if radiosity { "transport.scheme='links'" } else { "transport.scheme='blocks'" };
     let light = format!("light=[{{type='directional',direction=[0,0.6,0.8],irradiance={light}}}]");
     let sets = ["object.0.detail=0", "camera.size=[8,8]", scheme, &light].map(String::from);
-    Scene::load("sphere", &sets).unwrap()
+    Scene::load_with("sphere", &sets).unwrap()
 }
 
 /// One frame of a session: its picture or its radiosity.
@@ -81,7 +81,7 @@ impl Run {
         let adapter = adapters.iter().find(|a| a.name == name).expect("the device is still there");
         let device = self.device.insert(Device::open(instance, adapter)?);
         let options = Options { goal, ..Options::default() };
-        let session = self.session.insert(Session::new(scene, Some(device), options, CapacityHints::default())?);
+        let session = self.session.insert(Session::new(scene, Some(device), options)?);
         frame(session)
     }
 
@@ -159,7 +159,7 @@ fn a_session_survives() {
             let (first, second) = (scene(radiosity, "2"), scene(radiosity, "[3,0.5,0.25]"));
             let options =
                 Options { goal: if radiosity { Goal::Radiosity } else { Goal::Picture }, ..Options::default() };
-            let open = |scene| Session::new(scene, Some(device), options, CapacityHints::default()).unwrap();
+            let open = |scene| Session::new(scene, Some(device), options).unwrap();
             let right = [frame(&mut open(&first)).unwrap(), frame(&mut open(&second)).unwrap()];
             assert_ne!(right[0], right[1]);
 
@@ -167,7 +167,7 @@ fn a_session_survives() {
             let instance = Instance::open(true).unwrap();
             let adapter = instance.adapters().unwrap().into_iter().find(|a| a.name == device.name()).unwrap();
             let fresh = Device::open(&instance, &adapter).unwrap();
-            let mut session = Session::new(&first, Some(&fresh), options, CapacityHints::default()).unwrap();
+            let mut session = Session::new(&first, Some(&fresh), options).unwrap();
             let next = |session: &mut Session, turn: usize| {
                 session.show([&first, &second][turn % 2])?;
                 frame(session)
@@ -226,12 +226,11 @@ fn a_wait_ends() {
     devices::on_devices(|device| {
         device.wait_at_most(Duration::from_nanos(1));
         let scene = scene(false, "2");
-        let error = Session::new(&scene, Some(device), Options::default(), CapacityHints::default())
-            .and_then(|mut session| frame(&mut session));
+        let error = Session::new(&scene, Some(device), Options::default()).and_then(|mut session| frame(&mut session));
         let text = error.unwrap_err().to_string();
         assert!(text.contains("not finished in time") && text.contains("MILKGLASS_TIMEOUT"), "{text}");
         device.wait_at_most(Duration::from_secs(600));
-        let mut session = Session::new(&scene, Some(device), Options::default(), CapacityHints::default()).unwrap();
+        let mut session = Session::new(&scene, Some(device), Options::default()).unwrap();
         assert!(frame(&mut session).unwrap().iter().flatten().any(|&x| x > 0.0));
         drop(session);
         assert_eq!(device.allocations(), [""; 0]);

@@ -3,14 +3,14 @@
 use std::collections::BTreeSet;
 
 use crate::devices::on_devices;
-use milkglass::gpu::count::Traffic;
-use milkglass::gpu::{Device, KernelKey, SingleKernel};
-use milkglass::layout::BufferId;
+use milkglass::internals::gpu::count::Traffic;
+use milkglass::internals::gpu::{Device, KernelKey, SingleKernel};
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::frame::{STAGES, stage};
+use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
+use milkglass::internals::session::run::Session;
 use milkglass::measure::profile::{Settings, against, profile};
-use milkglass::pipeline::frame::{STAGES, stage};
-use milkglass::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use milkglass::scene::{Light, Receivers, Reflection, Scene};
-use milkglass::session::run::{CapacityHints, Session};
 
 static COUNT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-count.spv"));
 
@@ -35,7 +35,7 @@ fn kernels_count_what_they_do() {
 
 fn small(name: &str, sets: &[&str]) -> Scene {
     let all = [sets, &["camera.size=[24, 20]"]].concat();
-    Scene::load(name, &all.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap()
+    Scene::load_with(name, &all.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap()
 }
 
 fn ball(sets: &[&str]) -> Scene {
@@ -94,7 +94,7 @@ type Made = (BTreeSet<String>, BTreeSet<BufferId>, Vec<(&'static str, usize)>);
 
 /// What frames created and dispatched on a device; checks that this is what the plan lists.
 fn made(device: &Device, scene: &Scene, options: Options) -> Made {
-    let mut session = Session::new(scene, Some(device), options, CapacityHints::default()).unwrap();
+    let mut session = Session::new(scene, Some(device), options).unwrap();
     let mut needs = Vec::new();
     // Incremental mode builds links in the first frame and updates them in the second.
     for revises in 0..1 + u32::from(options.mode == Mode::Incremental) {

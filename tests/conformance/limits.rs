@@ -3,16 +3,16 @@
 
 use crate::devices::on_devices;
 use crate::shell;
-use milkglass::gpu::faults::on_altered;
-use milkglass::gpu::{Adapter, Device, Instance, Limits};
-use milkglass::layout::BufferId;
-use milkglass::pipeline::plan::{Change, Goal, Mode, Options};
+use milkglass::internals::gpu::faults::on_altered;
+use milkglass::internals::gpu::{Adapter, Device, Instance, Limits};
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options};
+use milkglass::internals::session::run::{CapacityHints, Session};
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
 
 fn scene(scheme: &str) -> Scene {
     let sets = ["object.0.detail=3".into(), "camera.size=[48,32]".into(), format!("transport.scheme='{scheme}'")];
-    Scene::load("sphere", &sets).unwrap()
+    Scene::load_with("sphere", &sets).unwrap()
 }
 
 /// The same device with other limits.
@@ -25,7 +25,7 @@ fn lowered(device: &Device, instance: &Instance, lower: impl Fn(&mut Limits)) ->
 /// Renders a picture; returns it with its session.
 fn render(scene: &Scene, device: &Device, mode: Mode) -> Result<(Session, Vec<[f32; 3]>), String> {
     let options = Options { mode, goal: Goal::Picture, ..Options::default() };
-    let shown = Session::new(scene, Some(device), options, CapacityHints::default()).and_then(|mut session| {
+    let shown = Session::new(scene, Some(device), options).and_then(|mut session| {
         session.frame(Change::EVERYTHING)?;
         let pixels = session.picture()?.pixels;
         Ok((session, pixels))
@@ -102,8 +102,7 @@ fn fewer_groups_make_more_rows() {
 fn what_is_kept_fits_the_memory_of_the_scene() {
     let mut scene = scene("links");
     let options = Options { mode: Mode::Render, goal: Goal::Radiosity, ..Options::default() };
-    let kept =
-        |scene: &Scene| Session::new(scene, None, options, CapacityHints::default()).unwrap().not_kept().is_none();
+    let kept = |scene: &Scene| Session::new(scene, None, options).unwrap().not_kept().is_none();
     assert!(kept(&scene));
     scene.memory.limit = scene.memory.taken + 3_000_000;
     assert!(!kept(&scene));
@@ -119,7 +118,7 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
             // Small capacities, so that the frame itself discovers what the lists need.
             let little = CapacityHints { links: 40, ..CapacityHints::default() };
             let options = Options { mode: Mode::Render, goal: Goal::Picture, ..Options::default() };
-            let mut kept = Session::new(&scene, Some(device), options, little).unwrap();
+            let mut kept = Session::with_capacity(&scene, Some(device), options, little).unwrap();
             kept.frame(Change::EVERYTHING).unwrap();
             assert!(kept.not_kept().is_none() && kept.retries() > 0);
             let bytes =
@@ -135,7 +134,7 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
                 for mode in [Mode::Render, Mode::Incremental] {
                     let options = Options { mode, goal: Goal::Picture, ..Options::default() };
                     let room = CapacityHints { kept: most, ..little };
-                    let mut session = Session::new(&scene, Some(&small), options, room).unwrap();
+                    let mut session = Session::with_capacity(&scene, Some(&small), options, room).unwrap();
                     assert_eq!(session.not_kept().is_some(), name == "few", "{scheme} {name}");
                     session.frame(Change::EVERYTHING).unwrap();
                     assert!(session.picture().unwrap().pixels == picture, "{scheme} {name} {mode:?}");
@@ -150,7 +149,7 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
             // A mode that reports links cannot run without them.
             let room = CapacityHints { kept: 64, ..CapacityHints::default() };
             let options = Options { mode: Mode::Keep, ..Options::default() };
-            let said = Session::new(&scene, Some(device), options, room).err().unwrap().to_string();
+            let said = Session::with_capacity(&scene, Some(device), options, room).err().unwrap().to_string();
             assert!(said.contains("keeping lists") && said.contains("--aov"), "{said}");
         }
     });

@@ -6,10 +6,10 @@
 use std::path::Path;
 
 use crate::devices;
-use milkglass::gpu::Device;
-use milkglass::pipeline::plan::{Change, Options, ShadingMethod};
+use milkglass::internals::gpu::Device;
+use milkglass::internals::pipeline::plan::{Change, Options, ShadingMethod};
+use milkglass::internals::session::run::Session;
 use milkglass::scene::{BUILTIN, Scene};
-use milkglass::session::run::{CapacityHints, Session};
 use rayon::prelude::*;
 
 /// Unnoticeable colour differences: the mean, and the 99th percentile.
@@ -79,11 +79,11 @@ fn render(name: &str, width: usize, height: usize, device: Option<&Device>) -> V
     let (scene, transport) = more.map_or((name, ShadingMethod::Hierarchy), |more| (more.1, more.3));
     let sets: Vec<String> = more.iter().flat_map(|more| more.2).map(|set| set.to_string()).collect();
     let camera = [format!("camera.size=[{width}, {height}]"), "camera.samples=1".into()];
-    let scene = Scene::load(scene, &[&camera, &sets[..]].concat()).unwrap();
+    let scene = Scene::load_with(scene, &[&camera, &sets[..]].concat()).unwrap();
     let options = Options { transport, ..Options::default() };
-    let mut session = Session::new(&scene, device, options, CapacityHints::default()).unwrap();
+    let mut session = Session::new(&scene, device, options).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
-    session.picture().unwrap().bytes(&scene.camera)
+    session.picture().unwrap().bytes()
 }
 
 #[test]

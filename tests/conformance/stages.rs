@@ -6,15 +6,15 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock};
 
 use crate::devices::{on_devices, on_devices_each};
-use milkglass::gpu::{sources, spirv};
-use milkglass::layout::{BUFFER_IDS, BufferId};
+use milkglass::internals::gpu::{sources, spirv};
+use milkglass::internals::layout::{BUFFER_IDS, BufferId};
+use milkglass::internals::pipeline::frame::{STAGES, owner};
+use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options};
+use milkglass::internals::session::run::{CapacityHints, Session};
+use milkglass::internals::state::dispatches;
 use milkglass::measure::conform::{Plant, Row, conform, conform_stages};
 use milkglass::measure::fixtures::{Fixture, covered, fixtures};
-use milkglass::pipeline::frame::{STAGES, owner};
-use milkglass::pipeline::plan::{Change, Goal, Mode, Options};
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
-use milkglass::state::dispatches;
 use spirq::spirv::Op;
 
 /// A kernel that does nothing: the built-in SPIR-V with a return at the start of its entry point.
@@ -164,7 +164,7 @@ fn a_planted_error_is_reported_by_name() {
 
 #[test]
 fn kernels_write_what_their_stage_declares() {
-    use milkglass::gpu::{Kernels, kernel_names};
+    use milkglass::internals::gpu::{Kernels, kernel_names};
     on_devices(|device| {
         let kernels = Kernels::new(device);
         for stage in STAGES {
@@ -182,7 +182,7 @@ fn kernels_write_what_their_stage_declares() {
 }
 
 fn scene(sets: &[&str]) -> Scene {
-    Scene::load("sphere", &sets.iter().map(|s| s.to_string()).collect::<Vec<_>>()).unwrap()
+    Scene::load_with("sphere", &sets.iter().map(|s| s.to_string()).collect::<Vec<_>>()).unwrap()
 }
 
 fn bits(session: &mut Session, slot: BufferId) -> Vec<u8> {
@@ -215,11 +215,11 @@ fn overflow_changes_no_bit(scene: &Scene) {
             [(Mode::OnTheFly, Mode::OnTheFly), (Mode::Keep, Mode::OnTheFly), (Mode::Render, Mode::Render)]
         {
             let options = Options { mode: like, ..Options::default() };
-            let mut plain = Session::new(scene, Some(device), options, CapacityHints::default()).unwrap();
+            let mut plain = Session::new(scene, Some(device), options).unwrap();
             plain.frame(Change::EVERYTHING).unwrap();
             let expected = bits(&mut plain, BufferId::radiosity);
             let options = Options { mode, ..Options::default() };
-            let mut cut = Session::new(scene, Some(device), options, tight).unwrap();
+            let mut cut = Session::with_capacity(scene, Some(device), options, tight).unwrap();
             cut.frame(Change::EVERYTHING).unwrap();
             assert!(cut.retries() > 0, "nothing overflowed");
             let schedule = &cut.state().objects[0].schedule;
@@ -240,7 +240,7 @@ fn render_mode_follows_the_light_bit_for_bit() {
     on_devices(|device| {
         for backend in [Some(device), None] {
             let options = Options { mode: Mode::Render, goal: Goal::Picture, ..Options::default() };
-            let mut kept = Session::new(&first, backend, options, CapacityHints::default()).unwrap();
+            let mut kept = Session::new(&first, backend, options).unwrap();
             kept.frame(Change::EVERYTHING).unwrap();
             let before = bits(&mut kept, BufferId::radiance);
             kept.set_lights(&second.lights).unwrap();
@@ -250,7 +250,7 @@ fn render_mode_follows_the_light_bit_for_bit() {
             );
             let after = bits(&mut kept, BufferId::radiance);
             assert_ne!(before, after);
-            let mut fresh = Session::new(&second, backend, Options::default(), CapacityHints::default()).unwrap();
+            let mut fresh = Session::new(&second, backend, Options::default()).unwrap();
             fresh.frame(Change::EVERYTHING).unwrap();
             assert_eq!(bits(&mut fresh, BufferId::radiance), after);
         }

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use milkglass::gpu::{Adapter, Device, Instance};
+use milkglass::internals::gpu::{Adapter, Device, Instance};
 
 /// The usable device of this number, with validation. Fails if there is no usable device at all, unless
 /// `MILKGLASS_NO_DEVICE` is set.

@@ -2,13 +2,13 @@
 
 use crate::devices;
 use crate::shell::{bad, folder, good};
-use milkglass::gpu::Device;
-use milkglass::layout::BufferId;
+use milkglass::internals::gpu::Device;
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
+use milkglass::internals::session::run::{CapacityHints, Session};
+use milkglass::internals::state::Scope;
 use milkglass::measure::modes::{What, moved};
-use milkglass::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
-use milkglass::state::Scope;
 
 const INCREMENTAL: Options =
     Options { transport: ShadingMethod::Hierarchy, mode: Mode::Incremental, goal: Goal::Radiosity, estimate: false };
@@ -20,7 +20,7 @@ fn at(name: &str, sets: &[&str], frame: f64) -> Scene {
 }
 
 fn open(scene: &Scene, device: Option<&Device>, mode: Mode, room: CapacityHints) -> Session {
-    let mut session = Session::new(scene, device, Options { mode, ..INCREMENTAL }, room).unwrap();
+    let mut session = Session::with_capacity(scene, device, Options { mode, ..INCREMENTAL }, room).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }

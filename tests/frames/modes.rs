@@ -2,23 +2,23 @@
 
 use crate::devices;
 use crate::shell::{bytes, folder, good};
-use milkglass::gpu::Device;
-use milkglass::layout::BufferId;
+use milkglass::internals::gpu::Device;
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options};
+use milkglass::internals::session::run::Session;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
-use milkglass::pipeline::plan::{Change, Goal, Mode, Options};
 use milkglass::scene::{Light, Scene};
-use milkglass::session::run::{CapacityHints, Session};
 
 const RENDER: Options = Options {
-    transport: milkglass::pipeline::plan::ShadingMethod::Hierarchy,
+    transport: milkglass::internals::pipeline::plan::ShadingMethod::Hierarchy,
     mode: Mode::Render,
     goal: Goal::Radiosity,
     estimate: false,
 };
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
-    Scene::load(name, &sets.iter().map(|set| set.to_string()).collect::<Vec<_>>()).unwrap()
+    Scene::load_with(name, &sets.iter().map(|set| set.to_string()).collect::<Vec<_>>()).unwrap()
 }
 
 /// The scene's light, at this fraction of a full turn.
@@ -26,7 +26,7 @@ fn turned(scene: &Scene, turn: f64) -> Vec<Light> {
     let (sine, cosine) = (std::f64::consts::TAU * turn).sin_cos();
     let direction =
         format!("light.0={{ type = 'directional', direction = [{sine}, {cosine}, 0.2], irradiance = [3, 2, 1] }}");
-    let mut lights = Scene::load(&scene.name, &[direction]).unwrap().lights;
+    let mut lights = Scene::load_with(&scene.name, &[direction]).unwrap().lights;
     lights.truncate(1);
     lights
 }
@@ -43,7 +43,7 @@ fn names(session: &mut Session, change: Change) -> Vec<String> {
 /// A light circles a lotus: checks when lists are rebuilt, which stages run, and the errors.
 fn round(device: Option<&Device>) {
     let scene = scene("lotus", &["object.0.detail=32", "transport.tolerance=1e-2"]);
-    let mut session = Session::new(&scene, device, RENDER, CapacityHints::default()).unwrap();
+    let mut session = Session::new(&scene, device, RENDER).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     let (mut kept, mut fresh_bits) = (0, 0);
     for step in 0..8 {
@@ -63,7 +63,7 @@ fn round(device: Option<&Device>) {
             // Earlier frames leave no trace.
             let mut alone = scene.clone();
             alone.lights = lights;
-            let mut alone = Session::new(&alone, device, RENDER, CapacityHints::default()).unwrap();
+            let mut alone = Session::new(&alone, device, RENDER).unwrap();
             alone.frame(Change::EVERYTHING).unwrap();
             assert!(radiosity(&mut alone) == radiosity(&mut session), "turn {step}");
             fresh_bits += 1;
@@ -91,7 +91,7 @@ fn a_light_of_another_contrast_has_lists_made_anew() {
         scene
     };
     let (wide, narrow) = (spot(60), spot(6));
-    let mut session = Session::new(&wide, None, RENDER, CapacityHints::default()).unwrap();
+    let mut session = Session::new(&wide, None, RENDER).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     let before = session.state().data.counters[0];
     assert!(before.serves() && session.relinks() == 0);
@@ -134,15 +134,13 @@ fn frames_of_a_sequence_are_those_of_a_new_session() {
     let options = Options { mode: Mode::Render, goal: Goal::Picture, ..RENDER };
     devices::on_devices(|device| {
         for receivers in ["pixels", "faces"] {
-            let mut session =
-                Session::new(&at(0.0, receivers), Some(device), options, CapacityHints::default()).unwrap();
+            let mut session = Session::new(&at(0.0, receivers), Some(device), options).unwrap();
             session.frame(Change::EVERYTHING).unwrap();
             let mut contrasts = Vec::new();
             for turn in [0.1, 0.35, 0.5, 0.75] {
                 session.show(&at(turn, receivers)).unwrap();
                 session.frame(Change::default()).unwrap();
-                let mut fresh =
-                    Session::new(&at(turn, receivers), Some(device), options, CapacityHints::default()).unwrap();
+                let mut fresh = Session::new(&at(turn, receivers), Some(device), options).unwrap();
                 fresh.frame(Change::EVERYTHING).unwrap();
                 assert!(session.picture().unwrap().pixels == fresh.picture().unwrap().pixels, "{receivers} at {turn}");
                 contrasts.push(session.state().data.counters[0].contrast);
@@ -159,8 +157,7 @@ fn a_frame_without_a_change_dispatches_nothing() {
         for (scheme, mode) in [("blocks", Mode::Render), ("blocks", Mode::OnTheFly), ("links", Mode::Render)] {
             let sets = ["object.0.detail=2", "camera.size=[32, 32]", &format!("transport.scheme={scheme}")];
             let options = Options { mode, goal: Goal::Picture, ..RENDER };
-            let mut session =
-                Session::new(&scene("sphere", &sets), Some(device), options, CapacityHints::default()).unwrap();
+            let mut session = Session::new(&scene("sphere", &sets), Some(device), options).unwrap();
             assert!(!names(&mut session, Change::EVERYTHING).is_empty());
             assert_eq!(names(&mut session, Change::default()), [""; 0], "{scheme} {mode:?}");
             // A new view recomputes no transport.
@@ -174,7 +171,7 @@ fn a_frame_without_a_change_dispatches_nothing() {
 fn the_plan_says_what_lists_serve() {
     let scene = scene("sphere", &["object.0.detail=2"]);
     let why = |options: Options| {
-        let session = Session::new(&scene, None, options, CapacityHints::default()).unwrap();
+        let session = Session::new(&scene, None, options).unwrap();
         session.plan().left_out.iter().find(|(name, _)| *name == "irradiance_ratio").map(|(_, why)| why.clone())
     };
     assert_eq!(why(RENDER), None);

@@ -1,13 +1,13 @@
 //! Moving shapes: deformations, keyframes, sequences.
 
 use crate::shell::{bad, bytes, folder, good, names, numbers, read};
-use milkglass::layout::BufferId;
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Change, Options};
+use milkglass::internals::prepare::shape::turned;
+use milkglass::internals::session::run::Session;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
-use milkglass::pipeline::plan::{Change, Options};
-use milkglass::prepare::shape::turned;
 use milkglass::scene::{Deform, Scene};
-use milkglass::session::run::{CapacityHints, Session};
 
 const SCENE: &str = "[camera]\nposition = [0, 9, 30]\nsize = [40, 30]\nfov = 40\n\n\
     [[light]]\ntype = 'point'\nposition = [0, 20, { keyframes = [[0, 9], [3, -9]] }]\n\
@@ -22,7 +22,7 @@ fn at(frame: f64) -> Scene {
 }
 
 fn open(scene: &Scene) -> Session {
-    let mut session = Session::new(scene, None, Options::default(), CapacityHints::default()).unwrap();
+    let mut session = Session::new(scene, None, Options::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -210,7 +210,7 @@ fn what_moves_from_object_to_object() {
 fn ends_are_the_objects_wherever_the_centre_is() {
     let sets = |center: &str| {
         let deform = format!("object.0.deform=[{{type='twist', angle=90, center={center}}}]");
-        Scene::load("sphere", &["object.0.detail=2".into(), deform]).unwrap().objects[0].deforms[0].clone()
+        Scene::load_with("sphere", &["object.0.detail=2".into(), deform]).unwrap().objects[0].deforms[0].clone()
     };
     let span = |deform: Deform| match deform {
         Deform::Twist { span, .. } => (span.center.y + span.low, span.length),

@@ -1,7 +1,7 @@
 //! `milkglass eval layered` run as a program.
 
 use glam::DVec3;
-use milkglass::layers::slab::{Lamp, SlabLayer, radiance};
+use milkglass::internals::layers::slab::{Lamp, SlabLayer, radiance};
 
 use super::shell::{bad, close, folder, good, read};
 

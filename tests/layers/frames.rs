@@ -1,9 +1,9 @@
 //! Plans with and without layers, and what reruns after a change.
 
-use milkglass::layout::BufferId;
-use milkglass::pipeline::plan::{Change, Options, ShadingMethod};
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Change, Options, ShadingMethod};
+use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
 
 use super::{scene, session};
 
@@ -36,7 +36,7 @@ fn a_scene_without_layers_has_no_trace_of_them() {
     let layered = session(&scene("sphere", &[&SMALL[..], &[LAYERS]].concat()), Options::default());
     assert!(OWN.iter().all(|&slot| !layered.state().data.bytes(slot).is_empty()));
     // With only radiosity requested, layers take nothing either.
-    let options = Options { goal: milkglass::pipeline::plan::Goal::Radiosity, ..Options::default() };
+    let options = Options { goal: milkglass::internals::pipeline::plan::Goal::Radiosity, ..Options::default() };
     let solved = session(&scene("sphere", &[&SMALL[..], &[LAYERS]].concat()), options);
     assert!(OWN.iter().all(|&slot| solved.state().data.bytes(slot).is_empty()));
 }
@@ -94,7 +94,7 @@ fn a_device_follows_shape_light_and_layers() {
     let light = ["light.1={ type = 'point', position = [9, 30, 9], intensity = [900, 800, 700] }"];
     let layers = ["object.0.material.layers.layer.0.thickness=0.1"];
     crate::devices::on_devices(|device| {
-        let new = |scene: &Scene| Session::new(scene, Some(device), Options::default(), Default::default()).unwrap();
+        let new = |scene: &Scene| Session::new(scene, Some(device), Options::default()).unwrap();
         let mut kept = new(&scene("sphere", &sets));
         kept.frame(Change::EVERYTHING).unwrap();
         let mut all = sets.clone();
@@ -230,7 +230,7 @@ fn no_pixel_is_lit_twice_where_dispatches_meet() {
     let (sky, row) = (scene.camera.background.map(|x| x as f32), 130 * 130..131 * 130);
     assert!(expected[row].iter().filter(|&&seen| seen != sky).count() > 60, "a poor test");
     crate::devices::on_devices(|device| {
-        let mut session = Session::new(&scene, Some(device), options(), CapacityHints::default()).unwrap();
+        let mut session = Session::new(&scene, Some(device), options()).unwrap();
         session.frame(Change::EVERYTHING).unwrap();
         for (at, (found, expected)) in picture(&mut session).iter().zip(&expected).enumerate() {
             let near = (0..3).all(|c| (found[c] - expected[c]).abs() <= 2e-3 * expected[c] + 1e-4);

@@ -1,6 +1,6 @@
 //! Invalid layers, and layers that are accepted with a fallback.
 
-use milkglass::pipeline::plan::Options;
+use milkglass::internals::pipeline::plan::Options;
 
 use super::shell::{bad, folder, good};
 use super::{scene, session};

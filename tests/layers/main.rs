@@ -13,18 +13,18 @@ mod measured;
 mod seams;
 mod slab;
 
-use milkglass::pipeline::plan::{Change, Options};
+use milkglass::internals::pipeline::plan::{Change, Options};
+use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
 
 /// A built-in scene with these settings.
 fn scene(name: &str, sets: &[&str]) -> Scene {
-    Scene::load(name, &sets.iter().map(|set| set.to_string()).collect::<Vec<_>>()).unwrap()
+    Scene::load_with(name, &sets.iter().map(|set| set.to_string()).collect::<Vec<_>>()).unwrap()
 }
 
 /// A session on the CPU after its first frame.
 fn session(scene: &Scene, options: Options) -> Session {
-    let mut session = Session::new(scene, None, options, CapacityHints::default()).unwrap();
+    let mut session = Session::new(scene, None, options).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }

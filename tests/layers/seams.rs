@@ -1,13 +1,13 @@
 //! Texture seams: a mesh of two islands looks like the same mesh in one piece.
 
 use glam::DVec3;
-use milkglass::layers::islands::{Whole, atlas};
-use milkglass::layers::relief;
-use milkglass::layout::Hit;
-use milkglass::pipeline::plan::{Options, ShadingMethod};
+use milkglass::internals::layers::islands::{Whole, atlas};
+use milkglass::internals::layers::relief;
+use milkglass::internals::layout::Hit;
+use milkglass::internals::pipeline::plan::{Options, ShadingMethod};
+use milkglass::internals::session::run::Session;
+use milkglass::internals::state::Scope;
 use milkglass::scene::{DepthMap, Mesh, Scene, Wrap};
-use milkglass::session::run::Session;
-use milkglass::state::Scope;
 
 use super::{scene, session};
 

@@ -1,10 +1,10 @@
 //! The closed forms of a flat slab, and the march through layers against them.
 
 use glam::DVec3;
-use milkglass::layers::beneath::phase;
-use milkglass::layers::slab::{Lamp, SlabLayer, radiance};
-use milkglass::pipeline::plan::Options;
-use milkglass::session::run::Session;
+use milkglass::internals::layers::beneath::phase;
+use milkglass::internals::layers::slab::{Lamp, SlabLayer, radiance};
+use milkglass::internals::pipeline::plan::Options;
+use milkglass::internals::session::run::Session;
 
 use super::{scene, session};
 

@@ -3,12 +3,12 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use milkglass::lighting::fresnel::{diffuse_external_exact, transmittance};
+use milkglass::internals::lighting::fresnel::{diffuse_external_exact, transmittance};
+use milkglass::internals::pipeline::plan::{Change, Goal, Options};
+use milkglass::internals::prepare::scene::dipoles;
+use milkglass::internals::session::run::Session;
 use milkglass::measure::reference::verify;
-use milkglass::pipeline::plan::{Change, Goal, Options};
-use milkglass::prepare::scene::dipoles;
 use milkglass::scene::{Light, Scene, Sky, Source};
-use milkglass::session::run::{CapacityHints, Session};
 
 use crate::{irradiance, places, scene, sheets};
 
@@ -163,7 +163,7 @@ fn a_wide_plane_in_a_white_environment_gives_back_what_the_half_space_does() {
             sheets(32, &[[DVec3::new(-half, -half, 0.0), DVec3::X * 2.0 * half, DVec3::Y * 2.0 * half]]);
         let flat = under(flat, white(), 0);
         let options = Options { goal: Goal::Radiosity, ..Options::default() };
-        let mut session = Session::new(&flat, None, options, CapacityHints::default()).unwrap();
+        let mut session = Session::new(&flat, None, options).unwrap();
         session.frame(Change::EVERYTHING).unwrap();
         let places = session.prepared().places(0);
         let face = places[2 * (16 * 32 + 16)];
@@ -181,7 +181,7 @@ fn in_a_white_environment_any_mesh_is_as_near_to_brute_force_as_asked() {
         let detail = if name == "lotus" { "object.0.detail=40" } else { "object.0.detail=12" };
         let white = under(scene(name, &[detail]), white(), 16);
         let options = Options { goal: Goal::Radiosity, ..Options::default() };
-        let mut session = Session::new(&white, None, options, CapacityHints::default()).unwrap();
+        let mut session = Session::new(&white, None, options).unwrap();
         session.frame(Change::EVERYTHING).unwrap();
         let worst = verify(&mut session, 200, 1).unwrap().iter().map(|norms| norms.l2).fold(0.0, f64::max);
         assert!(worst > 0.0 && worst < 1e-3, "{name}: {worst}");

@@ -5,13 +5,13 @@ mod kinds;
 mod shadow;
 
 use glam::DVec3;
-use milkglass::pipeline::plan::{Goal, Options};
+use milkglass::internals::pipeline::plan::{Goal, Options};
+use milkglass::internals::session::run::Session;
 use milkglass::scene::{Light, Mesh, Scene};
-use milkglass::session::run::{CapacityHints, Session};
 
 /// A built-in scene with these settings.
 pub fn scene(name: &str, sets: &[&str]) -> Scene {
-    Scene::load(name, &sets.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap()
+    Scene::load_with(name, &sets.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap()
 }
 
 /// Settings that remove the Fresnel boundary: all light passes.
@@ -20,7 +20,7 @@ pub const CLEAR: &str = "object.0.material.eta=1";
 /// Irradiance of each face of the mesh, in its order and in the scene's units, by the CPU reference.
 pub fn irradiance(scene: &Scene) -> Vec<DVec3> {
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
-    let mut session = Session::new(scene, None, options, CapacityHints::default()).unwrap();
+    let mut session = Session::new(scene, None, options).unwrap();
     session.prepare_light();
     let (irradiance, light) = (&session.state().data.irradiance, session.units().light);
     let value = |face: usize| DVec3::from_array(irradiance[face].map(f64::from)) * light;

@@ -1,7 +1,7 @@
 //! A seeded population of triangles and receivers, with an individual medium in every channel.
 
 use glam::{DQuat, DVec3};
-use milkglass::dipole::profile::Dipole;
+use milkglass::internals::dipole::profile::Dipole;
 use milkglass::measure::stress::factor::Pair;
 use milkglass::scene::PRESETS;
 

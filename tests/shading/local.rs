@@ -2,17 +2,17 @@
 
 use crate::devices::on_devices;
 use crate::shell::{bad, folder, good};
-use milkglass::layout::{BUFFER_IDS, BufferId};
-use milkglass::pipeline::plan::{Change, Options, ShadingMethod};
+use milkglass::internals::layout::{BUFFER_IDS, BufferId};
+use milkglass::internals::pipeline::plan::{Change, Options, ShadingMethod};
+use milkglass::internals::session::run::Session;
+use milkglass::internals::shading::reflectance::zonal;
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
-use milkglass::shading::reflectance::zonal;
 
 const CDRF: Options = options(ShadingMethod::Cdrf);
 const LAMBERT: Options = options(ShadingMethod::Lambert);
 
 const fn options(transport: ShadingMethod) -> Options {
-    use milkglass::pipeline::plan::{Goal, Mode};
+    use milkglass::internals::pipeline::plan::{Goal, Mode};
     Options { transport, mode: Mode::OnTheFly, goal: Goal::Picture, estimate: false }
 }
 
@@ -22,7 +22,7 @@ fn scene(name: &str, sets: &[&str], frame: f64) -> Scene {
 }
 
 fn run(scene: &Scene, options: Options) -> Session {
-    let mut session = Session::new(scene, None, options, CapacityHints::default()).unwrap();
+    let mut session = Session::new(scene, None, options).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -112,16 +112,16 @@ fn curvature_follows_the_shape_and_nothing_else() {
     let deformed = |frame: f64| scene("twist", &["object.0.detail=8", "object.0.material.sigma_0=3"], frame);
     on_devices(|device| {
         for backend in [None, Some(device)] {
-            let mut moving = Session::new(&deformed(0.0), backend, CDRF, CapacityHints::default()).unwrap();
+            let mut moving = Session::new(&deformed(0.0), backend, CDRF).unwrap();
             moving.frame(Change::EVERYTHING).unwrap();
-            let ran = |times: &[milkglass::gpu::Timing]| {
+            let ran = |times: &[milkglass::internals::gpu::Timing]| {
                 times.iter().any(|time| time.name == "curvature" || time.name == "pack_normals")
             };
             assert!(!ran(&moving.frame(Change::LIGHT).unwrap()) && !ran(&moving.frame(Change::VIEW).unwrap()));
             for frame in [4.0, 30.0, 2.0] {
                 moving.show(&deformed(frame)).unwrap();
                 assert!(ran(&moving.frame(Change::default()).unwrap()));
-                let mut fresh = Session::new(&deformed(frame), backend, CDRF, CapacityHints::default()).unwrap();
+                let mut fresh = Session::new(&deformed(frame), backend, CDRF).unwrap();
                 fresh.frame(Change::EVERYTHING).unwrap();
                 for slot in [BufferId::curvature, BufferId::packed_normals, BufferId::radiance] {
                     let [a, b] = [&mut moving, &mut fresh].map(|session| {
@@ -236,12 +236,12 @@ fn an_environment_counts_by_its_own_factors() {
 
 #[test]
 fn between_its_points_the_table_is_near_and_the_closed_form_everywhere() {
-    use milkglass::layout::CDRF_WIDEST;
-    use milkglass::layout::Query;
-    use milkglass::pipeline::frame::stage;
-    use milkglass::shading::cdrf_cells::lookup;
-    use milkglass::shading::reflectance::cdrf;
-    use milkglass::state::{DeviceState, Scope, State, Step};
+    use milkglass::internals::layout::CDRF_WIDEST;
+    use milkglass::internals::layout::Query;
+    use milkglass::internals::pipeline::frame::stage;
+    use milkglass::internals::shading::cdrf_cells::lookup;
+    use milkglass::internals::shading::reflectance::cdrf;
+    use milkglass::internals::state::{DeviceState, Scope, State, Step};
     let table = scene("sphere", &["object.0.detail=1", "transport.cdrf=table"], 0.0);
     let cells = run(&table, CDRF).state().data.cdrf_cells.clone();
     // Additive recurrences, so that no point is on the grid; then the terminator as sigma tends to 0, the table's worst

@@ -3,18 +3,17 @@
 use std::f64::consts::PI;
 
 use crate::shell::{bad, bytes, folder, good, read};
-use milkglass::lighting::fresnel::transmittance;
-use milkglass::pipeline::plan::{Change, Options};
+use milkglass::internals::lighting::fresnel::transmittance;
+use milkglass::internals::pipeline::plan::{Change, Options};
+use milkglass::internals::session::antialiasing::picture;
+use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
-use milkglass::session::antialiasing::picture;
-use milkglass::session::run::{CapacityHints, Session};
 
 /// A session of a small ball with these settings after one frame on the CPU.
 fn session(sets: &[&str]) -> Session {
     let small = ["object.0.detail=2", "camera.size=[48, 40]"];
     let sets: Vec<_> = small.iter().chain(sets).map(ToString::to_string).collect();
-    let mut session =
-        Session::new(&Scene::load("sphere", &sets).unwrap(), None, Options::default(), CapacityHints::default());
+    let mut session = Session::new(&Scene::load_with("sphere", &sets).unwrap(), None, Options::default());
     session.as_mut().unwrap().frame(Change::EVERYTHING).unwrap();
     session.unwrap()
 }

@@ -1,20 +1,20 @@
 //! Several objects in one scene: no light is transported between them, but they cast shadows on each other.
 
-use milkglass::layout::BufferId;
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
+use milkglass::internals::session::run::Session;
 use milkglass::measure::reference::verify;
-use milkglass::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
 
 fn scene(sets: &[&str]) -> Scene {
     let mut all = vec!["object.0.detail=3".to_string(), "camera.size=[40, 30]".to_string()];
     all.extend(sets.iter().map(|set| set.to_string()));
-    Scene::load("sphere", &all).unwrap()
+    Scene::load_with("sphere", &all).unwrap()
 }
 
 fn run(scene: &Scene, transport: ShadingMethod, mode: Mode) -> Session {
     let options = Options { transport, mode, goal: Goal::Radiosity, estimate: false };
-    let mut session = Session::new(scene, None, options, CapacityHints::default()).unwrap();
+    let mut session = Session::new(scene, None, options).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -72,7 +72,7 @@ fn each_object_is_seen_as_if_it_were_alone() {
     let mut three = scene(&[SECOND, GROUND, "transport.receivers=faces", "camera.size=[160, 120]"]);
     three.lights[0].shadows = false;
     let shown = |scene: &Scene| {
-        let mut session = Session::new(scene, None, Options::default(), CapacityHints::default()).unwrap();
+        let mut session = Session::new(scene, None, Options::default()).unwrap();
         session.frame(Change::EVERYTHING).unwrap();
         let (data, light) = (&session.state().data, session.units().light);
         let objects: Vec<_> = data.hits.iter().map(|hit| session.state().object_of(hit.face as usize)).collect();
@@ -153,7 +153,7 @@ fn without_opaque_objects_nothing_is_there_for_them() {
 fn faults_name_the_object() {
     let fault = |sets: &[&str]| {
         let sets: Vec<String> = sets.iter().map(|set| set.to_string()).collect();
-        Scene::load("sphere", &sets).unwrap_err().to_string()
+        Scene::load_with("sphere", &sets).unwrap_err().to_string()
     };
     let cases = [
         (vec!["object.1={ shape = 'slap' }"], "did you mean `slab`"),
@@ -175,5 +175,5 @@ fn faults_name_the_object() {
     }
     // A lamp inside an opaque object is allowed; it lights nothing.
     let lamp = "light.0={ type = 'point', position = [0, -15, 0], intensity = 1 }";
-    assert!(Scene::load("sphere", &[SECOND, GROUND, lamp].map(String::from)).is_ok());
+    assert!(Scene::load_with("sphere", &[SECOND, GROUND, lamp].map(String::from)).is_ok());
 }

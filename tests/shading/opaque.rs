@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 
 use crate::devices::on_devices;
 use glam::DVec3;
-use milkglass::gpu::Device;
-use milkglass::layout::BufferId;
-use milkglass::pipeline::plan::{Change, Goal, Options, ShadingMethod};
+use milkglass::internals::gpu::Device;
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Change, Goal, Options, ShadingMethod};
+use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
 
 /// A floor of two triangles, a ball above it, and a lamp above the ball.
 fn scene(sets: &[&str]) -> Scene {
@@ -25,11 +25,11 @@ fn scene(sets: &[&str]) -> Scene {
         "light.0={ type = 'point', position = [0, 40, 0], intensity = [2000, 3000, 4000] }",
     ];
     let sets: Vec<String> = all.iter().chain(sets).map(|set| set.to_string()).collect();
-    Scene::load("sphere", &sets).unwrap()
+    Scene::load_with("sphere", &sets).unwrap()
 }
 
 fn run(scene: &Scene, device: Option<&Device>, options: Options) -> Session {
-    let mut session = Session::new(scene, device, options, CapacityHints::default()).unwrap();
+    let mut session = Session::new(scene, device, options).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -51,7 +51,7 @@ fn floor(session: &mut Session) -> Vec<(DVec3, [f32; 3])> {
         .iter()
         .zip(picture.pixels)
         .filter(|(hit, _)| (hit.face as usize) < data.triangles.len() && state.object_of(hit.face as usize) == 1);
-    let place = |hit: &milkglass::layout::Hit| {
+    let place = |hit: &milkglass::internals::layout::Hit| {
         let weights = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
         let corners = data.triangles[hit.face as usize].map(|v| DVec3::from(data.positions[v as usize].map(f64::from)));
         units.outside(corners.iter().zip(weights).map(|(corner, weight)| *corner * weight).sum())

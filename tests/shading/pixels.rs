@@ -1,20 +1,20 @@
 //! Receivers at pixels: within the tolerance of brute force, chosen by count, and absent where unused.
 
-use milkglass::layout::BufferId;
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Change, Goal, Options, ShadingMethod};
+use milkglass::internals::prepare::receivers::by_pixel;
+use milkglass::internals::session::run::Session;
+use milkglass::internals::state::wide;
 use milkglass::measure::reference::at;
-use milkglass::pipeline::plan::{Change, Goal, Options, ShadingMethod};
-use milkglass::prepare::receivers::by_pixel;
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
-use milkglass::state::wide;
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
     let sets: Vec<String> = sets.iter().map(|set| set.to_string()).collect();
-    Scene::load(name, &sets).unwrap()
+    Scene::load_with(name, &sets).unwrap()
 }
 
 fn drawn(scene: &Scene, options: Options) -> Session {
-    let mut session = Session::new(scene, None, options, CapacityHints::default()).unwrap();
+    let mut session = Session::new(scene, None, options).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -104,7 +104,7 @@ fn what_is_not_wanted_is_not_there() {
     assert_eq!(why(&faces, "pixel_receivers"), "the receivers are triangles");
 
     let sets = ["transport.receivers=pixels", "transport.scheme=links"].map(String::from);
-    let error = Scene::load("sphere", &sets).unwrap_err().to_string();
+    let error = Scene::load_with("sphere", &sets).unwrap_err().to_string();
     assert!(error.contains("transport.receivers: scheme links has no receivers at pixels"), "{error}");
 }
 

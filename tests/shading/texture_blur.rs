@@ -1,24 +1,24 @@
 //! Irradiance blurred in texture space: the stages it runs, its results, and its requirements on a mesh.
 
 use crate::shell::{bad, folder, good};
-use milkglass::layout::{BUFFER_IDS, BufferId};
-use milkglass::lighting::fresnel::transmittance;
-use milkglass::pipeline::plan::{Change, Options, ShadingMethod};
-use milkglass::prepare::scene::dipoles;
+use milkglass::internals::layout::{BUFFER_IDS, BufferId};
+use milkglass::internals::lighting::fresnel::transmittance;
+use milkglass::internals::pipeline::plan::{Change, Options, ShadingMethod};
+use milkglass::internals::prepare::scene::dipoles;
+use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
 
 const BLUR: ShadingMethod = ShadingMethod::TextureBlur;
 const STAGES: [&str; 3] = ["bake_irradiance", "blur", "texture_blur"];
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
     let usual = ["camera.size=[40, 30]", "transport.unwrap=true", "transport.blur_texture=64"];
-    Scene::load(name, &usual.iter().chain(sets).map(|set| set.to_string()).collect::<Vec<_>>()).unwrap()
+    Scene::load_with(name, &usual.iter().chain(sets).map(|set| set.to_string()).collect::<Vec<_>>()).unwrap()
 }
 
 fn run(scene: &Scene, transport: ShadingMethod) -> Session {
     let options = Options { transport, ..Options::default() };
-    let mut session = Session::new(scene, None, options, CapacityHints::default()).unwrap();
+    let mut session = Session::new(scene, None, options).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -52,8 +52,9 @@ fn an_evenly_lit_plane_gives_back_the_profiles_total() {
         let Some(corners) = session.state().data.triangles.get(hit.face as usize) else { continue };
         seen += 1;
         let weight = [1.0 - hit.u - hit.v, hit.u, hit.v].map(f64::from);
-        let point =
-            (0..3).map(|k| weight[k] * milkglass::state::wide(session.state().data.positions[corners[k] as usize]));
+        let point = (0..3).map(|k| {
+            weight[k] * milkglass::internals::state::wide(session.state().data.positions[corners[k] as usize])
+        });
         let way = eye - point.sum::<glam::DVec3>() / session.units().length;
         for c in 0..3 {
             let eta = plane.objects[0].material.eta[c];
@@ -90,7 +91,8 @@ fn what_it_needs_is_there_and_elsewhere_nothing_of_it() {
     let ball = scene("sphere", &["object.0.detail=2", "light.0.shadows=false"]);
     let mut session = run(&ball, BLUR);
     assert_eq!(names(&session), ["refit", "visibility", "bake_irradiance", "blur", "texture_blur"]);
-    let ran = |times: Vec<milkglass::gpu::Timing>| times.into_iter().map(|time| time.name).collect::<Vec<_>>();
+    let ran =
+        |times: Vec<milkglass::internals::gpu::Timing>| times.into_iter().map(|time| time.name).collect::<Vec<_>>();
     assert_eq!(ran(session.frame(Change::VIEW).unwrap()), ["visibility", "texture_blur"]);
     assert_eq!(ran(session.frame(Change::LIGHT).unwrap()), STAGES);
     for transport in [ShadingMethod::Hierarchy, ShadingMethod::Cdrf, ShadingMethod::Lambert, ShadingMethod::None] {
@@ -137,9 +139,9 @@ fn it_asks_for_texture_coordinates_that_are_one_to_one() {
     bad(&here, &line("over.obj"), 2, &["object.0", "lie over each other", "one to one"]);
     bad(&here, &line("often.obj"), 2, &["object.0", "too often"]);
     bad(&here, &line("slab"), 2, &["lie over each other"]);
-    let plain = Scene::load("sphere", &["object.0.detail=1".into()]).unwrap();
+    let plain = Scene::load_with("sphere", &["object.0.detail=1".into()]).unwrap();
     let options = Options { transport: BLUR, ..Options::default() };
-    let error = Session::new(&plain, None, options, CapacityHints::default()).err().unwrap().to_string();
+    let error = Session::new(&plain, None, options).err().unwrap().to_string();
     assert!(error.contains("the mesh has none") && error.contains("transport.unwrap"), "{error}");
 }
 

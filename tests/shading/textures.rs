@@ -2,16 +2,16 @@
 
 use std::f64::consts::TAU;
 
-use milkglass::layout::BufferId;
-use milkglass::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
+use milkglass::internals::session::run::Session;
 use milkglass::scene::{Scene, Side, Texture, Wrap};
-use milkglass::session::run::{CapacityHints, Session};
 
 /// A small ball with a checker texture and these settings.
 fn ball(sets: &[&str]) -> Scene {
     let small = ["object.0.detail=3", "camera.size=[48, 40]", "object.0.material.texture=builtin:checker"];
     let sets: Vec<_> = small.iter().chain(sets).map(ToString::to_string).collect();
-    Scene::load("sphere", &sets).unwrap()
+    Scene::load_with("sphere", &sets).unwrap()
 }
 
 /// The same ball with this texture, or with none.
@@ -23,7 +23,7 @@ fn painted(texture: Option<Texture>) -> Scene {
 
 /// A session after one frame on the CPU.
 fn drawn(scene: &Scene, options: Options) -> Session {
-    let mut session = Session::new(scene, None, options, CapacityHints::default()).unwrap();
+    let mut session = Session::new(scene, None, options).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }

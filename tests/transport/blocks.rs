@@ -2,20 +2,20 @@
 //! are those of double precision, moments are sums over faces, and the tolerance is met.
 
 use glam::DVec3;
-use milkglass::dipole::profile::Dipole;
-use milkglass::layout::BLOCK_CLASSES;
-use milkglass::layout::Buffers;
+use milkglass::internals::dipole::profile::Dipole;
+use milkglass::internals::layout::BLOCK_CLASSES;
+use milkglass::internals::layout::Buffers;
+use milkglass::internals::pipeline::plan::{Change, Goal, Options};
+use milkglass::internals::session::run::Session;
 use milkglass::measure::norms::{norms, worst};
 use milkglass::measure::reference::{radiosity, receivers};
-use milkglass::pipeline::plan::{Change, Goal, Options};
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
 
 fn solved(name: &str, sets: &[&str]) -> Session {
     let sets: Vec<String> = sets.iter().map(|set| set.to_string()).collect();
-    let scene = Scene::load(name, &sets).unwrap();
+    let scene = Scene::load_with(name, &sets).unwrap();
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
-    let mut session = Session::new(&scene, None, options, CapacityHints::default()).unwrap();
+    let mut session = Session::new(&scene, None, options).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }

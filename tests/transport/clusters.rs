@@ -1,19 +1,19 @@
 //! `render --view clusters`: the emitters of one receiver cover every lit triangle once.
 
 use crate::shell::{bad, folder, good};
-use milkglass::pipeline::plan::{Change, Mode, Options};
+use milkglass::internals::pipeline::plan::{Change, Mode, Options};
+use milkglass::internals::session::cluster_view::clusters;
+use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
-use milkglass::session::cluster_view::clusters;
-use milkglass::session::run::{CapacityHints, Session};
 
 #[test]
 fn emitters_settle_every_lit_triangle_once() {
     let middle = [20, 15];
     for set in ["transport.receivers=faces", "transport.receivers=pixels", "transport.scheme=links"] {
         let sets = ["object.0.detail=4", "camera.size=[40, 30]", set].map(String::from);
-        let scene = Scene::load("sphere", &sets).unwrap();
+        let scene = Scene::load_with("sphere", &sets).unwrap();
         let options = Options { mode: Mode::Render, ..Options::default() };
-        let mut session = Session::new(&scene, None, options, CapacityHints::default()).unwrap();
+        let mut session = Session::new(&scene, None, options).unwrap();
         session.frame(Change::EVERYTHING).unwrap();
         let (picture, emitters) = clusters(&mut session, middle).unwrap();
 

@@ -2,18 +2,18 @@
 //! requested, no bit of the result changes.
 
 use crate::devices;
-use milkglass::gpu::{Device, Instance, faults::watch};
-use milkglass::layout::BufferId;
+use milkglass::internals::gpu::{Device, Instance, faults::watch};
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Change, Goal, Options, ShadingMethod};
+use milkglass::internals::session::run::Session;
 use milkglass::measure::estimate::Quality;
 use milkglass::measure::reference::{check, radiosity, receivers};
 use milkglass::measure::sample::Sample;
-use milkglass::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
 
 const OPTIONS: Options = Options {
     transport: ShadingMethod::Hierarchy,
-    mode: milkglass::pipeline::plan::Mode::OnTheFly,
+    mode: milkglass::internals::pipeline::plan::Mode::OnTheFly,
     goal: Goal::Radiosity,
     estimate: true,
 };
@@ -32,11 +32,11 @@ const SCENES: &[(&str, &str)] = &[
 ];
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
-    Scene::load(name, &sets.iter().map(|set| set.to_string()).collect::<Vec<_>>()).unwrap()
+    Scene::load_with(name, &sets.iter().map(|set| set.to_string()).collect::<Vec<_>>()).unwrap()
 }
 
 fn solved(scene: &Scene, device: Option<&Device>, options: Options) -> Session {
-    let mut session = Session::new(scene, device, options, CapacityHints::default()).unwrap();
+    let mut session = Session::new(scene, device, options).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }
@@ -167,12 +167,7 @@ fn it_stays_finite_at_the_extremes() {
 #[test]
 fn the_plan_says_why_there_is_none() {
     let why = |sets: &[&str], options: Options| {
-        let session = Session::new(
-            &scene("sphere", &[&["object.0.detail=2"], sets].concat()),
-            None,
-            options,
-            CapacityHints::default(),
-        );
+        let session = Session::new(&scene("sphere", &[&["object.0.detail=2"], sets].concat()), None, options);
         let session = session.unwrap();
         let reasons = session.plan().left_out.iter().filter(|(what, _)| *what == "error estimate");
         (session.state().method.estimate, reasons.map(|(_, why)| why.clone()).collect::<Vec<_>>())
@@ -220,7 +215,7 @@ fn an_estimate_that_cannot_be_sharpened_is_the_carried_one_and_says_why() {
 fn the_second_solve_makes_no_picture() {
     let layers = Options::default().with_layers();
     let stages = |name: &str, sets: &[&str]| -> Option<Vec<&str>> {
-        let session = Session::new(&scene(name, sets), None, layers, CapacityHints::default()).unwrap();
+        let session = Session::new(&scene(name, sets), None, layers).unwrap();
         let other = session.sharper().unwrap()?;
         Some(other.plan().stages.iter().map(|stage| stage.name).collect())
     };

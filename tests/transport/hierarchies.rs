@@ -1,12 +1,12 @@
 //! Hierarchies of 4-to-1 splits: butterfly subdivision and shrink-wrapping, and the quality of their trees.
 
 use crate::shell::{bad, bytes, folder, good, numbers, read};
-use milkglass::layout::BufferId;
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Change, Options};
+use milkglass::internals::session::run::Session;
 use milkglass::measure::norms::worst;
 use milkglass::measure::reference::verify;
-use milkglass::pipeline::plan::{Change, Options};
 use milkglass::scene::{Hierarchy, Scene};
-use milkglass::session::run::{CapacityHints, Session};
 
 const MOVED: &str = "object.0.deform=[{ type = 'noise', amplitude = 1, scale = 5 }, { type = 'twist', angle = 150 }]";
 const BUTTERFLY: [&str; 4] = [MOVED, "object.0.detail=1", "transport.hierarchy=butterfly", "transport.levels=2"];
@@ -14,11 +14,11 @@ const WRAPPED: [&str; 4] = [MOVED, "object.0.detail=3", "transport.hierarchy=shr
 
 fn load(sets: &[&str], more: &[&str]) -> Scene {
     let sets: Vec<String> = [sets, more].concat().iter().map(ToString::to_string).collect();
-    Scene::load("sphere", &sets).unwrap()
+    Scene::load_with("sphere", &sets).unwrap()
 }
 
 fn solved(scene: &Scene) -> Session {
-    let mut session = Session::new(scene, None, Options::default(), CapacityHints::default()).unwrap();
+    let mut session = Session::new(scene, None, Options::default()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session
 }

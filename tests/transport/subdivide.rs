@@ -1,13 +1,13 @@
 //! Triangles subdivided where a shadow border crosses them.
 
-use milkglass::layout::BufferId;
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Change, Goal, Options};
+use milkglass::internals::session::run::Session;
+use milkglass::internals::session::subdivide::subdivide;
+use milkglass::internals::state::wide;
 use milkglass::measure::estimate::Quality;
 use milkglass::measure::reference::at;
-use milkglass::pipeline::plan::{Change, Goal, Options};
 use milkglass::scene::Scene;
-use milkglass::session::run::{CapacityHints, Session};
-use milkglass::session::subdivide::subdivide;
-use milkglass::state::wide;
 
 fn scene(sets: &[&str]) -> Scene {
     let mut all =
@@ -19,7 +19,7 @@ fn scene(sets: &[&str]) -> Scene {
          material = { opaque = true } }",
     );
     all.extend(sets);
-    Scene::load("slab", &all.into_iter().map(String::from).collect::<Vec<_>>()).unwrap()
+    Scene::load_with("slab", &all.into_iter().map(String::from).collect::<Vec<_>>()).unwrap()
 }
 
 fn options() -> Options {
@@ -28,7 +28,7 @@ fn options() -> Options {
 
 /// Radiosity at the centroids of the slab's triangles before subdivision, and the number of triangles after it.
 fn solved(scene: &Scene) -> (Vec<[f64; 3]>, usize) {
-    let mut session = Session::new(scene, None, options(), CapacityHints::default()).unwrap();
+    let mut session = Session::new(scene, None, options()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     session.fetch(&[BufferId::radiosity]).unwrap();
     let (places, light) = (session.prepared().places(0), session.units().light);
@@ -47,7 +47,7 @@ fn exact(scene: &Scene) -> Vec<[f64; 3]> {
     for _ in 0..2 {
         fine.objects[0].mesh = fine.objects[0].mesh.split(|_| true).0;
     }
-    let mut session = Session::new(&fine, None, options(), CapacityHints::default()).unwrap();
+    let mut session = Session::new(&fine, None, options()).unwrap();
     session.prepare_light();
     let alone = session.state().alone(0);
     // Part 15 of 16 is the centre of the centre part.
@@ -93,7 +93,7 @@ fn the_estimate_knows_what_a_border_still_misses() {
     for cuts in [1, 2] {
         let scene = scene(&["transport.tolerance=1e-2", &format!("transport.subdivide={cuts}")]);
         let options = Options { estimate: true, ..options() };
-        let mut session = Session::new(&scene, None, options, CapacityHints::default()).unwrap();
+        let mut session = Session::new(&scene, None, options).unwrap();
         session.frame(Change::EVERYTHING).unwrap();
         let (places, light) = (session.prepared().places(0), session.units().light);
         let (data, parts) = (&session.state().data, &session.parts()[0]);
@@ -140,11 +140,11 @@ fn only_what_needs_it_is_cut() {
 fn a_moved_light_moves_the_cuts() {
     let first = scene(&["transport.subdivide=1"]);
     let second = scene(&["transport.subdivide=1", "light.0.direction=[-0.3, 0.2, 1]"]);
-    let mut session = Session::new(&first, None, options(), CapacityHints::default()).unwrap();
+    let mut session = Session::new(&first, None, options()).unwrap();
     session.frame(Change::EVERYTHING).unwrap();
     let before = session.parts()[0].of.clone();
     session.set_lights(&second.lights).unwrap();
     session.frame(Change::default()).unwrap();
-    let fresh = Session::new(&second, None, options(), CapacityHints::default()).unwrap();
+    let fresh = Session::new(&second, None, options()).unwrap();
     assert!(session.parts()[0].of == fresh.parts()[0].of && session.parts()[0].of != before);
 }

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::cli::{size, table};
 use milkglass::error::Result;
-use milkglass::pipeline::plan::Change;
-use milkglass::session::run::Session;
+use milkglass::internals::pipeline::plan::Change;
+use milkglass::internals::session::run::Session;
 
 /// Names of the sections, in order.
 const SECTIONS: [&str; 4] = ["stage", "kernel", "buffer", "left out"];

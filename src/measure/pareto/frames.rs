@@ -6,7 +6,7 @@ use crate::gpu::Device;
 use crate::layout::BufferId;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::{Scene, Scheme};
-use crate::session::run::{CapacityHints, Session};
+use crate::session::run::Session;
 use crate::state::State;
 
 /// A session, and the change before each frame.
@@ -18,7 +18,7 @@ pub(super) struct Frames {
 impl Frames {
     /// Opens a session and runs its first frame; `change` applies to every later one.
     pub(super) fn open(scene: &Scene, device: Option<&Device>, options: Options, change: Change) -> Result<Opened> {
-        let mut session = Session::new(scene, device, options, CapacityHints::default())?;
+        let mut session = Session::new(scene, device, options)?;
         match session.frame(Change::EVERYTHING) {
             Err(Error::TooMuchToKeep { what, .. }) => Ok(Opened::NotOffered(format!("too much to keep: {what}"))),
             Err(error) => Err(error),

@@ -31,7 +31,7 @@ impl Pace {
 
     /// The job over a ball of this detail.
     fn of(device: Option<&Device>, detail: u32) -> Result<Self> {
-        let scene = Scene::load("sphere", &[format!("object.0.detail={detail}")])?;
+        let scene = Scene::load_with("sphere", &[format!("object.0.detail={detail}")])?;
         let solver = match brute(&Bench { scene: &scene, device }, Lighting::Moves, 0.0)? {
             Opened::Ready(solver) => Some(solver),
             Opened::NotOffered(_) => None,

@@ -12,7 +12,7 @@ use crate::measure::reference::{by_object, radiosity, receivers};
 use crate::measure::sample::Sample;
 use crate::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use crate::scene::{Hierarchy, Near, Scene, Scheme};
-use crate::session::run::{CapacityHints, Session};
+use crate::session::run::Session;
 use crate::state::{Distance, State, wide};
 
 /// How a method treats a single triangle at its finest level.
@@ -51,7 +51,7 @@ impl Yardstick {
     /// Reference values for `count` seeded faces of a scene; a scene without light is an error.
     pub fn new(scene: &Scene, count: usize, seed: u64) -> Result<Self> {
         let options = Options { transport: ShadingMethod::Brute, goal: Goal::Radiosity, ..Options::default() };
-        let mut session = Session::new(scene, None, options, CapacityHints::default())?;
+        let mut session = Session::new(scene, None, options)?;
         if !session.state().lit() {
             let fault = Input::new("no light shines, so there is no error to measure").key("light");
             return Err(fault.expected("at least one [[light]] that is not black").into());
@@ -62,7 +62,7 @@ impl Yardstick {
         let keys = &mut rough.transport;
         (keys.scheme, keys.hierarchy, keys.distance, keys.near) = usual;
         let options = Options { goal: Goal::Radiosity, ..Options::default() };
-        let mut rough = Session::new(&rough, None, options, CapacityHints::default())?;
+        let mut rough = Session::new(&rough, None, options)?;
         rough.frame(Change::EVERYTHING)?;
         let sample = receivers(rough.state(), count, seed);
 
@@ -138,7 +138,7 @@ mod tests {
     /// The L2 error of midpoint sums on the built-in ball at this size, millimetres.
     fn midpoint_error(size: &str) -> f64 {
         let sets = ["object.0.detail=2".to_string(), format!("object.0.size={size}")];
-        let scene = Scene::load("sphere", &sets).unwrap();
+        let scene = Scene::load_with("sphere", &sets).unwrap();
         Yardstick::new(&scene, 40, 1).unwrap().discretisation(Leaves::Midpoint).l2
     }
 
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn a_dark_scene_is_refused() {
-        let scene = Scene::load("sphere", &["light.0.irradiance=0".to_string(), "object.0.detail=0".to_string()]);
+        let scene = Scene::load_with("sphere", &["light.0.irradiance=0".to_string(), "object.0.detail=0".to_string()]);
         assert!(Yardstick::new(&scene.unwrap(), 4, 1).is_err_and(|e| e.exit_code() == 2));
     }
 }

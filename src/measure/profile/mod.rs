@@ -21,7 +21,7 @@ use crate::gpu::{Device, Timing};
 use crate::layout::BufferId;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::Scene;
-use crate::session::run::{CapacityHints, Session};
+use crate::session::run::Session;
 use crate::transport::octree::HOST;
 
 /// Settings of a measurement.
@@ -197,7 +197,7 @@ pub fn against(scene: &Scene, devices: [&Device; 2], settings: &Settings) -> Res
 
 /// A warmed-up session: lists have their capacity and pipelines exist, so all further frames are alike.
 pub(super) fn ready(scene: &Scene, device: Option<&Device>, settings: &Settings) -> Result<Session> {
-    let mut session = Session::new(scene, device, settings.options, CapacityHints::default())?;
+    let mut session = Session::new(scene, device, settings.options)?;
     session.frame(Change::EVERYTHING)?;
     if device.is_some() {
         session.frame(settings.change)?;

@@ -11,7 +11,7 @@ use crate::pipeline::frame::owner;
 use crate::pipeline::plan::Change;
 use crate::scene::Scene;
 use crate::session::requirements::union;
-use crate::session::run::{CapacityHints, Session};
+use crate::session::run::Session;
 
 /// The work of a stage in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,7 +43,7 @@ pub(super) fn of(
     plain: &mut Session,
 ) -> Result<BTreeMap<&'static str, Work>> {
     // Instrumented kernels are slow: the first frame serves as the measured one if the others would be the same.
-    let mut session = Session::new(scene, Some(device), settings.options, CapacityHints::default())?;
+    let mut session = Session::new(scene, Some(device), settings.options)?;
     session.frame(Change::EVERYTHING)?;
     let mut counted = tallies(&session)?;
     if settings.change != Change::EVERYTHING || session.retries() + session.relinks() > 0 {

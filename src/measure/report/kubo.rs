@@ -14,9 +14,9 @@ use crate::measure::validity::{ASKED, Place, places, share, verdict};
 use crate::measure::walk::Medium;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::prepare::shading::default_sigma_0;
-use crate::scene::{Camera, PRESETS, Preset, Scene, Tone as Curve};
+use crate::scene::{Camera, PRESETS, Preset, Scene};
 use crate::session::curvature_view::curvature_view;
-use crate::session::run::{CapacityHints, Session};
+use crate::session::run::Session;
 
 /// The whole section.
 pub fn kubo(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
@@ -46,7 +46,7 @@ fn function(page: &mut Page) -> Result<()> {
         (Axis { label: "angle from the light, degrees", log: false }, Axis { label: "f, no unit", log: false });
     let line = |sigma: f64| Line::new(format!("sigma {sigma} rad"), curve(sigma, 181).iter().map(|p| (p[0], p[1])));
     let mut plots = vec![chart("Figure 4: f by sigma", x, y, &[0.0, 0.1, 0.25, 0.5, 1.0, 2.0].map(line))?];
-    let skin = Scene::load("sphere", &["object.0.material.preset=skin1".into()])?;
+    let skin = Scene::load_with("sphere", &["object.0.material.preset=skin1".into()])?;
     for ball in balls(&skin, &[20.0, 5.0], 181)? {
         let channel = |c: usize| Line {
             color: Some(CHANNELS[c]),
@@ -204,13 +204,12 @@ fn compared(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         rows.push(row);
 
         let options = Options { transport: ShadingMethod::Cdrf, ..Options::default() };
-        let mut session = Session::new(&scene, bench.device, options, CapacityHints::default())?;
+        let mut session = Session::new(&scene, bench.device, options)?;
         session.frame(Change::EVERYTHING)?;
         let (picture, found) = curvature_view(&mut session)?;
-        let plain = Camera { exposure: 1.0, tone: Curve::default(), ..scene.camera.clone() };
         let [low, high] = found.ends.map(|kappa| kappa / scene.unit_mm);
         let label = format!("{name}: curvature, blue {low:.2e} to red {high:.2e} per mm (figure 10a)");
-        shown.push(Shot::of(&picture, &plain, f64::NAN).show(label)?);
+        shown.push(Shot::of(&picture, f64::NAN).show(label)?);
         page.pictures(&shown);
         let (function, cosine) = (flips[0], flips[1]);
         let tone = if function <= cosine { Tone::Win } else { Tone::Loss };

@@ -8,8 +8,8 @@ use super::{Bench, Page, Tone};
 use crate::error::{Error, Result};
 use crate::gpu::Device;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
-use crate::scene::{BUILTIN, Camera, Scene};
-use crate::session::run::{CapacityHints, Session};
+use crate::scene::{BUILTIN, Scene};
+use crate::session::run::Session;
 use crate::view::picture::Picture;
 
 /// A picture with 8-bit channels.
@@ -23,18 +23,18 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// Applies the camera's exposure and tone curve to a picture.
-    pub fn of(picture: &Picture, camera: &Camera, ms: f64) -> Self {
-        Self { size: [picture.width as u32, picture.height as u32], bytes: picture.bytes(camera), ms }
+    /// Applies a picture's exposure and tone curve.
+    pub fn of(picture: &Picture, ms: f64) -> Self {
+        Self { size: [picture.width as u32, picture.height as u32], bytes: picture.bytes(), ms }
     }
 
     /// Renders a scene on a device; `None` for the CPU.
     pub fn take(scene: &Scene, device: Option<&Device>, transport: ShadingMethod) -> Result<Self> {
         let options = Options { transport, ..Options::default() };
-        let mut session = Session::new(scene, device, options, CapacityHints::default())?;
+        let mut session = Session::new(scene, device, options)?;
         let times = session.frame(Change::EVERYTHING)?;
         let picture = session.picture()?;
-        Ok(Self::of(&picture, &scene.camera, times.iter().map(|time| time.milliseconds).sum()))
+        Ok(Self::of(&picture, times.iter().map(|time| time.milliseconds).sum()))
     }
 
     /// The picture for the page, with a caption.
@@ -75,7 +75,7 @@ fn png([width, height]: [u32; 2], bytes: &[u8]) -> Result<Vec<u8>> {
 /// A built-in scene with a picture of this size, one sample per pixel.
 pub fn scene(name: &str, [width, height]: [u32; 2], sets: &[&str]) -> Result<Scene> {
     let own = [format!("camera.size=[{width}, {height}]"), "camera.samples=1".into()];
-    Scene::load(name, &own.into_iter().chain(sets.iter().map(|set| (*set).to_string())).collect::<Vec<_>>())
+    Scene::load_with(name, &own.into_iter().chain(sets.iter().map(|set| (*set).to_string())).collect::<Vec<_>>())
 }
 
 /// Maximum FLIP of two pictures that differ by rounding only; far below what is visible.

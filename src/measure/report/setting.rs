@@ -6,7 +6,7 @@ use crate::gpu::{Adapter, Device, Instance};
 use crate::layout::BUFFER_IDS;
 use crate::pipeline::plan::Options;
 use crate::scene::{BUILTIN, Scene};
-use crate::session::run::{CapacityHints, Session};
+use crate::session::run::Session;
 
 /// The device's name, or `cpu`.
 pub fn name(bench: &Bench<'_>) -> String {
@@ -81,8 +81,8 @@ pub fn plans(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let mut rows = Vec::new();
     let mut reasons = Vec::new();
     for (name, ..) in BUILTIN {
-        let scene = Scene::load(name, &[])?;
-        let session = Session::new(&scene, bench.device, Options::default(), CapacityHints::default())?;
+        let scene = Scene::load_with(name, &[])?;
+        let session = Session::new(&scene, bench.device, Options::default())?;
         let (state, plan) = (session.state(), session.plan());
         let bytes: usize = BUFFER_IDS.iter().map(|slot| state.data.bytes(*slot).len()).sum();
         let buffers = BUFFER_IDS.iter().filter(|slot| !state.data.bytes(**slot).is_empty()).count();

@@ -11,7 +11,7 @@ pub fn pareto(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let names: &[&str] = bench.either(&["sphere"], &["sphere", "lotus"]);
     for name in names {
         let sets: &[String] = if bench.quick { &["object.0.detail=3".into()] } else { &[] };
-        one(bench, page, &Scene::load(name, sets)?)?;
+        one(bench, page, &Scene::load_with(name, sets)?)?;
     }
     Ok(())
 }
@@ -102,7 +102,7 @@ pub fn profile(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     for name in bench.either(&["sphere"][..], &["sphere", "lotus", "fish", "bust"]) {
         let settings =
             stages::Settings { frames: bench.either(5, 11), enough: bench.either(5.0, 20.0), ..Default::default() };
-        let found = stages::profile(&Scene::load(name, &[])?, bench.device, &settings)?;
+        let found = stages::profile(&Scene::load_with(name, &[])?, bench.device, &settings)?;
         let (frames, wall) = (found.frames, found.wall.median);
         page.head(&format!("{name}: a frame from scratch, {wall:.2} ms by the host's clock, the median of {frames}"));
         if let Some(rates) = &found.rates {
@@ -163,7 +163,7 @@ pub fn modes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let scenes: &[_] = bench.either(&[("sphere", "3")], &[("sphere", "5"), ("lotus", "128")]);
     for (name, detail) in scenes {
         let sets = [format!("object.0.detail={detail}")];
-        let found = kept::rows(bench.device, &Scene::load(name, &sets)?, bench.either(3, 7), "")?;
+        let found = kept::rows(bench.device, &Scene::load_with(name, &sets)?, bench.either(3, 7), "")?;
         for row in found.iter().filter(|row| row.mode == "render" && row.change == "light") {
             let tone = if row.ratio <= 1.0 { Tone::Win } else { Tone::Loss };
             let (scheme, ratio) = (row.scheme, row.ratio);

@@ -13,7 +13,7 @@ use crate::layout::{BUFFER_IDS, BufferId, Query};
 use crate::lighting::fresnel::{boundary, diffuse_internal_exact};
 use crate::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use crate::scene::{Fresnel, Light, Material, Mesh, Scene, Surface};
-use crate::session::run::{CapacityHints, Session};
+use crate::session::run::Session;
 use crate::state::{DeviceState, Scope, State, Step};
 use crate::transport::evaluate;
 
@@ -175,7 +175,7 @@ fn steps_on(
 /// Brute force over the two triangles: the point's radiosity per unit irradiance of the lit triangle.
 fn brute(pair: &Pair, device_state: Option<&mut DeviceState>) -> Result<[f32; 3]> {
     let options = Options { transport: ShadingMethod::Brute, goal: Goal::Radiosity, ..Options::default() };
-    let session = Session::new(&pair.scene()?, None, options, CapacityHints::default())?;
+    let session = Session::new(&pair.scene()?, None, options)?;
     let steps = session.plan().steps(session.state(), Change::EVERYTHING);
     let mut state = session.state().clone();
     steps_on(&mut state, &steps, device_state, &[BufferId::irradiance, BufferId::radiosity])?;

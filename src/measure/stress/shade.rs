@@ -12,7 +12,7 @@ use crate::gpu::Device;
 use crate::layout::BufferId;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::{Cdrf, Mesh, Scene};
-use crate::session::run::{CapacityHints, Session};
+use crate::session::run::Session;
 
 /// The bound for these pictures, and its reason.
 const SHADED: Bound = within(3e-6, 1e-5);
@@ -85,7 +85,7 @@ pub(super) fn run(scene: &Scene, device: Option<&Device>, plant: Option<Plant>) 
 fn method(scene: &Scene, device: Option<&Device>, plant: Option<Plant>) -> Result<Found> {
     let options = Options { transport: ShadingMethod::Cdrf, ..Options::default() };
     let picture = |device: Option<&Device>| {
-        let mut session = Session::new(scene, device, options, CapacityHints::default())?;
+        let mut session = Session::new(scene, device, options)?;
         session.frame(Change::EVERYTHING)?;
         session.fetch(&[BufferId::curvature, BufferId::radiance])?;
         Ok::<_, Error>((session.state().data.curvature.clone(), session.state().data.radiance.clone()))

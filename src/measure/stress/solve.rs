@@ -10,7 +10,7 @@ use crate::measure::sample::Sample;
 use crate::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use crate::prepare::receivers::by_pixel;
 use crate::scene::{Mesh, Receivers, Scene};
-use crate::session::run::{CapacityHints, Session};
+use crate::session::run::Session;
 
 /// A scene and its expected radiosity.
 pub(super) struct Setup {
@@ -86,7 +86,7 @@ impl Setup {
 /// over all faces with near-exact form factors.
 fn reference(scene: &Scene, faces: &[usize]) -> Result<Vec<[f64; 3]>> {
     let options = Options { transport: ShadingMethod::Brute, goal: Goal::Radiosity, ..Options::default() };
-    let mut session = Session::new(scene, None, options, CapacityHints::default())?;
+    let mut session = Session::new(scene, None, options)?;
     session.prepare_light();
     let place = session.prepared().places(0);
     let places: Vec<usize> = faces.iter().map(|&face| place[face]).collect();
@@ -130,7 +130,7 @@ fn method(
     // The receivers are the faces here, for their values are compared; receivers at pixels come below.
     let mut scene = setup.scene.clone();
     scene.transport.receivers = Receivers::Faces;
-    let mut session = Session::new(&scene, device, options, CapacityHints::default())?;
+    let mut session = Session::new(&scene, device, options)?;
     session.frame(Change::EVERYTHING)?;
     session.fetch(&[BufferId::irradiance, BufferId::radiosity, BufferId::vertex_radiosity, BufferId::radiance])?;
     let mut radiosity = session.state().data.radiosity.clone();
@@ -146,7 +146,7 @@ fn method(
     found.look("vertex radiosity", &data.vertex_radiosity);
     found.look("radiance", &data.radiance);
     if by_pixel(&setup.scene, options).0 {
-        let mut session = Session::new(&setup.scene, device, options, CapacityHints::default())?;
+        let mut session = Session::new(&setup.scene, device, options)?;
         session.frame(Change::EVERYTHING)?;
         session.fetch(&[BufferId::hits, BufferId::seen, BufferId::radiosity, BufferId::radiance])?;
         // Radiosity of receivers that no pixel shows is never written.

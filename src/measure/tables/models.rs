@@ -20,7 +20,7 @@ pub fn shape(name: &str, faces: usize, extent: f64) -> Result<Scene> {
     let detail = detail(kind, faces);
     let own =
         [format!("object.0.shape={name}"), format!("object.0.detail={detail}"), format!("object.0.size={extent}")];
-    let mut scene = Scene::load("sphere", &[&own[..], &SETTINGS.map(String::from)].concat())?;
+    let mut scene = Scene::load_with("sphere", &[&own[..], &SETTINGS.map(String::from)].concat())?;
     scene.name = name.to_string();
     Ok(scene)
 }
@@ -28,7 +28,7 @@ pub fn shape(name: &str, faces: usize, extent: f64) -> Result<Scene> {
 /// A mesh from a file, scaled to this largest extent in millimetres, with the same settings.
 pub fn mesh(path: &str, extent: f64) -> Result<Scene> {
     let own = [format!("object.0.size={extent}")];
-    Scene::load(path, &[&own[..], &SETTINGS.map(String::from)].concat())
+    Scene::load_with(path, &[&own[..], &SETTINGS.map(String::from)].concat())
 }
 
 /// The detail whose number of triangles is closest to `faces`, by ratio.

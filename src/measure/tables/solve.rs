@@ -9,7 +9,7 @@ use crate::measure::reference::{radiosity, receivers};
 use crate::measure::sample::Sample;
 use crate::pipeline::plan::{Change, Goal, Mode, Options};
 use crate::scene::Scene;
-use crate::session::run::{CapacityHints, Session};
+use crate::session::run::Session;
 use crate::transport::links::form_factor;
 
 /// Maximum number of timed frames, and the total milliseconds after which timing stops.
@@ -45,7 +45,7 @@ impl Solved {
             Kept::Links => (Mode::Render, Change::LIGHT),
         };
         let options = Options { mode, goal: Goal::Radiosity, ..Options::default() };
-        let mut session = Session::new(scene, device, options, CapacityHints::default())?;
+        let mut session = Session::new(scene, device, options)?;
         session.frame(Change::EVERYTHING)?;
         session.fetch(&[BufferId::spans, BufferId::irradiance, BufferId::radiosity, BufferId::clusters])?;
         Ok(Self { session, change })

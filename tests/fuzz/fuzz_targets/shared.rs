@@ -1,8 +1,8 @@
 //! Shared by the targets: a limit on all allocated memory, and scenes loaded from files in memory.
 
 use cap::Cap;
-use milkglass::pipeline::plan::{Change, Options};
-use milkglass::session::run::{CapacityHints, Session};
+use milkglass::internals::pipeline::plan::{Change, Options};
+use milkglass::internals::session::run::Session;
 use milkglass::scene::{Files, Scene};
 
 /// Stands for the value of `--limit-memory`.
@@ -21,7 +21,7 @@ pub fn load(text: &str, files: &[(&str, &[u8])]) {
     if faces > 64 || pixels > 256 || scene.transport.subdivide > 0 {
         return;
     }
-    let Ok(mut session) = Session::new(&scene, None, Options::default(), CapacityHints::default()) else { return };
+    let Ok(mut session) = Session::new(&scene, None, Options::default()) else { return };
     if session.frame(Change::EVERYTHING).is_ok() {
         let light = &session.state().data.radiosity;
         assert!(light.iter().flatten().all(|x| *x >= 0.0 && x.is_finite()), "radiosity {light:?}");
