@@ -1,0 +1,103 @@
+//! A crate of its own that depends on milkglass, in a folder outside the checkout, with the front page's example: by
+//! path, with the default features and without, and from the published package where there is no shader compiler.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The example of the crate's front page.
+fn example() -> String {
+    let page = fs::read_to_string("src/lib.rs").unwrap();
+    let lines =
+        page.lines().map_while(|line| line.strip_prefix("//!")).map(|line| line.strip_prefix(' ').unwrap_or(line));
+    let code: Vec<&str> =
+        lines.skip_while(|line| !line.starts_with("```")).skip(1).take_while(|line| !line.starts_with("```")).collect();
+    assert!((8..=12).contains(&code.len()), "the front page's example has {} lines", code.len());
+    code.join("\n")
+}
+
+/// Runs a program; fails with what it printed.
+fn succeed(command: &mut Command) -> String {
+    let done = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    let text = [&done.stdout, &done.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
+    assert!(done.status.success(), "{command:?}\n{}\n{}", text[0], text[1]);
+    text[0].clone()
+}
+
+/// Builds and runs the example in a crate that depends on milkglass in `source` with this addition to the line of the
+/// dependency. Returns the names of the crates that were built into it.
+fn depends(source: &Path, addition: &str, settings: &[(&str, &str)]) -> Vec<String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = source.display();
+    let manifest = format!(
+        "[package]\nname = \"dependent\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n\
+         [dependencies]\nmilkglass = {{ path = \"{path}\"{addition} }}\n\n[workspace]\n"
+    );
+    fs::create_dir(folder.path().join("src")).unwrap();
+    fs::write(folder.path().join("Cargo.toml"), manifest).unwrap();
+    fs::write(folder.path().join("src/main.rs"), example()).unwrap();
+    // The versions that milkglass is tested with.
+    fs::copy("Cargo.lock", folder.path().join("Cargo.lock")).unwrap();
+
+    let cargo = || {
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.current_dir(&folder).env("CARGO_TARGET_DIR", Path::new(env!("CARGO_TARGET_TMPDIR")).join("dependent"));
+        cargo.env_remove("RUSTFLAGS").envs(settings.iter().copied());
+        cargo
+    };
+    succeed(cargo().args(["run", "--release", "--quiet"]));
+    let size = fs::metadata(folder.path().join("lotus.png")).unwrap().len();
+    assert!(size > 10_000, "a picture of {size} bytes");
+    let tree = succeed(cargo().args(["tree", "--edges", "normal", "--prefix", "none", "--format", "{p}"]));
+    let mut names: Vec<String> = tree.lines().filter_map(|line| Some(line.split(' ').next()?.to_string())).collect();
+    names.sort();
+    names.dedup();
+    names
+}
+
+/// The package, unpacked.
+fn package(folder: &Path) -> PathBuf {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/package");
+    let file = succeed(Command::new(script).arg(folder));
+    let file = file.trim();
+    assert!(fs::metadata(file).unwrap().len() < 4_000_000, "the package is too large to publish");
+    succeed(Command::new("tar").args(["-xzf", file, "-C"]).arg(folder));
+    let name = Path::new(file).file_name().unwrap().to_string_lossy();
+    folder.join(name.strip_suffix(".crate").unwrap())
+}
+
+#[test]
+#[ignore = "slow: builds the library three times"]
+fn a_crate_elsewhere_renders_a_picture() {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let whole = depends(here, "", &[]);
+    let lean = depends(here, ", default-features = false", &[]);
+    for own in ["clap", "indicatif", "plotters", "csv", "shaderc"] {
+        assert!(!lean.iter().any(|name| name == own), "a library without the command line builds {own}");
+        assert!(whole.iter().any(|name| name == own), "{own} is no dependency any more: take it off this list");
+    }
+    println!("crates: {} with the command line, {} without", whole.len(), lean.len());
+}
+
+#[test]
+#[ignore = "slow: packs and builds the library"]
+fn the_package_needs_no_shader_compiler() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = package(folder.path());
+    assert!(!source.join("tests").exists() && source.join("spirv/sources").exists());
+    let none = [("GLSLC", "/no/such/compiler")];
+    depends(&source, ", default-features = false", &none);
+
+    // Where a source differs from what the SPIR-V was made of, it is not used.
+    let kernel = source.join("glsl/invocation.glsl");
+    fs::write(&kernel, fs::read_to_string(&kernel).unwrap() + "\n// Changed.\n").unwrap();
+    let build = Command::new(env!("CARGO"))
+        .args(["check", "--quiet", "--lib", "--no-default-features", "--target-dir"])
+        .arg(folder.path().join("target"))
+        .current_dir(&source)
+        .envs(none)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&build.stderr);
+    assert!(!build.status.success() && said.contains("/no/such/compiler"), "{said}");
+}
