@@ -14,7 +14,8 @@
 //!
 //! - [`Scene`]: objects, their materials, lights and a camera, loaded and checked; its parts are in [`scene`].
 //! - [`Device`]: a Vulkan device. Everything also runs without one, on the CPU, in `f64` and slower.
-//! - [`Session`]: renders a scene frame after frame, with another light, shape or camera each time.
+//! - [`Session`]: renders a scene frame after frame, with another light, shape or camera each time; also the light of
+//!   every face ([`FaceLight`]).
 //! - [`Options`]: how light is carried through the material, and what is kept from frame to frame.
 //! - [`Picture`]: linear radiance, saved as PNG or OpenEXR.
 //! - [`Error`]: what went wrong, and whose fault it is.
@@ -48,6 +49,7 @@ use internals::*;
 pub use error::{Error, Result};
 pub use gpu::Device;
 pub use scene::Scene;
+pub use session::faces::FaceLight;
 pub use session::run::Session;
 pub use state::options::{Goal, Mode, Options, ShadingMethod};
 pub use view::picture::Picture;

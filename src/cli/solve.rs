@@ -75,14 +75,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let options = Options { goal: Goal::Radiosity, estimate, ..arguments.run.options() };
     let mut session = open_session(&scene, device.as_ref(), options)?;
     let times = run_frame(&mut session, Change::EVERYTHING)?;
-    session.sharpen()?;
+    let faces = session.faces()?;
     tell_blunt(&session);
-    session.fetch(&[BufferId::clusters, BufferId::irradiance, BufferId::radiosity, BufferId::estimate])?;
     check_messages(device.as_ref())?;
     if let Some((path, format)) = output {
         let text = match format {
-            Format::Csv => csv(&session),
-            Format::Ply => ply(&session),
+            Format::Csv => csv(&session, &faces),
+            Format::Ply => ply(&session, &faces),
         };
         write_atomically(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))?;
     }

@@ -80,7 +80,7 @@ pub enum Role {
 
 /// One step of the frame, on the CPU and on the GPU.
 pub struct Stage {
-    /// Its name, the same in Rust, in GLSL, in the profile, in the conformance table and in the README.
+    /// Its name, the same in Rust, in GLSL, in the profile, in the conformance table and in the guide.
     pub name: &'static str,
     /// The module it lives in; its shaders are `glsl/MODULE/NAME.comp` or `glsl/MODULE/NAME/*.comp`.
     pub module: &'static str,

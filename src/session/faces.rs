@@ -1,0 +1,114 @@
+//! The light of every face, in the scene's units and in the order of the meshes.
+
+use glam::DVec3;
+
+use super::run::Session;
+use super::subdivide::Parts;
+use crate::error::Result;
+use crate::layout::BufferId;
+use crate::scene::Object;
+
+/// The light of one triangle of a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FaceLight {
+    /// The object, in the order of the scene.
+    pub object: usize,
+    /// The face of the mesh's file that the triangle was cut from, counted from 0.
+    pub input_face: u32,
+    /// Centroid, scene units.
+    pub center: DVec3,
+    /// Area, square scene units.
+    pub area: f64,
+    /// Irradiance E that enters, after Fresnel, r g b.
+    pub irradiance: [f64; 3],
+    /// Radiosity B that leaves, before Fresnel, r g b.
+    pub radiosity: [f64; 3],
+    /// Estimated error of the radiosity, r g b, if [`crate::Options::estimate`] asks for it.
+    pub estimate: Option<[f64; 3]>,
+    /// Indices of the corners among the vertices of all objects.
+    pub triangle: [u32; 3],
+}
+
+impl Session {
+    /// The light of every triangle after a frame: object after object, in the order of the scene's meshes.
+    pub fn faces(&mut self) -> Result<Vec<FaceLight>> {
+        self.sharpen()?;
+        self.fetch(&[BufferId::clusters, BufferId::irradiance, BufferId::radiosity, BufferId::estimate])?;
+        Ok(rows(self))
+    }
+
+    /// The vertices of all objects in scene units, deformed where the object is.
+    pub fn vertices(&self) -> Vec<DVec3> {
+        (0..self.scene().objects.len()).flat_map(|object| vertices(self, object)).collect()
+    }
+}
+
+/// An object's vertices in scene units, deformed if the object is.
+fn vertices(session: &Session, object: usize) -> Vec<DVec3> {
+    let (mesh, part) = (&session.scene().objects[object].mesh, &session.state().objects[object]);
+    if part.deforms == 0 {
+        return mesh.positions.clone();
+    }
+    let own = &session.state().data.positions[part.first.vertices..][..part.count.vertices];
+    own.iter().map(|p| session.units().outside(DVec3::from_array(p.map(f64::from)))).collect()
+}
+
+fn rows(session: &Session) -> Vec<FaceLight> {
+    let (data, units) = (&session.state().data, session.units());
+    let light = |value: [f32; 3]| value.map(|x| f64::from(x) * units.light);
+    let mut first = 0;
+    let of_object = |(object, Object { mesh, .. }): (usize, &Object)| {
+        let (before, vertices) = (first, vertices(session, object));
+        first += vertices.len() as u32;
+        let row = move |(of_mesh, face): (usize, usize)| {
+            let triangle = mesh.triangles[of_mesh];
+            let [a, b, c] = triangle.map(|v| vertices[v as usize]);
+            FaceLight {
+                object,
+                input_face: mesh.input_face[of_mesh],
+                center: (a + b + c) / 3.0,
+                area: 0.5 * (b - a).cross(c - a).length(),
+                irradiance: light(data.irradiance[face]),
+                radiosity: light(data.radiosity[face]),
+                estimate: data.estimate.get(face).copied().map(light),
+                triangle: triangle.map(|v| v + before),
+            }
+        };
+        let rows = session.prepared().places(object).into_iter().enumerate().map(row).collect::<Vec<_>>();
+        match session.parts().get(object) {
+            Some(parts) => put_together(rows, parts, before),
+            None => rows,
+        }
+    };
+    session.scene().objects.iter().enumerate().flat_map(of_object).collect()
+}
+
+/// Combines the rows of a subdivided object's parts into rows of its original triangles: mean irradiance over the
+/// triangle, radiosity of the part at its centre.
+fn put_together(parts: Vec<FaceLight>, made: &Parts, before: u32) -> Vec<FaceLight> {
+    let mut sums = vec![(0.0, DVec3::ZERO, DVec3::ZERO); made.whole.len()];
+    for (row, &whole) in parts.iter().zip(&made.of) {
+        let (area, center, light) = &mut sums[whole as usize];
+        *area += row.area;
+        *center += row.area * row.center;
+        *light += row.area * DVec3::from_array(row.irradiance);
+    }
+    let whole = |(face, &middle): (usize, &u32)| {
+        let (row, (area, center, light)) = (&parts[middle as usize], sums[face]);
+        let mean = |sum: DVec3, else_: DVec3| if area > 0.0 { sum / area } else { else_ };
+        FaceLight {
+            object: row.object,
+            input_face: made.input_face[face],
+            center: mean(center, row.center),
+            area,
+            irradiance: mean(light, DVec3::from_array(row.irradiance)).to_array(),
+            radiosity: row.radiosity,
+            estimate: row.estimate.map(|own| {
+                let missed = made.missed.get(middle as usize).copied().unwrap_or_default();
+                [0, 1, 2].map(|c| own[c].hypot(missed[c]))
+            }),
+            triangle: made.whole[face].map(|v| v + before),
+        }
+    };
+    made.middle.iter().enumerate().map(whole).collect()
+}
