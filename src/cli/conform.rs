@@ -116,7 +116,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 let ulp = (row.ulp < u64::MAX).then_some(row.ulp);
                 json!({"device": device.name(), "driver": device.driver(), "fixture": row.fixture, "stage": row.stage,
                        "words": row.words, "ulp": ulp, "histogram": row.histogram, "most_ulp_of_bins": BINS,
-                       "relative": row.relative, "faults": row.faults})
+                       "relative": row.relative, "of_tolerance": row.used, "faults": row.faults})
             })
             .collect();
         let text = format!("{:#}\n", serde_json::Value::from(value));
@@ -173,6 +173,16 @@ fn again(arguments: &Arguments, device: &Device, row: &Row) -> String {
     format!("milkglass conform --only {fixture} --device {name} --stage {stage}{own}{validation}")
 }
 
+/// The largest difference in per cent of what the tolerance allows.
+fn of_tolerance(used: f64) -> String {
+    match 100.0 * used {
+        0.0 => "0 %".into(),
+        percent if percent < 1.0 => "<1 %".into(),
+        percent if percent.is_finite() => format!("{percent:.0} %"),
+        _ => "NaN".into(),
+    }
+}
+
 /// The table of comparisons, followed by the histogram of distances.
 fn text(rows: &[(Device, Row)]) -> String {
     let cells: Vec<_> = rows
@@ -185,11 +195,14 @@ fn text(rows: &[(Device, Row)]) -> String {
                 ulp => ulp.to_string(),
             };
             let verdict = if row.faults.is_empty() { "conforms".to_string() } else { "DIFFERS".to_string() };
-            let (words, relative) = (row.words.to_string(), format!("{:.1e}", row.relative));
-            vec![device.name().to_string(), row.fixture.clone(), row.stage.to_string(), words, ulp, relative, verdict]
+            let relative = format!("{:.1e}", row.relative);
+            let mut cells = vec![device.name().to_string(), row.fixture.clone(), row.stage.to_string()];
+            cells.extend([row.words.to_string(), ulp, relative, of_tolerance(row.used), verdict]);
+            cells
         })
         .collect();
-    let mut text = table(&["device", "fixture", "stage", "words", "ulp", "relative", "verdict"], &[3, 4, 5], &cells);
+    let header = ["device", "fixture", "stage", "words", "ulp", "relative", "of tolerance", "verdict"];
+    let mut text = table(&header, &[3, 4, 5, 6], &cells);
 
     // Sum the histograms over all fixtures.
     let mut sums: Vec<(String, &str, [u64; 8])> = Vec::new();

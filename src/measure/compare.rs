@@ -19,6 +19,8 @@ pub struct Comparison {
     pub histogram: [u64; 8],
     /// Largest |difference| / max(|reference|, floor), with the tolerance's floor for that field, over all floats.
     pub relative: f64,
+    /// Largest |difference| / allowed difference over all floats: up to 1 it is within tolerance.
+    pub used: f64,
     /// The first failure as text: index, field, both values, both in hex.
     pub first: Option<String>,
 }
@@ -81,6 +83,8 @@ pub fn compare(
                 let relative = difference / f64::from(p).abs().max(lowest).max(1e-38);
                 // NaN and infinity count as infinitely far off.
                 result.relative = result.relative.max(if relative.is_nan() { f64::INFINITY } else { relative });
+                let used = if difference == 0.0 && allowed > 0.0 { 0.0 } else { difference / allowed };
+                result.used = result.used.max(if used.is_nan() { f64::INFINITY } else { used });
                 // Without a rule the bits must agree: 0 and -0 differ.
                 rule.is_some() && p.is_finite() && q.is_finite() && difference <= allowed
             }
@@ -175,12 +179,14 @@ mod tests {
         let tight = Tolerance::Float { relative: 1e-5, floor: 0.0 };
         let found = compare(BufferId::radiosity, &reference, &device, tight, (0, 2));
         assert_eq!((found.words, found.failures), (6, 1));
+        assert!((found.used - 20.0).abs() < 0.1, "{}", found.used);
         assert_eq!(found.histogram, [5, 0, 0, 0, 0, 0, 1, 0]);
         assert!(
             found.first.as_ref().is_some_and(|text| text.starts_with("radiosity[1].1: reference 5e0 (0x40a00000)"))
         );
         let loose = Tolerance::Float { relative: 1e-3, floor: 0.0 };
-        assert_eq!(compare(BufferId::radiosity, &reference, &device, loose, (0, 2)).failures, 0);
+        let within = compare(BufferId::radiosity, &reference, &device, loose, (0, 2));
+        assert!(within.failures == 0 && (within.used - 0.2).abs() < 0.001, "{}", within.used);
         assert_eq!(compare(BufferId::radiosity, &reference, &device, Tolerance::Exact, (0, 2)).failures, 1);
     }
 

@@ -34,6 +34,8 @@ pub struct Row {
     pub histogram: [u64; 8],
     /// Largest relative difference.
     pub relative: f64,
+    /// Largest difference as a share of the allowed one; up to 1 it is within tolerance.
+    pub used: f64,
     /// Everything found wrong; empty if the stage conforms.
     pub faults: Vec<String>,
 }
@@ -83,6 +85,7 @@ fn compared(
                     known.ulp = known.ulp.max(row.ulp);
                     known.histogram.iter_mut().zip(row.histogram).for_each(|(sum, count)| *sum += count);
                     known.relative = known.relative.max(row.relative);
+                    known.used = known.used.max(row.used);
                     known.faults.extend(row.faults);
                 }
                 None => rows.push(row),
@@ -187,6 +190,7 @@ impl Pair {
             ulp: 0,
             histogram: [0; 8],
             relative: 0.0,
+            used: 0.0,
             faults: Vec::new(),
         };
         for &slot in BUFFER_IDS {
@@ -199,6 +203,7 @@ impl Pair {
                 row.ulp = row.ulp.max(found.ulp);
                 row.histogram.iter_mut().zip(found.histogram).for_each(|(sum, count)| *sum += count);
                 row.relative = row.relative.max(found.relative);
+                row.used = row.used.max(found.used);
             }
             if found.failures > 0 {
                 let what = if written.is_some() { "beyond tolerance" } else { "changed though not written" };

@@ -60,41 +60,41 @@ pub fn accuracy(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         )?,
         false,
     );
-    let header = [
-        "material",
-        "channel",
-        "albedo'",
-        "plane, collimated: dipole",
-        "walk",
-        "error %",
-        "plane, constant: dipole",
-        "walk",
-        "error %",
-        "slab, passes: dipole",
-        "walk",
-        "error %",
-        "ball, constant: dipole",
-        "walk",
-        "error %",
-        "ball, collimated: L2 %",
-        "walk's noise %",
-        "numerical %",
+    let walk = "the same by a random walk, and its standard error";
+    let error = "the dipole's error, per cent of the walk's value";
+    let columns = [
+        ("material", ""),
+        ("channel", ""),
+        ("albedo'", "reduced albedo: scattering over extinction"),
+        ("plane, collimated: dipole", "share of perpendicular light that a half-space returns, by the dipole"),
+        ("walk", walk),
+        ("error %", error),
+        ("plane, constant: dipole", "share of light from all sides that a half-space returns"),
+        ("walk", walk),
+        ("error %", error),
+        ("slab, passes: dipole", "share of light that passes a slab"),
+        ("walk", walk),
+        ("error %", error),
+        ("ball, constant: dipole", "share of light from all sides that a ball returns"),
+        ("walk", walk),
+        ("error %", error),
+        ("ball, collimated: L2 %", "the dipole's error on a ball in the sun: L2 over its surface, against the walk"),
+        ("walk's noise %", "how much of that is noise of the walk"),
+        ("numerical %", "our error against brute force with the same dipole"),
     ];
-    page.table("accuracy", &header, &rows)?;
+    page.table("accuracy", &columns, &rows)?;
     let middle = |of: fn(&(f64, f64)) -> f64| {
         let mut list: Vec<f64> = errors.iter().map(of).collect();
         list.sort_by(f64::total_cmp);
         list[list.len() / 2]
     };
     let (model, ours) = (middle(|e| e.0), middle(|e| e.1));
-    let tone = if ours < 0.1 * model { Tone::Win } else { Tone::Loss };
-    let words =
-        format!("numerical error {:.2} %, below a tenth of the model's (medians, balls in the sun)", 100.0 * ours);
-    page.find(tone, &if tone == Tone::Win { words } else { words.replace("below", "not below") });
+    let tone = Tone::of(ours < 0.1 * model);
+    let found = format!("{:.2} % (median over the materials, balls in the sun)", 100.0 * ours);
+    page.find(tone, "numerical error below a tenth of the model's", &found);
     let (of, paths) = (PRESETS.len(), PATHS);
-    page.find(
-        Tone::Loss,
-        &format!("the dipole itself is {:.0} % from a random walk on balls of {paths} mean free paths (median of {of} materials)", 100.0 * model),
-    );
+    let found = format!("{:.0} % off (median of {of} materials, balls of {paths} mean free paths)", 100.0 * model);
+    page.find(Tone::Loss, "the dipole agrees with a random walk", &found);
+    page.tile(Tone::Loss, &format!("{:.0} %", 100.0 * model), "error of the dipole model itself, against random walks");
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! The sections with checks that can fail: conformance per stage, and the extreme cases.
 
-use super::{Bench, Page, Tone};
+use super::whole::verdict;
+use super::{Bench, Page};
 use crate::error::Result;
 use crate::measure::conform::conform as compare;
 use crate::measure::fixtures::fixtures;
@@ -34,7 +35,7 @@ struct Stage {
     fixtures: usize,
     words: usize,
     ulp: u64,
-    relative: f64,
+    used: f64,
     faults: usize,
 }
 
@@ -45,9 +46,9 @@ pub fn conform(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         return Ok(());
     };
     page.say(
-        "Each stage runs on the device and, as f64 Rust, on the CPU, from the same state; then all memory is compared: what \
-         decides bit for bit, values within the stage's tolerance, and what is not written must not change. Two runs of the \
-         device must give the same bits.",
+        "Each stage runs on the device and, in f64, on the CPU, from the same state. Then all memory is compared: decisions \
+         bit for bit, values within the stage's tolerance; buffers that a stage does not write must not change. Two runs \
+         on the device must give the same bits.",
     );
     let mut stages: Vec<Stage> = Vec::new();
     let mut count = 0;
@@ -65,7 +66,7 @@ pub fn conform(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
                 stage.fixtures += 1;
                 stage.words += row.words;
                 stage.ulp = stage.ulp.max(row.ulp);
-                stage.relative = stage.relative.max(row.relative);
+                stage.used = stage.used.max(row.used);
                 stage.faults += row.faults.len();
             }
         }
@@ -73,31 +74,42 @@ pub fn conform(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let row = |stage: &Stage| {
         // Near zero a distance in units in the last place is meaningless.
         let ulp = if stage.ulp > 1_000_000 { "-".to_string() } else { stage.ulp.to_string() };
-        let verdict = if stage.faults == 0 { "conforms" } else { "DIFFERS" };
-        let relative = format!("{:.1e}", stage.relative);
-        vec![stage.name.into(), stage.fixtures.to_string(), stage.words.to_string(), ulp, relative, verdict.into()]
+        let word = if stage.faults == 0 { "conforms" } else { "DIFFERS" };
+        let used = format!("{:.2}", 100.0 * stage.used);
+        vec![stage.name.into(), stage.fixtures.to_string(), stage.words.to_string(), ulp, used, word.into()]
     };
-    let header = ["stage", "fixtures", "words compared", "worst ulp", "worst relative", "verdict"];
-    page.table("conform", &header, &stages.iter().map(row).collect::<Vec<_>>())?;
+    let columns = [
+        ("stage", ""),
+        ("fixtures", "scenes made for this test in which the stage was compared"),
+        ("words compared", "4-byte words of the buffers that the stage writes, over all fixtures"),
+        (
+            "largest ulp",
+            "largest distance of a float from the reference, in units in the last place; - above a million, which is near 0",
+        ),
+        (
+            "largest, % of tolerance",
+            "largest difference from the reference, in per cent of the difference that the stage's tolerance allows; 0 where only decisions are made, which must agree bit for bit",
+        ),
+        ("verdict", ""),
+    ];
+    page.table("conform", &columns, &stages.iter().map(row).collect::<Vec<_>>())?;
     let (words, faults) =
         (stages.iter().map(|s| s.words).sum::<usize>(), stages.iter().map(|s| s.faults).sum::<usize>());
     if faults == 0 && words > 0 {
         let all = if bench.quick { "; `milkglass conform` runs them all" } else { "" };
-        page.find(
-            Tone::Win,
-            &format!("{} stages on {count} fixtures conform, {words} words compared{all}", stages.len()),
-        );
+        page.say(&format!("{} stages on {count} fixtures conform, {words} words compared{all}.", stages.len()));
     } else if words == 0 {
         page.fail("nothing was compared");
     }
+    verdict(page, "Conforms", &format!("{} stages on {count} fixtures, against the CPU reference", stages.len()));
     Ok(())
 }
 
 /// The extreme cases.
 pub fn stress(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.say(
-        "Scenes and form factors at the edge of what there is: what the program does, whether every value is a number, and \
-         the error against f64 beside its bound.",
+        "Scenes and form factors at the limits of the input: whether every value is finite, and the error against f64 beside \
+         its bound.",
     );
     let outcomes = extremes(bench.device, "", None)?;
     for outcome in &outcomes {
@@ -115,24 +127,21 @@ pub fn stress(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         cells.push(case.fallback.into());
         cells
     };
-    let header = [
-        "case",
-        "finite",
-        "L2",
-        "max",
-        "bounds",
-        "brute L2",
-        "brute max",
-        "brute bounds",
-        "octree L2",
-        "verdict",
-        "documented fallback",
+    let columns = [
+        ("case", ""),
+        ("finite", "whether all values are finite and at least 0"),
+        ("L2", "relative L2 error of the usual method against f64"),
+        ("max", "its largest error, over the rms"),
+        ("bounds", "what both errors may be: about three times the largest that was measured on the devices tested"),
+        ("brute L2", "the same of brute force in f32 on the device"),
+        ("brute max", "its largest error"),
+        ("brute bounds", "what both may be"),
+        ("octree L2", "the octree's error, for information: it decides nothing"),
+        ("verdict", ""),
+        ("documented fallback", "what the program does in this case"),
     ];
-    page.table("stress", &header, &outcomes.iter().map(row).collect::<Vec<_>>())?;
-    let failed = outcomes.iter().filter(|outcome| !outcome.faults.is_empty()).count();
-    if failed == 0 {
-        page.find(Tone::Win, &format!("{} extreme cases: all finite and within their bounds", outcomes.len()));
-    }
+    page.table("stress", &columns, &outcomes.iter().map(row).collect::<Vec<_>>())?;
+    verdict(page, "Stable", &format!("{} extreme cases, finite and within their bounds", outcomes.len()));
     Ok(())
 }
 

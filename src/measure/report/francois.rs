@@ -20,8 +20,8 @@ fn named(rule: Integration) -> &'static str {
 pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("Table 2: samples, error and time");
     page.say(
-        "Error of the integration alone, against the same march converged, and in all, against the layered volume itself. The \
-         paper's frames a second are of a GeForce 7800 GTX at 800 x 600.",
+        "Error of the integration alone, and of everything together. The paper's frames per second are those of a GeForce \
+         7800 GTX at 800 x 600.",
     );
     let size = bench.either([120, 90], [800, 600]);
     let (pixels, repeat) = bench.either((24, 3), (240, 7));
@@ -71,32 +71,31 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         }
         let at = |rule, samples| lines.iter().find(|line| line.rule == rule && line.samples == samples);
         if let (Some(ours), Some(theirs)) = (at(Integration::Exact, 10), at(Integration::Paper, 100)) {
-            let tone = if ours.integration <= theirs.integration { Tone::Win } else { Tone::Loss };
+            let tone = Tone::of(ours.integration <= theirs.integration);
             let (ours, theirs) = (ours.integration, theirs.integration);
-            page.find(
-                tone,
-                &format!("{name}: 10 samples of ours err by {ours:.1e}, 100 of the paper's rule by {theirs:.1e}"),
-            );
+            let aim = format!("{name}: 10 samples err no more than 100 of the published rule");
+            page.find(tone, &aim, &format!("{ours:.1e} against {theirs:.1e}"));
         }
         let cost =
             |&samples: &u32| Some(at(Integration::Exact, samples)?.relief / at(Integration::Paper, samples)?.relief);
         let costs: Vec<f64> = SAMPLES.iter().filter_map(cost).collect();
         let cost = median(costs);
-        let tone = if cost <= 1.2 { Tone::Win } else { Tone::Loss };
-        page.find(tone, &format!("{name}: a sample of ours costs {cost:.2} of one of the paper's rule"));
+        let tone = Tone::of(cost <= 1.2);
+        let aim = format!("{name}: a sample takes at most 1.2 of the time of one of the published rule");
+        page.find(tone, &aim, &format!("{cost:.2}"));
     }
-    let header = [
-        "scene",
-        "rule",
-        "samples",
-        "L2 of integration",
-        "L2 in all",
-        "relief, ms",
-        "a view, ms",
-        "views/s",
-        "paper's",
+    let columns = [
+        ("scene", ""),
+        ("rule", "how the march sums up light along the ray: as published, or ours"),
+        ("samples", "per ray"),
+        ("L2 of integration", "relative error against the same march with very many samples"),
+        ("L2 in all", "relative error against the layered volume itself"),
+        ("relief, ms", "time of stage relief"),
+        ("a view, ms", "time of a frame in which the view changes"),
+        ("views/s", "frames per second of that kind"),
+        ("paper's", "frames per second in the paper"),
     ];
-    page.table("layers", &header, &rows)?;
+    page.table("layers", &columns, &rows)?;
 
     page.head("Cost by lights");
     let counts = bench.either(&[1, 2, 4][..], &[1, 2, 4, 8, 16]);
@@ -105,11 +104,11 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         vec![count.to_string(), format!("{ms:.2}"), format!("{:.2}", ms / f64::from(count))]
     };
     let off = uneven(&costs);
-    let tone = if off <= 0.1 { Tone::Win } else { Tone::Loss };
-    page.find(tone, &format!("time by lights is off a straight line by {:.0} % at most", 100.0 * off));
+    let tone = Tone::of(off <= 0.1);
+    page.find(tone, "time grows in proportion to lights, within 10 %", &format!("off by {:.0} % at most", 100.0 * off));
     page.table(
         "layers-lights",
-        &["point lights", "relief, ms", "ms a light"],
+        &[("point lights", ""), ("relief, ms", "time of stage relief"), ("ms a light", "")],
         &costs.iter().map(row).collect::<Vec<_>>(),
     )?;
 
@@ -120,7 +119,12 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
             rows.push(vec![name.to_string(), what.to_string(), format!("{error:.1e}")]);
         }
     }
-    page.table("layers-approximations", &["scene", "approximation", "L2"], &rows)?;
+    let columns = [
+        ("scene", ""),
+        ("approximation", "made alone, everything else converged"),
+        ("L2", "its relative error, against the layered volume without it"),
+    ];
+    page.table("layers-approximations", &columns, &rows)?;
 
     page.head("The fish by its samples");
     let size = bench.either([240, 180], [480, 360]);

@@ -1,4 +1,4 @@
-//! The page: one HTML file that refers only to the files beside it, and contains no script.
+//! A section of the page as HTML: text, tables whose columns are explained, plots, pictures, findings.
 
 use crate::error::{Error, Result};
 
@@ -8,10 +8,25 @@ pub struct Page {
     body: String,
     /// Name and bytes of each file beside the page.
     pub files: Vec<(String, Vec<u8>)>,
-    /// Findings for the top of the page, wins and losses alike.
-    pub findings: Vec<(Tone, String)>,
+    /// Findings for the front of the page, wins and losses alike.
+    pub findings: Vec<Finding>,
+    /// Verdicts for the front of the page: a short text, what it is about, and its tone.
+    pub tiles: Vec<(String, String, Tone)>,
+    /// What the front of the page shows of this section: a chart or pictures, as HTML.
+    pub front: String,
     /// Checks that failed.
     pub faults: Vec<String>,
+}
+
+/// A comparison with an aim: what was asked for, and what was found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Finding {
+    /// The verdict.
+    pub tone: Tone,
+    /// What is compared, and with what.
+    pub aim: String,
+    /// What was measured.
+    pub found: String,
 }
 
 /// The verdict of a finding.
@@ -26,11 +41,17 @@ pub enum Tone {
 }
 
 impl Tone {
-    fn mark(self) -> (&'static str, &'static str) {
+    /// A win if this holds.
+    pub fn of(won: bool) -> Self {
+        if won { Self::Win } else { Self::Loss }
+    }
+
+    /// Its style and its word.
+    pub fn mark(self) -> (&'static str, &'static str) {
         match self {
-            Self::Win => ("win", "+"),
-            Self::Loss => ("loss", "\u{2212}"),
-            Self::Note => ("note", "\u{b7}"),
+            Self::Win => ("win", "met"),
+            Self::Loss => ("loss", "missed"),
+            Self::Note => ("note", "note"),
         }
     }
 }
@@ -44,6 +65,10 @@ pub struct Shown {
     /// The picture as a PNG file.
     pub png: Vec<u8>,
 }
+
+/// A column of a table: its heading, and what its values mean, with their unit. An empty meaning is for a heading that
+/// says all.
+pub type Column<'a> = (&'a str, &'a str);
 
 /// Escapes text for HTML.
 #[must_use]
@@ -75,11 +100,21 @@ impl Page {
         self.faults.push(words.into());
     }
 
-    /// Adds a finding, which also appears at the top of the page.
-    pub fn find(&mut self, tone: Tone, words: &str) {
-        let (class, mark) = tone.mark();
-        self.body += &format!("<p class=\"{class}\">{mark} {}</p>\n", escape(words));
-        self.findings.push((tone, words.into()));
+    /// Adds a finding, for the table at the front of the page.
+    pub fn find(&mut self, tone: Tone, aim: &str, found: &str) {
+        self.findings.push(Finding { tone, aim: aim.into(), found: found.into() });
+    }
+
+    /// Adds a tile to the front of the page: a short verdict, and what it is about.
+    pub fn tile(&mut self, tone: Tone, verdict: &str, about: &str) {
+        self.tiles.push((verdict.into(), about.into(), tone));
+    }
+
+    /// Moves what `write` adds to the front of the page.
+    pub fn to_front(&mut self, write: impl FnOnce(&mut Self)) {
+        let before = std::mem::take(&mut self.body);
+        write(self);
+        self.front += &std::mem::replace(&mut self.body, before);
     }
 
     /// Adds a part that is folded until the reader opens it.
@@ -91,36 +126,46 @@ impl Page {
     }
 
     /// Adds a table, and the same table as a file `name.csv`.
-    pub fn table(&mut self, name: &str, header: &[&str], rows: &[Vec<String>]) -> Result<()> {
+    pub fn table(&mut self, name: &str, columns: &[Column<'_>], rows: &[Vec<String>]) -> Result<()> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         let lost = |error: &dyn std::fmt::Display| Error::Check(format!("{name}.csv could not be made: {error}"));
-        writer.write_record(header).map_err(|e| lost(&e))?;
+        writer.write_record(columns.iter().map(|(head, _)| head)).map_err(|e| lost(&e))?;
         for row in rows {
             writer.write_record(row).map_err(|e| lost(&e))?;
         }
         let bytes = writer.into_inner().map_err(|e| lost(&e))?;
-        self.small_table(header, rows);
+        self.small_table(columns, rows);
         self.file(&format!("{name}.csv"), bytes);
         Ok(())
     }
 
-    /// Adds a table without a file.
-    pub fn small_table(&mut self, header: &[&str], rows: &[Vec<String>]) {
+    /// Adds a table without a file. A wide one scrolls inside its box.
+    pub fn small_table(&mut self, columns: &[Column<'_>], rows: &[Vec<String>]) {
         let right = |k: usize| !rows.is_empty() && rows.iter().all(|row| row.get(k).is_none_or(|cell| numeric(cell)));
-        let right: Vec<bool> = (0..header.len()).map(right).collect();
+        let right: Vec<bool> = (0..columns.len()).map(right).collect();
         let class = |k: usize| if right.get(k) == Some(&true) { " class=\"r\"" } else { "" };
-        let line = |tag: &str, cells: &mut dyn Iterator<Item = &str>| {
-            let cell = |(k, cell): (usize, &str)| format!("<{tag}{}>{}</{tag}>", class(k), escape(cell));
-            format!("<tr>{}</tr>\n", cells.enumerate().map(cell).collect::<String>())
-        };
-        self.body += "<div class=\"box\"><table>\n";
-        if header.iter().any(|head| !head.is_empty()) {
-            self.body += &line("th", &mut header.iter().copied());
+        self.body += "<div class=\"box\" tabindex=\"0\"><table>\n";
+        if columns.iter().any(|(head, _)| !head.is_empty()) {
+            let cell = |(k, (head, meaning)): (usize, &Column<'_>)| {
+                let title = if meaning.is_empty() { String::new() } else { format!(" title=\"{}\"", escape(meaning)) };
+                format!("<th{}{title}>{}</th>", class(k), escape(head))
+            };
+            self.body += &format!("<tr>{}</tr>\n", columns.iter().enumerate().map(cell).collect::<String>());
         }
         for row in rows {
-            self.body += &line("td", &mut row.iter().map(String::as_str));
+            let cell = |(k, cell): (usize, &String)| format!("<td{}>{}</td>", class(k), escape(cell));
+            self.body += &format!("<tr>{}</tr>\n", row.iter().enumerate().map(cell).collect::<String>());
         }
         self.body += "</table></div>\n";
+        let explained: Vec<_> = columns.iter().filter(|(_, meaning)| !meaning.is_empty()).collect();
+        if explained.is_empty() {
+            return;
+        }
+        self.body += "<details class=\"columns\"><summary>what the columns mean</summary><dl>\n";
+        for (head, meaning) in explained {
+            self.body += &format!("<dt>{}</dt><dd>{}</dd>\n", escape(head), escape(meaning));
+        }
+        self.body += "</dl></details>\n";
     }
 
     /// Adds a file beside the page, with a link to it.
@@ -163,78 +208,4 @@ impl Page {
     pub fn body(&self) -> &str {
         &self.body
     }
-}
-
-/// The head of the page; its content policy forbids scripts and external resources.
-const HEAD: &str = r#"<!doctype html>
-<html lang="en"><head><meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="generator" content="milkglass report">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; img-src data:; style-src 'unsafe-inline'">
-<link rel="icon" href="data:,">
-<style>
-body{font:16px/1.5 system-ui,sans-serif;color:#222;background:#fff;margin:0 auto;max-width:76rem;padding:0 1rem 4rem}
-h1{font-size:1.6rem;margin:1.2rem 0 .3rem}h2{font-size:1.3rem;margin:2.5rem 0 .5rem;border-top:1px solid #ccc;padding-top:1rem}
-h3{font-size:1.05rem;margin:1.5rem 0 .3rem}p{margin:.5rem 0;max-width:60rem}
-.box{overflow-x:auto;width:fit-content;max-width:100%;margin:.5rem 0;border:1px solid #ddd;border-radius:4px}
-table{border-collapse:collapse;font-size:.85rem;font-variant-numeric:tabular-nums}
-th,td{text-align:left;padding:.2rem .6rem;border-bottom:1px solid #eee;white-space:nowrap;vertical-align:top}
-th{background:#f4f4f4}.r{text-align:right}pre{font-size:.78rem;line-height:1.35;margin:.5rem}
-.row{display:flex;flex-wrap:wrap;gap:.8rem;align-items:flex-start}.plot{max-width:100%}.plot svg{max-width:100%;height:auto}
-figure{margin:0}img{display:block;max-width:100%;background:#000}figcaption{font-size:.8rem;color:#555}
-.file{font-size:.8rem;margin:.1rem 0}.fail{background:#b00020;color:#fff;padding:.4rem .6rem;border-radius:4px}
-.win{color:#05603a}.loss{color:#a12d00}.note,.took{color:#555}.took{font-size:.8rem}
-nav a{display:inline-block;margin:.15rem .8rem .15rem 0}a{color:#0b57a4}details{margin:.4rem 0}summary{cursor:pointer}
-</style>
-"#;
-
-/// One finished section.
-pub struct Written {
-    /// Its name, the target of links.
-    pub name: &'static str,
-    /// Its heading.
-    pub title: &'static str,
-    /// Its content.
-    pub page: Page,
-    /// Seconds it took.
-    pub seconds: f64,
-}
-
-/// The whole page: title, device and host, findings, then the sections.
-#[must_use]
-pub fn whole(title: &str, about: &[(&str, String)], sections: &[Written]) -> String {
-    let mut text = format!("{HEAD}<title>{0}</title></head><body>\n<header><h1>{0}</h1>\n", escape(title));
-    let mut top = Page::default();
-    top.small_table(
-        &["", ""],
-        &about.iter().map(|(key, value)| vec![(*key).into(), value.clone()]).collect::<Vec<_>>(),
-    );
-    text += top.body();
-    text += "</header>\n<nav>";
-    for section in sections {
-        text += &format!("<a href=\"#{}\">{}</a>", section.name, escape(section.title));
-    }
-    text += "</nav>\n<main>\n<h2 id=\"findings\">What was found</h2>\n";
-    let faults: usize = sections.iter().map(|section| section.page.faults.len()).sum();
-    text += &match faults {
-        0 => "<p>Every check passes. Wins (+) and losses (\u{2212}):</p>\n<ul>\n".to_string(),
-        1 => "<p class=\"fail\">1 check FAILS</p>\n<ul>\n".to_string(),
-        n => format!("<p class=\"fail\">{n} checks FAIL</p>\n<ul>\n"),
-    };
-    for section in sections {
-        let from = format!(" <a href=\"#{0}\">{0}</a>", section.name);
-        for fault in &section.page.faults {
-            text += &format!("<li class=\"loss\">FAILS: {}{from}</li>\n", escape(fault));
-        }
-        for (tone, words) in &section.page.findings {
-            let (class, mark) = tone.mark();
-            text += &format!("<li class=\"{class}\">{mark} {}{from}</li>\n", escape(words));
-        }
-    }
-    text += "</ul>\n";
-    for Written { name, title, page, seconds } in sections {
-        text += &format!("<section id=\"{name}\"><h2>{}</h2>\n{}", escape(title), page.body());
-        text += &format!("<p class=\"took\">{seconds:.1} s</p></section>\n");
-    }
-    text + "</main></body></html>\n"
 }

@@ -14,11 +14,13 @@ mod mertens;
 mod pictures;
 mod setting;
 mod speed;
+mod whole;
 
 use std::time::Instant;
 
 pub use folder::{Folder, PAGE};
-pub use html::{Page, Shown, Tone, Written, whole};
+pub use html::{Column, Finding, Page, Shown, Tone};
+pub use whole::{Written, whole};
 
 use crate::error::Result;
 use crate::gpu::Device;
@@ -52,16 +54,20 @@ pub struct Section {
 /// All sections, in the order of the page.
 pub static SECTIONS: &[Section] = &[
     Section { name: "devices", title: "Devices", write: setting::devices },
-    Section { name: "plan", title: "What each scene needs", write: setting::plans },
-    Section { name: "profile", title: "What each stage takes", write: speed::profile },
-    Section { name: "conform", title: "Does the device compute what the CPU does", write: checks::conform },
+    Section { name: "plan", title: "Plan: what each scene needs", write: setting::plans },
+    Section { name: "profile", title: "Profile: time and work of each stage", write: speed::profile },
+    Section {
+        name: "conform",
+        title: "Conformance: does the device compute what the CPU does?",
+        write: checks::conform,
+    },
     Section { name: "stress", title: "Extreme cases", write: checks::stress },
     Section { name: "pareto", title: "Error against run time", write: speed::pareto },
     Section { name: "modes", title: "What is kept from frame to frame", write: speed::modes },
     Section { name: "mertens", title: "Hierarchical dipole: Mertens et al. 2003", write: mertens::mertens },
     Section { name: "kubo", title: "Shading by curvature: Kubo et al. 2010", write: kubo::kubo },
     Section { name: "layers", title: "Layers beneath the surface: Francois et al. 2006", write: francois::francois },
-    Section { name: "accuracy", title: "Numerical error and the model's", write: accuracy::accuracy },
+    Section { name: "accuracy", title: "Numerical error beside the error of the model", write: accuracy::accuracy },
     Section { name: "pictures", title: "Built-in scenes", write: pictures::scenes },
 ];
 
@@ -107,8 +113,10 @@ mod tests {
     #[test]
     fn what_fails_is_shown_and_the_rest_goes_on() {
         let good = |_: &Bench<'_>, page: &mut Page| {
-            page.find(Tone::Loss, "slower than <that>");
-            page.table("sizes", &["what", "mm"], &[vec!["a, b".into(), "1.5".into()]])
+            page.find(Tone::Loss, "as fast as <that>", "1.2 of its time");
+            page.tile(Tone::Note, "3 < 4", "a tile");
+            page.to_front(|page| page.say("in front"));
+            page.table("sizes", &[("what", ""), ("mm", "its <size>")], &[vec!["a, b".into(), "1.5".into()]])
         };
         let bad = |_: &Bench<'_>, page: &mut Page| {
             page.say("so far so good");
@@ -120,11 +128,21 @@ mod tests {
         let bench = Bench { device: None, quick: true };
         let made = report(&bench, &sections.each_ref(), &mut |name| told.push(name.to_string()));
         assert_eq!((told, made.faults), (vec!["bad".into(), "good".into()], vec!["bad: it broke".to_string()]));
-        for words in
-            ["1 check FAILS", "so far so good", "FAILS: it broke", "slower than &lt;that&gt;", "<td class=\"r\">1.5"]
-        {
+        for words in [
+            "1 check FAILS",
+            "so far so good",
+            "FAILS: it broke",
+            "<td>as fast as &lt;that&gt;</td>",
+            "<td class=\"r\">1.5",
+            "<b>3 &lt; 4</b>",
+            "<dt>mm</dt><dd>its &lt;size&gt;</dd>",
+            "<details class=\"section\" open><summary><h2>Bad",
+            "<details class=\"section\"><summary><h2>Good",
+        ] {
             assert!(made.page.contains(words), "{words}");
         }
+        let place = |words: &str| made.page.find(words).unwrap();
+        assert!(place("FAILS: it broke") < place("in front") && place("in front") < place("as fast as"));
         assert_eq!(made.files, [("sizes.csv".to_string(), b"what,mm\n\"a, b\",1.5\n".to_vec())]);
         let fine = report(&bench, &[&sections[1]], &mut |_| ());
         assert!(fine.faults.is_empty() && fine.page.contains("Every check passes"));

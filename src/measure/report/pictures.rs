@@ -4,7 +4,8 @@
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool, flip, magma_lut};
 
 use super::html::Shown;
-use super::{Bench, Page, Tone};
+use super::whole::verdict;
+use super::{Bench, Page};
 use crate::error::{Error, Result};
 use crate::gpu::Device;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
@@ -84,9 +85,24 @@ const SAME: f64 = 5e-3;
 /// Number of triangles above which a quick report leaves a scene out.
 const LARGE: usize = 50_000;
 
+/// The scenes at the front of the page.
+const FRONT: [&str; 4] = ["lotus", "candle", "torus", "veins"];
+
+/// A picture for the front of the page, with several samples per pixel.
+fn front(bench: &Bench<'_>, name: &str) -> Result<Shown> {
+    let (side, samples) = bench.either((240, 4), (288, 16));
+    let sets = [format!("camera.size=[{side}, {side}]"), format!("camera.samples={samples}")];
+    let scene = Scene::load_with(name, &sets)?;
+    let picture = Session::new(&scene, bench.device, Options::default())?.render()?;
+    let about = BUILTIN.iter().find(|(known, ..)| *known == name).map_or("", |(_, _, about)| *about);
+    Shot::of(&picture, f64::NAN).show(format!("{name}: {about}"))
+}
+
 /// Every built-in scene by the device and by the CPU reference, and their difference.
 pub fn scenes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let side = bench.either(144, 240);
+    let shown = FRONT.iter().map(|name| front(bench, name)).collect::<Result<Vec<_>>>()?;
+    page.to_front(|page| page.pictures(&shown));
     page.say("FLIP is the mean of NVIDIA's perceptual difference, 0 to 1, beside its map: black where two pictures are the same.");
     let (mut rows, mut worst, mut left) = (Vec::new(), 0.0f64, Vec::new());
     for (name, _, about) in BUILTIN {
@@ -129,9 +145,16 @@ pub fn scenes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     if rows.is_empty() {
         return Ok(());
     }
-    page.table("pictures", &["scene", "FLIP", "largest step of 255", "device, ms", "CPU, ms"], &rows)?;
-    let words = format!("{} scenes: the device's pictures are at most FLIP {worst:.1e} from the CPU's", rows.len());
-    page.find(Tone::Win, &words);
+    let columns = [
+        ("scene", ""),
+        ("FLIP", "perceptual difference of the device's picture from the CPU's: 0 is equal, 1 the largest difference"),
+        ("largest step of 255", "largest difference of an 8-bit channel"),
+        ("device, ms", "time of the frame on the device"),
+        ("CPU, ms", "time of the frame by the CPU reference"),
+    ];
+    page.table("pictures", &columns, &rows)?;
+    let about = format!("{} pictures on the device, at most FLIP {worst:.0e} from the CPU's", rows.len());
+    verdict(page, "Same pictures", &about);
     Ok(())
 }
 

@@ -58,21 +58,21 @@ pub fn devices(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
             if limits.round_to_nearest { "to nearest" } else { "not offered" }.into(),
         ]
     };
-    let header = [
-        "name",
-        "kind",
-        "driver",
-        "Vulkan",
-        "state",
-        "binding, MiB",
-        "allocation, MiB",
-        "buffers",
-        "push, B",
-        "group",
-        "subgroup",
-        "rounding",
+    let columns = [
+        ("name", ""),
+        ("kind", ""),
+        ("driver", ""),
+        ("Vulkan", "version that the device offers"),
+        ("state", "whether this report used it, or why it cannot be used"),
+        ("binding, MiB", "largest range of a storage buffer that a kernel can bind"),
+        ("allocation, MiB", "largest single allocation"),
+        ("buffers", "storage buffers that a kernel can bind"),
+        ("push, B", "bytes of push constants"),
+        ("group", "largest workgroup, invocations"),
+        ("subgroup", "invocations in a subgroup"),
+        ("rounding", "whether rounding to nearest can be requested; otherwise decisions rely on the driver's default"),
     ];
-    page.table("devices", &header, &adapters.iter().map(row).collect::<Vec<_>>())
+    page.table("devices", &columns, &adapters.iter().map(row).collect::<Vec<_>>())
 }
 
 /// The stages and buffers of each built-in scene, and what its plan leaves out.
@@ -99,7 +99,17 @@ pub fn plans(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         ]);
         reasons.extend(plan.left_out.iter().map(|(what, why)| vec![(*name).into(), (*what).into(), why.clone()]));
     }
-    let header = ["scene", "triangles", "objects", "stages", "buffers", "MiB", "left out", "the stages"];
-    page.table("plan", &header, &rows)?;
-    page.fold("What is left out, and why", |page| page.table("left-out", &["scene", "left out", "because"], &reasons))
+    let columns = [
+        ("scene", ""),
+        ("triangles", ""),
+        ("objects", ""),
+        ("stages", "stages that a frame of the scene runs"),
+        ("buffers", "buffers that are not empty"),
+        ("MiB", "their size before the first frame, whose lists may grow"),
+        ("left out", "stages and buffers that the scene does not need"),
+        ("the stages", "in the order of the frame"),
+    ];
+    page.table("plan", &columns, &rows)?;
+    let columns = [("scene", ""), ("left out", ""), ("because", "")];
+    page.fold("What is left out, and why", |page| page.table("left-out", &columns, &reasons))
 }

@@ -1,6 +1,6 @@
 //! Sections on run time: per stage, per mode, and error against run time per method.
 
-use super::{Bench, Page, Tone};
+use super::{Bench, Column, Page, Tone};
 use crate::error::Result;
 use crate::measure::pareto::{self, Lighting, METHODS, Norm, Origin, Reach, Settings, csv, ratios, svg, sweep};
 use crate::measure::{modes as kept, profile as stages};
@@ -38,11 +38,18 @@ fn one(bench: &Bench<'_>, page: &mut Page, scene: &Scene) -> Result<()> {
     };
     page.head(&format!("{}, {} triangles", origin.scene, origin.faces));
     page.say(
-        "Up and to the right is worse. A moving light makes everything anew that depends on light; a resting one leaves only \
-         the summing. Errors are L2 of the radiosity, worst channel, against brute force in f64 over the method's own leaf \
-         sums, and against the area integral. Read points side by side: they were measured in one run on one device.",
+        "Down and to the left is better. When the light moves, everything that depends on light is computed again; when it \
+         rests, only the sums are. Errors are L2 of the radiosity, worst channel, against brute force in f64 over the \
+         method's own leaf sums, and against the area integral. All points were measured in one run on one device.",
     );
-    page.plot(&svg(&found, &origin)?, true);
+    let plot = svg(&found, &origin)?;
+    if page.front.is_empty() {
+        page.to_front(|page| {
+            page.plot(&plot, true);
+            page.say("Error against run time: down and to the left is better. Section pareto explains it.");
+        });
+    }
+    page.plot(&plot, true);
     page.file(&format!("pareto-{}.csv", origin.scene), csv(&found, &origin)?.into_bytes());
 
     let all = ratios(&found, &METHODS[0]);
@@ -53,15 +60,24 @@ fn one(bench: &Bench<'_>, page: &mut Page, scene: &Scene) -> Result<()> {
         vec![light, error, ratio.method.name.to_string(), ratio.cell(0), ratio.cell(1), ratio.cell(2)]
     };
     page.say(&format!("Wall time at equal error, and its ratio to that of {} (above 1: slower):", METHODS[0].name));
-    let header = ["light", "error", "method", "1e-2", "1e-3", "1e-4"];
-    page.table(&format!("pareto-{}-ratios", origin.scene), &header, &all.iter().map(row).collect::<Vec<_>>())?;
+    let time = "wall time of a frame with this error, and its ratio to that of the first method";
+    let columns = [
+        ("light", "whether it changes in every frame"),
+        ("error", "norm, and what it is measured against: own leaf sums, or the area integral in total"),
+        ("method", ""),
+        ("1e-2", time),
+        ("1e-3", time),
+        ("1e-4", time),
+    ];
+    page.table(&format!("pareto-{}-ratios", origin.scene), &columns, &all.iter().map(row).collect::<Vec<_>>())?;
 
     for lighting in Lighting::ALL {
         for method in found.methods().into_iter().skip(1) {
             let own = all.iter().filter(|ratio| ratio.lighting == lighting && ratio.method.name == method.name);
             if let Some((times, words)) = own.filter_map(compared).min_by(|a, b| a.0.total_cmp(&b.0)) {
-                let tone = if times >= 1.0 { Tone::Win } else { Tone::Loss };
-                page.find(tone, &format!("{}, {}: {words}", origin.scene, lighting.name()));
+                let (scene, light, ours) = (&origin.scene, lighting.name(), METHODS[0].name);
+                let aim = format!("{scene}, {light}: {ours} faster than {} at equal error", method.name);
+                page.find(Tone::of(times >= 1.0), &aim, &words);
             }
         }
     }
@@ -94,10 +110,9 @@ fn compared(ratio: &pareto::Ratio) -> Option<(f64, String)> {
 /// Time, operations and memory traffic of each stage.
 pub fn profile(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.say(
-        "Times in ms: the median, and from the 10th to the 90th percentile. What a stage does is counted by its own kernels in one \
-         more frame of the same bits: bytes read and written count each byte bound once, and no more than asked for; millions of \
-         additions and multiplications, divisions and roots, exponentials and the like. Shares are of this device's own rates, \
-         measured in the same run.",
+        "The time of each stage, and what bounds it. The kernels themselves count their work in one more frame of the same \
+         bits; the device's own rates are measured in the same run. A stage with one share near 100 % is bound by that \
+         resource, one without any large share waits.",
     );
     for name in bench.either(&["sphere"][..], &["sphere", "lotus", "fish", "bust"]) {
         let settings =
@@ -108,8 +123,8 @@ pub fn profile(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         if let Some(rates) = &found.rates {
             let (copy, fma, exp) = (rates.copy * 1e-9, rates.fma * 1e-9, rates.exp * 1e-9);
             page.say(&format!(
-                "The device at best: copy {copy:.2} GB/s (read and written), {fma:.2} G FMA/s, {exp:.2} G exp/s. Most memory at \
-                 once: {:.1} MiB.",
+                "The device's rates: copy {copy:.2} GB/s (read and written), {fma:.2} G FMA/s, {exp:.2} G exp/s. Peak device \
+                 memory: {:.1} MiB.",
                 found.peak as f64 / 1_048_576.0
             ));
         }
@@ -130,21 +145,21 @@ pub fn profile(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
             cells.extend(found.shares(row).map(percent));
             cells
         };
-        let header = [
-            "stage",
-            "ms",
-            "spread",
-            "dispatches",
-            "read, MB",
-            "written, MB",
-            "M flop",
-            "M div",
-            "M exp",
-            "copy, %",
-            "fma, %",
-            "exp, %",
+        let columns = [
+            ("stage", ""),
+            ("ms", "median time on the device"),
+            ("spread", "10th to 90th percentile, ms"),
+            ("dispatches", "per frame"),
+            ("read, MB", "bytes loaded, each bound byte once at most"),
+            ("written, MB", "bytes stored, likewise"),
+            ("M flop", "millions of float additions and multiplications; a fused one counts two"),
+            ("M div", "millions of divisions and square roots"),
+            ("M exp", "millions of exponentials, logarithms and trigonometric functions"),
+            ("copy, %", "share of the device's own copy rate"),
+            ("fma, %", "share of its rate of fused multiply-adds"),
+            ("exp, %", "share of its rate of exponentials"),
         ];
-        page.small_table(&header, &found.rows.iter().map(row).collect::<Vec<_>>());
+        page.small_table(&columns, &found.rows.iter().map(row).collect::<Vec<_>>());
         page.file(&format!("profile-{name}.csv"), found.csv()?.into_bytes());
     }
     Ok(())
@@ -153,9 +168,8 @@ pub fn profile(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
 /// The cost of each mode after each change.
 pub fn modes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.say(&format!(
-        "Each change is made before each frame; a bump alters {} % of the triangles. Of scratch: the time over that of a frame \
-         on-the-fly in which every vertex has moved. Links are entries of all lists; form factors, what the last frame computed. \
-         The paper has 0.49 for incremental and 0.28 for render in its table 3, at 131,736 triangles.",
+        "The same change before every frame; the bump moves {} % of the triangles. Mertens et al. have 0.49 of a frame from \
+         scratch for incremental and 0.28 for render in their table 3, at 131,736 triangles.",
         100.0 * kept::LOCAL
     ));
     let mut rows = Vec::new();
@@ -165,29 +179,36 @@ pub fn modes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         let sets = [format!("object.0.detail={detail}")];
         let found = kept::rows(bench.device, &Scene::load_with(name, &sets)?, bench.either(3, 7), "")?;
         for row in found.iter().filter(|row| row.mode == "render" && row.change == "light") {
-            let tone = if row.ratio <= 1.0 { Tone::Win } else { Tone::Loss };
+            let tone = Tone::of(row.ratio <= 1.0);
             let (scheme, ratio) = (row.scheme, row.ratio);
-            page.find(
-                tone,
-                &format!(
-                    "{name}, {scheme}: a new light in mode render costs {ratio:.2} of a frame from scratch (paper 0.28)"
-                ),
-            );
+            let aim = format!("{name}, {scheme}: mode render makes a new light cheaper than a frame from scratch");
+            page.find(tone, &aim, &format!("{ratio:.2} of its time (published: 0.28)"));
         }
         let time = |mode: &str| {
             let own = |row: &&kept::Row| (row.scheme, row.mode, row.change) == ("links", mode, "bump");
             found.iter().find(own).map(|row| row.milliseconds)
         };
         if let (Some(scratch), Some(kept)) = (time("on-the-fly"), time("incremental")) {
-            let tone = if kept <= 0.25 * scratch { Tone::Win } else { Tone::Loss };
+            let tone = Tone::of(kept <= 0.25 * scratch);
             let (ratio, share) = (kept / scratch, 100.0 * kept::LOCAL);
-            page.find(
-                tone,
-                &format!("{name}, links: a bump on {share} % of the triangles costs {ratio:.2} in mode incremental (aim: 0.25; paper 0.49)"),
-            );
+            let aim =
+                format!("{name}, links, mode incremental: moving {share} % of the triangles takes 0.25 of a frame");
+            page.find(tone, &aim, &format!("{ratio:.3} (published: 0.49)"));
         }
         // An empty sum of floats is -0.
         rows.extend(found.iter().map(|row| row.cells().map(|cell| cell.replace("-0.0", "0.0")).to_vec()));
     }
-    page.table("modes", &kept::Row::HEADS, &rows)
+    let meanings = [
+        "",
+        "how clusters are linked: ours (blocks), or as published (links)",
+        "what is kept from frame to frame",
+        "what changes before each frame",
+        "median time of a frame",
+        "that time over the one of a frame on the fly in which every vertex has moved",
+        "entries of all lists",
+        "form factors that the last frame computed",
+        "relative L2 error of the radiosity, worst channel",
+    ];
+    let columns: Vec<Column<'_>> = kept::Row::HEADS.into_iter().zip(meanings).collect();
+    page.table("modes", &columns, &rows)
 }
