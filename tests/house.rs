@@ -159,7 +159,7 @@ fn stages_are_named_in_their_own_files_only() {
 }
 
 #[test]
-fn the_readme_lists_every_method() {
+fn the_guide_lists_every_method() {
     let guide = fs::read_to_string("src/guide/measuring.md").unwrap();
     for method in milkglass::measure::pareto::METHODS {
         assert!(guide.contains(&format!("| `{}` |", method.name)), "the guide's table lacks method {}", method.name);
@@ -272,5 +272,22 @@ fn no_constant_is_written_twice() {
             kinds.iter().any(|kind| kind.name.split('_').next() == Some(prefix) && used.contains(kind.name))
         };
         assert!(group(&host) || group(&device), "nothing uses {}", constant.name);
+    }
+}
+
+/// Clippy (`incompatible_msrv`) checks what the code itself calls.
+#[test]
+fn no_dependency_needs_a_newer_rust() {
+    let version = |text: &str| -> Vec<u32> { text.split('.').map(|part| part.parse().unwrap()).collect() };
+    let arguments = ["metadata", "--format-version", "1", "--locked", "--filter-platform", "x86_64-unknown-linux-gnu"];
+    let done = std::process::Command::new(env!("CARGO")).args(arguments).output().unwrap();
+    let all: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
+    let own = version(env!("CARGO_PKG_RUST_VERSION"));
+    let packages = all["packages"].as_array().unwrap();
+    assert!(packages.len() > 50, "{}", packages.len());
+    for package in packages {
+        if let Some(needed) = package["rust_version"].as_str() {
+            assert!(version(needed) <= own, "{} needs Rust {needed}", package["name"]);
+        }
     }
 }

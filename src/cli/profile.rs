@@ -68,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let settings =
         Settings { options: arguments.run.options(), change, frames: arguments.frames as usize, ..Settings::default() };
     if settings.options.mode == Mode::Incremental && change == Change::EVERYTHING {
-        tell!("mode incremental: nothing moves here, so every frame looks through its links and makes none anew");
+        tell!("mode incremental: nothing moves, so each frame only checks its links and makes no new ones");
     }
     let own = arguments.replace.on(device.as_ref(), &[(&scene, settings.options)])?;
     if let (Some(before), Some(after)) = (&device, &own) {

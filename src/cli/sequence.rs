@@ -43,7 +43,7 @@ impl Job<'_> {
     pub fn run(self, device: Option<&Device>) -> Result<()> {
         let scene = &self.scenes.scene;
         if Path::new(scene).metadata().is_ok_and(|known| !known.is_file() && !known.is_dir()) {
-            let fault = Input::new("the scene is read anew for every frame").key("--frames").found(scene);
+            let fault = Input::new("the scene is read again for every frame").key("--frames").found(scene);
             return Err(fault.expected("a plain file").into());
         }
         let start = Instant::now();

@@ -22,7 +22,7 @@ use crate::state::{
 pub static STAGE: Stage = Stage {
     name: "plane_fit",
     module: "layers",
-    about: "the plane that fits the surface round each vertex of an object with layers",
+    about: "plane that fits the surface around each vertex of an object with layers",
     equation: "Francois et al. 2006, equations 7, 8, 14",
     writes: &[
         (BufferId::vertex_moments, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-5 }),

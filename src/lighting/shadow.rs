@@ -14,7 +14,7 @@ use crate::state::{
 pub static STAGE: Stage = Stage {
     name: "shadow",
     module: "lighting",
-    about: "whether each light reaches each face: rays through the tree, a bit each",
+    about: "whether each light reaches each face: rays through the tree, one bit per ray",
     equation: "the visibility in equation 5; any triangle between blocks",
     writes: &[(BufferId::lit, Role::Output, Tolerance::Exact), (BufferId::cut_short, Role::Update, Tolerance::Exact)],
     reason: "decisions, bit for bit",

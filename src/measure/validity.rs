@@ -158,7 +158,7 @@ pub fn verdict(places: &[Place]) -> String {
         .max_by(|a, b| a.2.area.total_cmp(&b.2.area));
     let Some((thick, bent, part)) = found else {
         return format!(
-            "not within {} on any part that thickness or curvature tells: error {}",
+            "not within {} on any part selected by thickness or curvature: error {}",
             percent(ASKED),
             percent(all.error)
         );

@@ -70,7 +70,7 @@ pub fn about_mode(state: &State, options: Options) -> String {
              links are made"
         ),
         Mode::Render | Mode::Incremental => {
-            "render: lists serve any light, and are kept until the shape changes".into()
+            "render: lists hold for any light, and are kept until the shape changes".into()
         }
     }
 }

@@ -172,7 +172,7 @@ fn scheme(file: &TransportFile) -> Checked<(Scheme, &'static str)> {
         reasons.push((Scheme::Links, "receiver_angle, emitter_angle or planarity is given"));
     }
     if file.distance == Distance::Table1 {
-        reasons.push((Scheme::Links, "moments serve radial distances only, transport.distance is table1"));
+        reasons.push((Scheme::Links, "moments work with radial distances only, transport.distance is table1"));
     }
     if file.near == Near::PointSampling {
         reasons

@@ -77,7 +77,7 @@ impl Session {
     pub fn rebuilt(&self) -> Vec<String> {
         let grown = self.prepared.spoilt.iter().enumerate().filter_map(|(object, growth)| Some((object, (*growth)?)));
         let says = |(object, growth)| {
-            format!("object {object}: deformed, its clusters would be {growth:.2} times as wide; tree built anew")
+            format!("object {object}: deformed, its clusters would be {growth:.2} times as wide; tree rebuilt")
         };
         grown.map(says).collect()
     }

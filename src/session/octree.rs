@@ -25,7 +25,7 @@ impl OctreeTransport {
     /// For these settings, or the fault in them.
     pub fn new(transport: &Transport) -> Result<Self> {
         if transport.distance != Distance::Radial {
-            let fault = Input::new("the octree serves radial distances only").key("transport.distance");
+            let fault = Input::new("the octree works with radial distances only").key("transport.distance");
             return Err(fault.found("table1").expected("radial, or another --transport than octree").into());
         }
         Ok(Self { angle: transport.octree_angle as f32, ..Self::default() })

@@ -21,7 +21,7 @@ use crate::state::{
 pub static STAGE: Stage = Stage {
     name: "bake_irradiance",
     module: "shading",
-    about: "light entering at each texel of the texture coordinates, and the lengths that it spans (`--transport texture-blur`)",
+    about: "irradiance and stretch at each texel of the texture coordinates (`--transport texture-blur`)",
     equation: "d'Eon et al. 2007, section 5; Mertens et al. 2003, equation 5",
     writes: &[
         (BufferId::irradiance_maps, Role::Update, Tolerance::Float { relative: 2e-5, floor: 1e-5 }),

@@ -18,7 +18,7 @@ use crate::state::{
 pub static STAGE: Stage = Stage {
     name: "blur",
     module: "shading",
-    about: "that light blurred over the texture by Gaussians, along rows and down columns, each as wide as the surface has it",
+    about: "irradiance blurred over the texture by Gaussians, along rows and down columns, widened by the stretch",
     equation: "d'Eon et al. 2007, section 5",
     writes: &[
         (BufferId::irradiance_maps, Role::Update, Tolerance::Float { relative: 5e-5, floor: 2e-5 }),

@@ -102,7 +102,7 @@ impl Options {
         if !self.transport.is_local() {
             return Ok(());
         }
-        let fault = Input::new(format!("{what} tells of light that is carried, and here none is")).key("--transport");
+        let fault = Input::new(format!("{what} needs a method that transports light")).key("--transport");
         Err(fault.found("cdrf, lambert or texture-blur").expected("hierarchy, octree or brute").into())
     }
 }

@@ -12,7 +12,7 @@ use crate::state::{
 pub static STAGE: Stage = Stage {
     name: "average",
     module: "transport",
-    about: "radiosity of each vertex: the area-weighted mean of the faces round it",
+    about: "radiosity of each vertex: area-weighted mean over the faces around it",
     equation: "Mertens et al. 2003, section 3.2",
     writes: &[(BufferId::vertex_radiosity, Role::Output, Tolerance::Float { relative: 5e-6, floor: 1e-7 })],
     reason: "a short weighted mean of non-negative terms",

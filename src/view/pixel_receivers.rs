@@ -22,7 +22,7 @@ use crate::state::{
 pub static STAGE: Stage = Stage {
     name: "pixel_receivers",
     module: "view",
-    about: "receivers where the pixels show the object, in blocks of what is near each other in a tile of 4 x 4",
+    about: "receivers at the points that pixels show, grouped into blocks of nearby points in a tile of 4 x 4 pixels",
     equation: "the hit triangle's corners by their weights",
     writes: &[
         (BufferId::receiver_positions, Role::Output, Tolerance::Exact),

@@ -13,7 +13,7 @@ use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, 
 pub static STAGE: Stage = Stage {
     name: "pixel_shadow",
     module: "view",
-    about: "whether each light reaches what each pixel shows of an opaque object: rays through the tree, a bit each",
+    about: "whether each light reaches the point of an opaque object that a pixel shows: rays through the tree, one bit per ray",
     equation: "the visibility in equation 5; any triangle between blocks",
     writes: &[
         (BufferId::pixel_lit, Role::Output, Tolerance::Exact),

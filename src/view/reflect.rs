@@ -26,7 +26,7 @@ use crate::state::{
 pub static STAGE: Stage = Stage {
     name: "reflect",
     module: "view",
-    about: "what the surface reflects of lights and environment towards the eye: Phong's lobe, or GGX microfacets",
+    about: "reflection of lights and environment towards the eye: Phong lobe or GGX microfacets",
     equation: "Walter et al. 2007, equations 20, 33; Heitz 2014, equation 99; Lafortune and Willems 1994",
     writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 5e-5, floor: 2e-5 })],
     reason: "a narrow lobe multiplies a cosine's rounding by its exponent or by 2 / alpha; the image as in backdrop",

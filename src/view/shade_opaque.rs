@@ -20,7 +20,7 @@ use crate::state::{
 pub static STAGE: Stage = Stage {
     name: "shade_opaque",
     module: "view",
-    about: "radiance of each pixel that shows an opaque object: albedo times the irradiance of the very place over pi",
+    about: "radiance of each pixel that shows an opaque object: albedo times irradiance at that point over pi",
     equation: "Lambert: L = F_t albedo E / pi; E of Mertens et al. 2003, equation 5",
     writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a short sum of products; a cosine cancels where light grazes",

@@ -123,7 +123,7 @@ fn only_whole_frames_of_a_plain_file_are_skipped_or_made() {
     let mut shell = std::process::Command::new("sh");
     let piped = shell.current_dir(here.path()).args(["-c", &pipe, env!("CARGO_BIN_EXE_milkglass")]).output();
     let (_, err) = said(&piped.unwrap());
-    assert!(err.contains("--frames: the scene is read anew for every frame"), "{err}");
+    assert!(err.contains("--frames: the scene is read again for every frame"), "{err}");
     assert!(names(here.path()).iter().all(|name| !name.contains("part")));
 }
 

@@ -91,7 +91,7 @@ fn what_can_not_be_done_is_refused_before_anything_is_measured() {
 }
 
 #[test]
-fn the_readme_names_every_section() {
+fn the_guide_names_every_section() {
     let guide = std::fs::read_to_string("src/guide/measuring.md").unwrap();
     for section in SECTIONS {
         assert!(guide.contains(&format!("| `{}` |", section.name)), "the guide's table lacks section {}", section.name);

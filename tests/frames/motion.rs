@@ -77,7 +77,7 @@ fn a_tree_that_is_built_anew_is_told() {
             let run = format!(
                 "{command} twist --frame {frame} --device cpu --set object.0.detail=16 --set camera.size=[9,9]"
             );
-            assert_eq!(good(&here, &run).0.contains("tree built anew"), told, "{run}");
+            assert_eq!(good(&here, &run).0.contains("tree rebuilt"), told, "{run}");
         }
     }
 }

@@ -69,7 +69,7 @@ pub static METHODS: &[Method] = &[
     },
     Method {
         name: "blocks-kept",
-        about: "the same, lists that serve any light kept under a new one: for a shape at rest",
+        about: "the same, with lists that hold for any light and are kept while it changes: for a shape at rest",
         parameter: "tolerance",
         values: &[1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5],
         leaves: Leaves::Exact,
@@ -78,7 +78,7 @@ pub static METHODS: &[Method] = &[
     },
     Method {
         name: "links",
-        about: "Mertens et al. 2003; a new light builds everything anew, a resting one keeps links and form factors",
+        about: "Mertens et al. 2003; a new light rebuilds everything, a resting one keeps links and form factors",
         parameter: "angle",
         values: ANGLES,
         leaves: Leaves::Exact,
@@ -138,7 +138,7 @@ fn blocks_kept(bench: &Bench<'_>, lighting: Lighting, tolerance: f64) -> Result<
 
 fn blocks_in(bench: &Bench<'_>, mode: Mode, lighting: Lighting, tolerance: f64) -> Result<Opened> {
     if bench.scene.transport.distance != Distance::Radial {
-        return Ok(Opened::NotOffered("moments serve radial distances only".into()));
+        return Ok(Opened::NotOffered("moments work with radial distances only".into()));
     }
     let mut scene = bench.scene.clone();
     (scene.transport.scheme, scene.transport.hierarchy) = (Scheme::Blocks, Hierarchy::Median);
@@ -176,7 +176,7 @@ fn links_kept(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opene
 /// Irradiance is computed on the device, if there is one; the octree runs on the host.
 fn octree(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opened> {
     if bench.scene.transport.distance != Distance::Radial {
-        return Ok(Opened::NotOffered("the octree serves radial distances only".into()));
+        return Ok(Opened::NotOffered("the octree works with radial distances only".into()));
     }
     let mut scene = bench.scene.clone();
     scene.transport.octree_angle = angle;

@@ -38,9 +38,9 @@ fn coarser(bench: &Bench<'_>) -> &'static [&'static str] {
 fn function(page: &mut Page) -> Result<()> {
     page.head("The curvature-dependent reflectance function");
     page.say(
-        "The light f that a place gives back, by the angle between its normal and the light: Lambert's cosine at sigma 0; the larger \
-         sigma = sigma_0 kappa, the farther light goes round the bend beyond 90 degrees. On a ball of skin red goes farthest, and the \
-         smaller the ball the farther.",
+        "The reflectance f against the angle between normal and light. At sigma 0 it is Lambert's cosine; the larger \
+         sigma = sigma_0 kappa is, the farther light reaches beyond 90 degrees. On a ball of skin red reaches farthest, and \
+         farther on a smaller ball.",
     );
     let (x, y) =
         (Axis { label: "angle from the light, degrees", log: false }, Axis { label: "f, no unit", log: false });
@@ -145,8 +145,8 @@ fn table(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
 fn fitted(bench: &Bench<'_>, page: &mut Page, preset: &Preset) -> Result<()> {
     page.head(&format!("Figure 6: sigma_0 of {} from balls in parallel light", preset.name));
     page.say(
-        "Lines: the function at the sigma_0 fitted to the dipole; dots: the dipole; bars: a random walk and twice its standard \
-         error. Residuals are root mean squares over a ball, of what leaves a plane in full light.",
+        "Lines: the function at the sigma_0 fitted to the dipole. Dots: the dipole. Bars: a random walk and twice its standard \
+         error.",
     );
     let photons = bench.either(10_000, 100_000);
     let mean = [0, 1, 2].map(|c| 1.0 / (preset.sigma_s_prime[c] + preset.sigma_a[c])).iter().sum::<f64>() / 3.0;
@@ -239,10 +239,10 @@ fn compared(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     }
     page.head("Figures 1, 7, 9 and 11 with scenes of ours");
     page.say(
-        "Figure 1: as sigma_0 grows shading softens where the surface bends most, and goes flat there. Figure 7: a red rim beyond the \
-         border of the light, wider on the smaller ball. Figure 9: beside the dipole the function lacks what comes through thin parts (a \
-         quick report has the dipole's bust above). Figure 11: lit from behind, petals glow where Lambert's are black, blue farthest, whose \
-         sigma_0 is largest.",
+        "Figure 1: the larger sigma_0, the softer the shading where the surface bends most. Figure 7: a red rim beyond the \
+         terminator, wider on the smaller ball. Figure 9: compared with the dipole, the function lacks light that comes \
+         through thin parts (a quick report has the dipole's bust above). Figure 11: lit from behind, petals glow where \
+         Lambert's are black; blue reaches farthest, since its sigma_0 is largest.",
     );
     page.pictures(&shown);
     Ok(())
@@ -254,7 +254,7 @@ const DOTS: usize = 2000;
 /// The error against the dipole, by thickness.
 fn trusted(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("How far the function can be trusted");
-    page.say("Radiosity by the function against the dipole's, triangle by triangle and channel by channel, by how thick the object is there.");
+    page.say("Error of the function's radiosity against the dipole's, per triangle and channel, by the thickness of the object.");
     let mut rows = Vec::new();
     for name in bench.either(&["bust"][..], &["bust", "lotus", "torus", "sphere"]) {
         let scene = scene(name, [1, 1], coarser(bench))?;

@@ -14,7 +14,7 @@ const NAMES: [&str; 3] = ["red", "green", "blue"];
 /// The figures, then the tables.
 pub fn mertens(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("Figure 3: the form factor of a triangle of skim milk");
-    page.say("Base 10 mm, height 5 mm, its tip towards the receiver in its plane. Lines: to nearly all digits; dots: the paper's method.");
+    page.say("Base 10 mm, height 5 mm; the tip points to the receiver, which lies in the plane. Lines: exact; dots: the published method.");
     let third = figure_3();
     let place = Axis { label: "receiver to tip, mm", log: false };
     let channel = |c: usize| {
@@ -42,7 +42,7 @@ pub fn mertens(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     csv(page, "figure-3", "tip_mm", &third)?;
 
     page.head("Figure 4: marble, from 0.1 to 100 mm");
-    page.say("The tip at the receiver, the base twice as wide as it is far. How often the kernel is evaluated, and what that gives.");
+    page.say("The receiver at the tip, the base twice as wide as its distance. Evaluations of the kernel, and the resulting error.");
     let fourth = figure_4();
     let place = Axis { label: "receiver to base, mm", log: true };
     let counts = [
@@ -72,8 +72,8 @@ pub fn mertens(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
 
     page.head("Tables 3, 4 and 5");
     page.say(
-        "The scheme as published, on this device; the paper's columns first. Its models are lost, so shapes made here stand in; \
-         absolute times of 2003 mean nothing today: what is compared is how they grow.",
+        "The published scheme on this device; the paper's columns first. Its models are not available, so built-in shapes \
+         replace them. Compare growth and ratios, not milliseconds of 2003.",
     );
     let models = Models { device: bench.device, meshes: &[], samples: 100, most_faces: bench.either(2_100, 17_000) };
     for (_, table) in TABLES.iter().take(bench.either(1, TABLES.len())) {

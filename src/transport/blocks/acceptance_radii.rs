@@ -33,7 +33,7 @@ const EMITTER: &[Field] = &[
 pub static STAGE: Stage = Stage {
     name: "acceptance_radii",
     module: "transport/blocks",
-    about: "the oracle as distances: from where on a node is dropped, expanded, linked, or takes area points",
+    about: "the oracle as distances: beyond which a node is dropped, expanded, linked directly, or takes area points",
     equation: "factor W tau^n strength sum_j z_j p(s_j) (q2/(2 s_j^2))^n <= error x level, solved for the distance",
     writes: &[
         (BufferId::ranges, Role::Output, Tolerance::Float { relative: 1e-3, floor: 1e-6 }),

@@ -23,7 +23,7 @@ use crate::state::{
 pub static STAGE: Stage = Stage {
     name: "gather",
     module: "transport/blocks",
-    about: "light of each block's lists: expanded once a block, or evaluated at each receiver",
+    about: "sums over each block's lists: expanded once per block, or evaluated at each receiver",
     equation: "B += W [p0 + (p1 tr Q + p2 d.Q.d)/2] (C.1); near triangles: equation 6 by area points or the edge form",
     writes: &[
         (BufferId::expansions, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-6 }),

@@ -14,7 +14,7 @@ use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage,
 pub static STAGE: Stage = Stage {
     name: "irradiance_ratio",
     module: "transport/blocks",
-    about: "root mean square irradiance over the reference level, rounded up: what lists that serve any light are made for",
+    about: "contrast of the light: root mean square irradiance over the reference level, rounded up; kept lists hold for any light of this contrast",
     equation: "least q of 2^(k/4) with (q B_rms)^2 >= mean of E^2; the mean over the samples of `coarse_solve`",
     writes: &[(BufferId::counters, Role::Update, Tolerance::Exact)],
     reason: "a decision: additions, multiplications and comparisons in f32, the same everywhere",

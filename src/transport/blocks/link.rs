@@ -21,7 +21,7 @@ use crate::state::{
 pub static STAGE: Stage = Stage {
     name: "link",
     module: "transport/blocks",
-    about: "the lists of each block: emitters to expand, to link directly, to take by area points or the edge form",
+    about: "the lists of each block: emitters to expand, to link directly, or to integrate by area points or the edge form",
     equation: "Mertens et al. 2003, section 5.2, by contribution: |x - c|^2 >= (radius of the rule + radius of the block)^2",
     writes: &[
         (BufferId::runs, Role::Update, Tolerance::Exact),

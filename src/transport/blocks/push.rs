@@ -14,7 +14,7 @@ use crate::state::{
 pub static STAGE: Stage = Stage {
     name: "push",
     module: "transport/blocks",
-    about: "radiosity of each receiver: what it received itself, and its block's expansion at its place",
+    about: "radiosity of each receiver: its own sums, plus its block's expansion at the receiver",
     equation: "B = max(0, received + f + g.d + d.H.d / 2), d from the block's centre (section 3.2, to second order)",
     writes: &[
         (BufferId::estimate, Role::Update, Tolerance::Float { relative: 1e-4, floor: 1e-6 }),

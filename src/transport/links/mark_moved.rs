@@ -9,7 +9,7 @@ use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage,
 pub static STAGE: Stage = Stage {
     name: "mark_moved",
     module: "transport/links",
-    about: "clusters with a triangle that has moved since kept links were made",
+    about: "clusters with a triangle that has moved since the kept links were made",
     equation: "Mertens et al. 2003, section 5.5",
     writes: &[(BufferId::change_flags, Role::Output, Tolerance::Exact)],
     reason: "comparisons of f32 for equality",

@@ -10,7 +10,7 @@ use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage,
 pub static STAGE: Stage = Stage {
     name: "mark_relit",
     module: "transport/links",
-    about: "clusters with a triangle that another light enters than was summed last",
+    about: "clusters with a triangle whose irradiance has changed since the last sum",
     equation: "Mertens et al. 2003, section 5.5",
     writes: &[(BufferId::change_flags, Role::Update, Tolerance::Exact)],
     reason: "comparisons of f32 for equality",

@@ -22,6 +22,6 @@ use crate::state::State;
 
 /// Why stages that update kept links are skipped, if they are.
 fn not_incremental(state: &State) -> Option<&'static str> {
-    let why = "links are made anew when the shape changes; --mode incremental revises them";
+    let why = "links are rebuilt when the shape changes; --mode incremental updates them";
     (!state.method.incremental).then_some(why)
 }

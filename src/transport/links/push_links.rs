@@ -13,7 +13,7 @@ use crate::state::{
 pub static STAGE: Stage = Stage {
     name: "push_links",
     module: "transport/links",
-    about: "radiosity of each face: the sum of what it and its clusters gathered",
+    about: "radiosity of each face: its own sum plus those of the clusters above it",
     equation: "Mertens et al. 2003, section 3.2",
     writes: &[(BufferId::radiosity, Role::Output, Tolerance::Float { relative: 5e-6, floor: 1e-7 })],
     reason: "a sum of some 40 non-negative terms",

@@ -14,7 +14,7 @@ use crate::state::{
 pub static STAGE: Stage = Stage {
     name: "reach",
     module: "transport/links",
-    about: "squared distances beyond which 1, 3, 6, 12 area points serve for a triangle",
+    about: "squared distances beyond which 1, 3, 6 or 12 area points suffice for a triangle",
     equation: "chi = tau q2(sigma s) / (2 s^2) solved for s, with q2(a) <= 15 + 5a + a^2",
     writes: &[(BufferId::reach, Role::Output, Tolerance::Float { relative: 2e-5, floor: 1e-7 })],
     reason: "a short chain of f32 operations; k = 2 chi / tau - sigma^2 cancels where both are large",

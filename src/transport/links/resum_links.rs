@@ -11,7 +11,7 @@ use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage,
 pub static STAGE: Stage = Stage {
     name: "resum_links",
     module: "transport/links",
-    about: "the same for nodes whose links, form factors or emitters have changed",
+    about: "the same sum, only for nodes whose links, form factors or emitters have changed",
     equation: "Mertens et al. 2003, equation 6",
     writes: &[(BufferId::gathered, Role::Update, Tolerance::Float { relative: 3e-5, floor: 1e-7 })],
     reason: "that of sum_links",

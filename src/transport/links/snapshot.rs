@@ -10,7 +10,7 @@ use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, 
 pub static STAGE: Stage = Stage {
     name: "snapshot",
     module: "transport/links",
-    about: "vertices and clusters that the links are made for, for the next frame to compare with",
+    about: "copy of the vertices and clusters that the links were made for; the next frame compares with it",
     equation: "Mertens et al. 2003, section 5.5",
     writes: &[
         (BufferId::kept_positions, Role::Update, Tolerance::Exact),
