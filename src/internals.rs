@@ -28,9 +28,9 @@
 //! # Modules, from the top layer down; each depends on lower ones only
 //!
 //! - `cli`, in the binary: one thin file per subcommand.
-//! - [`crate::measure`]: conformance, profiles, users' own shaders, error norms, the brute-force reference, error against run
-//!   time, extreme cases, the papers' tables compared with ours, numerical error compared with the model's, and a
-//!   report of all that.
+//! - [`crate::measure`]: conformance, profiles, users' own shaders, error norms, the brute-force reference, error
+//!   against run time, extreme cases, the tables of the papers beside ours, numerical error beside the model's, and a
+//!   report of it all.
 //! - [`session`]: runs frames on the CPU or a device, and reads their results.
 //! - [`prepare`]: builds the state from a scene.
 //! - [`pipeline`]: the frame, the plan (the stages that a state needs, and why the others are skipped), buffer sizes.
@@ -41,7 +41,8 @@
 //! - [`lighting`]: light that arrives, and Fresnel's formulas.
 //! - [`geometry`]: from positions to clusters; rays through the same trees.
 //! - [`state`]: the data of a frame, the definition of a stage, and the state's copy on a device.
-//! - [`crate::scene`]: the user's scene, checked. [`hierarchy`]: from a mesh to a tree. [`gpu`]: the only user of `ash`.
+//! - [`crate::scene`]: the user's scene, checked. [`hierarchy`]: from a mesh to a tree. [`gpu`]: the only user of
+//!   `ash`.
 //! - [`layout`]: the one source of truth for records, buffers and constants, shared with the build script and the
 //!   shaders.
 //! - [`crate::error`]: the error type; its variants say whose fault it is.

@@ -1,5 +1,5 @@
-//! milkglass renders translucent materials (marble, milk, wax, skin, leaves) with hand-written Vulkan compute pipelines,
-//! each tested against a CPU reference.
+//! milkglass renders translucent materials (marble, milk, wax, skin, leaves) with hand-written Vulkan compute
+//! pipelines, each tested against a CPU reference.
 //!
 //! ```no_run
 //! use milkglass::{Device, Error, Options, Scene, Session};
@@ -30,7 +30,7 @@
 //! | `cli` | yes | the program `milkglass`; a library does without: `default-features = false` |
 //! | `measure` | with `cli` | the module [`measure`] |
 //! | `shaderc` | yes | kernels of your own in place of built-in ones, compiled at run time |
-//! | `build-from-source` | no | builds shaderc from source, where neither `glslc` nor shaderc's libraries are installed |
+//! | `build-from-source` | no | builds shaderc from source, where neither `glslc` nor shaderc is installed |
 //!
 //! A published package contains its kernels as SPIR-V. In a checkout the build compiles them with `glslc`.
 

@@ -11,7 +11,7 @@ mod cycles;
 const FLOORS: &[&[&str]] = &[
     &["main"],
     &["cli"],
-    &["internals"],
+    &["guide", "internals"],
     &["measure"],
     &["session"],
     &["prepare"],

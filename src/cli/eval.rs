@@ -67,6 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(Input::new("the output would replace the input").key("-o").found(file.display()).into());
     }
     ready([("-o", Some(&arguments.output))])?;
+    super::announce_pipe(file);
     let text = arguments.memory.files().stream(file, COPIES).map_err(|e| Input::new(e.to_string()).file(file))?;
     let kind = match arguments.kind {
         Kind::FormFactor => eval::Kind::FormFactor,

@@ -28,6 +28,7 @@ mod stress;
 mod validity;
 
 use std::ffi::OsString;
+use std::path::Path;
 
 use clap::{Args, Parser, Subcommand};
 
@@ -132,7 +133,19 @@ impl SceneArguments {
         if !frame.is_finite() {
             return Err(Input::new("not a frame").key("--frame").found(frame).expected("a finite number").into());
         }
+        announce_pipe(Path::new(&self.scene));
         Scene::load_from(&self.scene, &self.sets, frame, &self.memory.files())
+    }
+}
+
+/// Says what a named pipe is waited for; reading it may take for ever.
+fn announce_pipe(path: &Path) {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        if std::fs::symlink_metadata(path).is_ok_and(|known| known.file_type().is_fifo()) {
+            tell!("{}: a pipe; waiting until its writer closes it", path.display());
+        }
     }
 }
 

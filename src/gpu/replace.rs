@@ -104,11 +104,19 @@ fn read(file: &Path) -> std::result::Result<String, String> {
     if text.len() as u64 > MOST_TEXT {
         return Err(format!("it has {} bytes, at most {MOST_TEXT} are read", known.len()));
     }
+    if let Some(at) = text.find('\0') {
+        let line = 1 + text[..at].matches('\n').count();
+        return Err(format!("line {line} has a NUL byte, which no GLSL has"));
+    }
     Ok(text)
 }
 
 #[cfg(feature = "shaderc")]
 fn compile(file: &Path, text: &str) -> Result<Vec<u32>> {
+    if !text.lines().any(|line| line.trim_start().starts_with("#version")) {
+        let fault = Input::new("the shader has no #version").file(file).line(1);
+        return Err(fault.expected("#version 460 in its first line, as `milkglass shader` prints it").into());
+    }
     let compiler = shaderc::Compiler::new().map_err(|error| Error::device("starting the shader compiler", error))?;
     let beside = file.parent().unwrap_or(Path::new(""));
     let included = std::cell::Cell::new(0);
@@ -132,7 +140,21 @@ fn compile(file: &Path, text: &str) -> Result<Vec<u32>> {
     };
     super::compile::compile(&compiler, text, &file.display().to_string(), include)
         .map(|artifact| artifact.as_binary().to_vec())
-        .map_err(|text| Input::new(format!("the shader does not compile\n{text}")).file(file).into())
+        .map_err(|text| Input::new(format!("the shader does not compile\n{}", shortened(&text))).file(file).into())
+}
+
+/// The first lines of a compiler's messages and the last one, each once; one mistake may have thousands.
+#[cfg(feature = "shaderc")]
+fn shortened(text: &str) -> String {
+    const MOST_LINES: usize = 20;
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines.dedup();
+    if lines.len() <= MOST_LINES {
+        return lines.join("\n");
+    }
+    let (first, rest) = lines.split_at(MOST_LINES - 1);
+    let last = rest.last().copied().unwrap_or_default();
+    format!("{}\n... and {} more lines\n{last}", first.join("\n"), rest.len() - 1)
 }
 
 #[cfg(not(feature = "shaderc"))]

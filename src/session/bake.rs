@@ -141,15 +141,40 @@ pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2], memory: Memory) -> R
             *d = before;
         }
     }
-    Ok(Baked { depths: fill_outward(depths, size), deepest, covered, missed, behind })
+    // Where coordinates go beyond an edge of the map, the map repeats, and one edge continues at the other.
+    let repeats = [0, 1].map(|axis| uvs.iter().flatten().any(|uv| !(-1e-6..=1.0 + 1e-6).contains(&uv[axis])));
+    Ok(Baked { depths: fill_outward(depths, size, repeats), deepest, covered, missed, behind })
 }
 
-/// Gives each empty texel the value of its neighbours, ring after ring, wrapping around the edges.
-fn fill_outward(mut depths: Vec<Option<[f64; 4]>>, [width, height]: [u32; 2]) -> Vec<[f64; 4]> {
+/// Gives each empty texel the value of its neighbours, ring after ring, around the edges of an axis that repeats.
+fn fill_outward(mut depths: Vec<Option<[f64; 4]>>, [width, height]: [u32; 2], repeats: [bool; 2]) -> Vec<[f64; 4]> {
     let (w, h) = (width as usize, height as usize);
+    let next = |at: usize, size: usize, repeats: bool| {
+        if at + 1 < size {
+            at + 1
+        } else if repeats {
+            0
+        } else {
+            at
+        }
+    };
+    let before = |at: usize, size: usize, repeats: bool| {
+        if at > 0 {
+            at - 1
+        } else if repeats {
+            size - 1
+        } else {
+            at
+        }
+    };
     let around = |k: usize| {
         let (x, y) = (k % w, k / w);
-        [y * w + (x + 1) % w, y * w + (x + w - 1) % w, (y + 1) % h * w + x, (y + h - 1) % h * w + x]
+        [
+            y * w + next(x, w, repeats[0]),
+            y * w + before(x, w, repeats[0]),
+            next(y, h, repeats[1]) * w + x,
+            before(y, h, repeats[1]) * w + x,
+        ]
     };
     let mut edge: Vec<usize> = (0..w * h).filter(|&k| depths[k].is_some()).collect();
     while !edge.is_empty() {

@@ -2,9 +2,11 @@
 
 use super::antialiasing::picture;
 use super::capacity::CapacityHints;
-use super::run::Session;
+use super::run::{Session, unfinished};
 use crate::error::Result;
+use crate::geometry::trace::UNFINISHED;
 use crate::gpu::Device;
+use crate::layout::BufferId;
 use crate::pipeline::plan::{Change, Options};
 use crate::scene::Scene;
 use crate::view::picture::Picture;
@@ -30,5 +32,17 @@ impl Session {
         let picture = picture(self)?;
         self.shift([0.0; 2])?;
         Ok(picture)
+    }
+
+    /// The picture of the last frame, with one sample per pixel; [`Session::render`] takes all.
+    pub fn picture(&mut self) -> Result<Picture> {
+        self.fetch(&[BufferId::hits, BufferId::radiance])?;
+        let data = &self.prepared.state.data;
+        if data.hits.iter().any(|hit| hit.face == UNFINISHED) {
+            return Err(unfinished("tracing a ray through the tree", "use a mesh with fewer overlapping parts"));
+        }
+        let camera = &self.scene.camera;
+        let [width, height] = camera.size.map(|n| n as usize);
+        Ok(Picture { width, height, pixels: data.radiance.clone(), exposure: camera.exposure, tone: camera.tone })
     }
 }

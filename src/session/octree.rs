@@ -4,11 +4,15 @@
 
 use std::time::Instant;
 
+use super::run::Session;
 use crate::dipole::profile::Dipole;
 use crate::error::{Input, Result};
 use crate::gpu::Timing;
+use crate::layout::BufferId;
+use crate::pipeline::frame::before_host;
+use crate::pipeline::plan::Change;
 use crate::scene::{Distance, Transport};
-use crate::state::{Object, State};
+use crate::state::{Object, State, Step};
 use crate::transport::octree::{HOST, Octree, Sample};
 
 /// The octree of a session, kept from frame to frame.
@@ -46,6 +50,30 @@ impl OctreeTransport {
             state.data.radiosity[object.first.receivers..][..sums.len()].copy_from_slice(&sums);
         }
         Timing { name: HOST.name.into(), milliseconds: start.elapsed().as_secs_f64() * 1e3, start: f64::NAN }
+    }
+}
+
+impl Session {
+    /// Runs these steps, with the octree between the stages before transport and those after it. The host uploads the
+    /// octree's radiosity only if later stages read it.
+    pub(super) fn run_octree(&mut self, steps: &[Step], change: Change) -> Result<Vec<Timing>> {
+        let (before, after) = steps.split_at(before_host(steps));
+        let mut times = self.run(before)?;
+        if change.everything {
+            self.fetch(&[BufferId::clusters])?;
+        }
+        let light = change.everything || change.light;
+        if light {
+            self.fetch(&[BufferId::irradiance])?;
+        }
+        if let Some(octree) = &mut self.octree {
+            times.push(octree.run(&mut self.prepared.state, light));
+        }
+        if !after.is_empty() {
+            self.send(&[BufferId::radiosity])?;
+        }
+        times.extend(self.run(after)?);
+        Ok(times)
     }
 }
 

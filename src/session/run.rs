@@ -10,10 +10,8 @@ use super::memory_estimate;
 use super::octree::OctreeTransport;
 use super::subdivide::{Parts, subdivide};
 use crate::error::{Error, Result};
-use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Device, Timing};
 use crate::layout::{BufferId, ListCounters};
-use crate::pipeline::frame::before_host;
 use crate::pipeline::plan::{Change, Mode, Options, Plan, ShadingMethod};
 use crate::prepare::layers::drop_unlooked;
 use crate::prepare::receivers::{by_pixel, lit_at};
@@ -28,7 +26,6 @@ use crate::state::{DeviceState, Scheme, Stage, Step};
 use crate::transport::blocks::irradiance_ratio;
 use crate::transport::links::{refine, update_links};
 use crate::transport::octree::HOST;
-use crate::view::picture::Picture;
 
 /// What runs the stages.
 pub(crate) enum Backend {
@@ -84,7 +81,7 @@ pub struct Session {
     /// What has changed since the last frame.
     pub(crate) pending: Change,
     /// The octree, if it is the transport.
-    octree: Option<OctreeTransport>,
+    pub(crate) octree: Option<OctreeTransport>,
     pub(crate) fixed: Fixed,
 }
 
@@ -256,28 +253,6 @@ impl Session {
         }
     }
 
-    /// The same, with the octree between the stages before transport and those after it. The host uploads the
-    /// octree's radiosity only if later stages read it.
-    fn run_octree(&mut self, steps: &[Step], change: Change) -> Result<Vec<Timing>> {
-        let (before, after) = steps.split_at(before_host(steps));
-        let mut times = self.run(before)?;
-        if change.everything {
-            self.fetch(&[BufferId::clusters])?;
-        }
-        let light = change.everything || change.light;
-        if light {
-            self.fetch(&[BufferId::irradiance])?;
-        }
-        if let Some(octree) = &mut self.octree {
-            times.push(octree.run(&mut self.prepared.state, light));
-        }
-        if !after.is_empty() {
-            self.send(&[BufferId::radiosity])?;
-        }
-        times.extend(self.run(after)?);
-        Ok(times)
-    }
-
     /// Downloads these buffers to the host, except what the host itself computed: the octree's radiosity where no
     /// object is opaque, and a refined estimate.
     pub fn fetch(&mut self, slots: &[BufferId]) -> Result<()> {
@@ -291,18 +266,6 @@ impl Session {
         }
     }
 
-    /// The picture of the last frame, with one sample per pixel; [`Session::render`] takes all.
-    pub fn picture(&mut self) -> Result<Picture> {
-        self.fetch(&[BufferId::hits, BufferId::radiance])?;
-        let data = &self.prepared.state.data;
-        if data.hits.iter().any(|hit| hit.face == UNFINISHED) {
-            return Err(unfinished("tracing a ray through the tree", "use a mesh with fewer overlapping parts"));
-        }
-        let camera = &self.scene.camera;
-        let [width, height] = camera.size.map(|n| n as usize);
-        Ok(Picture { width, height, pixels: data.radiance.clone(), exposure: camera.exposure, tone: camera.tone })
-    }
-
     /// Uploads these buffers from the host.
     pub(crate) fn send(&mut self, slots: &[BufferId]) -> Result<()> {
         match &mut self.backend {
@@ -313,6 +276,6 @@ impl Session {
 }
 
 /// The error where a driver may have ended a loop early.
-fn unfinished(doing: &str, advice: &str) -> Error {
+pub(super) fn unfinished(doing: &str, advice: &str) -> Error {
     Error::device(doing, format!("it takes more than 65,000 steps, where some drivers end a loop; {advice}"))
 }

@@ -103,6 +103,27 @@ fn a_shader_without_end_is_refused() {
 }
 
 #[test]
+fn a_shader_that_is_none_is_refused_in_a_few_lines() {
+    if std::env::var_os("MILKGLASS_NO_DEVICE").is_some() {
+        return;
+    }
+    let head = "#version 460\n#extension GL_GOOGLE_include_directive : require\n";
+    let here = folder(&[
+        ("nul.comp", "#version 460\nvoid main() {\0}\n"),
+        ("outer.comp", &format!("{head}#include \"inner.glsl\"\nvoid main() {{}}\n")),
+        ("inner.glsl", "// a\0b\n"),
+        ("bare.comp", "layout(local_size_x = 64) in;\nvoid main() {}\n"),
+        ("wrong.comp", &format!("{head}{}void main() {{}}\n", "fault();\n".repeat(500))),
+    ]);
+    let line = "conform --only sphere --replace transport/blocks/push=";
+    bad(&here, &format!("{line}nul.comp"), 2, &["nul.comp", "line 2 has a NUL byte"]);
+    bad(&here, &format!("{line}outer.comp"), 2, &["inner.glsl: line 1 has a NUL byte"]);
+    bad(&here, &format!("{line}bare.comp"), 2, &["bare.comp:1: the shader has no #version; expected #version 460"]);
+    let said = bad(&here, &format!("{line}wrong.comp"), 2, &["wrong.comp", "wrong.comp:3: error"]);
+    assert!(said.lines().count() < 30, "{said}");
+}
+
+#[test]
 fn names_with_percent_signs_stay_themselves() {
     let here = folder(&[]);
     std::fs::create_dir(here.path().join("100%done")).unwrap();

@@ -25,6 +25,19 @@ fn ended(output: &Output, code: i32, words: &[&str]) {
     assert!(words.is_empty() || line.is_some(), "no line with {words:?} in {err}");
 }
 
+/// A pipe without a writer: a word on what is waited for, and Ctrl-C ends it.
+#[test]
+fn a_pipe_is_waited_for_until_it_is_stopped() {
+    let here = folder(&[]);
+    let line = "mkfifo p.toml; timeout --signal=INT 1 \"$0\" plan p.toml --device cpu";
+    let output = sh(&here, line);
+    let (_, err) = said(&output);
+    assert!(err.contains("p.toml: a pipe; waiting until its writer closes it"), "{err}");
+    let line = "(echo '[[object]]'; echo \"shape = 'sphere'\"; echo \"material = { preset = 'marble' }\") > p.toml & \
+                \"$0\" plan p.toml --device cpu";
+    ended(&sh(&here, line), 0, &["a pipe"]);
+}
+
 #[test]
 fn a_full_disk_is_an_error_and_leaves_nothing() {
     let here = folder(&[]);

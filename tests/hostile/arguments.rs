@@ -45,7 +45,7 @@ pub fn cases() -> Vec<Case> {
         ("render spher -o a.png --device cpu".into(), "neither a built-in scene nor a file, did you mean `sphere`?"),
         ("render . -o a.png --device cpu".into(), "the scene file cannot be read"),
         ("render /dev/zero -o a.png --device cpu".into(), "/dev/zero: the scene file cannot be read"),
-        ("render /dev/null -o a.png --device cpu".into(), "there is nothing to show"),
+        ("render /dev/null -o a.png --device cpu".into(), "found a device, which may never end"),
         (format!("solve {ball}"), "nothing to do; expected -o FILE"),
         (format!("solve {ball} -o a.txt"), "-o: the name says the format; found a.txt"),
         (format!("solve {ball} --verify 0"), "--verify"),

@@ -36,7 +36,7 @@ pub fn good(folder: &TempDir, line: &str) -> (String, String) {
 }
 
 /// Must fail with this code and a message that contains all these words, and leave the folder's files as they were.
-pub fn bad(folder: &TempDir, line: &str, code: i32, words: &[&str]) {
+pub fn bad(folder: &TempDir, line: &str, code: i32, words: &[&str]) -> String {
     let before = names(folder.path());
     let output = program(folder, line).output().unwrap();
     let (out, err) = said(&output);
@@ -47,6 +47,7 @@ pub fn bad(folder: &TempDir, line: &str, code: i32, words: &[&str]) {
     }
     assert!(!err.contains("panicked"), "{line}: {err}");
     assert_eq!(names(folder.path()), before, "{line} left something behind");
+    err
 }
 
 pub fn names(folder: &Path) -> Vec<String> {

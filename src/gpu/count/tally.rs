@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 /// What a block does when it runs once.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(in crate::internals::gpu) struct Block {
+pub(in super::super) struct Block {
     /// Whether the kernel begins with it.
     pub(super) entry: bool,
     /// Additions and multiplications.
@@ -51,7 +51,7 @@ pub struct Tally {
 
 impl Tally {
     /// What the blocks have done together, each having run `counts` times.
-    pub(in crate::internals::gpu) fn new(blocks: &[Block], counts: &[u64]) -> Self {
+    pub(in super::super) fn new(blocks: &[Block], counts: &[u64]) -> Self {
         let mut tally = Self::default();
         for (block, &count) in blocks.iter().zip(counts) {
             tally.invocations += if block.entry { count } else { 0 };

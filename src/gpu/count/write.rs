@@ -6,7 +6,7 @@ use super::read::Module;
 use crate::gpu::spirv_module::{BOUND, HEADER_WORDS, Instruction, append};
 
 /// The binding of the counters, beyond every buffer of a frame.
-pub(in crate::internals::gpu) const BINDING: u32 = 200;
+pub(in super::super) const BINDING: u32 = 200;
 
 /// A module being copied.
 pub(super) struct Rewriter {

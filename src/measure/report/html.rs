@@ -128,6 +128,14 @@ impl Page {
     /// Adds a table, and the same table as a file `name.csv`.
     pub fn table(&mut self, name: &str, columns: &[Column<'_>], rows: &[Vec<String>]) -> Result<()> {
         let mut writer = csv::Writer::from_writer(Vec::new());
+        // A file with two columns of one name can't be read by name.
+        if let Some((head, _)) = columns
+            .iter()
+            .enumerate()
+            .find_map(|(k, column)| columns[..k].iter().any(|before| before.0 == column.0).then_some(column))
+        {
+            return Err(Error::Check(format!("{name}.csv has two columns {head:?}")));
+        }
         let lost = |error: &dyn std::fmt::Display| Error::Check(format!("{name}.csv could not be made: {error}"));
         writer.write_record(columns.iter().map(|(head, _)| head)).map_err(|e| lost(&e))?;
         for row in rows {

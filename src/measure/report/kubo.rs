@@ -177,9 +177,9 @@ fn fitted(bench: &Bench<'_>, page: &mut Page, preset: &Preset) -> Result<()> {
     let columns = [
         ("channel", ""),
         ("sigma_0 by the dipole, mm", "the sigma_0 that fits the dipole best"),
-        ("residual", residual),
+        ("residual of the dipole's fit", residual),
         ("by the walk, mm", "the sigma_0 that fits a random walk best, times a factor"),
-        ("residual", residual),
+        ("residual of the walk's fit", residual),
         ("times", "that factor: how much more or less light the walk returns"),
     ];
     page.table(&format!("sigma-0-{}", preset.name.to_lowercase()), &columns, &rows)
