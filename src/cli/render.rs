@@ -106,8 +106,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut scene = arguments.run.of(&arguments.scene).load()?;
     scene.camera = scene.camera.clone().sized(size.unwrap_or(scene.camera.size))?;
     let mut session = open_session(&scene, device.as_ref(), options)?;
-    let times = run_frame(&mut session, Change::EVERYTHING)?;
-    if arguments.times {
+    let mut times = run_frame(&mut session, Change::EVERYTHING)?;
+    if arguments.times && (pick.is_some() || arguments.view.is_some()) {
         super::solve::print_times(&mut session, &times)?;
     }
     if let Some(pick) = pick {
@@ -122,7 +122,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         picture.save(&arguments.output)?;
         return print_curvature(&curvature_view, scene.unit_mm);
     }
-    let picture = sequence::shoot(&mut session, aov, &arguments.output)?;
+    let (picture, samples) = sequence::shoot(&mut session, aov, &arguments.output)?;
+    times.extend(samples);
+    if arguments.times {
+        super::solve::print_times(&mut session, &times)?;
+    }
     check_messages(device.as_ref())?;
     let place = device.as_ref().map_or("the CPU", |device| device.name());
     let seconds = start.elapsed().as_secs_f64();

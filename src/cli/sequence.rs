@@ -8,10 +8,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{SceneArguments, check_messages, open_session, run_frame};
 use milkglass::error::{Error, Input, Result};
-use milkglass::internals::gpu::Device;
+use milkglass::internals::gpu::{Device, Timing};
 use milkglass::internals::pipeline::plan::{Change, Options};
 use milkglass::internals::prepare::shape::turned;
-use milkglass::internals::session::antialiasing::picture;
+use milkglass::internals::session::antialiasing::timed_picture;
 use milkglass::internals::session::aov::layers;
 use milkglass::internals::session::run::Session;
 use milkglass::internals::view::aov::save;
@@ -110,16 +110,16 @@ pub fn warn_of_shape(session: &Session, frame: &str) {
 }
 
 /// Writes the picture of the last frame, with layers if `aov`.
-pub fn shoot(session: &mut Session, aov: bool, output: &Path) -> Result<Picture> {
+pub fn shoot(session: &mut Session, aov: bool, output: &Path) -> Result<(Picture, Vec<Timing>)> {
     // Layers first: they belong to rays through the pixels' centres.
     let layers = if aov { Some(layers(session)?) } else { None };
     super::solve::tell_blunt(session);
-    let picture = picture(session)?;
+    let (picture, times) = timed_picture(session)?;
     match layers {
         Some(layers) => save(&picture, &layers, output)?,
         None => picture.save(output)?,
     }
-    Ok(picture)
+    Ok((picture, times))
 }
 
 /// Parses `0..59`, both ends included; the output path must have a placeholder for the number.

@@ -121,22 +121,23 @@ pub fn tell_blunt(session: &Session) {
     }
 }
 
-/// Prints the time of each stage, summed over its steps, and the number of links.
+/// Prints the time of each stage, summed over its steps in all frames, and the number of links.
 pub fn print_times(session: &mut Session, times: &[Timing]) -> Result<()> {
     session.fetch(&[BufferId::spans, BufferId::runs])?;
-    let mut rows: Vec<(String, f64)> = Vec::new();
+    let mut rows: Vec<(String, usize, f64)> = Vec::new();
     for time in times {
-        match rows.iter_mut().find(|(name, _)| *name == time.name) {
-            Some((_, sum)) => *sum += time.milliseconds,
-            None => rows.push((time.name.clone(), time.milliseconds)),
+        match rows.iter_mut().find(|(name, ..)| *name == time.name) {
+            Some((_, steps, sum)) => (*steps, *sum) = (*steps + 1, *sum + time.milliseconds),
+            None => rows.push((time.name.clone(), 1, time.milliseconds)),
         }
     }
-    let total: f64 = rows.iter().map(|(_, ms)| ms).sum();
-    rows.push(("total".into(), total));
-    let rows: Vec<_> = rows.into_iter().map(|(name, ms)| vec![name, format!("{ms:.3}")]).collect();
+    let (steps, total) = rows.iter().fold((0, 0.0), |(steps, sum), (_, count, ms)| (steps + count, sum + ms));
+    rows.push(("total".into(), steps, total));
+    let row = |(name, steps, ms): (String, usize, f64)| vec![name, steps.to_string(), format!("{ms:.3}")];
+    let rows: Vec<_> = rows.into_iter().map(row).collect();
     let data = &session.state().data;
     let links: u64 = data.spans.iter().map(|span| u64::from(span.links)).sum();
-    print(&table(&["stage", "ms"], &[1], &rows))?;
+    print(&table(&["stage", "steps", "ms"], &[1, 2], &rows))?;
     let count = |of: fn(&milkglass::internals::layout::Runs) -> u32| {
         session.state().runs().map(|run| u64::from(of(run))).sum::<u64>()
     };

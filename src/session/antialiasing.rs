@@ -3,6 +3,7 @@
 
 use super::run::Session;
 use crate::error::Result;
+use crate::gpu::Timing;
 use crate::pipeline::plan::Change;
 use crate::view::picture::Picture;
 
@@ -17,21 +18,26 @@ pub fn place(k: u32, count: u32) -> [f64; 2] {
 /// The picture of a session, after a frame through the pixels' centres: the mean of the camera's number of samples,
 /// with equal weights. The centre is a sample only if it is the only one. Leaves the session at the last sample.
 pub fn picture(session: &mut Session) -> Result<Picture> {
-    let mut picture = session.picture()?;
+    timed_picture(session).map(|(picture, _)| picture)
+}
+
+/// The same, with the times of the steps that ran for the samples: none for a single one.
+pub fn timed_picture(session: &mut Session) -> Result<(Picture, Vec<Timing>)> {
+    let (mut picture, mut times) = (session.picture()?, Vec::new());
     let samples = session.scene().camera.samples;
     if samples == 1 {
-        return Ok(picture);
+        return Ok((picture, times));
     }
     let mut sums = vec![[0.0; 3]; picture.pixels.len()];
     for k in 0..samples {
         session.shift(place(k, samples))?;
-        session.frame(Change::VIEW)?;
+        times.extend(session.frame(Change::VIEW)?);
         for (sum, pixel) in sums.iter_mut().zip(&session.picture()?.pixels) {
             *sum = std::array::from_fn(|c| sum[c] + f64::from(pixel[c]));
         }
     }
     picture.pixels = sums.iter().map(|sum| sum.map(|x| (x / f64::from(samples)) as f32)).collect();
-    Ok(picture)
+    Ok((picture, times))
 }
 
 #[cfg(test)]

@@ -48,6 +48,13 @@ fn render_writes_a_png_and_nothing_else() {
     assert_eq!((&png[1..4], &png[16..24]), (&b"PNG"[..], &[0, 0, 0, 16, 0, 0, 0, 12][..]));
     let (out, _) = good(&here, &format!("render {SMALL} -o b.png --size 1x1 --times"));
     assert!(out.starts_with("stage") && out.contains("total"), "{out}");
+    // Every sample counts: one frame through the centres, and three more.
+    let (out, _) = good(&here, &format!("render {SMALL} -o c.png --size 2x1 --times --set camera.samples=3"));
+    let steps = |stage: &str| -> usize {
+        let line = out.lines().find(|line| line.starts_with(stage)).unwrap();
+        line.split_whitespace().nth(1).unwrap().parse().unwrap()
+    };
+    assert_eq!((steps("visibility"), steps("refit"), steps("shade")), (4, 1, 4), "{out}");
     assert_eq!(&bytes(&here, "b.png")[16..24], &[0, 0, 0, 1, 0, 0, 0, 1]);
 }
 
