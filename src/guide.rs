@@ -1,4 +1,20 @@
 //! The user guide. Its pages are `src/guide/*.md`, which also read well in the repository.
+//!
+//! | page | answers |
+//! |---|---|
+//! | [Getting started](start) | installing, first pictures, devices, commands, exit codes |
+//! | [Scenes](scenes) | scene files: objects, materials, textures, every key |
+//! | [Lights and looks](lights) | light types, shadows, environments, reflection, tone, layers of a picture |
+//! | [Motion](motion) | deformation, keyframes, sequences, what is kept between frames |
+//! | [Layers](layers) | subsurface texture mapping |
+//! | [Shading by curvature](curvature) | the CDRF, where it is a good approximation, and its rivals |
+//! | [How it works](how) | the frame, the model and where it is wrong, schemes, hierarchies, error estimate |
+//! | [Measuring](measuring) | error norms, references, error against run time, extreme cases, the papers' tables |
+//! | [Conformance](conformance) | for driver people: what is compared, and how to reduce a failure |
+//! | [Performance](performance) | profiles, your own kernels, tuning |
+//! | [Robustness](robustness) | limits, promises and the tests that verify them |
+//! | [As a library](library) | the Rust API |
+//! | [Contributing](contributing) | structure, rules, tests; recipes for a stage, a light, a mesh format, a measurement |
 
 /// Each name is a page. Links between pages lead to modules here, and to files in the repository: of two definitions
 /// of a link the first one counts.

@@ -21,7 +21,7 @@
 //! - [`Error`]: what went wrong, and whose fault it is.
 //! - [`measure`]: conformance of a device, profiles, error against run time (feature `measure`).
 //!
-//! The [`guide`] explains scenes, methods and measurements, and [`internals`] the code.
+//! Begin with [`guide::start`]; the [`guide`] explains scenes, methods and measurements, and [`internals`] the code.
 //!
 //! # Features
 //!
@@ -46,10 +46,17 @@ pub mod scene;
 
 use internals::*;
 
+#[doc(inline)]
 pub use error::{Error, Result};
+#[doc(inline)]
 pub use gpu::Device;
+#[doc(inline)]
 pub use scene::Scene;
+#[doc(inline)]
 pub use session::faces::FaceLight;
+#[doc(inline)]
 pub use session::run::Session;
+#[doc(inline)]
 pub use state::options::{Goal, Mode, Options, ShadingMethod};
+#[doc(inline)]
 pub use view::picture::Picture;

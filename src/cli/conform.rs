@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
 
     let mut rows: Vec<(Device, Row)> = Vec::new();
-    for adapter in chosen {
+    for &adapter in &chosen {
         let device = replaced(&opened(&instance, adapter)?, &kernels);
         if !adapter.limits.round_to_nearest {
             tell!("{}: rounding to nearest can't be requested; decisions rely on its default", adapter.name);
@@ -137,9 +137,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     if !wrong.is_empty() {
         let faults: usize = wrong.iter().map(|(_, row)| row.faults.len()).sum();
-        return Err(Error::Check(format!("{faults} differences beyond tolerance")));
+        let s = if faults == 1 { "" } else { "s" };
+        return Err(Error::Check(format!("{faults} difference{s} beyond tolerance")));
     }
-    print(&format!("{} comparisons, all conform\n", rows.len()))
+    // What a report on a driver needs.
+    let mut text = String::new();
+    for adapter in chosen {
+        let (name, driver, size) = (&adapter.name, &adapter.driver, adapter.limits.subgroup_size);
+        let count = rows.iter().filter(|(device, _)| device.name() == name).count();
+        let version = env!("CARGO_PKG_VERSION");
+        text += &format!("milkglass {version}, {name}, driver {driver}, subgroups of {size}: {count} comparisons\n");
+    }
+    print(&format!("{text}{} comparisons, all conform\n", rows.len()))
 }
 
 /// All rows of a device: of every stage, of the requested stages, or of the stages whose kernels are replaced.

@@ -30,8 +30,10 @@ pub fn sources() -> impl Iterator<Item = &'static str> {
 pub fn replacement(kernel: &str, file: &Path) -> Result<Vec<u32>> {
     if !kernel_names().any(|known| known == kernel) {
         let names: Vec<_> = kernel_names().filter(|known| !known.starts_with("measure/")).collect();
-        let near =
-            names.iter().max_by(|a, b| strsim::jaro_winkler(a, kernel).total_cmp(&strsim::jaro_winkler(b, kernel)));
+        // A stage's name alone stands for its first kernel.
+        let part = names.iter().find(|name| name.split('/').any(|part| part == kernel));
+        let alike = |name: &str| strsim::jaro_winkler(name, kernel);
+        let near = part.or_else(|| names.iter().max_by(|a, b| alike(a).total_cmp(&alike(b))));
         let fault = Input::new("there is no such kernel").key("--replace").found(kernel);
         let like = near.map_or(String::new(), |name| format!("{name}, or another one that "));
         return Err(fault.expected(format!("{like}`milkglass shader` lists")).into());

@@ -3,7 +3,10 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use milkglass::internals::pipeline::frame::steps;
+use milkglass::internals::pipeline::plan::Change;
 use milkglass::scene::{Light, Scene, Source};
+use milkglass::{Options, Session};
 
 use crate::{CLEAR, irradiance, scene, sheets};
 
@@ -81,4 +84,18 @@ fn a_soft_shadow_has_a_penumbra() {
     let shares: Vec<f64> = (0..512).map(share).collect();
     assert!(shares[2 * (8 * 16 + 8)] == 0.0 && shares[0] == 1.0, "{} {}", shares[272], shares[0]);
     assert!(shares.iter().filter(|&&s| s > 0.05 && s < 0.95).count() > 20);
+}
+
+/// A triangle whose area vanishes in `f32` has no normal; it receives nothing, rather than no number.
+#[test]
+fn a_face_without_area_receives_nothing() {
+    let small = scene("sphere", &["object.0.detail=1", CLEAR]);
+    let mut session = Session::new(&small, None, Options::default()).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    let mut state = session.state().clone();
+    let lit = (0..state.data.irradiance.len()).find(|&face| state.data.irradiance[face][0] > 0.0).unwrap();
+    let leaf = state.data.leaves[lit] as usize;
+    (state.data.clusters[leaf].normal, state.data.clusters[leaf].area) = ([0.0; 3], 0.0);
+    steps(&state, |stage| stage.name == "irradiance").iter().for_each(|step| step.reference(&mut state));
+    assert_eq!(state.data.irradiance[lit], [0.0; 3]);
 }

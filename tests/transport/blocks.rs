@@ -5,6 +5,7 @@ use glam::DVec3;
 use milkglass::internals::dipole::profile::Dipole;
 use milkglass::internals::layout::BLOCK_CLASSES;
 use milkglass::internals::layout::Buffers;
+use milkglass::internals::pipeline::frame::steps;
 use milkglass::internals::pipeline::plan::{Change, Goal, Options};
 use milkglass::internals::session::run::Session;
 use milkglass::measure::norms::{norms, worst};
@@ -136,20 +137,88 @@ fn moments_are_sums_over_faces() {
             }
             let center = first / weight;
             assert!(center.distance(wide(m.center)) < 1e-5, "centre of node {node}");
-            let mut trace = 0.0;
+            // All six second moments: the faces' places, and each triangle's own spread.
+            let mut second = [0.0; 6];
             for face in faces(data, node as u32) {
                 let (w, x) = light(face);
-                let leaf = &data.clusters[data.leaves[face] as usize];
-                trace += w * (x.distance_squared(center) + f64::from(leaf.moment_trace)) / weight;
-                for v in data.triangles[face] {
-                    let far = wide(data.positions[v as usize]).distance(wide(m.center));
+                let corners = data.triangles[face].map(|v| wide(data.positions[v as usize]));
+                let mut add = |share: f64, d: DVec3| {
+                    let own = [d.x * d.x, d.y * d.y, d.z * d.z, d.y * d.z, d.z * d.x, d.x * d.y];
+                    second.iter_mut().zip(own).for_each(|(sum, value)| *sum += w * share * value / weight);
+                };
+                add(1.0, x - center);
+                (0..3).for_each(|k| add(1.0 / 36.0, corners[(k + 1) % 3] - corners[k]));
+                for corner in corners {
+                    let far = corner.distance(wide(m.center));
                     assert!(far <= f64::from(s.radius) * 1.00001, "radius of node {node}");
                 }
             }
-            let sum = s.diagonal.iter().copied().map(f64::from).sum::<f64>();
-            assert!((sum - trace).abs() < 1e-4 * trace, "second moments of node {node}");
+            let trace: f64 = second[..3].iter().sum();
+            for (found, wanted) in s.diagonal.iter().chain(&s.mixed).zip(second) {
+                assert!((f64::from(*found) - wanted).abs() < 1e-4 * trace, "second moments of node {node}: {s:?}");
+            }
         }
     }
+}
+
+/// The expansion of a block against derivatives, by differences, of the sum over the faces that it stands for.
+#[test]
+fn an_expansion_has_the_derivatives_of_its_sum() {
+    let session = solved("lotus", &["object.0.detail=48", "transport.tolerance=1e-4", "light=[{type='point', position=[9, 30, 14], intensity=900}]"]);
+    let (state, data) = (session.state(), &session.state().data);
+    let groups = state.objects[0].groups.len();
+    assert_eq!(groups, 1, "lists are those of the last group");
+    let lead = state.objects[0].groups[0].lead as usize;
+    let dipole = Dipole::of(&data.object_params[0], lead);
+    let mut compared = 0;
+    for (number, run) in data.runs.iter().enumerate().filter(|(_, run)| run.expanded > 20).step_by(5) {
+        let list = &data.entries[run.first as usize..(run.first + run.expanded) as usize];
+        let sum = |x: DVec3| -> f64 {
+            let face = |face: usize| {
+                let leaf = &data.clusters[data.leaves[face] as usize];
+                let light = f64::from(leaf.area) * f64::from(data.irradiance[face][lead]);
+                light * dipole.radial(x.distance_squared(wide(leaf.center)))
+            };
+            list.iter().flat_map(|&node| faces(data, node)).map(face).sum()
+        };
+        let (center, h) = (wide(data.spheres[number].center), 2e-3);
+        let e = &data.expansions[number];
+        let axis = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * h);
+        let middle = sum(center);
+        let square = |a: DVec3| (sum(center + a) - 2.0 * middle + sum(center - a)) / (h * h);
+        let mixed = |a: DVec3, b: DVec3| {
+            (sum(center + a + b) - sum(center + a - b) - sum(center - a + b) + sum(center - a - b)) / (4.0 * h * h)
+        };
+        let slope = |a: DVec3| (sum(center + a) - sum(center - a)) / (2.0 * h);
+        let [x, y, z] = axis;
+        let orders = [
+            (vec![middle], vec![e.value]),
+            (axis.map(slope).to_vec(), vec![e.x, e.y, e.z]),
+            (
+                vec![square(x), square(y), square(z), mixed(y, z), mixed(z, x), mixed(x, y)],
+                vec![e.xx, e.yy, e.zz, e.yz, e.zx, e.xy],
+            ),
+        ];
+        for (order, (wanted, found)) in orders.into_iter().enumerate() {
+            let largest = wanted.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            for (k, (wanted, found)) in wanted.iter().zip(&found).enumerate() {
+                let off = (f64::from(found[lead]) - wanted).abs() / largest;
+                assert!(off < 0.01, "block {number}, order {order}, component {k}: {} for {wanted}", found[lead]);
+            }
+        }
+        compared += 1;
+    }
+    assert!(compared > 10, "only {compared} blocks have long lists of expanded emitters");
+}
+
+/// Rounding may leave a small negative sum: no receiver sends less than nothing.
+#[test]
+fn no_receiver_is_darker_than_black() {
+    let mut state = solved("sphere", &["object.0.detail=3"]).state().clone();
+    state.data.received[7] = [-1e6; 3];
+    steps(&state, |stage| stage.name == "push").iter().for_each(|step| step.reference(&mut state));
+    assert_eq!(state.data.radiosity[7], [0.0; 3]);
+    assert!(state.data.radiosity[8].iter().all(|b| *b > 0.0));
 }
 
 #[test]
