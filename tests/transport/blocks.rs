@@ -164,7 +164,14 @@ fn moments_are_sums_over_faces() {
 /// The expansion of a block against derivatives, by differences, of the sum over the faces that it stands for.
 #[test]
 fn an_expansion_has_the_derivatives_of_its_sum() {
-    let session = solved("lotus", &["object.0.detail=48", "transport.tolerance=1e-4", "light=[{type='point', position=[9, 30, 14], intensity=900}]"]);
+    let session = solved(
+        "lotus",
+        &[
+            "object.0.detail=48",
+            "transport.tolerance=1e-4",
+            "light=[{type='point', position=[9, 30, 14], intensity=900}]",
+        ],
+    );
     let (state, data) = (session.state(), &session.state().data);
     let groups = state.objects[0].groups.len();
     assert_eq!(groups, 1, "lists are those of the last group");
