@@ -14,7 +14,7 @@
 //! | [Performance](performance) | profiles, your own kernels, tuning |
 //! | [Robustness](robustness) | limits, promises and the tests that verify them |
 //! | [As a library](library) | the Rust API |
-//! | [Contributing](contributing) | structure, rules, tests; recipes for a stage, a light, a mesh format, a measurement |
+//! | [Contributing](contributing) | structure, rules, tests; recipes for a stage, a light, a format, a measurement |
 
 /// Each name is a page. Links between pages lead to modules here, and to files in the repository: of two definitions
 /// of a link the first one counts.
