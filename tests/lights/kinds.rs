@@ -86,16 +86,21 @@ fn a_soft_shadow_has_a_penumbra() {
     assert!(shares.iter().filter(|&&s| s > 0.05 && s < 0.95).count() > 20);
 }
 
-/// A triangle whose area vanishes in `f32` has no normal; it receives nothing, rather than no number.
+/// A triangle whose area vanishes in `f32` has no normal: it receives no light of a direction, and the mean of an
+/// environment, which is that of every face if the environment is uniform.
 #[test]
-fn a_face_without_area_receives_nothing() {
-    let small = scene("sphere", &["object.0.detail=1", CLEAR]);
-    let mut session = Session::new(&small, None, Options::default()).unwrap();
-    session.frame(Change::EVERYTHING).unwrap();
-    let mut state = session.state().clone();
-    let lit = (0..state.data.irradiance.len()).find(|&face| state.data.irradiance[face][0] > 0.0).unwrap();
-    let leaf = state.data.leaves[lit] as usize;
-    (state.data.clusters[leaf].normal, state.data.clusters[leaf].area) = ([0.0; 3], 0.0);
-    steps(&state, |stage| stage.name == "irradiance").iter().for_each(|step| step.reference(&mut state));
-    assert_eq!(state.data.irradiance[lit], [0.0; 3]);
+fn a_face_without_area_receives_what_needs_no_normal() {
+    for (light, share) in [("camera.fov=30", 0.0), ("light=[{ type='environment', radiance=1 }]", 1.0)] {
+        let small = scene("sphere", &["object.0.detail=1", light]);
+        let mut session = Session::new(&small, None, Options::default()).unwrap();
+        session.frame(Change::EVERYTHING).unwrap();
+        let mut state = session.state().clone();
+        let lit = (0..state.data.irradiance.len()).find(|&face| state.data.irradiance[face][0] > 0.0).unwrap();
+        let (before, leaf) = (state.data.irradiance[lit], state.data.leaves[lit] as usize);
+        (state.data.clusters[leaf].normal, state.data.clusters[leaf].area) = ([0.0; 3], 0.0);
+        steps(&state, |stage| stage.name == "irradiance").iter().for_each(|step| step.reference(&mut state));
+        for (found, before) in state.data.irradiance[lit].iter().zip(before) {
+            assert!((found - share * before).abs() < 1e-5 * before, "{light}: {found}, {before} with an area");
+        }
+    }
 }
