@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 #[path = "house/cycles.rs"]
 mod cycles;
+#[path = "house/includes.rs"]
+mod includes;
 
 /// The modules from top to bottom; a module may use those below it.
 const FLOORS: &[&[&str]] = &[
