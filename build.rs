@@ -7,7 +7,7 @@
 use std::collections::VecDeque;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{self, Command};
+use std::process;
 use std::sync::Mutex;
 use std::{env, fs, thread};
 
@@ -141,7 +141,7 @@ fn compile_all(jobs: Vec<Job>, out: &Path, header: &str) -> Result<(), String> {
 fn compile_one(job: &Job, out: &Path, _: &str) -> Result<(), String> {
     let glslc = glslc();
     let includes = [Path::new("-Iglsl").to_path_buf(), format!("-I{}", out.display()).into()];
-    let run = Command::new(&glslc)
+    let run = process::Command::new(&glslc)
         .args(["-fshader-stage=compute", "--target-env=vulkan1.2", "--target-spv=spv1.5", "-O", "-g", "-Werror"])
         .args(includes)
         .arg(&job.source)
