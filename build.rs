@@ -186,7 +186,8 @@ fn compile_one(job: &Job, _: &Path, header: &str) -> Result<(), String> {
 /// it. Where shaderc is whole, or built from source, nothing is to be done.
 fn link_shaderc() {
     let set = |name: &str| env::var_os(name).is_some();
-    if !set("CARGO_FEATURE_SHADERC") || set("CARGO_FEATURE_BUILD_FROM_SOURCE") || set("SHADERC_LIB_DIR") {
+    let elsewhere = ["CARGO_FEATURE_BUILD_FROM_SOURCE", "SHADERC_LIB_DIR", "VULKAN_SDK"].into_iter().any(set);
+    if !set("CARGO_FEATURE_SHADERC") || elsewhere {
         return;
     }
     let arch = env::var("CARGO_CFG_TARGET_ARCH").unwrap_or_default();

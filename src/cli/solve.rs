@@ -75,7 +75,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let options = Options { goal: Goal::Radiosity, estimate, ..arguments.run.options() };
     let mut session = open_session(&scene, device.as_ref(), options)?;
     let times = run_frame(&mut session, Change::EVERYTHING)?;
-    let faces = session.faces()?;
+    // Only a file needs every face.
+    let faces = if output.is_some() { session.faces()? } else { Vec::new() };
+    session.sharpen()?;
     tell_blunt(&session);
     check_messages(device.as_ref())?;
     if let Some((path, format)) = output {

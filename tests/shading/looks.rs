@@ -188,6 +188,21 @@ fn samples_bring_a_pixel_near_its_mean() {
 }
 
 #[test]
+fn a_session_renders_what_the_camera_asks_for() {
+    let sets = ["camera.samples=3", "camera.exposure=2", "camera.tone=filmic"];
+    let mut rendered = session(&sets);
+    let first = rendered.render().unwrap();
+    assert_eq!(first.pixels, picture(&mut session(&sets)).unwrap().pixels);
+    let centres = session(&sets).picture().unwrap().pixels;
+    assert_ne!(first.pixels, centres);
+    assert_eq!((first.exposure, first.tone), (2.0, milkglass::scene::Tone::Filmic));
+    // Afterwards rays run through the pixels' centres again.
+    rendered.frame(Default::default()).unwrap();
+    assert_eq!(rendered.picture().unwrap().pixels, centres);
+    assert_eq!(rendered.render().unwrap().pixels, first.pixels);
+}
+
+#[test]
 fn the_number_of_samples_is_checked() {
     let here = folder(&[]);
     for (samples, found) in [("0", "found 0"), ("65", "found 65")] {

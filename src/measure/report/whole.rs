@@ -12,27 +12,37 @@ const HEAD: &str = r#"<!doctype html>
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; img-src data:; style-src 'unsafe-inline'">
 <link rel="icon" href="data:,">
 <style>
-:root{--text:#222;--back:#fff;--soft:#555;--line:#ddd;--faint:#f4f4f4;--win:#05603a;--loss:#a12d00;--link:#0b57a4;--fail:#b00020}
-@media(prefers-color-scheme:dark){:root{--text:#ddd;--back:#161616;--soft:#a0a0a0;--line:#3a3a3a;--faint:#242424;--win:#5fc796;--loss:#f0936b;--link:#7db5f5;--fail:#a01828}
+:root{--text:#222;--back:#fff;--soft:#555;--line:#ddd;--faint:#f4f4f4;--win:#05603a;--loss:#a12d00;--link:#0b57a4;
+--fail:#b00020}
+@media(prefers-color-scheme:dark){:root{--text:#ddd;--back:#161616;--soft:#a0a0a0;--line:#3a3a3a;--faint:#242424;
+--win:#5fc796;--loss:#f0936b;--link:#7db5f5;--fail:#a01828}
 svg{filter:invert(.9) hue-rotate(180deg)}}
-body{font:16px/1.5 system-ui,sans-serif;color:var(--text);background:var(--back);margin:0 auto;max-width:76rem;padding:0 1rem 4rem}
-h1{font-size:1.7rem;margin:1.2rem 0 .2rem}h2{font-size:1.25rem;margin:0;display:inline}main h2.front{display:block;margin:1.6rem 0 .4rem}
-h3{font-size:1.05rem;margin:1.5rem 0 .3rem}p{margin:.5rem 0;max-width:60rem}.about{color:var(--soft);margin:0 0 1rem}
+body{font:16px/1.5 system-ui,sans-serif;color:var(--text);background:var(--back);margin:0 auto;max-width:76rem;
+padding:0 1rem 4rem}
+h1{font-size:1.7rem;margin:1.2rem 0 .2rem}h2{font-size:1.25rem;margin:0;display:inline}
+main h2.front{display:block;margin:1.6rem 0 .4rem}
+h3{font-size:1.05rem;margin:1.5rem 0 .3rem}p{margin:.5rem 0;max-width:60rem}
+.about{color:var(--soft);margin:0 0 1rem}
 .tiles{display:grid;grid-template-columns:repeat(auto-fill,minmax(11rem,1fr));gap:.6rem;margin:1rem 0}
-.tile{border:1px solid var(--line);border-left:5px solid var(--soft);border-radius:6px;padding:.5rem .8rem;background:var(--faint);display:block;color:inherit;text-decoration:none}
+.tile{border:1px solid var(--line);border-left:5px solid var(--soft);border-radius:6px;padding:.5rem .8rem;
+background:var(--faint);display:block;color:inherit;text-decoration:none}
 .tile b{display:block;font-size:1.25rem;line-height:1.25}.tile span{font-size:.85rem;color:var(--soft)}
-.tile.win{border-left-color:var(--win)}.tile.win b{color:var(--win)}.tile.loss{border-left-color:var(--loss)}.tile.loss b{color:var(--loss)}
+.tile.win{border-left-color:var(--win)}.tile.win b{color:var(--win)}.tile.loss{border-left-color:var(--loss)}
+.tile.loss b{color:var(--loss)}
 .box{overflow-x:auto;width:fit-content;max-width:100%;margin:.5rem 0;border:1px solid var(--line);border-radius:4px}
 table{border-collapse:collapse;font-size:.85rem;font-variant-numeric:tabular-nums}
 th,td{text-align:left;padding:.2rem .6rem;border-bottom:1px solid var(--line);white-space:nowrap;vertical-align:top}
 table.findings td{white-space:normal}td.win,td.loss,td.note{font-weight:600}
 th{background:var(--faint)}.r{text-align:right}pre{font-size:.78rem;line-height:1.35;margin:.5rem}
-.row{display:flex;flex-wrap:wrap;gap:.8rem;align-items:flex-start}.plot{max-width:100%}.plot svg{max-width:100%;height:auto}
-figure{margin:0}img{display:block;max-width:100%;background:#000;border-radius:3px}figcaption{font-size:.8rem;color:var(--soft)}
+.row{display:flex;flex-wrap:wrap;gap:.8rem;align-items:flex-start}.plot{max-width:100%}
+.plot svg{max-width:100%;height:auto}
+figure{margin:0}img{display:block;max-width:100%;background:#000;border-radius:3px}
+figcaption{font-size:.8rem;color:var(--soft)}
 .file{font-size:.8rem;margin:.1rem 0}.fail{background:var(--fail);color:#fff;padding:.4rem .6rem;border-radius:4px}
 .win{color:var(--win)}.loss{color:var(--loss)}.note,.took{color:var(--soft)}.took{font-size:.8rem}
 a{color:var(--link)}details{margin:.4rem 0}summary{cursor:pointer}.columns{font-size:.85rem;color:var(--soft)}
-dl{margin:.3rem 0 .6rem;display:grid;grid-template-columns:max-content 1fr;gap:.1rem .8rem;max-width:60rem}dt{font-weight:600}dd{margin:0}
+dl{margin:.3rem 0 .6rem;display:grid;grid-template-columns:max-content 1fr;gap:.1rem .8rem;max-width:60rem}
+dt{font-weight:600}dd{margin:0}
 @media(max-width:40rem){dl{display:block}dd{margin:0 0 .4rem}}
 .section{border-top:1px solid var(--line);margin:0;padding:.7rem 0}.section[open]{padding-bottom:2rem}
 </style>
