@@ -8,7 +8,7 @@ use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::internals::pipeline::plan::{Change, Options};
 use milkglass::internals::session::run::Session;
-use milkglass::measure::layers::{Line, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules, uneven};
+use milkglass::measure::layers::{Line, Looks, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules, uneven};
 use milkglass::scene::{Integration, Scene};
 
 fn scene(name: &str, sets: &[&str]) -> Result<Scene> {
@@ -36,7 +36,8 @@ fn run() -> Result<()> {
     }
     let device = if cpu { None } else { Device::best()? };
     println!("on {}\n", device.as_ref().map_or("cpu", Device::name));
-    let (pixels, repeat) = if quick { (40, 3) } else { (240, 7) };
+    let (pixels, repeat) = if quick { (512, 3) } else { (2048, 7) };
+    let looks = |first: [u32; 2]| Looks { sizes: [first, [240, 180]], pixels };
 
     println!("scene        lights  relief ms  ms a light");
     for (of, sets) in [("fish", &["camera.size=[400, 300]"][..]), ("gecko", &["camera.size=[400, 300]"])] {
@@ -49,14 +50,10 @@ fn run() -> Result<()> {
     println!();
 
     println!(
-        "scene        rule   samples  L2 of integration  L2 in all  relief ms  of 10 samples  cost a sample  ms a view"
+        "scene        rule   samples  L2 of integration            L2 in all  at 240 x 180         relief ms  of 10 samples  cost a sample  ms a view"
     );
-    for (of, sets) in [
-        ("slab-layers", &["camera.size=[400, 300]"][..]),
-        ("fish", &["camera.size=[800, 600]"]),
-        ("gecko", &["camera.size=[800, 600]"]),
-    ] {
-        let lines = rules(&scene(of, sets)?, device.as_ref(), &SAMPLES, pixels, repeat)?;
+    for (of, size) in [("slab-layers", [400, 300]), ("fish", [800, 600]), ("gecko", [800, 600])] {
+        let lines = rules(&scene(of, &[])?, device.as_ref(), &SAMPLES, looks(size), repeat)?;
         let of_rule = |line: &Line, samples: u32, rule: Integration| {
             let found = lines.iter().find(|l| l.samples == samples && l.rule == rule);
             line.relief / found.map_or(f64::NAN, |found| found.relief)
@@ -67,7 +64,8 @@ fn run() -> Result<()> {
                 name(line.rule),
                 line.samples,
                 line.integration,
-                line.total,
+                line.totals[0].to_string(),
+                line.totals[1].to_string(),
                 line.relief,
                 of_rule(line, SAMPLES[0], line.rule),
                 of_rule(line, line.samples, Integration::Paper),
@@ -81,16 +79,21 @@ fn run() -> Result<()> {
     }
 
     println!("\nfigure 14: error of integration against samples, fish\nsamples      paper      exact");
-    let lines = rules(&scene("fish", &["camera.size=[400, 300]"])?, device.as_ref(), &SWEEP, pixels, 1)?;
+    let lines = rules(&scene("fish", &[])?, device.as_ref(), &SWEEP, looks([400, 300]), 1)?;
     let (paper, exact) = lines.split_at(SWEEP.len());
     for (paper, exact) in paper.iter().zip(exact) {
         println!("{:>7}  {:>9.1e}  {:>9.1e}", paper.samples, paper.integration, exact.integration);
     }
 
-    println!("\nscene        approximation                             L2");
-    for of in ["fish", "gecko"] {
-        for (what, error) in approximations(&scene(of, &["camera.size=[400, 300]"])?, pixels / 4)? {
-            println!("{of:<12} {what:<40}  {error:.1e}");
+    println!("\nscene        approximation                             L2 at 400 x 300      L2 at 240 x 180");
+    for of in ["slab-layers", "fish", "gecko"] {
+        let both = approximations(&scene(of, &[])?, looks([400, 300]))?;
+        for ((what, one), (_, other)) in both[0].errors.iter().zip(&both[1].errors) {
+            println!("{of:<12} {what:<40}  {:<19}  {}", one.to_string(), other.to_string());
+        }
+        for found in &both {
+            let ([pixels, front], share) = (found.pixels, 100.0 * found.behind);
+            println!("{of:<12} {share:.2} % from behind; in front, {front} of {pixels} pixels: {}", found.front);
         }
     }
 

@@ -1,9 +1,11 @@
 //! Cost and error of the march through layers: both integration rules by number of samples, and each approximation on
-//! its own.
+//! its own, at two picture sizes.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::interval::Interval;
+use super::sample::Sample;
 use crate::error::Result;
 use crate::gpu::Device;
 use crate::layers::relief::{self, Kept, full};
@@ -19,11 +21,24 @@ pub const PAPER: [(u32, f64, f64); 3] = [(10, 126.0, 120.0), (50, 51.0, 33.0), (
 /// Numbers of samples for the error curve, figure 14.
 pub const SWEEP: [u32; 9] = [2, 4, 7, 10, 20, 35, 50, 100, 200];
 
-/// Midpoint steps of the reference along a view ray, and along each light path.
-const STEPS: u32 = 240;
-const LEGS: u32 = 40;
+/// Steps of the reference along a view ray, and along each part of a light's way.
+const STEPS: u32 = 120;
+const LEGS: u32 = 16;
 /// Samples of the march that counts as converged.
 const CONVERGED: u32 = 1000;
+/// Seed of the sampled pixels and of the confidence intervals.
+const SEED: u64 = 2006;
+/// A pixel is lit from the front where the lights that reach its triangle give all but this share of its light.
+const BEHIND: f64 = 0.01;
+
+/// Which pixels errors are measured at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Looks {
+    /// Picture sizes, pixels. Times are measured at the first.
+    pub sizes: [[u32; 2]; 2],
+    /// Most pixels sampled of each, of those that show an object with layers.
+    pub pixels: usize,
+}
 
 /// One integration rule at one number of samples.
 #[derive(Clone, Debug)]
@@ -34,8 +49,8 @@ pub struct Line {
     pub samples: u32,
     /// Relative L2 error against the same march by the exact rule with 1000 samples: the integration error alone.
     pub integration: f64,
-    /// Relative L2 error against the layered volume.
-    pub total: f64,
+    /// Relative L2 error against the layered volume, at each picture size.
+    pub totals: [Interval; 2],
     /// Milliseconds of stage `relief`, minimum over the frames.
     pub relief: f64,
     /// Milliseconds of a frame with a new view, minimum over the frames.
@@ -68,19 +83,16 @@ fn session(scene: &Scene, device: Option<&Device>) -> Result<Session> {
     Ok(session)
 }
 
-/// At most `most` pixels that show an object with layers, evenly spaced in the list of all of them.
+/// About `most` of the pixels that show an object with layers, or all if there are fewer: seeded, evenly spread.
 fn shown(state: &State, most: usize) -> Vec<usize> {
     let all: Vec<usize> =
         (0..state.data.hits.len()).filter(|&pixel| full(state, pixel, Kept::default(), 0, 0).is_some()).collect();
-    let step = all.len().div_ceil(most.max(1)).max(1);
-    all.into_iter().skip(step / 2).step_by(step).collect()
+    let chosen = Sample::seeded(&vec![1.0; all.len()], &[], most, SEED).faces;
+    chosen.into_iter().map(|k| all[k]).collect()
 }
 
-/// Relative L2 error: root of the sum of squared differences over that of the reference.
-fn l2(found: &[[f64; 3]], reference: &[[f64; 3]]) -> f64 {
-    let square = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
-    let apart = square(&mut found.iter().flatten().zip(reference.iter().flatten()).map(|(a, b)| a - b));
-    (apart / square(&mut reference.iter().flatten().copied()).max(1e-300)).sqrt()
+fn l2(found: &[[f64; 3]], reference: &[[f64; 3]]) -> Interval {
+    Interval::l2(found, reference, SEED)
 }
 
 fn at(session: &mut Session, pixels: &[usize]) -> Result<Vec<[f64; 3]>> {
@@ -93,25 +105,38 @@ fn reference(state: &State, pixels: &[usize], kept: Kept) -> Vec<[f64; 3]> {
     pixels.par_iter().filter_map(|&pixel| full(state, pixel, kept, STEPS, LEGS)).collect()
 }
 
-/// Measures both rules at each number of samples, the paper's rule first: errors at up to `pixels` pixels, times over
-/// `repeat` frames.
+/// The bare scene at each picture size.
+fn sized(scene: &Scene, looks: Looks) -> [Scene; 2] {
+    looks.sizes.map(|size| {
+        let mut scene = bare(scene);
+        scene.camera.size = size;
+        scene
+    })
+}
+
+/// Measures both rules at each number of samples, the paper's rule first: times over `repeat` frames.
 pub fn rules(
     scene: &Scene,
     device: Option<&Device>,
     samples: &[u32],
-    pixels: usize,
+    looks: Looks,
     repeat: usize,
 ) -> Result<Vec<Line>> {
-    let scene = bare(scene);
-    let host = session(&with(&scene, Integration::Exact, 1), None)?;
-    let pixels = shown(host.state(), pixels);
-    let truth = reference(host.state(), &pixels, Kept::default());
-    let converged = at(&mut session(&with(&scene, Integration::Exact, CONVERGED), device)?, &pixels)?;
+    let scenes = sized(scene, looks);
+    let truth = |scene: &Scene| -> Result<_> {
+        let host = session(&with(scene, Integration::Exact, 1), None)?;
+        let pixels = shown(host.state(), looks.pixels);
+        let truth = reference(host.state(), &pixels, Kept::default());
+        Ok((pixels, truth))
+    };
+    let [scene, other] = &scenes;
+    let [(pixels, truth), (others, other_truth)] = [truth(scene)?, truth(other)?];
+    let converged = at(&mut session(&with(scene, Integration::Exact, CONVERGED), device)?, &pixels)?;
     // Frames of the two rules alternate, so that other load on the machine slows both.
     let mut lines = [Vec::new(), Vec::new()];
     for &samples in samples {
         let rules = [Integration::Paper, Integration::Exact];
-        let [paper, exact] = rules.map(|rule| session(&with(&scene, rule, samples), device));
+        let [paper, exact] = rules.map(|rule| session(&with(scene, rule, samples), device));
         let mut sessions = [paper?, exact?];
         let mut least = [[f64::INFINITY; 2]; 2];
         for _ in 0..repeat.max(1) {
@@ -125,9 +150,10 @@ pub fn rules(
         }
         for (k, rule) in rules.into_iter().enumerate() {
             let found = at(&mut sessions[k], &pixels)?;
-            let (integration, total) = (l2(&found, &converged), l2(&found, &truth));
+            let there = at(&mut session(&with(other, rule, samples), device)?, &others)?;
+            let (integration, totals) = (l2(&found, &converged).value, [l2(&found, &truth), l2(&there, &other_truth)]);
             let [relief, view] = least[k];
-            lines[k].push(Line { rule, samples, integration, total, relief, view });
+            lines[k].push(Line { rule, samples, integration, totals, relief, view });
         }
     }
     Ok(lines.concat())
@@ -173,23 +199,55 @@ pub fn uneven(times: &[(u32, f64)]) -> f64 {
     times.iter().map(|&(n, time)| ((a + b * f64::from(n)) / time - 1.0).abs()).fold(0.0, f64::max)
 }
 
-/// Relative L2 error against the layered volume at up to `pixels` pixels, with a name: of each approximation of the
-/// march on its own, of all three together, and of the converged march, which makes all of them.
-pub fn approximations(scene: &Scene, pixels: usize) -> Result<Vec<(&'static str, f64)>> {
-    let host = session(&with(&bare(scene), Integration::Exact, 1), None)?;
+/// The march's approximations at one picture size.
+#[derive(Clone, Debug)]
+pub struct Approximations {
+    /// Relative L2 error against the layered volume, with a name: of each approximation of the march on its own, of all
+    /// together, and of the converged march, which makes all of them.
+    pub errors: Vec<(&'static str, Interval)>,
+    /// The last of these over the pixels that are lit from the front.
+    pub front: Interval,
+    /// Share of the volume's light at the sampled pixels that is due to lights that do not reach the visible triangle,
+    /// 0 to 1: it comes through thin parts, from behind.
+    pub behind: f64,
+    /// Number of sampled pixels, and of those lit from the front.
+    pub pixels: [usize; 2],
+}
+
+/// Measures the approximations at each picture size.
+pub fn approximations(scene: &Scene, looks: Looks) -> Result<[Approximations; 2]> {
+    let [a, b] = sized(scene, looks).map(|scene| approximations_of(&scene, looks.pixels));
+    Ok([a?, b?])
+}
+
+fn approximations_of(scene: &Scene, pixels: usize) -> Result<Approximations> {
+    let host = session(&with(scene, Integration::Exact, 1), None)?;
     let pixels = shown(host.state(), pixels);
     let none = Kept::default();
     let truth = reference(host.state(), &pixels, none);
+    let shadowed = reference(host.state(), &pixels, Kept { triangle_shadow: true, ..none });
     let cases = [
         ("planar entry alone", Kept { planar_entry: true, ..none }),
         ("averaged thickness alone", Kept { mean_depths: true, ..none }),
         ("depth and place in tangent space alone", Kept { tangent_space: true, ..none }),
-        ("all three", Kept { planar_entry: true, mean_depths: true, tangent_space: true }),
+        ("all four", Kept::ALL),
     ];
-    let mut errors = cases.map(|(name, kept)| (name, l2(&reference(host.state(), &pixels, kept), &truth))).to_vec();
-    let march = at(&mut session(&with(&bare(scene), Integration::Exact, CONVERGED), None)?, &pixels)?;
+    let mut errors = vec![("shadows of the visible triangle alone", l2(&shadowed, &truth))];
+    errors.extend(cases.map(|(name, kept)| (name, l2(&reference(host.state(), &pixels, kept), &truth))));
+    let march = at(&mut session(&with(scene, Integration::Exact, CONVERGED), None)?, &pixels)?;
     errors.push(("the march itself, converged", l2(&march, &truth)));
-    Ok(errors)
+
+    let light = |pixel: &[f64; 3]| pixel.iter().sum::<f64>();
+    let in_front = |k: &usize| light(&shadowed[*k]) >= (1.0 - BEHIND) * light(&truth[*k]);
+    let front: Vec<usize> = (0..pixels.len()).filter(in_front).collect();
+    let of = |values: &[[f64; 3]]| front.iter().map(|&k| values[k]).collect::<Vec<_>>();
+    let all: f64 = truth.iter().map(light).sum();
+    Ok(Approximations {
+        errors,
+        front: l2(&of(&march), &of(&truth)),
+        behind: 1.0 - shadowed.iter().map(light).sum::<f64>() / all.max(1e-300),
+        pixels: [pixels.len(), front.len()],
+    })
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ pub mod estimate;
 pub mod eval;
 pub mod fixtures;
 pub mod flat;
+pub mod interval;
 pub mod layers;
 pub mod local;
 pub mod modes;

@@ -10,6 +10,8 @@ mod eval;
 mod frames;
 mod inputs;
 mod measured;
+mod ramps;
+mod reference;
 mod seams;
 mod slab;
 

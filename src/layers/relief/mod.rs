@@ -14,6 +14,7 @@
 //! directional light, with one step. Beyond a seam of the texture coordinates lies what [`islands`](super::islands)
 //! has put there. `integration = "paper"` uses the left rule with its N + 1 samples instead.
 
+mod boundary;
 mod full;
 mod ray;
 
@@ -66,7 +67,7 @@ fn cpu(state: &mut State, _at: Scope) {
 }
 
 /// Radiance of the layered volume itself at a pixel that shows an object with layers, linear, in the scene's units:
-/// with `steps` midpoints along the view ray and `legs` along each leg of the light. `kept` selects approximations of
+/// with `steps` steps along the view ray and `legs` along each part of a light's way in the object. `kept` selects approximations of
 /// the march to keep.
 #[must_use]
 pub fn full(state: &State, pixel: usize, kept: Kept, steps: u32, legs: u32) -> Option<[f64; 3]> {

@@ -165,7 +165,7 @@ impl<'a> Ray<'a> {
     }
 
     /// Fresnel transmittance, or 1 where it is switched off.
-    fn transmitted(&self, cosine: f64) -> DVec3 {
+    pub(super) fn transmitted(&self, cosine: f64) -> DVec3 {
         if self.layering.fresnel == 0 {
             return DVec3::ONE;
         }

@@ -4,12 +4,16 @@ use super::chart::{Axis, Line, chart};
 use super::pictures::{Shot, scene};
 use super::{Bench, Page, Tone};
 use crate::error::Result;
-use crate::measure::layers::{Line as Measured, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules, uneven};
+use crate::measure::layers::{
+    Line as Measured, Looks, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules, uneven,
+};
 use crate::measure::median;
 use crate::pipeline::plan::ShadingMethod;
 use crate::scene::Integration;
 
 const RULES: [(Integration, &str); 2] = [(Integration::Paper, "paper's rule"), (Integration::Exact, "ours")];
+
+const IN_ALL: &str = "relative error against the layered volume itself, with its 95 % interval";
 
 fn named(rule: Integration) -> &'static str {
     RULES.iter().find(|(known, _)| *known == rule).map_or("", |(_, name)| name)
@@ -20,15 +24,17 @@ fn named(rule: Integration) -> &'static str {
 pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("Table 2: samples, error and time");
     page.say(
-        "Error of the integration alone, and of everything together. The paper's frames per second are those of a GeForce \
-         7800 GTX at 800 x 600.",
+        "Error of the integration alone, and of everything together, with its 95 % confidence interval over the pixels \
+         sampled. The paper's frames per second are those of a GeForce 7800 GTX at 800 x 600.",
     );
     let size = bench.either([120, 90], [800, 600]);
-    let (pixels, repeat) = bench.either((24, 3), (240, 7));
+    let repeat = bench.either(3, 7);
+    let looks = Looks { sizes: bench.either([size, [240, 180]], [size, [400, 300]]), pixels: bench.either(512, 2048) };
+    let [large, small] = looks.sizes.map(|[width, height]| format!("L2 in all, {width} x {height}"));
     let mut rows = Vec::new();
     for name in ["slab-layers", "fish", "gecko"] {
         let samples: &[u32] = if name == "fish" { &SWEEP } else { &SAMPLES };
-        let lines = rules(&scene(name, size, &[])?, bench.device, samples, pixels, repeat)?;
+        let lines = rules(&scene(name, size, &[])?, bench.device, samples, looks, repeat)?;
         for line in lines.iter().filter(|line| SAMPLES.contains(&line.samples)) {
             let theirs = PAPER.iter().find(|(samples, ..)| *samples == line.samples && line.rule == Integration::Paper);
             let theirs = theirs.and_then(|&(_, fish, gecko)| match name {
@@ -41,7 +47,8 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
                 named(line.rule).into(),
                 line.samples.to_string(),
                 format!("{:.1e}", line.integration),
-                format!("{:.1e}", line.total),
+                line.totals[0].to_string(),
+                line.totals[1].to_string(),
                 format!("{:.2}", line.relief),
                 format!("{:.2}", line.view),
                 format!("{:.0}", 1e3 / line.view),
@@ -89,7 +96,8 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         ("rule", "how the march sums up light along the ray: as published, or ours"),
         ("samples", "per ray"),
         ("L2 of integration", "relative error against the same march with very many samples"),
-        ("L2 in all", "relative error against the layered volume itself"),
+        (&*large, IN_ALL),
+        (&*small, IN_ALL),
         ("relief, ms", "time of stage relief"),
         ("a view, ms", "time of a frame in which the view changes"),
         ("views/s", "frames per second of that kind"),
@@ -113,18 +121,42 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     )?;
 
     page.head("Each approximation by itself");
-    let mut rows = Vec::new();
-    for name in ["fish", "gecko"] {
-        for (what, error) in approximations(&scene(name, bench.either([100, 75], [400, 300]), &[])?, pixels / 4)? {
-            rows.push(vec![name.to_string(), what.to_string(), format!("{error:.1e}")]);
+    let (mut rows, mut behind) = (Vec::new(), Vec::new());
+    for name in ["slab-layers", "fish", "gecko"] {
+        let both = approximations(&scene(name, size, &[])?, looks)?;
+        for ((what, one), (_, other)) in both[0].errors.iter().zip(&both[1].errors) {
+            rows.push(vec![name.to_string(), (*what).to_string(), one.to_string(), other.to_string()]);
+        }
+        for (found, [width, height]) in both.iter().zip(looks.sizes) {
+            let all = found.errors.last().map_or(String::new(), |(_, all)| all.to_string());
+            let [pixels, front] = found.pixels.map(|n| n.to_string());
+            let share = format!("{:.2}", 100.0 * found.behind);
+            let size = format!("{width} x {height}");
+            behind.push(vec![name.to_string(), size, pixels, all, share, front, found.front.to_string()]);
         }
     }
+    let sized = looks.sizes.map(|[width, height]| format!("L2, {width} x {height}"));
     let columns = [
         ("scene", ""),
         ("approximation", "made alone, everything else converged"),
-        ("L2", "its relative error, against the layered volume without it"),
+        (&*sized[0], "its relative error, against the layered volume without it, with its 95 % interval"),
+        (&*sized[1], "the same at the other size"),
     ];
     page.table("layers-approximations", &columns, &rows)?;
+    page.say(
+        "Light that comes through thin parts from lamps that do not reach the visible triangle is in the volume, not in the \
+         march.",
+    );
+    let columns = [
+        ("scene", ""),
+        ("picture", "width and height, pixels"),
+        ("pixels", "sampled"),
+        ("L2", "relative error of the converged march over all of them, with its 95 % interval"),
+        ("from behind, %", "share of the volume's light from lamps that do not reach the visible triangle"),
+        ("pixels in front", "those with at most 1 % of such light"),
+        ("L2 in front", "relative error over these, with its 95 % interval"),
+    ];
+    page.table("layers-behind", &columns, &behind)?;
 
     page.head("The fish by its samples");
     let size = bench.either([240, 180], [480, 360]);
