@@ -2,6 +2,7 @@
 
 mod environment;
 mod kinds;
+mod paint;
 mod shadow;
 
 use glam::DVec3;

@@ -12,7 +12,8 @@ use milkglass::measure::norms::{norms, worst};
 use milkglass::measure::reference::{radiosity, receivers};
 use milkglass::scene::Scene;
 
-fn solved(name: &str, sets: &[&str]) -> Session {
+/// A session on the CPU after its first frame.
+pub fn solved(name: &str, sets: &[&str]) -> Session {
     let sets: Vec<String> = sets.iter().map(|set| set.to_string()).collect();
     let scene = Scene::load_with(name, &sets).unwrap();
     let options = Options { goal: Goal::Radiosity, ..Options::default() };
@@ -21,12 +22,13 @@ fn solved(name: &str, sets: &[&str]) -> Session {
     session
 }
 
-fn wide(v: [f32; 3]) -> DVec3 {
+/// In double precision.
+pub fn wide(v: [f32; 3]) -> DVec3 {
     DVec3::new(v[0].into(), v[1].into(), v[2].into())
 }
 
 /// The faces below a node.
-fn faces(data: &Buffers, node: u32) -> impl Iterator<Item = usize> + '_ {
+pub fn faces(data: &Buffers, node: u32) -> impl Iterator<Item = usize> + '_ {
     let end = data.topology[node as usize].skip;
     (node..end).map(|n| data.topology[n as usize].face).filter(|&f| f != u32::MAX).map(|f| f as usize)
 }

@@ -7,6 +7,7 @@ mod shell;
 
 mod blocks;
 mod clusters;
+mod dropped;
 mod estimate;
 mod hierarchies;
 mod octree;
