@@ -39,7 +39,15 @@ impl Interval {
 
 impl std::fmt::Display for Interval {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let short = |x: f64| if x < 0.095 { format!("{x:.1e}") } else { format!("{x:.2}") };
+        let short = |x: f64| {
+            if x == 0.0 {
+                "0".into()
+            } else if x < 0.095 {
+                format!("{x:.1e}")
+            } else {
+                format!("{x:.2}")
+            }
+        };
         write!(f, "{} [{}, {}]", short(self.value), short(self.low), short(self.high))
     }
 }
@@ -47,6 +55,12 @@ impl std::fmt::Display for Interval {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn two_digits_are_shown() {
+        let shown = Interval { value: 0.1234, low: 0.0567, high: 1.5 }.to_string();
+        assert_eq!((shown, Interval::default().to_string()), ("0.12 [5.7e-2, 1.50]".into(), "0 [0, 0]".into()));
+    }
 
     #[test]
     fn the_interval_holds_the_error_of_all_pixels_nineteen_times_of_twenty() {

@@ -52,7 +52,7 @@ fn light_from_behind_thin_parts_is_part_of_the_error() {
         assert!(shadows.low > 0.2 && found.front.value < march.value, "{found:?}");
         assert!(march.low > 0.2 && march.high < 0.5 && march.high - march.low < 0.25, "{found:?}");
         assert!((all.value / march.value - 1.0).abs() < 0.05, "{found:?}");
-        assert!(found.errors.iter().all(|(_, error)| error.value > 1e-2 && error.value < 0.5), "{found:?}");
+        assert!(found.errors.iter().all(|(_, error)| error.value > 5e-3 && error.value < 0.5), "{found:?}");
     }
     let [one, other] = [0, 1].map(|k| both[k].errors[5].1);
     assert!(one.low < other.high && other.low < one.high, "the sizes agree: {both:?}");

@@ -27,7 +27,7 @@ pub struct Kept {
     pub triangle_shadow: bool,
     /// Light enters through a plane between the tangent plane and the fitted one (equations 9 and 10).
     pub planar_entry: bool,
-    /// The light's leg is attenuated by the mean interface depths at its two ends (equations 11 and 12).
+    /// Light from the front is attenuated by the mean interface depths at its leg's two ends (equations 11 and 12).
     pub mean_depths: bool,
     /// Depth along the view ray is measured from the fitted plane, and its map coordinates follow the tangents.
     pub tangent_space: bool,
@@ -172,7 +172,8 @@ impl Ray<'_> {
         }
         let enters = self.transmitted(if kept.planar_entry { cosine } else { way.cosine });
         let mut sum = DVec3::new(lost - enters.x.ln(), lost - enters.y.ln(), lost - enters.z.ln());
-        if kept.mean_depths {
+        // From behind the plane there is no such mean.
+        if kept.mean_depths && (kept.planar_entry || facing > 0.0) {
             let entry = at + toward * length;
             let there = match kept.tangent_space {
                 true => self.depths(entry - self.point),

@@ -67,8 +67,8 @@ fn cpu(state: &mut State, _at: Scope) {
 }
 
 /// Radiance of the layered volume itself at a pixel that shows an object with layers, linear, in the scene's units:
-/// with `steps` steps along the view ray and `legs` along each part of a light's way in the object. `kept` selects approximations of
-/// the march to keep.
+/// with `steps` steps along the view ray and `legs` along each part of a light's way in the object. `kept` selects
+/// approximations of the march to keep.
 #[must_use]
 pub fn full(state: &State, pixel: usize, kept: Kept, steps: u32, legs: u32) -> Option<[f64; 3]> {
     let hit = state.data.hits.get(pixel).filter(|hit| hit.face < UNFINISHED)?;
