@@ -50,7 +50,7 @@ fn run() -> Result<()> {
     println!();
 
     println!(
-        "scene        rule   samples  L2 of integration            L2 in all  at 240 x 180         relief ms  of 10 samples  cost a sample  ms a view"
+        "scene        rule   samples  L2 of integration  L2 in all            at 240 x 180         relief ms  of 10 samples  cost a sample  ms a view"
     );
     for (of, size) in [("slab-layers", [400, 300]), ("fish", [800, 600]), ("gecko", [800, 600])] {
         let lines = rules(&scene(of, &[])?, device.as_ref(), &SAMPLES, looks(size), repeat)?;
@@ -60,7 +60,7 @@ fn run() -> Result<()> {
         };
         for line in &lines {
             println!(
-                "{of:<12} {:<6} {:>7}  {:>17.1e}  {:>9.1e}  {:>9.1}  {:>13.2}  {:>13.2}  {:>9.1}",
+                "{of:<12} {:<6} {:>7}  {:>17.1e}  {:<20} {:<20} {:>9.1}  {:>13.2}  {:>13.2}  {:>9.1}",
                 name(line.rule),
                 line.samples,
                 line.integration,
@@ -89,7 +89,7 @@ fn run() -> Result<()> {
     for of in ["slab-layers", "fish", "gecko"] {
         let both = approximations(&scene(of, &[])?, looks([400, 300]))?;
         for ((what, one), (_, other)) in both[0].errors.iter().zip(&both[1].errors) {
-            println!("{of:<12} {what:<40}  {:<19}  {}", one.to_string(), other.to_string());
+            println!("{of:<12} {what:<40}  {:<19}  {}", one.to_string(), other);
         }
         for found in &both {
             let ([pixels, front], share) = (found.pixels, 100.0 * found.behind);
