@@ -11,8 +11,8 @@ use milkglass::scene::Scene;
 
 use crate::blocks::{faces, solved, wide};
 
-/// Whatever is dropped is too faint by the oracle's law, evaluated here from faces: all light of a cluster, at its nearest
-/// point, is below the allowance of a dropped node, in every channel. The law is used up: some come close to it.
+/// Whatever is dropped is too faint by the oracle's law, evaluated here from faces: all light of a cluster, at its
+/// nearest point, is below the allowance of a dropped node, in every channel. The law is used up: some come close.
 #[test]
 fn what_is_dropped_is_too_faint_at_its_nearest_point() {
     for (name, detail, size, tolerance) in [("sphere", 3, 100, 0.1), ("sphere", 3, 100, 1e-4), ("slab", 12, 300, 0.1)] {
