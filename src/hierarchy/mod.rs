@@ -5,6 +5,7 @@
 //! to pass over the subtree. [`face_cluster`] builds the tree bottom up from adjacent faces, [`median`] top down by
 //! median splits, [`split`] from the 4-to-1 subdivision of the mesh.
 
+pub mod border;
 pub mod compact;
 pub mod face_cluster;
 pub mod median;

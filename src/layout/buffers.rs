@@ -122,6 +122,13 @@ buffers! {
     estimate: [f32; 3], receiver;
     /// Squared centroid distances beyond which 1, 3, 6, 12 area points serve for a triangle.
     reach: [f32; 4], face;
+    /// Scheme `links`: the first edge of each cluster's border and their number, 0 for triangles and for borders too
+    /// long; empty where clusters are not projected.
+    borders: [u32; 2], node;
+    /// The borders' edges: two vertices as in `triangles`, the cluster on their left.
+    border_edges: [u32; 2], border;
+    /// Squared centroid distance beyond which one sample serves for a cluster; 0 where there is no border.
+    cluster_reach: f32, node;
     /// Each receiver's lists.
     spans: Span, node;
     /// Emitters that a receiver hands down to its children.

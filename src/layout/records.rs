@@ -121,10 +121,10 @@ records! { frame_records:
         irradiance_map: u32,
         /// Unused.
         padding: [u32; 32],
+        /// Not 0 if near clusters are integrated over their projection (section 5.1.1).
+        projected: u32,
         /// Unused.
         more_padding: [u32; 6],
-        /// Unused.
-        other_padding: u32,
         /// Most form factors that a frame may compute over links that are kept.
         budget: u32,
         /// Room for links that a frame makes or undoes in one chunk.

@@ -1,6 +1,7 @@
 //! Builds the state that a frame works on from a scene.
 
 pub(crate) mod blocks;
+mod borders;
 pub(crate) mod camera;
 pub(crate) mod layers;
 pub mod lights;

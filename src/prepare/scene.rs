@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::blocks::{blocks, edge_nodes, link_error, of_picture, triangle_size};
+use super::borders::borders;
 use super::camera::camera;
 use super::layers::layers;
 use super::lights::lights;
@@ -111,6 +112,9 @@ pub fn prepare(scene: &Scene, (by_pixel, lit_at): (bool, LitAt), local: Option<L
     }
     let mut state = State::join(parts);
     state.method.nodes = edge_nodes(scene.transport.tolerance, largest);
+    if state.method.projected {
+        borders(&mut state, &trees);
+    }
     shape(&mut state, &scene.objects, units);
     let maps = layers(&mut state, &scene.objects, &faces, units);
     lights(&mut state, &scene.lights, &mut units, &scene.objects);
@@ -170,6 +174,7 @@ fn one(
         order: transport.order,
         estimate: false,
         near: transport.near,
+        projected: transport.projects() && local.is_none(),
         local,
         ..Switches::default()
     };

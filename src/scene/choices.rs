@@ -61,6 +61,18 @@ pub enum Near {
     PointSampling,
 }
 
+/// Scheme `links`: how the form factor of a cluster is evaluated that is too near for one sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClusterForm {
+    /// Its triangles are projected onto the plane across its mean normal, and the polygon is integrated over its
+    /// border, as published.
+    #[default]
+    Projected,
+    /// By one sample at its midpoint, however near it is.
+    Sample,
+}
+
 /// Where radiosity is computed for a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]

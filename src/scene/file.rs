@@ -9,7 +9,7 @@ use super::object::{self, ObjectFile};
 use super::range::Checked;
 use super::surface::ReflectionKind;
 use super::texture::{Side, Wrap};
-use super::transport::{self, Distance, Hierarchy, Near, Oracle, Receivers, Scheme, Transport};
+use super::transport::{self, ClusterForm, Distance, Hierarchy, Near, Oracle, Receivers, Scheme, Transport};
 use super::vector::{Background, Rgb, Vector};
 use serde::Deserialize;
 
@@ -136,6 +136,7 @@ pub(super) struct TransportFile {
     pub subdivide: u32,
     pub distance: Distance,
     pub near: Near,
+    pub cluster: Option<ClusterForm>,
     pub receiver_angle: Option<f64>,
     pub emitter_angle: Option<f64>,
     pub planarity: Option<f64>,
@@ -162,6 +163,7 @@ impl Default for TransportFile {
             subdivide: 0,
             distance: Distance::default(),
             near: Near::default(),
+            cluster: None,
             receiver_angle: None,
             emitter_angle: None,
             planarity: None,

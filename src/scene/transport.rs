@@ -1,6 +1,6 @@
 //! Settings of light transport: hierarchy, scheme and accuracy.
 
-pub use super::choices::{Distance, Hierarchy, Near, Oracle, Receivers, Scheme};
+pub use super::choices::{ClusterForm, Distance, Hierarchy, Near, Oracle, Receivers, Scheme};
 use super::file::TransportFile;
 use super::local::{Cdrf, Kappa};
 use super::range::{self, Checked};
@@ -43,6 +43,8 @@ pub struct Transport {
     pub distance: Distance,
     /// How form factors of near triangles are evaluated.
     pub near: Near,
+    /// Scheme links: how form factors of near clusters are evaluated, if given; see [`Self::projects`].
+    pub cluster: Option<ClusterForm>,
     /// epsilon_1: how much an emitter's solid angle may vary over a receiver's children, steradian, above 0.
     pub receiver_angle: f64,
     /// epsilon_2: largest solid angle of a cluster that emits over a link, steradian, above 0.
@@ -69,6 +71,14 @@ pub struct Transport {
 }
 
 impl Transport {
+    /// Whether near clusters are integrated over their projection: in scheme links with exact form factors, unless
+    /// `cluster` selects one sample.
+    #[must_use]
+    pub fn projects(&self) -> bool {
+        let exact = self.scheme == Scheme::Links && self.near == Near::Exact;
+        exact && self.cluster != Some(ClusterForm::Sample)
+    }
+
     /// Checks `[transport]`.
     pub(super) fn check(file: &TransportFile) -> Checked<Self> {
         let (scheme, because) = scheme(file)?;
@@ -97,6 +107,7 @@ impl Transport {
             levels: levels(file)?,
             distance: file.distance,
             near: file.near,
+            cluster: cluster(file)?,
             receiver_angle: angle("transport.receiver_angle", file.receiver_angle.unwrap_or(RECEIVER_ANGLE))?,
             emitter_angle: angle("transport.emitter_angle", file.emitter_angle.unwrap_or(EMITTER_ANGLE))?,
             planarity: range::number(
@@ -130,6 +141,15 @@ impl Transport {
             )? as u32,
         })
     }
+}
+
+/// How near clusters are evaluated, if given.
+fn cluster(file: &TransportFile) -> Checked<Option<ClusterForm>> {
+    if file.near == Near::PointSampling && file.cluster == Some(ClusterForm::Projected) {
+        let fault = Input::new("point samples are of triangles; a cluster takes one").key("transport.cluster");
+        return Err(fault.found("projected").expected("sample, or transport.near = \"exact\""));
+    }
+    Ok(file.cluster)
 }
 
 /// Maximum number of form factors per frame, if limited.
@@ -174,6 +194,9 @@ fn scheme(file: &TransportFile) -> Checked<(Scheme, &'static str)> {
     if file.distance == Distance::Table1 {
         reasons.push((Scheme::Links, "moments work with radial distances only, transport.distance is table1"));
     }
+    if file.cluster.is_some() {
+        reasons.push((Scheme::Links, "transport.cluster belongs to it"));
+    }
     if file.near == Near::PointSampling {
         reasons
             .push((Scheme::Links, "transport.near is point-sampling, which is there to compare the paper's own with"));
@@ -213,6 +236,20 @@ mod tests {
         assert_eq!((sampled.scheme, sampled.near), (Scheme::Links, Near::PointSampling));
         let error = transport("near = 'point-sampling'\nscheme = 'blocks'").err().unwrap_or_default();
         assert!(error.contains("contradict") && error.contains("point-sampling"), "{error}");
+    }
+
+    #[test]
+    fn clusters_are_projected_in_the_published_scheme() {
+        let projects = |text: &str| transport(text).map(|transport| transport.projects());
+        assert_eq!(projects(""), Ok(false));
+        assert_eq!(projects("scheme = 'links'"), Ok(true));
+        assert_eq!(projects("cluster = 'projected'"), Ok(true));
+        assert_eq!(projects("cluster = 'sample'"), Ok(false));
+        assert_eq!(projects("near = 'point-sampling'"), Ok(false));
+        let error = projects("near = 'point-sampling'\ncluster = 'projected'").err().unwrap_or_default();
+        assert!(error.starts_with("transport.cluster: point samples are of triangles"), "{error}");
+        let error = projects("cluster = 'sample'\nscheme = 'blocks'").err().unwrap_or_default();
+        assert!(error.contains("contradict") && error.contains("transport.cluster"), "{error}");
     }
 
     #[test]

@@ -93,6 +93,8 @@ pub struct Method {
     pub incremental: bool,
     /// How scheme `links` evaluates triangles too near for a few samples.
     pub near: Near,
+    /// Whether scheme `links` projects clusters too near for one sample.
+    pub projected: bool,
     /// The local shading that takes the place of transport, if any.
     pub local: Option<Local>,
 }
@@ -128,6 +130,7 @@ impl Default for Method {
             any_light: false,
             incremental: false,
             near: Near::Exact,
+            projected: false,
             local: None,
         }
     }

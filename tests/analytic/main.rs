@@ -5,6 +5,7 @@ mod devices;
 #[path = "../population/mod.rs"]
 mod population;
 
+mod borders;
 mod curvature;
 mod edge_form;
 mod form_factor;

@@ -64,7 +64,7 @@ fn all_methods_are_measured_side_by_side() {
         let number = |row: &[String], name: &str| cell(row, name).parse::<f64>().unwrap();
         let mut names: Vec<String> = rows.iter().map(|row| cell(row, "method")).collect();
         names.dedup();
-        assert_eq!(names, ["blocks", "blocks-kept", "links", "links-kept", "octree", "brute"]);
+        assert_eq!(names, ["blocks", "blocks-kept", "links", "links-sample", "links-kept", "octree", "brute"]);
         assert!(out.contains("against its own leaf sums") && out.contains("against the area integral"), "{out}");
         for row in rows.iter().filter(|row| cell(row, "left_out").is_empty()) {
             let octree = cell(row, "method") == "octree";

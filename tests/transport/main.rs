@@ -11,4 +11,5 @@ mod dropped;
 mod estimate;
 mod hierarchies;
 mod octree;
+mod projected;
 mod subdivide;

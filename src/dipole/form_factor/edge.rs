@@ -77,13 +77,13 @@ pub(super) fn weighed(
 /// `sigma`: extinction, 1/length. `height`: of the source over the triangle's plane, length.
 #[must_use]
 pub fn integral(footprint: &Footprint, sigma: f64, height: f64, nodes: &[Node]) -> f64 {
-    around(footprint, sigma, height, |edge, source| edge.in_w(source, nodes))
+    around(&footprint.edges, footprint.nearest, sigma, height, |edge, source| edge.in_w(source, nodes))
 }
 
 /// The same in `psi`.
 #[must_use]
 pub fn integral_psi(footprint: &Footprint, sigma: f64, height: f64, nodes: &[Node]) -> f64 {
-    around(footprint, sigma, height, |edge, source| edge.in_psi(source, nodes))
+    around(&footprint.edges, footprint.nearest, sigma, height, |edge, source| edge.in_psi(source, nodes))
 }
 
 /// What the three edges add to `J`, 1/length. An edge that two triangles of a plane share cancels bit for bit if both
@@ -94,14 +94,21 @@ pub fn terms(footprint: &Footprint, sigma: f64, height: f64, nodes: &[Node]) -> 
     footprint.edges.map(|edge| source.constant() * edge.in_w(&source, nodes))
 }
 
-/// `J`, with the line integral of each edge by `line`.
-pub(super) fn around(footprint: &Footprint, sigma: f64, height: f64, line: impl Fn(&Edge, &Source) -> f64) -> f64 {
-    let source = Source::new(sigma, height, footprint.nearest);
+/// `J` of what these edges enclose, with the line integral of each by `line`; `nearest`: distance in the plane from
+/// the foot to it.
+pub(super) fn around(
+    edges: &[Edge],
+    nearest: f64,
+    sigma: f64,
+    height: f64,
+    line: impl Fn(&Edge, &Source) -> f64,
+) -> f64 {
+    let source = Source::new(sigma, height, nearest);
     // A source inside the triangle (unclamped Table 1 only): the integral diverges.
     if source.reference == 0.0 {
         return f64::INFINITY;
     }
-    source.constant() * footprint.edges.iter().map(|edge| line(edge, &source)).sum::<f64>()
+    source.constant() * edges.iter().map(|edge| line(edge, &source)).sum::<f64>()
 }
 
 /// One source above the plane, and the reference distance of its constant.
@@ -144,7 +151,7 @@ fn phi1(x: f64) -> f64 {
 
 impl Edge {
     /// The edge's line integral in `w`, signed, no unit (multiplied by `g(s_m)` it is its part of `J`).
-    fn in_w(&self, source: &Source, nodes: &[Node]) -> f64 {
+    pub(super) fn in_w(&self, source: &Source, nodes: &[Node]) -> f64 {
         if self.offset == 0.0 {
             return 0.0;
         }

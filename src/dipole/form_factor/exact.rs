@@ -38,7 +38,7 @@ pub fn edge_form_fine(
     distance: Distance,
 ) -> f64 {
     let integral = |footprint: &Footprint, sigma, height| {
-        around(footprint, sigma, height, |edge, source| panels(edge, source, &FEW))
+        around(&footprint.edges, footprint.nearest, sigma, height, |edge, source| panels(edge, source, &FEW))
     };
     weighed(triangle, indices, x_o, dipole, distance, integral)
 }
@@ -46,7 +46,7 @@ pub fn edge_form_fine(
 /// `J` of [`super::edge::integral`] to almost full precision, 1/length.
 #[must_use]
 pub fn integral(footprint: &Footprint, sigma: f64, height: f64) -> f64 {
-    around(footprint, sigma, height, |edge, source| panels(edge, source, &RULE))
+    around(&footprint.edges, footprint.nearest, sigma, height, |edge, source| panels(edge, source, &RULE))
 }
 
 /// The line integral of one edge, signed, no unit.

@@ -60,7 +60,8 @@ impl Footprint {
 }
 
 impl Edge {
-    fn new(from: DVec3, to: DVec3, normal: DVec3, sense: f64) -> Self {
+    /// The edge between two points of a plane, relative to the foot, or to a point above it along the `normal`.
+    pub(super) fn new(from: DVec3, to: DVec3, normal: DVec3, sense: f64) -> Self {
         let along = to - from;
         let length = along.length();
         // An edge without length has no direction; with no offset it contributes nothing.
@@ -83,6 +84,11 @@ fn nearest(edges: &[Edge; 3]) -> f64 {
     if edges.iter().all(|edge| edge.sense * edge.offset >= 0.0) {
         return 0.0;
     }
+    nearest_of(edges)
+}
+
+/// Distance in the plane from the foot to the nearest of these edges, length.
+pub(super) fn nearest_of(edges: &[Edge]) -> f64 {
     edges.iter().map(Edge::distance).fold(f64::INFINITY, f64::min)
 }
 

@@ -11,6 +11,13 @@ pub struct Node {
     pub weight: f64,
 }
 
+/// The rule with 3 nodes, exact to degree 5: for the borders of clusters, whose edges are short for their distance.
+pub const THREE: [Node; 3] = [
+    Node { x: -0.774_596_669_241_483_4, weight: 5.0 / 9.0 },
+    Node { x: 0.0, weight: 8.0 / 9.0 },
+    Node { x: 0.774_596_669_241_483_4, weight: 5.0 / 9.0 },
+];
+
 /// The rule with 6 nodes, exact to degree 11: the one that scheme `links` and brute force use.
 pub const SIX: [Node; 6] = [
     Node { x: -0.932_469_514_203_152, weight: 0.171_324_492_379_170_36 },

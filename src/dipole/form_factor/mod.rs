@@ -1,9 +1,9 @@
 //! The form factor `F = int R_d dA` of a triangle seen from a point: section 4 of Mertens et al. 2003.
 //!
 //! Three ways to the same number, from expensive to cheap: [`exact`] (reference), [`edge`] (a line integral over
-//! three edges), [`points`] (samples on the area); [`ladder`] selects one of them. [`uniform`] is the method that the
-//! paper compares its own with. All in `f64` and in the caller's unit of length; `F` has no unit and lies in
-//! [0, total].
+//! three edges), [`points`] (samples on the area); [`ladder`] selects one of them. [`polygon`] is the form factor of a
+//! near-planar cluster, [`uniform`] the method that the paper compares its own with. All in `f64` and in the caller's
+//! unit of length; `F` has no unit and lies in [0, total].
 
 pub mod edge;
 pub mod exact;
@@ -11,6 +11,7 @@ pub mod footprint;
 pub mod gauss;
 pub mod ladder;
 pub mod points;
+pub mod polygon;
 pub mod uniform;
 
 use crate::dipole::profile::Dipole;

@@ -7,7 +7,7 @@ use super::{Leaves, Lighting};
 use crate::error::Result;
 use crate::gpu::Device;
 use crate::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
-use crate::scene::{Distance, Hierarchy, Scene, Scheme};
+use crate::scene::{ClusterForm, Distance, Hierarchy, Scene, Scheme};
 
 /// The problem, and where it is solved.
 #[derive(Clone, Copy)]
@@ -86,8 +86,17 @@ pub static METHODS: &[Method] = &[
         foretell: None,
     },
     Method {
+        name: "links-sample",
+        about: "the same, with one sample for every cluster, however near",
+        parameter: "angle",
+        values: ANGLES,
+        leaves: Leaves::Exact,
+        open: links_sample,
+        foretell: None,
+    },
+    Method {
         name: "links-kept",
-        about: "the same, links and form factors kept under a new light, too: for a shape at rest",
+        about: "links, kept with their form factors under a new light, too: for a shape at rest",
         parameter: "angle",
         values: ANGLES,
         leaves: Leaves::Exact,
@@ -156,12 +165,22 @@ fn at_angle(scene: &Scene, angle: f64) -> Scene {
 }
 
 fn links(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opened> {
+    links_of(&at_angle(bench.scene, angle), bench.device, lighting)
+}
+
+fn links_sample(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opened> {
+    let mut scene = at_angle(bench.scene, angle);
+    scene.transport.cluster = Some(ClusterForm::Sample);
+    links_of(&scene, bench.device, lighting)
+}
+
+fn links_of(scene: &Scene, device: Option<&Device>, lighting: Lighting) -> Result<Opened> {
     let mode = match lighting {
         Lighting::Moves => Mode::OnTheFly,
         Lighting::Rests => Mode::Keep,
     };
     let options = Options { transport: ShadingMethod::Hierarchy, mode, goal: Goal::Radiosity, estimate: false };
-    Frames::open(&at_angle(bench.scene, angle), bench.device, options, change(lighting))
+    Frames::open(scene, device, options, change(lighting))
 }
 
 fn links_kept(bench: &Bench<'_>, lighting: Lighting, angle: f64) -> Result<Opened> {

@@ -3,9 +3,11 @@
 //! Absolute times of 2003 mean little today, so growth within one run and ratios are compared. The paper's columns
 //! correspond to ours as follows: *on-the-fly* is a frame from scratch (`refit` to `push_links`); *render* is a new
 //! light with kept links and form factors (`irradiance`, `mean_irradiance`, `sum_links`, `push_links`); *form factor*
-//! is `transport.near = "exact"`; *point sampling* is `transport.near = "point-sampling"`. The incremental mode is
-//! compared in `measure::modes`, because the paper does not say what changed in its frames. Of its models only the
-//! horse is still available, so built-in shapes with about as many triangles stand in; all trees are face clusters.
+//! is `transport.near = "exact"`; *point sampling* is `transport.near = "point-sampling"`. *Incremental* is a frame of
+//! mode `incremental` after a bump moved on 1 % of the triangles; the paper does not say what changed in its frames
+//! (`measure::modes` has other changes). Of its models only the horse is still available, so built-in shapes with about
+//! as many triangles stand in. Subdivided models are butterfly subdivisions, as in the paper; the others have face
+//! clusters.
 //! The solid angles are not given: one value for both is fitted to the links per triangle of a table's first row, and
 //! used for its other rows.
 

@@ -12,17 +12,32 @@ const SETTINGS: [&str; 2] = ["object.0.material.preset=marble", "transport.schem
 
 /// A built-in shape of `extent` millimetres with about `faces` triangles.
 pub fn shape(name: &str, faces: usize, extent: f64) -> Result<Scene> {
-    let kind = match name {
+    built(name, detail(kind_of(name), faces), extent, &[])
+}
+
+/// The shape of this name.
+fn kind_of(name: &str) -> Shape {
+    match name {
         "lotus" => Shape::Lotus,
         "slab" => Shape::Slab,
         _ => Shape::Sphere,
-    };
-    let detail = detail(kind, faces);
+    }
+}
+
+/// A built-in shape with these settings beside those of the tables.
+fn built(name: &str, detail: u32, extent: f64, more: &[String]) -> Result<Scene> {
     let own =
         [format!("object.0.shape={name}"), format!("object.0.detail={detail}"), format!("object.0.size={extent}")];
-    let mut scene = Scene::load_with("sphere", &[&own[..], &SETTINGS.map(String::from)].concat())?;
+    let mut scene = Scene::load_with("sphere", &[&own[..], more, &SETTINGS.map(String::from)].concat())?;
     scene.name = name.to_string();
     Ok(scene)
+}
+
+/// The same shape from a coarse base, split `levels` times by the modified butterfly scheme, which is also its
+/// hierarchy: about `faces` triangles at the end.
+pub fn split(name: &str, faces: usize, levels: usize, extent: f64) -> Result<Scene> {
+    let hierarchy = ["transport.hierarchy=butterfly".into(), format!("transport.levels={levels}")];
+    built(name, detail(kind_of(name), faces >> (2 * levels)), extent, &hierarchy)
 }
 
 /// A mesh from a file, scaled to this largest extent in millimetres, with the same settings.

@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::gpu::Device;
 use crate::layout::BufferId;
 use crate::measure::median;
+use crate::measure::modes::{What, moved};
 use crate::measure::norms::{Norms, norms, worst};
 use crate::measure::reference::{radiosity, receivers};
 use crate::measure::sample::Sample;
@@ -23,6 +24,8 @@ pub enum Kept {
     Nothing,
     /// Links and form factors: the paper's render mode.
     Links,
+    /// The same where the shape changes: the paper's incremental mode. Each frame a bump on 1 % of the triangles moves.
+    Altered,
 }
 
 /// Radiosity by brute force in `f64` at a sample of faces.
@@ -35,6 +38,8 @@ pub struct Truth {
 pub struct Solved {
     session: Session,
     change: Change,
+    /// The scene whose shape changes, and the frames that it has changed in.
+    altered: Option<(Scene, usize)>,
 }
 
 impl Solved {
@@ -43,12 +48,15 @@ impl Solved {
         let (mode, change) = match kept {
             Kept::Nothing => (Mode::OnTheFly, Change::EVERYTHING),
             Kept::Links => (Mode::Render, Change::LIGHT),
+            Kept::Altered => (Mode::Incremental, Change::default()),
         };
+        let altered = (kept == Kept::Altered).then(|| (scene.clone(), 0));
+        let scene = if altered.is_some() { &moved(scene, What::Bump, 0) } else { scene };
         let options = Options { mode, goal: Goal::Radiosity, ..Options::default() };
         let mut session = Session::new(scene, device, options)?;
         session.frame(Change::EVERYTHING)?;
         session.fetch(&[BufferId::spans, BufferId::irradiance, BufferId::radiosity, BufferId::clusters])?;
-        Ok(Self { session, change })
+        Ok(Self { session, change, altered })
     }
 
     /// The same, or `None` if a device cannot keep so many links.
@@ -109,6 +117,10 @@ impl Solved {
 
     /// Milliseconds of one frame and of its stage `form_factor`.
     fn frame(&mut self) -> Result<[f64; 2]> {
+        if let Some((scene, step)) = &mut self.altered {
+            *step += 1;
+            self.session.show(&moved(scene, What::Bump, *step))?;
+        }
         let parts = self.session.frame(self.change)?;
         let factors = parts.iter().filter(|part| part.name == form_factor::STAGE.name);
         let [all, factors] =

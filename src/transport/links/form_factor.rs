@@ -1,19 +1,20 @@
 //! Stage `form_factor`: F of every link, by one sample, by area points, or for the nearest triangles by the edge
-//! form. Where `transport.near` selects point sampling, uniform samples replace the edge form, for comparison with
+//! form; near clusters by the edge form of their projection, unless `transport.cluster` selects one sample. Where `transport.near` selects point sampling, uniform samples replace the edge form, for comparison with
 //! the paper.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::refine::rule;
+use super::refine::{cluster_rule, rule};
 use crate::dipole::distance2;
 use crate::dipole::form_factor::edge::edge_form;
 use crate::dipole::form_factor::gauss;
 use crate::dipole::form_factor::points::{SIX, THREE, TWELVE, midpoint_moment, sampled};
+use crate::dipole::form_factor::polygon::polygon_form;
 use crate::dipole::form_factor::uniform;
 use crate::dipole::profile::{Dipole, kernel};
 use crate::error::Result;
-use crate::layout::{BufferId, Buffers, RULE_AREA, RULE_SAMPLE};
+use crate::layout::{BufferId, Buffers, RULE_AREA, RULE_EDGE, RULE_SAMPLE};
 use crate::state::{
     Carrier, Distance, Granularity, Near, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update,
     narrow, stage::never, wide,
@@ -49,7 +50,7 @@ pub enum QuadratureRule {
     Center,
     /// An area rule: 0, 1, 2 for 3, 6, 12 points.
     Points(usize),
-    /// The edge form.
+    /// The edge form; of a cluster, over the border of its projection.
     Edges,
     /// This many uniform point samples.
     Uniform(u32),
@@ -75,10 +76,11 @@ impl<'a> Emitters<'a> {
 
     /// The quadrature rule of a link from this node to a receiver at `center`: decided as in the shaders.
     pub fn rule(&self, node: u32, center: [f32; 3]) -> QuadratureRule {
-        let Some(&reach) = self.data.reach.get(self.data.topology[node as usize].face as usize) else {
-            return QuadratureRule::Center;
-        };
         let d2 = distance2(center, self.data.clusters[node as usize].center);
+        let Some(&reach) = self.data.reach.get(self.data.topology[node as usize].face as usize) else {
+            let near = cluster_rule(d2, self.data.cluster_reach.get(node as usize)) == RULE_EDGE;
+            return if near { QuadratureRule::Edges } else { QuadratureRule::Center };
+        };
         match rule(d2, reach) {
             RULE_SAMPLE => QuadratureRule::Center,
             RULE_AREA if d2 >= reach[1] => QuadratureRule::Points(0),
@@ -96,7 +98,7 @@ impl<'a> Emitters<'a> {
     pub fn factor(&self, node: u32, x: DVec3, rule: QuadratureRule) -> DVec3 {
         let face = self.data.topology[node as usize].face;
         let Some(corner) = self.data.triangles.get(face as usize) else {
-            return self.cluster(node, x);
+            return if rule == QuadratureRule::Edges { self.projected(node, x) } else { self.cluster(node, x) };
         };
         let cloud = if let QuadratureRule::Uniform(count) = rule { uniform::samples(face, count) } else { Vec::new() };
         let triangle = corner.map(|v| wide(self.data.positions[v as usize]));
@@ -109,6 +111,19 @@ impl<'a> Emitters<'a> {
             QuadratureRule::Uniform(_) => sampled(&triangle, x, dipole, self.distance, &cloud),
             QuadratureRule::Edges => edge_form(&triangle, *corner, x, dipole, self.distance, &gauss::SIX),
         };
+        DVec3::from_array(self.dipoles.each_ref().map(channel))
+    }
+
+    /// The polygon that a cluster's triangles make on the plane through its centre, across its mean normal.
+    fn projected(&self, node: u32, x: DVec3) -> DVec3 {
+        let cluster = &self.data.clusters[node as usize];
+        let normal = wide(cluster.normal);
+        let plane = (wide(cluster.center), normal.normalize_or_zero());
+        let [first, count] = self.data.borders[node as usize].map(|n| n as usize);
+        let edges = &self.data.border_edges[first..first + count];
+        let border: Vec<[DVec3; 2]> =
+            edges.iter().map(|edge| edge.map(|v| wide(self.data.positions[v as usize]))).collect();
+        let channel = |dipole: &Dipole| polygon_form(&border, plane, x, dipole, self.distance, &gauss::THREE);
         DVec3::from_array(self.dipoles.each_ref().map(channel))
     }
 
@@ -158,6 +173,9 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
         pass.dispatch(Some(part), &[displaced], &[], room as usize)?;
     }
     let room = params.edge_capacity as usize;
+    if pass.state.method.projected {
+        pass.dispatch(Some("projected"), &[displaced], &[], room)?;
+    }
     match pass.state.method.near {
         Near::Exact => pass.dispatch(Some("edge"), &[displaced], &[], room),
         Near::PointSampling => {

@@ -7,7 +7,7 @@ use crate::dipole::profile::Dipole;
 use crate::error::Result;
 use crate::layout::{BufferId, FAINTEST};
 use crate::state::{
-    Carrier, Distance, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, stage::never,
+    Carrier, Distance, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, stage::never,
 };
 
 /// The stage's declaration.
@@ -16,9 +16,15 @@ pub static STAGE: Stage = Stage {
     module: "transport/links",
     about: "squared distances beyond which 1, 3, 6 or 12 area points suffice for a triangle",
     equation: "chi = tau q2(sigma s) / (2 s^2) solved for s, with q2(a) <= 15 + 5a + a^2",
-    writes: &[(BufferId::reach, Role::Output, Tolerance::Float { relative: 2e-5, floor: 1e-7 })],
+    writes: &[
+        (BufferId::reach, Role::Output, Tolerance::Float { relative: 2e-5, floor: 1e-7 }),
+        (BufferId::cluster_reach, Role::Output, Tolerance::Float { relative: 2e-5, floor: 1e-7 }),
+    ],
     reason: "a short chain of f32 operations; k = 2 chi / tau - sigma^2 cancels where both are large",
-    sizes: &[],
+    sizes: &[(
+        BufferId::cluster_reach,
+        Size::Elements(|state| if state.method.projected { state.extent().nodes } else { 0 }),
+    )],
     granularity: Granularity::Object,
     carriers: &[Carrier::Links, Carrier::Brute],
     needs: &[Need::Light],
@@ -46,6 +52,18 @@ fn cpu(state: &mut State, _at: Scope) {
             })
         })
         .collect();
+    if params.projected == 0 {
+        return;
+    }
+    data.cluster_reach = data
+        .clusters
+        .par_iter()
+        .zip(&data.borders)
+        .map(|(cluster, border)| {
+            let far = |dipole: &Dipole| reach2(f64::from(cluster.moment_trace), dipole, chi[0], displaced);
+            if border[1] > 0 { dipoles.iter().map(far).fold(0.0, f64::max) as f32 } else { 0.0 }
+        })
+        .collect();
 }
 
 /// Squared distance from a triangle's centroid beyond which chi stays below a threshold, for one channel.
@@ -67,5 +85,9 @@ pub fn reach2(tau: f64, dipole: &Dipole, chi: f64, displaced: bool) -> f64 {
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let displaced = u32::from(pass.state.distance == Distance::Table1);
-    pass.dispatch(None, &[displaced], &[], pass.object().count.faces)
+    pass.dispatch(Some("face"), &[displaced], &[], pass.object().count.faces)?;
+    if pass.state.method.projected {
+        pass.dispatch(Some("cluster"), &[displaced], &[], pass.object().count.nodes)?;
+    }
+    Ok(())
 }

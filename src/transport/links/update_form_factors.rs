@@ -130,6 +130,9 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     pass.dispatch_counted("far", &[displaced], &[], (BufferId::due_groups, RULE_SAMPLE as usize))?;
     pass.dispatch_counted("area", &[displaced], &[], (BufferId::due_groups, RULE_AREA as usize))?;
     let density = uniform::density(&pass.state.data.object_params[0]).to_le_bytes();
+    if pass.state.method.projected {
+        pass.dispatch_counted("projected", &[displaced], &[], (BufferId::due_groups, RULE_EDGE as usize))?;
+    }
     match pass.state.method.near {
         Near::Exact => pass.dispatch_counted("edge", &[displaced], &[], (BufferId::due_groups, RULE_EDGE as usize)),
         Near::PointSampling => {

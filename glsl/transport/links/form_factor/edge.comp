@@ -11,5 +11,6 @@ UPDATES(factors)
 void main() {
     uint i = invocation();
     if (i >= counters[0].edges || counters[0].overflow != 0) return;
+    if (topology[links[edge_links[i]].emitter].face == NONE) return;
     factors[edge_links[i]] = edge_factor(edge_links[i]);
 }

@@ -18,12 +18,6 @@ bool bent(Cluster emitter) {
     return projected < needed;
 }
 
-// The cheapest evaluation that serves at this distance.
-uint rule_of(float d2, vec4 radii) {
-    if (d2 >= radii.x) return RULE_SAMPLE;
-    return d2 >= min(radii.y, min(radii.z, radii.w)) ? RULE_AREA : RULE_EDGE;
-}
-
 // `left` and `right` are the centres of the receiver's children, if it is an inner node.
 uint decide(Cluster emitter, bool leaf, bool inner, vec3 center, vec3 left, vec3 right) {
     float d2 = distance2(center, emitter.center);

@@ -5,10 +5,10 @@
 READS(object_params)
 READS(topology)
 READS(clusters)
-READS(reach)
 READS(order)
 layout(push_constant, scalar) uniform push_block { Range range; };
 #include "transport/links/refine/decide.glsl"
+#include "transport/links/refine/rule.glsl"
 
 void on_link(uint receiver, uint emitter, uint rule);
 void on_hand(uint emitter);
@@ -37,7 +37,7 @@ bool walk(uint receiver, uint hand, uint hands) {
         uint choice = decide(emitter, face != NONE, inner, center, left, right);
         if (choice == PAIR_HANDED) on_hand(node);
         float d2 = distance2(center, emitter.center);
-        uint rule = face == NONE ? RULE_SAMPLE : rule_of(d2, reach[min(face, object_params[0].faces - 1)]);
+        uint rule = rule_of(d2, node, face);
         if (choice == PAIR_LINKED) on_link(receiver, node, rule);
         node = choice == PAIR_SPLIT ? node + 1 : topology[node].skip;
     }

@@ -13,5 +13,6 @@ void main() {
     uint i = invocation();
     if (i >= counters[0].due_edges) return;
     uint at = ranked_links[counters[0].due - counters[0].due_edges + i];
+    if (topology[links[at].emitter].face == NONE) return;
     factors[at] = edge_factor(at);
 }

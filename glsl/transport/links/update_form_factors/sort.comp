@@ -6,7 +6,6 @@
 READS(object_params)
 READS(topology)
 READS(clusters)
-READS(reach)
 READS(links)
 READS(due_links)
 UPDATES(counters)
@@ -14,6 +13,7 @@ WRITES(ranked_links)
 UPDATES(due_groups)
 #include "transport/links/groups.glsl"
 #include "transport/links/refine/decide.glsl"
+#include "transport/links/refine/rule.glsl"
 
 #define SUM uvec3
 #include "scan.glsl"
@@ -22,7 +22,7 @@ uint kind_of(uint at) {
     Link link = links[at];
     uint face = topology[link.emitter].face;
     float d2 = distance2(clusters[link.receiver].center, clusters[link.emitter].center);
-    return face == NONE ? RULE_SAMPLE : rule_of(d2, reach[min(face, object_params[0].faces - 1)]);
+    return rule_of(d2, link.emitter, face);
 }
 
 void main() {

@@ -7,7 +7,7 @@
 
 mod walk;
 
-pub use self::walk::{Choice, Walk, children, choose, rule};
+pub use self::walk::{Choice, Walk, children, choose, cluster_rule, rule};
 
 use rayon::prelude::*;
 

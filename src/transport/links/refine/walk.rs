@@ -25,6 +25,7 @@ pub struct Walk<'a> {
     topology: &'a [Topology],
     clusters: &'a [Cluster],
     reach: &'a [[f32; 4]],
+    cluster_reach: &'a [f32],
 }
 
 /// The quadrature rule for a triangle with these squared radii at this squared distance: a `RULE_`.
@@ -36,6 +37,11 @@ pub fn rule(d2: f32, radii: [f32; 4]) -> u32 {
     } else {
         RULE_EDGE
     }
+}
+
+/// The same for a cluster with this squared radius: without one, it takes one sample.
+pub fn cluster_rule(d2: f32, radius: Option<&f32>) -> u32 {
+    if radius.is_some_and(|&radius| d2 < radius) { RULE_EDGE } else { RULE_SAMPLE }
 }
 
 /// What happens to a pair of clusters.
@@ -93,7 +99,13 @@ pub fn children(topology: &[Topology], clusters: &[Cluster], node: usize) -> Opt
 impl<'a> Walk<'a> {
     /// For the tree and radii of `data`.
     pub fn new(data: &'a Buffers) -> Self {
-        Self { params: data.object_params[0], topology: &data.topology, clusters: &data.clusters, reach: &data.reach }
+        Self {
+            params: data.object_params[0],
+            topology: &data.topology,
+            clusters: &data.clusters,
+            reach: &data.reach,
+            cluster_reach: &data.cluster_reach,
+        }
     }
 
     /// Visits the emitters handed down to this receiver and reports each decision, with the emitter, in order.
@@ -115,7 +127,10 @@ impl<'a> Walk<'a> {
                     Choice::Split => node + 1,
                     Choice::Linked => {
                         let d2 = distance2(center, emitter.center);
-                        let rule = self.reach.get(place.face as usize).map_or(RULE_SAMPLE, |&radii| rule(d2, radii));
+                        let rule = match self.reach.get(place.face as usize) {
+                            Some(&radii) => rule(d2, radii),
+                            None => cluster_rule(d2, self.cluster_reach.get(node as usize)),
+                        };
                         tell(Decision::Link { rule }, node);
                         place.skip
                     }
