@@ -8,8 +8,7 @@ use crate::layers::{plane_fit, relief};
 use crate::layout::BufferId;
 use crate::measure::median;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
-use crate::prepare::scene::dipoles;
-use crate::prepare::shading::default_sigma_0;
+use crate::prepare::shading::sigma_0;
 use crate::scene::{Cdrf, Receivers, Scene, Surface};
 use crate::session::run::Session;
 use crate::shading::reflectance;
@@ -213,8 +212,7 @@ pub fn balls(scene: &Scene, radii: &[f64], count: usize) -> Result<Vec<Ball>> {
     if material.opaque.is_some() {
         return Err(Input::new("no light enters the material").expected("scattering and absorption").into());
     }
-    let usual = dipoles(material, 1.0).each_ref().map(default_sigma_0);
-    let sigma_0 = material.sigma_0.unwrap_or(usual).map(|length| length * scene.unit_mm);
+    let sigma_0 = sigma_0(material).map(|length| length * scene.unit_mm);
     let ball = |&radius: &f64| {
         let sigma = sigma_0.map(|length| length / radius);
         let [r, g, b] = sigma.map(|sigma| curve(sigma, count));

@@ -3,6 +3,7 @@
 //! alone; and its rivals, Lambert's cosine and blur in texture space.
 
 pub mod bake_irradiance;
+pub mod balls;
 pub mod blur;
 pub mod cdrf;
 pub mod cdrf_cells;

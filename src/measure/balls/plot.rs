@@ -2,7 +2,7 @@
 
 use plotters::prelude::*;
 
-use super::{ANGLES, Curve, angle};
+use crate::shading::balls::{ANGLES, Curve, angle};
 use crate::error::{Error, Result};
 use crate::shading::reflectance::cdrf;
 

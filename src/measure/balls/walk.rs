@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{ANGLES, Curve};
+use crate::shading::balls::{ANGLES, Curve};
 use crate::measure::flat::{Lighting, enter};
 use crate::measure::walk::{BATCHES, Body, Estimate, Medium, Random, batches, refracted, travel};
 
