@@ -62,6 +62,10 @@ buffers! {
     normals: [f32; 3], vertex;
     /// The curvature of the surface at each vertex.
     curvature: Curvature, vertex;
+    /// Integrals of curvature over each cluster.
+    curvature_sums: CurvatureSum, node;
+    /// kappa at each vertex, smoothed.
+    smooth_kappa: f32, vertex;
     /// The attributes of a vertex that local shading reads: its unit normal, 16 bits a component, and 16 bits of kappa.
     packed_normals: [u32; 2], vertex;
     /// The CDRF over a grid: rows of rising sigma, in each the cosine from -1 to 1.

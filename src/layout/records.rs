@@ -123,8 +123,8 @@ records! { frame_records:
         padding: [u32; 32],
         /// Unused.
         more_padding: [u32; 6],
-        /// Unused.
-        other_padding: u32,
+        /// Local shading: radius within which curvature is smoothed, length; 0 if it is not.
+        curvature_radius: f32,
         /// Most form factors that a frame may compute over links that are kept.
         budget: u32,
         /// Room for links that a frame makes or undoes in one chunk.

@@ -261,6 +261,7 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
         zonal_2: degree(2),
         // Kept finite in `f32`, so that its product with a curvature of 0 is 0.
         sigma_0: sigma_0.map(|sigma| (sigma * units.length).min(1e30) as f32),
+        curvature_radius: if bent { shading::curvature_radius(material, sigma_0, units.length) } else { 0.0 },
         diffuse: diffuse.map(|share| share as f32),
         kappa: if transport.curvature == Kappa::Mean { KAPPA_MEAN } else { KAPPA_RMS },
         link_error: link_error(transport.tolerance) as f32,

@@ -26,6 +26,21 @@ pub fn sigma_0(material: &Material) -> [f64; 3] {
     material.sigma_0.or_else(|| tabled(material)).unwrap_or_else(|| fit(material))
 }
 
+/// The default radius within which curvature is smoothed, over the mean of sigma_0.
+pub const SMOOTHING: f64 = 2.0;
+
+/// The largest radius of smoothing, and the smallest one that is not 0, in internal units: the scene at rest is 1
+/// across. Beyond, squares would leave `f32`, and nothing would change.
+const RADII: [f64; 2] = [16.0, 1e-5];
+
+/// Radius within which curvature is smoothed, in internal units of `length`: the material's own, or else
+/// [`SMOOTHING`] times the mean of sigma_0 over the channels.
+pub(crate) fn curvature_radius(material: &Material, sigma_0: [f64; 3], length: f64) -> f32 {
+    let usual = || SMOOTHING * sigma_0.iter().map(|sigma| sigma / 3.0).sum::<f64>();
+    let radius = material.curvature_radius.unwrap_or_else(usual) * length;
+    if radius < RADII[1] { 0.0 } else { radius.min(RADII[0]) as f32 }
+}
+
 /// The fit to the dipole over balls, computed once per material.
 #[must_use]
 pub fn fit(material: &Material) -> [f64; 3] {
