@@ -84,10 +84,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 fn write_csv(all: &[Place], path: &Path) -> Result<()> {
-    let mut text = String::from("object,triangle,channel,area,sigma,thickness_over_sigma_0,B_dipole,B_cdrf,B_lambert\n");
+    let mut text =
+        String::from("object,triangle,channel,area,sigma,thickness_over_sigma_0,B_dipole,B_cdrf,B_lambert\n");
     for p in all {
         let Place { object, triangle, channel, area, sigma, thickness, dipole, cdrf, lambert } = p;
-        text += &format!("{object},{triangle},{channel},{area:e},{sigma:e},{thickness:e},{dipole:e},{cdrf:e},{lambert:e}\n");
+        text += &format!(
+            "{object},{triangle},{channel},{area:e},{sigma:e},{thickness:e},{dipole:e},{cdrf:e},{lambert:e}\n"
+        );
     }
     write_atomically(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))
 }

@@ -44,6 +44,9 @@ buffers! {
     corner_starts: u32, start;
     /// The triangles around each vertex.
     corners: u32, corner;
+    /// The vertices in the order of their first triangles, so that neighbours in it lie close together; empty unless
+    /// curvature may be smoothed.
+    vertex_order: u32, vertex;
     /// Texture coordinates of each triangle's corners; empty if there is no texture.
     corner_uvs: CornerUvs, face;
     /// Texels of the texture, linear, rows from the top; empty if there is none.

@@ -12,7 +12,9 @@ use crate::prepare::shading::sigma_0;
 use crate::scene::{Cdrf, Receivers, Scene, Surface};
 use crate::session::run::Session;
 use crate::shading::reflectance;
-use crate::shading::{bake_irradiance, blur, cdrf, curvature, lambert, pack_normals, texture_blur};
+use crate::shading::{
+    bake_irradiance, blur, cdrf, curvature, curvature_sums, lambert, pack_normals, smooth_curvature, texture_blur,
+};
 use crate::state::{Stage, wide};
 use crate::view::{backdrop, reflect, shade, texture_out, visibility};
 
@@ -153,7 +155,7 @@ fn error(session: &mut Session, other: &[[f32; 3]]) -> Result<f64> {
 pub struct Bending {
     /// Vertices of all objects.
     pub vertices: usize,
-    /// Milliseconds of stages `curvature` and `pack_normals`: the median.
+    /// Milliseconds of computing, smoothing and packing curvature: the median.
     pub curvature: f64,
     /// Milliseconds of a hierarchical solve for the radiosity of every triangle, from scratch: the median.
     pub solve: f64,
@@ -176,7 +178,8 @@ pub fn bending(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
             Ok(steps.iter().filter(|step| counts(&step.name)).map(|step| step.milliseconds).sum())
         };
         bends.push(sum(&mut local, &|name| {
-            [&curvature::STAGE, &pack_normals::STAGE].iter().any(|stage| stage.name == name)
+            let own = [&curvature::STAGE, &curvature_sums::STAGE, &smooth_curvature::STAGE, &pack_normals::STAGE];
+            own.iter().any(|stage| stage.name == name)
         })?);
         // The solve's time excludes the stages that make a picture.
         let seen = |name: &str| SEEN.iter().any(|stage| stage.name == name);

@@ -170,6 +170,9 @@ fn one(
         ..Switches::default()
     };
     texture(&mut state, &material, mesh, &faces);
+    if matches!(local, Some(Local::Closed | Local::Table(_))) {
+        state.data.vertex_order = shading::vertex_order(&state.data);
+    }
     if transport.scheme == Scheme::Blocks && !opaque && local.is_none() {
         state.data.blocks = if by_pixel { of_picture(scene.camera.size) } else { blocks(&state) };
         state.data.object_params[0].by_pixel = u32::from(by_pixel);

@@ -1,6 +1,7 @@
 //! Local shading of a scene: the shading function, sigma_0 and k_d.
 
 use crate::dipole::profile::Dipole;
+use crate::layout::Buffers;
 use crate::lighting::fresnel;
 use crate::scene::{self, Cdrf, Fresnel, Material, PRESETS, Preset};
 use crate::shading::balls::usual::fitted;
@@ -39,6 +40,16 @@ pub(crate) fn curvature_radius(material: &Material, sigma_0: [f64; 3], length: f
     let usual = || SMOOTHING * sigma_0.iter().map(|sigma| sigma / 3.0).sum::<f64>();
     let radius = material.curvature_radius.unwrap_or_else(usual) * length;
     if radius < RADII[1] { 0.0 } else { radius.min(RADII[0]) as f32 }
+}
+
+/// The vertices of one object in the order of their first triangles, those without any last.
+pub(crate) fn vertex_order(data: &Buffers) -> Vec<u32> {
+    let first = |vertex: usize| {
+        data.corners[data.corner_starts[vertex] as usize..data.corner_starts[vertex + 1] as usize].iter().min()
+    };
+    let mut order: Vec<u32> = (0..data.corner_starts.len() as u32 - 1).collect();
+    order.sort_by_key(|&vertex| (first(vertex as usize).copied().unwrap_or(u32::MAX), vertex));
+    order
 }
 
 /// The fit to the dipole over balls, computed once per material.

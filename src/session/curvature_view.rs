@@ -67,7 +67,13 @@ pub fn flat(session: &mut Session) -> Result<f64> {
 
 /// The curvature picture of a session that shades by curvature, after its frame, and the meaning of the colours.
 pub fn curvature_view(session: &mut Session) -> Result<(Picture, CurvatureView)> {
-    session.fetch(&[BufferId::hits, BufferId::normals, BufferId::curvature, BufferId::smooth_kappa, BufferId::positions])?;
+    session.fetch(&[
+        BufferId::hits,
+        BufferId::normals,
+        BufferId::curvature,
+        BufferId::smooth_kappa,
+        BufferId::positions,
+    ])?;
     let (state, length) = (session.state(), session.units().length);
     let mean = session.scene().transport.curvature == Kappa::Mean;
     if state.data.curvature.is_empty() && state.objects.iter().any(|object| !object.opaque) {

@@ -45,7 +45,7 @@ pub fn rough(state: &State) -> Option<&'static str> {
 
 /// The share of a vertex's measures that each of its triangles takes: area, integral of H, integral of K. The vertex
 /// counts from the object's first.
-pub fn part(data: &Buffers, vertex: usize) -> [f64; 3] {
+fn part(data: &Buffers, vertex: usize) -> [f64; 3] {
     let bend = data.curvature[vertex];
     let triangles = f64::from(data.corner_starts[vertex + 1] - data.corner_starts[vertex]);
     [1.0, bend.mean, bend.gaussian].map(|mean| f64::from(mean) * f64::from(bend.area) / triangles)

@@ -4,7 +4,8 @@
 //! H = sum w_k int_k H / sum w_k A_k over the parts k of the surface, K likewise, with the weight w = (1 - d^2 / R^2)^2
 //! max(n . n_k, 0): smooth, 0 from the radius R on, and 0 on the far side of a thin part, which faces away. Any weight
 //! gives the exact curvature on a ball. A part is a cluster whose box has a diagonal of at most [`SMOOTHING_SHARE`] R,
-//! or a corner of a triangle that is larger; so the work of a vertex is bounded, however fine the mesh.
+//! or a triangle that is larger: so the work of a vertex is bounded, however fine the mesh, and since the parts are the
+//! same for all vertices, kappa has no steps between them. d is the distance of the part's centroid.
 //!
 //! A vertex without a normal, or with nothing within the radius whose curvature is known, keeps the kappa of stage
 //! `curvature`.
@@ -12,7 +13,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::curvature_sums::{part, rough};
+use super::curvature_sums::rough;
 use crate::error::Result;
 use crate::layout::{BufferId, Buffers, KAPPA_RMS, NONE, SMOOTHING_SHARE, SMOOTHING_STEPS};
 use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, wide};
@@ -60,31 +61,25 @@ fn smoothed(data: &Buffers, vertex: usize) -> f32 {
     }
     let (reach, small) = (radius * radius, (SMOOTHING_SHARE * radius) * (SMOOTHING_SHARE * radius));
     let mut sums = [0.0; 3];
-    let mut add = |place: DVec3, facing: f64, part: [f64; 3]| {
-        let near = (1.0 - place.distance_squared(wide(at)) / f64::from(radius).powi(2)).max(0.0);
-        (0..3).for_each(|k| sums[k] += near * near * facing.max(0.0) * part[k]);
-    };
     let (mut node, mut steps) = (0, 0);
     while node < data.topology.len() {
         let (place, bounds) = (data.topology[node], &data.bounds[node]);
         let [far, wide_box] = squares(bounds.low, bounds.high, at);
         steps += 1;
-        node = if far < reach && wide_box > small && place.face == NONE && steps < SMOOTHING_STEPS {
-            node + 1
-        } else {
-            if far < reach && wide_box > small && place.face != NONE {
-                for v in data.triangles[place.face as usize] {
-                    let other = (v - first) as usize;
-                    let facing = normal.dot(wide(data.normals[other]));
-                    add(wide(data.positions[v as usize]), facing, part(data, other));
-                }
-            } else if far < reach {
-                let (cluster, sum) = (&data.clusters[node], &data.curvature_sums[node]);
-                let facing = normal.dot(wide(cluster.normal)) / f64::from(cluster.area.max(f32::MIN_POSITIVE));
-                add(wide(cluster.center), facing, [sum.area, sum.mean, sum.gaussian].map(f64::from));
-            }
-            place.skip as usize
-        };
+        let counts = far < reach;
+        if counts && wide_box > small && place.face == NONE && steps < SMOOTHING_STEPS {
+            node += 1;
+            continue;
+        }
+        if counts {
+            let (cluster, sum) = (&data.clusters[node], &data.curvature_sums[node]);
+            let away = wide(cluster.center).distance(wide(at)) / f64::from(radius);
+            let near = (1.0 - away * away).max(0.0).powi(2);
+            let facing = normal.dot(wide(cluster.normal)).max(0.0) / f64::from(cluster.area.max(f32::MIN_POSITIVE));
+            let part = [sum.area, sum.mean, sum.gaussian].map(f64::from);
+            (0..3).for_each(|k| sums[k] += near * facing * part[k]);
+        }
+        node = place.skip as usize;
     }
     if sums[0] <= 0.0 {
         return own;

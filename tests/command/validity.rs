@@ -20,6 +20,9 @@ fn a_large_ball_is_within_and_a_thin_slab_is_not() {
         assert!((thickness / 200.0 - 1.0).abs() < 0.02 && row[6] > 0.0, "{row:?}");
     }
 
+    assert!(out.lines().any(|line| line.starts_with("all: ") && line.contains("; Lambert: ")), "{out}");
+    assert!(out.contains("all") && out.lines().any(|line| line.trim_end().ends_with("Lambert")), "{out}");
+
     // Light from behind crosses a thin slab, which curvature alone cannot show.
     let slab = "--device cpu --set object.0.detail=8 --set object.0.size=4";
     let (out, _) = good(&here, &format!("validity slab {slab}"));

@@ -10,7 +10,14 @@ READS(corner_starts)
 READS(leaves)
 READS(curvature)
 WRITES(curvature_sums)
-#include "shading/curvature_sums/part.glsl"
+
+// The share of a vertex's measures that each of its triangles takes: area, integral of H, integral of K. The vertex
+// counts from the object's first.
+vec3 part_of(uint vertex) {
+    Curvature bend = curvature[vertex];
+    float share = bend.area / float(corner_starts[vertex + 1] - corner_starts[vertex]);
+    return share * vec3(1.0, bend.mean, bend.gaussian);
+}
 
 void main() {
     uint face = invocation();

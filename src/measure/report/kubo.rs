@@ -9,7 +9,7 @@ use crate::lighting::fresnel;
 use crate::measure::balls::plot::{Panel, svg};
 use crate::measure::balls::walk::curve as walk;
 use crate::measure::local::{PAPER, balls, bending, curve, panels, table_1};
-use crate::measure::validity::{ASKED, Place, places, share, verdict};
+use crate::measure::validity::{ASKED, Place, lambert_share, places, share, verdict};
 use crate::measure::walk::Medium;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::{Camera, PRESETS, Preset, Scene};
@@ -275,11 +275,20 @@ fn trusted(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         let (error, words) = (share(&all, |_| true).error, verdict(&all));
         let aim = format!("{name}: the CDRF is within {:.0} % of the dipole", 100.0 * ASKED);
         page.find(Tone::of(error <= ASKED), &aim, &words);
-        rows.push(vec![(*name).to_string(), format!("{:.1}", 100.0 * error), words]);
+        let plain = lambert_share(&all, |_| true).error;
+        let nearer = format!("{name}: the CDRF is no farther from the dipole than Lambert");
+        page.find(
+            Tone::of(error <= plain),
+            &nearer,
+            &format!("L2 {:.1} % against {:.1} %", 100.0 * error, 100.0 * plain),
+        );
+        let row = [error, plain].map(|x| format!("{:.1}", 100.0 * x));
+        rows.push([&[(*name).to_string()], &row[..], &[words]].concat());
     }
     let columns = [
         ("scene", ""),
         ("L2 error, %", "of the radiosity, against the dipole's"),
+        ("Lambert's, %", "the same of Lambert's cosine"),
         ("verdict", "the parts of the surface where the function can be trusted"),
     ];
     page.table("validity", &columns, &rows)

@@ -101,7 +101,10 @@ mod tests {
         assert_eq!(fitted([0.0; 3], [2.0; 3], [3.0; 3]), [0.0; 3]);
         let alone = fitted([1.0; 3], [0.01; 3], [3.0; 3])[0];
         let apart = fitted([1e-6, 1.0, 1.0], [1e-8, 0.01, 0.01], [3.0; 3]);
-        assert!((0.5..2.0).contains(&(apart[1] / alone)) && (0.5..2.0).contains(&(apart[0] * 1e-6 / alone)), "{apart:?}");
+        assert!(
+            (0.5..2.0).contains(&(apart[1] / alone)) && (0.5..2.0).contains(&(apart[0] * 1e-6 / alone)),
+            "{apart:?}"
+        );
     }
 
     #[test]
