@@ -115,7 +115,7 @@ fn radius_zero_is_the_estimate_of_the_triangles() {
                 assert!((stored - own).abs() <= 2.5e-4 * own + 1e-8, "{stored} {own}");
             }
             // Beside an object with a radius, too.
-            let other = "object.1={ shape = 'sphere', detail = 2, size = 9, position = [60, 0, 0] }";
+            let other = "object.1={ shape = 'sphere', detail = 2, size = 9, position = [60, 0, 0], material = { preset = 'skin1' } }";
             let both = session(&scene("bust", &[&sets[..], &[other]].concat()), device);
             let data = &both.state().data;
             let own = rough.state().data.curvature.len();
