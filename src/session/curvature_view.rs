@@ -27,8 +27,8 @@ const RAMP: [DVec3; 5] = [
 pub struct CurvatureView {
     /// kappa at the ends of the colour ramp, 1 / scene unit: its 5th and 95th percentile.
     pub ends: [f64; 2],
-    /// Difference between the cubic fit's kappa and stage `curvature`'s, neither smoothed, relative to their sum: median
-    /// and 95th percentile; 0 where no vertex can be fitted.
+    /// Difference between the cubic fit's kappa and stage `curvature`'s, neither smoothed, relative to their sum:
+    /// median and 95th percentile; 0 where no vertex can be fitted.
     pub apart: [f64; 2],
 }
 
