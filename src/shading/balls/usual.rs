@@ -31,8 +31,8 @@ type Key = [u64; 4];
 /// The most fits that are kept. A sequence that changes its materials in every frame must not fill the memory.
 const MOST: usize = 4096;
 
-/// sigma_0 of each channel, length, from coefficients in 1/length and the A of each channel's boundary. Coefficients are
-/// at least 0, not both 0 in a channel.
+/// sigma_0 of each channel, length, from coefficients in 1/length and the A of each channel's boundary. Coefficients
+/// are at least 0, not both 0 in a channel.
 #[must_use]
 pub fn fitted(sigma_s_prime: [f64; 3], sigma_a: [f64; 3], boundary: [f64; 3]) -> [f64; 3] {
     static KEPT: OnceLock<Mutex<HashMap<Key, f64>>> = OnceLock::new();
