@@ -26,7 +26,7 @@ fn hash(bytes: &[u8]) -> u64 {
 }
 
 /// Buffers that devices write completely or not at all; gaps in other buffers may hold anything.
-const WHOLE: [BufferId; 12] = [
+const WHOLE: [BufferId; 13] = [
     BufferId::lit,
     BufferId::pixel_lit,
     BufferId::positions,
@@ -34,6 +34,7 @@ const WHOLE: [BufferId; 12] = [
     BufferId::clusters,
     BufferId::normals,
     BufferId::curvature,
+    BufferId::smooth_kappa,
     BufferId::irradiance,
     BufferId::reference_level,
     BufferId::counters,

@@ -8,12 +8,12 @@ use super::{print, table};
 use milkglass::error::{Input, Result};
 use milkglass::internals::dipole::profile::Dipole;
 use milkglass::internals::lighting::fresnel;
-use milkglass::internals::prepare::shading::default_sigma_0;
+use milkglass::internals::shading::balls::fit::{Fit, fit};
+use milkglass::internals::shading::balls::usual::spread;
+use milkglass::internals::shading::balls::{ANGLES, Curve, angle, dipole::curve as solve, radii};
 use milkglass::internals::view::atomic_file::{ready, write_atomically};
-use milkglass::measure::balls::fit::{Fit, fit};
 use milkglass::measure::balls::plot::{Panel, svg};
 use milkglass::measure::balls::walk::curve as walk;
-use milkglass::measure::balls::{ANGLES, Curve, angle, dipole::curve as solve};
 use milkglass::measure::walk::Medium;
 use milkglass::scene::Preset;
 
@@ -23,7 +23,8 @@ use milkglass::scene::Preset;
 pub struct Arguments {
     /// A preset; `milkglass materials` lists them.
     material: String,
-    /// Radii of the balls, mm [default: 2, 5, 10, 20, 50 and 100 mean free paths, averaged over the channels].
+    /// Radii of the balls, mm [default: 2, 5, 10, 20, 50 and 100 mean free paths, averaged over the channels; within a
+    /// factor of 4 of the channel's own].
     #[arg(long, value_name = "R,R,...")]
     radii: Option<String>,
     /// Photons of each ball's random walk.
@@ -44,7 +45,8 @@ const MOST: (usize, u64) = (64, 1 << 32);
 struct Channel {
     dipole: Vec<Curve>,
     walk: Vec<Curve>,
-    usual: f64,
+    /// Where the search starts.
+    spread: f64,
 }
 
 /// Fits and prints.
@@ -58,27 +60,25 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let fault = Input::new("out of range").key("--photons").found(arguments.photons);
         return Err(fault.expected(format!("1 to {}", MOST.1)).into());
     }
-    let mean_path = [0, 1, 2].map(|c| 1.0 / (preset.sigma_s_prime[c] + preset.sigma_a[c])).iter().sum::<f64>() / 3.0;
-    let radii = match &arguments.radii {
-        Some(text) => parse(text)?,
-        None => [2.0, 5.0, 10.0, 20.0, 50.0, 100.0].map(|paths| paths * mean_path).to_vec(),
-    };
+    let paths = [0, 1, 2].map(|c| 1.0 / (preset.sigma_s_prime[c] + preset.sigma_a[c]));
+    let given = arguments.radii.as_deref().map(parse).transpose()?;
     let inner = fresnel::diffuse_internal_exact(preset.eta);
     let channels = [0, 1, 2].map(|c| {
         let (scattering, absorption) = (preset.sigma_s_prime[c], preset.sigma_a[c]);
         let dipole = Dipole::new(scattering, absorption, fresnel::boundary(inner));
         let medium = Medium { scattering, absorption, eta: preset.eta };
         let seed = |k: usize| arguments.seed.wrapping_mul(1000).wrapping_add((100 * c + k) as u64);
+        let radii = given.clone().unwrap_or_else(|| radii(paths, c).to_vec());
         let walked = |(k, &radius): (usize, &f64)| walk(medium, radius, dipole.total(), arguments.photons, seed(k));
         Channel {
             dipole: radii.iter().map(|&radius| solve(&dipole, radius)).collect(),
             walk: radii.iter().enumerate().map(walked).collect(),
-            usual: default_sigma_0(&dipole),
+            spread: spread(&dipole),
         }
     });
     report(preset, &channels)?;
     if let Some(path) = &arguments.svg {
-        let fits = channels.each_ref().map(|channel| fit(&channel.dipole, channel.usual, false).sigma_0);
+        let fits = channels.each_ref().map(|channel| fit(&channel.dipole, channel.spread, false).sigma_0);
         let panels: Vec<_> = (0..3)
             .map(|c| Panel { name: NAMES[c], dipole: &channels[c].dipole, walk: &channels[c].walk, sigma_0: fits[c] })
             .collect();
@@ -107,7 +107,7 @@ fn report(preset: &Preset, channels: &[Channel; 3]) -> Result<()> {
     let (mut dipole_fit, mut walk_fit) = ([0.0; 3], [0.0; 3]);
     for (c, channel) in channels.iter().enumerate() {
         let all = [(&channel.dipole, false), (&channel.walk, true)];
-        let all = all.map(|(curves, free)| fit(curves, channel.usual, free));
+        let all = all.map(|(curves, free)| fit(curves, channel.spread, free));
         (dipole_fit[c], walk_fit[c]) = (all[0].sigma_0, all[1].sigma_0);
         let row = |radius: String, fits: [Fit; 2], walk: &[Curve]| {
             let mut row = vec![NAMES[c].to_string(), radius];
@@ -118,7 +118,7 @@ fn report(preset: &Preset, channels: &[Channel; 3]) -> Result<()> {
         rows.push(row("all".into(), all, &channel.walk));
         for (dipole, walk) in channel.dipole.iter().zip(&channel.walk) {
             let own = [(dipole, false), (walk, true)];
-            let own = own.map(|(curve, free)| fit(std::slice::from_ref(curve), channel.usual, free));
+            let own = own.map(|(curve, free)| fit(std::slice::from_ref(curve), channel.spread, free));
             rows.push(row(format!("{:.3}", dipole.radius), own, std::slice::from_ref(walk)));
         }
     }
@@ -145,7 +145,7 @@ fn report(preset: &Preset, channels: &[Channel; 3]) -> Result<()> {
         table(&header, &[1, 2, 3, 4, 5, 6, 7, 8, 9], &rows),
         list(dipole_fit),
         list(walk_fit),
-        list(channels.each_ref().map(|channel| channel.usual)),
+        list(preset.sigma_0),
     );
     print(&text)
 }

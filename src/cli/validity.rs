@@ -9,7 +9,7 @@ use super::device::DeviceArgument;
 use super::{SceneArguments, check_messages, print, table, validation};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::view::atomic_file::{ready, write_atomically};
-use milkglass::measure::validity::{BENT, Place, THICK, places, share, verdict};
+use milkglass::measure::validity::{BENT, Place, Share, THICK, lambert_share, places, share, verdict};
 
 /// Arguments of `validity`.
 #[derive(Args)]
@@ -22,7 +22,8 @@ pub struct Arguments {
     /// Plot error against thickness in this file.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
-    /// Also write this CSV file, a row per triangle and channel: sigma, thickness over sigma_0, both radiosities.
+    /// Also write this CSV file, a row per triangle and channel: sigma, thickness over sigma_0, and the radiosities by
+    /// the dipole, the CDRF and Lambert's cosine.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
 }
@@ -46,25 +47,29 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         true => format!("from {}", pair[0]),
         false => format!("{} to {}", pair[0], pair[1]),
     };
-    let cell = |part: milkglass::measure::validity::Share| match part.area > 0.0 {
+    let cell = |part: Share| match part.area > 0.0 {
         true => format!("{:.0} % ({:.0} %)", 100.0 * part.error, 100.0 * part.area),
         false => "-".into(),
     };
+    let percent = |part: Share| if part.area > 0.0 { format!("{:.0} %", 100.0 * part.error) } else { "-".into() };
     let row = |pair: &[f64]| {
         let mut cells = vec![span(pair)];
         let both = |own: &[f64]| cell(share(&all, |p| within(p.thickness, pair) && within(p.sigma, own)));
         cells.extend(bent.windows(2).map(both));
         cells.push(cell(share(&all, |p| within(p.thickness, pair))));
+        cells.push(percent(lambert_share(&all, |p| within(p.thickness, pair))));
         cells
     };
     let rows: Vec<_> = thick.windows(2).map(row).collect();
     let heads: Vec<String> = bent.windows(2).map(|pair| format!("sigma {}", span(pair))).collect();
     let header: Vec<&str> =
-        ["thickness / sigma_0"].into_iter().chain(heads.iter().map(String::as_str)).chain(["all"]).collect();
+        ["thickness / sigma_0"].into_iter().chain(heads.iter().map(String::as_str)).chain(["all", "Lambert"]).collect();
     print(&format!(
-        "error of the CDRF against the dipole, L2 of the part (its share of the surface)\n\n{}\nall: {}\n{}\n",
+        "error of the CDRF against the dipole, L2 of the part (its share of the surface); last, of Lambert's cosine\n\n\
+         {}\nall: {}; Lambert: {}\n{}\n",
         table(&header, &[], &rows),
         cell(share(&all, |_| true)),
+        percent(lambert_share(&all, |_| true)),
         verdict(&all)
     ))?;
     if let Some(path) = &arguments.csv {
@@ -79,10 +84,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 fn write_csv(all: &[Place], path: &Path) -> Result<()> {
-    let mut text = String::from("object,triangle,channel,area,sigma,thickness_over_sigma_0,B_dipole,B_cdrf\n");
+    let mut text =
+        String::from("object,triangle,channel,area,sigma,thickness_over_sigma_0,B_dipole,B_cdrf,B_lambert\n");
     for p in all {
-        let Place { object, triangle, channel, area, sigma, thickness, dipole, cdrf } = p;
-        text += &format!("{object},{triangle},{channel},{area:e},{sigma:e},{thickness:e},{dipole:e},{cdrf:e}\n");
+        let Place { object, triangle, channel, area, sigma, thickness, dipole, cdrf, lambert } = p;
+        text += &format!(
+            "{object},{triangle},{channel},{area:e},{sigma:e},{thickness:e},{dipole:e},{cdrf:e},{lambert:e}\n"
+        );
     }
     write_atomically(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))
 }

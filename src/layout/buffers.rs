@@ -44,6 +44,9 @@ buffers! {
     corner_starts: u32, start;
     /// The triangles around each vertex.
     corners: u32, corner;
+    /// The vertices in the order of their first triangles, so that neighbours in it lie close together; empty unless
+    /// curvature may be smoothed.
+    vertex_order: u32, vertex;
     /// Texture coordinates of each triangle's corners; empty if there is no texture.
     corner_uvs: CornerUvs, face;
     /// Texels of the texture, linear, rows from the top; empty if there is none.
@@ -62,6 +65,10 @@ buffers! {
     normals: [f32; 3], vertex;
     /// The curvature of the surface at each vertex.
     curvature: Curvature, vertex;
+    /// Integrals of curvature over each cluster.
+    curvature_sums: CurvatureSum, node;
+    /// kappa at each vertex, smoothed.
+    smooth_kappa: f32, vertex;
     /// The attributes of a vertex that local shading reads: its unit normal, 16 bits a component, and 16 bits of kappa.
     packed_normals: [u32; 2], vertex;
     /// The CDRF over a grid: rows of rising sigma, in each the cosine from -1 to 1.

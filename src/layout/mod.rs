@@ -56,7 +56,6 @@ plain! {
     [u32; 2], "uvec2", 2, Unsigned;
     [u32; 3], "uvec3", 3, Unsigned;
     [u32; 5], "uint[5]", 5, Unsigned;
-    [u32; 6], "uint[6]", 6, Unsigned;
     [u32; 16], "uint[16]", 16, Unsigned;
     [u32; 32], "uint[32]", 32, Unsigned;
 }

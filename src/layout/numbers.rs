@@ -30,6 +30,12 @@ constants! {
     /// Spherical harmonics of degree 0 to 2.
     SKY_HARMONICS: usize = 9;
 
+    /// Largest diagonal of a cluster's box that counts as one part in smoothing curvature, as a share of the radius.
+    SMOOTHING_SHARE: f32 = 0.5;
+    /// Nodes that one vertex looks at in smoothing curvature until it opens no more: below the 65,535 iterations after
+    /// which lavapipe ends loops, whatever the mesh.
+    SMOOTHING_STEPS: u32 = 4_096;
+
     /// Pixels along a side of a tile.
     TILE_SIDE: u32 = 4;
     /// Receivers that fit a block; those of a tile, too.

@@ -124,7 +124,9 @@ records! { frame_records:
         /// Not 0 if near clusters are integrated over their projection (section 5.1.1).
         projected: u32,
         /// Unused.
-        more_padding: [u32; 6],
+        more_padding: [u32; 5],
+        /// Local shading: radius within which curvature is smoothed, length; 0 if it is not.
+        curvature_radius: f32,
         /// Most form factors that a frame may compute over links that are kept.
         budget: u32,
         /// Room for links that a frame makes or undoes in one chunk.

@@ -13,8 +13,17 @@ records! { local_records:
         mean: f32,
         /// Gaussian curvature K = k1 k2.
         gaussian: f32,
-        /// 1 if it follows from the triangles around the vertex, 0 if it is the mean of the neighbours'.
-        known: f32,
+        /// Mixed area around the vertex that they are means over; 0 if they are the mean of the neighbours'.
+        area: f32,
+    }
+    /// Curvature measures of a cluster.
+    CurvatureSum {
+        /// Sum of mixed areas.
+        area: f32,
+        /// Integral of mean curvature over it, length.
+        mean: f32,
+        /// Integral of Gaussian curvature over it, radian^2.
+        gaussian: f32,
     }
     /// An object whose light is blurred over its texture coordinates.
     Unwrapping {

@@ -5,7 +5,7 @@ use crate::dipole::profile::Dipole;
 use crate::error::Result;
 use crate::gpu::Device;
 use crate::lighting::fresnel;
-use crate::measure::balls::{ANGLES, angle, dipole as ball, walk as ball_walk};
+use crate::measure::balls::walk as ball_walk;
 use crate::measure::flat::{Lighting, beyond, walk};
 use crate::measure::norms::worst;
 use crate::measure::reference::verify;
@@ -13,6 +13,7 @@ use crate::measure::walk::{Estimate, Medium};
 use crate::pipeline::plan::{Change, Goal, Options};
 use crate::scene::{Preset, Scene};
 use crate::session::run::Session;
+use crate::shading::balls::{ANGLES, angle, dipole as ball};
 
 /// The size of the measurement.
 #[derive(Clone, Copy, Debug)]

@@ -8,12 +8,13 @@ use crate::layers::{plane_fit, relief};
 use crate::layout::BufferId;
 use crate::measure::median;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
-use crate::prepare::scene::dipoles;
-use crate::prepare::shading::default_sigma_0;
+use crate::prepare::shading::sigma_0;
 use crate::scene::{Cdrf, Receivers, Scene, Surface};
 use crate::session::run::Session;
 use crate::shading::reflectance;
-use crate::shading::{bake_irradiance, blur, cdrf, curvature, lambert, pack_normals, texture_blur};
+use crate::shading::{
+    bake_irradiance, blur, cdrf, curvature, curvature_sums, lambert, pack_normals, smooth_curvature, texture_blur,
+};
 use crate::state::{Stage, wide};
 use crate::view::{backdrop, reflect, shade, texture_out, visibility};
 
@@ -154,7 +155,7 @@ fn error(session: &mut Session, other: &[[f32; 3]]) -> Result<f64> {
 pub struct Bending {
     /// Vertices of all objects.
     pub vertices: usize,
-    /// Milliseconds of stages `curvature` and `pack_normals`: the median.
+    /// Milliseconds of computing, smoothing and packing curvature: the median.
     pub curvature: f64,
     /// Milliseconds of a hierarchical solve for the radiosity of every triangle, from scratch: the median.
     pub solve: f64,
@@ -177,7 +178,8 @@ pub fn bending(scene: &Scene, device: Option<&Device>, frames: usize) -> Result<
             Ok(steps.iter().filter(|step| counts(&step.name)).map(|step| step.milliseconds).sum())
         };
         bends.push(sum(&mut local, &|name| {
-            [&curvature::STAGE, &pack_normals::STAGE].iter().any(|stage| stage.name == name)
+            let own = [&curvature::STAGE, &curvature_sums::STAGE, &smooth_curvature::STAGE, &pack_normals::STAGE];
+            own.iter().any(|stage| stage.name == name)
         })?);
         // The solve's time excludes the stages that make a picture.
         let seen = |name: &str| SEEN.iter().any(|stage| stage.name == name);
@@ -213,8 +215,7 @@ pub fn balls(scene: &Scene, radii: &[f64], count: usize) -> Result<Vec<Ball>> {
     if material.opaque.is_some() {
         return Err(Input::new("no light enters the material").expected("scattering and absorption").into());
     }
-    let usual = dipoles(material, 1.0).each_ref().map(default_sigma_0);
-    let sigma_0 = material.sigma_0.unwrap_or(usual).map(|length| length * scene.unit_mm);
+    let sigma_0 = sigma_0(material).map(|length| length * scene.unit_mm);
     let ball = |&radius: &f64| {
         let sigma = sigma_0.map(|length| length / radius);
         let [r, g, b] = sigma.map(|sigma| curve(sigma, count));

@@ -13,6 +13,7 @@ use crate::scene::{Receivers, Scene};
 use crate::session::run::Session;
 use crate::shading::diffuse::{received, sigma_0};
 use crate::shading::reflectance::cdrf;
+use crate::shading::smooth_curvature::kappa;
 use crate::state::{State, wide};
 
 /// The error up to which a verdict calls the method valid.
@@ -38,6 +39,8 @@ pub struct Place {
     pub dipole: f64,
     /// Radiosity by the CDRF, W per scene unit^2.
     pub cdrf: f64,
+    /// Radiosity by Lambert's cosine, W per scene unit^2.
+    pub lambert: f64,
 }
 
 /// Error over some of the places, sqrt(sum A d^2 / sum A B^2), and their share of the area.
@@ -76,7 +79,7 @@ pub fn places(scene: &Scene, device: Option<&Device>) -> Result<Vec<Place>> {
         let triangles: Vec<u32> = (0..object.count.faces).map(|k| session.triangle(object.first.faces + k)).collect();
         let triangles = &triangles;
         let own = (object.first.faces..object.first.faces + object.count.faces).into_par_iter().flat_map_iter(|face| {
-            let [shade, sigma, spread, thickness] = at(state, number, face);
+            let [shade, plain, sigma, spread, thickness] = at(state, number, face);
             let carried = wide(radiosity[face - object.first.faces]) * brightness;
             let leaf = object.first.nodes + state.data.leaves[face] as usize;
             let area = f64::from(state.data.clusters[leaf].area) / units.length.powi(2);
@@ -90,6 +93,7 @@ pub fn places(scene: &Scene, device: Option<&Device>) -> Result<Vec<Place>> {
                 thickness: thickness[channel] / spread[channel].max(f64::MIN_POSITIVE),
                 dipole: carried[channel],
                 cdrf: shade[channel] * units.light,
+                lambert: plain[channel] * units.light,
             })
         });
         all.par_extend(own);
@@ -97,18 +101,18 @@ pub fn places(scene: &Scene, device: Option<&Device>) -> Result<Vec<Place>> {
     Ok(all)
 }
 
-/// Radiosity of a triangle by the CDRF at its centroid, its sigma and sigma_0, and the distance straight through the
-/// object below it.
-fn at(state: &State, number: usize, face: usize) -> [DVec3; 4] {
+/// Radiosity of a triangle at its centroid by the CDRF and by Lambert's cosine, its sigma and sigma_0, and the distance
+/// straight through the object below it.
+fn at(state: &State, number: usize, face: usize) -> [DVec3; 5] {
     let (data, params) = (&state.data, &state.data.object_params[number]);
     let corners = data.triangles[face].map(|v| v as usize);
     let mean = |of: &dyn Fn(usize) -> DVec3| corners.iter().map(|&v| of(v)).sum::<DVec3>() / 3.0;
     let point = mean(&|v| wide(data.positions[v]));
     let normal = mean(&|v| wide(data.normals[v])).normalize_or_zero();
-    let kappa = corners.iter().map(|&v| f64::from(data.curvature[v].kappa)).sum::<f64>() / 3.0;
+    let bend = corners.iter().map(|&v| f64::from(kappa(data, v))).sum::<f64>() / 3.0;
     let spread = sigma_0(data, params, face, [1.0 / 3.0; 3]);
-    let sigma = spread * kappa;
-    let light = received(state, face, [point, normal], sigma, &cdrf);
+    let sigma = spread * bend;
+    let light = [sigma, DVec3::ZERO].map(|sigma| received(state, face, [point, normal], sigma, &cdrf));
     let [a, b, c] = corners.map(|v| wide(data.positions[v]));
     let inward = -(b - a).cross(c - a).normalize_or_zero();
     // Start slightly below the surface to avoid hitting it.
@@ -118,14 +122,23 @@ fn at(state: &State, number: usize, face: usize) -> [DVec3; 4] {
     let object = &state.objects[number];
     let own = (object.first.faces..object.first.faces + object.count.faces).contains(&(met.face as usize));
     let thickness = if own { through } else { f64::INFINITY };
-    [wide(params.diffuse) * light, sigma, spread, DVec3::splat(thickness)]
+    [wide(params.diffuse) * light[0], wide(params.diffuse) * light[1], sigma, spread, DVec3::splat(thickness)]
 }
 
-/// The error over the places that `of` selects.
+/// The error of the CDRF over the places that `of` selects.
 pub fn share(places: &[Place], of: impl Fn(&Place) -> bool) -> Share {
+    share_by(places, |place| place.cdrf, of)
+}
+
+/// The same for Lambert's cosine.
+pub fn lambert_share(places: &[Place], of: impl Fn(&Place) -> bool) -> Share {
+    share_by(places, |place| place.lambert, of)
+}
+
+fn share_by(places: &[Place], value: impl Fn(&Place) -> f64, of: impl Fn(&Place) -> bool) -> Share {
     let sum = |f: &dyn Fn(&Place) -> f64| places.iter().filter(|place| of(place)).map(f).sum::<f64>();
     let whole: f64 = places.iter().map(|place| place.area).sum();
-    let squares = sum(&|p| p.area * (p.cdrf - p.dipole).powi(2));
+    let squares = sum(&|p| p.area * (value(p) - p.dipole).powi(2));
     let light = sum(&|p| p.area * p.dipole.powi(2));
     let error = if light > 0.0 { (squares / light).sqrt() } else { 0.0 };
     Share { error, area: if whole > 0.0 { sum(&|p| p.area) / whole } else { 0.0 } }
@@ -186,7 +199,7 @@ mod tests {
     use super::*;
 
     fn place(thickness: f64, sigma: f64, cdrf: f64) -> Place {
-        Place { object: 0, triangle: 0, channel: 0, area: 2.0, sigma, thickness, dipole: 1.0, cdrf }
+        Place { object: 0, triangle: 0, channel: 0, area: 2.0, sigma, thickness, dipole: 1.0, cdrf, lambert: 0.7 }
     }
 
     #[test]
@@ -200,6 +213,8 @@ mod tests {
         );
         let bad = vec![place(5.0, 0.3, 2.0)];
         assert!(verdict(&bad).starts_with("not within 10 %"));
+        let plain = lambert_share(&thin, |_| true);
+        assert!((plain.error - 0.3).abs() < 1e-12 && plain.area == 1.0);
         assert_eq!(share(&thin, |p| p.sigma > 1.0), Share { error: 0.050_000_000_000_000_044, area: 1.0 / 3.0 });
     }
 }

@@ -5,7 +5,8 @@ use crate::geometry::{deform, refit};
 use crate::layers::{plane_fit, relief};
 use crate::lighting::{environment, irradiance, opaque_faces, shadow, texture_in};
 use crate::shading::{
-    bake_irradiance, blur, cdrf, cdrf_cells, cdrf_table, cdrf_values, curvature, lambert, pack_normals, texture_blur,
+    bake_irradiance, blur, cdrf, cdrf_cells, cdrf_table, cdrf_values, curvature, curvature_sums, lambert, pack_normals,
+    smooth_curvature, texture_blur,
 };
 use crate::state::{Granularity, Host, Scope, Stage, State, Step};
 use crate::transport::blocks::{acceptance_radii, coarse_solve, gather, irradiance_ratio, link, pull, push};
@@ -22,7 +23,14 @@ use crate::view::{backdrop, pixel_receivers, pixel_shadow, reflect, shade, shade
 pub static FRAME: &[Section] = &[
     section(
         "The shape of this frame",
-        &[per_object(&[&deform::STAGE, &refit::STAGE, &curvature::STAGE, &pack_normals::STAGE])],
+        &[per_object(&[
+            &deform::STAGE,
+            &refit::STAGE,
+            &curvature::STAGE,
+            &curvature_sums::STAGE,
+            &smooth_curvature::STAGE,
+            &pack_normals::STAGE,
+        ])],
     ),
     section("What each pixel sees", &[once(&[&visibility::STAGE])]),
     section(

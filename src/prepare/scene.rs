@@ -20,7 +20,7 @@ use crate::layout::{
     REFLECTION_PHONG, Topology,
 };
 use crate::lighting::{fresnel, harmonics};
-use crate::scene::{self, DENSEST, Fresnel, Hierarchy, Kappa, Material, Mesh, Reflection, Scene, Side, Transport};
+use crate::scene::{self, DENSEST, Hierarchy, Kappa, Material, Mesh, Reflection, Scene, Side, Transport};
 use crate::state::{Extent, LitAt, Local, Method as Switches, Object, Schedule, Scheme, State, narrow};
 use crate::transport::blocks::BLOCK_RECEIVERS;
 use crate::view::pixel_receivers::LAYERS;
@@ -75,17 +75,13 @@ const THINNEST: f64 = 1e-11;
 /// The dipole of each channel in internal units. A material denser than [`DENSEST`] is scaled down to it, with its
 /// albedo kept: light leaves where it enters, as far as `f32` positions can tell.
 pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
+    let boundary = shading::boundaries(material);
     std::array::from_fn(|channel| {
-        let eta = material.eta[channel];
-        let inner = match material.fresnel {
-            Fresnel::Exact => fresnel::diffuse_internal_exact(eta),
-            Fresnel::Paper => fresnel::diffuse_internal_polynomial(eta),
-        };
         let (scattering, absorption) = (material.sigma_s_prime[channel], material.sigma_a[channel]);
         let limit = |extinction: f64| extinction * length / (scattering + absorption);
         let change = limit(DENSEST).min(1.0).max(limit(THINNEST));
         let coefficient = |value: f64| value * change / length;
-        Dipole::new(coefficient(scattering), coefficient(absorption), fresnel::boundary(inner))
+        Dipole::new(coefficient(scattering), coefficient(absorption), boundary[channel])
     })
 }
 
@@ -153,7 +149,7 @@ fn one(
     let (mesh, transport) = (&object.mesh, &scene.transport);
     let mut state = State { distance: transport.distance, ..State::default() };
     let faces = topology(&mut state, mesh, tree, units);
-    frame(&mut state, &object.material, transport, units);
+    frame(&mut state, &object.material, transport, units, local);
     let mut material = object.material.clone();
     // Objects with layers are lit at their triangles.
     let lit_at = if material.layers.is_some() { LitAt::Faces } else { lit_at };
@@ -179,6 +175,9 @@ fn one(
         ..Switches::default()
     };
     texture(&mut state, &material, mesh, &faces);
+    if matches!(local, Some(Local::Closed | Local::Table(_))) {
+        state.data.vertex_order = shading::vertex_order(&state.data);
+    }
     if transport.scheme == Scheme::Blocks && !opaque && local.is_none() {
         state.data.blocks = if by_pixel { of_picture(scene.camera.size) } else { blocks(&state) };
         state.data.object_params[0].by_pixel = u32::from(by_pixel);
@@ -231,7 +230,7 @@ fn topology(state: &mut State, mesh: &Mesh, tree: &Tree, units: Units) -> Vec<u3
     faces
 }
 
-fn frame(state: &mut State, material: &Material, transport: &Transport, units: Units) {
+fn frame(state: &mut State, material: &Material, transport: &Transport, units: Units, local: Option<Local>) {
     // Opaque materials have no dipole.
     let dipoles = material.opaque.is_none().then(|| dipoles(material, units.length));
     let of = |f: fn(&Dipole) -> f64| dipoles.as_ref().map_or([0.0; 3], |d| d.each_ref().map(|dipole| f(dipole) as f32));
@@ -240,7 +239,9 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
         Reflection::Phong { shininess } => (REFLECTION_PHONG, shininess as f32),
         Reflection::Ggx { roughness } => (REFLECTION_GGX, roughness as f32),
     };
-    let (sigma_0, diffuse) = shading::coefficients(material, dipoles.as_ref());
+    let diffuse = shading::diffuse(material, dipoles.as_ref());
+    let bent = matches!(local, Some(Local::Closed | Local::Table(_))) && material.opaque.is_none();
+    let sigma_0 = if bent { shading::sigma_0(material) } else { [0.0; 3] };
     let zonal = material.eta.map(harmonics::zonal);
     let degree = |l: usize| zonal.map(|factors| factors[l] as f32);
     state.data.object_params = vec![ObjectParams {
@@ -267,8 +268,8 @@ fn frame(state: &mut State, material: &Material, transport: &Transport, units: U
         zonal_1: degree(1),
         zonal_2: degree(2),
         // Kept finite in `f32`, so that its product with a curvature of 0 is 0.
-        sigma_0: sigma_0
-            .map(|sigma| (sigma * if material.sigma_0.is_some() { units.length } else { 1.0 }).min(1e30) as f32),
+        sigma_0: sigma_0.map(|sigma| (sigma * units.length).min(1e30) as f32),
+        curvature_radius: if bent { shading::curvature_radius(material, sigma_0, units.length) } else { 0.0 },
         diffuse: diffuse.map(|share| share as f32),
         kappa: if transport.curvature == Kappa::Mean { KAPPA_MEAN } else { KAPPA_RMS },
         link_error: link_error(transport.tolerance) as f32,

@@ -50,6 +50,8 @@ pub struct Material {
     pub surface: Surface,
     /// sigma_0 of the CDRF in scene units, r g b, at least 0; none if it follows from the coefficients.
     pub sigma_0: Option<[f64; 3]>,
+    /// Radius within which curvature is smoothed, scene units, at least 0; none if it follows from sigma_0.
+    pub curvature_radius: Option<f64>,
     /// Factor d over the surface, if not 1 everywhere: sigma_0 is multiplied by d^2.
     pub sigma_0_texture: Option<Texture>,
     /// Factor on light where it enters or leaves, if not 1 everywhere.
@@ -134,6 +136,11 @@ impl Material {
                 Some(range::channels(&key("sigma_0"), values, |x| x >= 0.0, "numbers of at least 0, mm")?)
             }
         };
+        let radius = |mm: f64| {
+            let value = mm / (scale * unit_mm);
+            range::number(&key("curvature_radius"), value, |x| x >= 0.0, "at least 0, mm")
+        };
+        let curvature_radius = file.curvature_radius.map(radius).transpose()?;
         let made = Self {
             name,
             sigma_s_prime,
@@ -144,6 +151,7 @@ impl Material {
             two_sided,
             surface,
             sigma_0,
+            curvature_radius,
             sigma_0_texture: Texture::sigma_0(file, key)?,
             texture,
             layers,
@@ -161,6 +169,7 @@ impl Material {
             ("normalize_exit", file.normalize_exit),
             ("sigma_0", file.sigma_0.is_some()),
             ("sigma_0_texture", file.sigma_0_texture.is_some()),
+            ("curvature_radius", file.curvature_radius.is_some()),
         ];
         if let Some((name, _)) = others.into_iter().find(|(_, given)| *given) {
             let (what, found) = match file.opaque {
@@ -191,6 +200,7 @@ impl Material {
             two_sided: false,
             surface,
             sigma_0: None,
+            curvature_radius: None,
             sigma_0_texture: None,
             texture,
             layers: None,

@@ -14,6 +14,8 @@ pub struct Preset {
     pub eta: f64,
     /// Diffuse reflectance as printed in the paper, r g b, 0 to 1; for comparison only.
     pub diffuse_reflectance: [f64; 3],
+    /// sigma_0 of the CDRF, mm, r g b: the fit to the dipole over balls, as `milkglass fit-cdrf` computes it.
+    pub sigma_0: [f64; 3],
 }
 
 impl Preset {
@@ -37,6 +39,7 @@ pub const PRESETS: &[Preset] = &[
         sigma_a: [0.003, 0.0034, 0.046],
         eta: 1.3,
         diffuse_reflectance: [0.85, 0.84, 0.53],
+        sigma_0: [1.5072, 1.4558, 1.1732],
     },
     Preset {
         name: "Chicken1",
@@ -44,6 +47,7 @@ pub const PRESETS: &[Preset] = &[
         sigma_a: [0.015, 0.077, 0.19],
         eta: 1.3,
         diffuse_reflectance: [0.31, 0.15, 0.1],
+        sigma_0: [10.0133, 4.1498, 1.9239],
     },
     Preset {
         name: "Chicken2",
@@ -51,6 +55,7 @@ pub const PRESETS: &[Preset] = &[
         sigma_a: [0.018, 0.088, 0.2],
         eta: 1.3,
         diffuse_reflectance: [0.32, 0.16, 0.1],
+        sigma_0: [8.1041, 3.5526, 2.0412],
     },
     Preset {
         name: "Cream",
@@ -58,6 +63,7 @@ pub const PRESETS: &[Preset] = &[
         sigma_a: [0.0002, 0.0028, 0.0163],
         eta: 1.3,
         diffuse_reflectance: [0.98, 0.9, 0.73],
+        sigma_0: [0.6126, 0.6902, 0.8896],
     },
     Preset {
         name: "Ketchup",
@@ -65,6 +71,7 @@ pub const PRESETS: &[Preset] = &[
         sigma_a: [0.061, 0.97, 1.45],
         eta: 1.3,
         diffuse_reflectance: [0.16, 0.01, 0.0],
+        sigma_0: [5.3261, 0.7877, 0.5365],
     },
     Preset {
         name: "Marble",
@@ -72,6 +79,7 @@ pub const PRESETS: &[Preset] = &[
         sigma_a: [0.0021, 0.0041, 0.0071],
         eta: 1.5,
         diffuse_reflectance: [0.83, 0.79, 0.75],
+        sigma_0: [1.6785, 1.3410, 1.1755],
     },
     Preset {
         name: "Potato",
@@ -79,6 +87,7 @@ pub const PRESETS: &[Preset] = &[
         sigma_a: [0.0024, 0.009, 0.12],
         eta: 1.3,
         diffuse_reflectance: [0.77, 0.62, 0.21],
+        sigma_0: [4.6174, 3.8137, 1.9949],
     },
     Preset {
         name: "Skimmilk",
@@ -86,6 +95,7 @@ pub const PRESETS: &[Preset] = &[
         sigma_a: [0.0014, 0.0025, 0.0142],
         eta: 1.3,
         diffuse_reflectance: [0.81, 0.81, 0.69],
+        sigma_0: [5.0604, 2.8168, 1.6385],
     },
     Preset {
         name: "Skin1",
@@ -93,6 +103,7 @@ pub const PRESETS: &[Preset] = &[
         sigma_a: [0.032, 0.17, 0.48],
         eta: 1.3,
         diffuse_reflectance: [0.44, 0.22, 0.13],
+        sigma_0: [2.6180, 1.3086, 0.7549],
     },
     Preset {
         name: "Skin2",
@@ -100,6 +111,7 @@ pub const PRESETS: &[Preset] = &[
         sigma_a: [0.013, 0.07, 0.145],
         eta: 1.3,
         diffuse_reflectance: [0.63, 0.44, 0.34],
+        sigma_0: [2.2719, 1.2323, 0.8934],
     },
     Preset {
         name: "Spectralon",
@@ -107,6 +119,7 @@ pub const PRESETS: &[Preset] = &[
         sigma_a: [0.0, 0.0, 0.0],
         eta: 1.3,
         diffuse_reflectance: [1.0, 1.0, 1.0],
+        sigma_0: [0.4128, 0.2161, 0.2741],
     },
     Preset {
         name: "Wholemilk",
@@ -114,6 +127,7 @@ pub const PRESETS: &[Preset] = &[
         sigma_a: [0.0011, 0.0024, 0.014],
         eta: 1.3,
         diffuse_reflectance: [0.91, 0.88, 0.76],
+        sigma_0: [1.4507, 1.1145, 0.8831],
     },
 ];
 

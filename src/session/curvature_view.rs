@@ -9,6 +9,7 @@ use crate::error::{Input, Result};
 use crate::layout::{BufferId, Hit, OPAQUE_NOT};
 use crate::scene::Kappa;
 use crate::shading::fit;
+use crate::shading::smooth_curvature::kappa;
 use crate::state::{narrow, wide};
 use crate::view::picture::Picture;
 
@@ -26,8 +27,8 @@ const RAMP: [DVec3; 5] = [
 pub struct CurvatureView {
     /// kappa at the ends of the colour ramp, 1 / scene unit: its 5th and 95th percentile.
     pub ends: [f64; 2],
-    /// Difference between the cubic fit's kappa and the stage's, relative to their sum: median and 95th percentile; 0
-    /// where no vertex can be fitted.
+    /// Difference between the cubic fit's kappa and stage `curvature`'s, neither smoothed, relative to their sum:
+    /// median and 95th percentile; 0 where no vertex can be fitted.
     pub apart: [f64; 2],
 }
 
@@ -51,13 +52,13 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 /// The share of the vertices of translucent objects where sigma is above 1 in every channel: there f hardly depends
 /// on the light.
 pub fn flat(session: &mut Session) -> Result<f64> {
-    session.fetch(&[BufferId::curvature])?;
+    session.fetch(&[BufferId::curvature, BufferId::smooth_kappa])?;
     let data = &session.state().data;
     let objects = session.state().objects.iter().zip(&data.object_params).filter(|(object, _)| !object.opaque);
     let sigmas = objects.flat_map(|(object, params)| {
         let least = params.sigma_0.into_iter().fold(f32::INFINITY, f32::min);
-        let own = data.curvature.iter().skip(params.first_vertex as usize).take(object.count.vertices);
-        own.map(move |vertex| least * vertex.kappa)
+        let first = params.first_vertex as usize;
+        (first..first + object.count.vertices).map(move |vertex| least * kappa(data, vertex))
     });
     let (flat, all) =
         sigmas.fold((0.0, 0.0), |(flat, all), sigma| (flat + f64::from(u8::from(sigma > 1.0)), all + 1.0));
@@ -66,7 +67,13 @@ pub fn flat(session: &mut Session) -> Result<f64> {
 
 /// The curvature picture of a session that shades by curvature, after its frame, and the meaning of the colours.
 pub fn curvature_view(session: &mut Session) -> Result<(Picture, CurvatureView)> {
-    session.fetch(&[BufferId::hits, BufferId::normals, BufferId::curvature, BufferId::positions])?;
+    session.fetch(&[
+        BufferId::hits,
+        BufferId::normals,
+        BufferId::curvature,
+        BufferId::smooth_kappa,
+        BufferId::positions,
+    ])?;
     let (state, length) = (session.state(), session.units().length);
     let mean = session.scene().transport.curvature == Kappa::Mean;
     if state.data.curvature.is_empty() && state.objects.iter().any(|object| !object.opaque) {
@@ -78,12 +85,12 @@ pub fn curvature_view(session: &mut Session) -> Result<(Picture, CurvatureView)>
     let (mut all, mut apart) = (Vec::new(), Vec::new());
     for (number, object) in state.objects.iter().enumerate().filter(|(_, object)| !object.opaque) {
         let one = state.alone(number);
-        let kappa = |vertex: usize| f64::from(one.data.curvature[vertex].kappa);
-        all.extend((0..object.count.vertices).map(|vertex| kappa(vertex) * length));
+        all.extend((0..object.count.vertices).map(|vertex| f64::from(kappa(&one.data, vertex)) * length));
         let difference = |vertex: usize| {
-            let [k1, k2] = fit::at(&one.data, vertex).filter(|_| one.data.curvature[vertex].known > 0.0)?;
+            let [k1, k2] = fit::at(&one.data, vertex).filter(|_| one.data.curvature[vertex].area > 0.0)?;
+            let own = f64::from(one.data.curvature[vertex].kappa);
             let fitted = if mean { 0.5 * (k1 + k2).abs() } else { (0.5 * (k1 * k1 + k2 * k2)).sqrt() };
-            Some((fitted - kappa(vertex)).abs() / (fitted + kappa(vertex)).max(f64::MIN_POSITIVE))
+            Some((fitted - own).abs() / (fitted + own).max(f64::MIN_POSITIVE))
         };
         apart.par_extend((0..object.count.vertices).into_par_iter().filter_map(difference));
     }
@@ -105,9 +112,8 @@ pub fn curvature_view(session: &mut Session) -> Result<(Picture, CurvatureView)>
         let toward = (wide(camera.origin) - mix(&data.positions)).normalize_or_zero();
         let facing = 0.35 + 0.65 * mix(&data.normals).normalize_or_zero().dot(toward).abs();
         let opaque = data.object_params[state.object_of(hit.face as usize)].opaque != OPAQUE_NOT;
-        let kappa =
-            || corner.iter().zip(weight).map(|(&v, w)| w * f64::from(data.curvature[v as usize].kappa)).sum::<f64>();
-        let color = if opaque { DVec3::splat(0.05) } else { wide(curvature_view.color(kappa() * length)) };
+        let mixed = || corner.iter().zip(weight).map(|(&v, w)| w * f64::from(kappa(data, v as usize))).sum::<f64>();
+        let color = if opaque { DVec3::splat(0.05) } else { wide(curvature_view.color(mixed() * length)) };
         narrow(facing * color)
     };
     let pixels = data.hits.iter().map(pixel).collect();

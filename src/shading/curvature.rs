@@ -27,6 +27,7 @@ const FIELDS: &[Field] = &[
     Field { name: "kappa", relative: 1e-3, floor: 1e-3, of: "" },
     Field { name: "mean", relative: 1e-3, floor: 1e-3, of: "" },
     Field { name: "gaussian", relative: 1e-3, floor: 1e-2, of: "" },
+    Field { name: "area", relative: 1e-4, floor: 0.0, of: "" },
 ];
 
 /// The stage's declaration.
@@ -133,7 +134,7 @@ fn own(data: &Buffers, vertex: usize) -> Curvature {
         KAPPA_RMS => (mean * mean + (mean * mean - gaussian).max(0.0)).sqrt(),
         _ => mean.abs(),
     };
-    Curvature { kappa: kappa as f32, mean: mean as f32, gaussian: gaussian as f32, known: 1.0 }
+    Curvature { kappa: kappa as f32, mean: mean as f32, gaussian: gaussian as f32, area: ring.area as f32 }
 }
 
 fn cpu(state: &mut State, _at: Scope) {
@@ -142,14 +143,14 @@ fn cpu(state: &mut State, _at: Scope) {
     let filled = |vertex: usize| {
         let first = data.object_params[0].first_vertex;
         let corners = around(data, vertex).flat_map(|[_, b, c]| [b, c]);
-        let known: Vec<_> = corners.map(|v| own[(v - first) as usize]).filter(|c| c.known > 0.0).collect();
-        if own[vertex].known > 0.0 || known.is_empty() {
+        let known: Vec<_> = corners.map(|v| own[(v - first) as usize]).filter(|c| c.area > 0.0).collect();
+        if own[vertex].area > 0.0 || known.is_empty() {
             return own[vertex];
         }
         let mean = |of: fn(&Curvature) -> f32| {
             (known.iter().map(|c| f64::from(of(c))).sum::<f64>() / known.len() as f64) as f32
         };
-        Curvature { kappa: mean(|c| c.kappa), mean: mean(|c| c.mean), gaussian: mean(|c| c.gaussian), known: 0.0 }
+        Curvature { kappa: mean(|c| c.kappa), mean: mean(|c| c.mean), gaussian: mean(|c| c.gaussian), area: 0.0 }
     };
     let curvature = (0..own.len()).into_par_iter().map(filled).collect();
     state.data.curvature = curvature;

@@ -83,7 +83,7 @@ pub fn at(data: &Buffers, vertex: usize) -> Option<[f64; 2]> {
     let mut others: Vec<u32> = faces.iter().flat_map(|&f| data.triangles[f as usize]).filter(|&v| v != own).collect();
     others.sort_unstable();
     others.dedup();
-    if others.iter().any(|&v| data.curvature[(v - first) as usize].known == 0.0) {
+    if others.iter().any(|&v| data.curvature[(v - first) as usize].area == 0.0) {
         return None;
     }
     let place = wide(data.positions[own as usize]);

@@ -3,16 +3,19 @@
 //! alone; and its rivals, Lambert's cosine and blur in texture space.
 
 pub mod bake_irradiance;
+pub mod balls;
 pub mod blur;
 pub mod cdrf;
 pub mod cdrf_cells;
 pub mod cdrf_table;
 pub mod cdrf_values;
 pub mod curvature;
+pub mod curvature_sums;
 pub mod diffuse;
 pub mod fit;
 pub mod gaussians;
 pub mod lambert;
 pub mod pack_normals;
 pub mod reflectance;
+pub mod smooth_curvature;
 pub mod texture_blur;

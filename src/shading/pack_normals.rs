@@ -8,6 +8,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::curvature_sums::rough;
+use super::smooth_curvature::kappa as kappa_of;
 use crate::error::Result;
 use crate::layout::{BufferId, KAPPA_LEAST};
 use crate::state::{
@@ -49,20 +51,24 @@ pub fn unpack([low, high]: [u32; 2]) -> (DVec3, f64) {
     (DVec3::new(x, y, z) / 32767.0, f64::from(kappa) - f64::from(KAPPA_LEAST))
 }
 
-/// Whether the shading method uses kappa.
-fn bent(state: &State) -> bool {
-    state.method.local != Some(Local::Lambert)
+/// Which kappa the shading method uses: 0 for none, 1 for that of stage `curvature`, 2 for the smoothed one.
+fn bent(state: &State) -> u32 {
+    match state.method.local {
+        Some(Local::Lambert) => 0,
+        _ if rough(state).is_some() => 1,
+        _ => 2,
+    }
 }
 
 fn cpu(state: &mut State, _at: Scope) {
     let (data, bent) = (&state.data, bent(state));
-    let kappa = |v: usize| if bent { data.curvature[v].kappa } else { 0.0 };
+    let kappa = |v: usize| if bent > 0 { kappa_of(data, v) } else { 0.0 };
     state.data.packed_normals =
         data.normals.par_iter().enumerate().map(|(v, &normal)| pack(normal, kappa(v))).collect();
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    pass.dispatch(None, &[u32::from(bent(pass.state))], &[], pass.object().count.vertices)
+    pass.dispatch(None, &[bent(pass.state)], &[], pass.object().count.vertices)
 }
 
 #[cfg(test)]

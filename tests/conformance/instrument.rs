@@ -249,6 +249,12 @@ fn features() -> Vec<Feature> {
         (&["pull", "gather", "push"], &[BufferId::moments], with(ball(&[])), carried(ShadingMethod::Octree)),
         (&["irradiance"], &[BufferId::lit], with(ball(&[])), changed(ball(&[]), |scene| scene.lights.clear())),
         (&["curvature", "cdrf"], &[BufferId::curvature], carried(ShadingMethod::Cdrf), carried(ShadingMethod::Lambert)),
+        (
+            &["curvature_sums", "smooth_curvature"],
+            &[BufferId::curvature_sums, BufferId::smooth_kappa],
+            carried(ShadingMethod::Cdrf),
+            (ball(&["object.0.material.curvature_radius=0"]), carried(ShadingMethod::Cdrf).1),
+        ),
         (&["pack_normals"], &[BufferId::packed_normals], carried(ShadingMethod::Lambert), with(ball(&[]))),
         (&["cdrf_table", "cdrf_cells"], &[BufferId::cdrf_grid, BufferId::cdrf_cells], local("table"), local("closed")),
         (&["lambert"], &[], carried(ShadingMethod::Lambert), with(ball(&[]))),

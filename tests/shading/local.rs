@@ -35,7 +35,10 @@ fn names(session: &Session) -> Vec<&'static str> {
 fn nothing_of_transport_has_a_stage_or_a_buffer() {
     let ball = scene("sphere", &["object.0.detail=2"], 0.0);
     let session = run(&ball, CDRF);
-    assert_eq!(names(&session), ["refit", "curvature", "pack_normals", "visibility", "cdrf"]);
+    assert_eq!(
+        names(&session),
+        ["refit", "curvature", "curvature_sums", "smooth_curvature", "pack_normals", "visibility", "cdrf"]
+    );
     let used: Vec<&str> = BUFFER_IDS
         .iter()
         .filter(|slot| !session.state().data.bytes(**slot).is_empty())
@@ -49,6 +52,7 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
         "triangles",
         "corner_starts",
         "corners",
+        "vertex_order",
         "topology",
         "leaves",
         "order",
@@ -56,6 +60,8 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
         "clusters",
         "normals",
         "curvature",
+        "curvature_sums",
+        "smooth_kappa",
         "packed_normals",
         "counters",
         "hits",
@@ -73,7 +79,17 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
     let session = run(&table, CDRF);
     assert_eq!(
         names(&session),
-        ["refit", "curvature", "pack_normals", "visibility", "cdrf_table", "cdrf_cells", "cdrf"]
+        [
+            "refit",
+            "curvature",
+            "curvature_sums",
+            "smooth_curvature",
+            "pack_normals",
+            "visibility",
+            "cdrf_table",
+            "cdrf_cells",
+            "cdrf"
+        ]
     );
     assert_eq!(session.state().data.cdrf_cells.len(), 64);
     let dark = scene("sphere", &["object.0.detail=2", "light.0.irradiance=0"], 0.0);

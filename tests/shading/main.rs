@@ -5,6 +5,7 @@ mod devices;
 #[path = "../shell/mod.rs"]
 mod shell;
 
+mod curvature;
 mod local;
 mod looks;
 mod objects;

@@ -14,7 +14,7 @@ UPDATES(curvature)
 void main() {
     uint vertex = invocation();
     if (vertex >= object_params[0].vertices) return;
-    if (curvature[vertex].known > 0.0) return;
+    if (curvature[vertex].area > 0.0) return;
     uint first = object_params[0].first_vertex;
     vec3 sum = vec3(0);
     float count = 0.0;
@@ -22,7 +22,7 @@ void main() {
         uvec3 corner = turned(triangles[corners[i / 2]], first + vertex);
         uint other = (i % 2 == 0 ? corner.y : corner.z) - first;
         // Unknown ones may be written at the same time; they do not count.
-        bool counts = curvature[other].known > 0.0;
+        bool counts = curvature[other].area > 0.0;
         if (counts) sum += vec3(curvature[other].kappa, curvature[other].mean, curvature[other].gaussian);
         count += counts ? 1.0 : 0.0;
     }

@@ -69,7 +69,7 @@ void main() {
         float mean = clamp(-dot(pull, normal) / (4.0 * area), -MOST_CURVATURE, MOST_CURVATURE);
         float gaussian = clamp(deficit / area, -MOST_CURVATURE * MOST_CURVATURE, MOST_CURVATURE * MOST_CURVATURE);
         float rms = sqrt(mean * mean + max(mean * mean - gaussian, 0.0));
-        found = Curvature(object_params[0].kappa == KAPPA_RMS ? rms : abs(mean), mean, gaussian, 1.0);
+        found = Curvature(object_params[0].kappa == KAPPA_RMS ? rms : abs(mean), mean, gaussian, area);
     }
     curvature[vertex] = found;
 }

@@ -2,8 +2,8 @@
 
 use plotters::prelude::*;
 
-use super::{ANGLES, Curve, angle};
 use crate::error::{Error, Result};
+use crate::shading::balls::{ANGLES, Curve, angle};
 use crate::shading::reflectance::cdrf;
 
 /// The results for one channel.

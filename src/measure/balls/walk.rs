@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{ANGLES, Curve};
 use crate::measure::flat::{Lighting, enter};
 use crate::measure::walk::{BATCHES, Body, Estimate, Medium, Random, batches, refracted, travel};
+use crate::shading::balls::{ANGLES, Curve};
 
 /// Light that leaves a ball of this radius, relative to `flat`, the light that leaves a plane under normal incidence;
 /// `photons` enter.

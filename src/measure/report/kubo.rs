@@ -6,17 +6,19 @@ use super::{Bench, Page, Tone};
 use crate::dipole::profile::Dipole;
 use crate::error::Result;
 use crate::lighting::fresnel;
-use crate::measure::balls::fit::fit;
 use crate::measure::balls::plot::{Panel, svg};
-use crate::measure::balls::{dipole::curve as solve, walk::curve as walk};
+use crate::measure::balls::walk::curve as walk;
 use crate::measure::local::{PAPER, balls, bending, curve, panels, table_1};
-use crate::measure::validity::{ASKED, Place, places, share, verdict};
+use crate::measure::validity::{ASKED, Place, lambert_share, places, share, verdict};
 use crate::measure::walk::Medium;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
-use crate::prepare::shading::default_sigma_0;
 use crate::scene::{Camera, PRESETS, Preset, Scene};
 use crate::session::curvature_view::curvature_view;
 use crate::session::run::Session;
+use crate::shading::balls::dipole::curve as solve;
+use crate::shading::balls::fit::fit;
+use crate::shading::balls::radii;
+use crate::shading::balls::usual::spread;
 
 /// The whole section.
 pub fn kubo(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
@@ -145,23 +147,22 @@ fn table(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
 fn fitted(bench: &Bench<'_>, page: &mut Page, preset: &Preset) -> Result<()> {
     page.head(&format!("Figure 6: sigma_0 of {} from balls in parallel light", preset.name));
     page.say(
-        "Lines: the function at the sigma_0 fitted to the dipole. Dots: the dipole. Bars: a random walk and twice its standard \
+        "Lines: the function at the sigma_0 fitted to the dipole, which pictures of this material take. Dots: the dipole. Bars: a random walk and twice its standard \
          error.",
     );
     let photons = bench.either(10_000, 100_000);
-    let mean = [0, 1, 2].map(|c| 1.0 / (preset.sigma_s_prime[c] + preset.sigma_a[c])).iter().sum::<f64>() / 3.0;
-    let radii = bench.either(&[2.0, 10.0, 50.0][..], &[2.0, 5.0, 10.0, 20.0, 50.0, 100.0]);
+    let paths = [0, 1, 2].map(|c| 1.0 / (preset.sigma_s_prime[c] + preset.sigma_a[c]));
     let boundary = fresnel::boundary(fresnel::diffuse_internal_exact(preset.eta));
     let (mut rows, mut found) = (Vec::new(), Vec::new());
     for (c, name) in NAMES.iter().enumerate() {
         let (scattering, absorption) = (preset.sigma_s_prime[c], preset.sigma_a[c]);
         let dipole = Dipole::new(scattering, absorption, boundary);
         let medium = Medium { scattering, absorption, eta: preset.eta };
-        let by_dipole: Vec<_> = radii.iter().map(|paths| solve(&dipole, paths * mean)).collect();
+        let radii = radii(paths, c);
+        let by_dipole: Vec<_> = radii.iter().map(|&radius| solve(&dipole, radius)).collect();
         let walked: Vec<_> =
-            radii.iter().zip(1..).map(|(paths, k)| walk(medium, paths * mean, dipole.total(), photons, k)).collect();
-        let (model, truth) =
-            (fit(&by_dipole, default_sigma_0(&dipole), false), fit(&walked, default_sigma_0(&dipole), true));
+            radii.iter().zip(1..).map(|(&radius, k)| walk(medium, radius, dipole.total(), photons, k)).collect();
+        let (model, truth) = (fit(&by_dipole, spread(&dipole), false), fit(&walked, spread(&dipole), true));
         let mut row = vec![(*name).to_string()];
         row.extend([model.sigma_0, model.residual, truth.sigma_0, truth.residual].map(|x| format!("{x:.4}")));
         row.push(format!("{:.3}", truth.scale));
@@ -274,11 +275,20 @@ fn trusted(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         let (error, words) = (share(&all, |_| true).error, verdict(&all));
         let aim = format!("{name}: the CDRF is within {:.0} % of the dipole", 100.0 * ASKED);
         page.find(Tone::of(error <= ASKED), &aim, &words);
-        rows.push(vec![(*name).to_string(), format!("{:.1}", 100.0 * error), words]);
+        let plain = lambert_share(&all, |_| true).error;
+        let nearer = format!("{name}: the CDRF is no farther from the dipole than Lambert");
+        page.find(
+            Tone::of(error <= plain),
+            &nearer,
+            &format!("L2 {:.1} % against {:.1} %", 100.0 * error, 100.0 * plain),
+        );
+        let row = [error, plain].map(|x| format!("{:.1}", 100.0 * x));
+        rows.push([&[(*name).to_string()], &row[..], &[words]].concat());
     }
     let columns = [
         ("scene", ""),
         ("L2 error, %", "of the radiosity, against the dipole's"),
+        ("Lambert's, %", "the same of Lambert's cosine"),
         ("verdict", "the parts of the surface where the function can be trusted"),
     ];
     page.table("validity", &columns, &rows)

@@ -93,6 +93,7 @@ impl Pair {
             two_sided: false,
             surface: Surface::default(),
             sigma_0: None,
+            curvature_radius: None,
             sigma_0_texture: None,
             texture: None,
             layers: None,

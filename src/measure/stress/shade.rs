@@ -13,6 +13,7 @@ use crate::layout::BufferId;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::{Cdrf, Mesh, Scene};
 use crate::session::run::Session;
+use crate::shading::smooth_curvature::kappa;
 
 /// The bound for these pictures, and its reason.
 const SHADED: Bound = within(3e-6, 1e-5);
@@ -35,8 +36,15 @@ const fn stepped(name: &'static str, fallback: &'static str, make: fn() -> Resul
     Case { bound: STEPPED, brute: STEPPED, reason: STEPPED_REASON, ..case(name, fallback, make) }
 }
 
-/// The base scene with this mesh, which lies within the ball's bounding box.
+/// The base scene with this mesh, which lies within the ball's bounding box, and with its curvature as it is.
 fn with(mesh: Mesh, sigma_0: &str) -> Result<Scene> {
+    let mut scene = smoothed(mesh, sigma_0)?;
+    scene.objects[0].material.curvature_radius = Some(0.0);
+    Ok(scene)
+}
+
+/// The same with smoothed curvature.
+fn smoothed(mesh: Mesh, sigma_0: &str) -> Result<Scene> {
     let mut scene = scene(&["object.0.detail=0", &format!("object.0.material.sigma_0={sigma_0}")])?;
     scene.objects[0].mesh = mesh;
     Ok(scene)
@@ -70,6 +78,9 @@ pub(super) const CASES: &[Case] = &[
     case("shading: needle", "cotangents end at 100, curvature at 1e4 of the extent", || {
         with(cone(6, 1e-3, 0.49), "[1e-6, 1e-3, 1]")
     }),
+    case("shading: needle, smoothed", "mean curvature over a ball, whatever the tip", || {
+        smoothed(cone(6, 1e-3, 0.49), "[1e-6, 1e-3, 1]")
+    }),
     case("shading: slivers", "cotangents end at 100", || {
         with(turned(sheet(&doubled(6, 1e-4), &doubled(6, 1e-4))), "[0.01, 0.1, 1]")
     }),
@@ -87,16 +98,18 @@ fn method(scene: &Scene, device: Option<&Device>, plant: Option<Plant>) -> Resul
     let picture = |device: Option<&Device>| {
         let mut session = Session::new(scene, device, options)?;
         session.frame(Change::EVERYTHING)?;
-        session.fetch(&[BufferId::curvature, BufferId::radiance])?;
-        Ok::<_, Error>((session.state().data.curvature.clone(), session.state().data.radiance.clone()))
+        session.fetch(&[BufferId::curvature, BufferId::smooth_kappa, BufferId::radiance])?;
+        let data = &session.state().data;
+        let kappa: Vec<_> = (0..data.curvature.len()).map(|v| [kappa(data, v); 3]).collect();
+        Ok::<_, Error>((data.curvature.clone(), kappa, data.radiance.clone()))
     };
-    let (_, expected) = picture(None)?;
-    let (curvature, mut radiance) = picture(device)?;
+    let (.., expected) = picture(None)?;
+    let (curvature, kappa, mut radiance) = picture(device)?;
     if let Some(plant) = plant {
         plant.apply(&mut radiance);
     }
     let mut found = Found::default();
-    found.look("kappa", &curvature.iter().map(|bend| [bend.kappa; 3]).collect::<Vec<_>>());
+    found.look("kappa", &kappa);
     found.look("radiance", &radiance);
     let sound = |bend: &crate::layout::Curvature| bend.mean.is_finite() && bend.gaussian.is_finite();
     if !curvature.iter().all(sound) {

@@ -69,6 +69,7 @@ fn material(name: &str) -> [Dipole; 3] {
             two_sided: false,
             surface: Surface::default(),
             sigma_0: None,
+            curvature_radius: None,
             sigma_0_texture: None,
             texture: None,
             layers: None,

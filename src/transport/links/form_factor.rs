@@ -1,6 +1,6 @@
 //! Stage `form_factor`: F of every link, by one sample, by area points, or for the nearest triangles by the edge
-//! form; near clusters by the edge form of their projection, unless `transport.cluster` selects one sample. Where `transport.near` selects point sampling, uniform samples replace the edge form, for comparison with
-//! the paper.
+//! form; near clusters by the edge form of their projection, unless `transport.cluster` selects one sample. Where
+//! `transport.near` selects point sampling, uniform samples replace the edge form, for comparison with the paper.
 
 use glam::DVec3;
 use rayon::prelude::*;

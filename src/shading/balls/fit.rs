@@ -57,7 +57,7 @@ pub fn fit(curves: &[Curve], length: f64, free: bool) -> Fit {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::balls::ANGLES;
+    use crate::shading::balls::ANGLES;
 
     #[test]
     fn what_is_a_cdrf_is_found() {
