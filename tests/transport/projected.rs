@@ -36,7 +36,7 @@ fn error(angles: [f64; 2], cluster: &str) -> Norms {
 
 #[test]
 fn projection_errs_less_than_one_sample() {
-    for (angles, share) in [([0.27, 1.3], 0.7), ([0.05, 0.07], 0.9)] {
+    for (angles, share) in [([0.27, 1.3], 0.58), ([0.05, 0.07], 0.77)] {
         let [sample, projected] = ["sample", "projected"].map(|cluster| error(angles, cluster));
         assert!(projected.l2 < share * sample.l2 && projected.max < sample.max, "{sample:?} {projected:?}");
     }

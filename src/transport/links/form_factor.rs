@@ -114,17 +114,19 @@ impl<'a> Emitters<'a> {
         DVec3::from_array(self.dipoles.each_ref().map(channel))
     }
 
-    /// The polygon that a cluster's triangles make on the plane through its centre, across its mean normal.
+    /// The polygon that a cluster's triangles make on the plane through its centre, across its mean normal, times A/A':
+    /// it is smaller than the cluster, but sends out the cluster's light.
     fn projected(&self, node: u32, x: DVec3) -> DVec3 {
         let cluster = &self.data.clusters[node as usize];
         let normal = wide(cluster.normal);
+        let share = f64::from(cluster.area) / normal.length().max(f64::MIN_POSITIVE);
         let plane = (wide(cluster.center), normal.normalize_or_zero());
         let [first, count] = self.data.borders[node as usize].map(|n| n as usize);
         let edges = &self.data.border_edges[first..first + count];
         let border: Vec<[DVec3; 2]> =
             edges.iter().map(|edge| edge.map(|v| wide(self.data.positions[v as usize]))).collect();
         let channel = |dipole: &Dipole| polygon_form(&border, plane, x, dipole, self.distance, &gauss::THREE);
-        DVec3::from_array(self.dipoles.each_ref().map(channel))
+        share * DVec3::from_array(self.dipoles.each_ref().map(channel))
     }
 
     /// One sample at a cluster's centre; displaced sources lie along its mean normal, whose length is at most 1.

@@ -1,4 +1,5 @@
-// The polygon that a near cluster's triangles make on the plane across its mean normal.
+// The polygon that a near cluster's triangles make on the plane across its mean normal; it is smaller than the cluster,
+// but sends out the cluster's light.
 READS(object_params)
 READS(topology)
 READS(clusters)
@@ -21,6 +22,7 @@ vec3 projected_factor(uint at) {
     vec3 z_real = object_params[0].z_real, z_virtual = object_params[0].z_virtual;
     vec3 real = source_height(height, z_real, 1.0), virt = source_height(height, z_virtual, -1.0);
     uvec2 border = borders[link.emitter];
-    return object_params[0].strength * polygon_form(border.x, border.y, receiver, normal, object_params[0].sigma,
-                                                    real, virt, z_real, z_virtual);
+    float share = size > 0.0 ? emitter.area / size : 0.0;
+    return share * object_params[0].strength * polygon_form(border.x, border.y, receiver, normal,
+                                                            object_params[0].sigma, real, virt, z_real, z_virtual);
 }
