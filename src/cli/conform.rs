@@ -14,6 +14,7 @@ use milkglass::internals::gpu::{Adapter, Device, Instance};
 use milkglass::internals::pipeline::frame::{STAGES, stage};
 use milkglass::internals::session::run::CapacityHints;
 use milkglass::internals::view::atomic_file::{ready, write_atomically};
+use milkglass::measure::bias;
 use milkglass::measure::conform::{BINS, Row, conform, conform_stages};
 use milkglass::measure::fixtures::{Fixture, fixtures};
 use milkglass::measure::replace;
@@ -116,7 +117,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 let ulp = (row.ulp < u64::MAX).then_some(row.ulp);
                 json!({"device": device.name(), "driver": device.driver(), "fixture": row.fixture, "stage": row.stage,
                        "words": row.words, "ulp": ulp, "histogram": row.histogram, "most_ulp_of_bins": BINS,
-                       "relative": row.relative, "of_tolerance": row.used, "faults": row.faults})
+                       "relative": row.relative, "of_tolerance": row.used,
+                       "mean": bias::farthest(&row.biases), "faults": row.faults})
             })
             .collect();
         let text = format!("{:#}\n", serde_json::Value::from(value));
@@ -162,12 +164,14 @@ fn on_device(arguments: &Arguments, device: &Device, list: &[Fixture]) -> Result
             return Ok(rows);
         }
     }
+    let checked = rows.len();
     for fixture in list {
         match stages.is_empty() {
             true => rows.extend(conform(device, fixture, &[])?),
             false => rows.extend(conform_stages(device, fixture, &stages)?),
         }
     }
+    bias::blame(&mut rows[checked..]);
     Ok(rows)
 }
 
@@ -229,7 +233,9 @@ fn text(rows: &[(Device, Row)]) -> String {
     let row = |(device, stage, counts): &(String, &str, [u64; 8])| {
         let all: u64 = counts.iter().sum();
         let shares = counts.iter().map(|&count| share(count, all));
-        [device.clone(), (*stage).to_string(), all.to_string()].into_iter().chain(shares).collect()
+        let own = rows.iter().filter(|(other, _)| other.name() == device).map(|(_, row)| row);
+        let mean = bias::farthest(&bias::of_stage(own, stage)).map_or("-".into(), |mean| format!("{mean:+.0e}"));
+        [device.clone(), (*stage).to_string(), all.to_string()].into_iter().chain(shares).chain([mean]).collect()
     };
     let cells: Vec<Vec<String>> = sums.iter().filter(|sum| sum.2.iter().any(|&count| count > 0)).map(row).collect();
     let up_to = BINS.map(|most| format!("<={most}"));
@@ -237,8 +243,9 @@ fn text(rows: &[(Device, Row)]) -> String {
     let header: Vec<&str> = ["device", "stage", "floats"]
         .into_iter()
         .chain(up_to.iter().map(String::as_str))
-        .chain([beyond.as_str()])
+        .chain([beyond.as_str(), "mean"])
         .collect();
-    text += "\nfloats by their distance from the reference in units in the last place, per cent of all\n";
-    text + &table(&header, &[2, 3, 4, 5, 6, 7, 8, 9, 10], &cells) + "\n"
+    text += "\nfloats by their distance from the reference in units in the last place, per cent of all; `mean`: of the signed \
+             relative differences, of the buffer that is farthest off\n";
+    text + &table(&header, &[2, 3, 4, 5, 6, 7, 8, 9, 10, 11], &cells) + "\n"
 }

@@ -1,5 +1,6 @@
 //! Word-by-word comparison of one buffer in two states, for conformance.
 
+use super::bias::Bias;
 use crate::layout::{BufferId, Number, Word};
 use crate::state::{Field, State, Tolerance};
 
@@ -21,6 +22,8 @@ pub struct Comparison {
     pub relative: f64,
     /// Largest |difference| / allowed difference over all floats: up to 1 it is within tolerance.
     pub used: f64,
+    /// The signed relative differences of each field.
+    pub biases: Vec<Bias>,
     /// The first failure as text: index, field, both values, both in hex.
     pub first: Option<String>,
 }
@@ -57,11 +60,22 @@ pub fn compare(
     }
 
     let floats = |k: &usize| layout[*k].number == Number::Float;
+    let group = |k: usize| layout[k].path.trim_end_matches(|c: char| c == '.' || c.is_ascii_digit());
+    if part.1 > 0 && tolerance != Tolerance::Exact {
+        let own = part.0 * layout.len()..(part.0 + part.1) * layout.len();
+        let starts = (0..layout.len()).filter(floats).filter(|&k| (0..k).all(|j| group(j) != group(k)));
+        result.biases = starts
+            .map(|k| {
+                let words = own.clone().filter(|i| group(i % layout.len()) == group(k));
+                let pairs = words.map(|i| (f32::from_bits(a[i]), f32::from_bits(b[i])));
+                Bias::of(slot.spec().name, group(k), pairs)
+            })
+            .collect();
+    }
     if a == b {
         result.histogram[0] = (part.1 * (0..layout.len()).filter(floats).count()) as u64;
         return result;
     }
-    let group = |k: usize| layout[k].path.trim_end_matches(|c: char| c == '.' || c.is_ascii_digit());
     let rules = rules(&layout, group, a, tolerance);
 
     for (i, (&x, &y)) in a.iter().zip(b).enumerate() {

@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::geometry::deform;
 use crate::gpu::Device;
 use crate::layout::{BUFFER_IDS, BufferId};
+use crate::measure::bias::{Bias, add};
 pub use crate::measure::compare::BINS;
 use crate::measure::compare::{Comparison, compare};
 use crate::measure::fixtures::Fixture;
@@ -36,6 +37,8 @@ pub struct Row {
     pub relative: f64,
     /// Largest difference as a share of the allowed one; up to 1 it is within tolerance.
     pub used: f64,
+    /// The signed relative differences, field by field.
+    pub biases: Vec<Bias>,
     /// Everything found wrong; empty if the stage conforms.
     pub faults: Vec<String>,
 }
@@ -86,6 +89,7 @@ fn compared(
                     known.histogram.iter_mut().zip(row.histogram).for_each(|(sum, count)| *sum += count);
                     known.relative = known.relative.max(row.relative);
                     known.used = known.used.max(row.used);
+                    add(&mut known.biases, &row.biases);
                     known.faults.extend(row.faults);
                 }
                 None => rows.push(row),
@@ -191,6 +195,7 @@ impl Pair {
             histogram: [0; 8],
             relative: 0.0,
             used: 0.0,
+            biases: Vec::new(),
             faults: Vec::new(),
         };
         for &slot in BUFFER_IDS {
@@ -204,6 +209,7 @@ impl Pair {
                 row.histogram.iter_mut().zip(found.histogram).for_each(|(sum, count)| *sum += count);
                 row.relative = row.relative.max(found.relative);
                 row.used = row.used.max(found.used);
+                add(&mut row.biases, &found.biases);
             }
             if found.failures > 0 {
                 let what = if written.is_some() { "beyond tolerance" } else { "changed though not written" };

@@ -4,6 +4,7 @@
 
 pub mod accuracy;
 pub mod balls;
+pub mod bias;
 pub mod compare;
 pub mod conform;
 pub mod estimate;

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use super::bias::blame;
 use super::conform::{Row, conform_stages};
 use super::fixtures::Fixture;
 use crate::error::{Input, Result};
@@ -42,5 +43,7 @@ pub fn check(device: &Device, fixtures: &[Fixture]) -> Result<Vec<Row>> {
     }
     let stages = stages(device);
     let rows = fixtures.iter().map(|fixture| conform_stages(device, fixture, &stages)).collect::<Result<Vec<_>>>()?;
-    Ok(rows.into_iter().flatten().collect())
+    let mut rows: Vec<Row> = rows.into_iter().flatten().collect();
+    blame(&mut rows);
+    Ok(rows)
 }

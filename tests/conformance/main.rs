@@ -14,3 +14,4 @@ mod instrument;
 mod limits;
 mod pictures;
 mod stages;
+mod systematic;

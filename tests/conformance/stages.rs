@@ -12,6 +12,7 @@ use milkglass::internals::pipeline::frame::{STAGES, owner};
 use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options};
 use milkglass::internals::session::run::{CapacityHints, Session};
 use milkglass::internals::state::dispatches;
+use milkglass::measure::bias::blame;
 use milkglass::measure::conform::{Plant, Row, conform, conform_stages};
 use milkglass::measure::fixtures::{Fixture, covered, fixtures};
 use milkglass::scene::Scene;
@@ -56,17 +57,24 @@ fn every_stage_conforms_on_every_fixture() {
     }
     // Large fixtures are last in the list; run them first.
     let largest_first: Vec<&Fixture> = list.iter().rev().collect();
-    let faults = Mutex::new(Vec::new());
+    let (faults, all_rows) = (Mutex::new(Vec::new()), Mutex::new(BTreeMap::<String, Vec<Row>>::new()));
     on_devices_each(&largest_first, |device, fixture| {
         let rows = conform(device, fixture, &[]).unwrap();
         assert!(!rows.is_empty(), "{} compared nothing", fixture.name);
+        all_rows.lock().unwrap().entry(device.name().to_string()).or_default().extend(rows.iter().cloned());
         for row in rows {
             assert!(row.words > 0, "{}: {} compared no word", fixture.name, row.stage);
             let named = row.faults.into_iter().map(|fault| format!("{}, {}: {fault}", device.name(), fixture.name));
             faults.lock().unwrap().extend(named);
         }
     });
-    let faults = faults.into_inner().unwrap();
+    let mut faults = faults.into_inner().unwrap();
+    // Over all fixtures, no stage leans to one side.
+    for (device, mut rows) in all_rows.into_inner().unwrap() {
+        rows.iter_mut().for_each(|row| row.faults.clear());
+        blame(&mut rows);
+        faults.extend(rows.iter().flat_map(|row| &row.faults).map(|fault| format!("{device}: {fault}")));
+    }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 

@@ -1,0 +1,173 @@
+//! Systematic error: the mean of the signed relative differences between device and reference.
+//!
+//! Tolerances are of single values, and wide where a value may cancel. An error that leans to one side may hide in
+//! them: a factor of 1 + 3e-5 is 500 times the rounding of a float. The rounding of many values goes either way, and
+//! its mean is far smaller.
+
+use super::conform::Row;
+
+/// A relative difference counts for this much at most: few values near 0, of which only the absolute difference
+/// means something, do not decide.
+const MOST: f64 = 1e-4;
+/// Values below this share of the largest of their field are left out, for the same reason.
+const LEAST: f64 = 1e-4;
+/// Fewer values say nothing about their mean.
+const ENOUGH: u64 = 64;
+/// Standard errors that the mean of values with random errors may be off.
+const LUCK: f64 = 4.0;
+/// The largest mean that counts as rounding. Two sound drivers, llvmpipe and SwiftShader, show at most 6e-7
+/// (`cdrf_values`, whose `exp` is theirs), and below 1e-7 in all but ten buffers; others may have a coarser `exp`.
+pub const ALLOWED: f64 = 2e-6;
+
+/// The signed relative differences of one field of a buffer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bias {
+    /// The buffer.
+    pub buffer: &'static str,
+    /// The field; empty for a buffer of plain numbers.
+    pub field: String,
+    /// Number of values.
+    pub count: u64,
+    /// Sum of their signed relative differences.
+    pub sum: f64,
+    /// Sum of the squares of those.
+    pub squares: f64,
+}
+
+impl Bias {
+    /// The differences of `pairs`, reference and device, of a field.
+    pub fn of(buffer: &'static str, field: &str, pairs: impl Iterator<Item = (f32, f32)> + Clone) -> Self {
+        let largest = pairs.clone().map(|(p, _)| f64::from(p).abs()).filter(|p| p.is_finite()).fold(0.0, f64::max);
+        let mut bias = Self { buffer, field: field.into(), count: 0, sum: 0.0, squares: 0.0 };
+        for (p, q) in pairs.map(|(p, q)| (f64::from(p), f64::from(q))) {
+            if p != 0.0 && p.abs() >= LEAST * largest && p.is_finite() && q.is_finite() {
+                let off = ((q - p) / p).clamp(-MOST, MOST);
+                bias.count += 1;
+                bias.sum += off;
+                bias.squares += off * off;
+            }
+        }
+        bias
+    }
+
+    /// The mean.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.sum / self.count.max(1) as f64
+    }
+
+    /// Whether it is more than rounding and luck.
+    #[must_use]
+    pub fn leans(&self) -> bool {
+        let count = self.count.max(1) as f64;
+        let error = (self.squares / count - self.mean().powi(2)).max(0.0).sqrt() / count.sqrt();
+        self.count >= ENOUGH && self.mean().abs() > ALLOWED + LUCK * error
+    }
+
+    /// What is wrong, in words.
+    fn fault(&self) -> String {
+        let (dot, mean) = (if self.field.is_empty() { "" } else { "." }, self.mean());
+        format!(
+            "over all fixtures {}{dot}{} is off by {mean:+.1e} of itself in the mean of {} values; rounding stays below \
+             {ALLOWED:.0e}",
+            self.buffer, self.field, self.count
+        )
+    }
+}
+
+/// Adds up the differences of several comparisons, field by field.
+pub fn add(sums: &mut Vec<Bias>, more: &[Bias]) {
+    for bias in more {
+        match sums.iter_mut().find(|sum| sum.buffer == bias.buffer && sum.field == bias.field) {
+            Some(sum) => {
+                sum.count += bias.count;
+                sum.sum += bias.sum;
+                sum.squares += bias.squares;
+            }
+            None => sums.push(bias.clone()),
+        }
+    }
+}
+
+/// The differences of a stage over all of these rows.
+#[must_use]
+pub fn of_stage<'a>(rows: impl IntoIterator<Item = &'a Row>, stage: &str) -> Vec<Bias> {
+    let mut sums = Vec::new();
+    rows.into_iter().filter(|row| row.stage == stage).for_each(|row| add(&mut sums, &row.biases));
+    sums
+}
+
+/// The mean that is farthest from 0, of fields with enough values; `None` where there is none.
+#[must_use]
+pub fn farthest(biases: &[Bias]) -> Option<f64> {
+    let means = biases.iter().filter(|bias| bias.count >= ENOUGH).map(Bias::mean);
+    means.max_by(|a, b| a.abs().total_cmp(&b.abs()))
+}
+
+/// Adds a fault to the last row of each stage whose values lean to one side over all rows of a device.
+pub fn blame(rows: &mut [Row]) {
+    for last in (0..rows.len()).rev() {
+        let stage = rows[last].stage;
+        if rows[last + 1..].iter().any(|row| row.stage == stage) {
+            continue;
+        }
+        let faults: Vec<String> = of_stage(&*rows, stage).iter().filter(|bias| bias.leans()).map(Bias::fault).collect();
+        rows[last].faults.extend(faults);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values from 0.5 to 1.5, and what a device makes of them.
+    fn pairs(device: impl Fn(usize, f32) -> f32) -> Bias {
+        let pairs: Vec<(f32, f32)> = (0..2000)
+            .map(|k| {
+                let value = 0.5 + (k * 7919 % 2000) as f32 / 2000.0;
+                (value, device(k, value))
+            })
+            .collect();
+        Bias::of("radiosity", "", pairs.into_iter())
+    }
+
+    #[test]
+    fn a_factor_leans_and_rounding_does_not() {
+        assert!(pairs(|_, x| x * (1.0 + 3e-5)).leans());
+        assert!(pairs(|_, x| x * (1.0 - 3e-5)).leans());
+        // In every tenth value, too.
+        assert!(pairs(|k, x| if k % 10 == 0 { x * (1.0 + 3e-5) } else { x }).leans());
+        assert!(!pairs(|_, x| x).leans());
+        // Errors to either side, and a few large ones.
+        assert!(!pairs(|k, x| if k * k % 7 < 3 { x * (1.0 + 2e-5) } else { x * (1.0 - 1.5e-5) }).leans());
+        assert!(!pairs(|k, x| if k % 1000 == 0 { 2.0 * x } else { x }).leans());
+        // Too few to tell, and values near 0.
+        let few: Vec<(f32, f32)> = (0..40).map(|_| (1.0, 1.0001)).collect();
+        assert!(!Bias::of("radiosity", "", few.into_iter()).leans());
+        assert!(!pairs(|k, _| if k == 0 { 1.0 } else { 0.0 }).field.contains('.'));
+    }
+
+    #[test]
+    fn rows_of_a_stage_count_together() {
+        let row = |off: f32| Row {
+            fixture: String::new(),
+            stage: "push",
+            steps: 1,
+            words: 0,
+            ulp: 0,
+            histogram: [0; 8],
+            relative: 0.0,
+            used: 0.0,
+            biases: vec![Bias::of("radiosity", "", (0..50).map(|k| (1.0 + k as f32, (1.0 + k as f32) * (1.0 + off))))],
+            faults: Vec::new(),
+        };
+        let mut rows = vec![row(3e-5), row(3e-5), row(3e-5)];
+        blame(&mut rows);
+        assert!(rows[0].faults.is_empty() && rows[2].faults.len() == 1, "{rows:?}");
+        assert!(rows[2].faults[0].starts_with("over all fixtures radiosity is off by +3.0e-5 of itself"), "{rows:?}");
+        assert!((farthest(&of_stage(&rows, "push")).unwrap_or_default() - 3e-5).abs() < 1e-7);
+        let mut rows = vec![row(0.0), row(3e-8)];
+        blame(&mut rows);
+        assert!(rows.iter().all(|row| row.faults.is_empty()));
+    }
+}
