@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::long_work::{json_of, of_plan};
 use super::{RunArguments, SceneArguments, open_session, print, size, table, validation};
 use milkglass::error::{Input, Result};
 use milkglass::internals::gpu::constants;
@@ -97,6 +98,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     text += &table(&["stage", "does", "from", "writes"], &[], &stages);
     text += "\nwork: of a frame from scratch; bytes bound, each once\n";
     text += &work(&needs);
+    let load = session.workload();
+    text += &of_plan(&load);
     let sharper = session.sharper()?;
     if let Some(other) = &sharper {
         let (tolerance, bytes) = (other.scene().transport.tolerance, total(other));
@@ -151,6 +154,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "buffers": session.buffers().iter()
                 .map(|(slot, bytes)| json!({"buffer": slot.spec().name, "per": slot.spec().per, "bytes": bytes}))
                 .collect::<Vec<_>>(),
+            "rays": json_of(&load),
             // A separate solve.
             "error_estimate": sharper.as_ref().map(|other| -> Result<Value> {
                 let stage = |need: &StageRequirements| json!({"stage": need.stage, "dispatches": need.dispatches});

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::long_work::tell_long_work;
 use super::{SceneArguments, check_messages, open_session, run_frame};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Device, Timing};
@@ -67,7 +68,9 @@ impl Job<'_> {
             let session = match &mut session {
                 None => {
                     scene.report.iter().for_each(|line| tell!("{line}"));
-                    session.insert(open_session(&scene, device, self.options)?)
+                    let opened = open_session(&scene, device, self.options)?;
+                    tell_long_work(&opened);
+                    session.insert(opened)
                 }
                 Some(session) => {
                     session.show(&scene).map_err(|error| scene.placed(error))?;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::faces::{csv, ply};
+use super::long_work::tell_long_work;
 use super::{RunArguments, SceneArguments, check_messages, open_session, print, run_frame, table, validation};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Timing;
@@ -74,6 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let estimate = output.is_some() || arguments.verify.is_some();
     let options = Options { goal: Goal::Radiosity, estimate, ..arguments.run.options() };
     let mut session = open_session(&scene, device.as_ref(), options)?;
+    tell_long_work(&session);
     let times = run_frame(&mut session, Change::EVERYTHING)?;
     // Only a file needs every face.
     let faces = if output.is_some() { session.faces()? } else { Vec::new() };

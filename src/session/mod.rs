@@ -22,3 +22,4 @@ pub(crate) mod refined_estimate;
 pub mod requirements;
 pub mod run;
 pub mod subdivide;
+pub mod workload;

@@ -12,6 +12,7 @@ mod fit;
 mod lights;
 mod line;
 mod lists;
+mod long_work;
 mod pareto;
 mod profile;
 mod report;
