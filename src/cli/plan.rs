@@ -42,6 +42,10 @@ pub struct Arguments {
     json: Option<PathBuf>,
 }
 
+/// What the error estimate lacks where light casts shadows and `transport.subdivide` is 0.
+const BORDERS: &str =
+    "\nerror estimate: without borders of shadows within triangles; transport.subdivide = 2 puts them in\n";
+
 /// Prints stages, buffers, and what is skipped.
 pub fn run(arguments: &Arguments) -> Result<()> {
     ready([("--json", arguments.json.as_ref())])?;
@@ -110,6 +114,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             work(&needs)
         );
     }
+    if session.leaves_out_borders() {
+        text += BORDERS;
+    }
     let mut kernels = Vec::new();
     for need in needs.iter().flat_map(|need| &need.kernels) {
         kernels.push(vec![need.name.clone(), need.dispatches.to_string(), need.specialized()?]);
@@ -161,6 +168,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 let stages: Vec<_> = other.needs(Change::EVERYTHING.and(Change::RELINK))?.iter().map(stage).collect();
                 Ok(json!({"tolerance": other.scene().transport.tolerance, "bytes": total(other), "stages": stages}))
             }).transpose()?,
+            "estimate_leaves_out_borders": session.leaves_out_borders(),
             "left_out": plan.left_out.iter().map(|(what, why)| json!({"stage": what, "because": why}))
                 .collect::<Vec<_>>(),
         });

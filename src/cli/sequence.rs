@@ -116,7 +116,9 @@ pub fn warn_of_shape(session: &Session, frame: &str) {
 pub fn shoot(session: &mut Session, aov: bool, output: &Path) -> Result<(Picture, Vec<Timing>)> {
     // Layers first: they belong to rays through the pixels' centres.
     let layers = if aov { Some(layers(session)?) } else { None };
-    super::solve::tell_blunt(session);
+    if aov {
+        super::solve::tell_estimate(session)?;
+    }
     let (picture, times) = timed_picture(session)?;
     match layers {
         Some(layers) => save(&picture, &layers, output)?,

@@ -101,6 +101,8 @@ records! { frame_records:
         near_capacity: u32,
         /// Largest error of one link, in units of the reference level.
         link_error: f32,
+        /// Rounding of values and of positions to `f32`, per channel, as a share of the radiosity.
+        rounding: [f32; 3],
         /// Irradiance of each channel as a multiple of its group's lead channel.
         tint: [f32; 3],
         /// chi below which 1 (with second moments), 3, 6 and 12 area points serve.
@@ -122,7 +124,7 @@ records! { frame_records:
         /// Unused.
         padding: [u32; 32],
         /// Unused.
-        more_padding: [u32; 6],
+        more_padding: [u32; 3],
         /// Unused.
         other_padding: u32,
         /// Most form factors that a frame may compute over links that are kept.

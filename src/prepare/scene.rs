@@ -6,6 +6,7 @@ use super::blocks::{blocks, edge_nodes, link_error, of_picture, triangle_size};
 use super::camera::camera;
 use super::layers::layers;
 use super::lights::lights;
+use super::rounding::rounding;
 use super::shading;
 use super::shape::{shape, spoilt};
 use super::textures::texture;
@@ -173,6 +174,7 @@ fn one(
         local,
         ..Switches::default()
     };
+    rounding(&mut state);
     texture(&mut state, &material, mesh, &faces);
     if transport.scheme == Scheme::Blocks && !opaque && local.is_none() {
         state.data.blocks = if by_pixel { of_picture(scene.camera.size) } else { blocks(&state) };

@@ -4,6 +4,7 @@
 mod shell;
 
 mod aov;
+mod borders;
 mod device_limits;
 mod eval;
 mod extremes;
