@@ -51,7 +51,7 @@ fn plan_and_layers_say_that_borders_are_left_out() {
             let layer = image
                 .layer_data
                 .iter()
-                .find(|layer| layer.attributes.layer_name.as_ref().is_some_and(|known| known.to_string() == name));
+                .find(|layer| layer.attributes.layer_name.as_ref().is_some_and(|known| known == name));
             layer.unwrap().attributes.comments.as_ref().map(ToString::to_string)
         };
         assert_eq!(named("radiosity"), None);
