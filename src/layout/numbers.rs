@@ -96,12 +96,6 @@ constants! {
     /// The whole error estimate is this many times the root of the squares: neighbouring links err together in part.
     /// Measured, the worst of 1000 receivers of a built-in scene errs by 3 to 7 times the root.
     ESTIMATE_SAFETY: f64 = 6.5;
-    /// Rounding of profile and sums to `f32`, as a share of the radiosity.
-    ESTIMATE_ROUNDING: f64 = 2e-6;
-    /// Share of the bound of what rounded positions change: corners are rounded independently of one another, and
-    /// light from all sides cancels in part. Measured on two marble balls 300 to 30,000 radii apart, the median
-    /// receiver errs by 0.01 of the bound, and 99 of 100 by less than 0.05 to 0.2 of it.
-    ESTIMATE_DISPLACED: f64 = 0.1;
     /// The third order in the emitter's and the receiver's extent, squared, from the two sums that are kept.
     ESTIMATE_BOTH: f64 = 4.0;
     /// The logarithm up to which growth by nearness is followed: its square still fits `f32`.

@@ -23,10 +23,17 @@
 //!   changes with its border, at distance rho: hence z + rho, and at most 1 / rho for sigma.
 //!
 //! The bound u (1 / rho + 2 (1.5 / (z + rho) + min(sigma, 1 / rho))) is a property of object and channel. Roundings are
-//! independent of one another, so a measured part of it is taken, `ESTIMATE_DISPLACED`.
+//! independent of one another, so a measured part of it is taken, `DISPLACED`.
 
 use crate::dipole::derivatives::{ClusterMoments, GroupProfile};
-use crate::layout::{ESTIMATE_BOTH, ESTIMATE_DISPLACED, ESTIMATE_ROUNDING, ESTIMATE_SAFETY, ESTIMATE_STEEPEST};
+use crate::layout::{ESTIMATE_BOTH, ESTIMATE_SAFETY, ESTIMATE_STEEPEST};
+
+/// Rounding of profile and sums to `f32`, as a share of the radiosity.
+const ROUNDING: f64 = 2e-6;
+/// Share of the bound of what rounded positions change: corners are rounded independently of one another, and light
+/// from all sides cancels in part. Measured on two marble balls 300 to 30,000 radii apart, the median receiver errs by
+/// 0.01 of the bound, and 99 of 100 by less than 0.05 to 0.2 of it.
+const DISPLACED: f64 = 0.1;
 
 /// Squared error of a link by moments of this order.
 pub fn moments(jets: &GroupProfile, c: usize, m: &ClusterMoments, d2: f64, order: u32) -> f64 {
@@ -78,7 +85,7 @@ pub fn dropped(jets: &GroupProfile, c: usize, m: &ClusterMoments, d2: f64) -> f6
 pub fn rounding(sigma: f64, depth: f64, inradius: f64, most: f64) -> f64 {
     let moved = 3.0f64.sqrt() * 2.0f64.powi(-24) * most;
     let steepest = 1.5 / (depth + inradius) + sigma.min(1.0 / inradius);
-    ESTIMATE_ROUNDING + (ESTIMATE_DISPLACED * moved * (1.0 / inradius + 2.0 * steepest)).min(1.0)
+    ROUNDING + (DISPLACED * moved * (1.0 / inradius + 2.0 * steepest)).min(1.0)
 }
 
 /// The estimate of a receiver, from its own squared error, its block's squared errors at the centre and at the
@@ -104,14 +111,10 @@ mod tests {
 
     #[test]
     fn what_is_clamped_is_added() {
-        assert_eq!(close([1.0, ESTIMATE_ROUNDING], 0.0, [0.0; 2], [0.1, 0.2], -0.5), 0.5 + ESTIMATE_ROUNDING * 0.5);
-        let without = close([1.0, ESTIMATE_ROUNDING], 4e-6, [1e-6, 2e-6], [0.1, 0.2], 0.0);
+        assert_eq!(close([1.0, ROUNDING], 0.0, [0.0; 2], [0.1, 0.2], -0.5), 0.5 + ROUNDING * 0.5);
+        let without = close([1.0, ROUNDING], 4e-6, [1e-6, 2e-6], [0.1, 0.2], 0.0);
         assert!(
-            (close([1.0, ESTIMATE_ROUNDING], 4e-6, [1e-6, 2e-6], [0.1, 0.2], -0.5)
-                - without
-                - 0.5
-                - ESTIMATE_ROUNDING * 0.5)
-                .abs()
+            (close([1.0, ROUNDING], 4e-6, [1e-6, 2e-6], [0.1, 0.2], -0.5) - without - 0.5 - ROUNDING * 0.5).abs()
                 < 1e-12
         );
         assert!(without > 2e-3 * ESTIMATE_SAFETY);
