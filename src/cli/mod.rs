@@ -11,6 +11,7 @@ pub mod eval;
 mod faces;
 mod fit_cdrf;
 mod lists;
+mod long_work;
 mod memory;
 mod pareto;
 mod plan;

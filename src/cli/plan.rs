@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::long_work::{json_of, of_plan};
 use super::{RunArguments, SceneArguments, open_session, print, size, table, validation};
 use milkglass::error::{Input, Result};
 use milkglass::internals::gpu::constants;
@@ -40,6 +41,10 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }
+
+/// What the error estimate lacks where light casts shadows and `transport.subdivide` is 0.
+const BORDERS: &str =
+    "\nerror estimate: without borders of shadows within triangles; transport.subdivide = 2 puts them in\n";
 
 /// Prints stages, buffers, and what is skipped.
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -97,6 +102,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     text += &table(&["stage", "does", "from", "writes"], &[], &stages);
     text += "\nwork: of a frame from scratch; bytes bound, each once\n";
     text += &work(&needs);
+    let load = session.workload();
+    text += &of_plan(&load);
     let sharper = session.sharper()?;
     if let Some(other) = &sharper {
         let (tolerance, bytes) = (other.scene().transport.tolerance, total(other));
@@ -106,6 +113,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             size(bytes),
             work(&needs)
         );
+    }
+    if session.leaves_out_borders() {
+        text += BORDERS;
     }
     let mut kernels = Vec::new();
     for need in needs.iter().flat_map(|need| &need.kernels) {
@@ -151,12 +161,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "buffers": session.buffers().iter()
                 .map(|(slot, bytes)| json!({"buffer": slot.spec().name, "per": slot.spec().per, "bytes": bytes}))
                 .collect::<Vec<_>>(),
+            "rays": json_of(&load),
             // A separate solve.
             "error_estimate": sharper.as_ref().map(|other| -> Result<Value> {
                 let stage = |need: &StageRequirements| json!({"stage": need.stage, "dispatches": need.dispatches});
                 let stages: Vec<_> = other.needs(Change::EVERYTHING.and(Change::RELINK))?.iter().map(stage).collect();
                 Ok(json!({"tolerance": other.scene().transport.tolerance, "bytes": total(other), "stages": stages}))
             }).transpose()?,
+            "estimate_leaves_out_borders": session.leaves_out_borders(),
             "left_out": plan.left_out.iter().map(|(what, why)| json!({"stage": what, "because": why}))
                 .collect::<Vec<_>>(),
         });

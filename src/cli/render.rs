@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 
+use super::long_work::tell_long_work;
 use super::{
     RunArguments, SceneArguments, check_messages, open_session, print, run_frame, sequence, table, validation,
 };
@@ -106,6 +107,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut scene = arguments.run.of(&arguments.scene).load()?;
     scene.camera = scene.camera.clone().sized(size.unwrap_or(scene.camera.size))?;
     let mut session = open_session(&scene, device.as_ref(), options)?;
+    tell_long_work(&session);
     let mut times = run_frame(&mut session, Change::EVERYTHING)?;
     if arguments.times && (pick.is_some() || arguments.view.is_some()) {
         super::solve::print_times(&mut session, &times)?;

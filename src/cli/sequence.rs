@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::long_work::tell_long_work;
 use super::{SceneArguments, check_messages, open_session, run_frame};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Device, Timing};
@@ -67,7 +68,9 @@ impl Job<'_> {
             let session = match &mut session {
                 None => {
                     scene.report.iter().for_each(|line| tell!("{line}"));
-                    session.insert(open_session(&scene, device, self.options)?)
+                    let opened = open_session(&scene, device, self.options)?;
+                    tell_long_work(&opened);
+                    session.insert(opened)
                 }
                 Some(session) => {
                     session.show(&scene).map_err(|error| scene.placed(error))?;
@@ -113,7 +116,9 @@ pub fn warn_of_shape(session: &Session, frame: &str) {
 pub fn shoot(session: &mut Session, aov: bool, output: &Path) -> Result<(Picture, Vec<Timing>)> {
     // Layers first: they belong to rays through the pixels' centres.
     let layers = if aov { Some(layers(session)?) } else { None };
-    super::solve::tell_blunt(session);
+    if aov {
+        super::solve::tell_estimate(session)?;
+    }
     let (picture, times) = timed_picture(session)?;
     match layers {
         Some(layers) => save(&picture, &layers, output)?,

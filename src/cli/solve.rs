@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::faces::{csv, ply};
+use super::long_work::tell_long_work;
 use super::{RunArguments, SceneArguments, check_messages, open_session, print, run_frame, table, validation};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Timing;
@@ -74,11 +75,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let estimate = output.is_some() || arguments.verify.is_some();
     let options = Options { goal: Goal::Radiosity, estimate, ..arguments.run.options() };
     let mut session = open_session(&scene, device.as_ref(), options)?;
+    tell_long_work(&session);
     let times = run_frame(&mut session, Change::EVERYTHING)?;
     // Only a file needs every face.
     let faces = if output.is_some() { session.faces()? } else { Vec::new() };
     session.sharpen()?;
-    tell_blunt(&session);
+    tell_estimate(&mut session)?;
     check_messages(device.as_ref())?;
     if let Some((path, format)) = output {
         let text = match format {
@@ -116,11 +118,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Reports that the estimate could not be refined, and is the larger one transported along with the light.
-pub fn tell_blunt(session: &Session) {
+/// Reports what the error estimate lacks: that it could not be refined, and is the larger one transported along with
+/// the light; that borders of shadows are not in it.
+pub fn tell_estimate(session: &mut Session) -> Result<()> {
     if let Some(why) = session.blunt() {
         tell!("the error estimate is a looser one, since the second solve that sharpens it failed: {why}");
     }
+    let bordered = session.bordered()?;
+    if bordered > 0 {
+        tell!(
+            "the error estimate leaves out the borders of shadows, which run through or along {bordered} of {} \
+             triangles: transport.subdivide = 2 puts them in",
+            session.state().sum(|object| if object.opaque { 0 } else { object.count.faces })
+        );
+    }
+    Ok(())
 }
 
 /// Prints the time of each stage, summed over its steps in all frames, and the number of links.

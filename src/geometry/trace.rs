@@ -90,6 +90,13 @@ pub(super) fn meets(low: [f32; 3], high: [f32; 3], origin: [f32; 3], ray: &Sight
     line && along + half >= 0.0 && (nearest.face == NONE || first <= nearest.numerator)
 }
 
+/// Whether the half line from `origin` along `direction` may meet a box.
+#[must_use]
+pub fn may_meet(low: [f32; 3], high: [f32; 3], origin: [f32; 3], direction: [f32; 3]) -> bool {
+    let nothing = Nearest { face: NONE, weights: [0.0; 3], numerator: 0.0, denominator: 1.0 };
+    meets(low, high, origin, &Sight::new(direction), &nothing)
+}
+
 /// Follows a ray from `origin` along `direction` (any length) through the trees of all objects.
 pub fn trace(data: &Buffers, origin: [f32; 3], direction: [f32; 3]) -> Nearest {
     let mut nearest = Nearest { face: NONE, weights: [0.0; 3], numerator: 0.0, denominator: 1.0 };

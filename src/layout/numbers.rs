@@ -102,8 +102,6 @@ constants! {
     /// The whole error estimate is this many times the root of the squares: neighbouring links err together in part.
     /// Measured, the worst of 1000 receivers of a built-in scene errs by 3 to 7 times the root.
     ESTIMATE_SAFETY: f64 = 6.5;
-    /// Rounding of profile and sums to `f32`, as a share of the radiosity.
-    ESTIMATE_ROUNDING: f64 = 2e-6;
     /// The third order in the emitter's and the receiver's extent, squared, from the two sums that are kept.
     ESTIMATE_BOTH: f64 = 4.0;
     /// The logarithm up to which growth by nearness is followed: its square still fits `f32`.

@@ -101,6 +101,8 @@ records! { frame_records:
         near_capacity: u32,
         /// Largest error of one link, in units of the reference level.
         link_error: f32,
+        /// Rounding of values and of positions to `f32`, per channel, as a share of the radiosity.
+        rounding: [f32; 3],
         /// Irradiance of each channel as a multiple of its group's lead channel.
         tint: [f32; 3],
         /// chi below which 1 (with second moments), 3, 6 and 12 area points serve.
@@ -124,7 +126,7 @@ records! { frame_records:
         /// Not 0 if near clusters are integrated over their projection (section 5.1.1).
         projected: u32,
         /// Unused.
-        more_padding: [u32; 5],
+        more_padding: [u32; 2],
         /// Local shading: radius within which curvature is smoothed, length; 0 if it is not.
         curvature_radius: f32,
         /// Most form factors that a frame may compute over links that are kept.

@@ -7,6 +7,7 @@ use super::borders::borders;
 use super::camera::camera;
 use super::layers::layers;
 use super::lights::lights;
+use super::rounding::rounding;
 use super::shading;
 use super::shape::{shape, spoilt};
 use super::textures::texture;
@@ -174,6 +175,7 @@ fn one(
         local,
         ..Switches::default()
     };
+    rounding(&mut state);
     texture(&mut state, &material, mesh, &faces);
     if matches!(local, Some(Local::Closed | Local::Table(_))) {
         state.data.vertex_order = shading::vertex_order(&state.data);

@@ -9,6 +9,9 @@ use crate::layout::{BufferId, Hit};
 use crate::state::{State, narrow, wide};
 use crate::view::aov::{Layer, Samples};
 
+/// What the layer of the error estimate lacks where light casts shadows and `transport.subdivide` is 0.
+const BORDERS: &str = "without borders of shadows within triangles: transport.subdivide = 2 puts them in";
+
 /// The layers of a session's last picture. Numbers of links are complete only where lists are kept (`Mode::Keep`;
 /// `Mode::Render` counts dark emitters, too), or where a single list holds all links.
 pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
@@ -84,7 +87,8 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
             let missed = hit.map_or([0.0; 3], |hit| session.missed(hit.face as usize));
             *estimate = [0, 1, 2].map(|c| f64::from(estimate[c]).hypot(missed[c]).min(f32::MAX.into()) as f32);
         }
-        layers.push(Layer::vector("error_estimate", rgb, &estimate));
+        let comment = session.leaves_out_borders().then_some(BORDERS);
+        layers.push(Layer { comment, ..Layer::vector("error_estimate", rgb, &estimate) });
     }
     // Depth along the view axis, in scene units.
     let depth = |hit: &Option<&Hit>| hit.map_or(f32::INFINITY, |hit| (f64::from(hit.depth) / units.length) as f32);

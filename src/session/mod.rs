@@ -21,4 +21,6 @@ pub(crate) mod recovery;
 pub(crate) mod refined_estimate;
 pub mod requirements;
 pub mod run;
+pub mod shadow_borders;
 pub mod subdivide;
+pub mod workload;

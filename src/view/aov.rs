@@ -28,6 +28,8 @@ pub struct Layer {
     pub name: &'static str,
     /// The channels.
     pub channels: Vec<(&'static str, Samples)>,
+    /// What a reader must know about it: the layer's `comments` in the file.
+    pub comment: Option<&'static str>,
 }
 
 impl Layer {
@@ -35,13 +37,13 @@ impl Layer {
     #[must_use]
     pub fn vector(name: &'static str, channels: [&'static str; 3], values: &[[f32; 3]]) -> Self {
         let one = |c: usize| (channels[c], Samples::Float(values.iter().map(|v| v[c]).collect()));
-        Self { name, channels: (0..3).map(one).collect() }
+        Self { name, channels: (0..3).map(one).collect(), comment: None }
     }
 
     /// One value per pixel.
     #[must_use]
     pub fn single(name: &'static str, channel: &'static str, samples: Samples) -> Self {
-        Self { name, channels: vec![(channel, samples)] }
+        Self { name, channels: vec![(channel, samples)], comment: None }
     }
 }
 
@@ -58,7 +60,9 @@ pub fn save(picture: &Picture, layers: &[Layer], path: &Path) -> Result<()> {
             AnyChannel::new(*name, flat)
         };
         let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = layer.channels.iter().map(channel).collect();
-        ExrLayer::new(size, LayerAttributes::named(layer.name), Encoding::FAST_LOSSLESS, AnyChannels::sort(channels))
+        let mut attributes = LayerAttributes::named(layer.name);
+        attributes.comments = layer.comment.map(Into::into);
+        ExrLayer::new(size, attributes, Encoding::FAST_LOSSLESS, AnyChannels::sort(channels))
     };
     let all: Vec<_> = std::iter::once(&first).chain(layers).map(layer).collect();
     let image = Image::from_layers(ImageAttributes::with_size(size), all);

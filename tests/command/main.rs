@@ -4,6 +4,7 @@
 mod shell;
 
 mod aov;
+mod borders;
 mod device_limits;
 mod eval;
 mod extremes;
@@ -12,6 +13,7 @@ mod fit;
 mod lights;
 mod line;
 mod lists;
+mod long_work;
 mod pareto;
 mod profile;
 mod report;

@@ -227,3 +227,45 @@ fn the_second_solve_makes_no_picture() {
     assert_eq!(stages("sphere", &[small, "transport.tolerance=1e-6"]), None);
     assert_eq!(stages("sphere", &[small, "transport.scheme=\"links\""]), None);
 }
+
+/// Coverage where the scene is `apart` radii wide: the error is against a ball that is alone, and so is hardly rounded.
+fn far_apart(apart: f64, tolerance: &str, scale: &str, device: Option<&Device>) -> Quality {
+    let ball = ["object.0.detail=3", "object.0.size=20", &format!("transport.tolerance={tolerance}"), scale];
+    let other = format!(
+        "object.1={{ shape = 'sphere', detail = 3, size = 20, position = [{0}, {0}, {0}], material = {{ preset = \
+         'marble' }} }}",
+        10.0 * apart / 3.0f64.sqrt()
+    );
+    let mut both = solved(&scene("sphere", &[&ball[..], &[other.as_str()]].concat()), device, OPTIONS);
+    both.sharpen().unwrap();
+    both.fetch(&[BufferId::irradiance, BufferId::radiosity, BufferId::estimate]).unwrap();
+    let mut alone = Session::new(&scene("sphere", &ball), None, OPTIONS).unwrap().prepared().clone();
+    let (places, data) = (both.prepared().places(0), &both.state().data);
+    let faces: Vec<usize> = (0..places.len()).collect();
+    let same: Vec<usize> = faces.iter().map(|&face| places[alone.source(face).1 as usize]).collect();
+    alone.state.data.irradiance = same.iter().map(|&face| data.irradiance[face]).collect();
+    let exact = radiosity(&alone.state, &faces);
+    let values = |of: &[[f32; 3]]| -> Vec<[f64; 3]> { same.iter().map(|&face| of[face].map(f64::from)).collect() };
+    let error = |(value, b): (&[f64; 3], &[f64; 3])| [0, 1, 2].map(|c| (value[c] - b[c]).abs());
+    let errors: Vec<_> = values(&data.radiosity).iter().zip(&exact).map(error).collect();
+    Quality::of(&vec![1.0; faces.len()], &values(&data.estimate), &errors)
+}
+
+#[test]
+fn positions_rounded_against_the_extent_are_in_the_estimate() {
+    let found = device();
+    for device in [None, found.as_ref()].into_iter().take(1 + usize::from(found.is_some())) {
+        let (usual, dense) = ("object.0.material.scale=1", "object.0.material.scale=10");
+        for (apart, tolerance, scale) in
+            [(300.0, "1e-3", usual), (300.0, "1e-5", usual), (300.0, "1e-5", dense), (30000.0, "1e-3", usual)]
+        {
+            let quality = far_apart(apart, tolerance, scale, device);
+            println!("{apart} radii at {tolerance}, {scale}, on {:?}: {quality:?}", device.map(Device::name));
+            // In a dense ball the faint light beyond the terminator comes from one side, so that nothing cancels.
+            let least = if scale == usual { 0.99 } else { 0.95 };
+            assert!(quality.covered >= least, "{apart} at {tolerance}, {scale}: {quality:?}");
+            // A share of the radiosity, so too large where neighbours' errors cancel.
+            assert!(quality.ratio < if scale == usual { 30.0 } else { 200.0 }, "{apart} at {tolerance}: {quality:?}");
+        }
+    }
+}

@@ -38,9 +38,9 @@ vec3 missed_edge(uint nodes, vec3 sigma, float tau, vec3 value) {
 }
 
 // The estimate of a receiver.
-vec3 close_estimate(vec3 sigma, vec3 own, vec3 center, vec3 rim, float offset, float radius, vec3 sum) {
+vec3 close_estimate(vec3 sigma, vec3 rounding, vec3 own, vec3 center, vec3 rim, float offset, float radius, vec3 sum) {
     float out2 = radius > 0.0 ? squared(offset / radius) : 0.0;
     vec3 block = ESTIMATE_BOTH * exp(min(2.0 * sigma * offset, vec3(ESTIMATE_STEEPEST))) *
                  (center + rim * (out2 * out2 * out2));
-    return ESTIMATE_SAFETY * sqrt(own + block) + ESTIMATE_ROUNDING * abs(sum) + max(-sum, vec3(0));
+    return ESTIMATE_SAFETY * sqrt(own + block) + rounding * abs(sum) + max(-sum, vec3(0));
 }

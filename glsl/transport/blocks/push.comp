@@ -33,7 +33,8 @@ void main() {
     radiosity[self.face] = mix(vec3(0), max(sum, vec3(0)), alive);
     if (ESTIMATE != 0) {
         float radius = spheres[range.first + self.run].radius;
-        vec3 whole = close_estimate(object_params[0].sigma, estimate[self.face], e.error, e.bend, length(d), radius, sum);
+        vec3 sigma = object_params[0].sigma, rounding = object_params[0].rounding, own = estimate[self.face];
+        vec3 whole = close_estimate(sigma, rounding, own, e.error, e.bend, length(d), radius, sum);
         estimate[self.face] = mix(vec3(0), whole, alive);
     }
 }

@@ -10,9 +10,30 @@
 //! alone has the right magnitude: a third moment is a small share of tau^1.5, hence 0.15 where the oracle has 0.5,
 //! and few offsets lie in the worst direction, hence 0.4. Dropped emitters all err in the same direction, so they are
 //! summed before the sum is squared.
+//!
+//! Positions are rounded to `f32` in internal units: a corner, and the centroid of a receiver or of a cluster, moves by
+//! at most u = sqrt(3) 2^-24 m, where m is the largest coordinate. B is an integral of a positive kernel over
+//! triangles, so a relative bound of what is integrated bounds B:
+//! - Area: a triangle of perimeter P and area A, all of whose corners move by u, grows by at most P u / 2, to first
+//!   order; in the mean over the surface, that is u / rho of the area, rho = 2 sum A / sum P: the triangles' mean
+//!   inradius.
+//! - Distance: -d ln R / dr = (r / s^2) (3 + 3a + a^2) / (1 + a) <= 3 r / s^2 + sigma <= 3 / (2 z) + sigma for a source
+//!   at depth z, a = sigma s and s^2 = r^2 + z^2. Receiver and emitter move, by 2 u together. Where z or 1 / sigma is
+//!   far below rho, nearly all light comes from the receiver's own triangle, around whose centroid the integral only
+//!   changes with its border, at distance rho: hence z + rho, and at most 1 / rho for sigma.
+//!
+//! The bound u (1 / rho + 2 (1.5 / (z + rho) + min(sigma, 1 / rho))) is a property of object and channel. Roundings are
+//! independent of one another, so a measured part of it is taken, `DISPLACED`.
 
 use crate::dipole::derivatives::{ClusterMoments, GroupProfile};
-use crate::layout::{ESTIMATE_BOTH, ESTIMATE_ROUNDING, ESTIMATE_SAFETY, ESTIMATE_STEEPEST};
+use crate::layout::{ESTIMATE_BOTH, ESTIMATE_SAFETY, ESTIMATE_STEEPEST};
+
+/// Rounding of profile and sums to `f32`, as a share of the radiosity.
+const ROUNDING: f64 = 2e-6;
+/// Share of the bound of what rounded positions change: corners are rounded independently of one another, and light
+/// from all sides cancels in part. Measured on two marble balls 300 to 30,000 radii apart, the median receiver errs by
+/// 0.01 of the bound, and 99 of 100 by less than 0.05 to 0.2 of it.
+const DISPLACED: f64 = 0.1;
 
 /// Squared error of a link by moments of this order.
 pub fn moments(jets: &GroupProfile, c: usize, m: &ClusterMoments, d2: f64, order: u32) -> f64 {
@@ -59,13 +80,27 @@ pub fn dropped(jets: &GroupProfile, c: usize, m: &ClusterMoments, d2: f64) -> f6
     m.weight * jets.at(c, d2).value * grown
 }
 
+/// What rounding to `f32` may change, as a share of the radiosity: values, and positions up to `most` from the
+/// origin, in triangles of this mean inradius.
+pub fn rounding(sigma: f64, depth: f64, inradius: f64, most: f64) -> f64 {
+    let moved = 3.0f64.sqrt() * 2.0f64.powi(-24) * most;
+    let steepest = 1.5 / (depth + inradius) + sigma.min(1.0 / inradius);
+    ROUNDING + (DISPLACED * moved * (1.0 / inradius + 2.0 * steepest)).min(1.0)
+}
+
 /// The estimate of a receiver, from its own squared error, its block's squared errors at the centre and at the
-/// radius, its offset and that radius, and its radiosity before clamping to 0.
-pub fn close(sigma: f64, own: f64, [center, rim]: [f64; 2], [offset, radius]: [f64; 2], sum: f64) -> f64 {
+/// radius, its offset and that radius, and its radiosity before clamping to 0. `rounding` is a share of that.
+pub fn close(
+    [sigma, rounding]: [f64; 2],
+    own: f64,
+    [center, rim]: [f64; 2],
+    [offset, radius]: [f64; 2],
+    sum: f64,
+) -> f64 {
     let nearer = (2.0 * sigma * offset).min(ESTIMATE_STEEPEST).exp();
     let out = if radius > 0.0 { offset / radius } else { 0.0 };
     let block = ESTIMATE_BOTH * nearer * (center + rim * out.powi(6));
-    ESTIMATE_SAFETY * (own + block).sqrt() + ESTIMATE_ROUNDING * sum.abs() + (-sum).max(0.0)
+    ESTIMATE_SAFETY * (own + block).sqrt() + rounding * sum.abs() + (-sum).max(0.0)
 }
 
 #[cfg(test)]
@@ -76,10 +111,11 @@ mod tests {
 
     #[test]
     fn what_is_clamped_is_added() {
-        assert_eq!(close(1.0, 0.0, [0.0; 2], [0.1, 0.2], -0.5), 0.5 + ESTIMATE_ROUNDING * 0.5);
-        let without = close(1.0, 4e-6, [1e-6, 2e-6], [0.1, 0.2], 0.0);
+        assert_eq!(close([1.0, ROUNDING], 0.0, [0.0; 2], [0.1, 0.2], -0.5), 0.5 + ROUNDING * 0.5);
+        let without = close([1.0, ROUNDING], 4e-6, [1e-6, 2e-6], [0.1, 0.2], 0.0);
         assert!(
-            (close(1.0, 4e-6, [1e-6, 2e-6], [0.1, 0.2], -0.5) - without - 0.5 - ESTIMATE_ROUNDING * 0.5).abs() < 1e-12
+            (close([1.0, ROUNDING], 4e-6, [1e-6, 2e-6], [0.1, 0.2], -0.5) - without - 0.5 - ROUNDING * 0.5).abs()
+                < 1e-12
         );
         assert!(without > 2e-3 * ESTIMATE_SAFETY);
     }

@@ -65,8 +65,9 @@ fn cpu(state: &mut State, at: Scope) {
                 value[c] = sum.max(0.0) as f32;
                 if estimated {
                     let [own, center, rim] = [error[c], e.error[c], e.bend[c]].map(f64::from);
-                    let sigma = f64::from(data.object_params[0].sigma[c]);
-                    error[c] = estimate::close(sigma, own, [center, rim], [d.length(), radius], sum) as f32;
+                    let [sigma, rounding] =
+                        [&data.object_params[0].sigma, &data.object_params[0].rounding].map(|of| f64::from(of[c]));
+                    error[c] = estimate::close([sigma, rounding], own, [center, rim], [d.length(), radius], sum) as f32;
                 }
             }
             (face, value, error)
