@@ -15,7 +15,8 @@ const LEAST: f64 = 1e-4;
 const ENOUGH: u64 = 64;
 /// Standard errors that the mean of values with random errors may be off.
 const LUCK: f64 = 5.0;
-/// The largest mean that counts as rounding: MEASURED
+/// The largest mean that counts as rounding. Two sound drivers, llvmpipe and SwiftShader, show at most 9e-7 over all
+/// fixtures (`cdrf`), and 5e-7 or less in all stages but two; others may have a coarser `exp`.
 pub const ALLOWED: f64 = 2e-6;
 
 /// The signed relative differences of one field of a buffer.
@@ -149,7 +150,7 @@ mod tests {
         assert!(pairs(|k, x| if k % 20 == 0 { x * (1.0 + 3e-5) } else { x }).leans());
         assert!(!pairs(|_, x| x).leans());
         // Errors to either side, and a few large ones.
-        assert!(!pairs(|k, x| if k * k % 7 < 3 { x * (1.0 + 2e-5) } else { x * (1.0 - 1.5e-5) }).leans());
+        assert!(!pairs(|k, x| if k % 2 == 0 { x * (1.0 + 2e-5) } else { x * (1.0 - 2e-5) }).leans());
         assert!(!pairs(|k, x| if k % 1000 == 0 { 2.0 * x } else { x }).leans());
         // Too few to tell, and values near 0.
         let few: Vec<(f32, f32)> = (0..40).map(|_| (1.0, 1.0001)).collect();
