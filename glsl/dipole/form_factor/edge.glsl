@@ -1,7 +1,7 @@
 // The form factor of a triangle by its three edges: Green's theorem, then Gauss-Legendre quadrature in w = tan(psi/2),
 // where psi is the angle at the source between the foot of the edge and a point on it (equation 13 made free of
 // cancellation). Needs only square root, division and exp, whose precision Vulkan bounds. Per channel.
-// The includer has NODES: 3, 6 or 12.
+// The includer has NODES: 3, 6 or 12. Divisors are kept from 0 by 1e-37: a device may flush a denormal such as 1e-38.
 const uint FIRST_NODE = NODES - 3;
 const float NODE[21] = float[21](-0.774596669241, 0.0, 0.774596669241,
     -0.932469514203, -0.661209386466, -0.238619186083, 0.238619186083, 0.661209386466, 0.932469514203,
@@ -21,7 +21,7 @@ vec3 phi1(vec3 x) {
 // Distance from the origin of a plane to the segment p q.
 float segment_distance(vec3 p, vec3 q) {
     vec3 along = q - p;
-    float t = clamp(-dot(p, along) / max(dot(along, along), 1e-38), 0.0, 1.0);
+    float t = clamp(-dot(p, along) / max(dot(along, along), 1e-37), 0.0, 1.0);
     return length(p + t * along);
 }
 
@@ -41,7 +41,7 @@ vec3 edge_integral(vec3 sigma, float R, float t1, float t2, vec3 h, float rim, v
         vec3 t = 2.0 * S * w * ratio;
         vec3 r2 = R2 + t * t;
         vec3 past = max(vec3(0), r2 - rim * rim);
-        vec3 q = mix(vec3(1), past / max(r2, vec3(1e-38)), outside);
+        vec3 q = mix(vec3(1), past / max(r2, vec3(1e-37)), outside);
         vec3 beyond = mix(r2, past, outside) / (s + s_m);
         sum += WEIGHT[FIRST_NODE + k] * ratio * q * (1.0 + sigma * s_m * phi1(sigma * beyond)) / (s + s_m);
     }
