@@ -3,7 +3,7 @@
 
 use crate::error::Result;
 use crate::gpu::Device;
-use crate::scene::{Scene, Shape};
+use crate::scene::{ClusterForm, Scene, Shape};
 
 use super::solve::{Kept, Solved};
 
@@ -65,9 +65,12 @@ fn detail(shape: Shape, faces: usize) -> u32 {
 /// Value for both solid angles of section 5.2, steradian, at which this scene has so many links per triangle.
 pub fn angle(scene: &Scene, device: Option<&Device>, links_per_face: f64) -> Result<f64> {
     let (mut fine, mut coarse) = (1e-2f64, 10.0f64);
+    // Links are chosen alike however clusters are evaluated; one sample is the fastest.
+    let mut sampled = scene.clone();
+    sampled.transport.cluster = Some(ClusterForm::Sample);
     for _ in 0..9 {
         let middle = (fine * coarse).sqrt();
-        let solved = Solved::new(&at_angle(scene, middle), device, Kept::Nothing)?;
+        let solved = Solved::new(&at_angle(&sampled, middle), device, Kept::Nothing)?;
         if solved.links_per_face() > links_per_face { fine = middle } else { coarse = middle }
     }
     Ok((fine * coarse).sqrt())
