@@ -14,9 +14,10 @@ use milkglass::internals::gpu::{Adapter, Device, Instance};
 use milkglass::internals::pipeline::frame::{STAGES, stage};
 use milkglass::internals::session::run::CapacityHints;
 use milkglass::internals::view::atomic_file::{ready, write_atomically};
-use milkglass::measure::bias;
+use milkglass::measure::bias::farthest;
 use milkglass::measure::conform::{BINS, Row, conform, conform_stages};
 use milkglass::measure::fixtures::{Fixture, fixtures};
+use milkglass::measure::leaning::{blame, of_stage};
 use milkglass::measure::replace;
 use milkglass::measure::verdict::verdict;
 use milkglass::scene::Scene;
@@ -118,7 +119,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 json!({"device": device.name(), "driver": device.driver(), "fixture": row.fixture, "stage": row.stage,
                        "words": row.words, "ulp": ulp, "histogram": row.histogram, "most_ulp_of_bins": BINS,
                        "relative": row.relative, "of_tolerance": row.used,
-                       "mean": bias::farthest(&row.biases), "faults": row.faults})
+                       "mean": farthest(&row.biases), "faults": row.faults})
             })
             .collect();
         let text = format!("{:#}\n", serde_json::Value::from(value));
@@ -171,7 +172,7 @@ fn on_device(arguments: &Arguments, device: &Device, list: &[Fixture]) -> Result
             false => rows.extend(conform_stages(device, fixture, &stages)?),
         }
     }
-    bias::blame(&mut rows[checked..]);
+    blame(&mut rows[checked..]);
     Ok(rows)
 }
 
@@ -234,7 +235,7 @@ fn text(rows: &[(Device, Row)]) -> String {
         let all: u64 = counts.iter().sum();
         let shares = counts.iter().map(|&count| share(count, all));
         let own = rows.iter().filter(|(other, _)| other.name() == device).map(|(_, row)| row);
-        let mean = bias::farthest(&bias::of_stage(own, stage)).map_or("-".into(), |mean| format!("{mean:+.0e}"));
+        let mean = farthest(&of_stage(own, stage)).map_or("-".into(), |mean| format!("{mean:+.0e}"));
         [device.clone(), (*stage).to_string(), all.to_string()].into_iter().chain(shares).chain([mean]).collect()
     };
     let cells: Vec<Vec<String>> = sums.iter().filter(|sum| sum.2.iter().any(|&count| count > 0)).map(row).collect();

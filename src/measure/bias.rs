@@ -4,8 +4,6 @@
 //! them: a factor of 1 + 3e-5 is 500 times the rounding of a float. The rounding of many values goes either way, and
 //! its mean is far smaller.
 
-use super::conform::Row;
-
 /// A relative difference counts for this much at most: few values near 0, of which only the absolute difference
 /// means something, do not decide.
 const MOST: f64 = 1e-4;
@@ -65,7 +63,7 @@ impl Bias {
     }
 
     /// What is wrong, in words.
-    fn fault(&self, place: &str) -> String {
+    pub fn fault(&self, place: &str) -> String {
         let (dot, mean) = (if self.field.is_empty() { "" } else { "." }, self.mean());
         format!(
             "{place}{}{dot}{} is off by {mean:+.1e} of itself in the mean of {} values; rounding stays below {ALLOWED:.0e}",
@@ -88,43 +86,11 @@ pub fn add(sums: &mut Vec<Bias>, more: &[Bias]) {
     }
 }
 
-/// The differences of a stage over all of these rows.
-#[must_use]
-pub fn of_stage<'a>(rows: impl IntoIterator<Item = &'a Row>, stage: &str) -> Vec<Bias> {
-    let mut sums = Vec::new();
-    rows.into_iter().filter(|row| row.stage == stage).for_each(|row| add(&mut sums, &row.biases));
-    sums
-}
-
 /// The mean that is farthest from 0, of fields with enough values; `None` where there is none.
 #[must_use]
 pub fn farthest(biases: &[Bias]) -> Option<f64> {
     let means = biases.iter().filter(|bias| bias.count >= ENOUGH).map(Bias::mean);
     means.max_by(|a, b| a.abs().total_cmp(&b.abs()))
-}
-
-/// Adds a fault to each row whose values lean to one side, and to the last row of each stage whose values do so over
-/// all rows of a device only.
-pub fn blame(rows: &mut [Row]) {
-    let leaning = |biases: &[Bias], place: &str| -> Vec<String> {
-        biases.iter().filter(|bias| bias.leans()).map(|bias| bias.fault(place)).collect()
-    };
-    for last in (0..rows.len()).rev() {
-        let stage = rows[last].stage;
-        if rows[last + 1..].iter().any(|row| row.stage == stage) {
-            continue;
-        }
-        let mut known = false;
-        for row in rows.iter_mut().filter(|row| row.stage == stage) {
-            let own = leaning(&row.biases, "");
-            known |= !own.is_empty();
-            row.faults.extend(own);
-        }
-        if !known {
-            let all = leaning(&of_stage(&*rows, stage), "over all fixtures ");
-            rows[last].faults.extend(all);
-        }
-    }
 }
 
 #[cfg(test)]
@@ -156,29 +122,5 @@ mod tests {
         let few: Vec<(f32, f32)> = (0..40).map(|_| (1.0, 1.0001)).collect();
         assert!(!Bias::of("radiosity", "", few.into_iter()).leans());
         assert!(!pairs(|k, _| if k == 0 { 1.0 } else { 0.0 }).field.contains('.'));
-    }
-
-    #[test]
-    fn rows_of_a_stage_count_together() {
-        let row = |off: f32| Row {
-            fixture: String::new(),
-            stage: "push",
-            steps: 1,
-            words: 0,
-            ulp: 0,
-            histogram: [0; 8],
-            relative: 0.0,
-            used: 0.0,
-            biases: vec![Bias::of("radiosity", "", (0..50).map(|k| (1.0 + k as f32, (1.0 + k as f32) * (1.0 + off))))],
-            faults: Vec::new(),
-        };
-        let mut rows = vec![row(3e-5), row(3e-5), row(3e-5)];
-        blame(&mut rows);
-        assert!(rows[0].faults.is_empty() && rows[2].faults.len() == 1, "{rows:?}");
-        assert!(rows[2].faults[0].starts_with("over all fixtures radiosity is off by +3.0e-5 of itself"), "{rows:?}");
-        assert!((farthest(&of_stage(&rows, "push")).unwrap_or_default() - 3e-5).abs() < 1e-7);
-        let mut rows = vec![row(0.0), row(3e-8)];
-        blame(&mut rows);
-        assert!(rows.iter().all(|row| row.faults.is_empty()));
     }
 }

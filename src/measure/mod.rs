@@ -13,6 +13,7 @@ pub mod fixtures;
 pub mod flat;
 pub mod interval;
 pub mod layers;
+pub mod leaning;
 pub mod local;
 pub mod modes;
 pub mod norms;

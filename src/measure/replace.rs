@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use super::bias::blame;
 use super::conform::{Row, conform_stages};
 use super::fixtures::Fixture;
+use super::leaning::blame;
 use crate::error::{Input, Result};
 use crate::gpu::Device;
 use crate::pipeline::frame::owner;

@@ -12,9 +12,9 @@ use milkglass::internals::pipeline::frame::{STAGES, owner};
 use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options};
 use milkglass::internals::session::run::{CapacityHints, Session};
 use milkglass::internals::state::dispatches;
-use milkglass::measure::bias::blame;
 use milkglass::measure::conform::{Plant, Row, conform, conform_stages};
 use milkglass::measure::fixtures::{Fixture, covered, fixtures};
+use milkglass::measure::leaning::blame;
 use milkglass::scene::Scene;
 use spirq::spirv::Op;
 

@@ -3,9 +3,10 @@
 use super::whole::verdict;
 use super::{Bench, Page};
 use crate::error::Result;
-use crate::measure::bias::{blame, farthest, of_stage};
+use crate::measure::bias::farthest;
 use crate::measure::conform::conform as compare;
 use crate::measure::fixtures::fixtures;
+use crate::measure::leaning::{blame, of_stage};
 use crate::measure::stress::{Outcome, stress as extremes};
 
 /// Fixtures of a quick report: those whose name contains one of these. Together they run every stage.
