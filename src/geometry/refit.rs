@@ -7,20 +7,32 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::layout::{Block, Bounds, BufferId, Cluster, NONE, ObjectParams, Sphere, Topology};
+use crate::layout::{Block, Bounds, BufferId, Buffers, Cluster, NONE, ObjectParams, Sphere, Topology};
 use crate::state::{
-    Carrier, Field, Granularity, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, narrow,
+    Carrier, Field, Granularity, Pass, Role, Rounding, Scope, Serves, Size, Stage, State, Tolerance, Update, narrow,
     stage::never, wide,
 };
 
 /// Tolerances of clusters: centres relative to the extent, areas and second moments to themselves, vector areas to
-/// the area.
+/// the area; and what [`of_clusters`] adds.
 const CLUSTER: &[Field] = &[
     Field { name: "center", relative: 0.0, floor: 2e-6, of: "" },
-    Field { name: "area", relative: 5e-5, floor: 0.0, of: "" },
-    Field { name: "normal", relative: 0.0, floor: 2e-5, of: "area" },
+    Field { name: "area", relative: 5e-6, floor: 0.0, of: "" },
+    Field { name: "normal", relative: 0.0, floor: 5e-6, of: "area" },
     Field { name: "moment_trace", relative: 5e-5, floor: 0.0, of: "" },
 ];
+
+/// Of unit vectors.
+const NORMAL: &[Field] = &[Field { name: "", relative: 1e-5, floor: 1e-5, of: "" }];
+
+/// The rounding of triangles' areas in clusters.
+static IN_CLUSTERS: Rounding = Rounding {
+    about: "3 x 2^-24 times the two shorter edges of each triangle",
+    fields: &["center", "area", "normal", "moment_trace"],
+    of: of_clusters,
+};
+/// The same in vertex normals.
+static IN_NORMALS: Rounding = Rounding { fields: &[""], of: of_normals, ..IN_CLUSTERS };
 
 /// Tolerances of a block's sphere: centre and radius relative to the extent.
 pub const SPHERE: &[Field] = &[
@@ -37,13 +49,15 @@ pub static STAGE: Stage = Stage {
     equation: "Mertens et al. 2003, section 5.1.1: A' is the length of the vector area",
     writes: &[
         (BufferId::bounds, Role::Output, Tolerance::Exact),
-        (BufferId::clusters, Role::Output, Tolerance::Fields(CLUSTER)),
+        (BufferId::clusters, Role::Output, Tolerance::Rounded(CLUSTER, &IN_CLUSTERS)),
         (BufferId::receiver_positions, Role::Output, Tolerance::Float { relative: 0.0, floor: 4e-6 }),
         (BufferId::spheres, Role::Output, Tolerance::Fields(SPHERE)),
-        (BufferId::normals, Role::Output, Tolerance::Float { relative: 1e-5, floor: 1e-5 }),
+        (BufferId::normals, Role::Output, Tolerance::Rounded(NORMAL, &IN_NORMALS)),
     ],
     reason: "boxes are minima and maxima; sums climb some 40 levels of f32 rounding, 40 x 2^-24 = 2.4e-6 of the \
-             extent; a sliver's area is a cross product that cancels",
+             extent and of the area; a sliver's area is a cross product that cancels: of edges rounded at u = 2^-24 of \
+             themselves, each product is off by 3 u of itself, together by less than 2.2 u times the edges' lengths, \
+             however small their difference",
     sizes: &[(BufferId::receiver_positions, Size::Elements(places))],
     granularity: Granularity::Object,
     carriers: Carrier::ALL,
@@ -158,6 +172,68 @@ pub fn sphere(block: &Block, disc: f64, center_of: impl Fn(usize) -> DVec3) -> S
     let moment = squares().sum::<f64>() / f64::from(block.count);
     let radius = squares().fold(0.0, f64::max).sqrt();
     Sphere { center: narrow(center), radius: radius as f32, relative_moment: (moment / disc) as f32 }
+}
+
+/// What the rounding of a triangle's area, from its two shorter edges, may be: see the stage's reason.
+fn rounding(data: &Buffers, face: usize) -> f64 {
+    let [a, b, c] = data.triangles[face].map(|vertex| wide(data.positions[vertex as usize]));
+    let mut edges = [a.distance(b), b.distance(c), c.distance(a)];
+    edges.sort_by(f64::total_cmp);
+    3.0 * 0.5f64.powi(24) * edges[0] * edges[1]
+}
+
+/// Centre, area, vector area and second moment of every cluster, off by the rounding d of its triangles' areas: of a sum
+/// A with means c and m these are at most, as A may be as small as A - sum d,
+///   sum d |c_i - c| / (A - sum d),  sum d,  sum d,  and  sum d |m_i + |c_i - c|^2 - m| / (A - sum d).
+fn of_clusters(state: &State) -> Vec<f64> {
+    let data = &state.data;
+    /// Sums over triangles of d, of d times the centre, and of d times the second moment about the origin.
+    #[derive(Clone, Copy, Default)]
+    struct Off(f64, DVec3, f64);
+    let mut sums = vec![Off::default(); data.topology.len()];
+    let mut allowed = vec![0.0; 4 * sums.len()];
+    for object in &state.objects {
+        let first = object.first.nodes;
+        for node in (first..first + object.count.nodes).rev() {
+            let (cluster, face) = (&data.clusters[node], data.topology[node].face);
+            let (center, moment) = (wide(cluster.center), f64::from(cluster.moment_trace));
+            let mut off = [0.0; 2];
+            if face == NONE {
+                let (left, right) = (sums[node + 1], sums[first + data.topology[node + 1].skip as usize]);
+                let Off(sum, places, squares) = Off(left.0 + right.0, left.1 + right.1, left.2 + right.2);
+                sums[node] = Off(sum, places, squares);
+                let about = (squares - 2.0 * center.dot(places) + sum * center.length_squared()).max(0.0);
+                let least = f64::from(cluster.area) - sum;
+                let over = |x: f64| if x == 0.0 { 0.0 } else { x / least.max(0.0) };
+                off = [over((sum * about).sqrt()), over(about + sum * moment)];
+            } else {
+                let d = rounding(data, object.first.faces + face as usize);
+                sums[node] = Off(d, d * center, d * (moment + center.length_squared()));
+            }
+            allowed[4 * node..][..4].copy_from_slice(&[off[0], sums[node].0, sums[node].0, off[1]]);
+        }
+    }
+    allowed
+}
+
+/// Vertex normals, off by the rounding of the areas around them: the direction of a sum by at most twice that over the
+/// sum.
+fn of_normals(state: &State) -> Vec<f64> {
+    let data = &state.data;
+    let mut allowed = vec![0.0; data.normals.len()];
+    for object in &state.objects {
+        for vertex in object.first.vertices..object.first.vertices + object.count.vertices {
+            let around = data.corner_starts[vertex] as usize..data.corner_starts[vertex + 1] as usize;
+            let (mut sum, mut off) = (DVec3::ZERO, 0.0);
+            for &face in &data.corners[3 * object.first.faces..][around] {
+                let face = object.first.faces + face as usize;
+                sum += wide(data.clusters[object.first.nodes + data.leaves[face] as usize].normal);
+                off += rounding(data, face);
+            }
+            allowed[vertex] = if sum == DVec3::ZERO { 0.0 } else { (2.0 * off / sum.length()).min(2.0) };
+        }
+    }
+    allowed
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {

@@ -8,13 +8,15 @@ mod parts;
 mod pass;
 mod schedule;
 pub mod stage;
+mod tolerance;
 
 pub use change::{Change, Update};
 pub use device::DeviceState;
 pub use objects::{Extent, LitAt, Object};
 pub use pass::{Bound, Dispatch, Pass, dispatches};
 pub use schedule::{Chunk, Schedule};
-pub use stage::{Carrier, Field, Host, Need, Role, Serves, Size, Stage, Step, Tolerance};
+pub use stage::{Carrier, Host, Need, Role, Serves, Size, Stage, Step};
+pub use tolerance::{Field, Rounding, Tolerance};
 
 use crate::layout::Buffers;
 pub use crate::scene::{Distance, Near, Scheme};

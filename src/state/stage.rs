@@ -4,7 +4,7 @@
 use crate::error::Result;
 use crate::layout::BufferId;
 
-use super::{Granularity, Method, Object, Pass, Scheme, Scope, State, Update};
+use super::{Granularity, Method, Object, Pass, Scheme, Scope, State, Tolerance, Update};
 use crate::state::options::ShadingMethod;
 
 /// One run of a stage.
@@ -37,36 +37,6 @@ impl std::fmt::Debug for Step {
             Scope { object, chunk, group } => write!(out, "{}[{object}.{group}.{chunk}]", self.stage.name),
         }
     }
-}
-
-/// How far a device's value may be from the reference.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Tolerance {
-    /// Bit for bit: decisions, indices, minima and maxima.
-    Exact,
-    /// A float may differ by `relative` times the reference's magnitude plus `floor` times the largest magnitude of
-    /// its field in the buffer; everything that is not a float bit for bit.
-    Float {
-        /// Share of the value itself.
-        relative: f32,
-        /// Share of the field's largest value.
-        floor: f32,
-    },
-    /// Each float field by its own rule; everything that is not a float bit for bit.
-    Fields(&'static [Field]),
-}
-
-/// The tolerance of one field of a record.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Field {
-    /// The field.
-    pub name: &'static str,
-    /// Share of the value itself.
-    pub relative: f32,
-    /// Added to that: a share of the field `of` of the same element.
-    pub floor: f32,
-    /// The field that the floor is a share of; if empty, the floor is absolute.
-    pub of: &'static str,
 }
 
 /// How a stage treats the old contents of a buffer that it writes.
