@@ -19,7 +19,7 @@ use crate::state::{DeviceState, Role, State, Step, Tolerance};
 const POISON: u32 = 0xffc0_dead;
 
 /// The result of one stage on one fixture.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Row {
     /// The fixture.
     pub fixture: String,
@@ -186,18 +186,7 @@ impl Pair {
 
     /// Compares both sides after a step; `first` holds what the device wrote in its first run.
     fn row(&self, step: Step, name: &str, first: &[Vec<u8>], trespasses: &[&str]) -> Row {
-        let mut row = Row {
-            fixture: name.to_string(),
-            stage: step.stage.name,
-            steps: 1,
-            words: 0,
-            ulp: 0,
-            histogram: [0; 8],
-            relative: 0.0,
-            used: 0.0,
-            biases: Vec::new(),
-            faults: Vec::new(),
-        };
+        let mut row = Row { fixture: name.to_string(), stage: step.stage.name, steps: 1, ..Row::default() };
         for &slot in BUFFER_IDS {
             let written = step.stage.writes.iter().find(|(written, _, _)| *written == slot);
             let tolerance = written.map_or(Tolerance::Exact, |(_, _, tolerance)| *tolerance);

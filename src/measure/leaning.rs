@@ -43,16 +43,10 @@ mod tests {
     #[test]
     fn rows_of_a_stage_count_together() {
         let row = |off: f32| Row {
-            fixture: String::new(),
             stage: "push",
             steps: 1,
-            words: 0,
-            ulp: 0,
-            histogram: [0; 8],
-            relative: 0.0,
-            used: 0.0,
             biases: vec![Bias::of("radiosity", "", (0..50).map(|k| (1.0 + k as f32, (1.0 + k as f32) * (1.0 + off))))],
-            faults: Vec::new(),
+            ..Row::default()
         };
         let mut rows = vec![row(3e-5), row(3e-5), row(3e-5)];
         blame(&mut rows);
