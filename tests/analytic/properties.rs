@@ -125,7 +125,8 @@ proptest! {
 
     #[test]
     fn whatever_loads_gives_finite_light_of_at_least_0(
-        mesh in prop_oneof![3 => soup(), 1 => dented()], way in direction(), size in -6.0..6.0f64, tolerance in -4.0..-1.0f64,
+        mesh in prop_oneof![3 => soup(), 1 => dented()], way in direction(), size in -6.0..6.0f64,
+        tolerance in -4.0..-1.0f64,
     ) {
         let (size, tolerance) = (10f64.powf(size), 10f64.powf(tolerance));
         let rest = format!("{MARBLE}size = {size:e}\n[transport]\ntolerance = {tolerance:e}\n");
@@ -172,7 +173,8 @@ proptest! {
     #[test]
     fn the_order_of_a_file_does_not_matter(
         mesh in dented(), way in direction(), order in Just((0..FACES).collect::<Vec<usize>>()).prop_shuffle(),
-        numbers in Just((0..VERTICES).collect::<Vec<usize>>()).prop_shuffle(), turns in proptest::collection::vec(0..3usize, FACES),
+        numbers in Just((0..VERTICES).collect::<Vec<usize>>()).prop_shuffle(),
+        turns in proptest::collection::vec(0..3usize, FACES),
     ) {
         let (rest, light) = (format!("{MARBLE}{TIGHT}"), [sun(way, 1.0, true)]);
         let [e, b] = solve(&mesh, &light, &rest).unwrap();
@@ -185,7 +187,8 @@ proptest! {
         let face = |&old: &usize| { let mut face = mesh.faces[old]; face.rotate_left(turns[old]); face };
         let shuffled = Mesh { faces: order.iter().map(face).collect(), ..mesh.clone() };
         let [_, other] = solve(&shuffled, &light, &rest).unwrap();
-        let back: Vec<[f64; 3]> = (0..FACES).map(|face| other[order.iter().position(|&old| old == face).unwrap()]).collect();
+        let at = |face| order.iter().position(|&old| old == face).unwrap();
+        let back: Vec<[f64; 3]> = (0..FACES).map(|face| other[at(face)]).collect();
         prop_assert!(apart(&b, &back) < APART, "{}", apart(&b, &back));
     }
 
@@ -200,13 +203,15 @@ proptest! {
         let two = factor.round().exp2();
         let double = solve(&mesh.moved(|p| two * p), &[sun(way, 1.0, true)], &material(two)).unwrap();
         prop_assert_eq!(double, [e, b.clone()]);
-        let [_, scaled] = solve(&mesh.moved(|p| factor.exp2() * p), &[sun(way, 1.0, true)], &material(factor.exp2())).unwrap();
+        let larger = mesh.moved(|p| factor.exp2() * p);
+        let [_, scaled] = solve(&larger, &[sun(way, 1.0, true)], &material(factor.exp2())).unwrap();
         prop_assert!(apart(&b, &scaled) < APART, "{}", apart(&b, &scaled));
     }
 
     #[test]
     fn a_half_space_gives_back_no_more_than_r_full(
-        way in direction(), scattering in 0.1..10.0f64, albedo in -6.0..-0.5f64, eta in 1.0..2.5f64, size in 1.0..1e4f64,
+        way in direction(), scattering in 0.1..10.0f64, albedo in -6.0..-0.5f64, eta in 1.0..2.5f64,
+        size in 1.0..1e4f64,
     ) {
         // A plane of 8 x 8 squares; the free path is from 1e-5 to 10 times its width.
         let side = |k: usize| size * (k as f64 / 8.0 - 0.5);
@@ -215,7 +220,8 @@ proptest! {
         let mesh = Mesh { positions, faces: (0..64).flat_map(square).collect() };
         let absorption = scattering * 10f64.powf(albedo);
         let rest = format!(
-            "material = {{ sigma_s_prime = {scattering:e}, sigma_a = {absorption:e}, eta = {eta:e}, fresnel = 'exact' }}\n{TIGHT}"
+            "material = {{ sigma_s_prime = {scattering:e}, sigma_a = {absorption:e}, eta = {eta:e}, \
+             fresnel = 'exact' }}\n{TIGHT}"
         );
         let up = DVec3::new(way.x, way.y, way.z.abs().max(0.01));
         let [e, b] = solve(&mesh, &[sun(up, 1.0, false)], &rest).unwrap();

@@ -48,9 +48,9 @@ pub fn conform(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         return Ok(());
     };
     page.say(
-        "Each stage runs on the device and, in f64, on the CPU, from the same state. Then all memory is compared: decisions \
-         bit for bit, values within the stage's tolerance; buffers that a stage does not write must not change. Two runs \
-         on the device must give the same bits.",
+        "Each stage runs on the device and, in f64, on the CPU, from the same state. Then all memory is compared: \
+         decisions bit for bit, values within the stage's tolerance; buffers that a stage does not write must not \
+         change. Two runs on the device must give the same bits.",
     );
     let mut stages: Vec<Stage> = Vec::new();
     let (mut count, mut rows) = (0, Vec::new());
@@ -89,15 +89,18 @@ pub fn conform(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         ("words compared", "4-byte words of the buffers that the stage writes, over all fixtures"),
         (
             "largest ulp",
-            "largest distance of a float from the reference, in units in the last place; - above a million, which is near 0",
+            "largest distance of a float from the reference, in units in the last place; - above a million, which is \
+             near 0",
         ),
         (
             "largest, % of tolerance",
-            "largest difference from the reference, in per cent of the difference that the stage's tolerance allows; 0 where only decisions are made, which must agree bit for bit",
+            "largest difference from the reference, in per cent of the difference that the stage's tolerance allows; 0 \
+             where only decisions are made, which must agree bit for bit",
         ),
         (
             "mean",
-            "mean of the signed relative differences over all fixtures, of the buffer that is farthest off: rounding stays below 2e-6, a systematic error does not",
+            "mean of the signed relative differences over all fixtures, of the buffer that is farthest off: rounding \
+             stays below 2e-6, a systematic error does not",
         ),
         ("verdict", ""),
     ];
@@ -117,8 +120,8 @@ pub fn conform(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
 /// The extreme cases.
 pub fn stress(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.say(
-        "Scenes and form factors at the limits of the input: whether every value is finite, and the error against f64 beside \
-         its bound.",
+        "Scenes and form factors at the limits of the input: whether every value is finite, and the error against f64 \
+         beside its bound.",
     );
     let outcomes = extremes(bench.device, "", None)?;
     for outcome in &outcomes {

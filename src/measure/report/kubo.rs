@@ -41,8 +41,8 @@ fn function(page: &mut Page) -> Result<()> {
     page.head("The curvature-dependent reflectance function");
     page.say(
         "The reflectance f against the angle between normal and light. At sigma 0 it is Lambert's cosine; the larger \
-         sigma = sigma_0 kappa is, the farther light reaches beyond 90 degrees. On a ball of skin red reaches farthest, and \
-         farther on a smaller ball.",
+         sigma = sigma_0 kappa is, the farther light reaches beyond 90 degrees. On a ball of skin red reaches \
+         farthest, and farther on a smaller ball.",
     );
     let (x, y) =
         (Axis { label: "angle from the light, degrees", log: false }, Axis { label: "f, no unit", log: false });
@@ -91,8 +91,8 @@ const LUMPS: &str = "object.0.deform=[{ type = 'noise', amplitude = 1, scale = 5
 fn table(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("Table 1: what shading costs");
     page.say(
-        "Shading alone, without visibility and shadows, techniques alternating. Texture blur needs texture coordinates that \
-         are one to one, which not all meshes have.",
+        "Shading alone, without visibility and shadows, techniques alternating. Texture blur needs texture coordinates \
+         that are one to one, which not all meshes have.",
     );
     let side = bench.either(256, 1024);
     let mut rows = Vec::new();
@@ -147,8 +147,8 @@ fn table(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
 fn fitted(bench: &Bench<'_>, page: &mut Page, preset: &Preset) -> Result<()> {
     page.head(&format!("Figure 6: sigma_0 of {} from balls in parallel light", preset.name));
     page.say(
-        "Lines: the function at the sigma_0 fitted to the dipole, which pictures of this material take. Dots: the dipole. Bars: a random walk and twice its standard \
-         error.",
+        "Lines: the function at the sigma_0 fitted to the dipole, which pictures of this material take. Dots: the \
+         dipole. Bars: a random walk and twice its standard error.",
     );
     let photons = bench.either(10_000, 100_000);
     let paths = [0, 1, 2].map(|c| 1.0 / (preset.sigma_s_prime[c] + preset.sigma_a[c]));
@@ -240,10 +240,10 @@ fn compared(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     }
     page.head("Figures 1, 7, 9 and 11 with scenes of ours");
     page.say(
-        "Figure 1: the larger sigma_0, the softer the shading where the surface bends most. Figure 7: a red rim beyond the \
-         terminator, wider on the smaller ball. Figure 9: compared with the dipole, the function lacks light that comes \
-         through thin parts (a quick report has the dipole's bust above). Figure 11: lit from behind, petals glow where \
-         Lambert's are black; blue reaches farthest, since its sigma_0 is largest.",
+        "Figure 1: the larger sigma_0, the softer the shading where the surface bends most. Figure 7: a red rim beyond \
+         the terminator, wider on the smaller ball. Figure 9: compared with the dipole, the function lacks light that \
+         comes through thin parts (a quick report has the dipole's bust above). Figure 11: lit from behind, petals \
+         glow where Lambert's are black; blue reaches farthest, since its sigma_0 is largest.",
     );
     page.pictures(&shown);
     Ok(())
@@ -255,7 +255,10 @@ const DOTS: usize = 2000;
 /// The error against the dipole, by thickness.
 fn trusted(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("How far the function can be trusted");
-    page.say("Error of the function's radiosity against the dipole's, per triangle and channel, by the thickness of the object.");
+    page.say(
+        "Error of the function's radiosity against the dipole's, per triangle and channel, by the thickness of \
+         the object.",
+    );
     let mut rows = Vec::new();
     for name in bench.either(&["bust"][..], &["bust", "lotus", "torus", "sphere"]) {
         let scene = scene(name, [1, 1], coarser(bench))?;

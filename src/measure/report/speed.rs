@@ -38,9 +38,10 @@ fn one(bench: &Bench<'_>, page: &mut Page, scene: &Scene) -> Result<()> {
     };
     page.head(&format!("{}, {} triangles", origin.scene, origin.faces));
     page.say(
-        "Down and to the left is better. When the light moves, everything that depends on light is computed again; when it \
-         rests, only the sums are. Errors are L2 of the radiosity, worst channel, against brute force in f64 over the \
-         method's own leaf sums, and against the area integral. All points were measured in one run on one device.",
+        "Down and to the left is better. When the light moves, everything that depends on light is computed again; \
+         when it rests, only the sums are. Errors are L2 of the radiosity, worst channel, against brute force in f64 \
+         over the method's own leaf sums, and against the area integral. All points were measured in one run on one \
+         device.",
     );
     let plot = svg(&found, &origin)?;
     if page.front.is_empty() {
@@ -110,9 +111,9 @@ fn compared(ratio: &pareto::Ratio) -> Option<(f64, String)> {
 /// Time, operations and memory traffic of each stage.
 pub fn profile(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.say(
-        "The time of each stage, and what bounds it. The kernels themselves count their work in one more frame of the same \
-         bits; the device's own rates are measured in the same run. A stage with one share near 100 % is bound by that \
-         resource, one without any large share waits.",
+        "The time of each stage, and what bounds it. The kernels themselves count their work in one more frame of the \
+         same bits; the device's own rates are measured in the same run. A stage with one share near 100 % is bound by \
+         that resource, one without any large share waits.",
     );
     for name in bench.either(&["sphere"][..], &["sphere", "lotus", "fish", "bust"]) {
         let settings =
@@ -123,8 +124,8 @@ pub fn profile(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         if let Some(rates) = &found.rates {
             let (copy, fma, exp) = (rates.copy * 1e-9, rates.fma * 1e-9, rates.exp * 1e-9);
             page.say(&format!(
-                "The device's rates: copy {copy:.2} GB/s (read and written), {fma:.2} G FMA/s, {exp:.2} G exp/s. Peak device \
-                 memory: {:.1} MiB.",
+                "The device's rates: copy {copy:.2} GB/s (read and written), {fma:.2} G FMA/s, {exp:.2} G exp/s. Peak \
+                 device memory: {:.1} MiB.",
                 found.peak as f64 / 1_048_576.0
             ));
         }
@@ -168,8 +169,8 @@ pub fn profile(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
 /// The cost of each mode after each change.
 pub fn modes(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.say(&format!(
-        "The same change before every frame; the bump moves {} % of the triangles. Mertens et al. have 0.49 of a frame from \
-         scratch for incremental and 0.28 for render in their table 3, at 131,736 triangles.",
+        "The same change before every frame; the bump moves {} % of the triangles. Mertens et al. have 0.49 of a frame \
+         from scratch for incremental and 0.28 for render in their table 3, at 131,736 triangles.",
         100.0 * kept::LOCAL
     ));
     let mut rows = Vec::new();

@@ -19,7 +19,8 @@ pub fn figure_3(tell: Tell<'_>) {
     let mut tell = |words: &str| tell(Told::Words(words));
     let points = curves::figure_3();
     tell(
-        "Figure 3: F of a triangle of skim milk, base 10 mm, height 5 mm, tip 0 to 10 mm from the receiver, in its plane.",
+        "Figure 3: F of a triangle of skim milk, base 10 mm, height 5 mm, tip 0 to 10 mm from the receiver, in its \
+         plane.",
     );
     tell("Paper: its method and 10,000 random samples give virtually the same curve; 12 samples, low accuracy.");
     tell(&format!(
@@ -50,7 +51,8 @@ pub fn figure_4(tell: Tell<'_>) {
     let points = curves::figure_4();
     tell("Figure 4: F of a triangle of marble, tip at the receiver, base 0.1 to 100 mm away, twice as wide as far.");
     tell(
-        "Paper: its method needs far fewer samples than Jensen and Buhler's criterion, which are too few to be accurate.",
+        "Paper: its method needs far fewer samples than Jensen and Buhler's criterion, which are too few to be \
+         accurate.",
     );
     tell(&format!(
         "{:>2} {:>6} {:>11} | {:>8} {:>9} | {:>5} {:>9} {:>5} {:>9} | {:>9} {:>9}",
@@ -85,7 +87,8 @@ fn worst(points: &[Point], c: usize, color: &str, more: &str) -> String {
     let paper = largest(points, c, |p| p.error(p.paper.value));
     let [a, b] = [0, 1].map(|k| largest(points, c, |p| p.error(p.ours[k].1)));
     format!(
-        "   {color}, whole curve: paper's method {segments:.0} segments, error {paper:.1e}; ours {a:.1e}, {b:.1e}; {more}"
+        "   {color}, whole curve: paper's method {segments:.0} segments, error {paper:.1e}; ours {a:.1e}, {b:.1e}; \
+         {more}"
     )
 }
 
@@ -94,9 +97,9 @@ pub fn given(path: &Path, tell: Tell<'_>) -> Result<()> {
     let mut tell = |words: &str| tell(Told::Words(words));
     let found = super::given::compare(path)?;
     tell(&format!(
-        "{}: figure {}, {} rows: F differs by {:.1e} of itself at most; {} rows have the same number of segments (where \
-         an edge is halved to exactly 2/5 of its distance rounding decides), there the error of the paper's method differs \
-         by {:.1e}; the scatter of random samples differs by {:.1e} of itself",
+        "{}: figure {}, {} rows: F differs by {:.1e} of itself at most; {} rows have the same number of segments \
+         (where an edge is halved to exactly 2/5 of its distance rounding decides), there the error of the paper's \
+         method differs by {:.1e}; the scatter of random samples differs by {:.1e} of itself",
         path.display(),
         found.figure,
         found.rows,
