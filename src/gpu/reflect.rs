@@ -1,13 +1,14 @@
 //! What a kernel binds and takes, read from its SPIR-V, so that no binding number, group size or size of push constants
 //! is written twice.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
 use spirq::prelude::*;
-use spirq::spirv::ExecutionMode;
+use spirq::spirv::{Decoration, ExecutionMode, Op};
 use spirq::ty::{AccessType, DescriptorType, Type};
 
+use super::spirv_module::instructions;
 use crate::error::{Error, Result};
 
 include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
@@ -21,6 +22,8 @@ pub struct Access {
     pub reads: bool,
     /// Whether it writes.
     pub writes: bool,
+    /// Whether it asks how many elements are bound, by `length()`.
+    pub asks_length: bool,
 }
 
 /// The names of all kernels in the program.
@@ -84,6 +87,23 @@ fn stride(ty: &Type) -> Option<usize> {
     }
 }
 
+/// The bindings of buffers whose number of elements the module asks for.
+fn asked_lengths(words: &[u32]) -> BTreeSet<u32> {
+    let mut bindings = BTreeMap::new();
+    let mut asked = BTreeSet::new();
+    for instruction in instructions(words) {
+        match (instruction.op, instruction.operands) {
+            (Some(Op::Decorate), [variable, what, binding]) if *what == Decoration::Binding as u32 => {
+                bindings.insert(*variable, *binding);
+            }
+            // Decorations come before the functions.
+            (Some(Op::ArrayLength), [_, _, variable, _]) => asked.extend(bindings.get(variable)),
+            _ => {}
+        }
+    }
+    asked
+}
+
 pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
     let doing = || format!("reading kernel {name}");
     let entries = ReflectConfig::new()
@@ -101,6 +121,7 @@ pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
         constants: 0,
         names: BTreeMap::new(),
     };
+    let asked = asked_lengths(words);
     for variable in &entry.vars {
         match variable {
             Variable::Descriptor { desc_bind, desc_ty: DescriptorType::StorageBuffer(access), ty, .. } => {
@@ -108,6 +129,7 @@ pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
                     binding: desc_bind.bind(),
                     reads: *access != AccessType::WriteOnly,
                     writes: *access != AccessType::ReadOnly,
+                    asks_length: asked.contains(&desc_bind.bind()),
                 });
                 found.strides.extend(stride(ty).map(|stride| (desc_bind.bind(), stride)));
                 found.types.push(ty.clone());

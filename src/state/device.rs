@@ -7,7 +7,8 @@ use crate::error::Result;
 use crate::gpu::{Binding, Buffer, BufferRange, Device, Kernels, Recorder, Upload, Work, download, upload};
 use crate::layout::{BUFFER_IDS, BufferId};
 
-/// Guard bytes after the end of each buffer of a guarded state, which no kernel may touch.
+/// Guard bytes after the end of each buffer of a guarded state, which no kernel may touch. As many bytes after a part
+/// are bound along with it.
 const GUARD: u64 = 64;
 /// The value of each guard byte.
 const GUARD_BYTE: u8 = 0xA5;
@@ -125,12 +126,12 @@ impl DeviceState {
             };
             let stride = slot.spec().stride as u64;
             let (first, count) = state.part(slot, call.at);
-            bindings.push(Binding {
-                number: access.binding,
-                buffer,
-                offset: first as u64 * stride,
-                size: (count as u64 * stride).max(4),
-            });
+            let (offset, own) = (first as u64 * stride, (count as u64 * stride).max(4));
+            // A driver drops writes beyond what is bound. What follows the part is bound too where it is guarded, so
+            // that they show; not where the kernel goes by the number of elements that are bound.
+            let guard = if self.guarded && access.writes && !access.asks_length { GUARD } else { 0 };
+            let most = (buffer.size() - offset).min(self.device.limits().binding_bytes);
+            bindings.push(Binding { number: access.binding, buffer, offset, size: (own + guard).min(most).max(own) });
         }
         let work = match call.groups {
             Groups::Invocations(count) => Work::Invocations(count as u64),
