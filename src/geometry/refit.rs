@@ -182,8 +182,8 @@ fn rounding(data: &Buffers, face: usize) -> f64 {
     3.0 * 0.5f64.powi(24) * edges[0] * edges[1]
 }
 
-/// Centre, area, vector area and second moment of every cluster, off by the rounding d of its triangles' areas: of a sum
-/// A with means c and m these are at most, as A may be as small as A - sum d,
+/// Centre, area, vector area and second moment of every cluster, off by the rounding d of its triangles' areas: of a
+/// sum A with means c and m these are at most, as A may be as small as A - sum d,
 ///   sum d |c_i - c| / (A - sum d),  sum d,  sum d,  and  sum d |m_i + |c_i - c|^2 - m| / (A - sum d).
 fn of_clusters(state: &State) -> Vec<f64> {
     let data = &state.data;
@@ -222,7 +222,8 @@ fn of_normals(state: &State) -> Vec<f64> {
     let data = &state.data;
     let mut allowed = vec![0.0; data.normals.len()];
     for object in &state.objects {
-        for vertex in object.first.vertices..object.first.vertices + object.count.vertices {
+        let (first, count) = (object.first.vertices, object.count.vertices);
+        for (vertex, allowed) in allowed.iter_mut().enumerate().skip(first).take(count) {
             let around = data.corner_starts[vertex] as usize..data.corner_starts[vertex + 1] as usize;
             let (mut sum, mut off) = (DVec3::ZERO, 0.0);
             for &face in &data.corners[3 * object.first.faces..][around] {
@@ -230,7 +231,7 @@ fn of_normals(state: &State) -> Vec<f64> {
                 sum += wide(data.clusters[object.first.nodes + data.leaves[face] as usize].normal);
                 off += rounding(data, face);
             }
-            allowed[vertex] = if sum == DVec3::ZERO { 0.0 } else { (2.0 * off / sum.length()).min(2.0) };
+            *allowed = if sum == DVec3::ZERO { 0.0 } else { (2.0 * off / sum.length()).min(2.0) };
         }
     }
     allowed
