@@ -14,6 +14,7 @@ mod hierarchy;
 mod ladder;
 mod materials;
 mod method;
+mod moments;
 mod properties;
 mod quadrature;
 mod reflectance;
