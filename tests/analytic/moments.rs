@@ -82,6 +82,34 @@ fn beyond_its_distance_chi_is_below_the_limit() {
 }
 
 #[test]
+fn clusters_are_the_sums_of_their_triangles() {
+    let sets = ["object.0.detail=16".to_string(), "object.0.deform=[{ type = 'twist', angle = 90 }]".to_string()];
+    let scene = Scene::load_with("lotus", &sets).unwrap();
+    let mut session = Session::new(&scene, None, Options { goal: Goal::Radiosity, ..Options::default() }).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    let (data, wide) = (&session.state().data, |v: [f32; 3]| DVec3::from_array(v.map(f64::from)));
+    for (node, place) in data.topology.iter().enumerate() {
+        let below = (node..place.skip as usize).map(|k| data.topology[k].face).filter(|&face| face != NONE);
+        let triangles: Vec<[DVec3; 3]> =
+            below.map(|face| data.triangles[face as usize].map(|v| wide(data.positions[v as usize]))).collect();
+        let normal = |[a, b, c]: &[DVec3; 3]| 0.5 * (b - a).cross(c - a);
+        let area: f64 = triangles.iter().map(|t| normal(t).length()).sum();
+        let center = triangles.iter().map(|t| normal(t).length() * (t[0] + t[1] + t[2]) / 3.0).sum::<DVec3>() / area;
+        // The mean squared distance from the centre, exact by the midpoints of a triangle's edges.
+        let squares = |t: &[DVec3; 3]| {
+            let middles = [t[0] + t[1], t[1] + t[2], t[2] + t[0]].map(|sum| (0.5 * sum).distance_squared(center));
+            normal(t).length() * middles.iter().sum::<f64>() / 3.0
+        };
+        let trace = triangles.iter().map(squares).sum::<f64>() / area;
+        let found = &data.clusters[node];
+        assert!((f64::from(found.area) / area - 1.0).abs() < 1e-6, "area of node {node}");
+        assert!(wide(found.center).distance(center) < 1e-6, "centre of node {node}");
+        assert!(wide(found.normal).distance(triangles.iter().map(normal).sum()) < 1e-6 * area, "normal of node {node}");
+        assert!((f64::from(found.moment_trace) / trace - 1.0).abs() < 1e-5, "second moment of node {node}");
+    }
+}
+
+#[test]
 fn moments_of_clusters_are_those_of_their_triangles() {
     let scene = Scene::load_with("lotus", &["object.0.detail=16".to_string()]).unwrap();
     let mut session = Session::new(&scene, None, Options { goal: Goal::Radiosity, ..Options::default() }).unwrap();
