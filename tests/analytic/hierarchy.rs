@@ -3,8 +3,8 @@
 use crate::seeded::Seeded;
 use crate::sphere::icosphere;
 use glam::DVec3;
-use milkglass::internals::hierarchy::face_cluster::{self, DEEPEST, Method};
 use milkglass::internals::hierarchy::compact::relative_radius;
+use milkglass::internals::hierarchy::face_cluster::{self, DEEPEST, Method};
 use milkglass::internals::hierarchy::{Tree, median};
 use proptest::prelude::*;
 
@@ -95,7 +95,8 @@ fn two_components_part_at_the_root() {
 fn triangles_that_share_an_edge_are_joined_before_those_that_share_a_corner() {
     // Two pairs of triangles that meet at corner 0 alone: across it the centroids are nearest.
     let at = |x: f64, y: f64| DVec3::new(x, y, 0.0);
-    let positions = [at(0.0, 0.0), at(2.0, 1.0), at(2.0, -1.0), at(8.0, 0.0), at(-2.0, 1.0), at(-2.0, -1.0), at(-8.0, 0.0)];
+    let positions =
+        [at(0.0, 0.0), at(2.0, 1.0), at(2.0, -1.0), at(8.0, 0.0), at(-2.0, 1.0), at(-2.0, -1.0), at(-8.0, 0.0)];
     let tree = both(&positions, &[[0, 2, 1], [2, 3, 1], [0, 4, 5], [5, 4, 6]]).0;
     for child in tree.children(0).unwrap() {
         let mut faces: Vec<u32> = (child..tree.skip[child] as usize).map(|k| tree.face[k]).collect();

@@ -20,5 +20,6 @@ mod quadrature;
 mod reflectance;
 mod seeded;
 mod sphere;
+mod stages;
 mod table_one;
 mod tables;

@@ -38,9 +38,8 @@ fn a_link_is_the_sum_over_its_points_to_fourth_order() {
     for _ in 0..200 {
         // Pairs of points on either side of the centre: the odd orders cancel.
         let center = random.direction();
-        let arms: Vec<(DVec3, f64)> = (0..6)
-            .map(|_| (random.direction() * random.between(0.1, 1.0), random.between(0.1, 1.0)))
-            .collect();
+        let arms: Vec<(DVec3, f64)> =
+            (0..6).map(|_| (random.direction() * random.between(0.1, 1.0), random.between(0.1, 1.0))).collect();
         let weight: f64 = arms.iter().map(|arm| arm.1).sum();
         let x = center + random.direction() * random.between(0.4, 3.0);
         for (c, tint) in [1.0, 0.5, 0.25].into_iter().enumerate() {
