@@ -12,6 +12,7 @@ mod form_factor;
 mod fresnel;
 mod hierarchy;
 mod ladder;
+mod laws;
 mod materials;
 mod method;
 mod moments;

@@ -10,6 +10,7 @@ use milkglass::internals::session::run::Session;
 use milkglass::internals::shading::balls::{ANGLES, angle};
 use milkglass::internals::shading::{cdrf_values, smooth_curvature};
 use milkglass::internals::state::{Scope, State};
+use milkglass::internals::view::aov::{Layer, Samples};
 use milkglass::scene::Scene;
 use std::f64::consts::PI;
 
@@ -115,29 +116,33 @@ fn smoothing_over_a_small_ball_keeps_what_varies_slowly() {
 }
 
 #[test]
-fn a_ball_under_lamberts_cosine_is_the_cosine() {
+fn a_translucent_or_opaque_ball_under_lamberts_cosine_is_the_cosine() {
     let sun =
         "light=[{ type = 'directional', direction = [2.0, 1.0, 0.1], irradiance = [3, 1, 0.4], shadows = false }]";
-    let sets = ["object.0.detail=5", "object.0.material.eta=1", sun];
-    let mut session = drawn("sphere", &sets, ShadingMethod::Lambert, Goal::Picture);
-    let picture = session.picture().unwrap();
-    let data = &session.state().data;
-    let toward = DVec3::new(2.0, 1.0, 0.1).normalize();
-    let diffuse = [0, 1, 2].map(|c| Dipole::of(&data.object_params[0], c).total());
-    let (mut lit, mut dark) = (0, 0);
-    for (pixel, hit) in picture.pixels.iter().zip(&data.hits).filter(|(_, hit)| hit.face != u32::MAX) {
-        // The ball is about the origin, so a point of it is its normal.
-        let [a, b, c] = corners(data, hit.face as usize);
-        let point = (1.0 - f64::from(hit.u) - f64::from(hit.v)) * a + f64::from(hit.u) * b + f64::from(hit.v) * c;
-        let cosine = point.normalize().dot(toward).max(0.0);
-        for c in 0..3 {
-            let expected = diffuse[c] / PI * cosine * [3.0, 1.0, 0.4][c];
-            let found = f64::from(pixel[c]);
-            assert!((found - expected).abs() < 2e-3 * [3.0, 1.0, 0.4][c], "{c} {cosine}: {found} {expected}");
+    let opaque = "object.0.material={ opaque = true, albedo = [0.5, 0.25, 0.1], eta = 1 }";
+    for material in ["object.0.material.eta=1", opaque] {
+        let sets = ["object.0.detail=5", material, sun];
+        let mut session = drawn("sphere", &sets, ShadingMethod::Lambert, Goal::Picture);
+        let picture = session.picture().unwrap();
+        let data = &session.state().data;
+        let toward = DVec3::new(2.0, 1.0, 0.1).normalize();
+        let translucent = [0, 1, 2].map(|c| Dipole::of(&data.object_params[0], c).total());
+        let diffuse = if material == opaque { [0.5, 0.25, 0.1] } else { translucent };
+        let (mut lit, mut dark) = (0, 0);
+        for (pixel, hit) in picture.pixels.iter().zip(&data.hits).filter(|(_, hit)| hit.face != u32::MAX) {
+            // The ball is about the origin, so a point of it is its normal.
+            let [a, b, c] = corners(data, hit.face as usize);
+            let point = (1.0 - f64::from(hit.u) - f64::from(hit.v)) * a + f64::from(hit.u) * b + f64::from(hit.v) * c;
+            let cosine = point.normalize().dot(toward).max(0.0);
+            for c in 0..3 {
+                let expected = diffuse[c] / PI * cosine * [3.0, 1.0, 0.4][c];
+                let found = f64::from(pixel[c]);
+                assert!((found - expected).abs() < 2e-3 * [3.0, 1.0, 0.4][c], "{c} {cosine}: {found} {expected}");
+            }
+            (lit, dark) = if cosine > 0.0 { (lit + 1, dark) } else { (lit, dark + 1) };
         }
-        (lit, dark) = if cosine > 0.0 { (lit + 1, dark) } else { (lit, dark + 1) };
+        assert!(lit > 50 && dark > 3, "{lit} {dark}");
     }
-    assert!(lit > 50 && dark > 3, "{lit} {dark}");
 }
 
 #[test]
@@ -157,6 +162,27 @@ fn angles_are_the_midpoints_of_equal_parts() {
     for k in 0..ANGLES {
         assert!((angle(k) + angle(ANGLES - 1 - k) - PI).abs() < 1e-12);
         assert!(k == 0 || (angle(k) - angle(k - 1) - PI / ANGLES as f64).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn layers_of_a_file_keep_their_channels_apart() {
+    let layer = Layer::vector("light", ["R", "G", "B"], &[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+    let expected = [("R", vec![1.0, 4.0]), ("G", vec![2.0, 5.0]), ("B", vec![3.0, 6.0])];
+    for ((name, samples), (expected, values)) in layer.channels.iter().zip(expected) {
+        assert!(*name == expected && matches!(samples, Samples::Float(found) if *found == values), "{name}");
+    }
+}
+
+#[test]
+fn an_environment_behind_everything_has_its_own_radiance() {
+    // The camera looks past the ball; its scale of radiance is not 1.
+    for radiance in [0.25, 40.0] {
+        let sky = format!("light=[{{ type = 'environment', radiance = {radiance} }}]");
+        let view = ["camera.background=environment", "camera.target=[500, 0, 0]", &sky];
+        let mut session = drawn("sphere", &view, ShadingMethod::Lambert, Goal::Picture);
+        let pixels = session.picture().unwrap().pixels;
+        assert!(pixels.iter().flatten().all(|&x| (f64::from(x) / radiance - 1.0).abs() < 1e-5), "{:?}", pixels[0]);
     }
 }
 
