@@ -77,3 +77,15 @@ fn contrast_is_the_spread_of_light_over_its_level() {
         assert!(found > 0.9999 * exact && found < 1.0001 * exact * 2f64.powf(0.25), "{c}: {found} {exact}");
     }
 }
+
+#[test]
+fn clusters_without_a_border_are_no_polygon() {
+    let sets = ["object.0.detail=3", "transport.scheme=links"].map(String::from);
+    let scene = Scene::load_with("sphere", &sets).unwrap();
+    let mut session = Session::new(&scene, None, Options { goal: Goal::Radiosity, ..Options::default() }).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    let data = &session.state().data;
+    let reaches = data.cluster_reach.iter().zip(&data.borders);
+    assert!(reaches.clone().all(|(&reach, border)| (reach > 0.0) == (border[1] > 0)));
+    assert!(reaches.clone().any(|(_, border)| border[1] > 0) && data.borders.iter().any(|border| border[1] == 0));
+}
