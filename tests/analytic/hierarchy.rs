@@ -3,6 +3,7 @@
 use crate::seeded::Seeded;
 use crate::sphere::icosphere;
 use glam::DVec3;
+use milkglass::internals::hierarchy::compact::relative_radius;
 use milkglass::internals::hierarchy::face_cluster::{self, DEEPEST, Method};
 use milkglass::internals::hierarchy::{Tree, median};
 use proptest::prelude::*;
@@ -88,6 +89,37 @@ fn two_components_part_at_the_root() {
         assert_eq!(leaves.len(), triangles.len());
         assert!(leaves.iter().all(second) || !leaves.iter().any(second));
     }
+}
+
+#[test]
+fn triangles_that_share_an_edge_are_joined_before_those_that_share_a_corner() {
+    // Two pairs of triangles that meet at corner 0 alone: across it the centroids are nearest.
+    let at = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+    let positions =
+        [at(0.0, 0.0), at(2.0, 1.0), at(2.0, -1.0), at(8.0, 0.0), at(-2.0, 1.0), at(-2.0, -1.0), at(-8.0, 0.0)];
+    let tree = both(&positions, &[[0, 2, 1], [2, 3, 1], [0, 4, 5], [5, 4, 6]]).0;
+    for child in tree.children(0).unwrap() {
+        let mut faces: Vec<u32> = (child..tree.skip[child] as usize).map(|k| tree.face[k]).collect();
+        faces.retain(|&face| face != u32::MAX);
+        faces.sort_unstable();
+        assert!(faces == [0, 1] || faces == [2, 3], "{faces:?}");
+    }
+}
+
+#[test]
+fn the_relative_radius_of_rectangles_is_known() {
+    // 4 x 4 cells of 1.1 x 1, two triangles each: below the root only the halves of 16 triangles count, 2.2 x 4.
+    let (mut positions, triangles) = grid(4);
+    positions.iter_mut().for_each(|p| p.x *= 1.1);
+    let tree = median::build(&positions, &triangles, 1);
+    let [w, h] = [2.2f64, 4.0];
+    let expected = (std::f64::consts::TAU * ((w * w + h * h) / 12.0) / (w * h)).sqrt();
+    let found = relative_radius(&tree, &positions, &triangles);
+    assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    // With fewer triangles there is nothing to measure.
+    let (positions, triangles) = grid(3);
+    let tree = median::build(&positions, &triangles, 1);
+    assert_eq!(relative_radius(&tree, &positions, &triangles), 1.0);
 }
 
 #[test]

@@ -124,6 +124,27 @@ fn what_lies_behind_attenuates_or_blocks() {
 }
 
 #[test]
+fn parts_end_at_interfaces_however_few_there_are() {
+    // A thin bright layer over a dense one, which ends within a step.
+    let layers = "object.0.material.layers.layer=[{ sigma_s = 0.8, sigma_t = 1.3, g = 0.3, thickness = 0.37 }, \
+                  { sigma_s = 0.05, sigma_t = 4, thickness = 2.5 }]";
+    let front = DVec3::new(-0.4, 0.3, 0.8).normalize();
+    let lit = seen(&[[-3.0, 0.0]], &sun(front, ""), &[layers]);
+    let slab = [
+        SlabLayer { sigma_s: 0.8, sigma_t: 1.3, g: 0.3, thickness: 0.37 },
+        SlabLayer { sigma_s: 0.05, sigma_t: 4.0, g: 0.0, thickness: 2.5 },
+    ];
+    for (pixel, (eye, _)) in pixels(&lit, Kept::default()).iter().enumerate() {
+        let expected = radiance(&slab, Lamp::Directional(front, 2.0), *eye);
+        let error =
+            |steps: u32| (full(lit.state(), pixel, Kept::default(), steps, 50).unwrap()[0] / expected - 1.0).abs();
+        // Second order in the step; parts that end elsewhere make it first order, 0.02 with 32 steps.
+        let [coarse, fine, finest] = [16, 32, 64].map(error);
+        assert!(coarse < 4e-3 && fine < 1e-3 && finest < 3e-4, "{pixel}: {coarse} {fine} {finest}");
+    }
+}
+
+#[test]
 fn reflection_at_the_boundary_is_in_the_reference() {
     let toward = BEHIND.normalize();
     let fresnel = "object.0.material.layers.fresnel=true";

@@ -1,6 +1,8 @@
 //! Texture seams: a mesh of two islands looks like the same mesh in one piece.
 
-use glam::DVec3;
+use std::sync::Arc;
+
+use glam::{DMat2, DVec2, DVec3};
 use milkglass::internals::layers::islands::{Whole, atlas};
 use milkglass::internals::layers::relief;
 use milkglass::internals::layout::Hit;
@@ -139,6 +141,53 @@ fn texels_that_triangles_cover_stay_as_they_are() {
         found += 1;
     }
     assert_eq!(found, mesh.triangles.len());
+}
+
+#[test]
+fn margins_hold_the_surface_across_the_seam_and_its_end_beyond_that() {
+    let linear = |x: f64, z: f64| 0.6 + 0.4 * x - 0.3 * z;
+    let mut two = square(false, linear);
+    // The right half's outer quarter is an island of its own, 25 rows farther down.
+    let object = &mut two.objects[0];
+    let positions = &object.mesh.positions;
+    let outer = |corners: &[u32; 3]| corners.iter().all(|&v| positions[v as usize].x > 7.4);
+    for (corners, uvs) in object.mesh.triangles.iter().zip(object.mesh.uvs.as_mut().unwrap()) {
+        uvs.iter_mut().filter(|_| outer(corners)).for_each(|uv| uv[1] -= 25.0 / f64::from(SIZE[1]));
+    }
+    let texels = Arc::make_mut(&mut object.material.layers.as_mut().unwrap().map.texels);
+    let [first, last] = [0.375, 0.5].map(|x| (RIGHT[1] + x * SIDE) as usize);
+    for row in first..last {
+        let [from, to] = [row, row + 25].map(|row| row * SIZE[0] as usize + RIGHT[0] as usize);
+        texels.copy_within(from..from + SIDE as usize, to);
+        texels[from..from + SIDE as usize].fill([0.0; 4]);
+    }
+    let (mesh, map) = (&two.objects[0].mesh, &two.objects[0].material.layers.as_ref().unwrap().map);
+    // Margins are wider than the other half.
+    let made = atlas(mesh, map, 14.0).unwrap();
+    assert!(made.islands == 3 && made.share == 1.0 && f64::from(made.margin) > 0.6 * SIDE);
+    let mut found = [[0; 2]; 2];
+    for right in [false, true] {
+        let side = |corners: &[u32; 3]| corners.iter().map(|&v| mesh.positions[v as usize].x).sum::<f64>() > 0.0;
+        let face = mesh.triangles.iter().position(|corners| side(corners) == right).unwrap();
+        let (island, corners) = (&made.places[face], mesh.triangles[face].map(|v| mesh.positions[v as usize] / 20.0));
+        // The island's texels by x and z, from one of its triangles.
+        let [a, b, c] = [island.a, island.b, island.c].map(|p| DVec2::from_array(p.map(f64::from)));
+        let [p, q, r] = corners.map(|corner| DVec2::new(corner.x, corner.z));
+        let to_square = DMat2::from_cols(q - p, r - p) * DMat2::from_cols(b - a, c - a).inverse();
+        for (y, x) in (island.low[1] as u32..=island.high[1] as u32)
+            .flat_map(|y| (island.low[0] as u32..=island.high[0] as u32).map(move |x| (y, x)))
+        {
+            let at = p + to_square * (DVec2::new(x.into(), y.into()) - a);
+            let beyond = if right { -at.x } else { at.x };
+            if beyond > 1e-6 && at.y.abs() < 0.499 {
+                let value = f64::from(made.texels[(y * made.size[0] + x) as usize][0]);
+                let expected = linear(at.x.clamp(-0.5, 0.5), at.y);
+                assert!((value - expected).abs() < 6e-3, "{at}: {value}, not {expected}");
+                found[usize::from(right)][usize::from(beyond > 0.5)] += 1;
+            }
+        }
+    }
+    assert!(found.as_flattened().iter().all(|&texels| texels > 1000), "{found:?}");
 }
 
 #[test]

@@ -3,7 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
+use milkglass::internals::layout::{Buffers, ObjectParams};
 use milkglass::internals::lighting::fresnel::{diffuse_external_exact, transmittance};
+use milkglass::internals::lighting::sky;
 use milkglass::internals::pipeline::plan::{Change, Goal, Options};
 use milkglass::internals::prepare::scene::dipoles;
 use milkglass::internals::session::run::Session;
@@ -33,6 +35,32 @@ fn a_white_environment_gives_the_hemisphere_of_the_boundary() {
             }
         }
     }
+}
+
+#[test]
+fn the_centres_of_pixels_shine_as_they_say_and_means_between_them() {
+    let (width, height) = (6, 4);
+    let sky = (0..width * height).map(|k: usize| [(k * k % 17) as f32, k as f32, 1.0]).collect::<Vec<_>>();
+    let params = ObjectParams { sky: [width as u32, height as u32], ..ObjectParams::default() };
+    let data = Buffers { sky: sky.clone(), object_params: vec![params], ..Buffers::default() };
+    // Azimuth from -z towards x, polar angle from +y.
+    let toward = |column: f64, row: f64| {
+        let (a, t) = (TAU * (column + 0.5) / width as f64, PI * (row + 0.5) / height as f64);
+        3.0 * DVec3::new(t.sin() * a.sin(), t.cos(), -t.sin() * a.cos())
+    };
+    let pixel = |column: usize, row: usize| DVec3::from_array(sky[row * width + column % width].map(f64::from));
+    let near = |found: DVec3, expected: DVec3| assert!(found.distance(expected) < 1e-9, "{found}, not {expected}");
+    for (row, column) in (0..height).flat_map(|row| (0..width).map(move |column| (row, column))) {
+        let (x, y) = (column as f64, row as f64);
+        near(sky::radiance(&data, toward(x, y)), pixel(column, row));
+        let across = pixel(column, row).lerp(pixel(column + 1, row), 0.25);
+        near(sky::radiance(&data, toward(x + 0.25, y)), across);
+        if row + 1 < height {
+            let below = pixel(column, row + 1).lerp(pixel(column + 1, row + 1), 0.25);
+            near(sky::radiance(&data, toward(x + 0.25, y + 0.5)), across.midpoint(below));
+        }
+    }
+    near(sky::radiance(&data, DVec3::new(0.01, 9.0, 0.02)).with_y(0.0).with_x(0.0), DVec3::Z);
 }
 
 /// Irradiance by a sum over all pixels, each divided into 4 x 4, for one index of refraction.

@@ -40,6 +40,16 @@ fn a_spot_fades_between_its_cones() {
     }
 }
 
+#[test]
+fn a_narrow_beam_lights_all_of_its_cone() {
+    let spot = |degrees: f64| {
+        let away = DVec3::new(degrees.to_radians().sin(), 0.0, -degrees.to_radians().cos());
+        face(Source::Spot { position: DVec3::Z * 2.0, direction: away, intensity: [8.0; 3], inner: 2.0, outer: 2.2 })
+    };
+    assert!([0.0, 1.0, 1.9].iter().all(|&degrees| (spot(degrees) - 2.0).abs() < 1e-5), "{}", spot(1.9));
+    assert_eq!(spot(2.3), 0.0);
+}
+
 fn panel(height: f64, edge_u: DVec3, edge_v: DVec3, samples: u32, two_sided: bool) -> Source {
     Source::Area { position: DVec3::Z * height, edge_u, edge_v, radiance: [1.0; 3], two_sided, samples }
 }

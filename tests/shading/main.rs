@@ -9,6 +9,7 @@ mod curvature;
 mod local;
 mod looks;
 mod objects;
+mod occlusion;
 mod opaque;
 mod pixels;
 mod texture_blur;

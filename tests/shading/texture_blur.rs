@@ -6,6 +6,7 @@ use milkglass::internals::lighting::fresnel::transmittance;
 use milkglass::internals::pipeline::plan::{Change, Options, ShadingMethod};
 use milkglass::internals::prepare::scene::dipoles;
 use milkglass::internals::session::run::Session;
+use milkglass::internals::state::Scope;
 use milkglass::scene::Scene;
 
 const BLUR: ShadingMethod = ShadingMethod::TextureBlur;
@@ -65,6 +66,34 @@ fn an_evenly_lit_plane_gives_back_the_profiles_total() {
         }
     }
     assert!(seen > 300);
+}
+
+#[test]
+fn pixels_show_maps_bilinearly() {
+    let sets = [&PLANE[..], &["object.0.material={ preset = 'marble', eta = 1 }"]].concat();
+    let session = run(&scene("sphere", &sets), BLUR);
+    let mut state = session.state().clone();
+    // Every map rises linearly along both axes, which bilinear look-ups keep.
+    let side = state.data.unwrappings[0].side as usize;
+    let ramp = |x: f64, y: f64| 2.0 + 0.3 * x + 0.05 * x * y + 0.2 * y;
+    for (k, texel) in state.data.irradiance_maps.iter_mut().enumerate() {
+        let value = ramp((k % side) as f64, (k / side % side) as f64) as f32;
+        *texel = [value, value, value, 1.0];
+    }
+    (milkglass::internals::shading::texture_blur::STAGE.cpu)(&mut state, Scope::default());
+    let data = &state.data;
+    let mut shares = Vec::new();
+    for (hit, pixel) in data.hits.iter().zip(&data.radiance).filter(|(hit, _)| hit.face != u32::MAX) {
+        let uvs = &data.corner_uvs[hit.face as usize];
+        let weight = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        let at = |k: usize| f64::from(weight[0] * uvs.a[k] + weight[1] * uvs.b[k] + weight[2] * uvs.c[k]);
+        let [x, y] = [at(0), at(1)].map(|place| place * side as f64 - 0.5);
+        if x.min(y) > 0.0 && x.max(y) < side as f64 - 1.0 {
+            shares.push(f64::from(pixel[0]) / ramp(x, y));
+        }
+    }
+    assert!(shares.len() > 300 && shares[0] > 0.0);
+    assert!(shares.iter().all(|share| (share / shares[0] - 1.0).abs() < 1e-4), "{shares:?}");
 }
 
 #[test]
