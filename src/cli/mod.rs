@@ -172,10 +172,13 @@ impl RunArguments {
 /// Opens a session on this device; reports tree fallbacks and the like on standard error.
 fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Result<Session> {
     let session = Session::new(scene, device, options)?;
-    match session.prepared().method {
-        Method::Merged => {}
-        Method::TooDeep => tell!("tree: merging neighbours made it too deep; split at medians instead"),
-        Method::TooEntangled => tell!("tree: clusters have too many neighbours to merge; split at medians instead"),
+    for (object, method) in session.prepared().methods.iter().enumerate() {
+        let why = match method {
+            Method::Merged => continue,
+            Method::TooDeep => "merging neighbours made it too deep",
+            Method::TooEntangled => "clusters have too many neighbours to merge",
+        };
+        tell!("tree of object {object}: {why}; split at medians instead");
     }
     sequence::warn_of_shape(&session, "");
     if let Some(why) = session.not_kept() {

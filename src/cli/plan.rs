@@ -42,6 +42,8 @@ pub struct Arguments {
     json: Option<PathBuf>,
 }
 
+/// A frame from scratch whose picture is shown.
+const WHOLE: Change = Change { relink: true, tone: true, ..Change::EVERYTHING };
 /// What the error estimate lacks where light casts shadows and `transport.subdivide` is 0.
 const BORDERS: &str =
     "\nerror estimate: without borders of shadows within triangles; transport.subdivide = 2 puts them in\n";
@@ -66,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let against = open_session(&scene, device.as_ref(), Options::default())?;
         return print(&diff::text(&session, &against)?);
     }
-    let needs = session.needs(Change::EVERYTHING.and(Change::RELINK))?;
+    let needs = session.needs(WHOLE)?;
     let (state, plan) = (session.state(), session.plan());
 
     let frame = &state.data.object_params[0];
@@ -107,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let sharper = session.sharper()?;
     if let Some(other) = &sharper {
         let (tolerance, bytes) = (other.scene().transport.tolerance, total(other));
-        let needs = other.needs(Change::EVERYTHING.and(Change::RELINK))?;
+        let needs = other.needs(WHOLE)?;
         text += &format!(
             "\nerror estimate: light is carried once more, at tolerance {tolerance}, in another {} while that lasts\n{}",
             size(bytes),
@@ -125,7 +127,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     text += &table(&["kernel", "dispatches", "specialization constants"], &[1], &kernels);
 
     // Lists start at a guess and grow to what a frame needs.
-    let misfits = session.misfits(Change::EVERYTHING.and(Change::RELINK))?;
+    let misfits = session.misfits(WHOLE)?;
     let mut buffers = Vec::new();
     for (slot, bytes) in session.buffers() {
         let spec = slot.spec();
@@ -165,7 +167,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             // A separate solve.
             "error_estimate": sharper.as_ref().map(|other| -> Result<Value> {
                 let stage = |need: &StageRequirements| json!({"stage": need.stage, "dispatches": need.dispatches});
-                let stages: Vec<_> = other.needs(Change::EVERYTHING.and(Change::RELINK))?.iter().map(stage).collect();
+                let stages: Vec<_> = other.needs(WHOLE)?.iter().map(stage).collect();
                 Ok(json!({"tolerance": other.scene().transport.tolerance, "bytes": total(other), "stages": stages}))
             }).transpose()?,
             "estimate_leaves_out_borders": session.leaves_out_borders(),

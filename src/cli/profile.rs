@@ -47,6 +47,8 @@ enum ChangeArgument {
     Everything,
     /// The lights.
     Light,
+    /// The coefficients of all materials.
+    Material,
     /// The camera.
     View,
 }
@@ -63,6 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let change = match arguments.change {
         ChangeArgument::Everything => Change::EVERYTHING,
         ChangeArgument::Light => Change::LIGHT,
+        ChangeArgument::Material => Change::MATERIAL,
         ChangeArgument::View => Change::VIEW,
     };
     let settings =

@@ -124,15 +124,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         picture.save(&arguments.output)?;
         return print_curvature(&curvature_view, scene.unit_mm);
     }
-    let (picture, samples) = sequence::shoot(&mut session, aov, &arguments.output)?;
-    times.extend(samples);
+    times.extend(sequence::shoot(&mut session, aov, &arguments.output)?);
     if arguments.times {
         super::solve::print_times(&mut session, &times)?;
     }
     check_messages(device.as_ref())?;
     let place = device.as_ref().map_or("the CPU", |device| device.name());
     let seconds = start.elapsed().as_secs_f64();
-    let (file, width, height) = (arguments.output.display(), picture.width, picture.height);
+    let (file, [width, height]) = (arguments.output.display(), scene.camera.size);
     tell!("{file}: {width} x {height}, on {place}, {seconds:.1} s");
     let share = if options.transport == ShadingMethod::Cdrf { flat(&mut session)? } else { 0.0 };
     if share > 0.25 {

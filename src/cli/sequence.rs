@@ -12,11 +12,10 @@ use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Device, Timing};
 use milkglass::internals::pipeline::plan::{Change, Options};
 use milkglass::internals::prepare::shape::turned;
-use milkglass::internals::session::antialiasing::timed_picture;
 use milkglass::internals::session::aov::layers;
 use milkglass::internals::session::run::Session;
 use milkglass::internals::view::aov::save;
-use milkglass::internals::view::picture::Picture;
+use milkglass::internals::view::picture::{is_png, save_png};
 
 /// Most frames in one call.
 const MOST: i64 = 1_000_000;
@@ -112,19 +111,23 @@ pub fn warn_of_shape(session: &Session, frame: &str) {
     }
 }
 
-/// Writes the picture of the last frame, with layers if `aov`.
-pub fn shoot(session: &mut Session, aov: bool, output: &Path) -> Result<(Picture, Vec<Timing>)> {
+/// Writes the picture of the last frame, with layers if `aov`. Returns the times of its samples.
+pub fn shoot(session: &mut Session, aov: bool, output: &Path) -> Result<Vec<Timing>> {
     // Layers first: they belong to rays through the pixels' centres.
     let layers = if aov { Some(layers(session)?) } else { None };
     if aov {
         super::solve::tell_estimate(session)?;
     }
-    let (picture, times) = timed_picture(session)?;
+    let times = session.sample()?;
     match layers {
-        Some(layers) => save(&picture, &layers, output)?,
-        None => picture.save(output)?,
+        Some(layers) => save(&session.picture()?, &layers, output)?,
+        None if is_png(output) => {
+            let size = session.scene().camera.size.map(|n| n as usize);
+            save_png(output, size, &session.shown()?)?;
+        }
+        None => session.picture()?.save(output)?,
     }
-    Ok((picture, times))
+    Ok(times)
 }
 
 /// Parses `0..59`, both ends included; the output path must have a placeholder for the number.

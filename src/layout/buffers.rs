@@ -188,6 +188,12 @@ buffers! {
     seen: u32, pixel;
     /// Linear radiance of each pixel.
     radiance: [f32; 3], pixel;
+    /// Its mean over the samples so far; empty where there is one sample a pixel.
+    mean: [f32; 3], pixel;
+    /// The least radiance that is shown as 1, as 2, ... as 255.
+    tones: f32, tone;
+    /// Each pixel as it is shown: red, green, blue, 8 bits each from the lowest.
+    shown: u32, pixel;
     /// The objects that have layers beneath their surface.
     layerings: Layering, layering;
     /// Their layers.

@@ -29,6 +29,10 @@ records! { view_records:
         environment: u32,
         /// Factor from internal radiance to that of the scene's units.
         radiance: f32,
+        /// Number of samples a pixel.
+        samples: u32,
+        /// Share of this frame's sample in the mean so far: 1 for the first, then 1/2, 1/3, ...
+        weight: f32,
     }
     /// What a primary ray hits.
     Hit {

@@ -23,6 +23,8 @@ pub enum What {
     Shape,
     /// A bump on 1 % of the triangles rises.
     Bump,
+    /// The coefficients of the first object's material change.
+    Material,
     /// The light changes.
     Light,
     /// Nothing changes.
@@ -30,7 +32,7 @@ pub enum What {
 }
 
 /// All changes, in the order of the table.
-pub const CHANGES: [What; 4] = [What::Shape, What::Bump, What::Light, What::Nothing];
+pub const CHANGES: [What; 5] = [What::Shape, What::Bump, What::Material, What::Light, What::Nothing];
 /// The share of triangles that the bump moves.
 pub const LOCAL: f64 = 0.01;
 /// The modes and their names in `--mode`.
@@ -48,10 +50,12 @@ pub struct Row {
     pub mode: &'static str,
     /// The change.
     pub change: &'static str,
-    /// Median time of a frame after the change, milliseconds.
+    /// Median time of the stages of a frame after the change, milliseconds.
     pub milliseconds: f64,
-    /// That time over the time of the scheme's first measured row: on-the-fly after a change of shape, unless
-    /// filtered out.
+    /// Median time of the change and the frame by the host's clock, milliseconds.
+    pub wall: f64,
+    /// The first of these times over that of the scheme's first measured row: on-the-fly after a change of shape,
+    /// unless filtered out.
     pub ratio: f64,
     /// Entries of all lists.
     pub links: u64,
@@ -63,18 +67,19 @@ pub struct Row {
 
 impl Row {
     /// The column headings.
-    pub const HEADS: [&'static str; 9] =
-        ["scene", "scheme", "mode", "change", "time", "of scratch", "links", "form factors", "L2"];
+    pub const HEADS: [&'static str; 10] =
+        ["scene", "scheme", "mode", "change", "time", "with the host", "of scratch", "links", "form factors", "L2"];
 
     /// The row as table cells.
     #[must_use]
-    pub fn cells(&self) -> [String; 9] {
+    pub fn cells(&self) -> [String; 10] {
         [
             format!("{}, {} triangles", self.scene.0, self.scene.1),
             self.scheme.into(),
             self.mode.into(),
             self.change.into(),
             format!("{:.1} ms", self.milliseconds),
+            format!("{:.1} ms", self.wall),
             format!("{:.2}", self.ratio),
             self.links.to_string(),
             self.factors.to_string(),
@@ -90,13 +95,15 @@ impl What {
         match self {
             Self::Shape => "shape",
             Self::Bump => "bump",
+            Self::Material => "material",
             Self::Light => "light",
             Self::Nothing => "nothing",
         }
     }
 }
 
-/// The scene at frame `step`: its first object with noise and a bump, of which this change moves one.
+/// The scene at frame `step`: its first object with noise and a bump, of which this change moves one; or with a
+/// material of 1 % more absorption a step.
 #[must_use]
 pub fn moved(scene: &Scene, what: What, step: usize) -> Scene {
     let mut moved = scene.clone();
@@ -115,6 +122,7 @@ pub fn moved(scene: &Scene, what: What, step: usize) -> Scene {
     let steps = |own: What| if what == own { step as f64 } else { 0.0 };
     let height = 0.1 * radius * (1.0 + 0.1 * steps(What::Bump));
     let offset = DVec3::new(0.0, 0.01 * size * steps(What::Shape), 0.0);
+    object.material.sigma_a = object.material.sigma_a.map(|sigma| sigma * (1.0 + 0.01 * steps(What::Material)));
     object.deforms.push(Deform::Noise { amplitude: 0.01 * size, scale: 0.5 * size, offset });
     object.deforms.push(Deform::Bump { position: middle, radius, height, direction: None });
     moved
@@ -154,20 +162,24 @@ fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frame
     let options = Options { mode, goal: Goal::Radiosity, ..Options::default() };
     let mut session = Session::new(&moved(scene, what, 0), device, options)?;
     session.frame(Change::EVERYTHING)?;
-    let (start, mut times, mut names) = (Instant::now(), Vec::new(), Vec::new());
+    let (start, mut times, mut walls, mut names) = (Instant::now(), Vec::new(), Vec::new(), Vec::new());
     for step in 1..=frames {
         if step > 3 && start.elapsed().as_secs_f64() > ENOUGH {
             break;
         }
-        session.show(&moved(scene, what, step))?;
+        let scene = moved(scene, what, step);
+        let begin = Instant::now();
+        session.show(&scene)?;
         // Lighting is evaluated again although the light is the same; a new light costs as much.
         let change = if what == What::Light { Change::LIGHT } else { Change::default() };
         let parts = session.frame(change)?;
+        walls.push(begin.elapsed().as_secs_f64() * 1e3);
         times.push(parts.iter().fold(0.0, |sum, part| sum + part.milliseconds));
         names = parts.into_iter().map(|part| part.name).collect();
     }
     let links = links(&mut session, &moved(scene, what, times.len()), device)?;
     times.sort_by(f64::total_cmp);
+    walls.sort_by(f64::total_cmp);
     let all = [&gather::STAGE, &form_factor::STAGE].iter().any(|stage| names.iter().any(|name| name == stage.name));
     let factors = if all { links } else { session.renewed() };
     let error = worst(&verify(&mut session, 500, 1)?).l2;
@@ -178,6 +190,7 @@ fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frame
         mode: "",
         change: what.name(),
         milliseconds: times[times.len() / 2],
+        wall: walls[walls.len() / 2],
         ratio: 1.0,
         links,
         factors,

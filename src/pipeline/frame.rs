@@ -11,12 +11,14 @@ use crate::shading::{
 use crate::state::{Granularity, Host, Scope, Stage, State, Step};
 use crate::transport::blocks::{acceptance_radii, coarse_solve, gather, irradiance_ratio, link, pull, push};
 use crate::transport::links::{
-    form_factor, mark_moved, mark_relit, mean_irradiance, push_links, reach, refine, resum_links, snapshot, sum_links,
-    update_form_factors, update_links,
+    form_factor, mark_moved, mark_relit, mark_stale, mean_irradiance, push_links, reach, refine, resum_links, snapshot,
+    sum_links, update_form_factors, update_links,
 };
 use crate::transport::{average, evaluate};
 use crate::transport::{brute, octree};
-use crate::view::{backdrop, pixel_receivers, pixel_shadow, reflect, shade, shade_opaque, texture_out, visibility};
+use crate::view::{
+    accumulate, backdrop, pixel_receivers, pixel_shadow, reflect, shade, shade_opaque, texture_out, tone, visibility,
+};
 
 /// The frame. A loop runs all of its stages for one object, chunk, group or batch before the next one, because where
 /// lists are not kept they all share the same buffers.
@@ -45,6 +47,7 @@ pub static FRAME: &[Section] = &[
             per_chunk(&[
                 &refine::STAGE,
                 &form_factor::STAGE,
+                &mark_stale::STAGE,
                 &update_links::STAGE,
                 &update_form_factors::STAGE,
                 &sum_links::STAGE,
@@ -85,6 +88,7 @@ pub static FRAME: &[Section] = &[
         &[once(&[&pixel_shadow::STAGE, &shade_opaque::STAGE, &texture_out::STAGE, &relief::STAGE])],
     ),
     section("Reflections, and what is behind the objects", &[once(&[&reflect::STAGE, &backdrop::STAGE])]),
+    section("The picture", &[once(&[&accumulate::STAGE, &tone::STAGE])]),
 ];
 
 /// Stages that are not part of a frame: they answer `milkglass eval`.
@@ -201,17 +205,20 @@ pub fn owner(kernel: &str) -> Option<&'static Stage> {
     STAGES.iter().copied().find(|stage| stage.owns(kernel))
 }
 
-/// The steps of the stages for which `runs` is true, in the order of the frame.
-pub fn steps(state: &State, runs: impl Fn(&Stage) -> bool) -> Vec<Step> {
+/// The steps of the stages for which `runs` is true, in the order of the frame; it is given an object's index for
+/// stages that run object by object.
+pub fn steps(state: &State, runs: impl Fn(&Stage, Option<usize>) -> bool) -> Vec<Step> {
     let mut steps = Vec::new();
     for part in parts() {
         let Part::Loop(granularity, stages) = part else { continue };
-        let run: Vec<&'static Stage> = stages.iter().copied().filter(|stage| runs(stage)).collect();
         if *granularity == Granularity::Scene {
-            steps.extend(run.iter().map(|&stage| Step { stage, at: Scope::SCENE }));
+            let run = stages.iter().filter(|stage| runs(stage, None));
+            steps.extend(run.map(|&stage| Step { stage, at: Scope::SCENE }));
             continue;
         }
         for (object, part) in state.objects.iter().enumerate() {
+            let serves = |stage: &&Stage| (stage.serves.object)(part, &state.method) && runs(stage, Some(object));
+            let run: Vec<&'static Stage> = stages.iter().copied().filter(serves).collect();
             let (groups, chunks) = match granularity {
                 Granularity::Scene => (0, 0),
                 Granularity::Object => (1, 1),
@@ -221,8 +228,7 @@ pub fn steps(state: &State, runs: impl Fn(&Stage) -> bool) -> Vec<Step> {
             };
             for (group, chunk) in (0..groups).flat_map(|group| (0..chunks).map(move |chunk| (group, chunk))) {
                 let at = Scope { object, chunk, group };
-                let served = run.iter().filter(|stage| (stage.serves.object)(part, &state.method));
-                steps.extend(served.map(|&stage| Step { stage, at }));
+                steps.extend(run.iter().map(|&stage| Step { stage, at }));
             }
         }
     }

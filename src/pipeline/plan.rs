@@ -1,7 +1,7 @@
 //! The plan of a frame: the stages that a scene needs, and why each other one is left out.
 
-pub use crate::state::Change;
 pub use crate::state::options::{Goal, Mode, Options, ShadingMethod};
+pub use crate::state::{Change, Changes};
 
 use super::frame::{STAGES, steps};
 use super::skip_reasons::{reason, unestimated, unkept};
@@ -58,14 +58,17 @@ impl Plan {
         self.stages.iter().any(|stage| stage.writes(slot))
     }
 
-    /// The steps of a frame after this change.
-    pub fn steps(&self, state: &State, change: Change) -> Vec<Step> {
-        let update = self.update(state, change);
-        steps(state, |stage| self.has(stage) && (stage.runs)(&update))
+    /// The steps of a frame after these changes.
+    pub fn steps(&self, state: &State, changes: impl Into<Changes>) -> Vec<Step> {
+        let changes = changes.into();
+        let all = self.update(state, changes.any());
+        let each: Vec<Update> = (0..state.objects.len()).map(|k| self.update(state, changes.of(k))).collect();
+        let runs = |stage: &Stage, object: Option<usize>| (stage.runs)(object.map_or(&all, |object| &each[object]));
+        steps(state, |stage, object| self.has(stage) && runs(stage, object))
     }
 
     /// What a frame after this change has to update.
-    fn update(&self, state: &State, change: Change) -> Update {
+    pub(crate) fn update(&self, state: &State, change: Change) -> Update {
         let keeps = self.options.mode != Mode::OnTheFly && self.options.transport == ShadingMethod::Hierarchy;
         Update {
             change,
@@ -77,9 +80,9 @@ impl Plan {
     }
 
     /// Whether a host step runs in a frame after this change.
-    pub fn runs_on_host(&self, host: &Host, state: &State, change: Change) -> bool {
+    pub fn runs_on_host(&self, host: &Host, state: &State, changes: impl Into<Changes>) -> bool {
         let carrier = Carrier::new(self.options.transport, state.method.scheme);
-        carrier == host.carrier && self.writes(host.reads) && self.update(state, change).sums()
+        carrier == host.carrier && self.writes(host.reads) && self.update(state, changes.into().any()).sums()
     }
 
     /// The buffers that are inputs.

@@ -32,13 +32,15 @@ pub(crate) fn of_picture(size: [u32; 2]) -> Vec<Block> {
     vec![Block::default(); (LAYERS * tiles(size)) as usize]
 }
 
-/// Triangle size relative to the diffusion length: the largest sigma times the root of the mean trace of second
-/// moments.
-pub(crate) fn triangle_size(state: &State) -> f64 {
-    let data = &state.data;
-    let spread = |corners: &[u32; 3]| trace(&corners.map(|v| wide(data.positions[v as usize])));
-    let mean = data.triangles.iter().map(spread).sum::<f64>() / data.triangles.len().max(1) as f64;
-    data.object_params[0].sigma.map(f64::from).into_iter().fold(0.0, f64::max) * mean.sqrt()
+/// An object's triangle size, at rest, relative to the diffusion length: the largest sigma times the root of the mean
+/// trace of second moments.
+pub(crate) fn triangle_size(state: &State, number: usize) -> f64 {
+    let (data, object) = (&state.data, &state.objects[number]);
+    let rest = if data.rest.is_empty() { &data.positions } else { &data.rest };
+    let spread = |corners: &[u32; 3]| trace(&corners.map(|v| wide(rest[v as usize])));
+    let triangles = &data.triangles[object.first.faces..][..object.count.faces];
+    let mean = triangles.iter().map(spread).sum::<f64>() / triangles.len().max(1) as f64;
+    data.object_params[number].sigma.map(f64::from).into_iter().fold(0.0, f64::max) * mean.sqrt()
 }
 
 /// Quadrature nodes per edge in the edge form. Errors of neighbours partly cancel, so that a loose tolerance needs

@@ -4,9 +4,11 @@ use super::units::Units;
 use crate::layout::Camera as Record;
 use crate::scene::Camera;
 use crate::state::{State, narrow};
+use crate::view::tone::thresholds;
 
-/// Writes the camera's record.
+/// Writes the camera's record and, unless a frame does without them, the tones.
 pub fn camera(state: &mut State, camera: &Camera, units: Units) {
+    tones(state, camera);
     let (right, up, forward) = camera.basis();
     let [width, height] = camera.size;
     let half = f64::tan(0.5 * camera.fov.to_radians());
@@ -22,5 +24,14 @@ pub fn camera(state: &mut State, camera: &Camera, units: Units) {
         background: camera.background.map(|x| x as f32),
         environment: u32::from(camera.environment),
         radiance: units.radiance(),
+        samples: camera.samples,
+        weight: 1.0,
     }];
+}
+
+/// Writes the tones, unless they were dropped.
+pub fn tones(state: &mut State, camera: &Camera) {
+    if state.data.camera.is_empty() || !state.data.tones.is_empty() {
+        state.data.tones = thresholds(camera.exposure, camera.tone);
+    }
 }

@@ -5,6 +5,7 @@ mod borders;
 pub(crate) mod camera;
 pub(crate) mod layers;
 pub mod lights;
+pub mod material;
 pub mod receivers;
 pub(crate) mod rounding;
 pub mod scene;

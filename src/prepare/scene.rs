@@ -2,26 +2,22 @@
 
 use glam::DVec3;
 
-use super::blocks::{blocks, edge_nodes, link_error, of_picture, triangle_size};
+use super::blocks::{blocks, link_error, of_picture};
 use super::borders::borders;
 use super::camera::camera;
 use super::layers::layers;
 use super::lights::lights;
+use super::material::{coefficients, quadrature};
 use super::rounding::rounding;
 use super::shading;
 use super::shape::{shape, spoilt};
 use super::textures::texture;
 use super::units::Units;
 use crate::dipole::form_factor::ladder::Ladder;
-use crate::dipole::profile::Dipole;
 use crate::hierarchy::face_cluster::{self, Method};
 use crate::hierarchy::{Tree, median, split};
-use crate::layout::{
-    KAPPA_MEAN, KAPPA_RMS, OPAQUE_BY_FACE, OPAQUE_BY_PIXEL, OPAQUE_NOT, ObjectParams, REFLECTION_GGX, REFLECTION_NONE,
-    REFLECTION_PHONG, Topology,
-};
-use crate::lighting::{fresnel, harmonics};
-use crate::scene::{self, DENSEST, Hierarchy, Kappa, Material, Mesh, Reflection, Scene, Side, Transport};
+use crate::layout::{KAPPA_MEAN, KAPPA_RMS, OPAQUE_BY_FACE, OPAQUE_BY_PIXEL, OPAQUE_NOT, ObjectParams, Topology};
+use crate::scene::{self, Hierarchy, Kappa, Material, Mesh, Scene, Side, Transport};
 use crate::state::{Extent, LitAt, Local, Method as Switches, Object, Schedule, Scheme, State, narrow};
 use crate::transport::blocks::BLOCK_RECEIVERS;
 use crate::view::pixel_receivers::LAYERS;
@@ -35,8 +31,8 @@ pub struct Prepared {
     pub units: Units,
     /// The tree of each object.
     pub trees: Vec<Tree>,
-    /// How the trees were built; the worst case of all objects.
-    pub method: Method,
+    /// How each of them was built.
+    pub methods: Vec<Method>,
     /// For each object whose tree was rebuilt for its deformed shape: how much wider the clusters of the rest shape's
     /// tree would have been.
     pub spoilt: Vec<Option<f64>>,
@@ -69,46 +65,38 @@ impl Prepared {
     }
 }
 
-/// The smallest reduced extinction in internal units; thinner materials are scaled up to it. They reflect too little
-/// light to be seen, but powers of the source depths stay within `f32`.
-const THINNEST: f64 = 1e-11;
-
-/// The dipole of each channel in internal units. A material denser than [`DENSEST`] is scaled down to it, with its
-/// albedo kept: light leaves where it enters, as far as `f32` positions can tell.
-pub fn dipoles(material: &Material, length: f64) -> [Dipole; 3] {
-    let boundary = shading::boundaries(material);
-    std::array::from_fn(|channel| {
-        let (scattering, absorption) = (material.sigma_s_prime[channel], material.sigma_a[channel]);
-        let limit = |extinction: f64| extinction * length / (scattering + absorption);
-        let change = limit(DENSEST).min(1.0).max(limit(THINNEST));
-        let coefficient = |value: f64| value * change / length;
-        Dipole::new(coefficient(scattering), coefficient(absorption), boundary[channel])
-    })
-}
-
 /// Builds the trees and the state of a scene. `by_pixel`: whether receivers are at pixels; `lit_at`: where opaque
-/// objects are lit.
+/// objects are lit; `known`: a scene that was prepared before, from which trees of the same meshes are taken.
 ///
 /// With `local`, shading takes the place of transport: there are no blocks of receivers, and a texture is applied
 /// once, at the exit (except with `Local::Blur`).
-pub fn prepare(scene: &Scene, (by_pixel, lit_at): (bool, LitAt), local: Option<Local>) -> Prepared {
+pub fn prepare(
+    scene: &Scene,
+    (by_pixel, lit_at): (bool, LitAt),
+    local: Option<Local>,
+    known: Option<(&Scene, &Prepared)>,
+) -> Prepared {
     let mut units = Units::of(scene.objects.iter().map(|object| &object.mesh));
-    let (mut parts, mut trees, mut method) = (Vec::new(), Vec::new(), Method::Merged);
-    let (mut faces, mut spoilt, mut largest) = (Vec::new(), Vec::new(), 0.0);
-    for object in &scene.objects {
-        let (tree, made, growth) = tree_of(object, scene.transport.hierarchy, units);
+    let (mut parts, mut trees, mut methods) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut faces, mut spoilt) = (Vec::new(), Vec::new());
+    for (number, object) in scene.objects.iter().enumerate() {
+        let known = known.and_then(|(before, prepared)| {
+            let same = before.objects.get(number).is_some_and(|before| before.mesh == object.mesh)
+                && before.transport.hierarchy == scene.transport.hierarchy
+                && prepared.spoilt[number].is_none();
+            same.then(|| (&prepared.trees[number], prepared.methods[number]))
+        });
+        let (tree, made, growth) = tree_of(object, scene.transport.hierarchy, units, known);
         let (part, own) = one(scene, object, &tree, units, (by_pixel, lit_at, local));
         spoilt.push(growth);
-        if object.material.opaque.is_none() {
-            largest = f64::max(largest, triangle_size(&part));
-        }
-        method = if made == Method::Merged { method } else { made };
+        methods.push(made);
         parts.push(part);
         trees.push(tree);
         faces.push(own);
     }
     let mut state = State::join(parts);
-    state.method.nodes = edge_nodes(scene.transport.tolerance, largest);
+    quadrature(&mut state, scene);
+    (0..scene.objects.len()).for_each(|number| rounding(&mut state, number));
     if state.method.projected {
         borders(&mut state, &trees);
     }
@@ -116,12 +104,17 @@ pub fn prepare(scene: &Scene, (by_pixel, lit_at): (bool, LitAt), local: Option<L
     let maps = layers(&mut state, &scene.objects, &faces, units);
     lights(&mut state, &scene.lights, &mut units, &scene.objects);
     camera(&mut state, &scene.camera, units);
-    Prepared { state, units, trees, method, spoilt, faces, maps }
+    Prepared { state, units, trees, methods, spoilt, faces, maps }
 }
 
 /// The tree of an object, how it was built, and, if deformations would have spoilt the rest shape's tree, by how
-/// much.
-fn tree_of(object: &scene::Object, hierarchy: Hierarchy, units: Units) -> (Tree, Method, Option<f64>) {
+/// much. `known` is the rest shape's tree, if it was built before.
+fn tree_of(
+    object: &scene::Object,
+    hierarchy: Hierarchy,
+    units: Units,
+    known: Option<(&Tree, Method)>,
+) -> (Tree, Method, Option<f64>) {
     let build = |positions: &[DVec3]| match hierarchy {
         Hierarchy::FaceClusters => face_cluster::build(positions, &object.mesh.triangles),
         Hierarchy::Median => (median::build(positions, &object.mesh.triangles, BLOCK_RECEIVERS), Method::Merged),
@@ -129,7 +122,7 @@ fn tree_of(object: &scene::Object, hierarchy: Hierarchy, units: Units) -> (Tree,
             split::build(positions, &object.mesh.triangles, &object.mesh.splits)
         }
     };
-    let (tree, method) = build(&object.mesh.positions);
+    let (tree, method) = known.map_or_else(|| build(&object.mesh.positions), |(tree, method)| (tree.clone(), method));
     match spoilt(object, hierarchy, units, &tree) {
         None => (tree, method, None),
         Some((moved, growth)) => {
@@ -175,7 +168,6 @@ fn one(
         local,
         ..Switches::default()
     };
-    rounding(&mut state);
     texture(&mut state, &material, mesh, &faces);
     if matches!(local, Some(Local::Closed | Local::Table(_))) {
         state.data.vertex_order = shading::vertex_order(&state.data);
@@ -233,51 +225,23 @@ fn topology(state: &mut State, mesh: &Mesh, tree: &Tree, units: Units) -> Vec<u3
 }
 
 fn frame(state: &mut State, material: &Material, transport: &Transport, units: Units, local: Option<Local>) {
-    // Opaque materials have no dipole.
-    let dipoles = material.opaque.is_none().then(|| dipoles(material, units.length));
-    let of = |f: fn(&Dipole) -> f64| dipoles.as_ref().map_or([0.0; 3], |d| d.each_ref().map(|dipole| f(dipole) as f32));
-    let reflection = match material.surface.reflection {
-        Reflection::None => (REFLECTION_NONE, 0.0),
-        Reflection::Phong { shininess } => (REFLECTION_PHONG, shininess as f32),
-        Reflection::Ggx { roughness } => (REFLECTION_GGX, roughness as f32),
-    };
-    let diffuse = shading::diffuse(material, dipoles.as_ref());
-    let bent = matches!(local, Some(Local::Closed | Local::Table(_))) && material.opaque.is_none();
-    let sigma_0 = if bent { shading::sigma_0(material) } else { [0.0; 3] };
-    let zonal = material.eta.map(harmonics::zonal);
-    let degree = |l: usize| zonal.map(|factors| factors[l] as f32);
-    state.data.object_params = vec![ObjectParams {
+    let mut params = ObjectParams {
         next_node: state.data.topology.len() as u32,
         scene_nodes: state.data.topology.len() as u32,
         opaque: if material.opaque.is_some() { OPAQUE_BY_FACE } else { OPAQUE_NOT },
-        albedo: material.opaque.unwrap_or_default().map(|share| share as f32),
         vertices: state.data.positions.len() as u32,
         faces: state.data.triangles.len() as u32,
         nodes: state.data.topology.len() as u32,
         receiver_angle: transport.receiver_angle as f32,
         emitter_angle: transport.emitter_angle as f32,
         planarity: (transport.planarity * transport.planarity) as f32,
-        strength: of(|d| d.strength),
-        sigma: of(|d| d.sigma),
-        z_real: of(|d| d.z_real),
-        z_virtual: of(|d| d.z_virtual),
-        eta: material.eta.map(|eta| eta as f32),
-        reflection: reflection.0,
-        roughness: reflection.1,
-        exit: material.eta.map(|eta| if material.surface.normalize_exit { fresnel::exit(eta) as f32 } else { 1.0 }),
-        two_sided: u32::from(material.two_sided),
-        zonal_0: degree(0),
-        zonal_1: degree(1),
-        zonal_2: degree(2),
-        // Kept finite in `f32`, so that its product with a curvature of 0 is 0.
-        sigma_0: sigma_0.map(|sigma| (sigma * units.length).min(1e30) as f32),
-        curvature_radius: if bent { shading::curvature_radius(material, sigma_0, units.length) } else { 0.0 },
-        diffuse: diffuse.map(|share| share as f32),
         kappa: if transport.curvature == Kappa::Mean { KAPPA_MEAN } else { KAPPA_RMS },
         link_error: link_error(transport.tolerance) as f32,
         ladder: Ladder::new(transport.form_factor_tolerance).chi.map(|chi| chi as f32),
         ..ObjectParams::default()
-    }];
+    };
+    coefficients(&mut params, material, units, local);
+    state.data.object_params = vec![params];
 }
 
 /// Builds the trees' schedules, for chunks of at most `faces` faces.

@@ -1,7 +1,8 @@
 //! Texture charts for the stages `bake_irradiance`, `blur` and `texture_blur`: the surface point at each texel, and
 //! the Gaussians.
 
-use super::scene::{Prepared, dipoles};
+use super::material::dipoles;
+use super::scene::Prepared;
 use super::textures::texels;
 use crate::error::{Input, Result};
 use crate::layout::{TexelHit, Unwrapping};

@@ -72,8 +72,11 @@ pub(crate) fn texels([width, height]: [u32; 2], uvs: &[[f64; 2]; 3]) -> Vec<(usi
     found
 }
 
-/// Drops a texture if a frame with these options never reads it.
+/// Drops a texture, and the tones of a picture, if a frame with these options never reads them.
 pub(crate) fn drop_unseen(state: &mut State, options: Options) {
+    if options.goal == Goal::Radiosity {
+        state.data.tones = Vec::new();
+    }
     let entry = state.data.object_params.iter().any(|frame| frame.texture_side & ENTRY != 0);
     if options.goal == Goal::Radiosity && !entry {
         (state.data.texels, state.data.corner_uvs) = Default::default();

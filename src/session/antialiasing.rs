@@ -15,29 +15,28 @@ pub fn place(k: u32, count: u32) -> [f64; 2] {
     [(f64::from(k) + 0.5) / f64::from(count) - 0.5, (0.5 + f64::from(k) * golden).fract() - 0.5]
 }
 
-/// The picture of a session, after a frame through the pixels' centres: the mean of the camera's number of samples,
-/// with equal weights. The centre is a sample only if it is the only one. Leaves the session at the last sample.
-pub fn picture(session: &mut Session) -> Result<Picture> {
-    timed_picture(session).map(|(picture, _)| picture)
+impl Session {
+    /// Runs the frames of the camera's samples, after one through the pixels' centres, which is a sample only if it is
+    /// the only one. Returns the times of their steps. Does nothing if that is done and nothing has changed since.
+    pub fn sample(&mut self) -> Result<Vec<Timing>> {
+        let (samples, mut times) = (self.scene().camera.samples, Vec::new());
+        if samples == 1 || self.sampled {
+            return Ok(times);
+        }
+        for k in 0..samples {
+            self.shift(place(k, samples), k)?;
+            times.extend(self.frame_as_it_is(Change::VIEW)?);
+        }
+        (self.sampled, self.shifted) = (true, true);
+        Ok(times)
+    }
 }
 
-/// The same, with the times of the steps that ran for the samples: none for a single one.
-pub fn timed_picture(session: &mut Session) -> Result<(Picture, Vec<Timing>)> {
-    let (mut picture, mut times) = (session.picture()?, Vec::new());
-    let samples = session.scene().camera.samples;
-    if samples == 1 {
-        return Ok((picture, times));
-    }
-    let mut sums = vec![[0.0; 3]; picture.pixels.len()];
-    for k in 0..samples {
-        session.shift(place(k, samples))?;
-        times.extend(session.frame(Change::VIEW)?);
-        for (sum, pixel) in sums.iter_mut().zip(&session.picture()?.pixels) {
-            *sum = std::array::from_fn(|c| sum[c] + f64::from(pixel[c]));
-        }
-    }
-    picture.pixels = sums.iter().map(|sum| sum.map(|x| (x / f64::from(samples)) as f32)).collect();
-    Ok((picture, times))
+/// The picture of a session, after a frame through the pixels' centres: the mean of the camera's number of samples,
+/// with equal weights.
+pub fn picture(session: &mut Session) -> Result<Picture> {
+    session.sample()?;
+    session.picture()
 }
 
 #[cfg(test)]

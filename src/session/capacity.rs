@@ -52,9 +52,10 @@ impl Default for CapacityHints {
 }
 
 /// The partition of the lists and their capacities, on one device.
+#[derive(Clone)]
 pub struct Lists {
-    /// Initial links per face.
-    links: usize,
+    /// Initial capacities.
+    initial: CapacityHints,
     /// Faces of a chunk.
     chunk_faces: usize,
     /// Largest list of a chunk, bytes.
@@ -84,7 +85,7 @@ impl Lists {
         let (binding, allocation) =
             device.map_or((CPU_BINDING, CPU_ALLOCATION), |limits| (limits.binding_bytes, kept(limits)));
         Self {
-            links: room.links,
+            initial: CapacityHints { batch_blocks: room.batch_blocks.clamp(1, MOST_BLOCKS), ..room },
             chunk_faces: room.chunk_faces,
             batch_blocks: room.batch_blocks.clamp(1, MOST_BLOCKS),
             binding: room.binding.min(binding).min(allocation),
@@ -97,7 +98,7 @@ impl Lists {
     pub fn cut(&self, prepared: &mut Prepared) {
         if prepared.state.method.scheme == Scheme::Blocks {
             schedule(prepared, usize::MAX / 4);
-            self.batches(&mut prepared.state, ENTRIES * self.links / LINKS);
+            self.batches(&mut prepared.state, ENTRIES * self.initial.links / LINKS);
             return;
         }
         schedule(prepared, self.chunk_faces);
@@ -105,7 +106,37 @@ impl Lists {
         let chunks = prepared.state.chunk_count().max(1);
         let kept = if prepared.state.keep { (self.allocation / 12) as usize / chunks } else { usize::MAX };
         let room = |per: usize, stride| ((faces * per).min(kept).min(self.most(stride)).max(64) / 64 * 64) as u32;
-        set(prepared, [room(self.links, 12), room(16, 4), room(4, 4), room(96, 4)]);
+        set(prepared, [room(self.initial.links, 12), room(16, 4), room(4, 4), room(96, 4)]);
+    }
+
+    /// The same, of a new state.
+    pub fn cut_new(self, prepared: &mut Prepared) -> Self {
+        self.cut(prepared);
+        self
+    }
+
+    /// For another state on the same device: where it has as many receivers, the partition and the capacities that
+    /// were found to serve the one `before`, otherwise the initial ones.
+    pub fn again(&self, prepared: &mut Prepared, before: &State) -> Self {
+        let CapacityHints { chunk_faces, batch_blocks, .. } = self.initial;
+        let fresh = Self { chunk_faces, batch_blocks, ..self.clone() };
+        let alike = |(a, b): (&Object, &Object)| a.count == b.count && a.groups == b.groups && a.opaque == b.opaque;
+        let (own, old) = (&prepared.state.objects, &before.objects);
+        let same = own.len() == old.len() && own.iter().zip(old).all(alike);
+        if !same || prepared.state.keep != before.keep || prepared.state.method.scheme != before.method.scheme {
+            return fresh.cut_new(prepared);
+        }
+        let lists = self.clone().cut_new(prepared);
+        for (own, old) in prepared.state.data.object_params.iter_mut().zip(&before.data.object_params) {
+            own.link_capacity = old.link_capacity;
+            own.area_capacity = old.area_capacity;
+            own.edge_capacity = old.edge_capacity;
+            own.hand_capacity = old.hand_capacity;
+            own.edit_capacity = old.edit_capacity;
+            own.entry_capacity = old.entry_capacity;
+            own.near_capacity = old.near_capacity;
+        }
+        lists
     }
 
     /// Fails if lists are to be kept although even short ones, which nearly every scene exceeds, are over the limit.

@@ -5,49 +5,100 @@ use super::run::Session;
 use crate::error::Result;
 use crate::hierarchy::Tree;
 use crate::layout::BufferId;
-use crate::pipeline::plan::{Change, Plan};
-use crate::prepare::camera::camera;
+use crate::pipeline::plan::{Change, Changes, Plan};
+use crate::prepare::camera::{camera, tones};
 use crate::prepare::lights::lights;
+use crate::prepare::material::{self, differs_by_coefficients, quadrature};
 use crate::prepare::receivers::by_pixel;
 use crate::prepare::shape::{reach, shape, spoilt};
 use crate::scene::{Camera, Light, Object, Scene};
-use crate::state::State;
+use crate::state::{Group, State};
+
+/// The inputs that lights and materials write.
+const LIGHTING: &[BufferId] = &[
+    BufferId::object_params,
+    BufferId::lights,
+    BufferId::camera,
+    BufferId::sky,
+    BufferId::sky_rows,
+    BufferId::sky_columns,
+    BufferId::reflection_directions,
+    BufferId::layer_lights,
+];
+
+/// What decides how large buffers are, apart from the mesh and the picture.
+#[derive(PartialEq)]
+struct Layout {
+    groups: Vec<Vec<Group>>,
+    shadow_words: u32,
+    sky: [u32; 2],
+    directions: usize,
+}
+
+impl Layout {
+    fn of(state: &State) -> Self {
+        let params = &state.data.object_params[0];
+        Self {
+            groups: state.objects.iter().map(|object| object.groups.clone()).collect(),
+            shadow_words: params.shadow_words,
+            sky: params.sky,
+            directions: state.data.reflection_directions.len(),
+        }
+    }
+}
 
 impl Session {
     /// Replaces the lights.
     pub fn set_lights(&mut self, list: &[Light]) -> Result<()> {
-        let shape = |state: &State| {
-            let groups: Vec<_> = state.objects.iter().map(|object| object.groups.clone()).collect();
-            (groups, state.data.object_params[0].shadow_words, state.data.object_params[0].sky)
-        };
         if self.fixed.asked.is_some() {
             // Shadow borders move, so the subdivision changes.
             return self.renew(|scene| scene.lights = list.to_vec());
         }
-        let before = shape(&self.prepared.state);
+        let before = Layout::of(&self.prepared.state);
         self.scene.lights = list.to_vec();
         lights(&mut self.prepared.state, list, &mut self.prepared.units, &self.scene.objects);
-        self.pending = self.pending.and(Change::LIGHT);
+        self.adopt(&before, Change::LIGHT.into(), LIGHTING)
+    }
 
+    /// Replaces the materials by those of a scene with the same objects.
+    fn set_materials(&mut self, new: &Scene) -> Result<()> {
+        let coefficients = |(old, new): (&Object, &Object)| {
+            differs_by_coefficients(&old.material, &new.material, self.state().method.local)
+        };
+        if self.fixed.asked.is_some() || !self.scene.objects.iter().zip(&new.objects).all(coefficients) {
+            return self.renew(|scene| {
+                scene.objects.iter_mut().zip(&new.objects).for_each(|(old, new)| old.material = new.material.clone());
+            });
+        }
+        let (state, units) = (&mut self.prepared.state, &mut self.prepared.units);
+        let (before, mut changes) = (Layout::of(state), Changes::default());
+        for (number, (old, new)) in self.scene.objects.iter_mut().zip(&new.objects).enumerate() {
+            if old.material != new.material {
+                old.material = new.material.clone();
+                changes.add_to(number, material::change(state, number, &old.material, *units));
+            }
+        }
+        if quadrature(state, &self.scene) {
+            changes.add(Change::MATERIAL);
+        }
+        // Groups of channels and directions of reflection.
+        lights(state, &self.scene.lights, units, &self.scene.objects);
+        self.adopt(&before, changes, LIGHTING)
+    }
+
+    /// Adopts changes that were made to the state's inputs: other stages, other sizes, or other values of `inputs`.
+    fn adopt(&mut self, before: &Layout, changes: Changes, inputs: &[BufferId]) -> Result<()> {
+        self.pending = std::mem::take(&mut self.pending).and(&changes);
+        let plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());
+        let same = plan.stages.iter().map(|stage| stage.name).eq(self.plan.stages.iter().map(|stage| stage.name));
         // Other stages or buffer sizes: the first light, the last one removed, or channels that no longer share a
         // group.
-        let plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());
-        if plan.stages.len() != self.plan.stages.len() || before != shape(&self.prepared.state) {
+        if !same || *before != Layout::of(&self.prepared.state) {
             self.plan = plan;
-            self.pending = Change::EVERYTHING;
+            self.pending = Change::EVERYTHING.into();
             return self.resize();
         }
-        let inputs = [
-            BufferId::object_params,
-            BufferId::lights,
-            BufferId::camera,
-            BufferId::sky,
-            BufferId::sky_rows,
-            BufferId::sky_columns,
-            BufferId::reflection_directions,
-            BufferId::layer_lights,
-        ];
-        self.send(&inputs)
+        self.send(inputs)
     }
 
     /// Switches to another scene and reuses what it has in common with the current one. The next frame equals that of a
@@ -55,12 +106,16 @@ impl Session {
     pub fn show(&mut self, new: &Scene) -> Result<()> {
         memory_estimate::check(new, self.plan.options())?;
         let old = self.fixed.asked.as_ref().unwrap_or(&self.scene);
-        let same = |(a, b): (&Object, &Object)| a.mesh == b.mesh && a.material == b.material;
-        let objects = old.objects.len() == new.objects.len() && old.objects.iter().zip(&new.objects).all(same);
-        let deforms = |scene: &Scene| scene.objects.iter().map(|object| object.deforms.clone()).collect::<Vec<_>>();
-        let (shape, lights) = (deforms(old) != deforms(new), old.lights != new.lights);
-        if !objects || old.transport != new.transport || (shape && !self.keeps_trees(new)) {
+        let pairs = || old.objects.iter().zip(&new.objects);
+        let meshes = old.objects.len() == new.objects.len() && pairs().all(|(old, new)| old.mesh == new.mesh);
+        let materials = pairs().any(|(old, new)| old.material != new.material);
+        let shape = pairs().any(|(old, new)| old.deforms != new.deforms);
+        let (lights, old_camera) = (old.lights != new.lights, old.camera.clone());
+        if !meshes || old.transport != new.transport || (shape && !self.keeps_trees(new)) {
             return self.renew(|scene| *scene = new.clone());
+        }
+        if materials {
+            self.set_materials(new)?;
         }
         if shape {
             self.set_deforms(new)?;
@@ -68,8 +123,10 @@ impl Session {
         if lights {
             self.set_lights(&new.lights)?;
         }
-        // Even an equal camera: anti-aliasing has shifted the session's rays.
-        self.set_camera(&new.camera)
+        if old_camera != new.camera {
+            self.set_camera(&new.camera)?;
+        }
+        Ok(())
     }
 
     /// Which objects' trees are rebuilt for their deformed shape, and why.
@@ -107,7 +164,7 @@ impl Session {
         reach(&self.scene.objects, self.prepared.units)?;
         let places = self.state().method.incremental.then(|| self.state().data.positions.clone());
         shape(&mut self.prepared.state, &self.scene.objects, self.prepared.units);
-        self.pending = Change::EVERYTHING;
+        self.pending.add(Change::EVERYTHING);
         if let Some(before) = places {
             self.unlink_where_much_moves(&before);
         }
@@ -120,26 +177,31 @@ impl Session {
         self.send(&[BufferId::object_params, BufferId::deforms, BufferId::morphs, BufferId::positions])
     }
 
-    /// Replaces the camera. The picture may change its size.
+    /// Replaces the camera. The picture may change its size. Another exposure or tone curve alone changes nothing that
+    /// stages before `tone` depend on.
     pub fn set_camera(&mut self, new: &Camera) -> Result<()> {
-        let (before, size) = (self.scene.camera.environment, self.scene.camera.size);
-        self.scene.camera = new.clone();
+        let before = std::mem::replace(&mut self.scene.camera, new.clone());
         if let Some(asked) = &mut self.fixed.asked {
             asked.camera = new.clone();
         }
+        if before == (Camera { exposure: before.exposure, tone: before.tone, ..new.clone() }) {
+            tones(&mut self.prepared.state, new);
+            return self.send(&[BufferId::tones]);
+        }
         let pixels = self.state().objects.iter().any(|object| object.by_pixel);
-        if (pixels && size != new.size) || pixels != by_pixel(&self.scene, self.plan.options()).0 {
+        if (pixels && before.size != new.size) || pixels != by_pixel(&self.scene, self.plan.options()).0 {
             // The receivers change.
             return self.renew(|scene| scene.camera = new.clone());
         }
-        self.pending = self.pending.and(Change::VIEW);
+        self.pending.add(Change::VIEW);
+        self.shifted = false;
         camera(&mut self.prepared.state, new, self.prepared.units);
-        if before != new.environment {
+        if before.environment != new.environment || (before.samples == 1) != (new.samples == 1) {
             self.plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());
         }
         self.size_picture();
         self.check_bindings()?;
-        self.send(&[BufferId::camera])
+        self.send(&[BufferId::camera, BufferId::tones])
     }
 
     /// Rebuilds the session for the scene after this change.
@@ -147,16 +209,19 @@ impl Session {
         let device = self.device().cloned();
         let mut scene = self.fixed.asked.clone().unwrap_or_else(|| self.scene.clone());
         change(&mut scene);
-        *self = Self::with_capacity(&scene, device.as_ref(), self.plan.options(), self.fixed.room)?;
+        let (options, room) = (self.fixed.options, self.fixed.room);
+        *self = Self::after(Some(self), &scene, device.as_ref(), options, room)?;
         Ok(())
     }
 
-    /// Shifts the rays from the pixels' centres, in pixels, until the camera is set again.
-    pub(crate) fn shift(&mut self, place: [f64; 2]) -> Result<()> {
+    /// Shifts the rays from the pixels' centres, in pixels, for sample `k`.
+    pub(crate) fn shift(&mut self, place: [f64; 2], k: u32) -> Result<()> {
         if let Some(camera) = self.prepared.state.data.camera.first_mut() {
             [camera.shift_x, camera.shift_y] = place.map(|x| 2.0 * x as f32);
+            camera.weight = 1.0 / (k + 1) as f32;
         }
-        self.pending = self.pending.and(Change::VIEW);
+        self.shifted = place != [0.0; 2];
+        self.pending.add(Change::VIEW);
         self.send(&[BufferId::camera])
     }
 }

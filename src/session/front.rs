@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::geometry::trace::UNFINISHED;
 use crate::gpu::Device;
 use crate::layout::BufferId;
-use crate::pipeline::plan::{Change, Options};
+use crate::pipeline::plan::{Change, Changes, Options};
 use crate::scene::Scene;
 use crate::view::picture::Picture;
 
@@ -28,21 +28,40 @@ impl Session {
     /// Between calls change the scene with [`Session::set_lights`], [`Session::set_camera`] or [`Session::show`]; the
     /// picture is the one that a new session would render.
     pub fn render(&mut self) -> Result<Picture> {
-        self.frame(Change::default())?;
-        let picture = picture(self)?;
-        self.shift([0.0; 2])?;
-        Ok(picture)
+        if !self.sampled || self.pending != Changes::default() {
+            self.frame(Change::default())?;
+        }
+        picture(self)
     }
 
-    /// The picture of the last frame, with one sample per pixel; [`Session::render`] takes all.
+    /// The picture: of the last frame, or the mean over all samples after [`Session::sample`].
     pub fn picture(&mut self) -> Result<Picture> {
-        self.fetch(&[BufferId::hits, BufferId::radiance])?;
+        let slot = if self.sampled { BufferId::mean } else { BufferId::radiance };
+        self.fetch(&[BufferId::hits, slot])?;
+        self.check_rays()?;
         let data = &self.prepared.state.data;
-        if data.hits.iter().any(|hit| hit.face == UNFINISHED) {
-            return Err(unfinished("tracing a ray through the tree", "use a mesh with fewer overlapping parts"));
-        }
+        let pixels = if self.sampled { data.mean.clone() } else { data.radiance.clone() };
         let camera = &self.scene.camera;
         let [width, height] = camera.size.map(|n| n as usize);
-        Ok(Picture { width, height, pixels: data.radiance.clone(), exposure: camera.exposure, tone: camera.tone })
+        Ok(Picture { width, height, pixels, exposure: camera.exposure, tone: camera.tone })
+    }
+
+    /// The same picture as sRGB, 8 bits a channel, row by row from the top: [`Picture::bytes`], found where the stages
+    /// run.
+    pub fn shown(&mut self) -> Result<Vec<u8>> {
+        let steps = self.plan.steps(&self.prepared.state, Change::TONE);
+        self.run(&steps)?;
+        self.fetch(&[BufferId::hits, BufferId::shown])?;
+        self.check_rays()?;
+        let rgb = |pixel: &u32| (0..3).map(move |c| (pixel >> (8 * c)) as u8).collect::<Vec<_>>();
+        Ok(self.prepared.state.data.shown.iter().flat_map(rgb).collect())
+    }
+
+    /// An error if a driver has ended a pixel's ray early.
+    fn check_rays(&self) -> Result<()> {
+        if self.prepared.state.data.hits.iter().any(|hit| hit.face == UNFINISHED) {
+            return Err(unfinished("tracing a ray through the tree", "use a mesh with fewer overlapping parts"));
+        }
+        Ok(())
     }
 }

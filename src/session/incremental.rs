@@ -4,7 +4,7 @@ use super::capacity::need;
 use super::run::Session;
 use crate::error::{Input, Result};
 use crate::layout::{BufferId, Link};
-use crate::pipeline::plan::Change;
+use crate::pipeline::plan::{Change, Changes};
 use crate::state::{Scope, State};
 
 /// Divides the budget of form factors per frame among the objects, by their triangles.
@@ -48,12 +48,17 @@ impl Session {
         if self.waiting() > 0 { Change::RESUM } else { Change::default() }
     }
 
-    /// The change, with the flag whether links are rebuilt rather than updated.
-    pub(crate) fn links_anew(&self, change: Change) -> Change {
+    /// The changes, with the flag whether links are rebuilt rather than updated. Without a budget a change of material
+    /// rebuilds them: all of their form factors are computed anyway.
+    pub(crate) fn links_anew(&self, changes: &Changes) -> Changes {
         if !self.state().method.incremental {
-            return change;
+            return changes.clone();
         }
-        Change { relink: change.everything && !self.linked, ..change }
+        let all = self.scene.transport.budget.is_none();
+        changes.map(|change| {
+            let relink = (change.everything && !self.linked) || (change.material && (all || !self.linked));
+            Change { relink, ..change }
+        })
     }
 
     /// Lets the next frame rebuild the links if more than half of the vertices have moved, where updating costs more.

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::gpu::Timing;
 use crate::layout::BUFFER_IDS;
 use crate::pipeline::frame::precedes_transport;
-use crate::pipeline::plan::Change;
+use crate::pipeline::plan::{Change, Changes};
 use crate::state::{Dispatch, dispatches};
 
 /// The subgroup size assumed where there is no device.
@@ -24,9 +24,9 @@ impl Session {
 
     /// Runs the steps of a frame after this change, waiting for each, so that the host's clock times it. Requires a
     /// whole frame before, which gives the lists their capacity. Leaves out the octree.
-    pub fn apart(&mut self, change: Change) -> Result<Vec<Timing>> {
+    pub fn apart(&mut self, changes: impl Into<Changes>) -> Result<Vec<Timing>> {
         let (begin, mut times) = (Instant::now(), Vec::new());
-        for step in self.plan.steps(&self.prepared.state, change) {
+        for step in self.plan.steps(&self.prepared.state, changes) {
             let start = begin.elapsed().as_secs_f64() * 1e3;
             self.run(&[step])?;
             let milliseconds = begin.elapsed().as_secs_f64() * 1e3 - start;
@@ -36,9 +36,9 @@ impl Session {
     }
 
     /// The dispatches of a frame after this change; on the CPU, those of a device with subgroups of 32.
-    pub fn dispatches(&self, change: Change) -> Result<Vec<Dispatch>> {
+    pub fn dispatches(&self, changes: impl Into<Changes>) -> Result<Vec<Dispatch>> {
         let lanes = self.limits().map_or(SUBGROUP, |limits| limits.subgroup_size.max(1) as usize);
-        dispatches(self.state(), &self.plan.steps(self.state(), change), lanes)
+        dispatches(self.state(), &self.plan.steps(self.state(), changes), lanes)
     }
 
     /// Bytes of all buffers of the state.

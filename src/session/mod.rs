@@ -17,6 +17,7 @@ pub(crate) mod incremental;
 pub(crate) mod isolated_timing;
 pub(crate) mod memory_estimate;
 pub mod octree;
+mod open;
 pub(crate) mod recovery;
 pub(crate) mod refined_estimate;
 pub mod requirements;

@@ -50,7 +50,7 @@ impl Session {
         self.not_kept = Some(why);
         self.lists = Lists::new(self.fixed.room, self.limits());
         self.lists.cut(&mut self.prepared);
-        self.pending = Change::EVERYTHING;
+        self.pending = Change::EVERYTHING.into();
         self.resize().map(|()| false)
     }
 
@@ -59,7 +59,7 @@ impl Session {
         if self.failed {
             self.lists = Lists::new(self.fixed.room, self.limits());
             self.lists.cut(&mut self.prepared);
-            self.pending = Change::EVERYTHING;
+            self.pending = Change::EVERYTHING.into();
             self.resize()?;
             self.failed = false;
         }

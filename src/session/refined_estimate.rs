@@ -23,10 +23,10 @@ impl Session {
         let solve = || -> Result<Option<Session>> {
             let Some(mut other) = self.sharper()? else { return Ok(None) };
             if let Some(camera) = self.state().data.camera.first() {
-                other.shift([camera.shift_x, camera.shift_y].map(|x| f64::from(x) / 2.0))?;
+                other.shift([camera.shift_x, camera.shift_y].map(|x| f64::from(x) / 2.0), 0)?;
             }
-            let change = other.pending;
-            other.frame(change)?;
+            let pending = other.pending.clone();
+            other.frame_as_it_is(pending)?;
             other.fetch(&[BufferId::radiosity, BufferId::estimate])?;
             Ok(Some(other))
         };

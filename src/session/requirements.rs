@@ -6,7 +6,7 @@ use super::run::Session;
 use crate::error::Result;
 use crate::gpu::constants;
 use crate::layout::{BUFFER_IDS, BufferId};
-use crate::pipeline::plan::Change;
+use crate::pipeline::plan::Changes;
 use crate::state::Bound;
 
 /// What a stage requires in a frame.
@@ -45,9 +45,10 @@ impl KernelRequirements {
 
 impl Session {
     /// What each stage requires in a frame after this change, in the order of the frame.
-    pub fn needs(&self, change: Change) -> Result<Vec<StageRequirements>> {
+    pub fn needs(&self, changes: impl Into<Changes>) -> Result<Vec<StageRequirements>> {
+        let changes = changes.into();
         let mut needs: Vec<StageRequirements> = Vec::new();
-        for step in self.plan.steps(self.state(), change) {
+        for step in self.plan.steps(self.state(), changes.clone()) {
             match needs.iter_mut().find(|known| known.stage == step.stage.name) {
                 Some(known) => known.steps += 1,
                 None => {
@@ -56,7 +57,7 @@ impl Session {
             }
         }
         let mut ranges: BTreeMap<(&str, BufferId, bool), BTreeSet<[u64; 2]>> = BTreeMap::new();
-        for dispatch in self.dispatches(change)? {
+        for dispatch in self.dispatches(changes)? {
             let Some(stage) = needs.iter_mut().find(|known| known.stage == dispatch.stage) else { continue };
             stage.dispatches += 1;
             let same = |known: &&mut KernelRequirements| {
@@ -87,11 +88,11 @@ impl Session {
     }
 
     /// Buffers of which a dispatch in a frame after this change would bind more than the device allows.
-    pub fn misfits(&self, change: Change) -> Result<BTreeSet<BufferId>> {
+    pub fn misfits(&self, changes: impl Into<Changes>) -> Result<BTreeSet<BufferId>> {
         let Some(limits) = self.limits() else { return Ok(BTreeSet::new()) };
         let most = limits.binding_bytes;
         let mut found = BTreeSet::new();
-        for dispatch in self.dispatches(change)? {
+        for dispatch in self.dispatches(changes)? {
             let bound = dispatch.bound(self.state())?.into_iter();
             found.extend(bound.filter(|bound| bound.range[1] - bound.range[0] > most).map(|bound| bound.slot));
         }

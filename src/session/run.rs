@@ -4,25 +4,15 @@ use std::time::Instant;
 
 pub use super::capacity::CapacityHints;
 use super::capacity::Lists;
-use super::device_limits::holds;
-use super::incremental::share_budget;
-use super::memory_estimate;
 use super::octree::OctreeTransport;
-use super::subdivide::{Parts, subdivide};
+use super::subdivide::Parts;
 use crate::error::{Error, Result};
-use crate::gpu::{Device, Timing};
+use crate::gpu::Timing;
 use crate::layout::{BufferId, ListCounters};
-use crate::pipeline::plan::{Change, Mode, Options, Plan, ShadingMethod};
-use crate::prepare::layers::drop_unlooked;
-use crate::prepare::receivers::{by_pixel, lit_at};
-use crate::prepare::scene::{Prepared, prepare};
-use crate::prepare::shading::local;
-use crate::prepare::shape::reach;
-use crate::prepare::texture_charts::{blur, unwrap};
-use crate::prepare::textures::drop_unseen;
-use crate::prepare::units::Units;
+use crate::pipeline::plan::{Change, Changes, Options, Plan};
+use crate::prepare::scene::Prepared;
 use crate::scene::Scene;
-use crate::state::{DeviceState, Scheme, Stage, Step};
+use crate::state::{DeviceState, Stage, Step};
 use crate::transport::blocks::irradiance_ratio;
 use crate::transport::links::{refine, update_links};
 use crate::transport::octree::HOST;
@@ -72,6 +62,10 @@ pub struct Session {
     pub(crate) parts: Vec<Parts>,
     /// Why lists are rebuilt in each frame, if the mode asks to keep them.
     pub(crate) not_kept: Option<String>,
+    /// Whether the mean over all samples of the pixels is complete.
+    pub(crate) sampled: bool,
+    /// Whether rays do not run through the pixels' centres.
+    pub(crate) shifted: bool,
     /// Whether the last frame, or a change before it, failed halfway.
     pub(crate) failed: bool,
     /// The scene, after subdivision.
@@ -79,7 +73,7 @@ pub struct Session {
     /// The lists' partition and capacities.
     pub(crate) lists: Lists,
     /// What has changed since the last frame.
-    pub(crate) pending: Change,
+    pub(crate) pending: Changes,
     /// The octree, if it is the transport.
     pub(crate) octree: Option<OctreeTransport>,
     pub(crate) fixed: Fixed,
@@ -89,6 +83,8 @@ pub struct Session {
 pub(crate) struct Fixed {
     /// The scene before subdivision, if it was subdivided.
     pub asked: Option<Scene>,
+    /// The options, before any that do not fit were changed.
+    pub options: Options,
     /// Initial capacities of the lists.
     pub room: CapacityHints,
     /// The kind of receivers that the plan leaves out, and why.
@@ -96,96 +92,37 @@ pub(crate) struct Fixed {
 }
 
 impl Session {
-    /// The same as [`Session::new`], with initial capacities of the lists.
-    pub fn with_capacity(
-        scene: &Scene,
-        device: Option<&Device>,
-        options: Options,
-        room: CapacityHints,
-    ) -> Result<Self> {
-        memory_estimate::check(scene, options)?;
-        let octree = match options.transport {
-            ShadingMethod::Octree => Some(OctreeTransport::new(&scene.transport)?),
-            _ => None,
-        };
-        let local = local(&scene.transport, options.transport);
-        device.map_or(Ok(()), |_| holds(scene))?;
-        reach(&scene.objects, Units::of(scene.objects.iter().map(|object| &object.mesh)))?;
-        // Subdivide where lighting needs it; code below sees only that scene.
-        let asked = (scene.transport.subdivide > 0 && local.is_none()).then(|| scene.clone());
-        let blocks = scene.transport.scheme == Scheme::Blocks && options.transport == ShadingMethod::Hierarchy;
-        let (scene, parts) = match &asked {
-            Some(asked) => subdivide(asked, options.estimate && blocks)?,
-            None => (scene.clone(), Vec::new()),
-        };
-        let (by_pixel, why) = by_pixel(&scene, options);
-        let mut prepared = prepare(&scene, (by_pixel, lit_at(&scene, options)), local);
-        blur(&mut prepared, &scene, unwrap(&scene, local)?);
-        drop_unseen(&mut prepared.state, options);
-        drop_unlooked(&mut prepared.state, options);
-        prepared.state.keep = options.mode != Mode::OnTheFly;
-        prepared.state.method.estimate = options.estimate && blocks;
-        prepared.state.method.any_light = matches!(options.mode, Mode::Render | Mode::Incremental) && blocks;
-        prepared.state.method.incremental =
-            options.mode == Mode::Incremental && options.transport == ShadingMethod::Hierarchy && !blocks;
-        share_budget(&mut prepared.state, scene.transport.budget)?;
-        let receivers = (if by_pixel { "receivers at triangles" } else { "receivers at pixels" }, why);
-        let plan = Plan::new(&prepared.state, options).without(receivers.clone());
-        // Links and form factors are separate lists, and everything else needs memory as well.
-        let room = CapacityHints { kept: room.kept.min(scene.memory.left() / 4), ..room };
-        let lists = Lists::new(room, device.map(Device::limits));
-        lists.cut(&mut prepared);
-        let gpu = device.map(|device| DeviceState::new(device, false)).transpose()?;
-        let backend = gpu.map_or(Backend::Cpu, Backend::Gpu);
-        let (retries, relinks, pending) = (0, 0, Change::EVERYTHING);
-        let fixed = Fixed { asked, room, receivers };
-        let mut session = Self {
-            prepared,
-            plan,
-            backend,
-            retries,
-            relinks,
-            linked: false,
-            spent: 0,
-            sharp: None,
-            parts,
-            not_kept: None,
-            failed: false,
-            scene,
-            lists,
-            pending,
-            octree,
-            fixed,
-        };
-        let fits = match options.transport {
-            ShadingMethod::Hierarchy => session.lists.too_much(&session.prepared.state),
-            _ => Ok(()),
-        };
-        let sized = fits.and_then(|()| session.resize());
-        session.unless_too_much(sized)?;
-        Ok(session)
-    }
-
     /// Runs one frame: the stages that depend on what has changed since the last one, or on `change`. Returns each
     /// step's time: the device's, or the host's for the CPU and the octree.
+    ///
+    /// Its rays run through the pixels' centres.
     pub fn frame(&mut self, change: Change) -> Result<Vec<Timing>> {
+        if self.shifted {
+            self.shift([0.0; 2], 0)?;
+        }
+        self.frame_as_it_is(change)
+    }
+
+    /// The same with the rays where they are.
+    pub(crate) fn frame_as_it_is(&mut self, changes: impl Into<Changes>) -> Result<Vec<Timing>> {
+        self.sampled = false;
         self.recover()?;
         self.failed = true;
-        let times = self.run_frame(change)?;
+        let times = self.run_frame(&changes.into())?;
         self.failed = false;
         Ok(times)
     }
 
-    fn run_frame(&mut self, change: Change) -> Result<Vec<Timing>> {
-        let mut change = self.pending.and(change).and(self.waiting_change());
+    fn run_frame(&mut self, changes: &Changes) -> Result<Vec<Timing>> {
+        let mut changes = self.pending.clone().and(changes).and(&self.waiting_change().into());
         self.sharp = None;
         self.open_budget()?;
         let mut times: Vec<Timing> = Vec::new();
         loop {
-            change = self.links_anew(change);
-            let steps = self.plan.steps(&self.prepared.state, change);
-            let octree = self.plan.runs_on_host(&HOST, &self.prepared.state, change);
-            let last = if octree { self.run_octree(&steps, change)? } else { self.run(&steps)? };
+            changes = self.links_anew(&changes);
+            let steps = self.plan.steps(&self.prepared.state, changes.clone());
+            let octree = self.plan.runs_on_host(&HOST, &self.prepared.state, changes.clone());
+            let last = if octree { self.run_octree(&steps, changes.any())? } else { self.run(&steps)? };
             // A stage that runs again counts with its latest run only.
             times.retain(|before| last.iter().all(|now| now.name != before.name));
             times.extend(last);
@@ -202,12 +139,12 @@ impl Session {
                 self.fetch(&[BufferId::counters])?;
                 if !self.prepared.state.data.counters.iter().all(ListCounters::serves) {
                     self.relinks += 1;
-                    change = Change::RELINK;
+                    changes = Change::RELINK.into();
                     continue;
                 }
             }
             if !filled {
-                self.pending = Change::default();
+                self.pending = Changes::default();
                 return Ok(times);
             }
             self.fetch(&[BufferId::counters])?;
@@ -219,7 +156,7 @@ impl Session {
                 return Err(unfinished("linking", advice));
             }
             if cursors.iter().all(|counters| counters.overflow == 0) {
-                self.pending = Change::default();
+                self.pending = Changes::default();
                 self.linked = self.linked || ran(&refine::STAGE);
                 return Ok(times);
             }
@@ -227,10 +164,10 @@ impl Session {
             if ran(&update_links::STAGE) {
                 self.make_room()?;
                 // Sum all links: the light of the previous frame has been overwritten.
-                change = Change::EVERYTHING.and(Change::LIGHT);
+                changes = Change::EVERYTHING.and(Change::LIGHT).into();
                 continue;
             }
-            change = self.grow()?;
+            changes = self.grow()?.into();
         }
     }
 

@@ -30,7 +30,7 @@ pub static STAGE: Stage = Stage {
     needs: &[Need::Light, Need::Picture],
     serves: Serves::TRANSLUCENT,
     skip: never,
-    runs: Update::shape,
+    runs: Update::material,
     cpu,
     gpu,
 };

@@ -32,7 +32,7 @@ pub static STAGE: Stage = Stage {
     needs: &[Need::Light, Need::Picture],
     serves: Serves::TRANSLUCENT,
     skip: rough,
-    runs: Update::shape,
+    runs: Update::material,
     cpu,
     gpu,
 };

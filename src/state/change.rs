@@ -1,14 +1,20 @@
-//! What has changed since the last frame; from it each stage decides whether it runs again.
+//! What has changed since the last frame, by object and kind; from it each stage decides whether it runs again.
 
-/// What has changed since the last frame; changes add up.
+/// What has changed; changes add up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Change {
-    /// Everything, or there was no frame yet.
+    /// The shape, or there was no frame yet: everything may differ.
     pub everything: bool,
-    /// The lights.
+    /// How light spreads in the material: coefficients of the dipole, sigma_0 and the like.
+    pub material: bool,
+    /// What the surface reflects and lets out: pictures only.
+    pub surface: bool,
+    /// The lights, or what of them enters.
     pub light: bool,
     /// The camera.
     pub view: bool,
+    /// The picture is to be shown, in 8 bits a channel.
+    pub tone: bool,
     /// No input changed; radiosity is summed again. Over kept lists only the sums rerun (`gather`, `push` and the
     /// like); where lists are not kept they are rebuilt.
     pub resum: bool,
@@ -18,27 +24,101 @@ pub struct Change {
 }
 
 impl Change {
-    /// Everything.
-    pub const EVERYTHING: Self = Self { everything: true, light: false, view: false, resum: false, relink: false };
+    const NOTHING: Self = Self {
+        everything: false,
+        material: false,
+        surface: false,
+        light: false,
+        view: false,
+        tone: false,
+        resum: false,
+        relink: false,
+    };
+    /// Everything that radiance depends on.
+    pub const EVERYTHING: Self = Self { everything: true, ..Self::NOTHING };
+    /// How light spreads in the material.
+    pub const MATERIAL: Self = Self { material: true, ..Self::NOTHING };
+    /// What the surface reflects and lets out.
+    pub const SURFACE: Self = Self { surface: true, ..Self::NOTHING };
     /// The lights.
-    pub const LIGHT: Self = Self { everything: false, light: true, view: false, resum: false, relink: false };
+    pub const LIGHT: Self = Self { light: true, ..Self::NOTHING };
     /// The camera.
-    pub const VIEW: Self = Self { everything: false, light: false, view: true, resum: false, relink: false };
+    pub const VIEW: Self = Self { view: true, ..Self::NOTHING };
+    /// The picture is to be shown.
+    pub const TONE: Self = Self { tone: true, ..Self::NOTHING };
     /// Lists are rebuilt, and summed over.
-    pub const RELINK: Self = Self { everything: false, light: false, view: false, resum: false, relink: true };
+    pub const RELINK: Self = Self { relink: true, ..Self::NOTHING };
     /// No input changed; radiosity is summed again.
-    pub const RESUM: Self = Self { everything: false, light: false, view: false, resum: true, relink: false };
+    pub const RESUM: Self = Self { resum: true, ..Self::NOTHING };
 
     /// Both changes.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {
             everything: self.everything || other.everything,
+            material: self.material || other.material,
+            surface: self.surface || other.surface,
             light: self.light || other.light,
             view: self.view || other.view,
+            tone: self.tone || other.tone,
             resum: self.resum || other.resum,
             relink: self.relink || other.relink,
         }
+    }
+}
+
+/// What has changed for all objects, and for single ones.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Changes {
+    /// For all.
+    all: Change,
+    /// For each, in addition; objects beyond the end have none.
+    own: Vec<Change>,
+}
+
+impl From<Change> for Changes {
+    fn from(all: Change) -> Self {
+        Self { all, own: Vec::new() }
+    }
+}
+
+impl Changes {
+    /// What has changed for an object.
+    #[must_use]
+    pub fn of(&self, object: usize) -> Change {
+        self.all.and(self.own.get(object).copied().unwrap_or_default())
+    }
+
+    /// What has changed for any object.
+    #[must_use]
+    pub fn any(&self) -> Change {
+        self.own.iter().fold(self.all, |sum, own| sum.and(*own))
+    }
+
+    /// Adds a change of all objects.
+    pub fn add(&mut self, change: Change) {
+        self.all = self.all.and(change);
+    }
+
+    /// Adds a change of one object.
+    pub fn add_to(&mut self, object: usize, change: Change) {
+        let length = self.own.len().max(object + 1);
+        self.own.resize(length, Change::default());
+        self.own[object] = self.own[object].and(change);
+    }
+
+    /// Both changes.
+    #[must_use]
+    pub fn and(mut self, other: &Self) -> Self {
+        self.add(other.all);
+        other.own.iter().enumerate().for_each(|(object, change)| self.add_to(object, *change));
+        self
+    }
+
+    /// Each of them mapped.
+    #[must_use]
+    pub fn map(&self, f: impl Fn(Change) -> Change) -> Self {
+        Self { all: f(self.all), own: self.own.iter().map(|&change| f(change)).collect() }
     }
 }
 
@@ -58,16 +138,28 @@ pub struct Update {
 }
 
 impl Update {
-    /// The shape or the material has changed, or there was no frame yet: most stages run.
+    /// The shape has changed, or there was no frame yet: most stages run.
     #[must_use]
     pub fn shape(&self) -> bool {
         self.change.everything
     }
 
-    /// The lights have changed.
+    /// Light spreads otherwise in the material.
+    #[must_use]
+    pub fn material(&self) -> bool {
+        self.shape() || self.change.material
+    }
+
+    /// The light that enters has changed.
     #[must_use]
     pub fn light(&self) -> bool {
         self.shape() || self.change.light
+    }
+
+    /// The light that enters, or how it spreads.
+    #[must_use]
+    pub fn transport(&self) -> bool {
+        self.light() || self.change.material
     }
 
     /// The camera has changed.
@@ -79,13 +171,13 @@ impl Update {
     /// Radiosity is summed again.
     #[must_use]
     pub fn sums(&self) -> bool {
-        self.light() || self.resums()
+        self.transport() || self.resums()
     }
 
     /// The picture differs.
     #[must_use]
     pub fn picture(&self) -> bool {
-        self.sums() || self.view()
+        self.sums() || self.view() || self.change.surface
     }
 
     /// Pixels show other receivers, or radiosity is summed again.
@@ -112,18 +204,25 @@ impl Update {
         self.incremental && self.change.everything && !self.change.relink
     }
 
+    /// Form factors of kept links are computed again, of the same shape.
+    #[must_use]
+    pub fn renews_factors(&self) -> bool {
+        !self.change.everything && (self.resums() || (self.change.material && !self.makes_links()))
+    }
+
     /// Radiosity is summed over all links, not only over those that an update of kept links has touched.
     #[must_use]
     pub fn sums_all_links(&self) -> bool {
-        !self.incremental || self.change.light || (self.change.everything && self.change.relink)
+        !self.incremental || self.change.light || self.makes_links()
     }
 
-    /// Links are built from scratch.
+    /// Links are built from scratch, with their form factors. The oracle of links does not know the material, but their
+    /// form factors and the rules by which these are computed do.
     #[must_use]
     pub fn makes_links(&self) -> bool {
         match (self.incremental, self.keeps) {
-            (true, _) => self.change.everything && self.change.relink,
-            (false, true) => self.shape() || self.change.relink,
+            (true, _) => self.change.relink && (self.change.everything || self.change.material),
+            (false, true) => self.material() || self.change.relink,
             (false, false) => self.sums(),
         }
     }

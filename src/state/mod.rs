@@ -10,7 +10,7 @@ mod schedule;
 pub mod stage;
 mod tolerance;
 
-pub use change::{Change, Update};
+pub use change::{Change, Changes, Update};
 pub use device::DeviceState;
 pub use objects::{Extent, LitAt, Object};
 pub use pass::{Bound, Dispatch, Pass, dispatches};

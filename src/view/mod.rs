@@ -1,5 +1,6 @@
 //! From radiosity to a picture, and files on disk.
 
+pub mod accumulate;
 pub mod aov;
 pub mod atomic_file;
 pub mod backdrop;
@@ -10,4 +11,5 @@ pub mod reflect;
 pub mod shade;
 pub mod shade_opaque;
 pub mod texture_out;
+pub mod tone;
 pub mod visibility;

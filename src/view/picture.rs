@@ -44,6 +44,27 @@ pub fn filmic(exposed: f64) -> f64 {
     curve(2.0 * exposed.clamp(0.0, 5.6)) / curve(11.2)
 }
 
+/// A channel's radiance as sRGB: exposure, tone curve, sRGB curve, rounding.
+pub(super) fn byte(radiance: f32, exposure: f64, tone: Tone) -> u8 {
+    let exposed = f64::from(radiance) * exposure;
+    (encode(if tone == Tone::Filmic { filmic(exposed) } else { exposed }) * 255.0 + 0.5) as u8
+}
+
+/// Writes sRGB bytes, row by row from the top, as `.png`. The file appears whole or not at all.
+pub fn save_png(path: &Path, [width, height]: [usize; 2], bytes: &[u8]) -> Result<()> {
+    let (color, format) = (image::ExtendedColorType::Rgb8, image::ImageFormat::Png);
+    encode_atomically(path, |file| {
+        image::write_buffer_with_format(file, bytes, width as u32, height as u32, color, format)
+            .map_err(|e| e.to_string())
+    })
+}
+
+/// Whether a picture of this name has 8 bits a channel.
+#[must_use]
+pub fn is_png(path: &Path) -> bool {
+    matches!(kind(path), Ok(Kind::Png))
+}
+
 impl Picture {
     /// Linear radiance, shown as it is: exposure 1, no tone curve.
     pub fn plain(width: usize, height: usize, pixels: Vec<[f32; 3]>) -> Self {
@@ -52,9 +73,8 @@ impl Picture {
 
     /// The picture as sRGB, 8 bits per channel, row by row from the top: exposure, tone curve, sRGB curve, rounding.
     pub fn bytes(&self) -> Vec<u8> {
-        let tone = |exposed: f64| if self.tone == Tone::Filmic { filmic(exposed) } else { exposed };
-        let byte = |x: &f32| (encode(tone(f64::from(*x) * self.exposure)) * 255.0 + 0.5) as u8;
-        self.pixels.iter().flat_map(|pixel| pixel.iter().map(byte)).collect()
+        let shown = |x: &f32| byte(*x, self.exposure, self.tone);
+        self.pixels.iter().flat_map(|pixel| pixel.iter().map(shown)).collect()
     }
 
     /// Writes a `.png` (sRGB, 8 bits per channel) or a linear `.exr`; the extension decides. The file appears whole or
@@ -62,11 +82,7 @@ impl Picture {
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         let path = path.as_ref();
         match kind(path)? {
-            Kind::Png => encode_atomically(path, |file| {
-                let (bytes, width, height) = (self.bytes(), self.width as u32, self.height as u32);
-                let (color, format) = (image::ExtendedColorType::Rgb8, image::ImageFormat::Png);
-                image::write_buffer_with_format(file, &bytes, width, height, color, format).map_err(|e| e.to_string())
-            }),
+            Kind::Png => save_png(path, [self.width, self.height], &self.bytes()),
             Kind::Exr => encode_atomically(path, |file| {
                 let pixel = |at: Vec2<usize>| {
                     let [r, g, b] = self.pixels[at.y() * self.width + at.x()];

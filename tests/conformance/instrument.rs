@@ -3,14 +3,15 @@
 use std::collections::BTreeSet;
 
 use crate::devices::on_devices;
+use crate::features::{ball, features};
 use milkglass::internals::gpu::count::Traffic;
 use milkglass::internals::gpu::{Device, KernelKey, SingleKernel};
 use milkglass::internals::layout::BufferId;
 use milkglass::internals::pipeline::frame::{STAGES, stage};
-use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
+use milkglass::internals::pipeline::plan::{Change, Mode, Options};
 use milkglass::internals::session::run::Session;
 use milkglass::measure::profile::{Settings, against, profile};
-use milkglass::scene::{Light, Receivers, Reflection, Scene};
+use milkglass::scene::Scene;
 
 static COUNT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-count.spv"));
 
@@ -31,15 +32,6 @@ fn kernels_count_what_they_do() {
             assert_eq!(tally.moved[&1], Traffic { loaded: 8 * elements, stored: 4 * elements });
         }
     });
-}
-
-fn small(name: &str, sets: &[&str]) -> Scene {
-    let all = [sets, &["camera.size=[24, 20]"]].concat();
-    Scene::load_with(name, &all.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap()
-}
-
-fn ball(sets: &[&str]) -> Scene {
-    small("sphere", &[&["object.0.detail=2", "transport.receivers=faces"], sets].concat())
 }
 
 #[test]
@@ -98,9 +90,13 @@ fn made(device: &Device, scene: &Scene, options: Options) -> Made {
     let mut needs = Vec::new();
     // Incremental mode builds links in the first frame and updates them in the second.
     for revises in 0..1 + u32::from(options.mode == Mode::Incremental) {
-        session.frame(Change::EVERYTHING).unwrap();
+        session.frame(Change::EVERYTHING.and(Change::TONE)).unwrap();
         let scratch = if revises == 0 { Change::RELINK } else { Change::default() };
-        needs.extend(session.needs(Change::EVERYTHING.and(scratch)).unwrap());
+        needs.extend(session.needs(Change::EVERYTHING.and(Change::TONE).and(scratch)).unwrap());
+    }
+    if scene.transport.budget.is_some() {
+        session.frame(Change::MATERIAL).unwrap();
+        needs.extend(session.needs(Change::MATERIAL).unwrap());
     }
     assert!(session.device().is_some());
     let pipelines: BTreeSet<_> = session.pipelines().into_iter().collect();
@@ -121,150 +117,6 @@ fn made(device: &Device, scene: &Scene, options: Options) -> Made {
         buffers.into_iter().map(|(slot, _)| slot).collect(),
         dispatched,
     )
-}
-
-type Case = (Scene, Options);
-
-fn with(scene: Scene) -> Case {
-    (scene, Options::default())
-}
-
-fn changed(mut scene: Scene, change: impl Fn(&mut Scene)) -> Case {
-    change(&mut scene);
-    with(scene)
-}
-
-fn carried(transport: ShadingMethod) -> Case {
-    (ball(&[]), Options { transport, ..Options::default() })
-}
-
-/// Stages, buffers, a frame with the feature, a frame without it.
-type Feature = (&'static [&'static str], &'static [BufferId], Case, Case);
-
-/// Each feature: the stages and buffers that only it needs, a frame with it, and the same frame without it.
-fn features() -> Vec<Feature> {
-    let sky = |background: bool| {
-        let environment = format!("camera.background={}", if background { "environment" } else { "[0,0,0]" });
-        ball(&["light.0={type='environment',radiance=1}", &environment])
-    };
-    let tiles =
-        |on: &str| ball(&["object.0.material.texture=builtin:tiles", &format!("object.0.material.texture_on={on}")]);
-    let layered = || small("slab-layers", &["object.0.detail=4"]);
-    let twisted = ball(&["object.0.deform=[{type='twist',angle=30}]"]);
-    let reflects =
-        |reflection| changed(ball(&[]), move |scene| scene.objects[0].material.surface.reflection = reflection);
-    let on_a_table =
-        |receivers: &str| small("candle", &["object.0.detail=16", &format!("transport.receivers={receivers}")]);
-    let alone = |scene| changed(scene, |scene| scene.objects.retain(|object| object.material.opaque.is_none()));
-    let options = |options: Options| (ball(&[]), options);
-    let links = || with(ball(&["transport.scheme=links"]));
-    let incremental = || ball(&["transport.scheme=links", "object.0.deform=[{type='twist',angle=30}]"]);
-    let blurred = |transport| {
-        let scene = ball(&["transport.unwrap=true", "transport.blur_texture=32"]);
-        (scene, Options { transport, ..Options::default() })
-    };
-    let local = |cdrf: &str| {
-        let scene = ball(&[&format!("transport.cdrf={cdrf}"), "transport.cdrf_table=16"]);
-        (scene, Options { transport: ShadingMethod::Cdrf, ..Options::default() })
-    };
-    vec![
-        (&["shadow"], &[BufferId::lit, BufferId::cut_short], with(ball(&[])), with(ball(&["light.0.shadows=false"]))),
-        (&["environment"], &[BufferId::sky, BufferId::harmonics], with(sky(false)), with(ball(&[]))),
-        (&["backdrop"], &[], with(sky(true)), with(sky(false))),
-        (&["texture_in"], &[BufferId::texels, BufferId::corner_uvs], with(tiles("entry")), with(ball(&[]))),
-        (&["texture_out"], &[BufferId::texels, BufferId::corner_uvs], with(tiles("exit")), with(ball(&[]))),
-        (
-            &["plane_fit", "relief"],
-            &[
-                BufferId::layerings,
-                BufferId::layer_media,
-                BufferId::planes,
-                BufferId::vertex_moments,
-                BufferId::layer_lights,
-            ],
-            with(layered()),
-            changed(layered(), |scene| scene.objects[0].material.layers = None),
-        ),
-        (&["deform"], &[BufferId::rest, BufferId::deforms], with(twisted), with(ball(&[]))),
-        (&["reflect"], &[], reflects(Reflection::Phong { shininess: 9 }), reflects(Reflection::None)),
-        (&["opaque_faces"], &[], with(on_a_table("faces")), alone(on_a_table("faces"))),
-        (
-            &["shade_opaque", "pixel_shadow"],
-            &[BufferId::pixel_lit],
-            with(on_a_table("pixels")),
-            alone(on_a_table("pixels")),
-        ),
-        (&[], &[BufferId::estimate], options(Options { estimate: true, ..Options::default() }), with(ball(&[]))),
-        (
-            &["pixel_receivers"],
-            &[BufferId::seen],
-            changed(ball(&[]), |scene| scene.transport.receivers = Receivers::Pixels),
-            with(ball(&[])),
-        ),
-        (&["average"], &[], with(ball(&[])), changed(ball(&[]), |scene| scene.transport.receivers = Receivers::Pixels)),
-        (
-            &["visibility", "shade"],
-            &[BufferId::hits, BufferId::radiance],
-            with(ball(&[])),
-            options(Options { goal: Goal::Radiosity, ..Options::default() }),
-        ),
-        (&["irradiance_ratio"], &[], options(Options { mode: Mode::Render, ..Options::default() }), with(ball(&[]))),
-        (
-            &["pull", "coarse_solve", "acceptance_radii", "link", "gather", "push"],
-            &[BufferId::moments, BufferId::emitters, BufferId::entries, BufferId::expansions, BufferId::runs],
-            with(ball(&[])),
-            links(),
-        ),
-        (
-            &["reach", "mean_irradiance", "refine", "form_factor", "sum_links", "push_links"],
-            &[BufferId::links, BufferId::factors, BufferId::spans, BufferId::gathered, BufferId::cluster_irradiance],
-            links(),
-            with(ball(&[])),
-        ),
-        (
-            &["mark_moved", "mark_relit", "update_links", "update_form_factors", "resum_links", "snapshot"],
-            &[
-                BufferId::kept_clusters,
-                BufferId::change_flags,
-                BufferId::edits,
-                BufferId::stale,
-                BufferId::stale_counts,
-            ],
-            (incremental(), Options { mode: Mode::Incremental, ..Options::default() }),
-            (incremental(), Options { mode: Mode::Render, ..Options::default() }),
-        ),
-        (
-            &["bake_irradiance", "blur", "texture_blur"],
-            &[
-                BufferId::texel_hits,
-                BufferId::gaussians,
-                BufferId::irradiance_maps,
-                BufferId::stretch,
-                BufferId::blurred_rows,
-            ],
-            blurred(ShadingMethod::TextureBlur),
-            blurred(ShadingMethod::Lambert),
-        ),
-        (&["brute"], &[], carried(ShadingMethod::Brute), with(ball(&[]))),
-        (&["pull", "gather", "push"], &[BufferId::moments], with(ball(&[])), carried(ShadingMethod::Octree)),
-        (&["irradiance"], &[BufferId::lit], with(ball(&[])), changed(ball(&[]), |scene| scene.lights.clear())),
-        (&["curvature", "cdrf"], &[BufferId::curvature], carried(ShadingMethod::Cdrf), carried(ShadingMethod::Lambert)),
-        (
-            &["curvature_sums", "smooth_curvature"],
-            &[BufferId::curvature_sums, BufferId::smooth_kappa],
-            carried(ShadingMethod::Cdrf),
-            (ball(&["object.0.material.curvature_radius=0"]), carried(ShadingMethod::Cdrf).1),
-        ),
-        (&["pack_normals"], &[BufferId::packed_normals], carried(ShadingMethod::Lambert), with(ball(&[]))),
-        (&["cdrf_table", "cdrf_cells"], &[BufferId::cdrf_grid, BufferId::cdrf_cells], local("table"), local("closed")),
-        (&["lambert"], &[], carried(ShadingMethod::Lambert), with(ball(&[]))),
-        (
-            &["irradiance"],
-            &[BufferId::irradiance],
-            changed(ball(&[]), |scene| scene.lights.push(Light::point(glam::DVec3::new(0.0, 40.0, 0.0), [9.0; 3]))),
-            carried(ShadingMethod::Lambert),
-        ),
-    ]
 }
 
 #[test]

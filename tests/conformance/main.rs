@@ -10,6 +10,7 @@ mod shell;
 
 mod driver;
 mod faults;
+mod features;
 mod guards;
 mod instrument;
 mod limits;

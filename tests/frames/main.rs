@@ -5,6 +5,8 @@ mod devices;
 #[path = "../shell/mod.rs"]
 mod shell;
 
+mod budget;
+mod edits;
 mod incremental;
 mod modes;
 mod morph;

@@ -167,6 +167,41 @@ fn a_frame_without_a_change_dispatches_nothing() {
     });
 }
 
+/// The steps that a frame runs after these settings are added to a scene of two balls.
+fn after(more: &[&str], options: Options) -> Vec<String> {
+    let base = [
+        "object.0.detail=2",
+        "object.1={ shape = 'sphere', detail = 2, size = 9, position = [16, 0, 0], material = { preset = 'ketchup' } }",
+        "camera.size=[16, 16]",
+        "transport.receivers=faces",
+    ];
+    let mut session = Session::new(&scene("sphere", &base), None, options).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    session.show(&scene("sphere", &[&base[..], more].concat())).unwrap();
+    names(&mut session, Change::default())
+}
+
+#[test]
+fn an_edit_runs_what_it_touches() {
+    let picture = Options { goal: Goal::Picture, ..RENDER };
+    let fly = Options { mode: Mode::OnTheFly, ..picture };
+
+    // How light spreads, in one of the two objects: what comes before transport stays, and so does the other object.
+    let spread = ["coarse_solve", "acceptance_radii", "link", "gather", "push", "average"];
+    assert_eq!(after(&["object.1.material.scale=2"], fly), [&spread[..], &["shade"]].concat());
+    let kept = ["coarse_solve", "irradiance_ratio", "acceptance_radii", "link", "gather", "push", "average"];
+    assert_eq!(after(&["object.1.material.scale=2"], picture), [&kept[..], &["shade"]].concat());
+
+    // The camera runs what sees, and nothing runs for how the picture is shown.
+    assert_eq!(after(&["camera.position=[0, 0, 50]"], fly), ["visibility", "shade"]);
+    for shown in ["camera.exposure=2", "camera.tone=filmic"] {
+        assert_eq!(after(&[shown], fly), [""; 0], "{shown}");
+    }
+    // A new light leaves shapes and materials.
+    let lit = after(&["light.0.direction=[1, 0, 0]"], fly);
+    assert!(lit.iter().all(|name| name != "refit" && name != "deform"), "{lit:?}");
+}
+
 #[test]
 fn the_plan_says_what_lists_serve() {
     let scene = scene("sphere", &["object.0.detail=2"]);

@@ -7,7 +7,7 @@ use milkglass::internals::layout::{Buffers, ObjectParams};
 use milkglass::internals::lighting::fresnel::{diffuse_external_exact, transmittance};
 use milkglass::internals::lighting::sky;
 use milkglass::internals::pipeline::plan::{Change, Goal, Options};
-use milkglass::internals::prepare::scene::dipoles;
+use milkglass::internals::prepare::material::dipoles;
 use milkglass::internals::session::run::Session;
 use milkglass::measure::reference::verify;
 use milkglass::scene::{Light, Scene, Sky, Source};

@@ -108,7 +108,7 @@ fn a_face_without_area_receives_what_needs_no_normal() {
         let lit = (0..state.data.irradiance.len()).find(|&face| state.data.irradiance[face][0] > 0.0).unwrap();
         let (before, leaf) = (state.data.irradiance[lit], state.data.leaves[lit] as usize);
         (state.data.clusters[leaf].normal, state.data.clusters[leaf].area) = ([0.0; 3], 0.0);
-        steps(&state, |stage| stage.name == "irradiance").iter().for_each(|step| step.reference(&mut state));
+        steps(&state, |stage, _| stage.name == "irradiance").iter().for_each(|step| step.reference(&mut state));
         for (found, before) in state.data.irradiance[lit].iter().zip(before) {
             assert!((found - share * before).abs() < 1e-5 * before, "{light}: {found}, {before} with an area");
         }

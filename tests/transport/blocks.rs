@@ -233,7 +233,7 @@ fn an_expansion_has_the_derivatives_of_its_sum() {
 fn no_receiver_is_darker_than_black() {
     let mut state = solved("sphere", &["object.0.detail=3"]).state().clone();
     state.data.received[7] = [-1e6; 3];
-    steps(&state, |stage| stage.name == "push").iter().for_each(|step| step.reference(&mut state));
+    steps(&state, |stage, _| stage.name == "push").iter().for_each(|step| step.reference(&mut state));
     assert_eq!(state.data.radiosity[7], [0.0; 3]);
     assert!(state.data.radiosity[8].iter().all(|b| *b > 0.0));
 }

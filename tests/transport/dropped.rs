@@ -94,7 +94,7 @@ fn the_estimate_holds_the_light_that_is_dropped() {
     // With nothing on the lists, all that is left of the error is what was dropped.
     state.data.runs.iter_mut().for_each(|run| (run.expanded, run.direct, run.area, run.edge) = (0, 0, 0, 0));
     for name in ["gather", "push"] {
-        steps(&state, |stage| stage.name == name).iter().for_each(|step| step.reference(&mut state));
+        steps(&state, |stage, _| stage.name == name).iter().for_each(|step| step.reference(&mut state));
     }
     let (data, mut checked, mut sums, mut counts) = (&state.data, 0, [0.0; 2], [0; 2]);
     for (number, block) in data.blocks.iter().enumerate() {

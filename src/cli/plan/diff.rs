@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::WHOLE;
 use crate::cli::{size, table};
 use milkglass::error::Result;
-use milkglass::internals::pipeline::plan::Change;
 use milkglass::internals::session::run::Session;
 
 /// Names of the sections, in order.
@@ -33,7 +33,7 @@ pub(super) fn text(one: &Session, other: &Session) -> Result<String> {
 /// Everything that a plan lists: values by section and key.
 fn listed(session: &Session) -> Result<BTreeMap<(usize, String), String>> {
     let mut list = BTreeMap::new();
-    for need in session.needs(Change::EVERYTHING.and(Change::RELINK))? {
+    for need in session.needs(WHOLE)? {
         let [read, written] = need.bytes.map(size);
         let value = format!("{} dispatches, {read} to read, {written} to write", need.dispatches);
         list.insert((0, need.stage.to_string()), value);

@@ -10,7 +10,7 @@ use crate::measure::leaning::{blame, of_stage};
 use crate::measure::stress::{Outcome, stress as extremes};
 
 /// Fixtures of a quick report: those whose name contains one of these. Together they run every stage.
-const FEW: [&str; 17] = [
+const FEW: [&str; 19] = [
     "one triangle",
     "sliver",
     "lights of two colours",
@@ -20,6 +20,8 @@ const FEW: [&str; 17] = [
     "three objects, links kept",
     "three objects, brute force",
     "bump over kept links, budget",
+    "kept links of another material, budget",
+    "the second of three samples, filmic",
     "layers of two objects",
     "cdrf from a table",
     "cdrf, single values",

@@ -12,7 +12,7 @@ use crate::dipole::form_factor::ladder::Ladder;
 use crate::dipole::form_factor::points::{SIX, THREE, TWELVE, midpoint_moment, sampled, trace};
 use crate::dipole::form_factor::{Distance, gauss, vector_area};
 use crate::dipole::profile::Dipole;
-use crate::prepare::scene::dipoles;
+use crate::prepare::material::dipoles;
 use crate::scene::{Fresnel, Material, PRESETS, Preset, Surface};
 use crate::transport::links::reach::reach2;
 

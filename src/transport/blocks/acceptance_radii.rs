@@ -55,8 +55,8 @@ pub static STAGE: Stage = Stage {
 fn runs(update: &Update) -> bool {
     match update.any_light {
         // Lists that are rebuilt anyway, for other pixels, are made for the current light.
-        true => update.shape() || update.change.relink || (update.other_receivers() && update.change.light),
-        false => update.light(),
+        true => update.material() || update.change.relink || (update.other_receivers() && update.change.light),
+        false => update.transport(),
     }
 }
 

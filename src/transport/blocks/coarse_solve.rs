@@ -42,7 +42,7 @@ pub static STAGE: Stage = Stage {
     needs: &[Need::Light],
     serves: Serves::TRANSLUCENT,
     skip: never,
-    runs: Update::light,
+    runs: Update::transport,
     cpu,
     gpu,
 };

@@ -24,7 +24,7 @@ pub static STAGE: Stage = Stage {
     needs: &[Need::Light],
     serves: Serves::TRANSLUCENT,
     skip: |state| (!state.method.any_light).then_some("lists are made for the light of their frame"),
-    runs: Update::light,
+    runs: Update::transport,
     cpu,
     gpu,
 };

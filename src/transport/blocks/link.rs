@@ -54,10 +54,10 @@ fn runs(update: &Update) -> bool {
     let made_for = match (update.keeps, update.any_light) {
         (_, true) => false,
         // Lists of blocks depend on the light.
-        (true, false) => update.light(),
+        (true, false) => update.transport(),
         (false, false) => update.sums(),
     };
-    made_for || update.shape() || update.other_receivers() || update.change.relink
+    made_for || update.material() || update.other_receivers() || update.change.relink
 }
 
 /// One element per block of each batch, rounded up so that a device can bind each batch's part.

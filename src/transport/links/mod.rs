@@ -2,12 +2,14 @@
 //! triangles.
 //!
 //! The stages, in the order of a frame: `reach`, `mark_moved`, `mark_relit`, `mean_irradiance`, `refine`,
-//! `form_factor`, `update_links`, `update_form_factors`, `sum_links`, `resum_links`, `push_links`, `snapshot`. Those
-//! with `mark`, `update`, `resum` and `snapshot` in their names run where links are kept while the shape changes.
+//! `form_factor`, `mark_stale`, `update_links`, `update_form_factors`, `sum_links`, `resum_links`, `push_links`,
+//! `snapshot`. Those with `mark`, `update`, `resum` and `snapshot` in their names run where links are kept while the
+//! shape changes.
 
 pub mod form_factor;
 pub mod mark_moved;
 pub mod mark_relit;
+pub mod mark_stale;
 pub mod mean_irradiance;
 pub mod push_links;
 pub mod reach;

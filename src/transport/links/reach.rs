@@ -30,7 +30,7 @@ pub static STAGE: Stage = Stage {
     needs: &[Need::Light],
     serves: Serves::TRANSLUCENT,
     skip: never,
-    runs: |update| if update.keeps { update.shape() || update.change.relink } else { update.light() },
+    runs: |update| if update.keeps { update.material() || update.change.relink } else { update.transport() },
     cpu,
     gpu,
 };

@@ -21,7 +21,7 @@ pub static STAGE: Stage = Stage {
     needs: &[Need::Light],
     serves: Serves::TRANSLUCENT,
     skip: not_incremental,
-    runs: |update| !update.sums_all_links() && (update.shape() || update.resums()),
+    runs: |update| !update.sums_all_links() && (update.shape() || update.renews_factors()),
     cpu,
     gpu,
 };

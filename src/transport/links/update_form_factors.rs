@@ -41,7 +41,7 @@ pub static STAGE: Stage = Stage {
     needs: &[Need::Light],
     serves: Serves::TRANSLUCENT,
     skip: not_incremental,
-    runs: |update| update.updates_links() || (update.resums() && !update.change.everything),
+    runs: |update| update.updates_links() || update.renews_factors(),
     cpu,
     gpu,
 };

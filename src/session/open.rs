@@ -1,0 +1,121 @@
+//! Opens a session for a scene: alone, or after another one, with what that has in common.
+
+use super::capacity::{CapacityHints, Lists};
+use super::device_limits::holds;
+use super::incremental::share_budget;
+use super::memory_estimate;
+use super::octree::OctreeTransport;
+use super::run::{Backend, Fixed, Session};
+use super::subdivide::subdivide;
+use crate::error::Result;
+use crate::gpu::Device;
+use crate::pipeline::plan::{Change, Mode, Options, Plan, ShadingMethod};
+use crate::prepare::layers::drop_unlooked;
+use crate::prepare::receivers::{by_pixel, lit_at};
+use crate::prepare::scene::prepare;
+use crate::prepare::shading::local;
+use crate::prepare::shape::reach;
+use crate::prepare::texture_charts::{blur, unwrap};
+use crate::prepare::textures::drop_unseen;
+use crate::prepare::units::Units;
+use crate::scene::Scene;
+use crate::state::{DeviceState, Scheme};
+
+impl Session {
+    /// The same as [`Session::new`], with initial capacities of the lists.
+    pub fn with_capacity(
+        scene: &Scene,
+        device: Option<&Device>,
+        options: Options,
+        room: CapacityHints,
+    ) -> Result<Self> {
+        Self::after(None, scene, device, options, room)
+    }
+
+    /// The same with what an earlier session has: its device's buffers and pipelines, which it loses if this succeeds;
+    /// the trees of meshes that are the same; and the capacities of its lists, if there are as many receivers.
+    pub(crate) fn after(
+        mut before: Option<&mut Self>,
+        scene: &Scene,
+        device: Option<&Device>,
+        options: Options,
+        room: CapacityHints,
+    ) -> Result<Self> {
+        memory_estimate::check(scene, options)?;
+        let octree = match options.transport {
+            ShadingMethod::Octree => Some(OctreeTransport::new(&scene.transport)?),
+            _ => None,
+        };
+        let local = local(&scene.transport, options.transport);
+        device.map_or(Ok(()), |_| holds(scene))?;
+        reach(&scene.objects, Units::of(scene.objects.iter().map(|object| &object.mesh)))?;
+        // Subdivide where lighting needs it; code below sees only that scene.
+        let asked = (scene.transport.subdivide > 0 && local.is_none()).then(|| scene.clone());
+        let blocks = scene.transport.scheme == Scheme::Blocks && options.transport == ShadingMethod::Hierarchy;
+        let (scene, parts) = match &asked {
+            Some(asked) => subdivide(asked, options.estimate && blocks)?,
+            None => (scene.clone(), Vec::new()),
+        };
+        let (by_pixel, why) = by_pixel(&scene, options);
+        let known = before.as_deref().map(|before| (&before.scene, &before.prepared));
+        let mut prepared = prepare(&scene, (by_pixel, lit_at(&scene, options)), local, known);
+        blur(&mut prepared, &scene, unwrap(&scene, local)?);
+        drop_unseen(&mut prepared.state, options);
+        drop_unlooked(&mut prepared.state, options);
+        prepared.state.keep = options.mode != Mode::OnTheFly;
+        prepared.state.method.estimate = options.estimate && blocks;
+        prepared.state.method.any_light = matches!(options.mode, Mode::Render | Mode::Incremental) && blocks;
+        prepared.state.method.incremental =
+            options.mode == Mode::Incremental && options.transport == ShadingMethod::Hierarchy && !blocks;
+        share_budget(&mut prepared.state, scene.transport.budget)?;
+        let receivers = (if by_pixel { "receivers at triangles" } else { "receivers at pixels" }, why);
+        let plan = Plan::new(&prepared.state, options).without(receivers.clone());
+        // Links and form factors are separate lists, and everything else needs memory as well.
+        let room = CapacityHints { kept: room.kept.min(scene.memory.left() / 4), ..room };
+        let lists = match before.as_deref() {
+            Some(before) => before.lists.again(&mut prepared, &before.prepared.state),
+            None => Lists::new(room, device.map(Device::limits)).cut_new(&mut prepared),
+        };
+        let backend = match (before.as_deref_mut(), device) {
+            (Some(before), _) => std::mem::replace(&mut before.backend, Backend::Cpu),
+            (None, Some(device)) => Backend::Gpu(DeviceState::new(device, false)?),
+            (None, None) => Backend::Cpu,
+        };
+        let (retries, relinks) = before.as_deref().map_or((0, 0), |before| (before.retries, before.relinks));
+        let fixed = Fixed { asked, options, room, receivers };
+        let mut session = Self {
+            prepared,
+            plan,
+            backend,
+            retries,
+            relinks,
+            linked: false,
+            spent: 0,
+            sharp: None,
+            parts,
+            not_kept: None,
+            sampled: false,
+            shifted: false,
+            failed: false,
+            scene,
+            lists,
+            pending: Change::EVERYTHING.into(),
+            octree,
+            fixed,
+        };
+        let fits = match options.transport {
+            ShadingMethod::Hierarchy => session.lists.too_much(&session.prepared.state),
+            _ => Ok(()),
+        };
+        let sized = fits.and_then(|()| session.resize());
+        match (session.unless_too_much(sized), before) {
+            (Ok(_), _) => Ok(session),
+            (Err(error), None) => Err(error),
+            (Err(error), Some(before)) => {
+                // The earlier session goes on; its next frame restores its buffers.
+                (before.backend, before.failed) = (session.backend, true);
+                Err(error)
+            }
+        }
+    }
+}

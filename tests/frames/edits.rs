@@ -1,0 +1,184 @@
+//! Random sequences of edits of all kinds: every frame has, bit for bit, what a new session gives.
+
+use crate::devices;
+use milkglass::internals::gpu::Device;
+use milkglass::internals::layout::BufferId;
+use milkglass::internals::pipeline::plan::{Goal, Mode, Options, ShadingMethod};
+use milkglass::internals::session::run::Session;
+use milkglass::scene::Scene;
+use proptest::prelude::*;
+use proptest::test_runner::{RngSeed, TestRunner};
+
+/// What can be edited, and what it can be: settings, one after the other.
+const KNOBS: &[&[&[&str]]] = &[
+    &[&["light.0.direction=[0.3, 0.4, 1]"], &["light.0.direction=[-1, 0.2, 0.4]"], &["light.0.direction=[0, 0, -1]"]],
+    &[
+        &["light.0.irradiance=3"],
+        &["light.0.irradiance=[3, 2, 1]"],
+        &["light.0.irradiance=[1.5, 1, 0.5]"],
+        &["light.0.irradiance=0"],
+    ],
+    &[
+        &[],
+        &["light.1={ type='point', position=[4, 9, 25], intensity=[500, 300, 300] }"],
+        &["light.1={ type='directional', direction=[1, 1, 0], irradiance=1 }"],
+        &["light.1={ type='area', position=[-9, 20, 9], edge_u=[6, 0, 0], edge_v=[0, 0, 6], radiance=9, samples=2 }"],
+        &["light.1={ type='environment', image='builtin:sky', occlusion=9 }"],
+    ],
+    &[&[], &["object.0.material.scale=2"], &["object.0.material.scale=6"]],
+    &[&[], &["object.0.material.sigma_a=[0.02, 0.004, 0.04]"]],
+    &[&[], &["object.0.material.eta=1.3"], &["object.0.material.eta=[1.3, 1.5, 1.4]"]],
+    &[
+        &[],
+        &["object.0.material.reflection='ggx'", "object.0.material.roughness=0.2"],
+        &["object.0.material.reflection='ggx'", "object.0.material.roughness=0.5"],
+        &["object.0.material.reflection='phong'", "object.0.material.shininess=20"],
+    ],
+    &[&[], &["object.0.material.two_sided=true"]],
+    &[&[], &["object.0.material.texture='builtin:tiles'"], &["object.0.material.texture='builtin:checker'"]],
+    &[
+        &["object.1.material={ preset='ketchup' }"],
+        &["object.1.material={ preset='ketchup', scale=3 }"],
+        &["object.1.material={ opaque=true, albedo=0.5 }"],
+        &["object.1.material={ opaque=true, albedo=[0.2, 0.5, 0.7] }"],
+    ],
+    &[&["object.1.position=[0, -16, 0]"], &["object.1.position=[2, 12, 9]"], &["object.1.position=[14, 0, 3]"]],
+    &[&[], &["object.1.rotation=[30, 50, 0]"]],
+    &[
+        &[],
+        &["object.0.deform.0={ type='twist', angle=20 }"],
+        &["object.0.deform.0={ type='twist', angle=170 }"],
+        &["object.0.deform.0={ type='bump', position=[0, 0, 10], radius=4, height=1 }"],
+    ],
+    &[&[], &["object.1.deform.0={ type='bump', position=[0, -16, 3], radius=9, height=2, direction=[0, 0, 1] }"]],
+    &[&["object.0.detail=1"], &["object.0.detail=2"]],
+    &[&["camera.position=[0, 0, 70]"], &["camera.position=[40, 20, 40]"]],
+    &[&["camera.size=[14, 12]"], &["camera.size=[23, 9]"]],
+    &[&["camera.background=0"], &["camera.background=[0.1, 0.2, 0.3]"]],
+    &[&[], &["camera.exposure=2"], &["camera.tone='filmic'"]],
+    &[&[], &["camera.samples=3"]],
+];
+
+/// What all scenes have.
+const BASE: &[&str] =
+    &["object.0.size=20", "object.1.shape='slab'", "object.1.detail=2", "object.1.size=18", "transport.tolerance=1e-2"];
+
+/// What a knob is at.
+fn setting(knob: usize, at: usize) -> &'static [&'static str] {
+    KNOBS[knob][at % KNOBS[knob].len()]
+}
+
+/// The scene with each knob at one of its settings.
+fn scene(scheme: &str, extra: &[&str], at: &[usize]) -> Scene {
+    let scheme = format!("transport.scheme='{scheme}'");
+    let knobs = at.iter().enumerate().flat_map(|(knob, &at)| setting(knob, at));
+    let sets: Vec<&str> = BASE.iter().chain(extra).chain(knobs).copied().chain([&scheme[..]]).collect();
+    let sets: Vec<String> = sets.into_iter().map(String::from).collect();
+    Scene::load_with("sphere", &sets).unwrap()
+}
+
+/// All that a frame gives: its picture, the same as bytes, irradiance and radiosity.
+fn outcome(session: &mut Session) -> (Vec<[f32; 3]>, Vec<u8>, Vec<[f32; 3]>, Vec<[f32; 3]>) {
+    let picture = session.render().unwrap();
+    let shown = session.shown().unwrap();
+    assert!(shown == picture.bytes(), "the host's curve and the stage `tone` differ");
+    session.fetch(&[BufferId::irradiance, BufferId::radiosity]).unwrap();
+    let data = &session.state().data;
+    // By face: what lies between the objects is not part of it.
+    let by_face = |values: &Vec<[f32; 3]>| {
+        let objects = session.state().objects.iter().filter(|object| !object.by_pixel && object.lit_by_face());
+        objects
+            .flat_map(|object| {
+                values.get(object.first.faces..object.first.faces + object.count.faces).unwrap_or_default().to_vec()
+            })
+            .collect()
+    };
+    (picture.pixels, shown, by_face(&data.irradiance), by_face(&data.radiosity))
+}
+
+/// Edits a session and compares it with a new one after each edit.
+fn follow(
+    device: Option<&Device>,
+    scheme: &str,
+    extra: &[&str],
+    options: Options,
+    edits: &[Vec<(usize, usize)>],
+) -> Result<(), TestCaseError> {
+    let mut at = vec![0; KNOBS.len()];
+    let mut session = Session::new(&scene(scheme, extra, &at), device, options).unwrap();
+    for (step, edit) in edits.iter().enumerate() {
+        edit.iter().for_each(|&(knob, value)| at[knob] = value);
+        let scene = scene(scheme, extra, &at);
+        session.show(&scene).unwrap();
+        let mut fresh = Session::new(&scene, device, options).unwrap();
+        let (own, new) = (outcome(&mut session), outcome(&mut fresh));
+        let told: Vec<_> = edit.iter().map(|&(knob, value)| setting(knob, value)).collect();
+        for (name, same) in [
+            ("picture", own.0 == new.0),
+            ("bytes", own.1 == new.1),
+            ("irradiance", own.2 == new.2),
+            ("radiosity", own.3 == new.3),
+        ] {
+            prop_assert!(
+                same,
+                "{scheme} {:?} {:?}: {name} differs after edit {step}: {:?}",
+                options.mode,
+                options.transport,
+                told
+            );
+        }
+    }
+    Ok(())
+}
+
+/// What frames are made by: scheme, settings, transport, mode.
+const WAYS: &[(&str, &[&str], ShadingMethod, Mode)] = &[
+    ("blocks", &["transport.receivers='faces'"], ShadingMethod::Hierarchy, Mode::OnTheFly),
+    ("blocks", &["transport.receivers='faces'"], ShadingMethod::Hierarchy, Mode::Render),
+    ("blocks", &["transport.receivers='pixels'"], ShadingMethod::Hierarchy, Mode::Render),
+    ("blocks", &["transport.receivers='pixels'"], ShadingMethod::Hierarchy, Mode::OnTheFly),
+    ("blocks", &[], ShadingMethod::Hierarchy, Mode::Keep),
+    ("links", &[], ShadingMethod::Hierarchy, Mode::OnTheFly),
+    ("links", &[], ShadingMethod::Hierarchy, Mode::Render),
+    ("links", &[], ShadingMethod::Hierarchy, Mode::Incremental),
+    ("blocks", &[], ShadingMethod::Brute, Mode::OnTheFly),
+    ("blocks", &[], ShadingMethod::Octree, Mode::OnTheFly),
+    ("blocks", &[], ShadingMethod::Cdrf, Mode::OnTheFly),
+    ("blocks", &["transport.cdrf='table'"], ShadingMethod::Cdrf, Mode::OnTheFly),
+    ("blocks", &[], ShadingMethod::Lambert, Mode::OnTheFly),
+    ("blocks", &["transport.subdivide=1"], ShadingMethod::Hierarchy, Mode::OnTheFly),
+];
+
+fn sequences(device: Option<&Device>, way: usize, length: usize) {
+    let (scheme, extra, transport, mode) = WAYS[way];
+    let options = Options { transport, mode, goal: Goal::Picture, estimate: false };
+    let edit = prop::collection::vec((0..KNOBS.len(), 0..60usize), 1..4);
+    let config = ProptestConfig {
+        cases: 1,
+        rng_seed: RngSeed::Fixed(way as u64),
+        max_shrink_iters: 200,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    };
+    let done = TestRunner::new(config)
+        .run(&prop::collection::vec(edit, length), |edits| follow(device, scheme, extra, options, &edits));
+    if let Err(fault) = done {
+        panic!("{fault}");
+    }
+}
+
+/// How many edits a sequence has: `MILKGLASS_EDITS`, or 40.
+fn length() -> usize {
+    std::env::var("MILKGLASS_EDITS").ok().and_then(|text| text.parse().ok()).unwrap_or(40)
+}
+
+#[test]
+fn any_edits_give_what_a_new_session_gives() {
+    (0..WAYS.len()).for_each(|way| sequences(None, way, length()));
+}
+
+#[test]
+fn any_edits_give_what_a_new_session_gives_on_devices() {
+    let ways: Vec<usize> = (0..WAYS.len()).collect();
+    devices::on_devices_each(&ways, |device, &way| sequences(Some(device), way, length()));
+}
