@@ -31,7 +31,7 @@ fn run() -> Result<()> {
         names = vec!["sphere".into(), "lotus".into()];
     }
     println!("| {} |", Row::HEADS.join(" | "));
-    println!("|---|---|---|---|---:|---:|---:|---:|---:|---:|");
+    println!("|---|---|---|---|---:|---:|---:|---:|---:|---:|---:|");
     for name in &names {
         for row in rows(Some(&device), &Scene::load_with(name, &sets)?, frames, &only)? {
             println!("| {} |", row.cells().join(" | "));

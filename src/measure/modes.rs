@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use crate::error::Result;
 use crate::gpu::Device;
@@ -25,6 +25,8 @@ pub enum What {
     Bump,
     /// The coefficients of the first object's material change.
     Material,
+    /// The first object turns by a degree.
+    Motion,
     /// The light changes.
     Light,
     /// Nothing changes.
@@ -32,7 +34,7 @@ pub enum What {
 }
 
 /// All changes, in the order of the table.
-pub const CHANGES: [What; 5] = [What::Shape, What::Bump, What::Material, What::Light, What::Nothing];
+pub const CHANGES: [What; 6] = [What::Shape, What::Bump, What::Motion, What::Material, What::Light, What::Nothing];
 /// The share of triangles that the bump moves.
 pub const LOCAL: f64 = 0.01;
 /// The modes and their names in `--mode`.
@@ -57,6 +59,8 @@ pub struct Row {
     /// The first of these times over that of the scheme's first measured row: on-the-fly after a change of shape,
     /// unless filtered out.
     pub ratio: f64,
+    /// The same of the second.
+    pub wall_ratio: f64,
     /// Entries of all lists.
     pub links: u64,
     /// Form factors computed by the last of these frames; blocks evaluate every entry on each gather.
@@ -67,20 +71,32 @@ pub struct Row {
 
 impl Row {
     /// The column headings.
-    pub const HEADS: [&'static str; 10] =
-        ["scene", "scheme", "mode", "change", "time", "with the host", "of scratch", "links", "form factors", "L2"];
+    pub const HEADS: [&'static str; 11] = [
+        "scene",
+        "scheme",
+        "mode",
+        "change",
+        "time",
+        "of scratch",
+        "wall",
+        "wall of scratch",
+        "links",
+        "form factors",
+        "L2",
+    ];
 
     /// The row as table cells.
     #[must_use]
-    pub fn cells(&self) -> [String; 10] {
+    pub fn cells(&self) -> [String; 11] {
         [
             format!("{}, {} triangles", self.scene.0, self.scene.1),
             self.scheme.into(),
             self.mode.into(),
             self.change.into(),
             format!("{:.1} ms", self.milliseconds),
-            format!("{:.1} ms", self.wall),
             format!("{:.2}", self.ratio),
+            format!("{:.1} ms", self.wall),
+            format!("{:.2}", self.wall_ratio),
             self.links.to_string(),
             self.factors.to_string(),
             format!("{:.1e}", self.error),
@@ -96,14 +112,15 @@ impl What {
             Self::Shape => "shape",
             Self::Bump => "bump",
             Self::Material => "material",
+            Self::Motion => "motion",
             Self::Light => "light",
             Self::Nothing => "nothing",
         }
     }
 }
 
-/// The scene at frame `step`: its first object with noise and a bump, of which this change moves one; or with a
-/// material of 1 % more absorption a step.
+/// The scene at frame `step`: its first object with noise and a bump, of which this change moves one; or turned
+/// by a degree a step; or with a material of 1 % more absorption a step.
 #[must_use]
 pub fn moved(scene: &Scene, what: What, step: usize) -> Scene {
     let mut moved = scene.clone();
@@ -122,6 +139,12 @@ pub fn moved(scene: &Scene, what: What, step: usize) -> Scene {
     let steps = |own: What| if what == own { step as f64 } else { 0.0 };
     let height = 0.1 * radius * (1.0 + 0.1 * steps(What::Bump));
     let offset = DVec3::new(0.0, 0.01 * size * steps(What::Shape), 0.0);
+    if what == What::Motion {
+        // Without deformations, which stay where they are.
+        let turn = DQuat::from_rotation_y((step as f64).to_radians());
+        object.mesh.positions.iter_mut().for_each(|position| *position = turn * *position);
+        return moved;
+    }
     object.material.sigma_a = object.material.sigma_a.map(|sigma| sigma * (1.0 + 0.01 * steps(What::Material)));
     object.deforms.push(Deform::Noise { amplitude: 0.01 * size, scale: 0.5 * size, offset });
     object.deforms.push(Deform::Bump { position: middle, radius, height, direction: None });
@@ -139,17 +162,16 @@ pub fn rows(device: Option<&Device>, scene: &Scene, frames: usize, only: &str) -
     for (scheme, called) in [(Scheme::Blocks, "blocks"), (Scheme::Links, "links")] {
         let mut scene = scene.clone();
         scene.transport.scheme = scheme;
-        let mut scratch = f64::NAN;
+        let mut scratch = None;
         for (mode, kind) in MODES {
             for what in CHANGES {
                 if !only.split_whitespace().all(|word| [called, mode, what.name()].contains(&word)) {
                     continue;
                 }
                 let mut row = one(device, &scene, (kind, what), frames)?;
-                if scratch.is_nan() {
-                    scratch = row.milliseconds;
-                }
-                (row.scheme, row.mode, row.ratio) = (called, mode, row.milliseconds / scratch);
+                let [stages, wall] = *scratch.get_or_insert([row.milliseconds, row.wall]);
+                (row.scheme, row.mode) = (called, mode);
+                (row.ratio, row.wall_ratio) = (row.milliseconds / stages, row.wall / wall);
                 rows.push(row);
             }
         }
@@ -192,6 +214,7 @@ fn one(device: Option<&Device>, scene: &Scene, (mode, what): (Mode, What), frame
         milliseconds: times[times.len() / 2],
         wall: walls[walls.len() / 2],
         ratio: 1.0,
+        wall_ratio: 1.0,
         links,
         factors,
         error,

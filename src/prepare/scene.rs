@@ -10,7 +10,7 @@ use super::lights::lights;
 use super::material::{coefficients, quadrature};
 use super::rounding::rounding;
 use super::shading;
-use super::shape::{shape, spoilt};
+use super::shape::{moved, radius_at_rest, shape, spoilt};
 use super::textures::texture;
 use super::units::Units;
 use crate::dipole::form_factor::ladder::Ladder;
@@ -36,6 +36,8 @@ pub struct Prepared {
     /// For each object whose tree was rebuilt for its deformed shape: how much wider the clusters of the rest shape's
     /// tree would have been.
     pub spoilt: Vec<Option<f64>>,
+    /// How compact each object's clusters are at rest, once that was asked for.
+    pub at_rest: Vec<Option<f64>>,
     /// For each object, the mesh triangle of each triangle of the state.
     pub faces: Vec<Vec<u32>>,
     /// A message about the depth maps of each object that has any.
@@ -104,7 +106,8 @@ pub fn prepare(
     let maps = layers(&mut state, &scene.objects, &faces, units);
     lights(&mut state, &scene.lights, &mut units, &scene.objects);
     camera(&mut state, &scene.camera, units);
-    Prepared { state, units, trees, methods, spoilt, faces, maps }
+    let at_rest = vec![None; trees.len()];
+    Prepared { state, units, trees, methods, spoilt, at_rest, faces, maps }
 }
 
 /// The tree of an object, how it was built, and, if deformations would have spoilt the rest shape's tree, by how
@@ -123,9 +126,10 @@ fn tree_of(
         }
     };
     let (tree, method) = known.map_or_else(|| build(&object.mesh.positions), |(tree, method)| (tree.clone(), method));
-    match spoilt(object, hierarchy, units, &tree) {
+    let Some(moved) = moved(object, units) else { return (tree, method, None) };
+    match spoilt(object, hierarchy, &tree, &moved, radius_at_rest(object, &tree)) {
         None => (tree, method, None),
-        Some((moved, growth)) => {
+        Some(growth) => {
             let (tree, method) = build(&moved);
             (tree, method, Some(growth))
         }

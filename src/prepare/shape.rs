@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::units::Units;
 use crate::error::{Input, Result};
@@ -33,13 +34,16 @@ pub fn shape(state: &mut State, objects: &[Object], units: Units) {
         data.rest_normals = Vec::new();
         return;
     }
-    data.rest = vec![[0.0; 3]; data.positions.len()];
-    data.rest_normals = data.rest.clone();
-    for (object, part) in objects.iter().zip(&state.objects) {
-        let own = part.first.vertices..part.first.vertices + part.count.vertices;
-        let (places, normals) = rest(object, units);
-        data.rest.splice(own.clone(), places);
-        data.rest_normals.splice(own, normals);
+    // The shape at rest stays, as long as something is deformed.
+    if data.rest.is_empty() {
+        data.rest = vec![[0.0; 3]; data.positions.len()];
+        data.rest_normals = data.rest.clone();
+        for (object, part) in objects.iter().zip(&state.objects) {
+            let own = part.first.vertices..part.first.vertices + part.count.vertices;
+            let (places, normals) = rest(object, units);
+            data.rest.splice(own.clone(), places);
+            data.rest_normals.splice(own, normals);
+        }
     }
     data.positions.clone_from(&data.rest);
     // Deform on the host as well; the result is bit-identical to any device's.
@@ -70,7 +74,12 @@ pub fn moved(object: &Object, units: Units) -> Option<Vec<DVec3>> {
     }
     let (places, normals) = rest(object, units);
     let place = |v: usize| own.iter().fold(places[v], |p, d| displace(d, p, normals[v], way(&morphs, d, v)));
-    Some((0..places.len()).map(|v| wide(place(v))).collect())
+    Some((0..places.len()).into_par_iter().map(|v| wide(place(v))).collect())
+}
+
+/// The deformed vertices of each object; none where nothing deforms it.
+pub fn all_moved(objects: &[Object], units: Units) -> Vec<Option<Vec<DVec3>>> {
+    objects.iter().map(|object| moved(object, units)).collect()
 }
 
 /// How far vertices may move from the centre of the scene at rest, internal units: the scene at rest is at most 1
@@ -81,8 +90,9 @@ const FARTHEST: f64 = 1.0;
 /// positions per cell.
 const MOST_CELLS: f64 = 65_536.0;
 
-/// Checks that deformed objects stay where distances are within the tables of distances and `f32` is fine enough.
-pub fn reach(objects: &[Object], units: Units) -> Result<()> {
+/// Checks that deformed objects, with these vertices, stay where distances are within the tables of distances and `f32`
+/// is fine enough.
+pub fn reach(objects: &[Object], units: Units, moved: &[Option<Vec<DVec3>>]) -> Result<()> {
     for (number, object) in objects.iter().enumerate() {
         let vertices = object.mesh.positions.len();
         let other = |deform: &&Deform| matches!(deform, Deform::Morph { ways, .. } if ways.len() != vertices);
@@ -102,8 +112,8 @@ pub fn reach(objects: &[Object], units: Units) -> Result<()> {
             }
         }
         let beyond = |p: &&DVec3| !p.is_finite() || p.abs().max_element() > FARTHEST;
-        if let Some(p) = moved(object, units).and_then(|moved| moved.iter().find(beyond).copied()) {
-            let found = format!("a vertex at {:.4}", units.outside(p));
+        if let Some(p) = moved[number].as_ref().and_then(|moved| moved.iter().find(beyond)) {
+            let found = format!("a vertex at {:.4}", units.outside(*p));
             let most = FARTHEST / units.length;
             let expected =
                 format!("within {most} of {:.4}, the middle of the scene at rest, on every axis", units.center);
@@ -119,17 +129,21 @@ pub fn reach(objects: &[Object], units: Units) -> Result<()> {
 /// lavapipe); it was built in about 15 ms.
 const SPOILT: f64 = 1.05;
 
-/// If deformations spoil an object's tree: the vertices to build it over instead of those at rest, and how much wider
-/// its clusters have become. Depends on the current shape alone, not on earlier ones. Trees of 4-to-1 splits are
-/// never rebuilt: they would be the same for any shape.
-pub fn spoilt(object: &Object, hierarchy: Hierarchy, units: Units, tree: &Tree) -> Option<(Vec<DVec3>, f64)> {
+/// How much wider an object's clusters have become by deformations to these vertices, if that spoils the tree, which is
+/// then built over them instead of those at rest. Depends on the current shape alone, not on earlier ones. Trees of
+/// 4-to-1 splits are never rebuilt: they would be the same for any shape. `at_rest` is [`relative_radius`] of the shape
+/// at rest.
+pub fn spoilt(object: &Object, hierarchy: Hierarchy, tree: &Tree, moved: &[DVec3], at_rest: f64) -> Option<f64> {
     if matches!(hierarchy, Hierarchy::Butterfly | Hierarchy::ShrinkWrap) {
         return None;
     }
-    let moved = moved(object, units)?;
-    let triangles = &object.mesh.triangles;
-    let growth = relative_radius(tree, &moved, triangles) / relative_radius(tree, &object.mesh.positions, triangles);
-    (growth > SPOILT).then_some((moved, growth))
+    let growth = relative_radius(tree, moved, &object.mesh.triangles) / at_rest;
+    (growth > SPOILT).then_some(growth)
+}
+
+/// How compact an object's clusters are at rest.
+pub fn radius_at_rest(object: &Object, tree: &Tree) -> f64 {
+    relative_radius(tree, &object.mesh.positions, &object.mesh.triangles)
 }
 
 /// An object's deformations in internal units, without those that have no effect; appends the displacements of morphs

@@ -1,16 +1,17 @@
 //! Changes of a session's scene between frames: lights, deformations, camera, or another scene.
 
+use glam::DVec3;
+
 use super::memory_estimate;
 use super::run::Session;
 use crate::error::Result;
-use crate::hierarchy::Tree;
 use crate::layout::BufferId;
 use crate::pipeline::plan::{Change, Changes, Plan};
 use crate::prepare::camera::{camera, tones};
 use crate::prepare::lights::lights;
 use crate::prepare::material::{self, differs_by_coefficients, quadrature};
 use crate::prepare::receivers::by_pixel;
-use crate::prepare::shape::{reach, shape, spoilt};
+use crate::prepare::shape::{all_moved, radius_at_rest, reach, shape, spoilt};
 use crate::scene::{Camera, Light, Object, Scene};
 use crate::state::{Group, State};
 
@@ -111,14 +112,15 @@ impl Session {
         let materials = pairs().any(|(old, new)| old.material != new.material);
         let shape = pairs().any(|(old, new)| old.deforms != new.deforms);
         let (lights, old_camera) = (old.lights != new.lights, old.camera.clone());
-        if !meshes || old.transport != new.transport || (shape && !self.keeps_trees(new)) {
+        let moved = if meshes && shape { all_moved(&new.objects, self.prepared.units) } else { Vec::new() };
+        if !meshes || old.transport != new.transport || (shape && !self.keeps_trees(new, &moved)) {
             return self.renew(|scene| *scene = new.clone());
         }
         if materials {
             self.set_materials(new)?;
         }
         if shape {
-            self.set_deforms(new)?;
+            self.set_deforms(new, &moved)?;
         }
         if lights {
             self.set_lights(&new.lights)?;
@@ -145,23 +147,28 @@ impl Session {
         &self.prepared.maps
     }
 
-    /// Whether a new session for these deformations would have the same trees.
-    fn keeps_trees(&self, new: &Scene) -> bool {
-        let (prepared, units) = (&self.prepared, self.prepared.units);
-        let serves = |(object, tree): (&Object, &Tree)| spoilt(object, new.transport.hierarchy, units, tree).is_none();
-        self.fixed.asked.is_none()
-            && prepared.spoilt.iter().all(Option::is_none)
-            && new.objects.iter().zip(&prepared.trees).all(serves)
+    /// Whether a new session for these deformations, to the vertices `moved`, would have the same trees.
+    fn keeps_trees(&mut self, new: &Scene, moved: &[Option<Vec<DVec3>>]) -> bool {
+        if self.fixed.asked.is_some() || self.prepared.spoilt.iter().any(Option::is_some) {
+            return false;
+        }
+        let prepared = &mut self.prepared;
+        let own = prepared.trees.iter().zip(&mut prepared.at_rest);
+        new.objects.iter().zip(own).zip(moved).all(|((object, (tree, at_rest)), moved)| {
+            let Some(moved) = moved else { return true };
+            let at_rest = *at_rest.get_or_insert_with(|| radius_at_rest(object, tree));
+            spoilt(object, new.transport.hierarchy, tree, moved, at_rest).is_none()
+        })
     }
 
     /// Adopts the deformations of a scene with the same objects.
-    fn set_deforms(&mut self, new: &Scene) -> Result<()> {
+    fn set_deforms(&mut self, new: &Scene, moved: &[Option<Vec<DVec3>>]) -> Result<()> {
+        reach(&new.objects, self.prepared.units, moved)?;
         for (own, new) in self.scene.objects.iter_mut().zip(&new.objects) {
             own.deforms.clone_from(&new.deforms);
         }
         let sizes = |state: &State| (state.data.deforms.len(), state.data.morphs.len());
         let before = sizes(&self.prepared.state);
-        reach(&self.scene.objects, self.prepared.units)?;
         let places = self.state().method.incremental.then(|| self.state().data.positions.clone());
         shape(&mut self.prepared.state, &self.scene.objects, self.prepared.units);
         self.pending.add(Change::EVERYTHING);

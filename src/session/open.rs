@@ -14,7 +14,7 @@ use crate::prepare::layers::drop_unlooked;
 use crate::prepare::receivers::{by_pixel, lit_at};
 use crate::prepare::scene::prepare;
 use crate::prepare::shading::local;
-use crate::prepare::shape::reach;
+use crate::prepare::shape::{all_moved, reach};
 use crate::prepare::texture_charts::{blur, unwrap};
 use crate::prepare::textures::drop_unseen;
 use crate::prepare::units::Units;
@@ -48,7 +48,8 @@ impl Session {
         };
         let local = local(&scene.transport, options.transport);
         device.map_or(Ok(()), |_| holds(scene))?;
-        reach(&scene.objects, Units::of(scene.objects.iter().map(|object| &object.mesh)))?;
+        let units = Units::of(scene.objects.iter().map(|object| &object.mesh));
+        reach(&scene.objects, units, &all_moved(&scene.objects, units))?;
         // Subdivide where lighting needs it; code below sees only that scene.
         let asked = (scene.transport.subdivide > 0 && local.is_none()).then(|| scene.clone());
         let blocks = scene.transport.scheme == Scheme::Blocks && options.transport == ShadingMethod::Hierarchy;

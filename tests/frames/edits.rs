@@ -192,3 +192,19 @@ fn any_edits_give_what_a_new_session_gives_on_devices() {
     let ways: Vec<usize> = (0..WAYS.len()).collect();
     devices::on_devices_each(&ways, |device, &way| sequences(Some(device), way, length()));
 }
+
+#[test]
+fn a_refused_edit_changes_nothing() {
+    let options = Options { goal: Goal::Picture, ..Options::default() };
+    let at = vec![0; KNOBS.len()];
+    let before = scene("blocks", &[], &at);
+    let mut session = Session::new(&before, None, options).unwrap();
+    let wanted = Outcome::of(&mut session);
+    let bump = "object.0.deform.0={ type='bump', position=[0, 0, 10], radius=4, height=1000 }";
+    let refused = scene("blocks", &[bump, "object.0.material.scale=3", "camera.size=[3, 3]"], &at[..14]);
+    let told = session.show(&refused).unwrap_err().to_string();
+    assert!(told.contains("move the object too far"), "{told}");
+    assert!(session.scene().objects[0].deforms.is_empty());
+    session.show(&before).unwrap();
+    assert!(Outcome::of(&mut session).apart(&wanted).is_empty());
+}
