@@ -66,6 +66,16 @@ pub fn size(state: &mut State, plan: &Plan) {
     resize(state, plan, |_| true);
 }
 
+/// The same, but leaves buffers as they are whose size is right.
+pub fn adjust(state: &mut State, plan: &Plan) {
+    let right = |state: &State, slot: BufferId| {
+        let count = if wanted(state, plan, slot) { elements(state, slot) } else { 0 };
+        state.data.bytes(slot).len() == count * slot.spec().stride
+    };
+    let wrong: Vec<BufferId> = BUFFER_IDS.iter().copied().filter(|slot| !right(state, *slot)).collect();
+    resize(state, plan, |slot| wrong.contains(&slot));
+}
+
 /// The same for the buffers that `chosen` accepts.
 pub fn resize(state: &mut State, plan: &Plan, chosen: impl Fn(BufferId) -> bool) {
     for slot in BUFFER_IDS.iter().copied().filter(|slot| chosen(*slot) && !Plan::is_input(*slot)) {

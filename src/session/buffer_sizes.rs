@@ -3,7 +3,7 @@
 use super::run::Session;
 use crate::error::Result;
 use crate::layout::BufferId;
-use crate::pipeline::buffer_sizes::{RESULTS, grows, resize, size};
+use crate::pipeline::buffer_sizes::{RESULTS, adjust, grows, resize, size};
 use crate::pipeline::plan::{Plan, ShadingMethod};
 
 impl Session {
@@ -15,13 +15,26 @@ impl Session {
         self.check_bindings()?;
         let inputs: Vec<BufferId> = Plan::inputs().collect();
         self.send(&inputs)?;
-        // Buffers that no stage of the plan writes must be zero where a stage or the host reads them.
+        self.blank()?;
+        // The host reads these for every object, though not every object has lists.
+        self.send(&[BufferId::cut_short, BufferId::counters, BufferId::stale, BufferId::stale_counts])
+    }
+
+    /// Gives those buffers another size that need one, after a change of `inputs`; all others keep their contents.
+    pub(crate) fn adjust(&mut self, inputs: &[BufferId]) -> Result<()> {
+        adjust(&mut self.prepared.state, &self.plan);
+        self.check_bindings()?;
+        self.send(inputs)?;
+        self.blank()
+    }
+
+    /// Zeroes the buffers that no stage of the plan writes, where a stage or the host reads them.
+    fn blank(&mut self) -> Result<()> {
         let carried = self.plan.options().transport != ShadingMethod::None;
         let unwritten = |slot: &BufferId| !self.plan.writes(*slot) || (*slot == BufferId::radiosity && !carried);
         let blank: Vec<BufferId> = RESULTS[..4].iter().copied().filter(unwritten).collect();
-        self.send(&blank)?;
-        // The host reads these for every object, though not every object has lists.
-        self.send(&[BufferId::cut_short, BufferId::counters, BufferId::stale, BufferId::stale_counts])
+        blank.iter().for_each(|slot| self.prepared.state.data.bytes_mut(*slot).fill(0));
+        self.send(&blank)
     }
 
     /// Gives the lists their new size, when all earlier results of the frame are still valid.

@@ -13,7 +13,7 @@ use crate::prepare::material::{self, differs_by_coefficients, quadrature};
 use crate::prepare::receivers::by_pixel;
 use crate::prepare::shape::{all_moved, radius_at_rest, reach, shape, spoilt};
 use crate::scene::{Camera, Light, Object, Scene};
-use crate::state::{Group, State};
+use crate::state::{Granularity, Group, Scheme, Stage, State};
 
 /// The inputs that lights and materials write.
 const LIGHTING: &[BufferId] = &[
@@ -90,16 +90,27 @@ impl Session {
     /// Adopts changes that were made to the state's inputs: other stages, other sizes, or other values of `inputs`.
     fn adopt(&mut self, before: &Layout, changes: Changes, inputs: &[BufferId]) -> Result<()> {
         self.pending = std::mem::take(&mut self.pending).and(&changes);
-        let plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());
-        let same = plan.stages.iter().map(|stage| stage.name).eq(self.plan.stages.iter().map(|stage| stage.name));
-        // Other stages or buffer sizes: the first light, the last one removed, or channels that no longer share a
-        // group.
-        if !same || *before != Layout::of(&self.prepared.state) {
-            self.plan = plan;
+        let state = &self.prepared.state;
+        let plan = Plan::new(state, self.plan.options()).without(self.fixed.receivers.clone());
+        let enters: Vec<&Stage> = plan.stages.iter().copied().filter(|stage| !self.plan.has(stage)).collect();
+        // Stages that run once need a change of any object, the others one of each.
+        let runs = |stage: &&Stage| match stage.granularity {
+            Granularity::Scene => (stage.runs)(&plan.update(state, changes.any())),
+            _ => (0..state.objects.len()).all(|object| (stage.runs)(&plan.update(state, changes.of(object)))),
+        };
+        let (now, run) = (Layout::of(state), enters.iter().all(runs));
+        let same = enters.is_empty() && plan.stages.len() == self.plan.stages.len();
+        if same && *before == now {
+            return self.send(inputs);
+        }
+        self.plan = plan;
+        // Blocks have lists for each group of channels. A stage that was not there has to run now.
+        let blocks = self.prepared.state.method.scheme == Scheme::Blocks;
+        if (blocks && before.groups != now.groups) || !run {
             self.pending = Change::EVERYTHING.into();
             return self.resize();
         }
-        self.send(inputs)
+        self.adjust(inputs)
     }
 
     /// Switches to another scene and reuses what it has in common with the current one. The next frame equals that of a

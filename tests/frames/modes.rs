@@ -197,6 +197,19 @@ fn an_edit_runs_what_it_touches() {
     for shown in ["camera.exposure=2", "camera.tone=filmic"] {
         assert_eq!(after(&[shown], fly), [""; 0], "{shown}");
     }
+    // The first light that casts shadows, and the first environment, leave shapes and lists for any light.
+    let links = ["transport.scheme=links", "light.0.shadows=false", "object.0.detail=2", "camera.size=[16, 16]"];
+    let more = |light: &str| {
+        let mut session = Session::new(&scene("sphere", &links), None, picture).unwrap();
+        session.frame(Change::EVERYTHING).unwrap();
+        session.show(&scene("sphere", &[&links[..], &[light]].concat())).unwrap();
+        names(&mut session, Change::default())
+    };
+    let summed = ["irradiance", "mean_irradiance", "sum_links", "push_links", "average", "shade"];
+    let point = "light.1={ type='point', position=[4, 9, 25], intensity=500 }";
+    assert_eq!(more(point), [&["shadow"], &summed[..]].concat());
+    let sky = "light.1={ type='environment', image='builtin:sky', intensity=2 }";
+    assert_eq!(more(sky), [&["environment"], &summed[..]].concat());
     // A new light leaves shapes and materials.
     let lit = after(&["light.0.direction=[1, 0, 0]"], fly);
     assert!(lit.iter().all(|name| name != "refit" && name != "deform"), "{lit:?}");
