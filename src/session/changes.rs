@@ -212,7 +212,7 @@ impl Session {
             return self.renew(|scene| scene.camera = new.clone());
         }
         self.pending.add(Change::VIEW);
-        self.shifted = false;
+        (self.shifted, self.sampled) = (false, false);
         camera(&mut self.prepared.state, new, self.prepared.units);
         if before.environment != new.environment || (before.samples == 1) != (new.samples == 1) {
             self.plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());

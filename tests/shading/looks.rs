@@ -200,6 +200,11 @@ fn a_session_renders_what_the_camera_asks_for() {
     rendered.frame(Default::default()).unwrap();
     assert_eq!(rendered.picture().unwrap().pixels, centres);
     assert_eq!(rendered.render().unwrap().pixels, first.pixels);
+    // Without a frame after another camera there is a picture of its size all the same.
+    let mut one = rendered.scene().camera.clone();
+    (one.samples, one.size) = (1, [5, 4]);
+    rendered.set_camera(&one).unwrap();
+    assert_eq!(rendered.picture().unwrap().pixels.len(), 20);
 }
 
 #[test]
