@@ -20,14 +20,14 @@ uint occlusion(vec3 origin, vec3 direction, bool far, vec3 light, uint self, Pla
         // On to the next triangle whose box the ray meets. Then that triangle.
         uint face = NONE;
         while (face == NONE && node < end) {
-            Bounds box = bounds[node];
+            Bounds box = placed_bounds[node];
             bool met = meets(box.low, box.high, origin, ray, limit);
             if (met) face = box.face;
             node = met && face == NONE ? node + 1 : box.next;
         }
         if (face != NONE) {
             uvec3 corner = triangles[face];
-            vec3 pa = positions[corner.x], pb = positions[corner.y], pc = positions[corner.z];
+            vec3 pa = placed_positions[corner.x], pb = placed_positions[corner.y], pc = placed_positions[corner.z];
             precise vec3 a = pa - origin;
             precise vec3 b = pb - origin;
             precise vec3 c = pc - origin;

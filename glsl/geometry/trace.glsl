@@ -76,13 +76,13 @@ Nearest trace(vec3 origin, vec3 direction) {
     Sight ray = sight(direction);
     uint node = 0, end = object_params[0].scene_nodes;
     while (node < end) {
-        Bounds box = bounds[node];
+        Bounds box = placed_bounds[node];
         bool met = meets(box.low, box.high, origin, ray, nearest), leaf = box.face != NONE;
         if (met && leaf) {
             uvec3 corner = triangles[box.face];
-            precise vec3 a = positions[corner.x] - origin;
-            precise vec3 b = positions[corner.y] - origin;
-            precise vec3 c = positions[corner.z] - origin;
+            precise vec3 a = placed_positions[corner.x] - origin;
+            precise vec3 b = placed_positions[corner.y] - origin;
+            precise vec3 c = placed_positions[corner.z] - origin;
             Nearest found = pierce(ray, a, b, c);
             precise float mine = found.numerator * nearest.denominator;
             precise float its = nearest.numerator * found.denominator;

@@ -10,8 +10,8 @@ READS(object_params)
 READS(camera)
 READS(lit)
 READS(triangles)
-READS(positions)
-READS(normals)
+READS(placed_positions)
+READS(placed_normals)
 READS(planes)
 READS(corner_uvs)
 READS(hits)
@@ -22,6 +22,7 @@ READS(islands)
 READS(layer_lights)
 UPDATES(radiance)
 #include "geometry/blend.glsl"
+#include "geometry/placed.glsl"
 #include "lighting/arrival.glsl"
 #include "lighting/fresnel.glsl"
 #include "lighting/wrap.glsl"
@@ -43,14 +44,14 @@ vec3 unit(vec3 v) { return v * (1.0 / sqrt(max(dot(v, v), 1e-30))); }
 March march(Layering own, Hit hit) {
     uvec3 corner = triangles[hit.face];
     vec3 weight = CORNER_WEIGHTS(hit);
-    vec3 a = positions[corner.x], b = positions[corner.y], c = positions[corner.z];
+    vec3 a = placed_positions[corner.x], b = placed_positions[corner.y], c = placed_positions[corner.z];
     vec4 plane = BLEND_AT(weight, planes, corner);
     March m;
     m.point = BLEND(weight, a, b, c);
     m.eye = unit(camera[0].origin - m.point);
-    vec3 area = cross(b - a, c - a), fitted = unit(plane.xyz);
+    vec3 area = cross(b - a, c - a), fitted = unit(turned(own.object, plane.xyz));
     float side = dot(area, m.eye) < 0.0 ? -1.0 : 1.0;
-    m.normal = side * unit(BLEND_AT(weight, normals, corner));
+    m.normal = side * unit(BLEND_AT(weight, placed_normals, corner));
     m.plane_normal = side * fitted;
     m.plane_point = m.point + plane.w * fitted;
     m.place = vec2(0);

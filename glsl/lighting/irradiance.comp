@@ -14,11 +14,12 @@ READS(lit)
 READS(harmonics)
 WRITES(irradiance)
 #include "lighting/entering.glsl"
+#include "geometry/placed.glsl"
 
 void main() {
     uint face = invocation();
     if (face >= object_params[0].faces) return;
     Cluster leaf = clusters[leaves[face]];
     vec3 normal = leaf.area > 0.0 ? leaf.normal / leaf.area : vec3(0);
-    irradiance[face] = entering(0, face, leaf.center, normal);
+    irradiance[face] = entering(0, face, placed(0, leaf.center), turned(0, normal));
 }

@@ -10,19 +10,20 @@ READS(object_params)
 READS(lights)
 READS(leaves)
 READS(clusters)
-READS(positions)
+READS(placed_positions)
 READS(triangles)
-READS(bounds)
+READS(placed_bounds)
 UPDATES(lit)
 UPDATES(cut_short)
 #include "lighting/way.glsl"
+#include "geometry/placed.glsl"
 
 void main() {
     uint k = invocation();
     if (k >= rays.count) return;
     uint face = rays.first + k;
     Light light = lights[rays.light];
-    vec3 origin = clusters[object_params[rays.object].first_node + leaves[face]].center;
+    vec3 origin = placed(rays.object, clusters[object_params[rays.object].first_node + leaves[face]].center);
     uint met = way(light, rays.object, face, origin, true, OTHERS != 0);
     if (met == UNFINISHED) cut_short[0] = 1;
 

@@ -9,7 +9,7 @@ uint way(Light light, uint object, uint face, vec3 origin, bool asked, bool othe
     precise vec3 direction = light.place;
     if (!far) direction = light.place - origin;
     uvec3 corner = triangles[face];
-    Plane own = plane_of(positions[corner.x], positions[corner.y], positions[corner.z]);
+    Plane own = plane_of(placed_positions[corner.x], placed_positions[corner.y], placed_positions[corner.z]);
 
     // A face that is turned away, behind an area light or outside a spot's cone needs no ray.
     float facing = dot3(direction, own.normal);

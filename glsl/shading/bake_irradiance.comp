@@ -13,8 +13,8 @@ READS(lights)
 READS(lit)
 READS(harmonics)
 READS(triangles)
-READS(positions)
-READS(normals)
+READS(placed_positions)
+READS(placed_normals)
 READS(corner_uvs)
 READS(texels)
 READS(unwrappings)
@@ -35,8 +35,8 @@ void main() {
     if (chart.face != NONE) {
         uvec3 corner = triangles[chart.face];
         vec3 weight = CORNER_WEIGHTS(chart);
-        vec3 a = positions[corner.x], b = positions[corner.y], c = positions[corner.z];
-        vec3 normal = BLEND_AT(weight, normals, corner);
+        vec3 a = placed_positions[corner.x], b = placed_positions[corner.y], c = placed_positions[corner.z];
+        vec3 normal = BLEND_AT(weight, placed_normals, corner);
         normal /= sqrt(max(dot(normal, normal), 1e-30));
         vec3 E = entering(own.object, chart.face, BLEND(weight, a, b, c), normal);
         CornerUvs uvs = corner_uvs[chart.face];

@@ -9,7 +9,7 @@ READS(lights)
 READS(lit)
 READS(harmonics)
 READS(triangles)
-READS(positions)
+READS(placed_positions)
 READS(packed_normals)
 READS(hits)
 UPDATES(radiance)
@@ -53,7 +53,7 @@ void main() {
     if (opaque != OPAQUE_NOT) return;
     uvec3 corner = triangles[hit.face];
     vec3 weight = CORNER_WEIGHTS(hit);
-    vec3 point = BLEND_AT(weight, positions, corner);
+    vec3 point = BLEND_AT(weight, placed_positions, corner);
     vec4 bent = BLEND(weight, bend(corner.x), bend(corner.y), bend(corner.z));
     vec3 normal = bent.xyz / sqrt(max(dot(bent.xyz, bent.xyz), 1e-30));
     vec3 sigma = local_sigma(sigma_0 * bent.w, object, hit.face, weight);

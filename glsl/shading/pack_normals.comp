@@ -7,7 +7,7 @@
 // 2 if it is smoothed.
 layout(constant_id = 0) const uint BENT = 0;
 READS(object_params)
-READS(normals)
+READS(placed_normals)
 READS(curvature)
 READS(smooth_kappa)
 WRITES(packed_normals)
@@ -15,7 +15,7 @@ WRITES(packed_normals)
 void main() {
     uint vertex = invocation();
     if (vertex >= object_params[0].vertices) return;
-    precise vec3 scaled = floor(normals[vertex] * 32767.0 + 0.5);
+    precise vec3 scaled = floor(placed_normals[vertex] * 32767.0 + 0.5);
     ivec3 normal = ivec3(scaled) & 0xffff;
     uint code = 0;
     if (BENT != 0) {

@@ -9,8 +9,8 @@ layout(constant_id = 0) const uint OBJECTS = 1;
 READS(object_params)
 READS(camera)
 READS(triangles)
-READS(positions)
-READS(normals)
+READS(placed_positions)
+READS(placed_normals)
 READS(hits)
 READS(corner_uvs)
 READS(unwrappings)
@@ -52,8 +52,8 @@ void main() {
 
     uvec3 corner = triangles[hit.face];
     vec3 weight = CORNER_WEIGHTS(hit);
-    vec3 point = BLEND_AT(weight, positions, corner);
-    vec3 normal = BLEND_AT(weight, normals, corner);
+    vec3 point = BLEND_AT(weight, placed_positions, corner);
+    vec3 normal = BLEND_AT(weight, placed_normals, corner);
     normal /= sqrt(max(dot(normal, normal), 1e-30));
     vec3 eye = camera[0].origin - point;
     float cosine = abs(dot(normal, eye)) / sqrt(max(dot(eye, eye), 1e-30));

@@ -9,9 +9,9 @@ layout(constant_id = 0) const uint OBJECTS = 1;
 layout(push_constant, scalar) uniform push_block { Rays rays; };
 READS(object_params)
 READS(lights)
-READS(positions)
+READS(placed_positions)
 READS(triangles)
-READS(bounds)
+READS(placed_bounds)
 READS(hits)
 UPDATES(pixel_lit)
 UPDATES(cut_short)
@@ -31,7 +31,7 @@ void main() {
     Light light = lights[rays.light];
     uvec3 corner = triangles[face];
     precise vec3 weight = CORNER_WEIGHTS(hit);
-    precise vec3 place = BLEND_AT(weight, positions, corner);
+    precise vec3 place = BLEND_AT(weight, placed_positions, corner);
     uint met = way(light, object, face, place, asked, false);
     if (met == UNFINISHED) cut_short[0] = 1;
 

@@ -11,8 +11,8 @@ layout(constant_id = 1) const uint PIXELS = 0;
 READS(object_params)
 READS(camera)
 READS(triangles)
-READS(positions)
-READS(normals)
+READS(placed_positions)
+READS(placed_normals)
 READS(vertex_radiosity)
 READS(radiosity)
 READS(hits)
@@ -30,8 +30,8 @@ void main() {
         uint object = object_of(hit.face);
         uvec3 corner = triangles[hit.face];
         vec3 weight = CORNER_WEIGHTS(hit);
-        vec3 point = BLEND_AT(weight, positions, corner);
-        vec3 normal = BLEND_AT(weight, normals, corner);
+        vec3 point = BLEND_AT(weight, placed_positions, corner);
+        vec3 normal = BLEND_AT(weight, placed_normals, corner);
         vec3 B = BLEND_AT(weight, vertex_radiosity, corner);
         if (PIXELS != 0) {
             if (object_params[object].by_pixel != 0) B = radiosity[object_params[object].first_receiver + seen[pixel]];

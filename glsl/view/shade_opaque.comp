@@ -13,8 +13,8 @@ READS(lights)
 READS(pixel_lit)
 READS(harmonics)
 READS(triangles)
-READS(positions)
-READS(normals)
+READS(placed_positions)
+READS(placed_normals)
 READS(hits)
 UPDATES(radiance)
 #define LIT(word) pixel_lit[word]
@@ -31,8 +31,8 @@ void main() {
     if (object_params[object].opaque != OPAQUE_BY_PIXEL) return;
     uvec3 corner = triangles[hit.face];
     vec3 weight = CORNER_WEIGHTS(hit);
-    vec3 point = BLEND_AT(weight, positions, corner);
-    vec3 normal = BLEND_AT(weight, normals, corner);
+    vec3 point = BLEND_AT(weight, placed_positions, corner);
+    vec3 normal = BLEND_AT(weight, placed_normals, corner);
     normal /= sqrt(max(dot(normal, normal), 1e-30));
     vec3 arrives = entering(object, pixel, point, normal);
     vec3 eye = camera[0].origin - point;

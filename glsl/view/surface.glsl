@@ -14,9 +14,9 @@ vec3 unit(vec3 v) {
 Surface surface(Hit hit) {
     uvec3 corner = triangles[hit.face];
     vec3 weight = CORNER_WEIGHTS(hit);
-    vec3 a = positions[corner.x], b = positions[corner.y], c = positions[corner.z];
+    vec3 a = placed_positions[corner.x], b = placed_positions[corner.y], c = placed_positions[corner.z];
     vec3 point = BLEND(weight, a, b, c);
-    vec3 normal = BLEND_AT(weight, normals, corner);
+    vec3 normal = BLEND_AT(weight, placed_normals, corner);
     vec3 toward = camera[0].origin - point;
     float side = dot(cross(b - a, c - a), toward) < 0.0 ? -1.0 : 1.0;
     return Surface(point, unit(normal) * side, unit(toward));

@@ -6,9 +6,9 @@
 // The first triangle that each pixel's ray hits.
 READS(object_params)
 READS(camera)
-READS(positions)
+READS(placed_positions)
 READS(triangles)
-READS(bounds)
+READS(placed_bounds)
 WRITES(hits)
 #include "geometry/trace.glsl"
 #include "view/ray.glsl"

@@ -2,6 +2,7 @@
 
 pub mod deform;
 pub mod occlusion;
+pub mod placement;
 pub mod plane;
 pub mod refit;
 pub mod trace;

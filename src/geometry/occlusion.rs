@@ -39,14 +39,15 @@ pub struct Ray {
 
 /// Whether any triangle of `data` blocks the ray.
 pub fn blocked(data: &Buffers, ray: &Ray) -> bool {
-    let corners = |face: u32| data.triangles[face as usize].map(|v| data.positions[v as usize]);
+    let corners = |face: u32| data.triangles[face as usize].map(|v| data.in_scene()[v as usize]);
     let own = Plane::new(corners(ray.face));
     let face = if ray.light.is_none() { NONE } else { UNFINISHED };
     let sight = Sight::new(ray.direction);
     // The light is at `along / scale`.
     let limit = Nearest { face, weights: [0.0; 3], numerator: sight.square, denominator: sight.scale };
     let mut node = 0;
-    while let Some(bounds) = data.bounds.get(node) {
+    let boxes = data.bounds_in_scene();
+    while let Some(bounds) = boxes.get(node) {
         let met = meets(bounds.low, bounds.high, ray.origin, &sight, &limit);
         node = if met && bounds.face == NONE { node + 1 } else { bounds.next as usize };
         let spared = ray.spared.as_ref().is_some_and(|spared| spared.contains(&bounds.face));

@@ -102,7 +102,8 @@ pub fn trace(data: &Buffers, origin: [f32; 3], direction: [f32; 3]) -> Nearest {
     let mut nearest = Nearest { face: NONE, weights: [0.0; 3], numerator: 0.0, denominator: 1.0 };
     let ray = Sight::new(direction);
     let mut node = 0;
-    while let Some(bounds) = data.bounds.get(node) {
+    let (boxes, positions) = (data.bounds_in_scene(), data.in_scene());
+    while let Some(bounds) = boxes.get(node) {
         if !meets(bounds.low, bounds.high, origin, &ray, &nearest) {
             node = bounds.next as usize;
             continue;
@@ -112,7 +113,7 @@ pub fn trace(data: &Buffers, origin: [f32; 3], direction: [f32; 3]) -> Nearest {
             continue;
         };
         node = bounds.next as usize;
-        let Some(found) = ray.pierce(corner.map(|v| minus(data.positions[v as usize], origin))) else { continue };
+        let Some(found) = ray.pierce(corner.map(|v| minus(positions[v as usize], origin))) else { continue };
         let (mine, its) = (found.numerator * nearest.denominator, nearest.numerator * found.denominator);
         let nearer = nearest.face == NONE || mine < its || (mine == its && bounds.face < nearest.face);
         if found.numerator > 0.0 && nearer {

@@ -27,7 +27,7 @@ buffers! {
     harmonics: [f32; 3], patch;
     /// The camera; one element.
     camera: Camera, scene;
-    /// Positions of all objects' vertices, centred and scaled to unit extent.
+    /// Positions of all objects' vertices, each object's in its own frame: about its centre, a scene of unit extent.
     positions: [f32; 3], point;
     /// The same before any deformation, where there is one.
     rest: [f32; 3], vertex;
@@ -57,12 +57,18 @@ buffers! {
     leaves: u32, face;
     /// All nodes, sorted by chunk, then level, then index.
     order: u32, node;
-    /// Bounding boxes, and the order in which rays visit the trees of all objects.
+    /// Bounding boxes in the object's own frame, and the order in which rays visit the trees of all objects.
     bounds: Bounds, node;
     /// Clusters.
     clusters: Cluster, node;
     /// Unit vertex normals, area-weighted.
     normals: [f32; 3], vertex;
+    /// Positions in the scene, where objects are turned or shifted; otherwise empty, and `positions` are bound instead.
+    placed_positions: [f32; 3], point;
+    /// Vertex normals in the scene; empty, with `normals` instead, likewise.
+    placed_normals: [f32; 3], vertex;
+    /// Bounding boxes in the scene; empty, with `bounds` instead, likewise.
+    placed_bounds: Bounds, node;
     /// The curvature of the surface at each vertex.
     curvature: Curvature, vertex;
     /// Integrals of curvature over each cluster.
@@ -213,4 +219,35 @@ buffers! {
     queries: Query, query;
     /// Their values: radial, then displaced sources (Table 1).
     answers: [f32; 3], query;
+}
+
+impl Buffers {
+    /// Positions in the scene.
+    #[must_use]
+    pub fn in_scene(&self) -> &[[f32; 3]] {
+        if self.placed_positions.is_empty() { &self.positions } else { &self.placed_positions }
+    }
+
+    /// Vertex normals in the scene.
+    #[must_use]
+    pub fn normals_in_scene(&self) -> &[[f32; 3]] {
+        if self.placed_normals.is_empty() { &self.normals } else { &self.placed_normals }
+    }
+
+    /// Bounding boxes in the scene.
+    #[must_use]
+    pub fn bounds_in_scene(&self) -> &[Bounds] {
+        if self.placed_bounds.is_empty() { &self.bounds } else { &self.placed_bounds }
+    }
+
+    /// The buffer that is bound where a kernel names this one.
+    #[must_use]
+    pub fn bound(&self, slot: BufferId) -> BufferId {
+        match slot {
+            BufferId::placed_positions if self.placed_positions.is_empty() => BufferId::positions,
+            BufferId::placed_normals if self.placed_normals.is_empty() => BufferId::normals,
+            BufferId::placed_bounds if self.placed_bounds.is_empty() => BufferId::bounds,
+            other => other,
+        }
+    }
 }

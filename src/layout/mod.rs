@@ -57,6 +57,7 @@ plain! {
     [u32; 3], "uvec3", 3, Unsigned;
     [u32; 5], "uint[5]", 5, Unsigned;
     [u32; 16], "uint[16]", 16, Unsigned;
+    [u32; 20], "uint[20]", 20, Unsigned;
     [u32; 32], "uint[32]", 32, Unsigned;
 }
 

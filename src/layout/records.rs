@@ -121,8 +121,16 @@ records! { frame_records:
         sigma_0_first: u32,
         /// The number of its texture coordinates' sheets, from 1; 0 where its light is not blurred over them.
         irradiance_map: u32,
+        /// What turns it from its own frame into the scene: the first row of a matrix.
+        turn_x: [f32; 3],
+        /// The second row.
+        turn_y: [f32; 3],
+        /// The third row.
+        turn_z: [f32; 3],
+        /// What shifts it after that.
+        shift: [f32; 3],
         /// Unused.
-        padding: [u32; 32],
+        padding: [u32; 20],
         /// Not 0 if near clusters are integrated over their projection (section 5.1.1).
         projected: u32,
         /// Unused.

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::{fresnel, harmonics};
 use crate::error::Result;
+use crate::geometry::placement::{placed, turned};
 use crate::layout::{
     BufferId, Buffers, LIGHT_AREA, LIGHT_AREA_BOTH, LIGHT_DIRECTIONAL, LIGHT_SKY_RAY, LIGHT_SPOT, Light, NONE,
     ObjectParams, SKY_HARMONICS,
@@ -116,7 +117,9 @@ fn cpu(state: &mut State, _at: Scope) {
         let area = f64::from(leaf.area);
         let normal = if area > 0.0 { wide(leaf.normal) / area } else { DVec3::ZERO };
         let reaches = |light: &Light| reaches(data, light, face);
-        narrow(entering(data, &data.object_params[0], [wide(leaf.center), normal], &reaches))
+        let params = &data.object_params[0];
+        let place = [wide(placed(params, leaf.center)), wide(turned(params, narrow(normal)))];
+        narrow(entering(data, params, place, &reaches))
     };
     state.data.irradiance = (0..data.triangles.len()).into_par_iter().map(of_face).collect();
 }

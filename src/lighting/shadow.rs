@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::geometry::occlusion::{Ray, blocked};
+use crate::geometry::placement::placed;
 use crate::geometry::plane::Plane;
 use crate::layout::{BufferId, LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_SKY_RAY, LIGHT_SPOT, Light, NONE, Rays};
 use crate::state::{
@@ -52,9 +53,11 @@ fn cpu(state: &mut State, _at: Scope) {
     let casting: Vec<&Light> = data.lights.iter().filter(|light| light.shadow != NONE).collect();
     let of_face = |face: usize, bits: &mut [u32]| {
         bits.fill(0);
-        let node = state.objects[state.object_of(face)].first.nodes + data.leaves[face] as usize;
+        let object = state.object_of(face);
+        let node = state.objects[object].first.nodes + data.leaves[face] as usize;
+        let origin = placed(&data.object_params[object], data.clusters[node].center);
         for light in &casting {
-            let free = free(state, face as u32, data.clusters[node].center, light);
+            let free = free(state, face as u32, origin, light);
             bits[light.shadow as usize / 32] |= u32::from(free) << (light.shadow % 32);
         }
     };
@@ -92,7 +95,7 @@ fn ray(state: &State, face: u32, origin: [f32; 3], light: &Light) -> Option<Ray>
         let first = object.first.faces as u32;
         first..first + object.count.faces as u32
     });
-    let own = Plane::new(data.triangles[face as usize].map(|v| data.positions[v as usize]));
+    let own = Plane::new(data.triangles[face as usize].map(|v| data.in_scene()[v as usize]));
     let facing = dot(direction, own.normal);
     let along = -dot(direction, light.axis);
     let cosine = 1.0 - light.outer;

@@ -6,7 +6,7 @@
 //! bytes after each buffer must be untouched; the validation layer must report nothing.
 
 use crate::error::Result;
-use crate::geometry::deform;
+use crate::geometry::{deform, placement};
 use crate::gpu::Device;
 use crate::layout::{BUFFER_IDS, BufferId};
 use crate::measure::bias::{Bias, add};
@@ -109,12 +109,14 @@ fn poison(state: &mut State, step: Step) {
             bytemuck::cast_slice_mut::<u8, u32>(bytes).fill(POISON);
         }
     }
-    // `deform` overwrites its object's positions, but declares an update: the host has computed them before.
-    if step.stage.is(&deform::STAGE) {
-        let object = &state.objects[step.at.object];
-        let own = object.first.vertices..object.first.vertices + object.count.vertices;
-        state.data.positions[own].fill([f32::from_bits(POISON); 3]);
-    }
+    // These overwrite their object's positions among those of all objects, but declare an update: others' stay.
+    let places = match step.stage {
+        stage if stage.is(&deform::STAGE) => &mut state.data.positions,
+        stage if stage.is(&placement::STAGE) => &mut state.data.placed_positions,
+        _ => return,
+    };
+    let object = &state.objects[step.at.object];
+    places[object.first.vertices..][..object.count.vertices].fill([f32::from_bits(POISON); 3]);
 }
 
 /// Both sides of a comparison. States are large, so each is created once, and only buffers that may differ are

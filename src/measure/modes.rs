@@ -140,9 +140,7 @@ pub fn moved(scene: &Scene, what: What, step: usize) -> Scene {
     let height = 0.1 * radius * (1.0 + 0.1 * steps(What::Bump));
     let offset = DVec3::new(0.0, 0.01 * size * steps(What::Shape), 0.0);
     if what == What::Motion {
-        // Without deformations, which stay where they are.
-        let turn = DQuat::from_rotation_y((step as f64).to_radians());
-        object.mesh.positions.iter_mut().for_each(|position| *position = turn * *position);
+        object.rotation = DQuat::from_rotation_y((step as f64).to_radians()) * object.rotation;
         return moved;
     }
     object.material.sigma_a = object.material.sigma_a.map(|sigma| sigma * (1.0 + 0.01 * steps(What::Material)));

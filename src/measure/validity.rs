@@ -107,13 +107,13 @@ fn at(state: &State, number: usize, face: usize) -> [DVec3; 5] {
     let (data, params) = (&state.data, &state.data.object_params[number]);
     let corners = data.triangles[face].map(|v| v as usize);
     let mean = |of: &dyn Fn(usize) -> DVec3| corners.iter().map(|&v| of(v)).sum::<DVec3>() / 3.0;
-    let point = mean(&|v| wide(data.positions[v]));
-    let normal = mean(&|v| wide(data.normals[v])).normalize_or_zero();
+    let point = mean(&|v| wide(data.in_scene()[v]));
+    let normal = mean(&|v| wide(data.normals_in_scene()[v])).normalize_or_zero();
     let bend = corners.iter().map(|&v| f64::from(kappa(data, v))).sum::<f64>() / 3.0;
     let spread = sigma_0(data, params, face, [1.0 / 3.0; 3]);
     let sigma = spread * bend;
     let light = [sigma, DVec3::ZERO].map(|sigma| received(state, face, [point, normal], sigma, &cdrf));
-    let [a, b, c] = corners.map(|v| wide(data.positions[v]));
+    let [a, b, c] = corners.map(|v| wide(data.in_scene()[v]));
     let inward = -(b - a).cross(c - a).normalize_or_zero();
     // Start slightly below the surface to avoid hitting it.
     let start = point + 1e-5 * inward;

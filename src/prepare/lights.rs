@@ -81,7 +81,7 @@ fn brightest(light: &Light, units: Units, objects: &[Object]) -> f64 {
     let color = largest(light.color());
     let near = |place: &DVec3| {
         let nearest = |object: &Object| {
-            let corners = |face| Some(object.mesh.corners(face)?.map(|corner| corner - *place));
+            let corners = |face| Some(object.corners(face)?.map(|corner| corner - *place));
             let faces = (0..object.mesh.triangles.len()).into_par_iter().filter_map(corners);
             faces.map(distance2).reduce(|| f64::INFINITY, f64::min)
         };

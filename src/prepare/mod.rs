@@ -6,6 +6,7 @@ pub(crate) mod camera;
 pub(crate) mod layers;
 pub mod lights;
 pub mod material;
+pub mod place;
 pub mod receivers;
 pub(crate) mod rounding;
 pub mod scene;

@@ -8,6 +8,7 @@ use super::camera::camera;
 use super::layers::layers;
 use super::lights::lights;
 use super::material::{coefficients, quadrature};
+use super::place::place;
 use super::rounding::rounding;
 use super::shading;
 use super::shape::{moved, radius_at_rest, shape, spoilt};
@@ -78,7 +79,7 @@ pub fn prepare(
     local: Option<Local>,
     known: Option<(&Scene, &Prepared)>,
 ) -> Prepared {
-    let mut units = Units::of(scene.objects.iter().map(|object| &object.mesh));
+    let mut units = Units::of(&scene.objects);
     let (mut parts, mut trees, mut methods) = (Vec::new(), Vec::new(), Vec::new());
     let (mut faces, mut spoilt) = (Vec::new(), Vec::new());
     for (number, object) in scene.objects.iter().enumerate() {
@@ -98,6 +99,7 @@ pub fn prepare(
     }
     let mut state = State::join(parts);
     quadrature(&mut state, scene);
+    place(&mut state, &scene.objects, units);
     (0..scene.objects.len()).for_each(|number| rounding(&mut state, number));
     if state.method.projected {
         borders(&mut state, &trees);
@@ -146,7 +148,7 @@ fn one(
 ) -> (State, Vec<u32>) {
     let (mesh, transport) = (&object.mesh, &scene.transport);
     let mut state = State { distance: transport.distance, ..State::default() };
-    let faces = topology(&mut state, mesh, tree, units);
+    let faces = topology(&mut state, mesh, tree, units.own(object));
     frame(&mut state, &object.material, transport, units, local);
     let mut material = object.material.clone();
     // Objects with layers are lit at their triangles.

@@ -23,7 +23,7 @@ pub fn shape(state: &mut State, objects: &[Object], units: Units) {
     data.morphs.clear();
     for ((object, part), params) in objects.iter().zip(&mut state.objects).zip(&mut data.object_params) {
         params.first_deform = data.deforms.len() as u32;
-        data.deforms.extend(records(object, units, &mut data.morphs));
+        data.deforms.extend(records(object, units.own(object), &mut data.morphs));
         params.deforms = data.deforms.len() as u32 - params.first_deform;
         part.deforms = params.deforms as usize;
     }
@@ -40,7 +40,7 @@ pub fn shape(state: &mut State, objects: &[Object], units: Units) {
         data.rest_normals = data.rest.clone();
         for (object, part) in objects.iter().zip(&state.objects) {
             let own = part.first.vertices..part.first.vertices + part.count.vertices;
-            let (places, normals) = rest(object, units);
+            let (places, normals) = rest(object, units.own(object));
             data.rest.splice(own.clone(), places);
             data.rest_normals.splice(own, normals);
         }
@@ -52,7 +52,7 @@ pub fn shape(state: &mut State, objects: &[Object], units: Units) {
     }
 }
 
-/// Vertices and their normals at rest.
+/// Vertices and their normals at rest; `units` are those of the object's own frame, here and below.
 fn rest(object: &Object, units: Units) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
     let mesh = &object.mesh;
     let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
@@ -65,9 +65,9 @@ fn rest(object: &Object, units: Units) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
     (places, sums.into_iter().map(|sum| narrow(sum.normalize_or_zero())).collect())
 }
 
-/// An object's deformed vertices, in internal units; none where nothing deforms it.
+/// An object's deformed vertices, in internal units of its own frame; none where nothing deforms it.
 pub fn moved(object: &Object, units: Units) -> Option<Vec<DVec3>> {
-    let mut morphs = Vec::new();
+    let (mut morphs, units) = (Vec::new(), units.own(object));
     let own = records(object, units, &mut morphs);
     if own.is_empty() {
         return None;
@@ -94,6 +94,8 @@ const MOST_CELLS: f64 = 65_536.0;
 /// is fine enough.
 pub fn reach(objects: &[Object], units: Units, moved: &[Option<Vec<DVec3>>]) -> Result<()> {
     for (number, object) in objects.iter().enumerate() {
+        let own = units.own(object);
+        let place = |p: DVec3| object.placed(own.outside(p));
         let vertices = object.mesh.positions.len();
         let other = |deform: &&Deform| matches!(deform, Deform::Morph { ways, .. } if ways.len() != vertices);
         if object.deforms.iter().any(|deform| other(&deform)) {
@@ -102,7 +104,7 @@ pub fn reach(objects: &[Object], units: Units, moved: &[Option<Vec<DVec3>>]) -> 
         }
         for deform in &object.deforms {
             if let Deform::Noise { scale, offset, .. } = deform {
-                let cells = ((*offset - units.center).abs().max_element() + 0.5 / units.length) / scale;
+                let cells = ((*offset - own.center).abs().max_element() + 0.5 / units.length) / scale;
                 if cells > MOST_CELLS {
                     let fault = Input::new("noise so fine, or offset so far, is no noise any more");
                     let expected = format!("the scene and `offset` within {MOST_CELLS} times `scale`");
@@ -111,9 +113,9 @@ pub fn reach(objects: &[Object], units: Units, moved: &[Option<Vec<DVec3>>]) -> 
                 }
             }
         }
-        let beyond = |p: &&DVec3| !p.is_finite() || p.abs().max_element() > FARTHEST;
+        let beyond = |p: &&DVec3| !p.is_finite() || units.inside(place(**p)).abs().max_element() > FARTHEST;
         if let Some(p) = moved[number].as_ref().and_then(|moved| moved.iter().find(beyond)) {
-            let found = format!("a vertex at {:.4}", units.outside(*p));
+            let found = format!("a vertex at {:.4}", place(*p));
             let most = FARTHEST / units.length;
             let expected =
                 format!("within {most} of {:.4}, the middle of the scene at rest, on every axis", units.center);

@@ -183,7 +183,8 @@ impl Scene {
             })?;
             report.extend(notes.into_iter().map(|note| if several { format!("object {index}: {note}") } else { note }));
             let deforms = object.deforms.iter().map(|draft| draft.on(&mesh)).collect();
-            objects.push(Object { mesh, material: object.material, deforms });
+            let (rotation, position) = object.placement();
+            objects.push(Object { mesh, rotation, position, material: object.material, deforms });
         }
 
         extent::check(&objects).map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
@@ -226,7 +227,7 @@ impl Scene {
 
 fn bounds(objects: &[Object]) -> (DVec3, DVec3) {
     let both = |(low, high): (DVec3, DVec3), (a, b): (DVec3, DVec3)| (low.min(a), high.max(b));
-    objects.iter().map(|object| object.mesh.bounds()).reduce(both).unwrap_or_default()
+    objects.iter().map(Object::bounds).reduce(both).unwrap_or_default()
 }
 
 /// Maximum size of a scene file, bytes.

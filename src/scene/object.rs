@@ -16,12 +16,49 @@ use std::path::{Path, PathBuf};
 /// A mesh with its material and deformations.
 #[derive(Debug, Clone)]
 pub struct Object {
-    /// The surface, in scene units.
+    /// The surface in its own frame, in scene units.
     pub mesh: Mesh,
+    /// Turns it from its own frame into the scene.
+    pub rotation: DQuat,
+    /// Where the origin of its own frame lies in the scene, scene units.
+    pub position: DVec3,
     /// The material, with coefficients per scene unit.
     pub material: Material,
     /// The deformations, in order of application.
     pub deforms: Vec<Deform>,
+}
+
+impl Object {
+    /// Where a point of its own frame lies in the scene.
+    #[must_use]
+    pub fn placed(&self, point: DVec3) -> DVec3 {
+        self.rotation * point + self.position
+    }
+
+    /// The point of its own frame that lies there in the scene.
+    #[must_use]
+    pub fn unplaced(&self, point: DVec3) -> DVec3 {
+        self.rotation.inverse() * (point - self.position)
+    }
+
+    /// The lowest and highest corner of its bounding box in the scene.
+    #[must_use]
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let both = |(low, high): (DVec3, DVec3), p: DVec3| (low.min(p), high.max(p));
+        self.mesh
+            .positions
+            .iter()
+            .map(|&p| self.placed(p))
+            .map(|p| (p, p))
+            .reduce(|all, p| both(all, p.0))
+            .unwrap_or_default()
+    }
+
+    /// The corners of a triangle in the scene; `None` past the last one.
+    #[must_use]
+    pub fn corners(&self, triangle: usize) -> Option<[DVec3; 3]> {
+        Some(self.mesh.corners(triangle)?.map(|corner| self.placed(corner)))
+    }
 }
 
 /// `[[object]]`.
@@ -145,8 +182,14 @@ impl Draft {
         }
     }
 
-    /// Loads textures and depth maps; reads or builds the mesh, refines it for the hierarchy, scales, rotates and moves
-    /// it; reads the targets of its morphs. Paths are relative to `folder`.
+    /// Its rotation and position in the scene. Deformations are laid out in the scene, so [`Self::mesh`] places an
+    /// object that has any.
+    pub(super) fn placement(&self) -> (DQuat, DVec3) {
+        if self.deforms.is_empty() { (self.rotation, self.position) } else { Default::default() }
+    }
+
+    /// Loads textures and depth maps; reads or builds the mesh, refines it for the hierarchy and scales it, rotates and
+    /// moves it if it has deformations; reads the targets of its morphs. Paths are relative to `folder`.
     pub(super) fn mesh(
         &mut self,
         files: &Files,
@@ -200,7 +243,7 @@ impl Draft {
             Some(size) => mesh.resize(size, &format!("object.{index}.size"))?,
             None => 1.0,
         };
-        if self.rotation != DQuat::IDENTITY || self.position != DVec3::ZERO {
+        if !self.deforms.is_empty() {
             for position in &mut mesh.positions {
                 *position = self.rotation * *position + self.position;
             }

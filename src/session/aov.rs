@@ -24,6 +24,7 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
         BufferId::vertex_radiosity,
         BufferId::estimate,
         BufferId::normals,
+        BufferId::placed_normals,
     ];
     session.sharpen()?;
     session.fetch(&known)?;
@@ -75,7 +76,7 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
         |(pixel, hit): (usize, &Option<&Hit>)| hit.map_or(0, |hit| links[receiver(pixel, hit.face as usize).1]);
     let of_links = Samples::Whole(shown.iter().enumerate().map(of_link).collect());
     let rgb = ["R", "G", "B"];
-    let normals = blend(&data.normals, &|normal| narrow(normal.normalize_or_zero()));
+    let normals = blend(data.normals_in_scene(), &|normal| narrow(normal.normalize_or_zero()));
     let mut layers = vec![
         Layer::vector("irradiance", rgb, &own(&data.irradiance)),
         Layer::vector("radiosity", rgb, &radiosity),

@@ -90,7 +90,7 @@ pub fn bake(outer: &Scene, inner: &[Scene], size: [u32; 2], memory: Memory) -> R
                 return (f64::INFINITY, false);
             }
             let corner =
-                |k: usize| DVec3::from(data.positions[data.triangles[hit.face as usize][k] as usize].map(f64::from));
+                |k: usize| DVec3::from(data.in_scene()[data.triangles[hit.face as usize][k] as usize].map(f64::from));
             let [a, b, c] = [0, 1, 2].map(corner);
             let behind = (b - a).cross(c - a).dot(normal) < 0.0;
             (f64::from(hit.numerator / hit.denominator) / units.length, behind)

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::layout::BufferId;
 use crate::pipeline::buffer_sizes::{RESULTS, adjust, grows, resize, size};
 use crate::pipeline::plan::{Plan, ShadingMethod};
+use crate::transport::octree::HOST;
 
 impl Session {
     /// Gives every buffer its size and uploads the inputs.
@@ -28,10 +29,14 @@ impl Session {
         self.blank()
     }
 
-    /// Zeroes the buffers that no stage of the plan writes, where a stage or the host reads them.
+    /// Zeroes the buffers that neither a stage of the plan nor the host writes, where a stage or the host reads them.
     fn blank(&mut self) -> Result<()> {
-        let carried = self.plan.options().transport != ShadingMethod::None;
-        let unwritten = |slot: &BufferId| !self.plan.writes(*slot) || (*slot == BufferId::radiosity && !carried);
+        let transport = self.plan.options().transport;
+        let unwritten = |slot: &BufferId| match transport {
+            ShadingMethod::Octree if *slot == HOST.writes => !self.plan.writes(HOST.reads),
+            ShadingMethod::None if *slot == BufferId::radiosity => true,
+            _ => !self.plan.writes(*slot),
+        };
         let blank: Vec<BufferId> = RESULTS[..4].iter().copied().filter(unwritten).collect();
         blank.iter().for_each(|slot| self.prepared.state.data.bytes_mut(*slot).fill(0));
         self.send(&blank)

@@ -10,8 +10,10 @@ use crate::pipeline::plan::{Change, Changes, Plan};
 use crate::prepare::camera::{camera, tones};
 use crate::prepare::lights::lights;
 use crate::prepare::material::{self, differs_by_coefficients, quadrature};
+use crate::prepare::place::place;
 use crate::prepare::receivers::by_pixel;
 use crate::prepare::shape::{all_moved, radius_at_rest, reach, shape, spoilt};
+use crate::prepare::units::Units;
 use crate::scene::{Camera, Light, Object, Scene};
 use crate::state::{Granularity, Group, Scheme, Stage, State};
 
@@ -123,15 +125,26 @@ impl Session {
         let materials = pairs().any(|(old, new)| old.material != new.material);
         let shape = pairs().any(|(old, new)| old.deforms != new.deforms);
         let (lights, old_camera) = (old.lights != new.lights, old.camera.clone());
-        let moved = if meshes && shape { all_moved(&new.objects, self.prepared.units) } else { Vec::new() };
-        if !meshes || old.transport != new.transport || (shape && !self.keeps_trees(new, &moved)) {
+        let placed = pairs().any(|(old, new)| (old.rotation, old.position) != (new.rotation, new.position));
+        let units = Units { light: self.prepared.units.light, ..Units::of(&new.objects) };
+        let moved = if meshes && shape { all_moved(&new.objects, units) } else { Vec::new() };
+        // Triangles are cut for their lights, and lengths are internal.
+        let fits = !placed || (self.fixed.asked.is_none() && units.length == self.prepared.units.length);
+        if !meshes || !fits || old.transport != new.transport || (shape && !self.keeps_trees(new, &moved)) {
             return self.renew(|scene| *scene = new.clone());
+        }
+        if shape || placed {
+            let moved = if shape { moved.clone() } else { all_moved(&new.objects, units) };
+            reach(&new.objects, units, &moved)?;
+        }
+        if placed {
+            self.set_places(new, units)?;
         }
         if materials {
             self.set_materials(new)?;
         }
         if shape {
-            self.set_deforms(new, &moved)?;
+            self.set_deforms(new)?;
         }
         if lights {
             self.set_lights(&new.lights)?;
@@ -172,9 +185,31 @@ impl Session {
         })
     }
 
+    /// Places the objects as they are in a scene with the same objects and lengths.
+    fn set_places(&mut self, new: &Scene, units: Units) -> Result<()> {
+        let (state, scene) = (&mut self.prepared.state, &mut self.scene);
+        for (own, new) in scene.objects.iter_mut().zip(&new.objects) {
+            (own.rotation, own.position) = (new.rotation, new.position);
+        }
+        let before = Layout::of(state);
+        // Where the middle of the scene is another one, every place in it is rounded in another way.
+        let all = units != self.prepared.units || before.shadow_words > 0;
+        self.prepared.units = units;
+        let mut changes = Changes::from(Change::VIEW);
+        for (object, moved) in place(state, &scene.objects, units).into_iter().enumerate() {
+            changes.add_to(object, if moved { Change::PLACE.and(Change::LIGHT) } else { Change::default() });
+        }
+        if all {
+            changes.add(Change::LIGHT);
+        }
+        camera(state, &scene.camera, units);
+        (self.shifted, self.sampled) = (false, false);
+        lights(state, &scene.lights, &mut self.prepared.units, &scene.objects);
+        self.adopt(&before, changes, LIGHTING)
+    }
+
     /// Adopts the deformations of a scene with the same objects.
-    fn set_deforms(&mut self, new: &Scene, moved: &[Option<Vec<DVec3>>]) -> Result<()> {
-        reach(&new.objects, self.prepared.units, moved)?;
+    fn set_deforms(&mut self, new: &Scene) -> Result<()> {
         for (own, new) in self.scene.objects.iter_mut().zip(&new.objects) {
             own.deforms.clone_from(&new.deforms);
         }

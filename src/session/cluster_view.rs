@@ -30,9 +30,18 @@ pub struct Emitters {
 /// The clusters that light what a pixel shows, as a picture and by level, for the first group of channels. The
 /// session keeps its lists (`Mode::Keep`) and has run a frame.
 pub fn clusters(session: &mut Session, pick: [u32; 2]) -> Result<(Picture, Emitters)> {
-    let lists =
-        [BufferId::runs, BufferId::entries, BufferId::spans, BufferId::links, BufferId::blocks, BufferId::normals];
-    session.fetch(&[BufferId::hits, BufferId::seen])?;
+    let lists = [
+        BufferId::runs,
+        BufferId::entries,
+        BufferId::spans,
+        BufferId::links,
+        BufferId::blocks,
+        BufferId::normals,
+        BufferId::placed_normals,
+        BufferId::placed_positions,
+    ];
+    session.fetch(&[BufferId::hits, BufferId::seen, BufferId::normals])?;
+    session.fetch(&[BufferId::placed_positions, BufferId::placed_normals])?;
     session.fetch(&lists)?;
     let state = session.state();
     let data = &state.data;
@@ -145,8 +154,8 @@ fn paint(state: &State, emitters: &Emitters, receivers: &[usize]) -> Picture {
         let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
         let mix =
             |values: &[[f32; 3]]| corner.iter().zip(weight).map(|(&v, w)| w * wide(values[v as usize])).sum::<DVec3>();
-        let toward = (wide(camera.origin) - mix(&data.positions)).normalize_or_zero();
-        let facing = 0.35 + 0.65 * mix(&data.normals).normalize_or_zero().dot(toward).abs();
+        let toward = (wide(camera.origin) - mix(data.in_scene())).normalize_or_zero();
+        let facing = 0.35 + 0.65 * mix(data.normals_in_scene()).normalize_or_zero().dot(toward).abs();
         let own = (object == emitters.object).then(|| hit.face as usize - first);
         let paint = match own {
             Some(face) if receivers.contains(&face) => DVec3::ONE,

@@ -70,9 +70,11 @@ pub fn curvature_view(session: &mut Session) -> Result<(Picture, CurvatureView)>
     session.fetch(&[
         BufferId::hits,
         BufferId::normals,
+        BufferId::placed_normals,
         BufferId::curvature,
         BufferId::smooth_kappa,
         BufferId::positions,
+        BufferId::placed_positions,
     ])?;
     let (state, length) = (session.state(), session.units().length);
     let mean = session.scene().transport.curvature == Kappa::Mean;
@@ -109,8 +111,8 @@ pub fn curvature_view(session: &mut Session) -> Result<(Picture, CurvatureView)>
         let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
         let mix =
             |values: &[[f32; 3]]| corner.iter().zip(weight).map(|(&v, w)| w * wide(values[v as usize])).sum::<DVec3>();
-        let toward = (wide(camera.origin) - mix(&data.positions)).normalize_or_zero();
-        let facing = 0.35 + 0.65 * mix(&data.normals).normalize_or_zero().dot(toward).abs();
+        let toward = (wide(camera.origin) - mix(data.in_scene())).normalize_or_zero();
+        let facing = 0.35 + 0.65 * mix(data.normals_in_scene()).normalize_or_zero().dot(toward).abs();
         let opaque = data.object_params[state.object_of(hit.face as usize)].opaque != OPAQUE_NOT;
         let mixed = || corner.iter().zip(weight).map(|(&v, w)| w * f64::from(kappa(data, v as usize))).sum::<f64>();
         let color = if opaque { DVec3::splat(0.05) } else { wide(curvature_view.color(mixed() * length)) };

@@ -45,12 +45,13 @@ impl Session {
 
 /// An object's vertices in scene units, deformed if the object is.
 fn vertices(session: &Session, object: usize) -> Vec<DVec3> {
-    let (mesh, part) = (&session.scene().objects[object].mesh, &session.state().objects[object]);
+    let (object, part) = (&session.scene().objects[object], &session.state().objects[object]);
     if part.deforms == 0 {
-        return mesh.positions.clone();
+        return object.mesh.positions.iter().map(|&p| object.placed(p)).collect();
     }
     let own = &session.state().data.positions[part.first.vertices..][..part.count.vertices];
-    own.iter().map(|p| session.units().outside(DVec3::from_array(p.map(f64::from)))).collect()
+    let units = session.units().own(object);
+    own.iter().map(|p| object.placed(units.outside(DVec3::from_array(p.map(f64::from))))).collect()
 }
 
 fn rows(session: &Session) -> Vec<FaceLight> {

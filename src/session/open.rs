@@ -48,7 +48,7 @@ impl Session {
         };
         let local = local(&scene.transport, options.transport);
         device.map_or(Ok(()), |_| holds(scene))?;
-        let units = Units::of(scene.objects.iter().map(|object| &object.mesh));
+        let units = Units::of(&scene.objects);
         reach(&scene.objects, units, &all_moved(&scene.objects, units))?;
         // Subdivide where lighting needs it; code below sees only that scene.
         let asked = (scene.transport.subdivide > 0 && local.is_none()).then(|| scene.clone());

@@ -27,12 +27,12 @@ impl Session {
         if !self.leaves_out_borders() {
             return Ok(0);
         }
-        self.fetch(&[BufferId::lit, BufferId::positions])?;
+        self.fetch(&[BufferId::lit, BufferId::positions, BufferId::placed_positions])?;
         let (state, data) = (self.state(), &self.state().data);
         let words = data.object_params[0].shadow_words as usize;
         let casting: Vec<&Light> = data.lights.iter().filter(|light| casts(light)).collect();
         let turned = |face: usize, light: &Light| {
-            let corners = data.triangles[face].map(|v| data.positions[v as usize]);
+            let corners = data.triangles[face].map(|v| data.in_scene()[v as usize]);
             let normal = Plane::new(corners).normal;
             let far = light.kind == LIGHT_DIRECTIONAL;
             let to = |k: usize| light.place[k] - if far { 0.0 } else { corners[0][k] };

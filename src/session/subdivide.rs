@@ -37,10 +37,11 @@ pub fn subdivide(scene: &Scene, estimate: bool) -> Result<(Scene, Vec<Parts>)> {
     let mut fine = scene.clone();
     fine.transport.subdivide = 0;
     // Subdivide the deformed shape, so that parts lie on it and stay connected.
-    let units = Units::of(scene.objects.iter().map(|object| &object.mesh));
+    let units = Units::of(&scene.objects);
     for object in &mut fine.objects {
         if let Some(places) = moved(object, units) {
-            object.mesh.positions = places.into_iter().map(|p| units.outside(p)).collect();
+            let own = units.own(object);
+            object.mesh.positions = places.into_iter().map(|p| own.outside(p)).collect();
         }
         object.deforms.clear();
     }

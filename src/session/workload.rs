@@ -6,6 +6,7 @@
 //! square.
 
 use super::run::Session;
+use crate::geometry::placement::placed;
 use crate::geometry::trace::may_meet;
 use crate::layout::{Camera, LIGHT_DIRECTIONAL, LIGHT_SKY_RAY, Light, NONE};
 use crate::lighting::shadow;
@@ -152,11 +153,14 @@ impl Places {
     fn new(state: &State, of: impl Fn(usize) -> bool) -> Self {
         let data = &state.data;
         let objects = state.objects.iter().enumerate().filter(|(number, _)| of(*number));
-        let all: Vec<usize> =
-            objects.flat_map(|(_, object)| object.first.faces..object.first.faces + object.count.faces).collect();
+        let all: Vec<(usize, usize)> = objects
+            .flat_map(|(number, object)| (0..object.count.faces).map(move |face| (number, object.first.faces + face)))
+            .collect();
         let step = all.len().div_ceil(AGAINST).max(1);
         let taken = all.iter().skip(step / 2).step_by(step);
-        let corners: Vec<_> = taken.map(|&face| data.triangles[face].map(|v| data.positions[v as usize])).collect();
+        // No frame has run yet.
+        let place = |object: usize, v: u32| placed(&data.object_params[object], data.positions[v as usize]);
+        let corners: Vec<_> = taken.map(|&(object, face)| data.triangles[face].map(|v| place(object, v))).collect();
         Self { each: all.len() as f64 / corners.len().max(1) as f64, corners }
     }
 

@@ -51,14 +51,14 @@ fn texel(state: &State, own: &Unwrapping, chart: &TexelHit) -> ([f32; 4], [f32; 
     let mix = |values: &[[f32; 3]]| -> DVec3 {
         corners.iter().zip(weight).map(|(&v, weight)| weight * wide(values[v as usize])).sum()
     };
-    let place_of = [mix(&data.positions), mix(&data.normals).normalize_or_zero()];
+    let place_of = [mix(data.in_scene()), mix(data.normals_in_scene()).normalize_or_zero()];
     let mut light = entering(data, params, place_of, &|light| reaches(data, light, face));
     if params.texture_side & TEXTURE_ENTERS != 0 {
         light *= factor(params, &data.texels, place(data, face, chart.u.into(), chart.v.into()));
     }
 
     // Position is linear in the texture coordinates: its derivatives along a row and down a column.
-    let [a, b, c] = corners.map(|v| wide(data.positions[v as usize]));
+    let [a, b, c] = corners.map(|v| wide(data.in_scene()[v as usize]));
     let uvs = &data.corner_uvs[face];
     let [p, q] = [uvs.b, uvs.c].map(|end| [0, 1].map(|k| f64::from(end[k]) - f64::from(uvs.a[k])));
     let turned = p[0] * q[1] - p[1] * q[0];

@@ -77,7 +77,7 @@ fn pixel(state: &State, hit: &Hit, before: [f32; 3], response: &Response<'_>, be
     let (mut point, mut normal, mut kappa) = (DVec3::ZERO, DVec3::ZERO, 0.0);
     for (&vertex, weight) in corners.iter().zip(weight) {
         let (own, bend) = unpack(data.packed_normals[vertex as usize]);
-        point += weight * wide(data.positions[vertex as usize]);
+        point += weight * wide(data.in_scene()[vertex as usize]);
         normal += weight * own;
         kappa += weight * bend;
     }

@@ -13,7 +13,7 @@ use super::smooth_curvature::kappa as kappa_of;
 use crate::error::Result;
 use crate::layout::{BufferId, KAPPA_LEAST};
 use crate::state::{
-    Carrier, Granularity, Local, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never,
+    Carrier, Granularity, Local, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, stage::never,
 };
 
 /// The stage's declaration.
@@ -30,7 +30,7 @@ pub static STAGE: Stage = Stage {
     needs: &[Need::Light, Need::Picture],
     serves: Serves::TRANSLUCENT,
     skip: never,
-    runs: Update::material,
+    runs: |update| update.material() || update.placed(),
     cpu,
     gpu,
 };
@@ -64,7 +64,7 @@ fn cpu(state: &mut State, _at: Scope) {
     let (data, bent) = (&state.data, bent(state));
     let kappa = |v: usize| if bent > 0 { kappa_of(data, v) } else { 0.0 };
     state.data.packed_normals =
-        data.normals.par_iter().enumerate().map(|(v, &normal)| pack(normal, kappa(v))).collect();
+        data.normals_in_scene().par_iter().enumerate().map(|(v, &normal)| pack(normal, kappa(v))).collect();
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {

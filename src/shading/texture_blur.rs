@@ -72,8 +72,10 @@ fn pixel(state: &State, hit: &Hit, before: [f32; 3]) -> [f32; 3] {
     let mix = |values: &[[f32; 3]]| -> DVec3 {
         corners.iter().zip(weight).map(|(&v, weight)| weight * wide(values[v as usize])).sum()
     };
-    let (toward, normal) =
-        ((wide(camera.origin) - mix(&data.positions)).normalize_or_zero(), mix(&data.normals).normalize_or_zero());
+    let (toward, normal) = (
+        (wide(camera.origin) - mix(data.in_scene())).normalize_or_zero(),
+        mix(data.normals_in_scene()).normalize_or_zero(),
+    );
     let leaves = params.eta.map(|eta| fresnel::transmittance(eta.into(), normal.dot(toward).abs()));
     let scale = f64::from(camera.radiance) / std::f64::consts::PI;
     narrow(DVec3::from_array(leaves) * wide(params.exit) * sum * scale)

@@ -5,6 +5,8 @@
 pub struct Change {
     /// The shape, or there was no frame yet: everything may differ.
     pub everything: bool,
+    /// Where the object lies in the scene. With it come other lights, and another view.
+    pub place: bool,
     /// How light spreads in the material: coefficients of the dipole, sigma_0 and the like.
     pub material: bool,
     /// What the surface reflects and lets out: pictures only.
@@ -26,6 +28,7 @@ pub struct Change {
 impl Change {
     const NOTHING: Self = Self {
         everything: false,
+        place: false,
         material: false,
         surface: false,
         light: false,
@@ -36,6 +39,8 @@ impl Change {
     };
     /// Everything that radiance depends on.
     pub const EVERYTHING: Self = Self { everything: true, ..Self::NOTHING };
+    /// Where the object lies in the scene.
+    pub const PLACE: Self = Self { place: true, ..Self::NOTHING };
     /// How light spreads in the material.
     pub const MATERIAL: Self = Self { material: true, ..Self::NOTHING };
     /// What the surface reflects and lets out.
@@ -56,6 +61,7 @@ impl Change {
     pub fn and(self, other: Self) -> Self {
         Self {
             everything: self.everything || other.everything,
+            place: self.place || other.place,
             material: self.material || other.material,
             surface: self.surface || other.surface,
             light: self.light || other.light,
@@ -142,6 +148,12 @@ impl Update {
     #[must_use]
     pub fn shape(&self) -> bool {
         self.change.everything
+    }
+
+    /// The object lies elsewhere in the scene.
+    #[must_use]
+    pub fn placed(&self) -> bool {
+        self.shape() || self.change.place
     }
 
     /// Light spreads otherwise in the material.

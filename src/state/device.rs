@@ -119,7 +119,8 @@ impl DeviceState {
         let kernel = self.kernels.get(call.kernel, call.constants)?;
         let mut bindings = Vec::with_capacity(kernel.accesses.len());
         for access in &kernel.accesses {
-            let Some(&slot) = BUFFER_IDS.get(access.binding as usize) else { continue };
+            let Some(&named) = BUFFER_IDS.get(access.binding as usize) else { continue };
+            let slot = state.data.bound(named);
             let Some(buffer) = self.buffers.get(&slot) else {
                 bindings.push(Binding { number: access.binding, buffer: &self.nothing, offset: 0, size: 4 });
                 continue;

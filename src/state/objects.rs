@@ -41,6 +41,8 @@ pub struct Object {
     pub layered: bool,
     /// How many deformations it has.
     pub deforms: usize,
+    /// Whether it, or any other object, lies elsewhere in the scene than in its own frame.
+    pub placed: bool,
 }
 
 /// Where light incident on an opaque object is evaluated.

@@ -58,7 +58,8 @@ impl Dispatch {
             [first, first + count].map(|element| (element * slot.spec().stride) as u64)
         };
         let of = accesses(&self.kernel)?;
-        let known = of.iter().filter_map(|access| Some((*BUFFER_IDS.get(access.binding as usize)?, access)));
+        let known =
+            of.iter().filter_map(|access| Some((state.data.bound(*BUFFER_IDS.get(access.binding as usize)?), access)));
         let bound = |(slot, access): (BufferId, &Access)| Bound {
             slot,
             range: range(slot),

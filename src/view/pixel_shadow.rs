@@ -49,7 +49,7 @@ fn cpu(state: &mut State, _at: Scope) {
         if !state.objects[state.object_of(hit.face as usize)].plain() {
             return;
         }
-        let place = place(hit, corners.map(|v| data.positions[v as usize]));
+        let place = place(hit, corners.map(|v| data.in_scene()[v as usize]));
         for light in &casting {
             bits[light.shadow as usize / 32] |= u32::from(free(state, hit.face, place, light)) << (light.shadow % 32);
         }

@@ -92,10 +92,10 @@ fn reflected(state: &State, pixel: usize, hit: &Hit) -> DVec3 {
     let mix = |values: &[[f32; 3]]| -> DVec3 {
         corners.iter().zip(weight).map(|(&v, weight)| weight * wide(values[v as usize])).sum()
     };
-    let [a, b, c] = corners.map(|v| wide(data.positions[v as usize]));
-    let (point, toward) = (mix(&data.positions), wide(camera.origin) - mix(&data.positions));
+    let [a, b, c] = corners.map(|v| wide(data.in_scene()[v as usize]));
+    let (point, toward) = (mix(data.in_scene()), wide(camera.origin) - mix(data.in_scene()));
     let side = if (b - a).cross(c - a).dot(toward) < 0.0 { -1.0 } else { 1.0 };
-    let (normal, eye) = (mix(&data.normals).normalize_or_zero() * side, toward.normalize_or_zero());
+    let (normal, eye) = (mix(data.normals_in_scene()).normalize_or_zero() * side, toward.normalize_or_zero());
     let (seen, shape, ggx) = (normal.dot(eye).abs(), f64::from(params.roughness), params.reflection == REFLECTION_GGX);
     let mirror = 2.0 * normal.dot(eye) * normal - eye;
     let reflectance =

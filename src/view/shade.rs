@@ -52,8 +52,8 @@ fn cpu(state: &mut State, _at: Scope) {
             let mix = |values: &[[f32; 3]]| -> DVec3 {
                 corner.iter().zip(weight).map(|(&v, weight)| weight * wide(values[v as usize])).sum()
             };
-            let toward = (wide(camera.origin) - mix(&data.positions)).normalize_or_zero();
-            let normal = mix(&data.normals).normalize_or_zero();
+            let toward = (wide(camera.origin) - mix(data.in_scene())).normalize_or_zero();
+            let normal = mix(data.normals_in_scene()).normalize_or_zero();
             let params = &data.object_params[state.object_of(hit.face as usize)];
             let (eta, exit) = (params.eta.map(f64::from), wide(params.exit));
             let leaves = eta.map(|eta| fresnel::transmittance(eta, normal.dot(toward).abs()));

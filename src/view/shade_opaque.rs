@@ -44,9 +44,10 @@ fn radiance(state: &State, pixel: usize, hit: &Hit) -> Option<[f32; 3]> {
     if !state.objects[object].plain() {
         return None;
     }
-    let point = wide(place(hit, corners.map(|v| data.positions[v as usize])));
+    let point = wide(place(hit, corners.map(|v| data.in_scene()[v as usize])));
     let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
-    let normal: DVec3 = corners.iter().zip(weight).map(|(&v, weight)| weight * wide(data.normals[v as usize])).sum();
+    let normal: DVec3 =
+        corners.iter().zip(weight).map(|(&v, weight)| weight * wide(data.normals_in_scene()[v as usize])).sum();
     let normal = normal.normalize_or_zero();
     let reaches = |light: &Light| bit(&data.pixel_lit, params.shadow_words, light, pixel);
     let arrives = entering(data, params, [point, normal], &reaches);

@@ -76,6 +76,12 @@ pub fn features() -> Vec<Feature> {
             with(layered()),
             changed(layered(), |scene| scene.objects[0].material.layers = None),
         ),
+        (
+            &["placement"],
+            &[BufferId::placed_positions, BufferId::placed_normals, BufferId::placed_bounds],
+            changed(ball(&["object.0.rotation=[20, 0, 0]"]), |_| ()),
+            with(ball(&["object.0.position=[20, 0, 0]"])),
+        ),
         (&["deform"], &[BufferId::rest, BufferId::deforms], with(twisted), with(ball(&[]))),
         (&["reflect"], &[], reflects(Reflection::Phong { shininess: 9 }), reflects(Reflection::None)),
         (&["opaque_faces"], &[], with(on_a_table("faces")), alone(on_a_table("faces"))),

@@ -43,8 +43,13 @@ const KNOBS: &[&[&[&str]]] = &[
         &["object.1.material={ opaque=true, albedo=0.5 }"],
         &["object.1.material={ opaque=true, albedo=[0.2, 0.5, 0.7] }"],
     ],
-    &[&["object.1.position=[0, -16, 0]"], &["object.1.position=[2, 12, 9]"], &["object.1.position=[14, 0, 3]"]],
-    &[&[], &["object.1.rotation=[30, 50, 0]"]],
+    &[
+        &["object.1.position=[0, -16, 0]"],
+        &["object.1.position=[2, 12, 9]"],
+        &["object.1.position=[14, 0, 3]"],
+        &["object.1.position=[13, 1, 3]"],
+    ],
+    &[&[], &["object.1.rotation=[30, 50, 0]"], &["object.1.rotation=[31, 50, 5]"]],
     &[
         &[],
         &["object.0.deform.0={ type='twist', angle=20 }"],
@@ -58,6 +63,7 @@ const KNOBS: &[&[&[&str]]] = &[
     &[&["camera.background=0"], &["camera.background=[0.1, 0.2, 0.3]"]],
     &[&[], &["camera.exposure=2"], &["camera.tone='filmic'"]],
     &[&[], &["camera.samples=3"]],
+    &[&[], &["object.0.rotation=[0, 40, 0]"], &["object.0.rotation=[15, 41, 3]"], &["object.0.position=[1, 2, 0]"]],
 ];
 
 /// What all scenes have.

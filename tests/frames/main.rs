@@ -11,3 +11,4 @@ mod incremental;
 mod modes;
 mod morph;
 mod motion;
+mod rigid;

@@ -17,7 +17,7 @@ const RENDER: Options = Options {
     estimate: false,
 };
 
-fn scene(name: &str, sets: &[&str]) -> Scene {
+pub fn scene(name: &str, sets: &[&str]) -> Scene {
     Scene::load_with(name, &sets.iter().map(|set| set.to_string()).collect::<Vec<_>>()).unwrap()
 }
 
@@ -36,7 +36,7 @@ fn radiosity(session: &mut Session) -> Vec<[f32; 3]> {
     session.state().data.radiosity.clone()
 }
 
-fn names(session: &mut Session, change: Change) -> Vec<String> {
+pub fn names(session: &mut Session, change: Change) -> Vec<String> {
     session.frame(change).unwrap().into_iter().map(|time| time.name).collect()
 }
 

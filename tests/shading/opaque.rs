@@ -43,7 +43,7 @@ fn on_each(body: &dyn Fn(Option<&Device>)) {
 /// Position and radiance of each pixel that shows the floor, in the scene's units.
 fn floor(session: &mut Session) -> Vec<(DVec3, [f32; 3])> {
     let picture = session.picture().unwrap();
-    session.fetch(&[BufferId::positions]).unwrap();
+    session.fetch(&[BufferId::placed_positions]).unwrap();
     let (state, units) = (session.state(), *session.units());
     let data = &state.data;
     let shown = data
@@ -53,7 +53,8 @@ fn floor(session: &mut Session) -> Vec<(DVec3, [f32; 3])> {
         .filter(|(hit, _)| (hit.face as usize) < data.triangles.len() && state.object_of(hit.face as usize) == 1);
     let place = |hit: &milkglass::internals::layout::Hit| {
         let weights = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
-        let corners = data.triangles[hit.face as usize].map(|v| DVec3::from(data.positions[v as usize].map(f64::from)));
+        let corners =
+            data.triangles[hit.face as usize].map(|v| DVec3::from(data.in_scene()[v as usize].map(f64::from)));
         units.outside(corners.iter().zip(weights).map(|(corner, weight)| *corner * weight).sum())
     };
     shown.map(|(hit, radiance)| (place(hit), radiance)).collect()
@@ -133,7 +134,7 @@ fn what_nobody_asks_for_has_no_stage() {
     // If everything is opaque, no lighting is evaluated per triangle.
     let all = session(&["object.0.material={ opaque = true }"], picture);
     let names: Vec<&str> = all.plan().stages.iter().map(|stage| stage.name).collect();
-    assert_eq!(names, ["refit", "visibility", "shade", "pixel_shadow", "shade_opaque", "tone"]);
+    assert_eq!(names, ["refit", "placement", "visibility", "shade", "pixel_shadow", "shade_opaque", "tone"]);
     assert!(all.state().data.lit.is_empty());
     assert!(session(&["object.1.material={ preset = 'marble' }"], picture).state().data.pixel_lit.is_empty());
 }

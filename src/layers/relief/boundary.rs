@@ -25,7 +25,7 @@ pub fn way(state: &State, object: usize, from: DVec3, along: DVec3, side: f64, l
     let data = &state.data;
     let own = state.objects[object].first.faces..state.objects[object].first.faces + state.objects[object].count.faces;
     let (mut crossings, mut other, mut node) = (Vec::new(), f64::INFINITY, 0);
-    while let Some(bounds) = data.bounds.get(node) {
+    while let Some(bounds) = data.bounds_in_scene().get(node) {
         if !passes(wide(bounds.low) - from, wide(bounds.high) - from, along) {
             node = bounds.next as usize;
             continue;
@@ -35,7 +35,7 @@ pub fn way(state: &State, object: usize, from: DVec3, along: DVec3, side: f64, l
             continue;
         };
         node = bounds.next as usize;
-        let corners = corners.map(|v| wide(data.positions[v as usize]) - from);
+        let corners = corners.map(|v| wide(data.in_scene()[v as usize]) - from);
         let Some((t, out)) = crossing(corners, along) else { continue };
         match own.contains(&(bounds.face as usize)) {
             true => crossings.push((t, out * side, corners)),

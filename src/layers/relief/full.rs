@@ -141,7 +141,7 @@ impl Ray<'_> {
 
     /// 1 where the visible triangle faces the eye, -1 where it faces away.
     fn side(&self) -> f64 {
-        let [a, b, c] = self.state.data.triangles[self.face].map(|v| wide(self.state.data.positions[v as usize]));
+        let [a, b, c] = self.state.data.triangles[self.face].map(|v| wide(self.state.data.in_scene()[v as usize]));
         if (b - a).cross(c - a).dot(self.eye) < 0.0 { -1.0 } else { 1.0 }
     }
 
@@ -211,7 +211,7 @@ impl Ray<'_> {
         let (mut best, mut found) = (reach * reach, None);
         let mut node = first;
         while node < first + count {
-            let bounds = &data.bounds[node];
+            let bounds = &data.bounds_in_scene()[node];
             let out = (wide(bounds.low) - at).max(at - wide(bounds.high)).max(DVec3::ZERO);
             if out.length_squared() >= best {
                 node = bounds.next as usize;
@@ -221,7 +221,7 @@ impl Ray<'_> {
                 node += 1;
                 continue;
             };
-            let (weights, d2) = nearest(corners.map(|v| wide(data.positions[v as usize]) - at));
+            let (weights, d2) = nearest(corners.map(|v| wide(data.in_scene()[v as usize]) - at));
             if d2 < best {
                 (best, found) = (d2, Some((bounds.face as usize, weights)));
             }

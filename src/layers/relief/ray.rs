@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::geometry::placement::turned;
 use crate::layers::beneath::{optical_depth, phase, segment};
 use crate::layout::{
     ABOVE_INTERFACE, FADING, GRAZING, Hit, LEAST_COSINE, Layer, Layering, Light, MAP_LAYERS, MOST_LAYERS, NONE,
@@ -66,14 +67,15 @@ impl<'a> Ray<'a> {
         let corners = data.triangles[face];
         let weight = [1.0 - f64::from(hit.u) - f64::from(hit.v), hit.u.into(), hit.v.into()];
         let mix = |value: &dyn Fn(u32) -> DVec3| -> DVec3 { (0..3).map(|k| weight[k] * value(corners[k])).sum() };
-        let [a, b, c] = corners.map(|v| wide(data.positions[v as usize]));
-        let point = mix(&|v| wide(data.positions[v as usize]));
+        let [a, b, c] = corners.map(|v| wide(data.in_scene()[v as usize]));
+        let point = mix(&|v| wide(data.in_scene()[v as usize]));
         let eye = (wide(data.camera[0].origin) - point).normalize_or_zero();
         let area = (b - a).cross(c - a);
         let side = if area.dot(eye) < 0.0 { -1.0 } else { 1.0 };
-        let normal = mix(&|v| wide(data.normals[v as usize])).normalize_or_zero() * side;
+        let normal = mix(&|v| wide(data.normals_in_scene()[v as usize])).normalize_or_zero() * side;
         let plane = |v: u32| data.planes[v as usize];
-        let fitted = mix(&|v| wide([plane(v)[0], plane(v)[1], plane(v)[2]])).normalize_or_zero();
+        let turn = |v: [f32; 4]| wide(turned(&data.object_params[layering.object as usize], [v[0], v[1], v[2]]));
+        let fitted = mix(&|v| turn(plane(v))).normalize_or_zero();
         let height: f64 = (0..3).map(|k| weight[k] * f64::from(plane(corners[k])[3])).sum();
 
         // Gradients g of the map coordinates: (b - a) . g is the difference along that edge, and g lies in the

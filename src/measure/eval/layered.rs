@@ -128,8 +128,17 @@ fn state(row: &Row) -> State {
     let unit = if total > 0.0 { total } else { 1.0 };
     let mut state = State::default();
     let data = &mut state.data;
-    data.object_params =
-        vec![ObjectParams { faces: 1, vertices: 3, nodes: 1, lights: 1, eta: [1.0; 3], ..ObjectParams::default() }];
+    data.object_params = vec![ObjectParams {
+        faces: 1,
+        vertices: 3,
+        nodes: 1,
+        lights: 1,
+        eta: [1.0; 3],
+        turn_x: [1.0, 0.0, 0.0],
+        turn_y: [0.0, 1.0, 0.0],
+        turn_z: [0.0, 0.0, 1.0],
+        ..ObjectParams::default()
+    }];
     data.camera = vec![Camera { origin: narrow(row.eye), width: 1, height: 1, radiance: 1.0, ..Camera::default() }];
     data.positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     data.triangles = vec![[0, 1, 2]];

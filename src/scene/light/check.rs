@@ -166,8 +166,12 @@ impl Light {
             let material = &object.material;
             !material.two_sided && (material.opaque.is_none() || material.layers.is_some())
         };
-        let inside =
-            |object: &Object| Some((object.mesh.first_inside(&self.places())?, object.material.opaque.is_some()));
+        let inside = |object: &Object| {
+            let (places, own) = (self.places(), |place: &DVec3| object.unplaced(*place));
+            let found = object.mesh.first_inside(&places.iter().map(own).collect::<Vec<_>>())?;
+            let place = places.into_iter().find(|place| own(place) == found)?;
+            Some((place, object.material.opaque.is_some()))
+        };
         let Some((place, alone)) = objects.iter().filter(lets_in).find_map(inside) else { return Ok(()) };
         let fault = Input::new("the light stands in the medium").key(format!("light.{index}.position"));
         let expected = match alone {
