@@ -199,7 +199,7 @@ fn the_second_object_is_deformed_as_if_it_were_alone() {
         let params = session.state().data.object_params[number];
         let own = params.first_vertex as usize..(params.first_vertex + params.vertices) as usize;
         let outside = |p: &[f32; 3]| session.units().outside(wide(*p));
-        session.state().data.positions[own].iter().map(outside).collect::<Vec<_>>()
+        session.state().data.in_scene()[own].iter().map(outside).collect::<Vec<_>>()
     };
     let (alone, beside) = (places(&[&other(0)], 0), places(&["object.0.detail=3", &other(1)], 1));
     assert!(alone.len() == beside.len() && alone.len() > 50, "{} {}", alone.len(), beside.len());

@@ -36,7 +36,8 @@ fn seen(heights: &[[f64; 2]], light: &str, more: &[&str]) -> Session {
     let camera = "camera={ position = [9.0, 5.0, 30.0], target = [0.0, 0.0, 0.0], size = [7, 5], fov = 8 }";
     let light = format!("light=[{light}]");
     let mut scene = scene("slab-layers", &[&[camera, &light, &layers], more].concat());
-    scene.objects[0].mesh = plates(heights);
+    let object = &mut scene.objects[0];
+    (object.mesh, object.rotation, object.position) = (plates(heights), Default::default(), Default::default());
     session(&scene, Options { transport: ShadingMethod::None, ..Options::default() })
 }
 
@@ -44,7 +45,7 @@ fn seen(heights: &[[f64; 2]], light: &str, more: &[&str]) -> Session {
 fn pixels(session: &Session, kept: Kept) -> Vec<(DVec3, [f64; 3])> {
     let (data, units) = (&session.state().data, session.units());
     let one = |(pixel, hit): (usize, &milkglass::internals::layout::Hit)| {
-        let corners = data.triangles[hit.face as usize].map(|v| data.positions[v as usize]);
+        let corners = data.triangles[hit.face as usize].map(|v| data.in_scene()[v as usize]);
         let weight = [1.0 - hit.u - hit.v, hit.u, hit.v];
         let place = (0..3).map(|k| DVec3::from_array(corners[k].map(f64::from)) * f64::from(weight[k])).sum();
         let eye = (session.scene().camera.position - units.outside(place)).normalize();
