@@ -171,7 +171,7 @@ impl RunArguments {
 
 /// Opens a session on this device; reports tree fallbacks and the like on standard error.
 fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Result<Session> {
-    let session = Session::new(scene, device, options)?;
+    let mut session = Session::new(scene, device, options)?;
     for (object, method) in session.prepared().methods.iter().enumerate() {
         let why = match method {
             Method::Merged => continue,
@@ -180,7 +180,7 @@ fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Res
         };
         tell!("tree of object {object}: {why}; split at medians instead");
     }
-    sequence::warn_of_shape(&session, "");
+    sequence::warn_of_shape(&mut session, "");
     if let Some(why) = session.not_kept() {
         tell!("{why}");
     }

@@ -101,7 +101,8 @@ impl Job<'_> {
 }
 
 /// Reports trees that deformations have spoilt, and triangles turned inside out, where the picture is wrong.
-pub fn warn_of_shape(session: &Session, frame: &str) {
+pub fn warn_of_shape(session: &mut Session, frame: &str) {
+    session.deform();
     session.rebuilt().iter().for_each(|line| tell!("{frame}{line}"));
     for (object, count) in turned(session.state()).into_iter().enumerate().filter(|(_, count)| *count > 0) {
         let all = session.state().objects[object].count.faces;

@@ -161,6 +161,7 @@ pub struct Checked {
 pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> {
     session.sharpen()?;
     session.fetch(&[BufferId::irradiance, BufferId::radiosity, BufferId::clusters, BufferId::estimate])?;
+    session.fetch(&[BufferId::positions])?;
     let state = session.state();
     if state.objects.iter().all(|object| object.opaque) {
         let fault = Input::new("light enters no object, so there is nothing to verify").key("object");

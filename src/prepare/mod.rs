@@ -3,10 +3,12 @@
 pub(crate) mod blocks;
 mod borders;
 pub(crate) mod camera;
+pub(crate) mod compactness;
 pub(crate) mod layers;
 pub mod lights;
 pub mod material;
 pub mod place;
+pub(crate) mod reach;
 pub mod receivers;
 pub(crate) mod rounding;
 pub mod scene;

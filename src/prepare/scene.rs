@@ -5,13 +5,14 @@ use glam::DVec3;
 use super::blocks::{blocks, link_error, of_picture};
 use super::borders::borders;
 use super::camera::camera;
+use super::compactness::Compactness;
 use super::layers::layers;
 use super::lights::lights;
 use super::material::{coefficients, quadrature};
 use super::place::place;
 use super::rounding::rounding;
 use super::shading;
-use super::shape::{moved, radius_at_rest, shape, spoilt};
+use super::shape::{deform_all, moved, shape};
 use super::textures::texture;
 use super::units::Units;
 use crate::dipole::form_factor::ladder::Ladder;
@@ -37,8 +38,8 @@ pub struct Prepared {
     /// For each object whose tree was rebuilt for its deformed shape: how much wider the clusters of the rest shape's
     /// tree would have been.
     pub spoilt: Vec<Option<f64>>,
-    /// How compact each object's clusters are at rest, once that was asked for.
-    pub at_rest: Vec<Option<f64>>,
+    /// What tells whether each object's tree is spoilt, once that was asked for.
+    pub compactness: Vec<Option<Compactness>>,
     /// For each object, the mesh triangle of each triangle of the state.
     pub faces: Vec<Vec<u32>>,
     /// A message about the depth maps of each object that has any.
@@ -105,11 +106,12 @@ pub fn prepare(
         borders(&mut state, &trees);
     }
     shape(&mut state, &scene.objects, units);
+    deform_all(&mut state);
     let maps = layers(&mut state, &scene.objects, &faces, units);
     lights(&mut state, &scene.lights, &mut units, &scene.objects);
     camera(&mut state, &scene.camera, units);
-    let at_rest = vec![None; trees.len()];
-    Prepared { state, units, trees, methods, spoilt, at_rest, faces, maps }
+    let compactness = vec![None; trees.len()];
+    Prepared { state, units, trees, methods, spoilt, compactness, faces, maps }
 }
 
 /// The tree of an object, how it was built, and, if deformations would have spoilt the rest shape's tree, by how
@@ -128,13 +130,15 @@ fn tree_of(
         }
     };
     let (tree, method) = known.map_or_else(|| build(&object.mesh.positions), |(tree, method)| (tree.clone(), method));
-    let Some(moved) = moved(object, units) else { return (tree, method, None) };
-    match spoilt(object, hierarchy, &tree, &moved, radius_at_rest(object, &tree)) {
-        None => (tree, method, None),
-        Some(growth) => {
+    if object.deforms.is_empty() {
+        return (tree, method, None);
+    }
+    match (Compactness::new(object, &tree, units).spoilt(object, hierarchy, units), moved(object, units)) {
+        (Some(growth), Some(moved)) => {
             let (tree, method) = build(&moved);
             (tree, method, Some(growth))
         }
+        _ => (tree, method, None),
     }
 }
 

@@ -6,17 +6,14 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::units::Units;
-use crate::error::{Input, Result};
 use crate::geometry::deform::{deform, displace, way};
-use crate::hierarchy::Tree;
-use crate::hierarchy::compact::relative_radius;
 use crate::layout::Deform as Record;
 use crate::layout::{DEFORM_BEND, DEFORM_BUMP_AXIS, DEFORM_BUMP_NORMAL, DEFORM_MORPH, DEFORM_NOISE, DEFORM_TWIST};
-use crate::scene::{Deform, Hierarchy, Object};
+use crate::scene::{Deform, Object};
 use crate::state::{State, narrow, wide};
 
 /// Writes the objects' deformations, and the vertices and normals at rest that they apply to; all empty if nothing is
-/// deformed.
+/// deformed. The positions are written by [`deform_all`].
 pub fn shape(state: &mut State, objects: &[Object], units: Units) {
     let data = &mut state.data;
     data.deforms.clear();
@@ -45,15 +42,21 @@ pub fn shape(state: &mut State, objects: &[Object], units: Units) {
             data.rest_normals.splice(own, normals);
         }
     }
-    data.positions.clone_from(&data.rest);
-    // Deform on the host as well; the result is bit-identical to any device's.
+}
+
+/// Deforms all objects on the host; the result is bit-identical to any device's.
+pub fn deform_all(state: &mut State) {
+    if state.data.deforms.is_empty() {
+        return;
+    }
+    state.data.positions.clone_from(&state.data.rest);
     for object in 0..state.objects.len() {
-        deform(data, object);
+        deform(&mut state.data, object);
     }
 }
 
 /// Vertices and their normals at rest; `units` are those of the object's own frame, here and below.
-fn rest(object: &Object, units: Units) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
+pub(super) fn rest(object: &Object, units: Units) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
     let mesh = &object.mesh;
     let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
     for &[a, b, c] in &mesh.triangles {
@@ -77,80 +80,9 @@ pub fn moved(object: &Object, units: Units) -> Option<Vec<DVec3>> {
     Some((0..places.len()).into_par_iter().map(|v| wide(place(v))).collect())
 }
 
-/// The deformed vertices of each object; none where nothing deforms it.
-pub fn all_moved(objects: &[Object], units: Units) -> Vec<Option<Vec<DVec3>>> {
-    objects.iter().map(|object| moved(object, units)).collect()
-}
-
-/// How far vertices may move from the centre of the scene at rest, internal units: the scene at rest is at most 1
-/// across.
-const FARTHEST: f64 = 1.0;
-
-/// The largest distance of the scene from the origin of noise, in cells: there `f32` still distinguishes 256
-/// positions per cell.
-const MOST_CELLS: f64 = 65_536.0;
-
-/// Checks that deformed objects, with these vertices, stay where distances are within the tables of distances and `f32`
-/// is fine enough.
-pub fn reach(objects: &[Object], units: Units, moved: &[Option<Vec<DVec3>>]) -> Result<()> {
-    for (number, object) in objects.iter().enumerate() {
-        let own = units.own(object);
-        let place = |p: DVec3| object.placed(own.outside(p));
-        let vertices = object.mesh.positions.len();
-        let other = |deform: &&Deform| matches!(deform, Deform::Morph { ways, .. } if ways.len() != vertices);
-        if object.deforms.iter().any(|deform| other(&deform)) {
-            let fault = Input::new("a morph is of another mesh").key(format!("object.{number}.deform"));
-            return Err(fault.expected(format!("a way for each of {vertices} vertices")).into());
-        }
-        for deform in &object.deforms {
-            if let Deform::Noise { scale, offset, .. } = deform {
-                let cells = ((*offset - own.center).abs().max_element() + 0.5 / units.length) / scale;
-                if cells > MOST_CELLS {
-                    let fault = Input::new("noise so fine, or offset so far, is no noise any more");
-                    let expected = format!("the scene and `offset` within {MOST_CELLS} times `scale`");
-                    let found = format!("{cells:.4e} times");
-                    return Err(fault.key(format!("object.{number}.deform")).found(found).expected(expected).into());
-                }
-            }
-        }
-        let beyond = |p: &&DVec3| !p.is_finite() || units.inside(place(**p)).abs().max_element() > FARTHEST;
-        if let Some(p) = moved[number].as_ref().and_then(|moved| moved.iter().find(beyond)) {
-            let found = format!("a vertex at {:.4}", place(*p));
-            let most = FARTHEST / units.length;
-            let expected =
-                format!("within {most} of {:.4}, the middle of the scene at rest, on every axis", units.center);
-            let fault = Input::new("the deformations move the object too far");
-            return Err(fault.key(format!("object.{number}.deform")).found(found).expected(expected).into());
-        }
-    }
-    Ok(())
-}
-
-/// How much wider than at rest a tree's clusters may become before it is rebuilt for the deformed shape. In the scene
-/// `twist`, at 1.05, 1.09, 1.13 and 1.16 a new tree took 11, 18, 28 and 45 % off a frame's time (one run on
-/// lavapipe); it was built in about 15 ms.
-const SPOILT: f64 = 1.05;
-
-/// How much wider an object's clusters have become by deformations to these vertices, if that spoils the tree, which is
-/// then built over them instead of those at rest. Depends on the current shape alone, not on earlier ones. Trees of
-/// 4-to-1 splits are never rebuilt: they would be the same for any shape. `at_rest` is [`relative_radius`] of the shape
-/// at rest.
-pub fn spoilt(object: &Object, hierarchy: Hierarchy, tree: &Tree, moved: &[DVec3], at_rest: f64) -> Option<f64> {
-    if matches!(hierarchy, Hierarchy::Butterfly | Hierarchy::ShrinkWrap) {
-        return None;
-    }
-    let growth = relative_radius(tree, moved, &object.mesh.triangles) / at_rest;
-    (growth > SPOILT).then_some(growth)
-}
-
-/// How compact an object's clusters are at rest.
-pub fn radius_at_rest(object: &Object, tree: &Tree) -> f64 {
-    relative_radius(tree, &object.mesh.positions, &object.mesh.triangles)
-}
-
 /// An object's deformations in internal units, without those that have no effect; appends the displacements of morphs
 /// to `morphs`.
-fn records(object: &Object, units: Units, morphs: &mut Vec<[f32; 3]>) -> Vec<Record> {
+pub(super) fn records(object: &Object, units: Units, morphs: &mut Vec<[f32; 3]>) -> Vec<Record> {
     let mut records = Vec::new();
     for deform in &object.deforms {
         let Some(mut record) = record(deform, units) else { continue };
@@ -236,7 +168,7 @@ pub fn turned(state: &State) -> Vec<usize> {
             let up = moved(middle + step, normal) - moved(middle, normal);
             after.length() <= 1e-6 * before.length() || (before.length() > 0.0 && after.dot(up) <= 0.0)
         };
-        triangles.iter().filter(turned).count()
+        triangles.par_iter().filter(turned).count()
     };
     state.objects.iter().zip(&data.object_params).map(count).collect()
 }

@@ -1,18 +1,18 @@
 //! Changes of a session's scene between frames: lights, deformations, camera, or another scene.
 
-use glam::DVec3;
-
 use super::memory_estimate;
 use super::run::Session;
 use crate::error::Result;
 use crate::layout::BufferId;
 use crate::pipeline::plan::{Change, Changes, Plan};
 use crate::prepare::camera::{camera, tones};
+use crate::prepare::compactness::Compactness;
 use crate::prepare::lights::lights;
 use crate::prepare::material::{self, differs_by_coefficients, quadrature};
 use crate::prepare::place::place;
+use crate::prepare::reach::reach;
 use crate::prepare::receivers::by_pixel;
-use crate::prepare::shape::{all_moved, radius_at_rest, reach, shape, spoilt};
+use crate::prepare::shape::{deform_all, shape};
 use crate::prepare::units::Units;
 use crate::scene::{Camera, Light, Object, Scene};
 use crate::state::{Granularity, Group, Scheme, Stage, State};
@@ -127,15 +127,13 @@ impl Session {
         let (lights, old_camera) = (old.lights != new.lights, old.camera.clone());
         let placed = pairs().any(|(old, new)| (old.rotation, old.position) != (new.rotation, new.position));
         let units = Units { light: self.prepared.units.light, ..Units::of(&new.objects) };
-        let moved = if meshes && shape { all_moved(&new.objects, units) } else { Vec::new() };
         // Triangles are cut for their lights, and lengths are internal.
         let fits = !placed || (self.fixed.asked.is_none() && units.length == self.prepared.units.length);
-        if !meshes || !fits || old.transport != new.transport || (shape && !self.keeps_trees(new, &moved)) {
+        if !meshes || !fits || old.transport != new.transport || (shape && !self.keeps_trees(new)) {
             return self.renew(|scene| *scene = new.clone());
         }
         if shape || placed {
-            let moved = if shape { moved.clone() } else { all_moved(&new.objects, units) };
-            reach(&new.objects, units, &moved)?;
+            reach(&new.objects, units)?;
         }
         if placed {
             self.set_places(new, units)?;
@@ -171,17 +169,17 @@ impl Session {
         &self.prepared.maps
     }
 
-    /// Whether a new session for these deformations, to the vertices `moved`, would have the same trees.
-    fn keeps_trees(&mut self, new: &Scene, moved: &[Option<Vec<DVec3>>]) -> bool {
+    /// Whether a new session for these deformations would have the same trees.
+    fn keeps_trees(&mut self, new: &Scene) -> bool {
         if self.fixed.asked.is_some() || self.prepared.spoilt.iter().any(Option::is_some) {
             return false;
         }
-        let prepared = &mut self.prepared;
-        let own = prepared.trees.iter().zip(&mut prepared.at_rest);
-        new.objects.iter().zip(own).zip(moved).all(|((object, (tree, at_rest)), moved)| {
-            let Some(moved) = moved else { return true };
-            let at_rest = *at_rest.get_or_insert_with(|| radius_at_rest(object, tree));
-            spoilt(object, new.transport.hierarchy, tree, moved, at_rest).is_none()
+        let (prepared, hierarchy) = (&mut self.prepared, new.transport.hierarchy);
+        let units = prepared.units;
+        let own = prepared.trees.iter().zip(&mut prepared.compactness);
+        new.objects.iter().zip(own).filter(|(object, _)| !object.deforms.is_empty()).all(|(object, (tree, known))| {
+            let known = known.get_or_insert_with(|| Compactness::new(object, tree, units));
+            known.spoilt(object, hierarchy, units).is_none()
         })
     }
 
@@ -214,20 +212,35 @@ impl Session {
             own.deforms.clone_from(&new.deforms);
         }
         let sizes = |state: &State| (state.data.deforms.len(), state.data.morphs.len());
-        let before = sizes(&self.prepared.state);
+        let parts = |state: &State| state.objects.iter().map(|object| object.deforms > 0).collect::<Vec<_>>();
+        let (before, deformed) = (sizes(self.state()), parts(self.state()));
         let places = self.state().method.incremental.then(|| self.state().data.positions.clone());
         shape(&mut self.prepared.state, &self.scene.objects, self.prepared.units);
         self.pending.add(Change::EVERYTHING);
+        self.moved = true;
         if let Some(before) = places {
+            self.deform();
             self.unlink_where_much_moves(&before);
         }
-        if sizes(&self.prepared.state) != before {
+        if sizes(self.state()) != before {
             // Another set of stages, or larger buffers.
+            self.deform();
             self.plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());
             return self.resize();
         }
-        // Positions as well: no stage writes those of an object whose last deformation is gone.
-        self.send(&[BufferId::object_params, BufferId::deforms, BufferId::morphs, BufferId::positions])
+        if parts(self.state()) != deformed {
+            // No stage writes the positions of an object whose last deformation is gone.
+            self.deform();
+            self.send(&[BufferId::positions])?;
+        }
+        self.send(&[BufferId::object_params, BufferId::deforms, BufferId::morphs])
+    }
+
+    /// Deforms the vertices on the host, too, if that is still to be done: a frame does without.
+    pub fn deform(&mut self) {
+        if std::mem::take(&mut self.moved) {
+            deform_all(&mut self.prepared.state);
+        }
     }
 
     /// Replaces the camera. The picture may change its size. Another exposure or tone curve alone changes nothing that

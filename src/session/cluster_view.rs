@@ -41,7 +41,7 @@ pub fn clusters(session: &mut Session, pick: [u32; 2]) -> Result<(Picture, Emitt
         BufferId::placed_positions,
     ];
     session.fetch(&[BufferId::hits, BufferId::seen, BufferId::normals])?;
-    session.fetch(&[BufferId::placed_positions, BufferId::placed_normals])?;
+    session.fetch(&[BufferId::positions, BufferId::placed_positions, BufferId::placed_normals])?;
     session.fetch(&lists)?;
     let state = session.state();
     let data = &state.data;

@@ -6,6 +6,7 @@ use super::run::Session;
 use super::subdivide::Parts;
 use crate::error::Result;
 use crate::layout::BufferId;
+use crate::prepare::shape::moved;
 use crate::scene::Object;
 
 /// The light of one triangle of a mesh.
@@ -45,13 +46,12 @@ impl Session {
 
 /// An object's vertices in scene units, deformed if the object is.
 fn vertices(session: &Session, object: usize) -> Vec<DVec3> {
-    let (object, part) = (&session.scene().objects[object], &session.state().objects[object]);
-    if part.deforms == 0 {
-        return object.mesh.positions.iter().map(|&p| object.placed(p)).collect();
-    }
-    let own = &session.state().data.positions[part.first.vertices..][..part.count.vertices];
+    let object = &session.scene().objects[object];
     let units = session.units().own(object);
-    own.iter().map(|p| object.placed(units.outside(DVec3::from_array(p.map(f64::from))))).collect()
+    match moved(object, *session.units()) {
+        None => object.mesh.positions.iter().map(|&p| object.placed(p)).collect(),
+        Some(moved) => moved.into_iter().map(|p| object.placed(units.outside(p))).collect(),
+    }
 }
 
 fn rows(session: &Session) -> Vec<FaceLight> {

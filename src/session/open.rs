@@ -11,10 +11,10 @@ use crate::error::Result;
 use crate::gpu::Device;
 use crate::pipeline::plan::{Change, Mode, Options, Plan, ShadingMethod};
 use crate::prepare::layers::drop_unlooked;
+use crate::prepare::reach::reach;
 use crate::prepare::receivers::{by_pixel, lit_at};
 use crate::prepare::scene::prepare;
 use crate::prepare::shading::local;
-use crate::prepare::shape::{all_moved, reach};
 use crate::prepare::texture_charts::{blur, unwrap};
 use crate::prepare::textures::drop_unseen;
 use crate::prepare::units::Units;
@@ -49,7 +49,7 @@ impl Session {
         let local = local(&scene.transport, options.transport);
         device.map_or(Ok(()), |_| holds(scene))?;
         let units = Units::of(&scene.objects);
-        reach(&scene.objects, units, &all_moved(&scene.objects, units))?;
+        reach(&scene.objects, units)?;
         // Subdivide where lighting needs it; code below sees only that scene.
         let asked = (scene.transport.subdivide > 0 && local.is_none()).then(|| scene.clone());
         let blocks = scene.transport.scheme == Scheme::Blocks && options.transport == ShadingMethod::Hierarchy;
@@ -90,6 +90,7 @@ impl Session {
             backend,
             retries,
             relinks,
+            moved: false,
             linked: false,
             spent: 0,
             sharp: None,

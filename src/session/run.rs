@@ -52,6 +52,8 @@ pub struct Session {
     pub(crate) retries: usize,
     /// How often a frame was repeated because the kept lists did not suit the irradiance ratio of its light.
     pub(crate) relinks: usize,
+    /// Whether the shape has changed since the host has deformed the vertices.
+    pub(crate) moved: bool,
     /// Whether there are links that a change of shape can update.
     pub(crate) linked: bool,
     /// Form factors computed in this frame by runs whose lists overflowed.
@@ -190,12 +192,19 @@ impl Session {
         }
     }
 
-    /// Downloads these buffers to the host, except what the host itself computed: the octree's radiosity where no
-    /// object is opaque, and a refined estimate.
+    /// Downloads these buffers to the host, except what the host itself computes: deformed positions, the octree's
+    /// radiosity where no object is opaque, and a refined estimate.
     pub fn fetch(&mut self, slots: &[BufferId]) -> Result<()> {
+        if slots.contains(&BufferId::positions) {
+            self.deform();
+        }
         let octree = self.octree.is_some() && !self.state().objects.iter().any(|object| object.opaque);
-        let there =
-            |slot: &BufferId| octree && *slot == BufferId::radiosity || self.sharpened() && *slot == BufferId::estimate;
+        let there = |slot: &BufferId| match *slot {
+            BufferId::positions => true,
+            BufferId::radiosity => octree,
+            BufferId::estimate => self.sharpened(),
+            _ => false,
+        };
         let slots: Vec<BufferId> = slots.iter().copied().filter(|slot| !there(slot)).collect();
         match &self.backend {
             Backend::Gpu(gpu) => gpu.download(&mut self.prepared.state, &slots),

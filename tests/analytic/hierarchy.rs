@@ -3,7 +3,7 @@
 use crate::seeded::Seeded;
 use crate::sphere::icosphere;
 use glam::DVec3;
-use milkglass::internals::hierarchy::compact::relative_radius;
+use milkglass::internals::hierarchy::compact::{Sample, relative_radius};
 use milkglass::internals::hierarchy::face_cluster::{self, DEEPEST, Method};
 use milkglass::internals::hierarchy::{Tree, median};
 use proptest::prelude::*;
@@ -116,6 +116,18 @@ fn the_relative_radius_of_rectangles_is_known() {
     let expected = (std::f64::consts::TAU * ((w * w + h * h) / 12.0) / (w * h)).sqrt();
     let found = relative_radius(&tree, &positions, &triangles);
     assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    // Some of the triangles tell how much wider clusters become.
+    let (positions, triangles) = grid(64);
+    let tree = median::build(&positions, &triangles, 1);
+    let some = Sample::of(&tree, 1000);
+    assert!((500..=1000).contains(&some.faces.len()), "{}", some.faces.len());
+    let growth = |wide: f64| {
+        let places: Vec<DVec3> = positions.iter().map(|p| *p * DVec3::new(wide, 1.0, 1.0)).collect();
+        let corners = some.faces.iter().map(|&face| triangles[face as usize].map(|v| places[v as usize]));
+        [some.relative_radius(corners), relative_radius(&tree, &places, &triangles)]
+    };
+    let ([some, all], [wider, all_wider]) = (growth(1.0), growth(4.0));
+    assert!((wider / some - all_wider / all).abs() < 0.03 && wider > 1.2 * some, "{some} {all} {wider} {all_wider}");
     // With fewer triangles there is nothing to measure.
     let (positions, triangles) = grid(3);
     let tree = median::build(&positions, &triangles, 1);

@@ -1,5 +1,6 @@
 //! Moving shapes: deformations, keyframes, sequences.
 
+use crate::devices;
 use crate::shell::{bad, bytes, folder, good, names, numbers, read};
 use milkglass::internals::layout::BufferId;
 use milkglass::internals::pipeline::plan::{Change, Options};
@@ -252,4 +253,22 @@ fn faults_are_named() {
     std::fs::write(here.path().join("moving.toml"), broken).unwrap();
     bad(&here, run, 2, &["moving.toml:", "object.0.deform.1.angle: keyframes are not in order"]);
     assert_eq!(names(here.path()), ["moving.toml"]);
+}
+
+#[test]
+fn a_frame_of_another_shape_deforms_nothing_on_the_host() {
+    let twist = |frame: f64| Scene::load_at("twist", &["object.0.detail=16".to_string()], frame).unwrap();
+    devices::on_devices(|device| {
+        let mut moving = Session::new(&twist(1.0), Some(device), Options::default()).unwrap();
+        moving.frame(Change::EVERYTHING).unwrap();
+        let before = moving.state().data.positions.clone();
+        moving.show(&twist(3.0)).unwrap();
+        moving.frame(Change::default()).unwrap();
+        assert!(moving.state().data.positions == before, "the host has deformed the vertices");
+        // Until they are asked for.
+        moving.fetch(&[BufferId::positions, BufferId::normals]).unwrap();
+        let fresh = Session::new(&twist(3.0), None, Options::default()).unwrap();
+        assert!(moving.state().data.positions == fresh.state().data.positions);
+        assert!(moving.vertices() == fresh.vertices());
+    });
 }
