@@ -19,12 +19,20 @@ const SPOILT: f64 = 1.05;
 /// The most triangles that are looked at.
 const MOST: usize = 2048;
 
+/// A corner of a triangle at rest.
+#[derive(Clone, Copy, Debug)]
+struct Corner {
+    vertex: usize,
+    place: [f32; 3],
+    normal: [f32; 3],
+}
+
 /// Triangles of an object, and how compact the clusters of its tree are over them at rest.
 #[derive(Clone, Debug)]
 pub struct Compactness {
     sample: Sample,
-    /// Index, place and normal of the triangles' corners at rest.
-    corners: Vec<[(usize, [f32; 3], [f32; 3]); 3]>,
+    /// The triangles' corners.
+    corners: Vec<[Corner; 3]>,
     at_rest: f64,
 }
 
@@ -33,11 +41,11 @@ impl Compactness {
     #[must_use]
     pub fn new(object: &Object, tree: &Tree, units: Units) -> Self {
         let (places, normals) = rest(object, units.own(object));
-        let corner = |v: u32| (v as usize, places[v as usize], normals[v as usize]);
+        let corner = |v: u32| Corner { vertex: v as usize, place: places[v as usize], normal: normals[v as usize] };
         let sample = Sample::of(tree, MOST);
         let corners: Vec<_> =
             sample.faces.iter().map(|&face| object.mesh.triangles[face as usize].map(corner)).collect();
-        let at_rest = sample.relative_radius(corners.iter().map(|corners| corners.map(|(_, place, _)| wide(place))));
+        let at_rest = sample.relative_radius(corners.iter().map(|corners| corners.map(|corner| wide(corner.place))));
         Self { sample, corners, at_rest }
     }
 
@@ -51,7 +59,7 @@ impl Compactness {
         }
         let mut morphs = Vec::new();
         let own = records(object, units.own(object), &mut morphs);
-        let place = |(vertex, place, normal): (usize, [f32; 3], [f32; 3])| -> DVec3 {
+        let place = |Corner { vertex, place, normal }: Corner| -> DVec3 {
             wide(own.iter().fold(place, |p, deform| displace(deform, p, normal, way(&morphs, deform, vertex))))
         };
         let now = self.sample.relative_radius(self.corners.iter().map(|corners| corners.map(place)));
