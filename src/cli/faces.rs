@@ -9,6 +9,7 @@ use milkglass::{FaceLight, Session};
 pub(super) fn csv(session: &Session, rows: &[FaceLight]) -> String {
     let mut text = String::from("face,cx,cy,cz,area,E_r,E_g,E_b,B_r,B_g,B_b,input_face");
     text += if session.state().method.estimate { ",err_r,err_g,err_b" } else { "" };
+    text += if rows.iter().any(|row| row.noise.is_some()) { ",se_r,se_g,se_b" } else { "" };
     let several = session.scene().objects.len() > 1;
     text += if several { ",object\n" } else { "\n" };
     for (face, row) in rows.iter().enumerate() {
@@ -16,7 +17,7 @@ pub(super) fn csv(session: &Session, rows: &[FaceLight]) -> String {
         let _ = write!(text, "{face},{:.9e},{:.9e},{:.9e},{:.9e}", c.x, c.y, c.z, row.area);
         let _ = write!(text, ",{},{},{},{},{},{}", e[0], e[1], e[2], b[0], b[1], b[2]);
         let _ = write!(text, ",{}", row.input_face);
-        for x in row.estimate.iter().flatten() {
+        for x in row.estimate.iter().chain(&row.noise).flatten() {
             let _ = write!(text, ",{}", digits(*x));
         }
         if several {

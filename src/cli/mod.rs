@@ -27,6 +27,7 @@ mod solve;
 mod stop;
 mod stress;
 mod validity;
+mod walk;
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -172,6 +173,7 @@ impl RunArguments {
 /// Opens a session on this device; reports tree fallbacks and the like on standard error.
 fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Result<Session> {
     let mut session = Session::new(scene, device, options)?;
+    walk::watch(&mut session);
     for (object, method) in session.prepared().methods.iter().enumerate() {
         let why = match method {
             Method::Merged => continue,
@@ -194,6 +196,7 @@ fn run_frame(session: &mut Session, change: Change) -> Result<Vec<Timing>> {
     if let Some(why) = session.not_kept().filter(|_| !before) {
         tell!("{why}");
     }
+    walk::tell_walks(session);
     Ok(times)
 }
 

@@ -24,6 +24,8 @@ pub struct Arguments {
     scene: SceneArguments,
     #[command(flatten)]
     run: RunArguments,
+    #[command(flatten)]
+    limit: super::walk::LimitArgument,
     /// The picture: `.png` (exposed, toned, sRGB) or `.exr` (linear).
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -64,6 +66,7 @@ enum View {
 /// Renders and writes the picture.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
+    arguments.limit.hold();
     check(&arguments.output)?;
     let aov = arguments.aov;
     if aov && !arguments.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {

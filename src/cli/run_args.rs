@@ -36,6 +36,8 @@ enum TransportArgument {
     Octree,
     /// Every face to every face.
     Brute,
+    /// Light walks through the object, photon by photon: the reference without approximations, with noise.
+    Walk,
     /// No transport: only single scattering in layers, opaque objects, and reflections.
     None,
     /// No transport: the curvature-dependent reflectance function of Kubo et al. 2010, at each pixel.
@@ -59,6 +61,7 @@ impl OptionArguments {
                 TransportArgument::Hierarchy => ShadingMethod::Hierarchy,
                 TransportArgument::Octree => ShadingMethod::Octree,
                 TransportArgument::Brute => ShadingMethod::Brute,
+                TransportArgument::Walk => ShadingMethod::Walk,
                 TransportArgument::None => ShadingMethod::None,
                 TransportArgument::Cdrf => ShadingMethod::Cdrf,
                 TransportArgument::Lambert => ShadingMethod::Lambert,

@@ -27,6 +27,8 @@ pub struct Arguments {
     scene: SceneArguments,
     #[command(flatten)]
     run: RunArguments,
+    #[command(flatten)]
+    limit: super::walk::LimitArgument,
     /// `.csv`: one row per face; `.ply`: the mesh with radiosity as colours and properties.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -69,6 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     ready([("-o", arguments.output.as_ref())])?;
     arguments.run.options().carries("solve")?;
+    arguments.limit.hold();
     let scene = arguments.scene.load()?;
     let device = arguments.run.device.open(validation())?;
     // Times alone are measured without an error estimate.

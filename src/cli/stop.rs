@@ -1,15 +1,25 @@
 //! Early termination of the program.
 
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-/// On Ctrl-C or a request to terminate, removes partial files before the program ends with exit code 130, or 128 plus
-/// the signal's number. Writing a file larger than the system allows remains an ordinary error.
+/// Whether work is under way that can end early with what there is.
+static MAY_END: AtomicBool = AtomicBool::new(false);
+/// Whether it is to end.
+static ENDS: AtomicBool = AtomicBool::new(false);
+
+/// On Ctrl-C, unless the work under way can end early, or a request to terminate, removes partial files before the
+/// program ends with exit code 130, or 128 plus the signal's number. Writing a file larger than the
+/// system allows remains an ordinary error.
 #[cfg(unix)]
 pub fn remove_when_stopped() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
     let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGHUP, SIGINT, SIGTERM, SIGXFSZ]) else { return };
     std::thread::spawn(move || {
         for signal in signals.forever().filter(|signal| *signal != SIGXFSZ) {
+            if signal == SIGINT && MAY_END.load(Ordering::Relaxed) && !ENDS.swap(true, Ordering::Relaxed) {
+                continue;
+            }
             milkglass::internals::view::atomic_file::abandon(|| signal_hook::low_level::exit(128 + signal));
         }
     });
@@ -18,6 +28,16 @@ pub fn remove_when_stopped() {
 /// Elsewhere the system's default applies.
 #[cfg(not(unix))]
 pub fn remove_when_stopped() {}
+
+/// Says whether the work under way can end early: the first Ctrl-C then asks it to.
+pub(super) fn may_end(early: bool) {
+    MAY_END.store(early, Ordering::Relaxed);
+}
+
+/// Whether Ctrl-C has asked the work under way to end.
+pub(super) fn ends() -> bool {
+    ENDS.load(Ordering::Relaxed)
+}
 
 /// Ends the program with this code; after a device failure without waiting for the driver.
 pub fn leave(code: u8) -> ExitCode {

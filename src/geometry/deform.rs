@@ -50,8 +50,8 @@ fn quarter(x: f32) -> f32 {
     sum * x
 }
 
-/// Sine and cosine of an angle in turns.
-fn turn(turns: f32) -> [f32; 2] {
+/// Sine and cosine of an angle in turns, in step with `glsl/geometry/turn.glsl`.
+pub fn turn(turns: f32) -> [f32; 2] {
     let x = turns - (turns + 0.5).floor();
     let half = if x < 0.0 { -0.5 - x } else { 0.5 - x };
     [quarter(if x.abs() > 0.25 { half } else { x }), quarter(0.25 - x.abs())]

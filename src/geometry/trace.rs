@@ -18,22 +18,22 @@ pub struct Nearest {
     pub denominator: f32,
 }
 
-pub(super) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(super) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+pub(crate) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-pub(super) fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+pub(crate) fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// A ray's direction, and two axes across it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sight {
-    along: [f32; 3],
+pub(crate) struct Sight {
+    pub along: [f32; 3],
     right: [f32; 3],
     up: [f32; 3],
     /// The power of two that scales the direction to `along`, whose largest component is 1 to 2.
@@ -76,7 +76,7 @@ impl Sight {
 
 /// Whether the half line may meet the box before the nearest hit: separating axes, with a margin larger than
 /// rounding.
-pub(super) fn meets(low: [f32; 3], high: [f32; 3], origin: [f32; 3], ray: &Sight, nearest: &Nearest) -> bool {
+pub(crate) fn meets(low: [f32; 3], high: [f32; 3], origin: [f32; 3], ray: &Sight, nearest: &Nearest) -> bool {
     let each = |f: &dyn Fn(usize) -> f32| [f(0), f(1), f(2)];
     let c = each(&|k| 0.5 * (low[k] + high[k]) - origin[k]);
     let margin = 1e-6 * (1.0 + c[0].abs() + c[1].abs() + c[2].abs());

@@ -184,6 +184,23 @@ buffers! {
     due_groups: [u32; 3], rank;
     /// Radiosity gathered at each node's own links.
     gathered: [f32; 3], node;
+    /// How light walks through each object.
+    walk_params: WalkParams, object;
+    /// The light that enters each triangle of an object and those before it, in integers.
+    entry_sums: EntrySum, face;
+    /// The same of blocks of triangles.
+    entry_blocks: EntryBlock, walk;
+    /// Of each cell of a grid around an object, `CLEARANCE_SIDE` a side, the least distance of its points to the
+    /// surface, or less.
+    clearance: f32, walk;
+    /// The photons under way in an object, three slots in turn of red, green, blue.
+    photons: Photon, walk;
+    /// Where their weight has gone.
+    balances: WalkBalance, walk;
+    /// What has left through each triangle.
+    exits: ExitSum, face;
+    /// Standard error of the radiosity that a walk found.
+    walk_noise: [f32; 3], face;
     /// Radiosity of each receiver, B of equation 4.
     radiosity: [f32; 3], receiver;
     /// Radiosity averaged at each vertex.

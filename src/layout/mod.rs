@@ -63,6 +63,7 @@ plain! {
 
 // A device may ask for up to 256 bytes between two places that are bound.
 const _: () = assert!(size_of::<ObjectParams>().is_multiple_of(256) && size_of::<ListCounters>().is_multiple_of(256));
+const _: () = assert!(size_of::<WalkParams>().is_multiple_of(256));
 
 /// A struct shared by host and device, as the build script and the layout test see it.
 pub struct Record {
@@ -260,6 +261,7 @@ mod numbers;
 mod records;
 mod shading;
 mod view;
+mod walk;
 
 pub use self::layers::*;
 pub use self::lighting::*;
@@ -272,6 +274,7 @@ pub use kinds::*;
 pub use lists::*;
 pub use numbers::*;
 pub use records::*;
+pub use walk::*;
 
 /// Every record.
 pub fn records() -> Vec<Record> {
@@ -281,5 +284,6 @@ pub fn records() -> Vec<Record> {
     all.extend(light_records());
     all.extend(view_records());
     all.extend(layer_records());
+    all.extend(walk_records());
     all
 }

@@ -126,6 +126,31 @@ constants! {
     /// The mixed area up to which a vertex has no curvature of its own.
     LEAST_MIXED_AREA: f64 = 1e-16;
 
+    /// Weight of a photon that starts: 2^30.
+    WALK_WEIGHT: u32 = 1_073_741_824;
+    /// Weight below which roulette decides whether a photon goes on with twice as much: 2^27.
+    WALK_LIGHT: u32 = 134_217_728;
+    /// Low bits that a weight loses before it is squared, so that the square fits a word.
+    WALK_SQUARE_BITS: u32 = 15;
+    /// Flights of a photon, at most: it is lost then.
+    WALK_FLIGHTS: u32 = 1_000_000;
+    /// Distance, in a scene of unit extent, by which rounding may put a photon on the wrong side of a surface.
+    WALK_MARGIN: f32 = 1.0 / 1_048_576.0;
+    /// Cells along a side of the grid of distances to the surface.
+    CLEARANCE_SIDE: u32 = 48;
+    /// Collisions in a row that need no look at the surface, at most.
+    WALK_FREE: u32 = 4;
+    /// Tries at a direction of light from all around, each of which Fresnel's transmittance may reject.
+    WALK_TRIES: u32 = 16;
+    /// Triangles of a block whose light is summed by one invocation.
+    ENTRY_BLOCK: u32 = 256;
+    /// Coefficients of the natural logarithm of 1 + t beyond t - t^2 / 2, from that of t^3: Cephes, for m from 0.7 to
+    /// 1.4.
+    LOGARITHM: [f32; 9] = [
+        0.333_333_3, -0.249_999_94, 0.200_007_14, -0.166_680_57, 0.142_493_23, -0.124_201_41, 0.116_769_984,
+        -0.115_146_1, 0.070_376_836,
+    ];
+
     /// Layers that a texel of a depth map holds.
     MAP_LAYERS: usize = 4;
     /// Layers of an object at most.

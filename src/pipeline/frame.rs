@@ -14,6 +14,7 @@ use crate::transport::links::{
     form_factor, mark_moved, mark_relit, mark_stale, mean_irradiance, push_links, reach, refine, resum_links, snapshot,
     sum_links, update_form_factors, update_links,
 };
+use crate::transport::walk::{clearance, entry_sums, exit_radiosity, random_walk};
 use crate::transport::{average, evaluate};
 use crate::transport::{brute, octree};
 use crate::view::{
@@ -67,6 +68,10 @@ pub static FRAME: &[Section] = &[
         ],
     ),
     section("Transport by brute force", &[per_object(&[&brute::STAGE])]),
+    section(
+        "Transport by a random walk",
+        &[per_object(&[&entry_sums::STAGE, &clearance::STAGE, &random_walk::STAGE, &exit_radiosity::STAGE])],
+    ),
     section(
         "Radiosity where pictures need it",
         &[per_object(&[&opaque_faces::STAGE, &average::STAGE, &plane_fit::STAGE])],

@@ -35,6 +35,7 @@ pub(crate) fn unestimated(state: &State, options: Options) -> Option<&'static st
             Some("no light is carried whose error could be estimated")
         }
         ShadingMethod::Brute => Some("brute force takes every pair of faces by itself, and estimates nothing"),
+        ShadingMethod::Walk => Some("a walk has a standard error instead"),
         ShadingMethod::Hierarchy if state.method.scheme == Scheme::Links => Some("scheme links has none"),
         ShadingMethod::Hierarchy => Some("not requested; use `solve -o`, `--verify` or `render --aov`"),
     }

@@ -40,6 +40,8 @@ pub struct Material {
     pub sigma_a: [f64; 3],
     /// Relative index of refraction, inside over outside, r g b, 0.5 to 5.
     pub eta: [f64; 3],
+    /// Mean cosine of scattering, r g b, -0.95 to 0.95: of the random walk.
+    pub g: [f64; 3],
     /// Diffuse albedo of an opaque object, r g b, 0 to 1; none if light enters.
     pub opaque: Option<[f64; 3]>,
     /// Which formula gives the diffuse Fresnel reflectance.
@@ -101,6 +103,8 @@ impl Material {
                 format!("numbers of at most {PAPER_ETA}, or fresnel = \"exact\": the polynomial F_dr passes 1");
             range::channels(&key("eta"), eta, |x| x <= PAPER_ETA, &expected)?;
         }
+        let g = file.g.map_or([0.0; 3], |rgb| rgb.0);
+        range::channels(&key("g"), g, |x| x.abs() <= 0.95, "numbers from -0.95 to 0.95")?;
         let scale = range::number(&key("scale"), file.scale, |x| x > 0.0, "above 0")?;
 
         // Convert to scene units: a coefficient may overflow, or a whole channel vanish.
@@ -146,6 +150,7 @@ impl Material {
             sigma_s_prime,
             sigma_a,
             eta,
+            g,
             opaque: None,
             fresnel,
             two_sided,
@@ -165,6 +170,7 @@ impl Material {
             ("preset", file.preset.is_some()),
             ("sigma_s_prime", file.sigma_s_prime.is_some()),
             ("sigma_a", file.sigma_a.is_some()),
+            ("g", file.g.is_some()),
             ("two_sided", file.two_sided),
             ("normalize_exit", file.normalize_exit),
             ("sigma_0", file.sigma_0.is_some()),
@@ -195,6 +201,7 @@ impl Material {
             sigma_s_prime: [0.0; 3],
             sigma_a: [0.0; 3],
             eta,
+            g: [0.0; 3],
             opaque: Some(albedo),
             fresnel: file.fresnel,
             two_sided: false,

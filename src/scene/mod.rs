@@ -43,7 +43,7 @@ pub use object::Object;
 pub use preset::{PRESETS, Preset};
 pub use surface::{Reflection, Surface};
 pub use texture::{Side, Texture, Wrap};
-pub use transport::{ClusterForm, Distance, Hierarchy, Near, Oracle, Receivers, Scheme, Transport};
+pub use transport::{ClusterForm, Distance, Hierarchy, MOST_WALKS, Near, Oracle, Receivers, Scheme, Transport};
 
 use crate::error::{Error, Input, Result};
 

@@ -17,6 +17,12 @@ pub const PLANARITY: f64 = 0.3;
 /// Default of the relative error allowed in one form factor.
 pub const FORM_FACTOR_TOLERANCE: f64 = 1e-2;
 
+/// Default of the estimated noise of a random walk.
+pub const WALK_ERROR: f64 = 0.02;
+
+/// Most photons of a channel.
+pub const MOST_WALKS: u32 = 1_000_000_000;
+
 /// Default of the solid angle from which a cell of the octree is opened, steradian.
 pub const OCTREE_ANGLE: f64 = 0.2;
 
@@ -55,6 +61,10 @@ pub struct Transport {
     pub form_factor_tolerance: f64,
     /// The irradiance octree: solid angle from which a cell is opened, steradian, above 0.
     pub octree_angle: f64,
+    /// The random walk: estimated relative error of means over patches (L2, worst channel), 1e-4 to 1.
+    pub walk_error: f64,
+    /// The random walk: photons of each channel and object instead of that error, at least 1, if given.
+    pub walks: Option<u32>,
     /// Mode incremental: maximum number of form factors that a frame computes for links that are kept, at least 1;
     /// unlimited if omitted.
     pub budget: Option<u32>,
@@ -123,6 +133,13 @@ impl Transport {
                 "1e-4 to 1e-1",
             )?,
             octree_angle: angle("transport.octree_angle", file.octree_angle)?,
+            walk_error: range::number(
+                "transport.walk_error",
+                file.walk_error,
+                |x| (1e-4..=1.0).contains(&x),
+                "1e-4 to 1",
+            )?,
+            walks: walks(file.walks)?,
             budget: budget(file.budget)?,
             cdrf: file.cdrf,
             cdrf_table: range::number(
@@ -156,6 +173,13 @@ fn cluster(file: &TransportFile) -> Checked<Option<ClusterForm>> {
 fn budget(given: Option<i64>) -> Checked<Option<u32>> {
     let fits = |n: f64| (1.0..=f64::from(u32::MAX)).contains(&n);
     let number = |n: i64| range::number("transport.budget", n as f64, fits, "form factors of a frame, 1 to 4294967295");
+    Ok(given.map(number).transpose()?.map(|n| n as u32))
+}
+
+/// Photons of each channel and object, if their number is given.
+fn walks(given: Option<i64>) -> Checked<Option<u32>> {
+    let fits = |n: f64| (1.0..=f64::from(MOST_WALKS)).contains(&n);
+    let number = |n: i64| range::number("transport.walks", n as f64, fits, "photons of a channel, 1 to 1000000000");
     Ok(given.map(number).transpose()?.map(|n| n as u32))
 }
 

@@ -23,6 +23,7 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
         BufferId::radiosity,
         BufferId::vertex_radiosity,
         BufferId::estimate,
+        BufferId::walk_noise,
         BufferId::normals,
         BufferId::placed_normals,
     ];
@@ -90,6 +91,9 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
         }
         let comment = session.leaves_out_borders().then_some(BORDERS);
         layers.push(Layer { comment, ..Layer::vector("error_estimate", rgb, &estimate) });
+    }
+    if !data.walk_noise.is_empty() {
+        layers.push(Layer::vector("standard_error", rgb, &own(&data.walk_noise)));
     }
     // Depth along the view axis, in scene units.
     let depth = |hit: &Option<&Hit>| hit.map_or(f32::INFINITY, |hit| (f64::from(hit.depth) / units.length) as f32);

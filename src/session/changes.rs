@@ -77,8 +77,10 @@ impl Session {
         let (before, mut changes) = (Layout::of(state), Changes::default());
         for (number, (old, new)) in self.scene.objects.iter_mut().zip(&new.objects).enumerate() {
             if old.material != new.material {
+                // Only a random walk knows it.
+                let scatters = if old.material.g == new.material.g { Change::default() } else { Change::MATERIAL };
                 old.material = new.material.clone();
-                changes.add_to(number, material::change(state, number, &old.material, *units));
+                changes.add_to(number, material::change(state, number, &old.material, *units).and(scatters));
             }
         }
         if quadrature(state, &self.scene) {

@@ -26,6 +26,8 @@ pub struct FaceLight {
     pub radiosity: [f64; 3],
     /// Estimated error of the radiosity, r g b, if [`crate::Options::estimate`] asks for it.
     pub estimate: Option<[f64; 3]>,
+    /// Standard error of the radiosity, r g b, of a random walk.
+    pub noise: Option<[f64; 3]>,
     /// Indices of the corners among the vertices of all objects.
     pub triangle: [u32; 3],
 }
@@ -34,7 +36,13 @@ impl Session {
     /// The light of every triangle after a frame: object after object, in the order of the scene's meshes.
     pub fn faces(&mut self) -> Result<Vec<FaceLight>> {
         self.sharpen()?;
-        self.fetch(&[BufferId::clusters, BufferId::irradiance, BufferId::radiosity, BufferId::estimate])?;
+        self.fetch(&[
+            BufferId::clusters,
+            BufferId::irradiance,
+            BufferId::radiosity,
+            BufferId::estimate,
+            BufferId::walk_noise,
+        ])?;
         Ok(rows(self))
     }
 
@@ -72,6 +80,7 @@ fn rows(session: &Session) -> Vec<FaceLight> {
                 irradiance: light(data.irradiance[face]),
                 radiosity: light(data.radiosity[face]),
                 estimate: data.estimate.get(face).copied().map(light),
+                noise: data.walk_noise.get(face).copied().map(light),
                 triangle: triangle.map(|v| v + before),
             }
         };
@@ -108,6 +117,7 @@ fn put_together(parts: Vec<FaceLight>, made: &Parts, before: u32) -> Vec<FaceLig
                 let missed = made.missed.get(middle as usize).copied().unwrap_or_default();
                 [0, 1, 2].map(|c| own[c].hypot(missed[c]))
             }),
+            noise: row.noise,
             triangle: made.whole[face].map(|v| v + before),
         }
     };

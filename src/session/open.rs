@@ -7,6 +7,7 @@ use super::memory_estimate;
 use super::octree::OctreeTransport;
 use super::run::{Backend, Fixed, Session};
 use super::subdivide::subdivide;
+use super::walk::{WalkTransport, prepare_walk};
 use crate::error::Result;
 use crate::gpu::Device;
 use crate::pipeline::plan::{Change, Mode, Options, Plan, ShadingMethod};
@@ -61,6 +62,9 @@ impl Session {
         let known = before.as_deref().map(|before| (&before.scene, &before.prepared));
         let mut prepared = prepare(&scene, (by_pixel, lit_at(&scene, options)), local, known);
         blur(&mut prepared, &scene, unwrap(&scene, local)?);
+        if options.transport == ShadingMethod::Walk {
+            prepare_walk(&mut prepared, &scene)?;
+        }
         drop_unseen(&mut prepared.state, options);
         drop_unlooked(&mut prepared.state, options);
         prepared.state.keep = options.mode != Mode::OnTheFly;
@@ -103,6 +107,7 @@ impl Session {
             lists,
             pending: Change::EVERYTHING.into(),
             octree,
+            walk: WalkTransport::default(),
             fixed,
         };
         let fits = match options.transport {

@@ -6,6 +6,7 @@ pub use super::capacity::CapacityHints;
 use super::capacity::Lists;
 use super::octree::OctreeTransport;
 use super::subdivide::Parts;
+use super::walk::WalkTransport;
 use crate::error::{Error, Result};
 use crate::gpu::Timing;
 use crate::layout::{BufferId, ListCounters};
@@ -78,6 +79,8 @@ pub struct Session {
     pub(crate) pending: Changes,
     /// The octree, if it is the transport.
     pub(crate) octree: Option<OctreeTransport>,
+    /// The random walk, if it is the transport.
+    pub(crate) walk: WalkTransport,
     pub(crate) fixed: Fixed,
 }
 
@@ -124,7 +127,11 @@ impl Session {
             changes = self.links_anew(&changes);
             let steps = self.plan.steps(&self.prepared.state, changes.clone());
             let octree = self.plan.runs_on_host(&HOST, &self.prepared.state, changes.clone());
-            let last = if octree { self.run_octree(&steps, changes.any())? } else { self.run(&steps)? };
+            let last = match octree {
+                true => self.run_octree(&steps, changes.any())?,
+                false if self.walks() => self.run_walk(&steps)?,
+                false => self.run(&steps)?,
+            };
             // A stage that runs again counts with its latest run only.
             times.retain(|before| last.iter().all(|now| now.name != before.name));
             times.extend(last);

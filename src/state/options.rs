@@ -12,6 +12,8 @@ pub enum ShadingMethod {
     Octree,
     /// Brute force: every face to every face.
     Brute,
+    /// A random walk of light through the object: no approximation but its noise.
+    Walk,
     /// No transport: only single scattering in layers, and opaque objects.
     None,
     /// No transport: the curvature-dependent reflectance function of Kubo et al. 2010.
@@ -103,6 +105,6 @@ impl Options {
             return Ok(());
         }
         let fault = Input::new(format!("{what} needs a method that transports light")).key("--transport");
-        Err(fault.found("cdrf, lambert or texture-blur").expected("hierarchy, octree or brute").into())
+        Err(fault.found("cdrf, lambert or texture-blur").expected("hierarchy, octree, brute or walk").into())
     }
 }

@@ -143,6 +143,8 @@ pub enum Carrier {
     Octree,
     /// Brute force: every face to every face.
     Brute,
+    /// A random walk through the object.
+    Walk,
     /// No light is carried.
     Nothing,
     /// The curvature-dependent reflectance function takes the place of transport.
@@ -160,6 +162,7 @@ impl Carrier {
         Self::Links,
         Self::Octree,
         Self::Brute,
+        Self::Walk,
         Self::Nothing,
         Self::Cdrf,
         Self::Lambert,
@@ -174,6 +177,7 @@ impl Carrier {
             (ShadingMethod::Hierarchy, Scheme::Links) => Self::Links,
             (ShadingMethod::Octree, _) => Self::Octree,
             (ShadingMethod::Brute, _) => Self::Brute,
+            (ShadingMethod::Walk, _) => Self::Walk,
             (ShadingMethod::None, _) => Self::Nothing,
             (ShadingMethod::Cdrf, _) => Self::Cdrf,
             (ShadingMethod::Lambert, _) => Self::Lambert,
@@ -189,6 +193,7 @@ impl Carrier {
             Self::Links => "scheme links",
             Self::Octree => "--transport octree",
             Self::Brute => "--transport brute",
+            Self::Walk => "--transport walk",
             Self::Nothing => "--transport none",
             Self::Cdrf => "--transport cdrf",
             Self::Lambert => "--transport lambert",
@@ -204,6 +209,7 @@ impl Carrier {
             Self::Links => "scheme links carries the light",
             Self::Octree => "the octree carries the light, in native code on the host",
             Self::Brute => "brute force carries the light, and needs no clusters",
+            Self::Walk => "photons carry the light, and need no clusters",
             Self::Nothing => "no light is carried",
             Self::Cdrf => "no light is carried: the CDRF shades each place by itself",
             Self::Lambert => "no light is carried: Lambert's cosine shades each place by itself",

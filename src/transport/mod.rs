@@ -1,8 +1,8 @@
 //! Mertens et al. 2003: transport from the light that enters to the light that leaves, by a hierarchy of clusters.
 //!
 //! [`blocks`]: extended to meet a given error; [`links`]: as published; [`brute`]: every face to every face;
-//! [`octree`]: an irradiance octree in native code. `average` computes radiosity at vertices; `evaluate` answers
-//! single queries.
+//! [`octree`]: an irradiance octree in native code; [`walk`]: a random walk of photons, without approximations.
+//! `average` computes radiosity at vertices; `evaluate` answers single queries.
 
 pub mod average;
 pub mod blocks;
@@ -10,3 +10,4 @@ pub mod brute;
 pub mod evaluate;
 pub mod links;
 pub mod octree;
+pub mod walk;

@@ -20,3 +20,4 @@ mod report;
 mod stress;
 mod textures;
 mod validity;
+mod walk;

@@ -9,6 +9,7 @@ mod devices;
 mod shell;
 
 mod driver;
+mod exact;
 mod faults;
 mod features;
 mod guards;

@@ -13,3 +13,5 @@ mod hierarchies;
 mod octree;
 mod projected;
 mod subdivide;
+mod walk;
+mod walk_truth;

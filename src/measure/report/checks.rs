@@ -10,7 +10,7 @@ use crate::measure::leaning::{blame, of_stage};
 use crate::measure::stress::{Outcome, stress as extremes};
 
 /// Fixtures of a quick report: those whose name contains one of these. Together they run every stage.
-const FEW: [&str; 19] = [
+const FEW: [&str; 20] = [
     "one triangle",
     "sliver",
     "lights of two colours",
@@ -19,6 +19,7 @@ const FEW: [&str; 19] = [
     "three objects, two of them deformed",
     "three objects, links kept",
     "three objects, brute force",
+    "walk through three objects",
     "bump over kept links, budget",
     "kept links of another material, budget",
     "the second of three samples, filmic",

@@ -89,6 +89,7 @@ impl Pair {
             sigma_s_prime: self.media.map(|[s, ..]| s),
             sigma_a: self.media.map(|[_, a, _]| a),
             eta: self.media.map(|[.., eta]| eta),
+            g: [0.0; 3],
             fresnel: Fresnel::Exact,
             two_sided: false,
             surface: Surface::default(),

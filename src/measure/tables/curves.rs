@@ -65,6 +65,7 @@ fn material(name: &str) -> [Dipole; 3] {
             sigma_s_prime,
             sigma_a,
             eta,
+            g: [0.0; 3],
             fresnel: Fresnel::Paper,
             two_sided: false,
             surface: Surface::default(),

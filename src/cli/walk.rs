@@ -1,0 +1,98 @@
+//! What the command line says of random walks.
+
+use std::sync::OnceLock;
+use std::time::Duration;
+
+use clap::Args;
+
+use super::stop::{ends, may_end};
+use milkglass::Session;
+use milkglass::internals::pipeline::plan::ShadingMethod;
+use milkglass::internals::session::walk::{WalkControl, WalkReport};
+
+/// The limit that the command line gives, if it gives one.
+static LIMIT: OnceLock<Duration> = OnceLock::new();
+
+/// How long a walk may take.
+#[derive(Args)]
+pub(super) struct LimitArgument {
+    /// The longest that a random walk may take, such as 90, 90s, 5m or 2h: one that will take longer is refused.
+    #[arg(long, value_name = "TIME", value_parser = parse)]
+    limit_time: Option<Duration>,
+}
+
+impl LimitArgument {
+    /// Has it hold for all walks from here on.
+    pub(super) fn hold(&self) {
+        if let Some(limit) = self.limit_time {
+            let _ = LIMIT.set(limit);
+        }
+    }
+}
+
+/// Parses `90s`: a number above 0, and optionally s, m or h.
+fn parse(text: &str) -> Result<Duration, String> {
+    let (digits, unit) = match text.char_indices().next_back() {
+        Some((at, 's')) => (&text[..at], 1.0),
+        Some((at, 'm')) => (&text[..at], 60.0),
+        Some((at, 'h')) => (&text[..at], 3600.0),
+        _ => (text, 1.0),
+    };
+    let seconds = digits.parse::<f64>().ok().map(|n| n * unit).filter(|&n| n > 0.0);
+    let time = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    time.ok_or_else(|| "expected a number of seconds above 0, or such as 90s, 5m, 2h".to_string())
+}
+
+/// Has a session say how long its walks take, refuse those that are too long, and end one early on Ctrl-C.
+pub(super) fn watch(session: &mut Session) {
+    may_end(session.plan().options().transport == ShadingMethod::Walk);
+    session.watch_walk(WalkControl {
+        limit: LIMIT.get().copied(),
+        stop: Some(ends),
+        tell: Some(|line| tell!("{line}")),
+    });
+}
+
+/// Says on standard error what became of the light in the last frame's walks.
+pub(super) fn tell_walks(session: &Session) {
+    may_end(false);
+    for report in session.walk_reports() {
+        tell!("{}", line(report));
+    }
+}
+
+fn line(report: &WalkReport) -> String {
+    let percent = |shares: [f64; 3]| shares.map(|share| format!("{:.3}", 100.0 * share)).join(" ");
+    let noise = report.noise.into_iter().fold(0.0, f64::max);
+    let rate = 3.0 * f64::from(report.photons) / report.seconds.max(1e-9);
+    format!(
+        "walk, object {}: {} photons a channel, {:.1} s ({rate:.2e} a second), noise {:.2} %{}; of the light that entered, \
+         %: left {}, straight through {}, absorbed {}, lost {}",
+        report.object,
+        report.photons,
+        report.seconds,
+        100.0 * noise,
+        if report.stopped { ", stopped before its end" } else { "" },
+        percent(report.left),
+        percent(report.straight),
+        percent(report.absorbed),
+        percent(report.lost),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_numbers_with_a_unit() {
+        let seconds = |text: &str| parse(text).map(|time| time.as_secs_f64());
+        assert_eq!(
+            [seconds("90"), seconds("1.5m"), seconds("2h"), seconds("3s")].map(Result::unwrap),
+            [90.0, 90.0, 7200.0, 3.0]
+        );
+        for text in ["", "0", "-3", "m", "nan", "1d", "1e300h"] {
+            assert!(parse(text).is_err(), "{text}");
+        }
+    }
+}

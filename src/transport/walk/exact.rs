@@ -1,0 +1,200 @@
+//! Arithmetic of the walk, in step with `glsl/transport/walk/exact.glsl`: `f32` additions, multiplications and
+//! comparisons in the same order, so that every device finds the same bits.
+
+use crate::geometry::deform::turn;
+use crate::geometry::trace::dot;
+use crate::layout::LOGARITHM;
+
+/// Four random numbers of a photon's flight: pcg4d of Jarzynski and Olano 2020, "Hash Functions for GPU Rendering".
+#[must_use]
+pub fn random4(number: u32, flight: u32, channel: u32, seed: u32) -> [u32; 4] {
+    let [mut x, mut y, mut z, mut w] =
+        [number, flight, channel, seed].map(|n| n.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    for round in 0..2 {
+        if round == 1 {
+            [x, y, z, w] = [x, y, z, w].map(|n| n ^ (n >> 16));
+        }
+        x = x.wrapping_add(y.wrapping_mul(w));
+        y = y.wrapping_add(z.wrapping_mul(x));
+        z = z.wrapping_add(x.wrapping_mul(y));
+        w = w.wrapping_add(y.wrapping_mul(z));
+    }
+    [x, y, z, w]
+}
+
+/// One of 2^23 numbers in (0, 1).
+#[must_use]
+pub fn unit_random(bits: u32) -> f32 {
+    ((bits >> 9) * 2 + 1) as f32 * (1.0 / 16_777_216.0)
+}
+
+/// 1 / x for x above 0, to 1e-7.
+#[must_use]
+pub fn inverse(x: f32) -> f32 {
+    let mut y = f32::from_bits(0x7ef3_11c7u32.wrapping_sub(x.to_bits()));
+    for _ in 0..3 {
+        y *= 2.0 - x * y;
+    }
+    y
+}
+
+/// Square root, to 2e-7; 0 of numbers below 1e-30.
+#[must_use]
+pub fn root(x: f32) -> f32 {
+    let h = 0.5 * x;
+    let mut y = f32::from_bits(0x5f37_5a86u32.wrapping_sub(x.to_bits() >> 1));
+    for _ in 0..3 {
+        y *= 1.5 - h * y * y;
+    }
+    if x > 1e-30 { x * y } else { 0.0 }
+}
+
+/// -ln x for x in (0, 1).
+#[must_use]
+pub fn minus_log(x: f32) -> f32 {
+    let apart = x.to_bits().wrapping_sub(0x3f35_04f3);
+    let e = (apart as i32 >> 23) as f32;
+    let t = f32::from_bits((apart & 0x007f_ffff) + 0x3f35_04f3) - 1.0;
+    let sum = LOGARITHM[..8].iter().rev().fold(LOGARITHM[8], |sum, c| sum * t + c);
+    let z = t * t;
+    -(t * z * sum - 0.5 * z + t + e * LN_2)
+}
+
+/// Rounded as the shader's text is.
+const LN_2: f32 = std::f32::consts::LN_2;
+
+/// A vector scaled to unit length.
+#[must_use]
+pub fn unit(v: [f32; 3]) -> [f32; 3] {
+    let by = inverse(root(dot(v, v)));
+    v.map(|x| x * by)
+}
+
+/// A vector of nearly unit length made more so.
+#[must_use]
+pub fn kept_unit(v: [f32; 3]) -> [f32; 3] {
+    let by = 1.5 - 0.5 * dot(v, v);
+    v.map(|x| x * by)
+}
+
+/// The direction that has these cosine and azimuth (in turns) about an axis.
+#[must_use]
+pub fn about(axis: [f32; 3], cosine: f32, turns: f32) -> [f32; 3] {
+    let s = if axis[2] >= 0.0 { 1.0 } else { -1.0 };
+    let a = -s * inverse(1.0 + s * axis[2]);
+    let b = axis[0] * axis[1] * a;
+    let right = [1.0 + s * axis[0] * axis[0] * a, s * b, -s * axis[0]];
+    let up = [b, s + axis[1] * axis[1] * a, -axis[1]];
+    let across = root(1.0 - cosine * cosine);
+    let [sine, cos] = turn(turns);
+    std::array::from_fn(|k| cosine * axis[k] + across * (cos * right[k] + sine * up[k]))
+}
+
+/// Fresnel transmittance of a boundary with this index, inner over outer, from its cosines outside and inside.
+#[must_use]
+pub fn passes(eta: f32, outer: f32, inner: f32) -> f32 {
+    let (s, p) = (outer + eta * inner, eta * outer + inner);
+    let (by_s, by_p) = (inverse(s.max(1e-6)), inverse(p.max(1e-6)));
+    let share = 2.0 * eta * (outer * by_s * (inner * by_s) + outer * by_p * (inner * by_p));
+    match outer > 0.0 && inner > 0.0 {
+        _ if eta == 1.0 => 1.0,
+        true => share.min(1.0),
+        false => 0.0,
+    }
+}
+
+/// The cosine inside for one outside; 0 where nothing passes.
+#[must_use]
+pub fn inside(eta: f32, outer: f32) -> f32 {
+    if eta == 1.0 { outer } else { root(1.0 - (1.0 - outer * outer) * inverse(eta * eta)) }
+}
+
+/// The cosine outside for one inside; 0 where nothing passes.
+#[must_use]
+pub fn outside(eta: f32, inner: f32) -> f32 {
+    if eta == 1.0 { inner } else { root(1.0 - eta * eta * (1.0 - inner * inner)) }
+}
+
+/// The direction inside of light from `toward`; both unit, `normal` out of the medium.
+#[must_use]
+pub fn refracted(eta: f32, toward: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
+    let outer = dot(toward, normal);
+    let by = if eta == 1.0 { 1.0 } else { inverse(eta) };
+    let along = outer * by - inside(eta, outer);
+    kept_unit(kept_unit(std::array::from_fn(|k| along * normal[k] - by * toward[k])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lighting::fresnel;
+
+    fn some() -> impl Iterator<Item = u32> {
+        (0..20_000u32).map(|k| random4(k, 7, 1, 3)[2])
+    }
+
+    #[test]
+    fn arithmetic_is_that_of_double_precision() {
+        for x in some().map(unit_random).chain([1.0 - 1.0 / 16_777_216.0, 1.0 / 16_777_216.0]) {
+            let wide = f64::from(x);
+            assert!((f64::from(minus_log(x)) + wide.ln()).abs() < 4e-7 * (1.0 - wide.ln()), "ln {x}");
+            assert!(minus_log(x) > 0.0);
+            for scale in [1e-12f32, 1.0, 3e7] {
+                let y = x * scale;
+                let wide = f64::from(y);
+                assert!((f64::from(inverse(y)) * wide - 1.0).abs() < 2e-7, "1 / {y}");
+                assert!((f64::from(root(y)) / wide.sqrt() - 1.0).abs() < 3e-7, "root {y}");
+            }
+        }
+        assert_eq!([root(0.0), root(-1.0), root(1e-31)], [0.0; 3]);
+    }
+
+    #[test]
+    fn the_boundary_is_fresnels() {
+        for eta in [0.7f32, 1.0, 1.01, 1.3, 1.5, 2.5] {
+            for k in 1..=200 {
+                let outer = k as f32 / 200.0;
+                let inner = inside(eta, outer);
+                let (found, exact) = (passes(eta, outer, inner), fresnel::transmittance(eta.into(), outer.into()));
+                assert!((f64::from(found) - exact).abs() < 2e-5, "{eta} {outer}: {found}, {exact}");
+                if inner > 0.01 {
+                    assert!((outside(eta, inner) - outer).abs() < 1e-4 / outer.max(0.01), "{eta} {outer}");
+                }
+                // Straight through where nothing refracts, else Snell's law.
+                let toward = [(1.0 - outer * outer).max(0.0).sqrt(), 0.0, outer];
+                if inner > 0.0 {
+                    let way = refracted(eta, toward, [0.0, 0.0, 1.0]);
+                    assert!((way[0] + toward[0] / eta).abs() < 1e-6 && (dot(way, way) - 1.0).abs() < 1e-6);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn directions_about_an_axis_have_their_cosine() {
+        for k in 0..500 {
+            let r = random4(k, 1, 2, 3).map(unit_random);
+            let axis = about([0.0, 0.0, 1.0], 2.0 * r[0] - 1.0, r[1]);
+            let way = about(axis, 2.0 * r[2] - 1.0, r[3]);
+            assert!((dot(axis, way) - (2.0 * r[2] - 1.0)).abs() < 1e-6 && (dot(way, way) - 1.0).abs() < 2e-6);
+        }
+    }
+
+    #[test]
+    fn random_numbers_are_even_and_apart() {
+        // Means and correlations of four words, of neighbours in number and in flight.
+        let count = 100_000u32;
+        let close = |sum: f64, about: &str| assert!((sum / f64::from(count)).abs() < 0.004, "{about}: {sum}");
+        let at = |number, flight| random4(number, flight, 0, 1).map(|r| f64::from(unit_random(r)) - 0.5);
+        let all: Vec<[[f64; 4]; 3]> = (0..count).map(|k| [at(k, 5), at(k + 1, 5), at(k, 6)]).collect();
+        for a in 0..4 {
+            close(all.iter().map(|r| r[0][a]).sum(), "mean");
+            close(all.iter().map(|r| r[0][a] * r[0][a] - 1.0 / 12.0).sum(), "spread");
+            for b in 0..4 {
+                close(all.iter().map(|r| r[0][a] * r[1][b]).sum(), "next photon");
+                close(all.iter().map(|r| r[0][a] * r[2][b]).sum(), "next flight");
+                close(all.iter().filter(|_| a != b).map(|r| r[0][a] * r[0][b]).sum(), "words");
+            }
+        }
+    }
+}
