@@ -13,9 +13,10 @@ use milkglass::internals::state::Scheme;
 use milkglass::internals::view::atomic_file::{ready, write_atomically};
 use milkglass::measure::norms::Norms;
 use milkglass::measure::pareto::{
-    Against, Bench, Leaves, Lighting, METHODS, Method, Norm, Origin, Settings, Sweep, csv, mark, ratios, svg, sweep,
+    Against, Bench, Leaves, Lighting, METHODS, Method, Norm, Origin, Settings, Sweep, csv, extent_mm, mark, materials,
+    ratios, svg, sweep,
 };
-use milkglass::scene::{Material, Scene};
+use milkglass::measure::truth::Truth;
 
 /// Arguments of `pareto`.
 #[derive(Args)]
@@ -28,6 +29,9 @@ pub struct Arguments {
     device: DeviceArgument,
     #[command(flatten)]
     replace: ReplaceArgument,
+    /// Compare with a random walk as well: `walk`, `walk:SECONDS`, or a CSV file that `solve --transport walk` wrote.
+    #[arg(long, value_name = "TRUTH")]
+    truth: Option<String>,
     /// Also write every point to this file.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -59,7 +63,7 @@ const BUSY: f64 = 1.3;
 
 /// Measures, prints, and writes the requested files.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let settings = settings(arguments)?;
+    let mut settings = settings(arguments)?;
     for (option, path, ending) in [("--csv", &arguments.csv, "csv"), ("--svg", &arguments.svg, "svg")] {
         if let Some(path) = path {
             check(option, path, ending)?;
@@ -80,6 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     ];
     let own = arguments.replace.on(device.as_ref(), &setups)?;
     let bench = Bench { scene: &scene, device: device.as_ref() };
+    settings.truth = arguments.truth.as_ref().map(|from| Truth::find(from, &scene, device.as_ref())).transpose()?;
     let mut found = sweep(&bench, &settings)?;
     if own.is_some() {
         let after = sweep(&Bench { scene: &scene, device: own.as_ref() }, &settings)?;
@@ -92,8 +97,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         driver: device.as_ref().map_or("the f64 reference", |device| device.driver()).to_string(),
         scene: scene.name.clone(),
         faces: scene.objects.iter().map(|object| object.mesh.triangles.len()).sum(),
-        extent_mm: extent(&scene),
-        material: material(&scene),
+        extent_mm: extent_mm(&scene),
+        material: materials(&scene),
         repeat: settings.repeat,
     };
     print(&text(&found, &origin))?;
@@ -157,29 +162,8 @@ fn settings(arguments: &Arguments) -> Result<Settings> {
         samples: arguments.samples.map_or(if quick { 100 } else { 500 }, NonZeroUsize::get),
         seed: arguments.seed,
         budget,
+        truth: None,
     })
-}
-
-/// The largest extent in millimetres, rounded to six digits.
-fn extent(scene: &Scene) -> f64 {
-    let (low, high) = scene.bounds();
-    let extent = (high - low).max_element() * scene.unit_mm;
-    format!("{extent:.5e}").parse().unwrap_or(extent)
-}
-
-/// Name and coefficients per millimetre.
-fn material(scene: &Scene) -> String {
-    scene.objects.iter().map(|object| of_object(scene, &object.material)).collect::<Vec<_>>().join("; ")
-}
-
-fn of_object(scene: &Scene, material: &Material) -> String {
-    if let Some(albedo) = material.opaque {
-        return format!("opaque, albedo {albedo:?}");
-    }
-    let show = |values: [f64; 3]| values.map(|x| format!("{x:.4}")).join(" ");
-    let per_mm = |values: [f64; 3]| show(values.map(|x| x / scene.unit_mm));
-    let (scattering, absorption) = (per_mm(material.sigma_s_prime), per_mm(material.sigma_a));
-    format!("{}: sigma_s' {scattering} /mm, sigma_a {absorption} /mm, eta {}", material.name, show(material.eta))
 }
 
 /// The report as text.
@@ -195,6 +179,13 @@ fn text(found: &Sweep, origin: &Origin) -> String {
          the other\n        (midpoint sums without clusters: {:.1e}); * on the front of wall time and L2\n\n",
         found.samples, found.midpoint.l2,
     );
+    if let Some(walk) = &found.truth {
+        let noise = found.points.iter().find_map(|point| Some(point.run.as_ref().ok()?.truth?.noise));
+        text += &format!(
+            "truth:  {walk}; L2 of means over patches, per channel, without its noise of {:.1e}\n\n",
+            noise.unwrap_or(f64::NAN)
+        );
+    }
     for lighting in Lighting::ALL {
         text += &points(found, lighting);
         text.push('\n');
@@ -250,6 +241,7 @@ fn points(found: &Sweep, lighting: Lighting) -> String {
         cells.push(if leaves > 0.0 { format!("{leaves:.1e}") } else { "0".into() });
         cells.extend(errors(run.total, fronts[1][k]));
         cells.push(run.links_per_face.map_or("-".into(), |links| format!("{links:.1}")));
+        cells.extend(run.truth.iter().flat_map(|truth| truth.l2.map(|l2| format!("{l2:.1e}"))));
         rows.push(cells);
     }
     let header = [
@@ -270,7 +262,9 @@ fn points(found: &Sweep, lighting: Lighting) -> String {
         "",
         "links/face",
     ];
-    table(&header, &[2, 3, 4, 5, 6, 7, 8, 10, 11, 12, 13, 15], &rows)
+    let truth = if found.truth.is_some() { &["truth r", "g", "b"][..] } else { &[] };
+    let right = [2, 3, 4, 5, 6, 7, 8, 10, 11, 12, 13, 15, 16, 17, 18];
+    table(&[&header, truth].concat(), &right[..12 + truth.len()], &rows)
 }
 
 /// Times at equal error.

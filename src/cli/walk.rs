@@ -48,6 +48,7 @@ pub(super) fn watch(session: &mut Session) {
     may_end(session.plan().options().transport == ShadingMethod::Walk);
     session.watch_walk(WalkControl {
         limit: LIMIT.get().copied(),
+        within: None,
         stop: Some(ends),
         tell: Some(|line| tell!("{line}")),
     });

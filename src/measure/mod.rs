@@ -26,6 +26,7 @@ pub mod report;
 pub mod sample;
 pub mod stress;
 pub mod tables;
+pub mod truth;
 pub mod validity;
 pub mod verdict;
 pub mod walk;

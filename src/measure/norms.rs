@@ -13,6 +13,11 @@ pub struct Norms {
     pub max: f64,
 }
 
+impl Norms {
+    /// Not measured.
+    pub const UNKNOWN: Self = Self { l2: f64::NAN, p99: f64::NAN, max: f64::NAN };
+}
+
 /// Error norms per channel of `values` against `reference`; each receiver of the sample stands for an area and a
 /// number of faces. Where the reference is black, the norms are 0 if the values are black too, otherwise infinite.
 pub fn norms(Sample { areas, counts, .. }: &Sample, values: &[[f64; 3]], reference: &[[f64; 3]]) -> [Norms; 3] {

@@ -34,6 +34,8 @@ const LONG: f64 = 10.0;
 pub struct WalkControl {
     /// The longest that a walk may take: one that will take longer is refused once that is known.
     pub limit: Option<Duration>,
+    /// The time after which it ends with what there is, for each object.
+    pub within: Option<Duration>,
     /// Asked between rounds whether to end with what there is.
     pub stop: Option<fn() -> bool>,
     /// Told how long a walk takes.
@@ -161,7 +163,7 @@ impl Session {
         let target = self.scene.transport.walk_error;
         let mut told = false;
         loop {
-            let stopped = self.finish(step)?;
+            let stopped = self.finish(step, control.within.map(|time| begin + time))?;
             self.fetch(&[BufferId::exits, BufferId::balances])?;
             let mut report = self.report(object, &parts)?;
             (report.seconds, report.stopped) = (begin.elapsed().as_secs_f64(), stopped);
@@ -195,8 +197,11 @@ impl Session {
     }
 
     /// Runs rounds until no photon is under way; returns whether it was stopped before all have started.
-    fn finish(&mut self, step: Step) -> Result<bool> {
+    fn finish(&mut self, step: Step, end: Option<Instant>) -> Result<bool> {
         let mut stopped = false;
+        let over = |stop: Option<fn() -> bool>| {
+            stop.is_some_and(|stop| stop()) || end.is_some_and(|end| Instant::now() >= end)
+        };
         loop {
             self.run(&[step])?;
             self.fetch(&[BufferId::photons])?;
@@ -208,7 +213,7 @@ impl Session {
             if slots().all(|slot| data.photons[slot].weight == 0 && number(slot) >= params.photons) {
                 return Ok(stopped);
             }
-            if !stopped && self.walk.control.stop.is_some_and(|stop| stop()) {
+            if !stopped && over(self.walk.control.stop) {
                 // Every slot starts as many as the one that has started most.
                 let most = slots().map(|slot| data.photons[slot].started).max().unwrap_or(0);
                 stopped = most * every < params.photons;

@@ -10,6 +10,8 @@ pub enum Against {
     Own,
     /// The area integral over the same faces.
     Total,
+    /// A random walk, over patches: this includes the error of the model.
+    Truth,
 }
 
 impl Against {
@@ -18,6 +20,7 @@ impl Against {
         match self {
             Self::Own => run.own,
             Self::Total => run.total,
+            Self::Truth => run.truth.map_or(Norms::UNKNOWN, |truth| truth.norms()),
         }
     }
 
@@ -26,6 +29,7 @@ impl Against {
         match self {
             Self::Own => "against its own leaf sums",
             Self::Total => "against the area integral",
+            Self::Truth => "against a random walk",
         }
     }
 }

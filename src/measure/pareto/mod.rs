@@ -20,11 +20,12 @@ pub use method::{Bench, METHODS, Method, Opened, Solver};
 pub(in crate::measure) use plot::COLORS;
 pub use plot::svg;
 pub use ratios::{Norm, Ratio, Reach, ratios, time_at};
-pub use sheet::{Origin, csv};
+pub use sheet::{Origin, csv, extent_mm, materials};
 pub use sweep::{Settings, sweep};
 pub use yardstick::{Leaves, Yardstick};
 
 use super::norms::Norms;
+use super::truth::TruthError;
 
 /// What the light does between frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +66,8 @@ pub struct Run {
     pub own: Norms,
     /// Error against the area integral over the same faces, in `f64`, worst channel.
     pub total: Norms,
+    /// Error against a walk, if one was asked for.
+    pub truth: Option<TruthError>,
     /// Links summed, per face; `None` if the method has no links.
     pub links_per_face: Option<f64>,
 }
@@ -102,6 +105,8 @@ pub struct Sweep {
     pub samples: usize,
     /// Error of plain midpoint sums, without any clustering, against the area integral, worst channel.
     pub midpoint: Norms,
+    /// The walk that points are compared with as well, in words.
+    pub truth: Option<String>,
 }
 
 impl Sweep {
@@ -126,5 +131,10 @@ impl Sweep {
     pub fn yardsticks(&self) -> &'static [Against] {
         let exact = self.methods().iter().all(|method| method.leaves == Leaves::Exact);
         if exact { &[Against::Own] } else { &[Against::Own, Against::Total] }
+    }
+
+    /// The references to plot: those, and the walk.
+    pub fn plotted(&self) -> Vec<Against> {
+        self.yardsticks().iter().copied().chain(self.truth.is_some().then_some(Against::Truth)).collect()
     }
 }

@@ -45,7 +45,7 @@ struct Curve {
 /// Draws the plot.
 pub fn svg(sweep: &Sweep, origin: &Origin) -> Result<String> {
     let lost = |error: &dyn std::fmt::Display| Error::Check(format!("the plot could not be drawn: {error}"));
-    let rows = sweep.yardsticks();
+    let rows = sweep.plotted();
     let (width, height) = (2 * PANEL[0], TITLE + PANEL[1] * rows.len() as i32 + LEGEND);
     let mut picture = String::new();
     {
@@ -184,6 +184,7 @@ mod tests {
     use super::super::{Leaves, Opened, Point, Run};
     use super::*;
     use crate::measure::norms::Norms;
+    use crate::measure::truth::TruthError;
 
     /// A method of which only the name matters.
     const fn method(name: &'static str, leaves: Leaves) -> Method {
@@ -207,7 +208,7 @@ mod tests {
         }
     }
 
-    fn drawn(methods: &[&'static Method]) -> String {
+    fn drawn(methods: &[&'static Method], walked: bool) -> String {
         let mut points = Vec::new();
         for (k, &method) in methods.iter().enumerate() {
             for (step, lighting) in [0, 1, 2, 3].into_iter().flat_map(|step| Lighting::ALL.map(|l| (step, l))) {
@@ -222,19 +223,25 @@ mod tests {
                     busy: 1.0,
                     own,
                     total,
+                    truth: walked.then(|| TruthError { l2: [error.hypot(0.1); 3], noise: 0.01 }),
                     links_per_face: None,
                 };
                 points.push(Point { method, value: 0.2 * 0.5f64.powi(step), lighting, run: Ok(run) });
             }
         }
         points.push(Point { method: methods[0], value: 0.0, lighting: Lighting::Moves, run: Err("too slow".into()) });
-        let sweep = Sweep { points, samples: 9, midpoint: Norms { l2: 0.02, p99: 0.03, max: 0.1 } };
+        let sweep = Sweep {
+            points,
+            samples: 9,
+            midpoint: Norms { l2: 0.02, p99: 0.03, max: 0.1 },
+            truth: walked.then(|| "a walk".into()),
+        };
         svg(&sweep, &origin()).unwrap()
     }
 
     #[test]
     fn names_what_it_shows() {
-        let picture = drawn(&[&FINE, &FAST]);
+        let picture = drawn(&[&FINE, &FAST], false);
         assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"));
         for words in
             ["light moves", "light rests", "time a frame, ms", "fine (threshold)", "fast", "Marble", "device &lt;1&gt;"]
@@ -242,17 +249,18 @@ mod tests {
             assert!(picture.contains(words), "{words}");
         }
         assert!(picture.contains("its own leaf sums") && !picture.contains("the area integral"));
+        assert!(!picture.contains("a random walk") && drawn(&[&FINE, &FAST], true).contains("a random walk"));
     }
 
     #[test]
     fn where_leaves_are_samples_the_area_integral_has_panels_too() {
-        let picture = drawn(&[&FINE, &POINTS]);
+        let picture = drawn(&[&FINE, &POINTS], false);
         assert!(picture.contains("its own leaf sums") && picture.contains("the area integral"));
     }
 
     #[test]
     fn nothing_measured_is_still_a_picture() {
-        let sweep = Sweep { points: Vec::new(), samples: 1, midpoint: Norms::default() };
+        let sweep = Sweep { points: Vec::new(), samples: 1, midpoint: Norms::default(), truth: None };
         assert!(svg(&sweep, &origin()).unwrap().contains("light rests"));
     }
 }

@@ -6,6 +6,7 @@ use super::pace::Pace;
 use super::{Bench, Leaves, Lighting, Method, Opened, Point, Run, Sweep, Yardstick};
 use crate::error::Result;
 use crate::measure::progress::Progress;
+use crate::measure::truth::Truth;
 
 /// What is measured, and the time budget.
 #[derive(Clone, Debug)]
@@ -22,6 +23,8 @@ pub struct Settings {
     pub seed: u64,
     /// Time budget in seconds for all frames of one point, above 0.
     pub budget: f64,
+    /// What a walk found, to compare with as well.
+    pub truth: Option<Truth>,
 }
 
 /// Measures all points.
@@ -55,7 +58,8 @@ pub fn sweep(bench: &Bench<'_>, settings: &Settings) -> Result<Sweep> {
         run.busy = pace.share(run.busy);
     }
     let midpoint = yardstick.discretisation(Leaves::Midpoint);
-    Ok(Sweep { points, samples: yardstick.samples(), midpoint })
+    let truth = settings.truth.as_ref().map(|truth| truth.about.clone());
+    Ok(Sweep { points, samples: yardstick.samples(), midpoint, truth })
 }
 
 /// The progress of one method under one lighting, from coarse to fine.
@@ -109,7 +113,8 @@ impl Course<'_> {
         walls.sort_by(f64::total_cmp);
         let mut devices: Vec<f64> = devices.into_iter().flatten().collect();
         devices.sort_by(f64::total_cmp);
-        let [own, total] = yardstick.errors(point.method, &solver.radiosity()?);
+        let radiosity = solver.radiosity()?;
+        let [own, total] = yardstick.errors(point.method, &radiosity);
         Ok(Ok(Run {
             device_ms: (devices.len() == walls.len()).then(|| median(&devices)),
             wall_ms: median(&walls),
@@ -117,6 +122,7 @@ impl Course<'_> {
             busy: 1.0,
             own,
             total,
+            truth: self.settings.truth.as_ref().map(|truth| truth.error(&radiosity)),
             links_per_face: solver.links_per_face()?,
         }))
     }
@@ -167,7 +173,8 @@ mod tests {
 
     #[test]
     fn what_is_beyond_the_budget_ends_the_course() {
-        let settings = Settings { methods: Vec::new(), values: 1, repeat: 5, samples: 1, seed: 1, budget: 10.0 };
+        let settings =
+            Settings { methods: Vec::new(), values: 1, repeat: 5, samples: 1, seed: 1, budget: 10.0, truth: None };
         let mut course = Course { settings: &settings, seconds: Vec::new(), beyond: false };
         assert_eq!(course.excess(9.9), None);
         assert!(course.excess(11.0).is_some_and(|why| why.contains("11 s") && why.contains("--budget 10")));

@@ -24,6 +24,7 @@ fn one(bench: &Bench<'_>, page: &mut Page, scene: &Scene) -> Result<()> {
         samples: bench.either(100, 500),
         seed: 1,
         budget: bench.either(3.0, 10.0),
+        truth: None,
     };
     let found = sweep(&pareto::Bench { scene, device: bench.device }, &settings)?;
     let (low, high) = scene.bounds();
