@@ -199,10 +199,10 @@ mod tests {
         // Within a patch only the mean counts: 1.1 for 1, 2.2 for 2.
         let values = [0.2, 2.2, 2.0].map(|x| [x, 2.0 * x, 0.0]);
         let found = truth.error(&values);
-        let (off, variance, power) = (2.0 * 0.01 + 0.04, 2.0 * 0.01 + 0.03, 2.0 * 0.99 + 3.97);
-        assert!((found.l2[0] - ((off - variance) / power as f64).sqrt()).abs() < 1e-12, "{found:?}");
+        let (off, variance, power): (f64, f64, f64) = (2.0 * 0.01 + 0.04, 2.0 * 0.01 + 0.03, 2.0 * 0.99 + 3.97);
+        assert!((found.l2[0] - ((off - variance) / power).sqrt()).abs() < 1e-12, "{found:?}");
         assert!((found.l2[1] - 0.1).abs() < 1e-12 && found.l2[2] == 0.0);
-        assert!((found.noise - (variance / power as f64).sqrt()).abs() < 1e-12);
+        assert!((found.noise - (variance / power).sqrt()).abs() < 1e-12);
         // Less than the noise is nothing.
         assert_eq!(truth.error(&[[1.0, 2.0, 0.0], [2.0, 4.0, 0.0], [1.0, 2.0, 0.0]]).l2, [0.0; 3]);
     }
