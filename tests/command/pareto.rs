@@ -143,9 +143,9 @@ fn errors_against_a_walk_are_those_of_the_model() {
     }
     assert!(rows > 3, "{rows}");
 
-    std::fs::write(here.join("short.csv"), "area,B_r,B_g,B_b,se_r,se_g,se_b\n1,1,1,1,0,0,0\n").unwrap();
-    std::fs::write(here.join("odd.csv"), "area,B_r,B_g,B_b,se_r,se_g,se_b\n1,1,1,one,0,0,0\n").unwrap();
-    std::fs::write(here.join("less.csv"), "area,B_r,B_g,B_b,se_r,se_g\n").unwrap();
+    std::fs::write(here.path().join("short.csv"), "area,B_r,B_g,B_b,se_r,se_g,se_b\n1,1,1,1,0,0,0\n").unwrap();
+    std::fs::write(here.path().join("odd.csv"), "area,B_r,B_g,B_b,se_r,se_g,se_b\n1,1,1,one,0,0,0\n").unwrap();
+    std::fs::write(here.path().join("less.csv"), "area,B_r,B_g,B_b,se_r,se_g\n").unwrap();
     for (truth, told) in [
         ("short.csv", ["short.csv", "of another mesh; found 1 rows; expected 320"]),
         ("odd.csv", ["odd.csv:2", "found one"]),
