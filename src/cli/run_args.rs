@@ -38,6 +38,8 @@ enum TransportArgument {
     Brute,
     /// Light walks through the object, photon by photon: the reference without approximations, with noise.
     Walk,
+    /// The diffusion equation, solved on the object's own surface: nearer to the truth than the dipole.
+    Diffusion,
     /// No transport: only single scattering in layers, opaque objects, and reflections.
     None,
     /// No transport: the curvature-dependent reflectance function of Kubo et al. 2010, at each pixel.
@@ -62,6 +64,7 @@ impl OptionArguments {
                 TransportArgument::Octree => ShadingMethod::Octree,
                 TransportArgument::Brute => ShadingMethod::Brute,
                 TransportArgument::Walk => ShadingMethod::Walk,
+                TransportArgument::Diffusion => ShadingMethod::Diffusion,
                 TransportArgument::None => ShadingMethod::None,
                 TransportArgument::Cdrf => ShadingMethod::Cdrf,
                 TransportArgument::Lambert => ShadingMethod::Lambert,

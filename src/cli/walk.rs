@@ -54,9 +54,14 @@ pub(super) fn watch(session: &mut Session) {
     });
 }
 
-/// Says on standard error what became of the light in the last frame's walks.
+/// Says on standard error what became of the light in the last frame's walks, or how exactly diffusion was solved.
 pub(super) fn tell_walks(session: &Session) {
     may_end(false);
+    for report in session.solve_reports() {
+        let left = report.residual.map(|share| format!("{share:.1e}")).join(" ");
+        let ends = if report.converged { "" } else { ", not as small as asked" };
+        tell!("diffusion, object {}: {} steps, residual {left}{ends}", report.object, report.steps);
+    }
     for report in session.walk_reports() {
         tell!("{}", line(report));
     }

@@ -201,6 +201,22 @@ buffers! {
     exits: ExitSum, face;
     /// Standard error of the radiosity that a walk found.
     walk_noise: [f32; 3], face;
+    /// Where the light that enters each triangle collides first.
+    deposits: Deposit, face;
+    /// Each cluster's layers: places and charges.
+    layer_places: LayerPlace, node;
+    /// Their first moments.
+    layer_firsts: LayerFirst, node;
+    /// Their second moments: squares.
+    layer_squares: LayerSecond, node;
+    /// Their second moments: products.
+    layer_products: LayerSecond, node;
+    /// An orthonormal basis of the Krylov space of each object, in the mean over its area.
+    krylov: [f32; 3], vectors;
+    /// The small system of each object: the operator in that basis, made triangular, and what belongs to it.
+    small_system: [f32; 3], small;
+    /// The solution at each triangle, not clamped.
+    solution: [f32; 3], face;
     /// Radiosity of each receiver, B of equation 4.
     radiosity: [f32; 3], receiver;
     /// Radiosity averaged at each vertex.

@@ -56,6 +56,7 @@ plain! {
     [u32; 2], "uvec2", 2, Unsigned;
     [u32; 3], "uvec3", 3, Unsigned;
     [u32; 5], "uint[5]", 5, Unsigned;
+    [u32; 14], "uint[14]", 14, Unsigned;
     [u32; 16], "uint[16]", 16, Unsigned;
     [u32; 20], "uint[20]", 20, Unsigned;
     [u32; 32], "uint[32]", 32, Unsigned;
@@ -153,6 +154,10 @@ pub enum Partition {
     Block,
     /// One a receiver.
     Receiver,
+    /// The vectors of a Krylov space, each one element a triangle.
+    Vectors,
+    /// `SMALL_SYSTEM` an object.
+    Small,
     /// One part a chunk of the tree, where links are kept.
     Chunk,
     /// One part a group of channels.
@@ -188,6 +193,12 @@ macro_rules! partition {
     };
     (receiver) => {
         Partition::Receiver
+    };
+    (vectors) => {
+        Partition::Vectors
+    };
+    (small) => {
+        Partition::Small
     };
     (chunk) => {
         Partition::Chunk
@@ -252,6 +263,7 @@ macro_rules! buffers {
 #[macro_use]
 mod constants;
 mod buffers;
+mod diffusion;
 mod glsl;
 mod kinds;
 mod layers;
@@ -269,6 +281,7 @@ pub use self::shading::*;
 pub use self::view::*;
 pub use buffers::*;
 pub use constants::{Constant, Shared};
+pub use diffusion::*;
 pub use glsl::declarations;
 pub use kinds::*;
 pub use lists::*;
@@ -285,5 +298,6 @@ pub fn records() -> Vec<Record> {
     all.extend(view_records());
     all.extend(layer_records());
     all.extend(walk_records());
+    all.extend(diffusion_records());
     all
 }

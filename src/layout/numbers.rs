@@ -151,6 +151,25 @@ constants! {
         -0.115_146_1, 0.070_376_836,
     ];
 
+    /// Vectors of a Krylov space beyond the first one, at most.
+    MOST_STEPS: usize = 30;
+    /// In `small_system`: the operator, column by column of MOST_STEPS + 1, made triangular by rotations.
+    SMALL_MATRIX: usize = 0;
+    /// Cosines of the rotations.
+    SMALL_COSINES: usize = 930;
+    /// Sines of the rotations.
+    SMALL_SINES: usize = 960;
+    /// The right-hand side, rotated.
+    SMALL_RIGHT: usize = 990;
+    /// The solution's coefficients.
+    SMALL_COEFFICIENTS: usize = 1021;
+    /// Products of the newest vector with all vectors of the basis, and with itself.
+    SMALL_PRODUCTS: usize = 1051;
+    /// Norms: of the source term, and of what is left.
+    SMALL_NORMS: usize = 1083;
+    /// Elements of it all, a multiple of 64.
+    SMALL_SYSTEM: usize = 1088;
+
     /// Layers that a texel of a depth map holds.
     MAP_LAYERS: usize = 4;
     /// Layers of an object at most.

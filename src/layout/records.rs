@@ -129,8 +129,12 @@ records! { frame_records:
         turn_z: [f32; 3],
         /// What shifts it after that.
         shift: [f32; 3],
+        /// Diffusion: the distance z_b beyond the surface at which light vanishes, extrapolated, per channel, length.
+        boundary: [f32; 3],
+        /// Diffusion: mean depth of the first collision of light from all around, per channel, length.
+        sky_depth: [f32; 3],
         /// Unused.
-        padding: [u32; 20],
+        padding: [u32; 14],
         /// Not 0 if near clusters are integrated over their projection (section 5.1.1).
         projected: u32,
         /// Unused.

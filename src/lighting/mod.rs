@@ -1,5 +1,6 @@
 //! Light arriving at the surface, and how much of it passes the boundary.
 
+pub mod boundary;
 pub mod environment;
 pub mod fresnel;
 pub mod harmonics;

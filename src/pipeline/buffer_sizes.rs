@@ -2,7 +2,7 @@
 
 use super::frame::STAGES;
 use super::plan::Plan;
-use crate::layout::{BUFFER_IDS, BufferId, Partition};
+use crate::layout::{BUFFER_IDS, BufferId, Partition, SMALL_SYSTEM};
 use crate::state::{Extent, Size, State};
 use crate::view::shade;
 
@@ -30,6 +30,8 @@ fn elements(state: &State, slot: BufferId) -> usize {
         Partition::Corner => 3 * faces,
         Partition::Shadow => faces * state.data.object_params[0].shadow_words as usize,
         Partition::Node => nodes,
+        Partition::Vectors => state.objects.last().map_or(0, |last| last.vectors * faces),
+        Partition::Small => state.objects.len() * SMALL_SYSTEM,
         Partition::Block => blocks,
         Partition::Receiver => receivers,
         Partition::Group => state.sum(|object| object.groups.len() * object.count.nodes.next_multiple_of(64)),

@@ -10,6 +10,7 @@ use crate::shading::{
 };
 use crate::state::{Granularity, Host, Scope, Stage, State, Step};
 use crate::transport::blocks::{acceptance_radii, coarse_solve, gather, irradiance_ratio, link, pull, push};
+use crate::transport::diffusion::{boundary_integrals, deposit, krylov_step, krylov_sum};
 use crate::transport::links::{
     form_factor, mark_moved, mark_relit, mark_stale, mean_irradiance, push_links, reach, refine, resum_links, snapshot,
     sum_links, update_form_factors, update_links,
@@ -59,13 +60,17 @@ pub static FRAME: &[Section] = &[
         ],
     ),
     section(
-        "Transport to blocks of receivers, to meet an error",
+        "Transport to blocks of receivers, to meet an error; lists for diffusion, too",
         &[
             per_group(&[&pull::STAGE, &coarse_solve::STAGE, &irradiance_ratio::STAGE, &acceptance_radii::STAGE]),
-            per_object(&[&pixel_receivers::STAGE]),
+            per_object(&[&pixel_receivers::STAGE, &deposit::STAGE]),
             per_batch(&[&link::STAGE, &gather::STAGE]),
             per_object(&[&push::STAGE]),
         ],
+    ),
+    section(
+        "Transport by diffusion: the source term, then as many steps of GMRES as it takes",
+        &[per_iteration(&[&boundary_integrals::STAGE, &krylov_step::STAGE]), per_object(&[&krylov_sum::STAGE])],
     ),
     section("Transport by brute force", &[per_object(&[&brute::STAGE])]),
     section(
@@ -144,6 +149,10 @@ const fn per_chunk(stages: &'static [&'static Stage]) -> Part {
 
 const fn per_group(stages: &'static [&'static Stage]) -> Part {
     each(Granularity::Group, stages)
+}
+
+const fn per_iteration(stages: &'static [&'static Stage]) -> Part {
+    each(Granularity::Iteration, stages)
 }
 
 const fn per_batch(stages: &'static [&'static Stage]) -> Part {
@@ -231,6 +240,7 @@ pub fn steps(state: &State, runs: impl Fn(&Stage, Option<usize>) -> bool) -> Vec
                 Granularity::Chunk => (1, part.schedule.chunks.len()),
                 Granularity::Group => (part.groups.len(), 1),
                 Granularity::Batch => (part.groups.len(), part.schedule.batches.len()),
+                Granularity::Iteration => (part.groups.len().min(1), state.method.steps as usize + 1),
             };
             for (group, chunk) in (0..groups).flat_map(|group| (0..chunks).map(move |chunk| (group, chunk))) {
                 let at = Scope { object, chunk, group };

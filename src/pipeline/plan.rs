@@ -69,7 +69,9 @@ impl Plan {
 
     /// What a frame after this change has to update.
     pub(crate) fn update(&self, state: &State, change: Change) -> Update {
-        let keeps = self.options.mode != Mode::OnTheFly && self.options.transport == ShadingMethod::Hierarchy;
+        let links = self.options.mode != Mode::OnTheFly && self.options.transport == ShadingMethod::Hierarchy;
+        // The lists of diffusion depend on the shape and the material alone.
+        let keeps = links || state.method.solves();
         Update {
             change,
             keeps,

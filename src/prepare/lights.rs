@@ -12,7 +12,7 @@ use crate::layout::{
 };
 use crate::lighting::sky::fibonacci_direction;
 use crate::scene::{Light, Object, Sky, Source};
-use crate::state::{Local, State, narrow};
+use crate::state::{Group, Local, State, narrow};
 use crate::view::reflect::lobe;
 
 /// Writes the lights' records and sets the light unit: about the largest irradiance anywhere on the objects.
@@ -51,6 +51,11 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &
     beams(state, lights, units.light);
     for (object, params) in state.objects.iter_mut().zip(&mut state.data.object_params) {
         object.groups = group(params, &state.data.texels, lights);
+        // Diffusion carries all channels at once.
+        let any = object.groups.iter().any(|group| group.channels != 0);
+        if state.method.solves() && any {
+            object.groups = vec![Group { channels: 7, lead: 0 }];
+        }
     }
     if let Some(camera) = state.data.camera.first_mut() {
         camera.radiance = units.radiance();

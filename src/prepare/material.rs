@@ -62,6 +62,9 @@ pub(super) fn coefficients(params: &mut ObjectParams, material: &Material, units
         diffuse: diffuse.map(|share| share as f32),
         ..*params
     };
+    if material.opaque.is_none() {
+        super::diffusion::boundary(params);
+    }
 }
 
 /// Whether a state stays as it is but for coefficients when this material takes the place of that one.
@@ -88,6 +91,8 @@ pub(crate) fn change(state: &mut State, number: usize, material: &Material, unit
         sigma: after.sigma,
         z_real: after.z_real,
         z_virtual: after.z_virtual,
+        boundary: after.boundary,
+        sky_depth: after.sky_depth,
         rounding: after.rounding,
         sigma_0: after.sigma_0,
         curvature_radius: after.curvature_radius,

@@ -4,6 +4,7 @@ pub(crate) mod blocks;
 mod borders;
 pub(crate) mod camera;
 pub(crate) mod compactness;
+pub(crate) mod diffusion;
 pub(crate) mod layers;
 pub mod lights;
 pub mod material;

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::blocks::{blocks, link_error, of_picture};
 use super::borders::borders;
 use super::camera::camera;
+use super::diffusion::{layer_error, steps};
 use super::compactness::Compactness;
 use super::layers::layers;
 use super::lights::lights;
@@ -72,12 +73,12 @@ impl Prepared {
 /// Builds the trees and the state of a scene. `by_pixel`: whether receivers are at pixels; `lit_at`: where opaque
 /// objects are lit; `known`: a scene that was prepared before, from which trees of the same meshes are taken.
 ///
-/// With `local`, shading takes the place of transport: there are no blocks of receivers, and a texture is applied
+/// If it `solves`, the transport is diffusion. With `local`, shading takes the place of transport: there are no blocks of receivers, and a texture is applied
 /// once, at the exit (except with `Local::Blur`).
 pub fn prepare(
     scene: &Scene,
     (by_pixel, lit_at): (bool, LitAt),
-    local: Option<Local>,
+    (local, solves): (Option<Local>, bool),
     known: Option<(&Scene, &Prepared)>,
 ) -> Prepared {
     let mut units = Units::of(&scene.objects);
@@ -91,7 +92,7 @@ pub fn prepare(
             same.then(|| (&prepared.trees[number], prepared.methods[number]))
         });
         let (tree, made, growth) = tree_of(object, scene.transport.hierarchy, units, known);
-        let (part, own) = one(scene, object, &tree, units, (by_pixel, lit_at, local));
+        let (part, own) = one(scene, object, &tree, units, (by_pixel, lit_at, local, solves));
         spoilt.push(growth);
         methods.push(made);
         parts.push(part);
@@ -148,9 +149,11 @@ fn one(
     object: &scene::Object,
     tree: &Tree,
     units: Units,
-    (by_pixel, lit_at, local): (bool, LitAt, Option<Local>),
+    (by_pixel, lit_at, local, solves): (bool, LitAt, Option<Local>, bool),
 ) -> (State, Vec<u32>) {
     let (mesh, transport) = (&object.mesh, &scene.transport);
+    let steps = if solves { steps(scene) } else { 0 };
+    let scheme = if solves { Scheme::Blocks } else { transport.scheme };
     let mut state = State { distance: transport.distance, ..State::default() };
     let faces = topology(&mut state, mesh, tree, units.own(object));
     frame(&mut state, &object.material, transport, units, local);
@@ -170,11 +173,13 @@ fn one(
     material.sigma_0_texture =
         material.sigma_0_texture.filter(|_| matches!(local, Some(Local::Closed | Local::Table(_))));
     state.method = Switches {
-        scheme: transport.scheme,
+        scheme,
+        steps,
+        any_light: solves,
         order: transport.order,
         estimate: false,
         near: transport.near,
-        projected: transport.projects() && local.is_none(),
+        projected: transport.projects() && local.is_none() && !solves,
         local,
         ..Switches::default()
     };
@@ -182,7 +187,7 @@ fn one(
     if matches!(local, Some(Local::Closed | Local::Table(_))) {
         state.data.vertex_order = shading::vertex_order(&state.data);
     }
-    if transport.scheme == Scheme::Blocks && !opaque && local.is_none() {
+    if scheme == Scheme::Blocks && !opaque && local.is_none() {
         state.data.blocks = if by_pixel { of_picture(scene.camera.size) } else { blocks(&state) };
         state.data.object_params[0].by_pixel = u32::from(by_pixel);
         let blocks = state.data.blocks.len() as u32;
@@ -194,7 +199,11 @@ fn one(
     let by_pixel = by_pixel && !opaque;
     let receivers = if by_pixel { BLOCK_RECEIVERS * blocks / LAYERS as usize } else { faces.len() };
     let count = Extent { vertices, faces: faces.len(), nodes, blocks, receivers };
-    state.objects = vec![Object { count, opaque, lit_at, by_pixel, ..Object::default() }];
+    let vectors = if solves { steps as usize + 1 } else { 0 };
+    state.objects = vec![Object { count, opaque, lit_at, by_pixel, vectors, ..Object::default() }];
+    if solves {
+        state.data.object_params[0].link_error = layer_error(transport.tolerance) as f32;
+    }
     (state, faces)
 }
 

@@ -5,6 +5,7 @@ use super::file::TransportFile;
 use super::local::{Cdrf, Kappa};
 use super::range::{self, Checked};
 use crate::error::Input;
+use crate::layout::MOST_STEPS;
 
 /// Default of the relative error of the radiosity.
 pub const TOLERANCE: f64 = 1e-3;
@@ -65,6 +66,8 @@ pub struct Transport {
     pub walk_error: f64,
     /// The random walk: photons of each channel and object instead of that error, at least 1, if given.
     pub walks: Option<u32>,
+    /// Diffusion: steps of the solver instead of `tolerance`, 1 to 30, if given.
+    pub steps: Option<u32>,
     /// Mode incremental: maximum number of form factors that a frame computes for links that are kept, at least 1;
     /// unlimited if omitted.
     pub budget: Option<u32>,
@@ -140,6 +143,7 @@ impl Transport {
                 "1e-4 to 1",
             )?,
             walks: walks(file.walks)?,
+            steps: steps(file.steps)?,
             budget: budget(file.budget)?,
             cdrf: file.cdrf,
             cdrf_table: range::number(
@@ -180,6 +184,13 @@ fn budget(given: Option<i64>) -> Checked<Option<u32>> {
 fn walks(given: Option<i64>) -> Checked<Option<u32>> {
     let fits = |n: f64| (1.0..=f64::from(MOST_WALKS)).contains(&n);
     let number = |n: i64| range::number("transport.walks", n as f64, fits, "photons of a channel, 1 to 1000000000");
+    Ok(given.map(number).transpose()?.map(|n| n as u32))
+}
+
+/// Steps of the solver, if their number is given.
+fn steps(given: Option<i64>) -> Checked<Option<u32>> {
+    let fits = |n: f64| (1.0..=MOST_STEPS as f64).contains(&n);
+    let number = |n: i64| range::number("transport.steps", n as f64, fits, "steps of the solver, 1 to 30");
     Ok(given.map(number).transpose()?.map(|n| n as u32))
 }
 

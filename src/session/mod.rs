@@ -11,6 +11,7 @@ pub(crate) mod changes;
 pub mod cluster_view;
 pub mod curvature_view;
 pub(crate) mod device_limits;
+pub mod diffusion;
 pub mod faces;
 pub(crate) mod front;
 pub(crate) mod incremental;

@@ -1,6 +1,7 @@
 //! Opens a session for a scene: alone, or after another one, with what that has in common.
 
 use super::capacity::{CapacityHints, Lists};
+use super::diffusion::closed;
 use super::device_limits::holds;
 use super::incremental::share_budget;
 use super::memory_estimate;
@@ -53,6 +54,7 @@ impl Session {
         reach(&scene.objects, units)?;
         // Subdivide where lighting needs it; code below sees only that scene.
         let asked = (scene.transport.subdivide > 0 && local.is_none()).then(|| scene.clone());
+        let solves = options.transport == ShadingMethod::Diffusion;
         let blocks = scene.transport.scheme == Scheme::Blocks && options.transport == ShadingMethod::Hierarchy;
         let (scene, parts) = match &asked {
             Some(asked) => subdivide(asked, options.estimate && blocks)?,
@@ -60,16 +62,19 @@ impl Session {
         };
         let (by_pixel, why) = by_pixel(&scene, options);
         let known = before.as_deref().map(|before| (&before.scene, &before.prepared));
-        let mut prepared = prepare(&scene, (by_pixel, lit_at(&scene, options)), local, known);
+        let mut prepared = prepare(&scene, (by_pixel, lit_at(&scene, options)), (local, solves), known);
         blur(&mut prepared, &scene, unwrap(&scene, local)?);
         if options.transport == ShadingMethod::Walk {
             prepare_walk(&mut prepared, &scene)?;
         }
+        if solves {
+            closed(&scene)?;
+        }
         drop_unseen(&mut prepared.state, options);
         drop_unlooked(&mut prepared.state, options);
-        prepared.state.keep = options.mode != Mode::OnTheFly;
+        prepared.state.keep = options.mode != Mode::OnTheFly || solves;
         prepared.state.method.estimate = options.estimate && blocks;
-        prepared.state.method.any_light = matches!(options.mode, Mode::Render | Mode::Incremental) && blocks;
+        prepared.state.method.any_light = solves || (matches!(options.mode, Mode::Render | Mode::Incremental) && blocks);
         prepared.state.method.incremental =
             options.mode == Mode::Incremental && options.transport == ShadingMethod::Hierarchy && !blocks;
         share_budget(&mut prepared.state, scene.transport.budget)?;
@@ -108,6 +113,7 @@ impl Session {
             pending: Change::EVERYTHING.into(),
             octree,
             walk: WalkTransport::default(),
+            solves: Vec::new(),
             fixed,
         };
         let fits = match options.transport {

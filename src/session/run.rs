@@ -4,6 +4,7 @@ use std::time::Instant;
 
 pub use super::capacity::CapacityHints;
 use super::capacity::Lists;
+use super::diffusion::SolveReport;
 use super::octree::OctreeTransport;
 use super::subdivide::Parts;
 use super::walk::WalkTransport;
@@ -81,6 +82,8 @@ pub struct Session {
     pub(crate) octree: Option<OctreeTransport>,
     /// The random walk, if it is the transport.
     pub(crate) walk: WalkTransport,
+    /// How the systems of diffusion were solved.
+    pub(crate) solves: Vec<SolveReport>,
     pub(crate) fixed: Fixed,
 }
 
@@ -130,6 +133,7 @@ impl Session {
             let last = match octree {
                 true => self.run_octree(&steps, changes.any())?,
                 false if self.walks() => self.run_walk(&steps)?,
+                false if self.prepared.state.method.solves() => self.run_diffusion(&steps)?,
                 false => self.run(&steps)?,
             };
             // A stage that runs again counts with its latest run only.

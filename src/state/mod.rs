@@ -51,7 +51,7 @@ pub struct Group {
 pub struct Scope {
     /// The object.
     pub object: usize,
-    /// The chunk of the tree, or the batch of blocks.
+    /// The chunk of the tree, the batch of blocks, or the step of a solver.
     pub chunk: usize,
     /// The group of channels.
     pub group: usize,
@@ -75,6 +75,8 @@ pub enum Granularity {
     Group,
     /// Once per batch of blocks and group of channels.
     Batch,
+    /// Once per step of a solver, the start before them.
+    Iteration,
 }
 
 /// The switches of the hierarchical transport, fixed for a session.
@@ -97,6 +99,10 @@ pub struct Method {
     pub near: Near,
     /// Whether scheme `links` projects clusters too near for one sample.
     pub projected: bool,
+    /// Steps of a solver at most, from one start to the next; 0 where there is nothing to solve.
+    pub steps: u32,
+    /// Whether the solver starts from the solution that is there.
+    pub warm: bool,
     /// The local shading that takes the place of transport, if any.
     pub local: Option<Local>,
 }
@@ -122,6 +128,20 @@ impl Local {
     }
 }
 
+impl Method {
+    /// Whether a system of equations is solved: diffusion.
+    #[must_use]
+    pub fn solves(&self) -> bool {
+        self.steps > 0
+    }
+
+    /// The order of the clusters' moments; diffusion needs the second.
+    #[must_use]
+    pub fn moment_order(&self) -> u32 {
+        if self.solves() { 2 } else { self.order }
+    }
+}
+
 impl Default for Method {
     fn default() -> Self {
         Self {
@@ -133,6 +153,8 @@ impl Default for Method {
             incremental: false,
             near: Near::Exact,
             projected: false,
+            steps: 0,
+            warm: false,
             local: None,
         }
     }

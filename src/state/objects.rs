@@ -39,6 +39,8 @@ pub struct Object {
     pub by_pixel: bool,
     /// Whether it has layers beneath its surface.
     pub layered: bool,
+    /// How many vectors its Krylov space has at most; 0 where none is needed.
+    pub vectors: usize,
     /// How many deformations it has.
     pub deforms: usize,
     /// Whether it, or any other object, lies elsewhere in the scene than in its own frame.
@@ -84,6 +86,7 @@ impl Object {
             Partition::Corner => (3 * first.faces, 3 * count.faces),
             Partition::Shadow => (words * first.faces, words * count.faces),
             Partition::Node => (first.nodes, count.nodes),
+            Partition::Vectors => (self.vectors * first.faces, self.vectors * count.faces),
             Partition::Receiver => (first.receivers, count.receivers),
             _ => (first.blocks, count.blocks),
         }
@@ -167,7 +170,12 @@ impl State {
                 let (partition, have) = (slot.spec().partition, state.data.bytes(slot));
                 if matches!(
                     partition,
-                    Partition::Whole | Partition::Object | Partition::Group | Partition::Chunk | Partition::Batch
+                    Partition::Whole
+                        | Partition::Object
+                        | Partition::Small
+                        | Partition::Group
+                        | Partition::Chunk
+                        | Partition::Batch
                 ) || have.is_empty()
                 {
                     continue;

@@ -14,6 +14,8 @@ pub enum ShadingMethod {
     Brute,
     /// A random walk of light through the object: no approximation but its noise.
     Walk,
+    /// Diffusion, solved on the object's own surface by boundary elements.
+    Diffusion,
     /// No transport: only single scattering in layers, and opaque objects.
     None,
     /// No transport: the curvature-dependent reflectance function of Kubo et al. 2010.
@@ -105,6 +107,6 @@ impl Options {
             return Ok(());
         }
         let fault = Input::new(format!("{what} needs a method that transports light")).key("--transport");
-        Err(fault.found("cdrf, lambert or texture-blur").expected("hierarchy, octree, brute or walk").into())
+        Err(fault.found("cdrf, lambert or texture-blur").expected("hierarchy, octree, brute, walk or diffusion").into())
     }
 }

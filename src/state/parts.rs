@@ -2,7 +2,7 @@
 //! a batch of blocks.
 
 use super::{Object, Scope, State};
-use crate::layout::{BufferId, Partition, Runs};
+use crate::layout::{BufferId, Partition, Runs, SMALL_SYSTEM};
 
 impl State {
     /// The batches of all objects and groups of channels, each with its blocks.
@@ -61,6 +61,7 @@ impl State {
         let (part, parts) = match cut {
             Partition::Whole => return (0, all),
             Partition::Object => return (at.object, 1),
+            Partition::Small => return (at.object * SMALL_SYSTEM, SMALL_SYSTEM),
             Partition::Group => {
                 let first = before(|object| object.groups.len() * object.of_group());
                 return (first + at.group * object.of_group(), object.of_group());

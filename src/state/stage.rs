@@ -145,6 +145,8 @@ pub enum Carrier {
     Brute,
     /// A random walk through the object.
     Walk,
+    /// Diffusion within the object's own surface.
+    Diffusion,
     /// No light is carried.
     Nothing,
     /// The curvature-dependent reflectance function takes the place of transport.
@@ -163,6 +165,7 @@ impl Carrier {
         Self::Octree,
         Self::Brute,
         Self::Walk,
+        Self::Diffusion,
         Self::Nothing,
         Self::Cdrf,
         Self::Lambert,
@@ -178,6 +181,7 @@ impl Carrier {
             (ShadingMethod::Octree, _) => Self::Octree,
             (ShadingMethod::Brute, _) => Self::Brute,
             (ShadingMethod::Walk, _) => Self::Walk,
+            (ShadingMethod::Diffusion, _) => Self::Diffusion,
             (ShadingMethod::None, _) => Self::Nothing,
             (ShadingMethod::Cdrf, _) => Self::Cdrf,
             (ShadingMethod::Lambert, _) => Self::Lambert,
@@ -194,6 +198,7 @@ impl Carrier {
             Self::Octree => "--transport octree",
             Self::Brute => "--transport brute",
             Self::Walk => "--transport walk",
+            Self::Diffusion => "--transport diffusion",
             Self::Nothing => "--transport none",
             Self::Cdrf => "--transport cdrf",
             Self::Lambert => "--transport lambert",
@@ -210,6 +215,7 @@ impl Carrier {
             Self::Octree => "the octree carries the light, in native code on the host",
             Self::Brute => "brute force carries the light, and needs no clusters",
             Self::Walk => "photons carry the light, and need no clusters",
+            Self::Diffusion => "diffusion carries the light, solved on the object's own surface",
             Self::Nothing => "no light is carried",
             Self::Cdrf => "no light is carried: the CDRF shades each place by itself",
             Self::Lambert => "no light is carried: Lambert's cosine shades each place by itself",

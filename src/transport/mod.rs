@@ -2,11 +2,13 @@
 //!
 //! [`blocks`]: extended to meet a given error; [`links`]: as published; [`brute`]: every face to every face;
 //! [`octree`]: an irradiance octree in native code; [`walk`]: a random walk of photons, without approximations.
+//! [`diffusion`]: the diffusion equation on the object's own surface, by boundary elements.
 //! `average` computes radiosity at vertices; `evaluate` answers single queries.
 
 pub mod average;
 pub mod blocks;
 pub mod brute;
+pub mod diffusion;
 pub mod evaluate;
 pub mod links;
 pub mod octree;

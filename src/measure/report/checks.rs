@@ -10,7 +10,7 @@ use crate::measure::leaning::{blame, of_stage};
 use crate::measure::stress::{Outcome, stress as extremes};
 
 /// Fixtures of a quick report: those whose name contains one of these. Together they run every stage.
-const FEW: [&str; 20] = [
+const FEW: [&str; 21] = [
     "one triangle",
     "sliver",
     "lights of two colours",
@@ -20,6 +20,7 @@ const FEW: [&str; 20] = [
     "three objects, links kept",
     "three objects, brute force",
     "walk through three objects",
+    "diffusion in three objects",
     "bump over kept links, budget",
     "kept links of another material, budget",
     "the second of three samples, filmic",

@@ -8,6 +8,8 @@
 //! Where lists have to serve any light of the same contrast (mode `render`), W is the node's area, and tau the second
 //! moment of that area about its centroid.
 
+use std::f64::consts::PI;
+
 use rayon::prelude::*;
 
 use crate::dipole::derivatives::GroupProfile;
@@ -15,7 +17,7 @@ use crate::dipole::form_factor::ladder::{chi_distance, q2};
 use crate::error::Result;
 use crate::layout::{
     AREA_CHI, BLOCK_CLASSES, BufferId, DROPPED_SHARE, ERROR_LAWS, EXPANDED_SHARE, Emitter, FARTHEST, LAW_AREA,
-    LAW_EXPANSION, LAW_MAGNITUDE, LAW_MOMENTS, LAW_SAMPLE, RANGE_DEPTH, RANGE_ENTRIES, SAMPLE_CHI,
+    LAW_EXPANSION, LAW_MAGNITUDE, LAW_MOMENTS, LAW_SAMPLE, ObjectParams, RANGE_DEPTH, RANGE_ENTRIES, SAMPLE_CHI,
 };
 use crate::state::{
     Carrier, Field, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
@@ -43,7 +45,7 @@ pub static STAGE: Stage = Stage {
     reason: "logarithms of up to 60 binary orders and a bisection: rounding moves the argument by up to 1e-5",
     sizes: &[(BufferId::ranges, Size::Elements(|_| ERROR_LAWS * (RANGE_ENTRIES + 2)))],
     granularity: Granularity::Group,
-    carriers: &[Carrier::Blocks],
+    carriers: &[Carrier::Blocks, Carrier::Diffusion],
     needs: &[Need::Light],
     serves: Serves::TRANSLUCENT,
     skip: never,
@@ -58,6 +60,22 @@ fn runs(update: &Update) -> bool {
         true => update.material() || update.change.relink || (update.other_receivers() && update.change.light),
         false => update.transport(),
     }
+}
+
+/// Least distance from a triangle, squared, as a share of a triangle's mean area: a layer's law has no depth to level it
+/// off.
+const LEAST: f64 = 1.0 / 64.0;
+
+/// The binary logarithm of a law of diffusion at distance `u`: single layer over z_b, and double layer.
+fn layer_law(params: &ObjectParams, least: f64, u: f64, power: f64) -> f64 {
+    let channel = |c: usize| {
+        let (k, z_b) = (f64::from(params.sigma[c]), f64::from(params.boundary[c]));
+        let s2 = u * u + least;
+        let (s, a) = (s2.sqrt(), k * s2.sqrt());
+        (0.25 / PI * (1.0 / (z_b * s) + (1.0 + a) / s2)).log2() - a * std::f64::consts::LOG2_E
+            + power * ((0.5 * q2(a)).log2() - s2.log2())
+    };
+    (0..3).map(channel).fold(-1e30, f64::max)
 }
 
 /// Exponent n and factor of each law, for this order of the moments.
@@ -85,15 +103,15 @@ fn law(jets: &GroupProfile, scale: [f64; 3], u: f64, power: f64) -> f64 {
 }
 
 /// One law's table: its logarithm at distance 0, by how much it falls, and the distances of evenly spaced values.
-fn table(jets: &GroupProfile, scale: [f64; 3], power: f64) -> Vec<f32> {
-    let top = law(jets, scale, 0.0, power);
-    let depth = RANGE_DEPTH.min(top - law(jets, scale, FARTHEST, power));
+fn table(law: impl Fn(f64) -> f64) -> Vec<f32> {
+    let top = law(0.0);
+    let depth = RANGE_DEPTH.min(top - law(FARTHEST));
     let solve = |entry: usize| {
         let wanted = top - depth * entry as f64 / (RANGE_ENTRIES - 1) as f64;
         let (mut low, mut high) = (0.0, std::f64::consts::SQRT_2);
         for _ in 0..30 {
             let middle: f64 = 0.5 * (low + high);
-            if law(jets, scale, middle.powi(4), power) <= wanted { high = middle } else { low = middle }
+            if law(middle.powi(4)) <= wanted { high = middle } else { low = middle }
         }
         if entry == 0 { 0.0 } else { high.powi(4) as f32 }
     };
@@ -102,7 +120,8 @@ fn table(jets: &GroupProfile, scale: [f64; 3], power: f64) -> Vec<f32> {
 
 fn cpu(state: &mut State, at: Scope) {
     let (base, _) = state.part(BufferId::moments, at);
-    let (group, order, any_light) = (state.object(at).groups[at.group], state.method.order, state.method.any_light);
+    let (group, any_light) = (state.object(at).groups[at.group], state.method.any_light);
+    let (order, solves) = (state.method.moment_order(), state.method.solves());
     let data = &mut state.data;
     let params = data.object_params[0];
     let jets = GroupProfile::new(&params, group.channels);
@@ -116,7 +135,12 @@ fn cpu(state: &mut State, at: Scope) {
             1.0 / f64::from(data.reference_level[0][c])
         }
     });
-    data.ranges = power.into_par_iter().flat_map(|power| table(&jets, scale, power)).collect();
+    let least = LEAST * f64::from(data.clusters[0].area) / f64::from(params.faces);
+    let ranges = power.into_par_iter().flat_map(|power| match solves {
+        true => table(|u| layer_law(&params, least, u, power)),
+        false => table(|u| law(&jets, scale, u, power)),
+    });
+    data.ranges = ranges.collect();
 
     let range = |law: usize, strength: f64, allowed: f64| {
         let table = &data.ranges[law * (RANGE_ENTRIES + 2)..];
@@ -137,6 +161,7 @@ fn cpu(state: &mut State, at: Scope) {
     let disc = f64::from(data.clusters[0].area) / (std::f64::consts::TAU * f64::from(params.usual_blocks));
     let sigma = params.sigma.map(f64::from);
     let nearest = params.z_real.iter().copied().map(f64::from).fold(f64::INFINITY, f64::min);
+    let nearest = if solves { 0.0 } else { nearest };
     let emitter = |node: usize| {
         let (m, s, cluster) = (&data.moments[base + node], &data.second_moments[base + node], &data.clusters[node]);
         let skip = data.topology[node].skip;
@@ -188,7 +213,7 @@ fn cpu(state: &mut State, at: Scope) {
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let (group, method) = (pass.object().groups[pass.at.group], pass.state.method);
-    let any_light = u32::from(method.any_light);
-    pass.dispatch(Some("table"), &[group.channels, method.order, any_light], &[], ERROR_LAWS * RANGE_ENTRIES)?;
-    pass.dispatch(Some("node"), &[method.order, any_light], &[], pass.object().count.nodes)
+    let (any_light, order, layers) = (u32::from(method.any_light), method.moment_order(), u32::from(method.solves()));
+    pass.dispatch(Some("table"), &[group.channels, order, any_light, layers], &[], ERROR_LAWS * RANGE_ENTRIES)?;
+    pass.dispatch(Some("node"), &[order, any_light, layers], &[], pass.object().count.nodes)
 }

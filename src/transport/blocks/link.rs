@@ -41,7 +41,7 @@ pub static STAGE: Stage = Stage {
         ),
     ],
     granularity: Granularity::Batch,
-    carriers: &[Carrier::Blocks],
+    carriers: &[Carrier::Blocks, Carrier::Diffusion],
     needs: &[Need::Light],
     serves: Serves::TRANSLUCENT,
     skip: never,

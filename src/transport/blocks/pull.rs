@@ -29,7 +29,7 @@ const SECOND_MOMENTS: &[Field] = &[
 pub static STAGE: Stage = Stage {
     name: "pull",
     module: "transport/blocks",
-    about: "moments of the light entering every cluster: sum, centroid, second moments",
+    about: "moments of the light entering every cluster: sum, centroid, second moments; for diffusion, of its area",
     equation: "W = sum A_k E_k, c = sum A_k E_k x_k / W, Q = sum A_k E_k [(x_k-c)(x_k-c)^T + M_k] / W",
     writes: &[
         (BufferId::moments, Role::Output, Tolerance::Fields(MOMENT)),
@@ -38,7 +38,7 @@ pub static STAGE: Stage = Stage {
     reason: "sums climb some 40 levels of f32 rounding, 40 x 2^-24 = 2.4e-6 of the extent",
     sizes: &[],
     granularity: Granularity::Group,
-    carriers: &[Carrier::Blocks],
+    carriers: &[Carrier::Blocks, Carrier::Diffusion],
     needs: &[Need::Light],
     serves: Serves::TRANSLUCENT,
     skip: never,
@@ -59,7 +59,8 @@ struct Sums {
 
 fn cpu(state: &mut State, at: Scope) {
     let (base, _) = state.part(BufferId::moments, at);
-    let (lead, order) = (state.object(at).groups[at.group].lead as usize, state.method.order);
+    let (lead, order) = (state.object(at).groups[at.group].lead as usize, state.method.moment_order());
+    let by_area = state.method.solves();
     let data = &mut state.data;
     let nodes = data.topology.len();
     let products = |v: DVec3| (v * v, DVec3::new(v.y * v.z, v.z * v.x, v.x * v.y));
@@ -78,7 +79,8 @@ fn cpu(state: &mut State, at: Scope) {
                 sum.mixed += mixed / 36.0;
                 sum.radius = sum.radius.max(corner[k].distance(center));
             }
-            sum.weight = f64::from(data.clusters[node].area) * f64::from(data.irradiance[face][lead]);
+            let irradiance = if by_area { 1.0 } else { f64::from(data.irradiance[face][lead]) };
+            sum.weight = f64::from(data.clusters[node].area) * irradiance;
             sums[node] = sum;
             continue;
         }
@@ -117,7 +119,8 @@ fn cpu(state: &mut State, at: Scope) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let (lead, order) = (pass.object().groups[pass.at.group].lead, pass.state.method.order);
+    let (lead, order) = (pass.object().groups[pass.at.group].lead, pass.state.method.moment_order());
+    let lead = if pass.state.method.solves() { NONE } else { lead };
     pass.dispatch(Some("leaf"), &[lead], &[], pass.object().count.faces)?;
     pass.climb("cluster", &[order])
 }

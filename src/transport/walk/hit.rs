@@ -6,7 +6,7 @@ use crate::layout::{Buffers, NONE, UNFINISHED, WALK_MARGIN};
 
 /// A flight's end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Meeting {
+pub(crate) enum Meeting {
     /// Inside the medium.
     Free,
     /// No way out: through a hole of the surface, or another part of it that is passed inward.
@@ -18,7 +18,7 @@ pub(super) enum Meeting {
 /// From `origin` along the unit `way` for a distance of `path`. A triangle is passed outward where its normal is along
 /// the way. Rounding may put the origin just outside: triangles that are passed outward count from a little below it,
 /// others from a little above, and are no way out. A flat triangle is not met by a flight `from` it.
-pub(super) fn meeting(data: &Buffers, origin: [f32; 3], way: [f32; 3], path: f32, from: u32) -> Meeting {
+pub(crate) fn meeting(data: &Buffers, origin: [f32; 3], way: [f32; 3], path: f32, from: u32) -> Meeting {
     let params = &data.object_params[0];
     let ray = Sight::new(way);
     let m = ray.along.map(f32::abs);

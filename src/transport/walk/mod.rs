@@ -11,9 +11,9 @@ pub mod entry_sums;
 pub mod exact;
 pub mod exit_radiosity;
 mod flight;
-mod hit;
+pub(super) mod hit;
 pub mod random_walk;
-mod start;
+pub(super) mod start;
 
 use crate::layout::{Buffers, ENTRY_BLOCK, EntryBlock, EntrySum, ExitSum, WALK_SQUARE_BITS, WALK_WEIGHT};
 

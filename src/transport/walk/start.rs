@@ -12,7 +12,7 @@ use crate::layout::{
 use crate::lighting::irradiance::reaches;
 
 /// The unit normal of a triangle out of the medium.
-pub(super) fn normal([a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
+pub(crate) fn normal([a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
     unit(cross(minus(b, a), minus(c, a)).map(|x| FAR_FROM_DENORMAL * x))
 }
 
@@ -40,7 +40,7 @@ fn emitted(light: &Light, away: [f32; 3]) -> f32 {
 
 /// Light of one channel that enters at a triangle's centre from a light, and the unit direction towards that light; all
 /// in the scene, the normal too.
-fn entered(data: &Buffers, light: &Light, channel: usize, face: usize, normal: [f32; 3]) -> (f32, [f32; 3]) {
+pub(crate) fn entered(data: &Buffers, light: &Light, channel: usize, face: usize, normal: [f32; 3]) -> (f32, [f32; 3]) {
     let center = placed(&data.object_params[0], data.clusters[data.leaves[face] as usize].center);
     let far = light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_SKY_RAY;
     let apart = minus(light.place, center);

@@ -7,6 +7,7 @@
 // serve.
 layout(constant_id = 0) const uint ORDER = 2;
 layout(constant_id = 1) const uint ANY_LIGHT = 0;
+layout(constant_id = 2) const uint LAYERS = 0;
 READS(object_params)
 READS(topology)
 READS(bounds)
@@ -57,6 +58,8 @@ void main() {
     uint node = invocation();
     // What all invocations share is read before any of them returns: after that some drivers read it once for each.
     float z = min(object_params[0].z_real.x, min(object_params[0].z_real.y, object_params[0].z_real.z)), error = object_params[0].link_error;
+    // Layers lie on the surface.
+    z = LAYERS != 0 ? 0.0 : z;
     // A flat disc of a block's mean area, and four times more for each further class.
     float disc = log2(max(clusters[0].area / (6.2831853 * float(object_params[0].usual_blocks)), 1e-30));
     vec2 heads[ERROR_LAWS];

@@ -6,11 +6,14 @@
 // For each error law the distances at which it takes evenly spaced values, in the logarithm: the inverse of a falling
 // function by bisection. A law is the largest over the channels of
 //   strength sum_j z_j p(s_j) (q2(sigma s_j) / (2 s_j^2))^n / level,  s_j^2 = u^2 + z_j^2,
-// or, for any light of a contrast, of that times strength sum_j ...
+// or, for any light of a contrast, of that times strength sum_j ...; for diffusion, of
+//   (1/(z_b s) + (1 + k s)/s^2) e^(-k s) / (4 pi) (q2(k s) / (2 s^2))^n,  s^2 = u^2 + a share of a triangle's mean area.
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint ORDER = 2;
 layout(constant_id = 2) const uint ANY_LIGHT = 0;
+layout(constant_id = 3) const uint LAYERS = 0;
 READS(object_params)
+READS(clusters)
 READS(reference_level)
 READS(counters)
 WRITES(ranges)
@@ -23,7 +26,20 @@ float source(float sigma, float z, float u, float power) {
     return log2(z * (1.0 + a)) - 1.44269504 * a - 1.5 * log2(s2) + power * (log2(0.5 * q2) - log2(s2));
 }
 
+float layer_law(float u, float power) {
+    float least = clusters[0].area / (64.0 * float(object_params[0].faces)), s2 = u * u + least, s = sqrt(s2);
+    float largest = -1e30;
+    for (uint c = 0; c < 3; ++c) {
+        float a = object_params[0].sigma[c] * s;
+        float both = 0.0795774715 * (1.0 / (object_params[0].boundary[c] * s) + (1.0 + a) / s2);
+        float q2 = (15.0 + a * (15.0 + a * (6.0 + a))) / (1.0 + a);
+        largest = max(largest, log2(both) - 1.44269504 * a + power * (log2(0.5 * q2) - log2(s2)));
+    }
+    return largest;
+}
+
 float law(float u, float power) {
+    if (LAYERS != 0) return layer_law(u, power);
     float largest = -1e30;
     EACH_CHANNEL({
         float real = source(object_params[0].sigma[c], object_params[0].z_real[c], u, power);

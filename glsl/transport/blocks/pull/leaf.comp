@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// A triangle's moments: its light at the centroid, and its own second moment.
+// A triangle's moments: its light at the centroid, or its area if there is no LEAD, and its own second moment.
 layout(constant_id = 0) const uint LEAD = 0;
 READS(object_params)
 READS(leaves)
@@ -27,7 +27,7 @@ void main() {
     vec3 mixed = (p.yzx * p.zxy + q.yzx * q.zxy + r.yzx * r.zxy) / 36.0;
     float radius = sqrt(max(dot(a - center, a - center), max(dot(b - center, b - center),
                                                              dot(c - center, c - center))));
-    float weight = clusters[node].area * irradiance[face][LEAD];
+    float weight = clusters[node].area * (LEAD == NONE ? 1.0 : irradiance[face][min(LEAD, 2u)]);
     moments[node] = Moment(center, weight);
     second_moments[node] = SecondMoments(diagonal, radius, mixed, coarse_distance(diagonal, radius));
 }

@@ -1,0 +1,57 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+
+// The nearest triangles by the edge form, each at every receiver of the block. Of the source term there is a single
+// layer only, each channel's at its own depth.
+layout(local_size_x = GROUP_SIZE) in;
+layout(constant_id = 0) const uint SOURCE = 0;
+layout(constant_id = 1) const uint NODES = 6;
+layout(push_constant, scalar) uniform push_block { Range range; Range part; };
+READS(object_params)
+READS(blocks)
+READS(receiver_positions)
+READS(clusters)
+READS(topology)
+READS(triangles)
+READS(positions)
+READS(deposits)
+READS(runs)
+READS(entries)
+READS(near)
+READS(near_groups)
+READS(layer_places)
+UPDATES(received)
+#include "transport/diffusion/edges.glsl"
+#include "transport/blocks/gather/receiver.glsl"
+#include "transport/diffusion/boundary_integrals/near.glsl"
+
+void main() {
+    Runs run;
+    Receiver self = near_receiver(run);
+    uint first = run.first + run.expanded + run.direct + run.area, last = min(part.first + part.count, run.edge);
+    vec3 k = object_params[0].sigma, z = object_params[0].boundary, sum = vec3(0);
+    for (uint i = part.first; i < last; ++i) {
+        uint node = entries[first + i], face = topology[node].face;
+        Cluster cluster = clusters[node];
+        uvec3 corner = triangles[face];
+        vec3 a = positions[corner.x] - self.x, b = positions[corner.y] - self.x, c = positions[corner.z] - self.x;
+        vec3 normal = cluster.area > 0.0 ? cluster.normal / cluster.area : vec3(0);
+        vec3 value = layer_places[node].charge / max(cluster.area, 1e-37), single, twice;
+        if (SOURCE != 0) {
+            Deposit deposit = deposits[face];
+            vec3 depth[3] = vec3[3](deposit.red, deposit.green, deposit.blue);
+            for (uint channel = 0; channel < 3; ++channel) {
+                vec3 d = depth[channel];
+                float height = -dot(cluster.center - self.x + d, normal);
+                layers_of_triangle(vec3(k[channel]), a + d, b + d, c + d, corner, normal, height, single, twice);
+                sum[channel] += value[channel] * single.x;
+            }
+        } else {
+            float height = face == self.face ? 0.0 : -dot(cluster.center - self.x, normal);
+            layers_of_triangle(k, a, b, c, corner, normal, height, single, twice);
+            sum += value * (single + z * twice);
+        }
+    }
+    if (self.present && run.edge > part.first) received[self.face] += sum;
+}

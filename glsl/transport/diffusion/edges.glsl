@@ -1,0 +1,67 @@
+// Single and double layer of a triangle by its edges, of the kernel g(s) = e^(-k s) / (4 pi s): Green's theorem, then
+// Gauss-Legendre quadrature as in `dipole/form_factor/edge.glsl`. For a receiver at height h over the plane, s_m the
+// least distance to the triangle where that is more than h, else h, and r the distance from the foot:
+//   int e^(-k s)/s dA               = e^(-k s_m) sum R int q phi1 / (s + s_m) dt,
+//   h int (1 + k s) e^(-k s)/s^3 dA = e^(-k s_m) h/s_m sum R int q (1 + k s_m phi1) / (s (s + s_m)) dt,
+// with phi1 = (1 - e^(-k(s - s_m))) / (k (s - s_m)) and q = (r^2 - r_m^2) / r^2. One value a channel.
+#include "dipole/form_factor/edge.glsl"
+
+// Adds both integrals over one edge, without their factors.
+void add_edge(inout vec3 single, inout vec3 twice, vec3 k, float R, float t1, float t2, float h, float rim, float s_m) {
+    float R2 = R * R, S = sqrt(R2 + h * h);
+    // An edge whose line meets the foot adds nothing.
+    if (!(R2 > 0.0)) return;
+    float w1 = t1 / (S + sqrt(S * S + t1 * t1)), w2 = t2 / (S + sqrt(S * S + t2 * t2));
+    float middle = 0.5 * (w1 + w2), half_width = 0.5 * (w2 - w1);
+    bool outside = h < rim;
+    vec3 of_single = vec3(0), of_double = vec3(0);
+    for (uint i = 0; i < NODES; ++i) {
+        float w = middle + half_width * NODE[FIRST_NODE + i];
+        float ratio = 1.0 / max((1.0 - w) * (1.0 + w), 1e-12);
+        float s = S * (1.0 + w * w) * ratio, t = 2.0 * S * w * ratio;
+        float r2 = R2 + t * t, past = max(0.0, r2 - rim * rim);
+        float q = outside ? past / max(r2, 1e-37) : 1.0;
+        float beyond = (outside ? past : r2) / max(s + s_m, 1e-30);
+        vec3 phi = phi1(k * beyond);
+        float common_part = WEIGHT[FIRST_NODE + i] * ratio * q / max(s + s_m, 1e-30);
+        of_single += common_part * s * phi;
+        of_double += common_part * (1.0 + k * s_m * phi);
+    }
+    single += 2.0 * R * half_width * of_single;
+    twice += 2.0 * R * half_width * of_double;
+}
+
+// Both layers of the triangle a b c (relative to the receiver), whose unit normal is `normal`; `height` is the
+// receiver's over the plane, 0 at the triangle's own place.
+void layers_of_triangle(vec3 k, vec3 a, vec3 b, vec3 c, uvec3 id, vec3 normal, float height,
+                        out vec3 single, out vec3 twice) {
+    vec3 foot = -height * normal;
+    vec3 corner[3] = vec3[3](a - foot, b - foot, c - foot);
+    uint number[3] = uint[3](id.x, id.y, id.z);
+    bool inside = true;
+    float nearest = 1e30;
+    for (uint e = 0; e < 3; ++e) {
+        vec3 p = corner[e], q = corner[(e + 1) % 3];
+        inside = inside && dot(cross(p, q), normal) >= 0.0;
+        nearest = min(nearest, segment_distance(p, q));
+    }
+    float h = abs(height), rim = inside ? 0.0 : nearest;
+    float s_m = h < rim ? sqrt(h * h + rim * rim) : h;
+    single = vec3(0);
+    twice = vec3(0);
+    for (uint e = 0; e < 3; ++e) {
+        bool swapped = number[e] > number[(e + 1) % 3];
+        vec3 p = corner[swapped ? (e + 1) % 3 : e], q = corner[swapped ? e : (e + 1) % 3];
+        float size = length(q - p);
+        vec3 u = size > 0.0 ? (q - p) / size : vec3(0);
+        float R = dot(cross(p, u), normal);
+        vec3 one = vec3(0), two = vec3(0);
+        add_edge(one, two, k, R, dot(p, u), dot(q, u), h, rim, s_m);
+        single += swapped ? -one : one;
+        twice += swapped ? -two : two;
+    }
+    // Both integrands are positive; what cancels in a sliver may not be.
+    vec3 fall = 0.0795774715 * exp(-k * s_m);
+    single = fall * mix(single, vec3(0), lessThan(single, vec3(0)));
+    twice = s_m > 0.0 ? fall * (height / s_m) * mix(twice, vec3(0), lessThan(twice, vec3(0))) : vec3(0);
+}

@@ -1,0 +1,36 @@
+//! Diffusion on the shape: coefficients at the boundary, the room for a basis, and settings for a tolerance.
+
+use crate::layout::{MOST_STEPS, ObjectParams};
+use crate::lighting::boundary::{extrapolation, mean_inner_cosine};
+use crate::scene::Scene;
+
+/// Bytes of the smallest binding among devices: a basis fits it.
+const BINDING: usize = 1 << 27;
+
+/// Steps of the solver from one start to the next: as many as are asked for, or as there is room for.
+pub(crate) fn steps(scene: &Scene) -> u32 {
+    let translucent = scene.objects.iter().filter(|object| object.material.opaque.is_none());
+    let faces = translucent.map(|object| object.mesh.triangles.len()).max().unwrap_or(1).max(1);
+    let room = (BINDING / 12 / faces).saturating_sub(1).clamp(2, MOST_STEPS) as u32;
+    scene.transport.steps.unwrap_or(MOST_STEPS as u32).min(room)
+}
+
+/// The largest error of a cluster in a product for a tolerance, for a density of 1.
+pub(crate) fn layer_error(tolerance: f64) -> f64 {
+    0.1 * tolerance
+}
+
+/// The residual at which the solver ends, as a share of the source term.
+pub(crate) fn residual(tolerance: f64) -> f64 {
+    0.25 * tolerance
+}
+
+/// Sets what the boundary is to diffusion, from the dipole's lengths: z_b = 2 A D, and the mean depth of the first
+/// collision of light from all around.
+pub(super) fn boundary(params: &mut ObjectParams) {
+    for c in 0..3 {
+        let (eta, path) = (f64::from(params.eta[c]), f64::from(params.z_real[c]));
+        params.boundary[c] = (2.0 / 3.0 * extrapolation(eta) * path) as f32;
+        params.sky_depth[c] = (mean_inner_cosine(eta) * path) as f32;
+    }
+}

@@ -1,0 +1,131 @@
+//! Diffusion as a transport: steps of its solver until the residual is as small as asked.
+
+use super::run::Session;
+use crate::error::{Input, Result};
+use crate::gpu::Timing;
+use crate::layout::{BufferId, ListCounters, SMALL_NORMS, SMALL_SYSTEM};
+use crate::prepare::diffusion::residual;
+use crate::scene::Scene;
+use crate::state::{Scope, Step};
+use crate::transport::diffusion::{boundary_integrals, krylov_step, krylov_sum};
+
+/// Starts of the solver, at most; each takes as many steps as its basis has room for.
+const STARTS: usize = 20;
+
+/// How a system of equations was solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SolveReport {
+    /// The object.
+    pub object: usize,
+    /// Steps taken.
+    pub steps: usize,
+    /// Norm of the residual over that of the source term, in the mean over the area, per channel.
+    pub residual: [f64; 3],
+    /// Whether that is as small as asked.
+    pub converged: bool,
+}
+
+/// An error where diffusion inside an object has no meaning.
+pub(super) fn closed(scene: &Scene) -> Result<()> {
+    for (number, object) in scene.objects.iter().enumerate().filter(|(_, object)| object.material.opaque.is_none()) {
+        let fault = |what: &str| Input::new(what).key(format!("object.{number}"));
+        if object.mesh.open_edges > 0 {
+            let found = format!("{} open edges", object.mesh.open_edges);
+            let fault = fault("diffusion is solved inside a closed object").found(found);
+            return Err(fault.expected("a closed mesh, or another --transport than diffusion").into());
+        }
+        if object.material.two_sided {
+            let fault = fault("light enters from outside only where diffusion is solved").found("two_sided = true");
+            return Err(fault.expected("two_sided = false, or another --transport than diffusion").into());
+        }
+    }
+    Ok(())
+}
+
+/// Whether a step belongs to the solver's loop.
+fn iterates(step: &Step) -> bool {
+    step.stage.is(&boundary_integrals::STAGE) || step.stage.is(&krylov_step::STAGE)
+}
+
+impl Session {
+    /// How the systems of the last frame that solved any were solved, one report a translucent object.
+    #[must_use]
+    pub fn solve_reports(&self) -> &[SolveReport] {
+        &self.solves
+    }
+
+    /// Runs these steps, those of the solver until it is done.
+    pub(super) fn run_diffusion(&mut self, steps: &[Step]) -> Result<Vec<Timing>> {
+        let Some(first) = steps.iter().position(iterates) else { return self.run(steps) };
+        let mut times = self.run(&steps[..first])?;
+        self.fetch(&[BufferId::counters])?;
+        let ready = |counters: &ListCounters| counters.overflow == 0 && counters.unfinished == 0;
+        if !self.state().data.counters.iter().all(ready) {
+            return Ok(times);
+        }
+        self.solves.clear();
+        for object in 0..self.state().objects.len() {
+            let own: Vec<Step> = steps.iter().filter(|step| iterates(step) && step.at.object == object).copied().collect();
+            if let Some(sum) = steps.iter().find(|step| step.stage.is(&krylov_sum::STAGE) && step.at.object == object) {
+                self.solve_object(&own, *sum, &mut times)?;
+            }
+        }
+        let rest: Vec<Step> = steps[first..]
+            .iter()
+            .filter(|step| !iterates(step) && !step.stage.is(&krylov_sum::STAGE))
+            .copied()
+            .collect();
+        add(&mut times, self.run(&rest)?);
+        Ok(times)
+    }
+
+    /// Solves the system of one object.
+    fn solve_object(&mut self, own: &[Step], sum: Step, times: &mut Vec<Timing>) -> Result<()> {
+        let object = sum.at.object;
+        let asked = self.scene.transport.steps;
+        let target = residual(self.scene.transport.tolerance);
+        let mut report = SolveReport { object, ..SolveReport::default() };
+        let mut whole = [0.0; 3];
+        for start in 0..STARTS {
+            self.prepared.state.method.warm = start > 0;
+            let mut taken = 0;
+            for pair in own.chunks(2) {
+                add(times, self.run(pair)?);
+                self.fetch(&[BufferId::small_system])?;
+                let small = &self.state().data.small_system[object * SMALL_SYSTEM..];
+                taken = pair[0].at.chunk;
+                if start == 0 && taken == 0 {
+                    whole = small[SMALL_NORMS].map(f64::from);
+                }
+                report.residual = std::array::from_fn(|c| {
+                    if whole[c] > 0.0 { f64::from(small[SMALL_NORMS + 1][c]) / whole[c] } else { 0.0 }
+                });
+                report.converged = report.residual.iter().all(|&left| left <= target);
+                // A start that finds nothing left still takes a step.
+                if report.converged && asked.is_none() && taken > 0 {
+                    break;
+                }
+            }
+            report.steps += taken;
+            let at = Scope { chunk: taken, ..sum.at };
+            add(times, self.run(&[Step { at, ..sum }])?);
+            if report.converged || asked.is_some() {
+                break;
+            }
+        }
+        self.prepared.state.method.warm = false;
+        self.solves.push(report);
+        Ok(())
+    }
+}
+
+/// Adds times to those of the same stage.
+fn add(times: &mut Vec<Timing>, more: Vec<Timing>) {
+    let end = times.last().map_or(0.0, |last| last.start + last.milliseconds);
+    for one in more {
+        match times.iter_mut().find(|known| known.name == one.name) {
+            Some(known) => known.milliseconds += one.milliseconds,
+            None => times.push(Timing { start: end + one.start, ..one }),
+        }
+    }
+}
