@@ -9,6 +9,7 @@
 //! | [Layers](layers) | subsurface texture mapping |
 //! | [Shading by curvature](curvature) | the CDRF, where it is a good approximation, and its rivals |
 //! | [How it works](how) | the frame, the model and where it is wrong, schemes, hierarchies, error estimate |
+//! | [Diffusion](diffusion) | the diffusion equation on the object's own surface: nearer to the truth than the dipole |
 //! | [Random walk](walk) | the reference without approximations: what it simulates, its noise, its time |
 //! | [Measuring](measuring) | error norms, references, error against run time, extreme cases, the papers' tables |
 //! | [Conformance](conformance) | for driver people: what is compared, and how to reduce a failure |
@@ -33,5 +34,5 @@ macro_rules! pages {
 }
 
 pages! {
-    start scenes lights motion layers curvature how walk measuring conformance performance robustness library contributing
+    start scenes lights motion layers curvature how diffusion walk measuring conformance performance robustness library contributing
 }

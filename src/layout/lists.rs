@@ -5,6 +5,18 @@ use bytemuck::{Pod, Zeroable};
 use super::{Element, Record, Word};
 
 records! { list_records:
+    /// A receiver of the coarse solution.
+    Sample {
+        /// The triangle.
+        face: u32,
+        /// Probability that a draw chooses it.
+        chance: f32,
+        /// Its radiosity.
+        value: [f32; 3],
+        /// The square of the irradiance that enters it, of the object's mean, times its share of the area over its
+        /// chance.
+        light: f32,
+    }
     /// Where a receiver's lists lie in its chunk.
     Span {
         /// First link.

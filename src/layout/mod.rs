@@ -291,13 +291,6 @@ pub use walk::*;
 
 /// Every record.
 pub fn records() -> Vec<Record> {
-    let mut all = frame_records();
-    all.extend(list_records());
-    all.extend(local_records());
-    all.extend(light_records());
-    all.extend(view_records());
-    all.extend(layer_records());
-    all.extend(walk_records());
-    all.extend(diffusion_records());
-    all
+    let lists = [frame_records(), list_records(), local_records(), light_records(), view_records(), layer_records()];
+    lists.into_iter().chain([walk_records(), diffusion_records()]).flatten().collect()
 }

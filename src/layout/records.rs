@@ -215,18 +215,6 @@ records! { frame_records:
         /// The first node after its subtree.
         skip: u32,
     }
-    /// A receiver of the coarse solution.
-    Sample {
-        /// The triangle.
-        face: u32,
-        /// Probability that a draw chooses it.
-        chance: f32,
-        /// Its radiosity.
-        value: [f32; 3],
-        /// The square of the irradiance that enters it, of the object's mean, times its share of the area over its
-        /// chance.
-        light: f32,
-    }
     /// Where a block's lists lie, one after the other.
     Runs {
         /// First entry.

@@ -15,6 +15,7 @@ use crate::measure::progress::Progress;
 use crate::measure::sample::Sample;
 use crate::session::run::Session;
 use crate::state::{Distance, State, wide};
+use crate::transport::diffusion::sums;
 
 /// Limits of chi below which one sample with its second moment, 6 points and 12 points are within about 5e-6 of the
 /// exact form factor; above the last limit, graded quadrature along the edges.
@@ -157,11 +158,12 @@ pub struct Checked {
     pub estimate: Option<Quality>,
 }
 
-/// Error norms of a session's last frame at `count` seeded receivers, and the quality of its error estimate.
+/// Error norms of a session's last frame at `count` seeded receivers, and the quality of its error estimate. Of
+/// diffusion, which solves an equation, the norms of what is left of that.
 pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> {
     session.sharpen()?;
     session.fetch(&[BufferId::irradiance, BufferId::radiosity, BufferId::clusters, BufferId::estimate])?;
-    session.fetch(&[BufferId::positions])?;
+    session.fetch(&[BufferId::positions, BufferId::deposits, BufferId::solution])?;
     let state = session.state();
     if state.objects.iter().all(|object| object.opaque) {
         let fault = Input::new("light enters no object, so there is nothing to verify").key("object");
@@ -170,8 +172,10 @@ pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> 
     let data = &state.data;
     let sample = receivers(state, count, seed);
     let faces = &sample.faces;
-    let reference = radiosity(state, faces);
-    let values: Vec<[f64; 3]> = faces.iter().map(|&face| data.radiosity[face].map(f64::from)).collect();
+    let (values, reference) = match state.method.solves() {
+        true => (by_object(state, faces, sums::applied), by_object(state, faces, sums::source)),
+        false => (faces.iter().map(|&face| data.radiosity[face].map(f64::from)).collect(), radiosity(state, faces)),
+    };
     let estimate = state.method.estimate.then(|| {
         let error = |(value, b): (&[f64; 3], &[f64; 3])| [0, 1, 2].map(|c| (value[c] - b[c]).abs());
         let errors: Vec<[f64; 3]> = values.iter().zip(&reference).map(error).collect();

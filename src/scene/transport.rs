@@ -142,9 +142,9 @@ impl Transport {
                 |x| (1e-4..=1.0).contains(&x),
                 "1e-4 to 1",
             )?,
-            walks: walks(file.walks)?,
-            steps: steps(file.steps)?,
-            budget: budget(file.budget)?,
+            walks: count("transport.walks", file.walks, MOST_WALKS, "photons of a channel, 1 to 1000000000")?,
+            steps: count("transport.steps", file.steps, MOST_STEPS as u32, "steps of the solver, 1 to 30")?,
+            budget: count("transport.budget", file.budget, u32::MAX, "form factors of a frame, 1 to 4294967295")?,
             cdrf: file.cdrf,
             cdrf_table: range::number(
                 "transport.cdrf_table",
@@ -173,24 +173,9 @@ fn cluster(file: &TransportFile) -> Checked<Option<ClusterForm>> {
     Ok(file.cluster)
 }
 
-/// Maximum number of form factors per frame, if limited.
-fn budget(given: Option<i64>) -> Checked<Option<u32>> {
-    let fits = |n: f64| (1.0..=f64::from(u32::MAX)).contains(&n);
-    let number = |n: i64| range::number("transport.budget", n as f64, fits, "form factors of a frame, 1 to 4294967295");
-    Ok(given.map(number).transpose()?.map(|n| n as u32))
-}
-
-/// Photons of each channel and object, if their number is given.
-fn walks(given: Option<i64>) -> Checked<Option<u32>> {
-    let fits = |n: f64| (1.0..=f64::from(MOST_WALKS)).contains(&n);
-    let number = |n: i64| range::number("transport.walks", n as f64, fits, "photons of a channel, 1 to 1000000000");
-    Ok(given.map(number).transpose()?.map(|n| n as u32))
-}
-
-/// Steps of the solver, if their number is given.
-fn steps(given: Option<i64>) -> Checked<Option<u32>> {
-    let fits = |n: f64| (1.0..=MOST_STEPS as f64).contains(&n);
-    let number = |n: i64| range::number("transport.steps", n as f64, fits, "steps of the solver, 1 to 30");
+/// A whole number of at least 1, if it is given.
+fn count(key: &'static str, given: Option<i64>, most: u32, expected: &'static str) -> Checked<Option<u32>> {
+    let number = |n: i64| range::number(key, n as f64, |n| (1.0..=f64::from(most)).contains(&n), expected);
     Ok(given.map(number).transpose()?.map(|n| n as u32))
 }
 

@@ -65,7 +65,8 @@ impl Session {
         }
         self.solves.clear();
         for object in 0..self.state().objects.len() {
-            let own: Vec<Step> = steps.iter().filter(|step| iterates(step) && step.at.object == object).copied().collect();
+            let own: Vec<Step> =
+                steps.iter().filter(|step| iterates(step) && step.at.object == object).copied().collect();
             if let Some(sum) = steps.iter().find(|step| step.stage.is(&krylov_sum::STAGE) && step.at.object == object) {
                 self.solve_object(&own, *sum, &mut times)?;
             }

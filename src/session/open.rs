@@ -1,8 +1,8 @@
 //! Opens a session for a scene: alone, or after another one, with what that has in common.
 
 use super::capacity::{CapacityHints, Lists};
-use super::diffusion::closed;
 use super::device_limits::holds;
+use super::diffusion::closed;
 use super::incremental::share_budget;
 use super::memory_estimate;
 use super::octree::OctreeTransport;
@@ -74,7 +74,8 @@ impl Session {
         drop_unlooked(&mut prepared.state, options);
         prepared.state.keep = options.mode != Mode::OnTheFly || solves;
         prepared.state.method.estimate = options.estimate && blocks;
-        prepared.state.method.any_light = solves || (matches!(options.mode, Mode::Render | Mode::Incremental) && blocks);
+        prepared.state.method.any_light =
+            solves || (matches!(options.mode, Mode::Render | Mode::Incremental) && blocks);
         prepared.state.method.incremental =
             options.mode == Mode::Incremental && options.transport == ShadingMethod::Hierarchy && !blocks;
         share_budget(&mut prepared.state, scene.transport.budget)?;

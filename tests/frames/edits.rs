@@ -66,6 +66,9 @@ const KNOBS: &[&[&[&str]]] = &[
     &[&[], &["object.0.rotation=[0, 40, 0]"], &["object.0.rotation=[15, 41, 3]"], &["object.0.position=[1, 2, 0]"]],
 ];
 
+/// The knob of `two_sided`.
+const TWO_SIDED: usize = 7;
+
 /// What all scenes have.
 const BASE: &[&str] =
     &["object.0.size=20", "object.1.shape='slab'", "object.1.detail=2", "object.1.size=18", "transport.tolerance=1e-2"];
@@ -135,7 +138,9 @@ fn follow(
     let mut at = vec![0; KNOBS.len()];
     let mut session = Session::new(&scene(scheme, extra, &at), device, options).unwrap();
     for (step, edit) in edits.iter().enumerate() {
-        edit.iter().for_each(|&(knob, value)| at[knob] = value);
+        // Diffusion refuses light from both sides.
+        let allowed = |knob: usize| options.transport != ShadingMethod::Diffusion || knob != TWO_SIDED;
+        edit.iter().filter(|(knob, _)| allowed(*knob)).for_each(|&(knob, value)| at[knob] = value);
         let scene = scene(scheme, extra, &at);
         session.show(&scene).unwrap();
         let mut fresh = Session::new(&scene, device, options).unwrap();
@@ -163,6 +168,7 @@ const WAYS: &[(&str, &[&str], ShadingMethod, Mode)] = &[
     ("blocks", &["transport.cdrf='table'"], ShadingMethod::Cdrf, Mode::OnTheFly),
     ("blocks", &[], ShadingMethod::Lambert, Mode::OnTheFly),
     ("blocks", &["transport.subdivide=1"], ShadingMethod::Hierarchy, Mode::OnTheFly),
+    ("blocks", &[], ShadingMethod::Diffusion, Mode::OnTheFly),
 ];
 
 fn sequences(device: Option<&Device>, way: usize, length: usize) {

@@ -7,6 +7,7 @@ mod shell;
 
 mod blocks;
 mod clusters;
+mod diffusion;
 mod dropped;
 mod estimate;
 mod hierarchies;

@@ -72,8 +72,7 @@ fn of_face(data: &Buffers, face: usize, c: usize) -> (f64, DVec3) {
     for record in &data.lights {
         let (one, [x, y, z]) = entered(data, record, c, face, out);
         if one > 0.0 {
-            let toward =
-                std::array::from_fn(|k| x * params.turn_x[k] + y * params.turn_y[k] + z * params.turn_z[k]);
+            let toward = std::array::from_fn(|k| x * params.turn_x[k] + y * params.turn_y[k] + z * params.turn_z[k]);
             all += f64::from(one);
             add(f64::from(one), refracted(params.eta[c], toward, inward), f64::from(params.z_real[c]));
         }

@@ -10,11 +10,7 @@ use crate::state::wide;
 
 /// A symmetric matrix from its diagonal and from yz, zx, xy.
 fn symmetric(diagonal: DVec3, [yz, zx, xy]: [f64; 3]) -> DMat3 {
-    DMat3::from_cols(
-        DVec3::new(diagonal.x, xy, zx),
-        DVec3::new(xy, diagonal.y, yz),
-        DVec3::new(zx, yz, diagonal.z),
-    )
+    DMat3::from_cols(DVec3::new(diagonal.x, xy, zx), DVec3::new(xy, diagonal.y, yz), DVec3::new(zx, yz, diagonal.z))
 }
 
 /// The product of two vectors as a matrix.
@@ -100,8 +96,7 @@ impl Quadratic {
 
 impl Layers {
     /// None.
-    pub(super) const ZERO: Self =
-        Self { center: DVec3::ZERO, charge: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
+    pub(super) const ZERO: Self = Self { center: DVec3::ZERO, charge: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
 
     /// Of a node and channel.
     pub(super) fn of(data: &Buffers, node: usize, c: usize) -> Self {
@@ -142,8 +137,7 @@ impl Layers {
     pub(super) fn expanded(&self, k: f64, area: &DMat3, x: DVec3) -> Quadratic {
         let d = x - self.center;
         let jet = jet(k, d.length());
-        let gradient =
-            self.charge * jet.first * d - jet.second_of(d, self.first) + jet.third_of(d, &self.second);
+        let gradient = self.charge * jet.first * d - jet.second_of(d, self.first) + jet.third_of(d, &self.second);
         let u = self.first;
         let across = outer(u, d);
         let of_first = jet.second * (across + across.transpose() + u.dot(d) * DMat3::IDENTITY)

@@ -14,7 +14,7 @@ mod far;
 pub mod krylov_step;
 pub mod krylov_sum;
 mod near;
-mod sums;
+pub mod sums;
 
 use crate::layout::ObjectParams;
 

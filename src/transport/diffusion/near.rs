@@ -99,10 +99,9 @@ mod tests {
         let [ab, bc, ca] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
         let parts = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
         let parts = parts.map(|part| fine(k, &part, x, levels - 1));
-        parts.iter().fold(Both::default(), |sum, one| Both {
-            single: sum.single + one.single,
-            double: sum.double + one.double,
-        })
+        parts
+            .iter()
+            .fold(Both::default(), |sum, one| Both { single: sum.single + one.single, double: sum.double + one.double })
     }
 
     #[test]
@@ -112,10 +111,15 @@ mod tests {
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
         let nodes = legendre(12);
         for k in [0.0, 0.5, 4.0] {
-            for x in [middle + 0.3 * normal, middle - 0.4 * normal, DVec3::new(1.4, 0.7, 0.1), DVec3::new(-0.5, 0.2, 0.4)] {
+            for x in
+                [middle + 0.3 * normal, middle - 0.4 * normal, DVec3::new(1.4, 0.7, 0.1), DVec3::new(-0.5, 0.2, 0.4)]
+            {
                 let (found, exact) = (by_edges(k, &corners, [4, 1, 2], x, false, &nodes), fine(k, &corners, x, 6));
                 let close = |a: f64, b: f64| (a - b).abs() < 2e-5 * exact.single;
-                assert!(close(found.single, exact.single) && close(found.double, exact.double), "{k} {x}: {found:?} {exact:?}");
+                assert!(
+                    close(found.single, exact.single) && close(found.double, exact.double),
+                    "{k} {x}: {found:?} {exact:?}"
+                );
             }
             // At its own centroid: the points of the sum never meet it, and it converges slowly.
             let own = by_edges(k, &corners, [0, 1, 2], middle, true, &nodes);
@@ -132,7 +136,8 @@ mod tests {
         let nodes = legendre(12);
         for (x, wanted) in [(corner(0.35, 0.3, 0.22), -1.0), (corner(1.0, 1.0, 1.0), 0.0)] {
             let sides = [[0u32, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
-            let of = |side: &[u32; 3]| by_edges(0.0, &side.map(|v| corners[v as usize]), *side, x, false, &nodes).double;
+            let of =
+                |side: &[u32; 3]| by_edges(0.0, &side.map(|v| corners[v as usize]), *side, x, false, &nodes).double;
             let sum: f64 = sides.iter().map(of).sum();
             assert!((sum - wanted).abs() < 1e-5, "{sum} {wanted}");
         }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::Medium;
 use super::far::{Layers, Quadratic, area_moment};
 use super::near::{by_edges, sampled};
-use crate::dipole::form_factor::gauss::legendre;
+use crate::dipole::form_factor::gauss::{Node, legendre};
 use crate::layout::{BufferId, Buffers, Expansion, LayerFirst, LayerPlace, LayerSecond, NONE, Runs};
 use crate::state::{Scope, State, wide};
 use crate::transport::blocks::link::batch;
@@ -54,7 +54,9 @@ fn climb(data: &Buffers, base: usize, density: Density, c: usize) -> Vec<Layers>
         let children = [all[node + 1], all[data.topology[node + 1].skip as usize]];
         let charge = children[0].charge + children[1].charge;
         let center = match density {
-            Density::Source if charge > 0.0 => children.map(|child| child.charge * child.center).iter().sum::<DVec3>() / charge,
+            Density::Source if charge > 0.0 => {
+                children.map(|child| child.charge * child.center).iter().sum::<DVec3>() / charge
+            }
             Density::Source => 0.5 * (children[0].center + children[1].center),
             _ => center,
         };
@@ -92,7 +94,7 @@ struct Sums<'a> {
     density: Density,
     c: usize,
     medium: Medium,
-    nodes: &'a [crate::dipole::form_factor::gauss::Node],
+    nodes: &'a [Node],
 }
 
 impl Sums<'_> {
@@ -211,27 +213,50 @@ pub(super) fn expanded(e: &Expansion, c: usize, d: DVec3) -> f64 {
     at(&e.value) + gradient.dot(d) + 0.5 * squares + mixed
 }
 
-/// The same sums by every pair of triangles, by their edges: what lists are held to.
+/// What a triangle of value 1 gives at a triangle's centroid, in a channel, by its edges with these nodes: its single
+/// layer over z_b, where its light is deposited if it is a `source`, and, if it is not, its double layer. All pairs
+/// together are the dense system that lists approximate.
 #[must_use]
-pub fn by_pairs(data: &Buffers, values: &[[f32; 3]], source: bool, receivers: &[usize], nodes: usize) -> Vec<[f64; 3]> {
-    let nodes = legendre(nodes);
+pub fn pair(data: &Buffers, [emitter, receiver]: [usize; 2], c: usize, source: bool, nodes: &[Node]) -> [f64; 2] {
+    let medium = Medium::of(&data.object_params[0], c);
+    let moved = if source { depth(data, emitter, c) } else { DVec3::ZERO };
+    let ids = data.triangles[emitter];
+    let corners = ids.map(|v| wide(data.positions[v as usize]) + moved);
+    let x = wide(data.clusters[data.leaves[receiver] as usize].center);
+    let both = by_edges(medium.decay, &corners, ids, x, !source && emitter == receiver, nodes);
+    [both.single / medium.boundary, if source { 0.0 } else { both.double }]
+}
+
+/// The left-hand side of the equation for the solution at these triangles of one object, by all pairs.
+#[must_use]
+pub fn applied(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
+    let solution = &state.data.solution;
+    let mut sums = by_pairs(&state.data, faces, solution, false);
+    for (sum, &face) in sums.iter_mut().zip(faces) {
+        (0..3).for_each(|c| sum[c] += 0.5 * f64::from(solution[face][c]));
+    }
+    sums
+}
+
+/// The right-hand side.
+#[must_use]
+pub fn source(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
+    let light: Vec<[f32; 3]> = state.data.deposits.iter().map(|deposit| deposit.light).collect();
+    by_pairs(&state.data, faces, &light, true)
+}
+
+fn by_pairs(data: &Buffers, faces: &[usize], values: &[[f32; 3]], source: bool) -> Vec<[f64; 3]> {
+    let nodes = legendre(12);
     let of = |&face: &usize| {
-        let x = wide(data.receiver_positions[face]);
         std::array::from_fn(|c| {
-            let medium = Medium::of(&data.object_params[0], c);
-            let one = |emitter: usize| {
-                let moved = if source { depth(data, emitter, c) } else { DVec3::ZERO };
-                let ids = data.triangles[emitter];
-                let corners = ids.map(|v| wide(data.positions[v as usize]) + moved);
-                let both = by_edges(medium.decay, &corners, ids, x, !source && emitter == face, &nodes);
-                let double = if source { 0.0 } else { both.double };
-                f64::from(values[emitter][c]) * (both.single / medium.boundary + double)
+            let one = |emitter: usize| match f64::from(values[emitter][c]) {
+                0.0 => 0.0,
+                value => value * pair(data, [emitter, face], c, source, &nodes).iter().sum::<f64>(),
             };
-            let sum: f64 = (0..data.triangles.len()).map(one).sum();
-            if source { sum } else { sum + 0.5 * f64::from(values[face][c]) }
+            (0..data.triangles.len()).map(one).sum()
         })
     };
-    receivers.par_iter().map(of).collect()
+    faces.par_iter().map(of).collect()
 }
 
 #[cfg(test)]
