@@ -174,7 +174,9 @@ impl Session {
                 return Ok(times);
             }
             self.retries += 1;
-            if ran(&update_links::STAGE) {
+            // Links made anew that did not fit are no links that an update could start from.
+            let remade = |step: &Step| step.stage.is(&refine::STAGE) && cursors[step.at.object].overflow != 0;
+            if ran(&update_links::STAGE) && !steps.iter().any(remade) {
                 self.make_room()?;
                 // Sum all links: the light of the previous frame has been overwritten.
                 changes = Change::EVERYTHING.and(Change::LIGHT).into();

@@ -177,6 +177,35 @@ fn a_shadow_that_moves_over_what_does_not_is_summed_again() {
 }
 
 #[test]
+fn an_overflow_of_links_made_anew_beside_updated_ones_has_all_made_anew() {
+    // Another shape and material for one object, so its links are made anew; the other's are updated.
+    let frame = |height: f64, sigma_a: &str| {
+        let bump =
+            format!("object.0.deform=[{{ type = 'bump', position = [0, 0, 10], radius = 4, height = {height} }}]");
+        let material = format!("object.0.material.sigma_a={sigma_a}");
+        let other = [
+            "object.1.shape=slab",
+            "object.1.material={ preset='ketchup' }",
+            "object.1.detail=2",
+            "object.1.position=[60, 0, 0]",
+        ];
+        at("sphere", &[&["object.0.size=20", "object.0.detail=1", &bump, &material][..], &other].concat(), 0.0)
+    };
+    let check = |device: Option<&Device>| {
+        let mut session = open(&frame(1.0, "0.001"), device, Mode::Incremental, CapacityHints::default());
+        let retries = session.retries();
+        let ran = step(&mut session, &frame(1.1, "[0.02, 0.004, 0.04]"));
+        let both = ["update_links", "refine"].iter().all(|name| ran.iter().any(|ran| ran == name));
+        assert!(both && session.retries() > retries, "{} {retries} {ran:?}", session.retries());
+        let mut fresh = open(&frame(1.1, "[0.02, 0.004, 0.04]"), device, Mode::Keep, CapacityHints::default());
+        assert!(links(&mut session) == links(&mut fresh), "other links or form factors");
+        assert!(radiosity(&mut session) == radiosity(&mut fresh), "another radiosity");
+    };
+    check(None);
+    devices::on_devices(|device| check(Some(device)));
+}
+
+#[test]
 fn a_static_frame_dispatches_nothing_and_a_new_light_no_link() {
     devices::on_devices(|device| {
         let scene = at("bump", &["object.0.detail=12"], 20.0);
