@@ -7,7 +7,7 @@ use super::memory_estimate;
 use super::octree::OctreeTransport;
 use super::run::{Backend, Fixed, Session};
 use super::subdivide::subdivide;
-use super::walk::{WalkTransport, prepare_walk};
+use super::walk::{WalkControl, WalkTransport, prepare_walk};
 use crate::error::Result;
 use crate::gpu::Device;
 use crate::pipeline::plan::{Change, Mode, Options, Plan, ShadingMethod};
@@ -63,7 +63,7 @@ impl Session {
         let mut prepared = prepare(&scene, (by_pixel, lit_at(&scene, options)), local, known);
         blur(&mut prepared, &scene, unwrap(&scene, local)?);
         if options.transport == ShadingMethod::Walk {
-            prepare_walk(&mut prepared, &scene)?;
+            prepare_walk(&mut prepared, &scene, WalkControl::default())?;
         }
         drop_unseen(&mut prepared.state, options);
         drop_unlooked(&mut prepared.state, options);
