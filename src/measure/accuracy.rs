@@ -80,7 +80,8 @@ pub fn models(preset: &Preset, device: Option<&Device>, effort: Effort) -> Resul
     let norm = |of: &dyn Fn(usize) -> f64| (0..ANGLES).map(|k| angle(k).sin() * of(k).powi(2)).sum::<f64>();
     Ok([0, 1, 2].map(|c| {
         let (dipole, walked, by_dipole) = (&dipoles[c], &curves[c], ball::curve(&dipoles[c], sizes[c]));
-        // On a sphere, points at chord length s to s + ds cover an area of 2 pi s ds, as in a plane, up to the diameter.
+        // On a sphere, points at chord length s to s + ds cover an area of 2 pi s ds, as in a plane, up to the
+        // diameter.
         let all = dipole.total() - beyond(dipole, 2.0 * sizes[c]);
         let noise = norm(&|k| walked.errors[k]);
         let whole = (norm(&|k| walked.values[k]) - noise).max(f64::MIN_POSITIVE);

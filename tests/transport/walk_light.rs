@@ -28,16 +28,17 @@ fn a_walk_of_a_time_has_no_other_end() {
 
 #[test]
 fn light_enters_where_it_is_told() {
-    let mut cube = scene(&[SKY, "object.0.material.sigma_s_prime=900", "transport.walks=3000"]);
+    let mut cube =
+        scene(&[SKY, "object.0.material={ sigma_s_prime = 20, sigma_a = 0.5, eta = 1 }", "transport.walks=600"]);
     cube.objects[0].mesh = cube_of(20.0);
     on_devices_and_cpu(|device| {
         let mut session = Session::new(&cube, device, options()).unwrap();
         let light: Vec<[f64; 3]> = (0..12).map(|face| [if face < 2 { 2.0 } else { 0.0 }; 3]).collect();
         session.walk_from(&light);
         for (k, face) in session.faces_after_a_frame().into_iter().enumerate() {
-            // A thousand free paths do not let it come to the other sides.
+            // Four hundred free paths do not let it come to the other sides.
             assert_eq!(face.irradiance, light[k]);
-            assert!(if k < 2 { face.radiosity[1] > 1.0 } else { face.radiosity[1] < 0.1 }, "{k}: {face:?}");
+            assert!(if k < 2 { face.radiosity[1] > 0.6 } else { face.radiosity[1] < 0.1 }, "{k}: {face:?}");
         }
     });
 }

@@ -60,13 +60,17 @@ pub(super) const CASES: &[Case] = &[
     case("walk: mean free path 1e4 of the object", "nearly all light passes straight through", || {
         walked(&["object.0.material.sigma_s_prime=[1e-4, 2e-4, 5e-5]", "object.0.material.sigma_a=[1e-6, 0, 5e-5]"])
     }),
-    case("walk: forward and backward scattering", "none", || walked(&["object.0.material.g=[0.99, -0.99, 1e-6]"])),
+    case("walk: forward and backward scattering", "none", || walked(&["object.0.material.g=[0.95, -0.95, 1e-6]"])),
     case("walk: needle", "rounding may put a photon outside: it comes back in", || {
         shaped(cone(6, 1e-3, 0.49), &["object.0.material.sigma_s_prime=[22, 2, 900]"])
     }),
     case("walk: cavity", "light that leaves into it is gone", || shaped(hollow()?, &[])),
     case("walk: light in a cavity", "the inner wall alone is lit", || {
-        shaped(hollow()?, &["light=[{ type = 'point', position = [0, 0, 0], intensity = 1 }]"])
+        // Files may not have a light within the medium, which the ball without its hollow would be.
+        let lamp = "light=[{ type = 'point', position = [0, 0, 0], intensity = 1 }]";
+        let mut scene = shaped(hollow()?, &[lamp, "object.0.material.two_sided=true"])?;
+        scene.objects[0].material.two_sided = false;
+        Ok(scene)
     }),
     case("walk: grazing light", "as any: little light enters", || {
         walked(&["object.0.shape=slab", "object.0.detail=10", "light.0.direction=[1, 0, 1e-4]"])
