@@ -1,9 +1,9 @@
-//! `cargo bench --bench walk`: photons a second of the random walk, on the default device and by the CPU reference, beside
-//! a plain native program of the same walk: `f64`, the standard library's functions, one photon after another on every core,
-//! a search of the triangles near a flight by a tree, and none where a distance to the surface is known.
+//! `cargo bench --bench walk`: photons a second of the random walk, on the default device and by the CPU reference,
+//! beside a plain native program of the same walk: `f64`, the standard library's functions, one photon after another
+//! on every core, a search of the triangles near a flight by a tree, and none where a distance to the surface is known.
 //!
-//! `cargo bench --bench walk -- bunny.obj` measures other scenes than the ball, which have one object under one directional
-//! light that casts no shadow on it. Medians of turns in which all three alternate.
+//! `cargo bench --bench walk -- bunny.obj` measures other scenes than the ball, in marble under one directional light.
+//! Medians of turns in which all three alternate.
 
 use std::f64::consts::TAU;
 use std::time::Instant;

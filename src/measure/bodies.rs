@@ -1,5 +1,5 @@
-//! The random walk through plain bodies, one medium a channel, where light enters as evenly as asked: what leaves through
-//! each triangle.
+//! The random walk through plain bodies, one medium a channel, where light enters as evenly as asked: what leaves
+//! through each triangle.
 
 use glam::DVec3;
 

@@ -25,8 +25,8 @@ fn measured(mesh: &Mesh, face: usize) -> (DVec3, f64) {
     ((a + b + c) / 3.0, 0.5 * (b - a).cross(c - a).length())
 }
 
-/// Light that leaves balls of these radii, one a channel, relative to `flat`, the light that leaves a plane under normal
-/// incidence. All light that meets the ball enters; what passes straight through is left out.
+/// Light that leaves balls of these radii, one a channel, relative to `flat`, the light that leaves a plane under
+/// normal incidence. All light that meets the ball enters; what passes straight through is left out.
 pub fn curves(walks: &Walks<'_>, radii: [f64; 3], flat: [f64; 3]) -> Result<[Curve; 3]> {
     let mesh = ball(DETAIL)?;
     let faces: Vec<(DVec3, f64)> = (0..mesh.triangles.len()).map(|face| measured(&mesh, face)).collect();

@@ -1,5 +1,5 @@
-//! Section `truth`: how far each method is from the random walk, whatever its tolerance: the model's error and all others,
-//! beside the time.
+//! Section `truth`: how far each method is from the random walk, whatever its tolerance: the model's error and all
+//! others, beside the time.
 
 use super::pictures::Shot;
 use super::{Bench, Page, Tone};
