@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{print, table};
+use super::{DeviceArgument, print, table, validation};
 use milkglass::error::{Input, Result};
 use milkglass::internals::dipole::profile::Dipole;
 use milkglass::internals::lighting::fresnel;
@@ -13,9 +13,9 @@ use milkglass::internals::shading::balls::usual::spread;
 use milkglass::internals::shading::balls::{ANGLES, Curve, angle, dipole::curve as solve, radii};
 use milkglass::internals::view::atomic_file::{ready, write_atomically};
 use milkglass::measure::balls::plot::{Panel, svg};
-use milkglass::measure::balls::walk::curve as walk;
-use milkglass::measure::walk::Medium;
-use milkglass::scene::Preset;
+use milkglass::measure::balls::walk::curves as walk;
+use milkglass::measure::bodies::{Medium, Walks};
+use milkglass::scene::{MOST_WALKS, Preset};
 
 /// Arguments of `fit-cdrf`.
 #[derive(Args)]
@@ -23,12 +23,14 @@ use milkglass::scene::Preset;
 pub struct Arguments {
     /// A preset; `milkglass materials` lists them.
     material: String,
+    #[command(flatten)]
+    device: DeviceArgument,
     /// Radii of the balls, mm [default: 2, 5, 10, 20, 50 and 100 mean free paths, averaged over the channels; within a
     /// factor of 4 of the channel's own].
     #[arg(long, value_name = "R,R,...")]
     radii: Option<String>,
-    /// Photons of each ball's random walk.
-    #[arg(long, default_value_t = 100_000)]
+    /// Photons of each ball's random walk, and channel.
+    #[arg(long, default_value_t = 30_000)]
     photons: u64,
     /// Seed of the random walks.
     #[arg(long, default_value_t = 1)]
@@ -39,7 +41,7 @@ pub struct Arguments {
 }
 
 /// Most radii, and most photons per ball.
-const MOST: (usize, u64) = (64, 1 << 32);
+const MOST: (usize, u64) = (64, MOST_WALKS as u64);
 
 /// One channel's balls.
 struct Channel {
@@ -63,19 +65,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let paths = [0, 1, 2].map(|c| 1.0 / (preset.sigma_s_prime[c] + preset.sigma_a[c]));
     let given = arguments.radii.as_deref().map(parse).transpose()?;
     let inner = fresnel::diffuse_internal_exact(preset.eta);
-    let channels = [0, 1, 2].map(|c| {
-        let (scattering, absorption) = (preset.sigma_s_prime[c], preset.sigma_a[c]);
-        let dipole = Dipole::new(scattering, absorption, fresnel::boundary(inner));
-        let medium = Medium { scattering, absorption, eta: preset.eta };
-        let seed = |k: usize| arguments.seed.wrapping_mul(1000).wrapping_add((100 * c + k) as u64);
-        let radii = given.clone().unwrap_or_else(|| radii(paths, c).to_vec());
-        let walked = |(k, &radius): (usize, &f64)| walk(medium, radius, dipole.total(), arguments.photons, seed(k));
-        Channel {
-            dipole: radii.iter().map(|&radius| solve(&dipole, radius)).collect(),
-            walk: radii.iter().enumerate().map(walked).collect(),
-            spread: spread(&dipole),
-        }
+    let media = Medium::of(preset);
+    let dipoles = media.map(|medium| Dipole::new(medium.scattering, medium.absorption, fresnel::boundary(inner)));
+    let radii = [0, 1, 2].map(|c| given.clone().unwrap_or_else(|| radii(paths, c).to_vec()));
+    let mut channels = [0, 1, 2].map(|c| Channel {
+        dipole: radii[c].iter().map(|&radius| solve(&dipoles[c], radius)).collect(),
+        walk: Vec::new(),
+        spread: spread(&dipoles[c]),
     });
+    let device = arguments.device.open(validation())?;
+    for k in 0..radii[0].len() {
+        let seed = arguments.seed.wrapping_mul(1000).wrapping_add(k as u64);
+        let walks = Walks { device: device.as_ref(), media, photons: arguments.photons, seed };
+        let balls = walk(&walks, [0, 1, 2].map(|c| radii[c][k]), dipoles.each_ref().map(Dipole::total))?;
+        channels.iter_mut().zip(balls).for_each(|(channel, ball)| channel.walk.push(ball));
+    }
     report(preset, &channels)?;
     if let Some(path) = &arguments.svg {
         let fits = channels.each_ref().map(|channel| fit(&channel.dipole, channel.spread, false).sigma_0);

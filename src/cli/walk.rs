@@ -51,6 +51,7 @@ pub(super) fn watch(session: &mut Session) {
         within: None,
         stop: Some(ends),
         tell: Some(|line| tell!("{line}")),
+        seed: 0,
     });
 }
 

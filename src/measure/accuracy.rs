@@ -6,10 +6,10 @@ use crate::error::Result;
 use crate::gpu::Device;
 use crate::lighting::fresnel;
 use crate::measure::balls::walk as ball_walk;
-use crate::measure::flat::{Lighting, beyond, walk};
+use crate::measure::bodies::{Estimate, Lighting, Medium, Walks};
+use crate::measure::flat::{beyond, slab};
 use crate::measure::norms::worst;
 use crate::measure::reference::verify;
-use crate::measure::walk::{Estimate, Medium};
 use crate::pipeline::plan::{Change, Goal, Options};
 use crate::scene::{Preset, Scene};
 use crate::session::run::Session;
@@ -18,7 +18,7 @@ use crate::shading::balls::{ANGLES, angle, dipole as ball};
 /// The size of the measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// Photons per random walk.
+    /// Photons per random walk and channel.
     pub photons: u64,
     /// Faces at which the numerical error is measured.
     pub samples: usize,
@@ -59,39 +59,42 @@ pub struct Model {
     pub slab: Pair,
     /// Light that leaves a ball of that radius under constant light.
     pub constant: Pair,
-    /// The same ball under collimated light: relative L2 difference between dipole and walk over its surface.
+    /// The same ball under collimated light: relative L2 difference between dipole and walk over its surface,
+    /// with the walk's noise taken off.
     pub ball: f64,
     /// Relative L2 norm of the walk's standard error for that ball.
     pub noise: f64,
 }
 
-/// The model's error for one channel of a preset.
-#[must_use]
-pub fn model(preset: &Preset, channel: usize, effort: Effort) -> Model {
-    let (scattering, absorption) = (preset.sigma_s_prime[channel], preset.sigma_a[channel]);
-    let medium = Medium { scattering, absorption, eta: preset.eta };
-    let inner = fresnel::diffuse_internal_exact(preset.eta);
-    let dipole = Dipole::new(scattering, absorption, fresnel::boundary(inner));
-    let (size, photons) = (PATHS / (scattering + absorption), effort.photons);
-    let flat = |thickness, lighting| walk(medium, thickness, lighting, photons, effort.seed);
-    let plane = [Lighting::Collimated, Lighting::Constant]
-        .map(|lighting| Pair { dipole: dipole.total(), walk: flat(f64::INFINITY, lighting).back });
-    let slab = Pair { dipole: beyond(&dipole, size), walk: flat(size, Lighting::Constant).through };
-    // On a sphere, points at chord length s to s + ds cover an area of 2 pi s ds, as in a plane, up to the diameter.
-    let all = dipole.total() - beyond(&dipole, 2.0 * size);
-    let constant = Pair { dipole: all, walk: ball_walk::constant(medium, size, photons, effort.seed) };
-    let by_dipole = ball::curve(&dipole, size);
-    let walked = ball_walk::curve(medium, size, dipole.total(), photons, effort.seed);
-    let norm = |of: &dyn Fn(usize) -> f64| (0..ANGLES).map(|k| angle(k).sin() * of(k).powi(2)).sum::<f64>().sqrt();
-    let whole = norm(&|k| walked.values[k]);
-    Model {
-        albedo: scattering / (scattering + absorption),
-        plane,
-        slab,
-        constant,
-        ball: norm(&|k| by_dipole.values[k] - walked.values[k]) / whole,
-        noise: norm(&|k| walked.errors[k]) / whole,
-    }
+/// The model's error for each channel of a preset.
+pub fn models(preset: &Preset, device: Option<&Device>, effort: Effort) -> Result<[Model; 3]> {
+    let media = Medium::of(preset);
+    let walks = Walks { device, media, photons: effort.photons, seed: effort.seed };
+    let boundary = fresnel::boundary(fresnel::diffuse_internal_exact(preset.eta));
+    let dipoles = media.map(|medium| Dipole::new(medium.scattering, medium.absorption, boundary));
+    let sizes = media.map(|medium| PATHS / (medium.scattering + medium.absorption));
+    let planes = [slab(&walks, f64::INFINITY, Lighting::Collimated)?, slab(&walks, f64::INFINITY, Lighting::Constant)?];
+    let slabs = slab(&walks, PATHS, Lighting::Constant)?;
+    let constants = ball_walk::constant(&walks, sizes)?;
+    let curves = ball_walk::curves(&walks, sizes, dipoles.each_ref().map(Dipole::total))?;
+    let norm = |of: &dyn Fn(usize) -> f64| (0..ANGLES).map(|k| angle(k).sin() * of(k).powi(2)).sum::<f64>();
+    Ok([0, 1, 2].map(|c| {
+        let (dipole, walked, by_dipole) = (&dipoles[c], &curves[c], ball::curve(&dipoles[c], sizes[c]));
+        // On a sphere, points at chord length s to s + ds cover an area of 2 pi s ds, as in a plane, up to the
+        // diameter.
+        let all = dipole.total() - beyond(dipole, 2.0 * sizes[c]);
+        let noise = norm(&|k| walked.errors[k]);
+        let whole = (norm(&|k| walked.values[k]) - noise).max(f64::MIN_POSITIVE);
+        let apart = norm(&|k| by_dipole.values[k] - walked.values[k]);
+        Model {
+            albedo: media[c].albedo(),
+            plane: planes.each_ref().map(|flat| Pair { dipole: dipole.total(), walk: flat[c].back }),
+            slab: Pair { dipole: beyond(dipole, sizes[c]), walk: slabs[c].through },
+            constant: Pair { dipole: all, walk: constants[c] },
+            ball: ((apart - noise).max(0.0) / whole).sqrt(),
+            noise: (noise / whole).sqrt(),
+        }
+    }))
 }
 
 /// The numerical error for a preset: L2 of the radiosity of a ball in the sun at the default tolerance, worst
@@ -117,9 +120,9 @@ mod tests {
 
     #[test]
     fn the_model_errs_by_much_more_than_the_numbers() {
-        let effort = Effort { photons: 20_000, samples: 40, detail: 2, seed: 1 };
+        let effort = Effort { photons: 10_000, samples: 40, detail: 2, seed: 1 };
         let marble = Preset::named("marble").unwrap();
-        let found = model(marble, 1, effort);
+        let [_, found, _] = models(marble, None, effort).unwrap();
         // Low absorption and many scattering events: the dipole is within 10 %, and the walk's noise is below that.
         for pair in &found.plane {
             assert!(pair.error().abs() < 0.1 && pair.walk.error < 0.02, "{found:?}");
@@ -130,7 +133,7 @@ mod tests {
         assert!((0.005..0.5).contains(&found.ball) && found.noise < 0.1, "{found:?}");
         assert!(found.slab.walk.mean > 0.0 && found.slab.dipole > 0.0, "{found:?}");
         // Ketchup's blue channel absorbs nearly everything, so diffusion does not apply.
-        let dark = model(Preset::named("ketchup").unwrap(), 2, effort);
+        let [_, _, dark] = models(Preset::named("ketchup").unwrap(), None, effort).unwrap();
         assert!(dark.plane[1].error().abs() > found.plane[1].error().abs(), "{dark:?}");
         let numerical = numerical(marble, None, effort).unwrap();
         assert!(numerical < 2e-3 && numerical < 0.2 * found.ball, "{numerical}");

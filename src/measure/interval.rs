@@ -1,7 +1,5 @@
 //! Relative errors of a sample of pixels, each with the interval in which it lies.
 
-use super::walk::Random;
-
 /// Resamples of the bootstrap.
 const RESAMPLES: usize = 1000;
 
@@ -28,7 +26,7 @@ impl Interval {
         let root = |[apart, square]: [f64; 2]| (apart / square.max(1e-300)).sqrt();
         let sum = |of: &mut dyn Iterator<Item = [f64; 2]>| of.fold([0.0; 2], |s, x| [s[0] + x[0], s[1] + x[1]]);
         let value = root(sum(&mut pixels.iter().copied()));
-        let (mut random, count) = (Random::of(seed, 0), pixels.len());
+        let (mut random, count) = (Random::of(seed), pixels.len());
         let pick = |random: &mut Random| pixels[((random.next() * count as f64) as usize).min(count - 1)];
         let mut errors: Vec<f64> =
             (0..RESAMPLES).map(|_| root(sum(&mut (0..count).map(|_| pick(&mut random))))).collect();
@@ -52,6 +50,27 @@ impl std::fmt::Display for Interval {
     }
 }
 
+/// Random number generator: splitmix64.
+struct Random(u64);
+
+impl Random {
+    /// The generator of a seed.
+    fn of(seed: u64) -> Self {
+        let mut random = Self(seed.wrapping_mul(0xd134_2543_de82_ef95));
+        random.next();
+        random
+    }
+
+    /// Uniform in (0, 1].
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (((z ^ (z >> 31)) >> 11) as f64 + 1.0) / (1u64 << 53) as f64
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -65,7 +84,7 @@ mod tests {
     #[test]
     fn the_interval_holds_the_error_of_all_pixels_nineteen_times_of_twenty() {
         // Errors of 0.1 to 0.5 of each pixel; many samples of 500 of the same population.
-        let mut random = Random::of(5, 0);
+        let mut random = Random::of(5);
         let mut pixel = || (1.0 + random.next(), 0.1 + 0.4 * random.next());
         let all: Vec<(f64, f64)> = (0..100_000).map(|_| pixel()).collect();
         let of = |pixels: &[(f64, f64)], seed| {

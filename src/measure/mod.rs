@@ -5,6 +5,7 @@
 pub mod accuracy;
 pub mod balls;
 pub mod bias;
+pub mod bodies;
 pub mod compare;
 pub mod conform;
 pub mod estimate;
@@ -29,7 +30,6 @@ pub mod tables;
 pub mod truth;
 pub mod validity;
 pub mod verdict;
-pub mod walk;
 
 /// The median, the upper one of two; NaN for an empty list.
 fn median(mut values: Vec<f64>) -> f64 {

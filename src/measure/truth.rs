@@ -68,21 +68,22 @@ impl Truth {
 
     /// Walks through a scene, until `transport.walk_error` or `transport.walks` is reached, or for this long an object.
     pub fn walk(scene: &Scene, device: Option<&Device>, within: Option<Duration>) -> Result<Self> {
-        let mut scene = scene.clone();
-        if within.is_some() {
-            (scene.transport.walk_error, scene.transport.walks) = (1e-9, None);
-        }
         let options = Options { transport: ShadingMethod::Walk, goal: Goal::Radiosity, ..Options::default() };
-        let mut session = Session::new(&scene, device, options)?;
+        let mut session = Session::new(scene, device, options)?;
         session.watch_walk(WalkControl { within, ..WalkControl::default() });
         session.frame(Change::EVERYTHING)?;
+        Self::of_session(&mut session)
+    }
+
+    /// What a session's last frame found, whose transport is a walk.
+    pub fn of_session(session: &mut Session) -> Result<Self> {
         let photons: u64 = session.walk_reports().iter().map(|report| u64::from(report.photons)).sum();
         let rows: Vec<Row> = session
             .faces()?
             .into_iter()
             .map(|face| Row { area: face.area, value: face.radiosity, error: face.noise.unwrap_or_default() })
             .collect();
-        Ok(Self::of(&session, &rows, format!("a walk of {photons} photons a channel")))
+        Ok(Self::of(session, &rows, format!("a walk of {photons} photons a channel")))
     }
 
     /// Reads a walk's result for a scene: CSV with a row for each triangle, columns `area`, `B_r`, `B_g`, `B_b`, and

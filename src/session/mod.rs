@@ -27,4 +27,5 @@ pub mod run;
 pub mod shadow_borders;
 pub mod subdivide;
 pub mod walk;
+mod walk_report;
 pub mod workload;

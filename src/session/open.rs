@@ -8,7 +8,7 @@ use super::memory_estimate;
 use super::octree::OctreeTransport;
 use super::run::{Backend, Fixed, Session};
 use super::subdivide::subdivide;
-use super::walk::{WalkTransport, prepare_walk};
+use super::walk::{WalkControl, WalkTransport, prepare_walk};
 use crate::error::Result;
 use crate::gpu::Device;
 use crate::pipeline::plan::{Change, Mode, Options, Plan, ShadingMethod};
@@ -65,7 +65,7 @@ impl Session {
         let mut prepared = prepare(&scene, (by_pixel, lit_at(&scene, options)), (local, solves), known);
         blur(&mut prepared, &scene, unwrap(&scene, local)?);
         if options.transport == ShadingMethod::Walk {
-            prepare_walk(&mut prepared, &scene)?;
+            prepare_walk(&mut prepared, &scene, WalkControl::default())?;
         }
         if solves {
             closed(&scene)?;

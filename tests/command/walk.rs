@@ -41,6 +41,18 @@ fn noise_is_as_small_as_asked() {
 }
 
 #[test]
+fn a_profile_tells_photons_a_second() {
+    let here = folder(&[]);
+    let line = format!("profile {BALL} --set transport.walks=500 --set camera.size=[8,8] --frames 1");
+    for device in ["--device cpu", ""] {
+        let (out, _) = good(&here, &format!("{line} {device}"));
+        let rate = out.split("walk, object 0: 1500 photons in ").nth(1).and_then(|rest| rest.split(" s, ").nth(1));
+        let rate = rate.and_then(|rest| rest.split_whitespace().next()).and_then(|word| word.parse::<f64>().ok());
+        assert!(rate.is_some_and(|rate| rate > 10.0), "{out}");
+    }
+}
+
+#[test]
 fn what_has_no_meaning_or_takes_too_long_is_refused() {
     let here = folder(&[("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n")]);
     bad(&here, "solve open.obj --transport walk -o w.csv", 2, &["object.0", "3 open edges", "closed"]);

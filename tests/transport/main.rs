@@ -15,4 +15,5 @@ mod octree;
 mod projected;
 mod subdivide;
 mod walk;
+mod walk_light;
 mod walk_truth;

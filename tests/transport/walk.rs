@@ -10,12 +10,12 @@ use milkglass::internals::transport::walk::{random_walk, sum64, total};
 use milkglass::scene::Mesh;
 use milkglass::{Options, Scene, Session, ShadingMethod};
 
-fn scene(sets: &[&str]) -> Scene {
+pub(super) fn scene(sets: &[&str]) -> Scene {
     let all: Vec<String> = sets.iter().map(ToString::to_string).collect();
     Scene::load_with("sphere", &all).unwrap()
 }
 
-fn options() -> Options {
+pub(super) fn options() -> Options {
     let goal = milkglass::Goal::Radiosity;
     Options { transport: ShadingMethod::Walk, goal, ..Options::default() }
 }
@@ -28,7 +28,7 @@ fn walked(sets: &[&str]) -> (Session, WalkReport) {
     (session, report)
 }
 
-trait Frame {
+pub(super) trait Frame {
     fn faces_after_a_frame(&mut self) -> Vec<milkglass::FaceLight>;
 }
 
@@ -39,11 +39,11 @@ impl Frame for Session {
     }
 }
 
-const SUN: &str = "light=[{ type = 'directional', direction = [0, 0, 1], irradiance = 1, shadows = false }]";
-const SKY: &str = "light=[{ type = 'environment', radiance = 1 }]";
+pub(super) const SUN: &str = "light=[{ type = 'directional', direction = [0, 0, 1], irradiance = 1, shadows = false }]";
+pub(super) const SKY: &str = "light=[{ type = 'environment', radiance = 1 }]";
 
 /// Integers in, integers out.
-fn balances(state: &State) {
+pub(super) fn balances(state: &State) {
     for channel in 0..3 {
         let own = || state.data.balances.iter().skip(channel).step_by(3);
         let sum =
@@ -83,7 +83,7 @@ fn straight_light_fades_by_the_free_path() {
 }
 
 /// A cube with sharp edges.
-fn cube_of(side: f64) -> Mesh {
+pub(super) fn cube_of(side: f64) -> Mesh {
     let corner = |k: usize| side * (glam::DVec3::new((k & 1) as f64, ((k >> 1) & 1) as f64, (k >> 2) as f64) - 0.5);
     let squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     Mesh {

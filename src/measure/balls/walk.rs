@@ -1,88 +1,84 @@
-//! Random walks in a ball: light from +z, uniform over the disc that the ball shows it, or constant light.
+//! Random walks in balls: light from +z, uniform over the disc that a ball shows it, or constant light.
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::measure::flat::{Lighting, enter};
-use crate::measure::walk::{BATCHES, Body, Estimate, Medium, Random, batches, refracted, travel};
+use crate::error::Result;
+use crate::measure::bodies::{Estimate, Lighting, Walks, ball};
+use crate::scene::Mesh;
 use crate::shading::balls::{ANGLES, Curve};
 
-/// Light that leaves a ball of this radius, relative to `flat`, the light that leaves a plane under normal incidence;
-/// `photons` enter.
-#[must_use]
-pub fn curve(medium: Medium, radius: f64, flat: f64, photons: u64, seed: u64) -> Curve {
-    let each = photons.div_ceil(BATCHES).max(1);
-    let found = batches(seed, |mut random| {
-        let mut bins = [0.0; ANGLES];
-        for _ in 0..each {
-            if let Some((cosine, weight)) = photon(medium, radius, &mut random) {
-                let bin = (cosine.clamp(-1.0, 1.0).acos() / PI * ANGLES as f64) as usize;
-                bins[bin.min(ANGLES - 1)] += weight;
-            }
+/// Subdivision of the balls: triangles two degrees wide.
+const DETAIL: u32 = 5;
+
+/// The walk in balls of radius 1 that have the media of balls of these radii.
+fn scaled<'a>(walks: &Walks<'a>, radii: [f64; 3]) -> Walks<'a> {
+    let mut media = walks.media;
+    media.iter_mut().zip(radii).for_each(|(medium, radius)| *medium = medium.scaled(radius));
+    Walks { media, ..*walks }
+}
+
+/// Centroid and area of a triangle.
+fn measured(mesh: &Mesh, face: usize) -> (DVec3, f64) {
+    let [a, b, c] = mesh.corners(face).unwrap_or_default();
+    ((a + b + c) / 3.0, 0.5 * (b - a).cross(c - a).length())
+}
+
+/// Light that leaves balls of these radii, one a channel, relative to `flat`, the light that leaves a plane under
+/// normal incidence. All light that meets the ball enters; what passes straight through is left out.
+pub fn curves(walks: &Walks<'_>, radii: [f64; 3], flat: [f64; 3]) -> Result<[Curve; 3]> {
+    let mesh = ball(DETAIL)?;
+    let faces: Vec<(DVec3, f64)> = (0..mesh.triangles.len()).map(|face| measured(&mesh, face)).collect();
+    let enters = |face: usize| faces[face].0.normalize().z.max(0.0);
+    let left = scaled(walks, radii).leave(&mesh, Lighting::Collimated, enters)?;
+    let total: f64 = faces.iter().enumerate().map(|(face, (_, area))| area * enters(face)).sum();
+    let bin = |face: usize| {
+        let angle = faces[face].0.normalize().z.clamp(-1.0, 1.0).acos();
+        ((angle / PI * ANGLES as f64) as usize).min(ANGLES - 1)
+    };
+    let mut areas = [0.0; ANGLES];
+    faces.iter().enumerate().for_each(|(face, (_, area))| areas[bin(face)] += area);
+    Ok([0, 1, 2].map(|c| {
+        let own = |k: usize| (left.through(c, |face| bin(face) == k), total / (areas[k] * flat[c]));
+        let all: Vec<(Estimate, f64)> = (0..ANGLES).map(own).collect();
+        Curve {
+            radius: radii[c],
+            values: all.iter().map(|(share, scale)| share.mean * scale).collect(),
+            errors: all.iter().map(|(share, scale)| share.error * scale).collect(),
         }
-        bins
-    });
-    let edge = |k: usize| (PI * k as f64 / ANGLES as f64).cos();
-    // `each` photons enter through a disc of area pi r^2; a bin covers 2 pi r^2 times its range of cosines.
-    let scale = |k: usize| 1.0 / (each as f64 * 2.0 * (edge(k) - edge(k + 1)) * flat);
-    let all: Vec<_> = (0..ANGLES).map(|k| Estimate::of(found.iter().map(|bins| bins[k] * scale(k)))).collect();
-    Curve { radius, values: all.iter().map(|e| e.mean).collect(), errors: all.iter().map(|e| e.error).collect() }
+    }))
 }
 
-/// Share of the entering light that leaves a ball of this radius, under the same radiance from every direction.
-#[must_use]
-pub fn constant(medium: Medium, radius: f64, photons: u64, seed: u64) -> Estimate {
-    let each = photons.div_ceil(BATCHES).max(1);
-    // By symmetry every photon enters at the top, with a direction sampled as for a slab.
-    let found = batches(seed, |mut random| {
-        let photon = |_| {
-            let direction = enter(medium.eta, Lighting::Constant, &mut random);
-            travel(medium, Body::Ball(radius), radius * DVec3::Z, direction, &mut random)
-                .map_or(0.0, |(.., weight)| weight)
-        };
-        (0..each).map(photon).sum::<f64>() / each as f64
-    });
-    Estimate::of(found.into_iter())
-}
-
-/// Follows one photon; returns the cosine of the angle from the light at which it leaves, and its weight, or `None`.
-fn photon(medium: Medium, radius: f64, random: &mut Random) -> Option<(f64, f64)> {
-    let cosine = random.next().sqrt();
-    let normal = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
-    let direction = refracted(medium.eta, DVec3::Z, normal);
-    let (_, normal, weight) = travel(medium, Body::Ball(radius), radius * normal, direction, random)?;
-    Some((normal.z, weight))
+/// Share of the entering light that leaves balls of these radii, one a channel, under the same radiance from every
+/// direction, without what passes straight through.
+pub fn constant(walks: &Walks<'_>, radii: [f64; 3]) -> Result<[Estimate; 3]> {
+    let left = scaled(walks, radii).leave(&ball(DETAIL)?, Lighting::Constant, |_| 1.0)?;
+    Ok([0, 1, 2].map(|c| left.through(c, |_| true)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::bodies::Medium;
 
     #[test]
     fn without_absorption_all_light_leaves() {
-        let medium = Medium { scattering: 2.0, absorption: 0.0, eta: 1.4 };
-        assert!((constant(medium, 1.5, 3200, 7).mean - 1.0).abs() < 1e-12);
-        let ball = curve(medium, 1.5, 1.0, 20_000, 7);
+        let medium = |scattering: f64| Medium { scattering, absorption: 0.0, eta: 1.4 };
+        let walks = Walks { device: None, media: [2.0, 8.0, 1.0].map(medium), photons: 3000, seed: 7 };
+        let radii = [15.0, 4.0, 0.01];
+        let found = constant(&walks, radii).unwrap();
+        // The third ball is clear: nearly all light passes straight through.
+        assert!(found[..2].iter().all(|one| one.mean > 0.98) && found[2].mean < 0.1, "{found:?}");
+        let balls = curves(&walks, radii, [1.0, 0.5, 1.0]).unwrap();
         let edge = |k: usize| (PI * k as f64 / ANGLES as f64).cos();
-        let sum: f64 = (0..ANGLES).map(|k| ball.values[k] * 2.0 * (edge(k) - edge(k + 1))).sum();
-        assert!((sum - 1.0).abs() < 1e-9, "{sum}");
-        assert_eq!(ball, curve(medium, 1.5, 1.0, 20_000, 7));
-        assert_ne!(ball, curve(medium, 1.5, 1.0, 20_000, 8));
-    }
-
-    #[test]
-    fn a_ball_that_only_absorbs_follows_beer() {
-        // Index 1: straight through along the light, over a path of 2 r cos theta; light that enters at theta leaves
-        // at pi - theta.
-        let (sigma, radius) = (0.8, 1.0);
-        let ball = curve(Medium { scattering: 0.0, absorption: sigma, eta: 1.0 }, radius, 1.0, 4_000, 3);
-        // With an albedo of 0 every scattering event absorbs: photons that leave keep their full weight.
-        let edge = |k: usize| (PI * k as f64 / ANGLES as f64).cos();
-        let sum: f64 = (0..ANGLES).map(|k| ball.values[k] * 2.0 * (edge(k) - edge(k + 1))).sum();
-        let x = 2.0 * sigma * radius;
-        let expected = 2.0 * (1.0 - (1.0 + x) * f64::exp(-x)) / (x * x);
-        assert!((sum - expected).abs() < 0.03, "{sum} {expected}");
-        assert!(ball.values[..ANGLES / 2].iter().all(|&value| value == 0.0));
+        let sum = |c: usize| (0..ANGLES).map(|k| balls[c].values[k] * 2.0 * (edge(k) - edge(k + 1))).sum::<f64>();
+        assert!((sum(0) - 1.0).abs() < 0.01 && (sum(1) - 2.0).abs() < 0.02, "{} {}", sum(0), sum(1));
+        // Red and green are balls of thirty free paths: bright towards the light, dim behind.
+        for c in 0..2 {
+            assert!(balls[c].values[0] > 3.0 * balls[c].values[ANGLES - 1] && balls[c].errors[0] > 0.0);
+        }
+        assert!(balls == curves(&walks, radii, [1.0, 0.5, 1.0]).unwrap());
+        assert!(balls != curves(&Walks { seed: 8, ..walks }, radii, [1.0, 0.5, 1.0]).unwrap());
     }
 }

@@ -131,6 +131,11 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
         _ => {}
     }
     notes.extend(session.rebuilt());
+    notes.extend(session.walk_reports().iter().map(|walk| {
+        let (object, photons) = (walk.object, 3 * u64::from(walk.photons));
+        let rate = photons as f64 / walk.seconds.max(1e-9);
+        format!("walk, object {object}: {photons} photons in {:.2} s, {rate:.2e} photons a second", walk.seconds)
+    }));
     if settings.options.transport == ShadingMethod::Octree {
         notes.push("the octree runs on the host".into());
     }

@@ -1,22 +1,20 @@
 //! Section `accuracy`: numerical error beside the model's error.
 
-use rayon::prelude::*;
-
 use super::chart::{Axis, Line, chart};
 use super::{Bench, Page, Tone};
 use crate::error::Result;
-use crate::measure::accuracy::{Effort, PATHS, Pair, model, numerical};
+use crate::measure::accuracy::{Effort, PATHS, Pair, models, numerical};
 use crate::scene::PRESETS;
 
 /// All presets and channels.
 pub fn accuracy(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
-    let effort = Effort { photons: bench.either(5_000, 200_000), samples: 100, detail: bench.either(3, 5), seed: 1 };
+    let effort = Effort { photons: bench.either(2_000, 40_000), samples: 100, detail: bench.either(3, 5), seed: 1 };
     page.say(&format!(
         "Numerical error: our radiosity against brute force in f64 over the same triangles, L2, worst channel, on a ball of {PATHS} \
-         mean free paths in the sun. Model error: the dipole against a random walk of {} photons with even scattering by the reduced \
-         coefficient and Fresnel's reflection at the surface, of light that has entered; \u{b1} is the walk's standard error. A \
-         plane is a half-space, a slab and the balls measure {PATHS} mean free paths of their channel; a walk ends after a million steps, \
-         which costs Spectralon some light.",
+         mean free paths in the sun. Model error: the dipole against the random walk of {} photons (--transport walk) with even scattering by \
+         the reduced coefficient and Fresnel's reflection at the surface, of light that has entered, without what passes straight \
+         through; \u{b1} is the walk's standard error. A plane is a half-space, a slab and the balls measure {PATHS} mean free \
+         paths of their channel.",
         effort.photons
     ));
     let percent = |x: f64| format!("{:+.1}", 100.0 * x);
@@ -31,7 +29,7 @@ pub fn accuracy(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let mut dots: [Vec<(f64, f64)>; 3] = Default::default();
     for preset in PRESETS {
         let numeric = numerical(preset, bench.device, effort)?;
-        let models: Vec<_> = (0..3).into_par_iter().map(|channel| model(preset, channel, effort)).collect();
+        let models = models(preset, bench.device, effort)?;
         for (found, channel) in models.iter().zip(["red", "green", "blue"]) {
             let mut row = vec![preset.name.to_string(), channel.to_string(), format!("{:.5}", found.albedo)];
             let pairs = found.plane.iter().chain([&found.slab, &found.constant]);
@@ -79,7 +77,7 @@ pub fn accuracy(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         ("ball, constant: walk", walk),
         ("ball, constant: error %", error),
         ("ball, collimated: L2 %", "the dipole's error on a ball in the sun: L2 over its surface, against the walk"),
-        ("walk's noise %", "how much of that is noise of the walk"),
+        ("walk's noise %", "the walk's own noise, which is taken off that"),
         ("numerical %", "our error against brute force with the same dipole"),
     ];
     page.table("accuracy", &columns, &rows)?;

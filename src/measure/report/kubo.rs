@@ -7,10 +7,10 @@ use crate::dipole::profile::Dipole;
 use crate::error::Result;
 use crate::lighting::fresnel;
 use crate::measure::balls::plot::{Panel, svg};
-use crate::measure::balls::walk::curve as walk;
+use crate::measure::balls::walk::curves as walk;
+use crate::measure::bodies::{Medium, Walks};
 use crate::measure::local::{PAPER, balls, bending, curve, panels, table_1};
 use crate::measure::validity::{ASKED, Place, lambert_share, places, share, verdict};
-use crate::measure::walk::Medium;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::{Camera, PRESETS, Preset, Scene};
 use crate::session::curvature_view::curvature_view;
@@ -150,19 +150,23 @@ fn fitted(bench: &Bench<'_>, page: &mut Page, preset: &Preset) -> Result<()> {
         "Lines: the function at the sigma_0 fitted to the dipole, which pictures of this material take. Dots: the \
          dipole. Bars: a random walk and twice its standard error.",
     );
-    let photons = bench.either(10_000, 100_000);
+    let photons = bench.either(3_000, 50_000);
     let paths = [0, 1, 2].map(|c| 1.0 / (preset.sigma_s_prime[c] + preset.sigma_a[c]));
     let boundary = fresnel::boundary(fresnel::diffuse_internal_exact(preset.eta));
+    let media = Medium::of(preset);
+    let dipoles = media.map(|medium| Dipole::new(medium.scattering, medium.absorption, boundary));
+    let radii = [0, 1, 2].map(|c| radii(paths, c));
+    let mut walked: [Vec<_>; 3] = Default::default();
+    for k in 0..radii[0].len() {
+        let walks = Walks { device: bench.device, media, photons, seed: k as u64 };
+        let balls = walk(&walks, radii.map(|radii| radii[k]), dipoles.each_ref().map(Dipole::total))?;
+        walked.iter_mut().zip(balls).for_each(|(all, ball)| all.push(ball));
+    }
     let (mut rows, mut found) = (Vec::new(), Vec::new());
-    for (c, name) in NAMES.iter().enumerate() {
-        let (scattering, absorption) = (preset.sigma_s_prime[c], preset.sigma_a[c]);
-        let dipole = Dipole::new(scattering, absorption, boundary);
-        let medium = Medium { scattering, absorption, eta: preset.eta };
-        let radii = radii(paths, c);
-        let by_dipole: Vec<_> = radii.iter().map(|&radius| solve(&dipole, radius)).collect();
-        let walked: Vec<_> =
-            radii.iter().zip(1..).map(|(&radius, k)| walk(medium, radius, dipole.total(), photons, k)).collect();
-        let (model, truth) = (fit(&by_dipole, spread(&dipole), false), fit(&walked, spread(&dipole), true));
+    for ((c, name), walked) in NAMES.iter().enumerate().zip(walked) {
+        let dipole = &dipoles[c];
+        let by_dipole: Vec<_> = radii[c].iter().map(|&radius| solve(dipole, radius)).collect();
+        let (model, truth) = (fit(&by_dipole, spread(dipole), false), fit(&walked, spread(dipole), true));
         let mut row = vec![(*name).to_string()];
         row.extend([model.sigma_0, model.residual, truth.sigma_0, truth.residual].map(|x| format!("{x:.4}")));
         row.push(format!("{:.3}", truth.scale));
@@ -256,8 +260,7 @@ const DOTS: usize = 2000;
 fn trusted(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     page.head("How far the function can be trusted");
     page.say(
-        "Error of the function's radiosity against the dipole's, per triangle and channel, by the thickness of \
-         the object.",
+        "Error of the function's radiosity against the dipole's, per triangle and channel, by the object's thickness.",
     );
     let mut rows = Vec::new();
     for name in bench.either(&["bust"][..], &["bust", "lotus", "torus", "sphere"]) {

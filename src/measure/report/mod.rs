@@ -14,6 +14,7 @@ mod mertens;
 mod pictures;
 mod setting;
 mod speed;
+mod truth;
 mod whole;
 
 use std::time::Instant;
@@ -68,6 +69,7 @@ pub static SECTIONS: &[Section] = &[
     Section { name: "kubo", title: "Shading by curvature: Kubo et al. 2010", write: kubo::kubo },
     Section { name: "layers", title: "Layers beneath the surface: Francois et al. 2006", write: francois::francois },
     Section { name: "accuracy", title: "Numerical error beside the error of the model", write: accuracy::accuracy },
+    Section { name: "truth", title: "How true: every method against a random walk", write: truth::truth },
     Section { name: "pictures", title: "Built-in scenes", write: pictures::scenes },
 ];
 

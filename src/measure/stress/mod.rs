@@ -11,6 +11,7 @@ mod meshes;
 mod places;
 mod shade;
 mod solve;
+mod walk;
 
 use crate::error::{Input, Result};
 use crate::gpu::Device;
@@ -69,6 +70,8 @@ enum Kind {
     Scene(fn() -> Result<solve::Setup>),
     /// A picture by the CDRF: in closed form, and from the table in the place of brute force.
     Shade(fn() -> Result<crate::scene::Scene>),
+    /// A random walk through a scene: against the CPU's, and its balance in the place of brute force.
+    Walk(fn() -> Result<crate::scene::Scene>),
 }
 
 /// Errors of one method in one case, worst channel.
@@ -154,9 +157,9 @@ impl Found {
     }
 }
 
-/// All cases: single form factors, materials, meshes, positions and lights, shading by curvature.
+/// All cases: single form factors, materials, meshes, positions and lights, shading by curvature, random walks.
 fn cases() -> impl Iterator<Item = &'static Case> {
-    factors::CASES.iter().chain(materials::CASES).chain(places::CASES).chain(shade::CASES)
+    factors::CASES.iter().chain(materials::CASES).chain(places::CASES).chain(shade::CASES).chain(walk::CASES)
 }
 
 /// Runs the cases whose name contains `only`, on a device or, without one, on the CPU.
@@ -177,6 +180,10 @@ fn run(case: &'static Case, device: Option<&Device>, plant: Option<Plant>) -> Re
         }
         Kind::Shade(make) => {
             let [usual, brute] = shade::run(&make()?, device, plant)?;
+            (usual, brute, None)
+        }
+        Kind::Walk(make) => {
+            let [usual, brute] = walk::run(&make()?, device, plant)?;
             (usual, brute, None)
         }
         Kind::Scene(make) => {
@@ -220,7 +227,7 @@ mod tests {
     fn what_is_planted_is_found() {
         let fails = |only: &str, plant| stress(None, only, plant).unwrap().iter().all(|o| !o.faults.is_empty());
         let passes = |only: &str| stress(None, only, None).unwrap().iter().all(|o| o.faults.is_empty());
-        for only in ["inside a triangle", "one lit face"] {
+        for only in ["inside a triangle", "one lit face", "walk: light in a cavity"] {
             assert!(passes(only), "{only}");
             for plant in [Plant::NotANumber, Plant::Infinite, Plant::Negative, Plant::Dark, Plant::TenthMore] {
                 assert!(fails(only, Some(plant)), "{only}: {plant:?}");

@@ -51,7 +51,7 @@ fn smoothed(mesh: Mesh, sigma_0: &str) -> Result<Scene> {
 }
 
 /// A closed triangle fan: a cone on a flat disc.
-fn cone(count: u32, radius: f64, height: f64) -> Mesh {
+pub(super) fn cone(count: u32, radius: f64, height: f64) -> Mesh {
     let angle = |k: u32| TAU * f64::from(k) / f64::from(count);
     let rim = (0..count).map(|k| DVec3::new(radius * angle(k).cos(), radius * angle(k).sin(), 0.0));
     let positions = [DVec3::new(0.0, 0.0, height), DVec3::ZERO].into_iter().chain(rim).collect();
