@@ -39,6 +39,8 @@ pub struct Object {
     pub by_pixel: bool,
     /// Whether it has layers beneath its surface.
     pub layered: bool,
+    /// Whether pictures show the light that its medium scatters once.
+    pub scatters_once: bool,
     /// How many deformations it has.
     pub deforms: usize,
     /// Whether it, or any other object, lies elsewhere in the scene than in its own frame.

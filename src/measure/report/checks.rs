@@ -10,10 +10,11 @@ use crate::measure::leaning::{blame, of_stage};
 use crate::measure::stress::{Outcome, stress as extremes};
 
 /// Fixtures of a quick report: those whose name contains one of these. Together they run every stage.
-const FEW: [&str; 20] = [
+const FEW: [&str; 21] = [
     "one triangle",
     "sliver",
     "lights of two colours",
+    "scattered once in two objects of three",
     "opaque and lit by triangle",
     "three objects, receivers at pixels",
     "three objects, two of them deformed",
