@@ -71,16 +71,19 @@ void main() {
     if (enters) {
         uvec3 met = triangles[entry.face];
         vec3 shares = entry.weights / (entry.weights.x + entry.weights.y + entry.weights.z);
-        vec3 out_there = BLEND_AT(shares, placed_normals, met), toward;
+        vec3 out_there = BLEND_AT(shares, placed_normals, met);
         out_there /= sqrt(max(dot(out_there, out_there), 1e-30));
-        float times = max(entry.numerator / entry.denominator, 0.0);
-        float falloff = arrival(light, place + times * direction, toward) * reaches(light, entry.face);
+        vec3 straight = max(entry.numerator / entry.denominator, 0.0) * direction;
+        vec3 toward = direction / sqrt(max(dot(direction, direction), 1e-30));
         float outer = clamp(dot(out_there, toward), 0.0, 1.0);
         float passes = transmittance(vec3(own.eta), outer).x;
         float inner = own.eta == 1.0 ? outer : sqrt(max(outer * outer - (1.0 - own.eta) * (1.0 + own.eta), 0.0)) / own.eta;
         float ratio = passes > 0.0 ? outer / inner : 0.0;
         vec3 bent = (toward - outer * out_there) / own.eta + inner * out_there;
-        leg = times * length(direction) * ratio;
+        leg = length(straight) * ratio;
+        // Inside, light from a place falls off as if it had gone leg / eta.
+        vec3 seen = place + straight - toward * (leg / own.eta);
+        float falloff = arrival(light, seen, toward) * reaches(light, entry.face);
         arrives = light.color * (falloff * passes * ratio) * phase(own.g, -dot(bent, ray.way));
     }
 

@@ -12,8 +12,9 @@
 //!
 //! Where light enters, and along how much of the medium, is Jensen's estimate: a straight ray from the sample to the
 //! light meets the surface after s_i, with a normal by which light is refracted; then s' = s_i mu_i / mu_i'. It is
-//! exact for a distant light where the surface is flat around there, and for an index of 1 anywhere. Of curved
-//! surfaces it leaves out that they focus light. Bits of shadow are those of the triangle where light enters.
+//! exact for a distant light where the surface is flat around there, and for an index of 1 anywhere; light from a place
+//! falls off with the square of its distance to the surface and s' / eta. Of curved surfaces it leaves out that they
+//! focus light. Bits of shadow are those of the triangle where light enters.
 //!
 //! Between samples light times phase function and optical depth are taken as linear, and their integral is exact: so
 //! is the whole on a half-space, however few the samples.
@@ -96,8 +97,8 @@ fn arriving(
     let normal = (normal / weights.iter().sum::<f64>()).normalize_or_zero();
     let place = wide(place);
     let straight = if far { wide(light.place) } else { wide(light.place) - place };
+    let toward = straight.normalize_or_zero();
     let straight = straight * (f64::from(entry.numerator) / f64::from(entry.denominator)).max(0.0);
-    let (toward, falloff) = arrival(light, place + straight);
     let (eta, outer) = (f64::from(medium.eta), normal.dot(toward).clamp(0.0, 1.0));
     let (passes, inner) = (transmittance(eta, outer), inside(eta, outer));
     if passes <= 0.0 {
@@ -107,7 +108,10 @@ fn arriving(
     let phases = medium.g.map(|g| phase(true, g.into(), -bent.dot(way)));
     let lit = if reaches(data, light, entry.face as usize) { 1.0 } else { 0.0 };
     let ratio = outer / inner;
-    (DVec3::from_array(phases) * wide(light.color) * (falloff * passes * ratio * lit), straight.length() * ratio)
+    let leg = straight.length() * ratio;
+    // Inside, light from a place falls off as if it had gone leg / eta.
+    let (_, falloff) = arrival(light, place + straight - toward * (leg / eta));
+    (DVec3::from_array(phases) * wide(light.color) * (falloff * passes * ratio * lit), leg)
 }
 
 /// Radiance that a medium adds to a pixel, internal units, and what is left in its ray.
@@ -162,8 +166,7 @@ fn cpu(state: &mut State, _at: Scope) {
         }
         (narrow(sum), kept)
     };
-    let found: Vec<([f32; 3], Option<InnerRay>)> =
-        data.hits.par_iter().zip(&data.radiance).map(of_pixel).collect();
+    let found: Vec<([f32; 3], Option<InnerRay>)> = data.hits.par_iter().zip(&data.radiance).map(of_pixel).collect();
     // Groups of pixels take turns in the buffer of rays.
     for (pixel, (radiance, kept)) in found.into_iter().enumerate() {
         state.data.radiance[pixel] = radiance;
