@@ -109,8 +109,8 @@ fn record(layer: &crate::scene::Layer, phase: Phase, units: Units) -> Layer {
     Layer { sigma_s: scaled(layer.sigma_s), sigma_t: scaled(layer.sigma_t), g: parameter(phase, layer.g) as f32 }
 }
 
-/// Sets the lights for layers and scattering media, if there are any: the state's lights that are not black, and the environment as
-/// directional lights, each with the light of the part of the sphere that is nearest to its direction.
+/// Sets the lights for layers and scattering media, if there are any: the state's lights that are not black, and the
+/// environment as directional lights, each with the light of the part of the sphere that is nearest to its direction.
 pub(crate) fn beams(state: &mut State, lights: &[crate::scene::Light], unit: f64) {
     state.data.layer_lights.clear();
     if state.data.layerings.is_empty() && state.data.scattering_media.is_empty() {

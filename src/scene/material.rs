@@ -164,7 +164,7 @@ impl Material {
             texture,
             layers,
         };
-        made.check_wraps(&key)?;
+        made.check_wraps(key)?;
         made.check_single(key).map(|()| made)
     }
 
