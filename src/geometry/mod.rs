@@ -1,6 +1,7 @@
 //! From positions to faces and clusters, and rays through the same tree.
 
 pub mod deform;
+pub mod exact;
 pub mod occlusion;
 pub mod placement;
 pub mod plane;

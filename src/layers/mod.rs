@@ -1,4 +1,5 @@
-//! Layers beneath a surface: subsurface texture mapping (Francois et al. 2006), single scattering.
+//! Single scattering beneath a surface: in layers, by subsurface texture mapping (Francois et al. 2006), and in the
+//! medium of an object.
 //!
 //! Errors of the paper are corrected to what it means: signs, clamps, normalised normals and dual texture axes.
 
@@ -6,4 +7,5 @@ pub mod beneath;
 pub mod islands;
 pub mod plane_fit;
 pub mod relief;
+pub mod single_scattering;
 pub mod slab;

@@ -241,8 +241,12 @@ buffers! {
     islands: Island, face;
     /// Depths of the layers' lower interfaces, four a texel, rows from the top.
     depths: [f32; 4], texel;
-    /// The lights that shine into layers: those with a position or a direction, and the environment as directional
-    /// lights.
+    /// What scatters light once in objects whose material asks for it.
+    scattering_media: ScatteringMedium, medium;
+    /// The view rays beneath the points that some pixels show.
+    inner_rays: InnerRay, ray;
+    /// The lights that shine into layers and scattering media: those with a position or a direction, and the
+    /// environment as directional lights.
     layer_lights: Light, beam;
     /// The vertices of each cluster.
     vertex_moments: VertexMoments, node;

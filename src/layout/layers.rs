@@ -43,6 +43,33 @@ records! { layer_records:
         /// The phase function's parameter.
         g: f32,
     }
+    /// What scatters light once in an object, in those channels that share an index of refraction; the others have no
+    /// `sigma_s`. Per internal length.
+    ScatteringMedium {
+        /// The object.
+        object: u32,
+        /// Relative index of refraction.
+        eta: f32,
+        /// How far beneath the surface light is followed along a view ray.
+        reach: f32,
+        /// Scattering coefficient.
+        sigma_s: [f32; 3],
+        /// Extinction coefficient.
+        sigma_t: [f32; 3],
+        /// Mean cosine of scattering.
+        g: [f32; 3],
+    }
+    /// The refracted view ray beneath the point that a pixel shows, and what was found at its last sample.
+    InnerRay {
+        /// The unit direction, away from the eye.
+        way: [f32; 3],
+        /// Where it ends: at the surface, or after the medium's `reach`; 0 if no light comes along it.
+        end: f32,
+        /// Light that arrives at the last sample, times the phase function, but not attenuated.
+        arrived: [f32; 3],
+        /// Optical depth of its way there and on to the eye.
+        depth: [f32; 3],
+    }
     /// The places of a triangle's corners in depth maps laid out by islands, in texels: (0, 0) is the first texel's
     /// centre.
     Island {

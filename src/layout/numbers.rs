@@ -172,6 +172,10 @@ constants! {
 
     /// Layers that a texel of a depth map holds.
     MAP_LAYERS: usize = 4;
+    /// Steps along a view ray in which light scatters once; their ends are at squares of equal parts.
+    SINGLE_STEPS: u32 = 16;
+    /// Distance, in a scene of unit extent, by which rounding may put a point of such a ray outside the object.
+    SINGLE_MARGIN: f32 = 1.0 / 1_048_576.0;
     /// Layers of an object at most.
     MOST_LAYERS: usize = 16;
     /// The least cosine between the fitted plane's normal and the view ray.

@@ -2,7 +2,7 @@
 //! a new stage adds a line here.
 
 use crate::geometry::{deform, placement, refit};
-use crate::layers::{plane_fit, relief};
+use crate::layers::{plane_fit, relief, single_scattering};
 use crate::lighting::{environment, irradiance, opaque_faces, shadow, texture_in};
 use crate::shading::{
     bake_irradiance, blur, cdrf, cdrf_cells, cdrf_table, cdrf_values, curvature, curvature_sums, lambert, pack_normals,
@@ -95,8 +95,14 @@ pub static FRAME: &[Section] = &[
         ])],
     ),
     section(
-        "Opaque objects, textures, layers",
-        &[once(&[&pixel_shadow::STAGE, &shade_opaque::STAGE, &texture_out::STAGE, &relief::STAGE])],
+        "Opaque objects, single scattering, textures, layers",
+        &[once(&[
+            &pixel_shadow::STAGE,
+            &shade_opaque::STAGE,
+            &single_scattering::STAGE,
+            &texture_out::STAGE,
+            &relief::STAGE,
+        ])],
     ),
     section("Reflections, and what is behind the objects", &[once(&[&reflect::STAGE, &backdrop::STAGE])]),
     section("The picture", &[once(&[&accumulate::STAGE, &tone::STAGE])]),

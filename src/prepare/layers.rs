@@ -109,11 +109,11 @@ fn record(layer: &crate::scene::Layer, phase: Phase, units: Units) -> Layer {
     Layer { sigma_s: scaled(layer.sigma_s), sigma_t: scaled(layer.sigma_t), g: parameter(phase, layer.g) as f32 }
 }
 
-/// Sets the lights for layers, if there are any: the state's lights that are not black, and the environment as
-/// directional lights, each with the light of the part of the sphere that is nearest to its direction.
+/// Sets the lights for layers and scattering media, if there are any: the state's lights that are not black, and the
+/// environment as directional lights, each with the light of the part of the sphere that is nearest to its direction.
 pub(crate) fn beams(state: &mut State, lights: &[crate::scene::Light], unit: f64) {
     state.data.layer_lights.clear();
-    if state.data.layerings.is_empty() {
+    if state.data.layerings.is_empty() && state.data.scattering_media.is_empty() {
         return;
     }
     let shines = |light: &Light| light.kind != LIGHT_SKY_RAY && light.color != [0.0; 3];
@@ -159,11 +159,12 @@ fn suns(sky: &Sky, unit: f64) -> Vec<Light> {
     directions.iter().enumerate().map(light).filter(|light| light.color != [0.0; 3]).collect()
 }
 
-/// Drops layers if a frame with these options never reads them.
+/// Drops layers and scattering media if a frame with these options never reads them.
 pub(crate) fn drop_unlooked(state: &mut State, options: Options) {
     if options.goal == Goal::Radiosity {
         let data = &mut state.data;
         (data.layerings, data.layer_media, data.depths, data.layer_lights, data.islands) = Default::default();
+        data.scattering_media = Vec::new();
         data.object_params.iter_mut().for_each(|params| params.fit_radius = 0.0);
     }
 }

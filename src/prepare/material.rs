@@ -72,7 +72,9 @@ pub(crate) fn differs_by_coefficients(before: &Material, after: &Material, local
     let same = before.opaque.is_some() == after.opaque.is_some()
         && before.texture == after.texture
         && before.sigma_0_texture == after.sigma_0_texture
-        && before.layers == after.layers;
+        && before.layers == after.layers
+        && before.single_scattering == after.single_scattering
+        && (before.eta == after.eta || !before.single_scattering);
     // The Gaussians of texture-blur are buffers.
     same && local != Some(Local::Blur)
 }

@@ -15,6 +15,7 @@ pub(crate) mod rounding;
 pub mod scene;
 pub mod shading;
 pub mod shape;
+pub mod single_scattering;
 pub(crate) mod texture_charts;
 pub(crate) mod textures;
 pub mod units;

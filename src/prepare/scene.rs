@@ -14,6 +14,7 @@ use super::place::place;
 use super::rounding::rounding;
 use super::shading;
 use super::shape::{deform_all, moved, shape};
+use super::single_scattering::media;
 use super::textures::texture;
 use super::units::Units;
 use crate::dipole::form_factor::ladder::Ladder;
@@ -109,6 +110,7 @@ pub fn prepare(
     shape(&mut state, &scene.objects, units);
     deform_all(&mut state);
     let maps = layers(&mut state, &scene.objects, &faces, units);
+    media(&mut state, &scene.objects, units);
     lights(&mut state, &scene.lights, &mut units, &scene.objects);
     camera(&mut state, &scene.camera, units);
     let compactness = vec![None; trees.len()];

@@ -7,7 +7,7 @@ use super::locate;
 use super::preset::{PRESETS, Preset};
 use super::range::{self, Checked};
 use super::surface::{Reflection, Surface};
-use super::texture::Texture;
+use super::texture::{Side, Texture};
 use super::vector::Rgb;
 use crate::error::Input;
 use serde::Deserialize;
@@ -40,7 +40,7 @@ pub struct Material {
     pub sigma_a: [f64; 3],
     /// Relative index of refraction, inside over outside, r g b, 0.5 to 5.
     pub eta: [f64; 3],
-    /// Mean cosine of scattering, r g b, -0.95 to 0.95: of the random walk.
+    /// Mean cosine of scattering, r g b, -0.95 to 0.95: of the random walk and of single scattering.
     pub g: [f64; 3],
     /// Diffuse albedo of an opaque object, r g b, 0 to 1; none if light enters.
     pub opaque: Option<[f64; 3]>,
@@ -48,6 +48,8 @@ pub struct Material {
     pub fresnel: Fresnel,
     /// Whether both sides of a face receive light, each by its own cosine; lights may then be inside the medium.
     pub two_sided: bool,
+    /// Whether pictures show the light that the medium scatters once, beside the diffused light.
+    pub single_scattering: bool,
     /// Exit and reflection of light at the surface.
     pub surface: Surface,
     /// sigma_0 of the CDRF in scene units, r g b, at least 0; none if it follows from the coefficients.
@@ -154,6 +156,7 @@ impl Material {
             opaque: None,
             fresnel,
             two_sided,
+            single_scattering: file.single_scattering,
             surface,
             sigma_0,
             curvature_radius,
@@ -161,7 +164,8 @@ impl Material {
             texture,
             layers,
         };
-        made.check_wraps(key).map(|()| made)
+        made.check_wraps(key)?;
+        made.check_single(key).map(|()| made)
     }
 
     /// A material that no light enters: a diffuse surface with an index that defaults to 1 if nothing is reflected.
@@ -172,6 +176,7 @@ impl Material {
             ("sigma_a", file.sigma_a.is_some()),
             ("g", file.g.is_some()),
             ("two_sided", file.two_sided),
+            ("single_scattering", file.single_scattering),
             ("normalize_exit", file.normalize_exit),
             ("sigma_0", file.sigma_0.is_some()),
             ("sigma_0_texture", file.sigma_0_texture.is_some()),
@@ -205,6 +210,7 @@ impl Material {
             opaque: Some(albedo),
             fresnel: file.fresnel,
             two_sided: false,
+            single_scattering: false,
             surface,
             sigma_0: None,
             curvature_radius: None,
@@ -212,6 +218,24 @@ impl Material {
             texture,
             layers: None,
         })
+    }
+
+    /// Whether light scattered once has a meaning in this material.
+    fn check_single(&self, key: impl Fn(&str) -> String) -> Checked<()> {
+        let entry = self.texture.as_ref().is_some_and(|texture| texture.side != Side::Exit);
+        let (other, what, expected) = match () {
+            () if !self.single_scattering => return Ok(()),
+            () if self.layers.is_some() => {
+                ("layers", "light scatters once in the layers, and in no other medium", "no layers")
+            }
+            () if self.two_sided => ("two_sided", "light is scattered once on the inner side only", "false"),
+            () if entry => {
+                ("texture_on", "a texture changes light that is scattered once only where it leaves", "\"exit\"")
+            }
+            () => return Ok(()),
+        };
+        let fault = Input::new(what).key(key(other)).found("single_scattering = true beside it");
+        Err(fault.expected(format!("{expected}, or single_scattering = false")))
     }
 
     /// Depth maps and textures share the texture coordinates of the mesh, reduced by whole periods: they must wrap
@@ -237,63 +261,4 @@ fn find(name: &str, key: &str) -> Checked<&'static Preset> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn material(text: &str, unit_mm: f64) -> Result<Material, String> {
-        let file: MaterialFile = toml::from_str(text).map_err(|e| e.message().to_string())?;
-        Material::check(&file, "object.0.material", unit_mm).map_err(|e| e.to_string())
-    }
-
-    #[test]
-    fn units_and_scale_multiply_the_coefficients() {
-        let marble = material("preset = 'marble'\nscale = 2.0", 10.0).expect("marble");
-        assert_eq!((marble.name.as_str(), marble.eta), ("Marble", [1.5; 3]));
-        assert!((marble.sigma_s_prime[0] - 43.8).abs() < 1e-12);
-        assert!((marble.sigma_a[2] - 0.142).abs() < 1e-12);
-    }
-
-    #[test]
-    fn explicit_keys_win_over_the_preset() {
-        let text = "preset = 'Skim Milk'\neta = [0.7, 1.2, 3.8]\nfresnel = 'paper'";
-        let milk = material(text, 1.0).expect("milk");
-        assert_eq!(milk.name, "Skimmilk, modified");
-        assert_eq!((milk.eta, milk.fresnel), ([0.7, 1.2, 3.8], Fresnel::Paper));
-        let own = material("sigma_s_prime = 1\nsigma_a = 0", 1.0).expect("custom");
-        assert_eq!((own.name.as_str(), own.eta, own.fresnel), ("custom", [ETA; 3], Fresnel::Exact));
-    }
-
-    #[test]
-    fn names_the_key_at_fault() {
-        let cases = [
-            (
-                "preset = 'marbel'",
-                "object.0.material.preset: unknown preset, did you mean `Marble`?; \
-                 found marbel; expected Apple, Chicken1,",
-            ),
-            ("sigma_a = 1", "object.0.material.sigma_s_prime: missing"),
-            ("sigma_s_prime = 1", "object.0.material.sigma_a: missing"),
-            ("preset = 'apple'\neta = 0.4", "object.0.material.eta: out of range; found [0.4"),
-            (
-                "preset = 'apple'\neta = 4\nfresnel = 'paper'",
-                "object.0.material.eta: out of range; found [4, 4, 4]; expected numbers of at most 3.8, or fresnel",
-            ),
-            ("preset = 'apple'\nscale = 0", "object.0.material.scale: out of range; found 0"),
-            ("preset = 'apple'\nsigma_a = -1", "object.0.material.sigma_a: out of range"),
-            (
-                "sigma_s_prime = [1, 0, 1]\nsigma_a = 0",
-                "object.0.material.sigma_s_prime: a channel neither scatters nor absorbs; \
-                 found 0 for both in channel g",
-            ),
-            (
-                "sigma_s_prime = 1e308\nsigma_a = 1e308",
-                "object.0.material.sigma_s_prime: out of range; found 1e308 and 1e308; expected sigma_s_prime + sigma_a a finite",
-            ),
-            ("sigma_s_prime = 1e300\nsigma_a = 0\nscale = 1e300", "object.0.material.sigma_s_prime: not a finite"),
-        ];
-        for (text, message) in cases {
-            let error = material(text, 1.0).err().unwrap_or_default();
-            assert!(error.starts_with(message), "{error}");
-        }
-    }
-}
+mod tests;

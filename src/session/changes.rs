@@ -13,6 +13,7 @@ use crate::prepare::place::place;
 use crate::prepare::reach::reach;
 use crate::prepare::receivers::by_pixel;
 use crate::prepare::shape::{deform_all, shape};
+use crate::prepare::single_scattering::media;
 use crate::prepare::units::Units;
 use crate::scene::{Camera, Light, Object, Scene};
 use crate::state::{Granularity, Group, Scheme, Stage, State};
@@ -27,6 +28,7 @@ const LIGHTING: &[BufferId] = &[
     BufferId::sky_columns,
     BufferId::reflection_directions,
     BufferId::layer_lights,
+    BufferId::scattering_media,
 ];
 
 /// What decides how large buffers are, apart from the mesh and the picture.
@@ -77,11 +79,14 @@ impl Session {
         let (before, mut changes) = (Layout::of(state), Changes::default());
         for (number, (old, new)) in self.scene.objects.iter_mut().zip(&new.objects).enumerate() {
             if old.material != new.material {
-                // Only a random walk knows it.
+                // The dipole does not know it.
                 let scatters = if old.material.g == new.material.g { Change::default() } else { Change::MATERIAL };
                 old.material = new.material.clone();
                 changes.add_to(number, material::change(state, number, &old.material, *units).and(scatters));
             }
+        }
+        if !state.data.scattering_media.is_empty() {
+            media(state, &self.scene.objects, *units);
         }
         if quadrature(state, &self.scene) {
             changes.add(Change::MATERIAL);

@@ -17,6 +17,7 @@ use crate::prepare::reach::reach;
 use crate::prepare::receivers::{by_pixel, lit_at};
 use crate::prepare::scene::prepare;
 use crate::prepare::shading::local;
+use crate::prepare::single_scattering::beside;
 use crate::prepare::texture_charts::{blur, unwrap};
 use crate::prepare::textures::drop_unseen;
 use crate::prepare::units::Units;
@@ -44,6 +45,7 @@ impl Session {
         room: CapacityHints,
     ) -> Result<Self> {
         memory_estimate::check(scene, options)?;
+        beside(&scene.objects, options.transport)?;
         let octree = match options.transport {
             ShadingMethod::Octree => Some(OctreeTransport::new(&scene.transport)?),
             _ => None,

@@ -41,6 +41,8 @@ pub struct Object {
     pub layered: bool,
     /// How many vectors its Krylov space has at most; 0 where none is needed.
     pub vectors: usize,
+    /// Whether pictures show the light that its medium scatters once.
+    pub scatters_once: bool,
     /// How many deformations it has.
     pub deforms: usize,
     /// Whether it, or any other object, lies elsewhere in the scene than in its own frame.

@@ -77,6 +77,12 @@ pub fn features() -> Vec<Feature> {
             changed(layered(), |scene| scene.objects[0].material.layers = None),
         ),
         (
+            &["single_scattering"],
+            &[BufferId::scattering_media, BufferId::inner_rays, BufferId::layer_lights],
+            with(ball(&["object.0.material.single_scattering=true"])),
+            with(ball(&[])),
+        ),
+        (
             &["placement"],
             &[BufferId::placed_positions, BufferId::placed_normals, BufferId::placed_bounds],
             changed(ball(&["object.0.rotation=[20, 0, 0]"]), |_| ()),

@@ -13,6 +13,8 @@ mod measured;
 mod ramps;
 mod reference;
 mod seams;
+mod single;
+mod single_frames;
 mod slab;
 
 use milkglass::internals::pipeline::plan::{Change, Options};

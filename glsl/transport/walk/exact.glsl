@@ -1,4 +1,5 @@
 // Arithmetic of the walk: additions, multiplications and comparisons only, so that every device finds the same bits.
+#include "geometry/exact.glsl"
 
 // Four random numbers of a photon's flight: pcg4d of Jarzynski and Olano 2020.
 uvec4 random4(uint number, uint flight, uint channel, uint seed) {
@@ -13,26 +14,6 @@ uvec4 random4(uint number, uint flight, uint channel, uint seed) {
 float unit_random(uint bits) {
     precise float x = float((bits >> 9) * 2u + 1u) * (1.0 / 16777216.0);
     return x;
-}
-
-// 1 / x for x above 0, to 1e-7.
-float inverse_of(float x) {
-    precise float y = uintBitsToFloat(0x7ef311c7u - floatBitsToUint(x));
-    y = y * (2.0 - x * y);
-    y = y * (2.0 - x * y);
-    y = y * (2.0 - x * y);
-    return y;
-}
-
-// Square root, to 2e-7; 0 of numbers below 1e-30.
-float root_of(float x) {
-    precise float h = 0.5 * x;
-    precise float y = uintBitsToFloat(0x5f375a86u - (floatBitsToUint(x) >> 1));
-    y = y * (1.5 - h * y * y);
-    y = y * (1.5 - h * y * y);
-    y = y * (1.5 - h * y * y);
-    precise float root = x * y;
-    return x > 1e-30 ? root : 0.0;
 }
 
 // -ln x for x in (0, 1).
@@ -52,20 +33,6 @@ float minus_log(float x) {
     precise float z = t * t;
     precise float log = t * z * sum - 0.5 * z + t + e * 0.69314718;
     return -log;
-}
-
-// A vector scaled to unit length, and one of nearly unit length made more so.
-vec3 unit_of(vec3 v) {
-    float inverse = inverse_of(root_of(dot3(v, v)));
-    precise vec3 unit = v * inverse;
-    return unit;
-}
-
-vec3 kept_unit(vec3 v) {
-    float square = dot3(v, v);
-    precise float factor = 1.5 - 0.5 * square;
-    precise vec3 unit = v * factor;
-    return unit;
 }
 
 // The direction that has these cosine and azimuth (in turns) about an axis.
@@ -92,21 +59,8 @@ float passes(float eta, float outer, float inner) {
     return eta == 1.0 ? 1.0 : outer > 0.0 && inner > 0.0 ? min(share, 1.0) : 0.0;
 }
 
-// The cosine inside for one outside, and the other way round; 0 where nothing passes.
-float inside_of(float eta, float outer) {
-    precise float square = 1.0 - (1.0 - outer * outer) * inverse_of(eta * eta);
-    return eta == 1.0 ? outer : root_of(square);
-}
-
+// The cosine outside for one inside; 0 where nothing passes.
 float outside_of(float eta, float inner) {
     precise float square = 1.0 - eta * eta * (1.0 - inner * inner);
     return eta == 1.0 ? inner : root_of(square);
-}
-
-// The direction inside of light from `toward`; both unit, `normal` out of the medium.
-vec3 refracted(float eta, vec3 toward, vec3 normal) {
-    float outer = dot3(toward, normal), by = eta == 1.0 ? 1.0 : inverse_of(eta);
-    precise float along = outer * by - inside_of(eta, outer);
-    precise vec3 way = along * normal - by * toward;
-    return kept_unit(kept_unit(way));
 }

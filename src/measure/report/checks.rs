@@ -14,6 +14,7 @@ const FEW: [&str; 21] = [
     "one triangle",
     "sliver",
     "lights of two colours",
+    "scattered once in two objects of three",
     "opaque and lit by triangle",
     "three objects, receivers at pixels",
     "three objects, two of them deformed",

@@ -92,6 +92,7 @@ impl Pair {
             g: [0.0; 3],
             fresnel: Fresnel::Exact,
             two_sided: false,
+            single_scattering: false,
             surface: Surface::default(),
             sigma_0: None,
             curvature_radius: None,

@@ -68,6 +68,7 @@ fn material(name: &str) -> [Dipole; 3] {
             g: [0.0; 3],
             fresnel: Fresnel::Paper,
             two_sided: false,
+            single_scattering: false,
             surface: Surface::default(),
             sigma_0: None,
             curvature_radius: None,

@@ -2,7 +2,7 @@
 //! comparisons in the same order, so that every device finds the same bits.
 
 use crate::geometry::deform::turn;
-use crate::geometry::trace::dot;
+pub use crate::geometry::exact::{inside, inverse, kept_unit, refracted, root, unit};
 use crate::layout::LOGARITHM;
 
 /// Four random numbers of a photon's flight: pcg4d of Jarzynski and Olano 2020, "Hash Functions for GPU Rendering".
@@ -28,27 +28,6 @@ pub fn unit_random(bits: u32) -> f32 {
     ((bits >> 9) * 2 + 1) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// 1 / x for x above 0, to 1e-7.
-#[must_use]
-pub fn inverse(x: f32) -> f32 {
-    let mut y = f32::from_bits(0x7ef3_11c7u32.wrapping_sub(x.to_bits()));
-    for _ in 0..3 {
-        y *= 2.0 - x * y;
-    }
-    y
-}
-
-/// Square root, to 2e-7; 0 of numbers below 1e-30.
-#[must_use]
-pub fn root(x: f32) -> f32 {
-    let h = 0.5 * x;
-    let mut y = f32::from_bits(0x5f37_5a86u32.wrapping_sub(x.to_bits() >> 1));
-    for _ in 0..3 {
-        y *= 1.5 - h * y * y;
-    }
-    if x > 1e-30 { x * y } else { 0.0 }
-}
-
 /// -ln x for x in (0, 1).
 #[must_use]
 pub fn minus_log(x: f32) -> f32 {
@@ -62,20 +41,6 @@ pub fn minus_log(x: f32) -> f32 {
 
 /// Rounded as the shader's text is.
 const LN_2: f32 = std::f32::consts::LN_2;
-
-/// A vector scaled to unit length.
-#[must_use]
-pub fn unit(v: [f32; 3]) -> [f32; 3] {
-    let by = inverse(root(dot(v, v)));
-    v.map(|x| x * by)
-}
-
-/// A vector of nearly unit length made more so.
-#[must_use]
-pub fn kept_unit(v: [f32; 3]) -> [f32; 3] {
-    let by = 1.5 - 0.5 * dot(v, v);
-    v.map(|x| x * by)
-}
 
 /// The direction that has these cosine and azimuth (in turns) about an axis.
 #[must_use]
@@ -103,30 +68,16 @@ pub fn passes(eta: f32, outer: f32, inner: f32) -> f32 {
     }
 }
 
-/// The cosine inside for one outside; 0 where nothing passes.
-#[must_use]
-pub fn inside(eta: f32, outer: f32) -> f32 {
-    if eta == 1.0 { outer } else { root(1.0 - (1.0 - outer * outer) * inverse(eta * eta)) }
-}
-
 /// The cosine outside for one inside; 0 where nothing passes.
 #[must_use]
 pub fn outside(eta: f32, inner: f32) -> f32 {
     if eta == 1.0 { inner } else { root(1.0 - eta * eta * (1.0 - inner * inner)) }
 }
 
-/// The direction inside of light from `toward`; both unit, `normal` out of the medium.
-#[must_use]
-pub fn refracted(eta: f32, toward: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
-    let outer = dot(toward, normal);
-    let by = if eta == 1.0 { 1.0 } else { inverse(eta) };
-    let along = outer * by - inside(eta, outer);
-    kept_unit(kept_unit(std::array::from_fn(|k| along * normal[k] - by * toward[k])))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::trace::dot;
     use crate::lighting::fresnel;
 
     fn some() -> impl Iterator<Item = u32> {
