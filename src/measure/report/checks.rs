@@ -10,7 +10,7 @@ use crate::measure::leaning::{blame, of_stage};
 use crate::measure::stress::{Outcome, stress as extremes};
 
 /// Fixtures of a quick report: those whose name contains one of these. Together they run every stage.
-const FEW: [&str; 21] = [
+const FEW: [&str; 22] = [
     "one triangle",
     "sliver",
     "lights of two colours",
