@@ -74,7 +74,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         spread: spread(&dipoles[c]),
     });
     let device = arguments.device.open(validation())?;
-    for k in 0..radii[0].len() {
+    let count = radii[0].len();
+    for k in 0..count {
         let seed = arguments.seed.wrapping_mul(1000).wrapping_add(k as u64);
         let walks = Walks { device: device.as_ref(), media, photons: arguments.photons, seed };
         let balls = walk(&walks, [0, 1, 2].map(|c| radii[c][k]), dipoles.each_ref().map(Dipole::total))?;

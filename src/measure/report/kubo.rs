@@ -146,10 +146,8 @@ fn table(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
 /// sigma_0 of a material, as in figure 6.
 fn fitted(bench: &Bench<'_>, page: &mut Page, preset: &Preset) -> Result<()> {
     page.head(&format!("Figure 6: sigma_0 of {} from balls in parallel light", preset.name));
-    page.say(
-        "Lines: the function at the sigma_0 fitted to the dipole, which pictures of this material take. Dots: the \
-         dipole. Bars: a random walk and twice its standard error.",
-    );
+    page.say("Lines: the function at the sigma_0 that pictures take, fitted to the dipole. Dots: the dipole.");
+    page.say("Bars: a random walk and twice its standard error.");
     let photons = bench.either(3_000, 50_000);
     let paths = [0, 1, 2].map(|c| 1.0 / (preset.sigma_s_prime[c] + preset.sigma_a[c]));
     let boundary = fresnel::boundary(fresnel::diffuse_internal_exact(preset.eta));
