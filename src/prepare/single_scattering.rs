@@ -16,10 +16,10 @@ const FAINTEST: f64 = 1e-4;
 pub(crate) fn beside(objects: &[Object], transport: ShadingMethod) -> Result<()> {
     let asks = objects.iter().position(|object| object.material.single_scattering);
     match asks {
-        Some(number) if transport == ShadingMethod::Walk => {
-            let what = "a random walk holds the light that is scattered once; it would count twice";
+        Some(number) if matches!(transport, ShadingMethod::Walk | ShadingMethod::Diffusion) => {
+            let what = "random walk and diffusion hold the light that is scattered once; it would count twice";
             let fault = Input::new(what).key(format!("object.{number}.material.single_scattering"));
-            Err(fault.found("true").expected("false, or another --transport than walk").into())
+            Err(fault.found("true").expected("false, or another --transport than walk or diffusion").into())
         }
         _ => Ok(()),
     }

@@ -82,8 +82,11 @@ fn a_plan_says_why_it_is_left_out_and_a_frame_without_it_has_nothing_of_it() {
 fn it_is_refused_where_it_has_no_meaning() {
     let here = folder(&[]);
     let small = "--set object.0.detail=2 --set camera.size=[8,8]";
-    let words =
-        ["object.0.material.single_scattering", "a random walk holds the light", "another --transport than walk"];
+    let words = [
+        "object.0.material.single_scattering",
+        "random walk and diffusion hold the light",
+        "another --transport than walk or diffusion",
+    ];
     bad(&here, &format!("render sphere {small} --set {ASKS} --transport walk -o a.png"), 2, &words);
     let cases = [
         ("{ preset = 'marble', single_scattering = true, two_sided = true }", "object.0.material.two_sided: light is"),

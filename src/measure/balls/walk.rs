@@ -75,8 +75,8 @@ mod tests {
         let sum = |c: usize| (0..ANGLES).map(|k| balls[c].values[k] * 2.0 * (edge(k) - edge(k + 1))).sum::<f64>();
         assert!((sum(0) - 1.0).abs() < 0.01 && (sum(1) - 2.0).abs() < 0.02, "{} {}", sum(0), sum(1));
         // Red and green are balls of thirty free paths: bright towards the light, dim behind.
-        for c in 0..2 {
-            assert!(balls[c].values[0] > 3.0 * balls[c].values[ANGLES - 1] && balls[c].errors[0] > 0.0);
+        for ball in &balls[..2] {
+            assert!(ball.values[0] > 3.0 * ball.values[ANGLES - 1] && ball.errors[0] > 0.0);
         }
         assert!(balls == curves(&walks, radii, [1.0, 0.5, 1.0]).unwrap());
         assert!(balls != curves(&Walks { seed: 8, ..walks }, radii, [1.0, 0.5, 1.0]).unwrap());
