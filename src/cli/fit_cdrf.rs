@@ -74,11 +74,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         spread: spread(&dipoles[c]),
     });
     let device = arguments.device.open(validation())?;
-    let count = radii[0].len();
-    for k in 0..count {
+    for (k, ((&red, &green), &blue)) in radii[0].iter().zip(&radii[1]).zip(&radii[2]).enumerate() {
         let seed = arguments.seed.wrapping_mul(1000).wrapping_add(k as u64);
         let walks = Walks { device: device.as_ref(), media, photons: arguments.photons, seed };
-        let balls = walk(&walks, [0, 1, 2].map(|c| radii[c][k]), dipoles.each_ref().map(Dipole::total))?;
+        let balls = walk(&walks, [red, green, blue], dipoles.each_ref().map(Dipole::total))?;
         channels.iter_mut().zip(balls).for_each(|(channel, ball)| channel.walk.push(ball));
     }
     report(preset, &channels)?;
