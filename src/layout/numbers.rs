@@ -167,8 +167,6 @@ constants! {
     SMALL_PRODUCTS: usize = 1051;
     /// Norms: of the source term, and of what is left.
     SMALL_NORMS: usize = 1083;
-    /// Elements of it all, a multiple of 64.
-    SMALL_SYSTEM: usize = 1088;
 
     /// Layers that a texel of a depth map holds.
     MAP_LAYERS: usize = 4;

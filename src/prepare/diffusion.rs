@@ -15,8 +15,8 @@ pub(crate) fn steps(scene: &Scene) -> u32 {
     scene.transport.steps.unwrap_or(MOST_STEPS as u32).min(room)
 }
 
-/// The largest error of a cluster in a product for a tolerance, for a density of 1. Errors of clusters cancel: measured,
-/// they add less than a tenth of the tolerance to the solution, from 1e-2 to 1e-4.
+/// The largest error of a cluster in a product for a tolerance, for a density of 1. Errors of clusters cancel:
+/// measured, they add less than a tenth of the tolerance to the solution, from 1e-2 to 1e-4.
 pub(crate) fn layer_error(tolerance: f64) -> f64 {
     8.0 * tolerance
 }

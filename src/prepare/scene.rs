@@ -74,8 +74,8 @@ impl Prepared {
 /// Builds the trees and the state of a scene. `by_pixel`: whether receivers are at pixels; `lit_at`: where opaque
 /// objects are lit; `known`: a scene that was prepared before, from which trees of the same meshes are taken.
 ///
-/// If it `solves`, the transport is diffusion. With `local`, shading takes the place of transport: there are no blocks of receivers, and a texture is applied
-/// once, at the exit (except with `Local::Blur`).
+/// If it `solves`, the transport is diffusion. With `local`, shading takes the place of transport: there are no blocks
+/// of receivers, and a texture is applied once, at the exit (except with `Local::Blur`).
 pub fn prepare(
     scene: &Scene,
     (by_pixel, lit_at): (bool, LitAt),
