@@ -62,8 +62,8 @@ fn runs(update: &Update) -> bool {
     }
 }
 
-/// Least distance from a triangle, squared, as a share of a triangle's mean area: a layer's law has no depth to level it
-/// off.
+/// Least distance from a triangle, squared, as a share of a triangle's mean area: a layer's law has no depth to level
+/// it off.
 const LEAST: f64 = 1.0 / 64.0;
 
 /// The binary logarithm of a law of diffusion at distance `u`: single layer over z_b, and double layer.

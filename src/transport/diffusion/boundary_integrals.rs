@@ -1,5 +1,5 @@
-//! Stage `boundary_integrals`: single and double layer at every triangle, of a vector of the basis; in the first run, of
-//! the light that was deposited below the surface, and of the solution to start from, if there is one. Clusters are
+//! Stage `boundary_integrals`: single and double layer at every triangle, of a vector of the basis; in the first run,
+//! of the light that was deposited below the surface, and of the solution to start from, if there is one. Clusters are
 //! expanded about blocks of receivers or evaluated at each of them; near triangles take area points or the edge form.
 
 use super::sums::{Density, add_up, expanded};

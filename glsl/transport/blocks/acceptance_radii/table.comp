@@ -7,7 +7,7 @@
 // function by bisection. A law is the largest over the channels of
 //   strength sum_j z_j p(s_j) (q2(sigma s_j) / (2 s_j^2))^n / level,  s_j^2 = u^2 + z_j^2,
 // or, for any light of a contrast, of that times strength sum_j ...; for diffusion, of
-//   (1/(z_b s) + (1 + k s)/s^2) e^(-k s) / (4 pi) (q2(k s) / (2 s^2))^n,  s^2 = u^2 + a share of a triangle's mean area.
+//   (1/(z_b s) + (1 + k s)/s^2) e^(-k s) / (4 pi) (q2(k s) / (2 s^2))^n,  s^2 = u^2 + a share of a triangle's area.
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint ORDER = 2;
 layout(constant_id = 2) const uint ANY_LIGHT = 0;
