@@ -1,7 +1,10 @@
-//! A cluster's layers seen from afar, in one channel: `w g - U.grad g + Y : grad grad g - (Q, U) : grad grad grad g /
-//! 2` of the kernel `g(s) = e^(-k s) / (4 pi s)`, by Taylor's series about the cluster's middle. w is the sum of b / z_b
-//! over its triangles (b: value times area), U of b (n + e / z_b) with e from the middle, Y of b (e n + n e +
-//! e e / z_b) / 2, and Q the mean of e e over the area: the third order takes e e for independent of b and n.
+//! A cluster's layers seen from afar, in one channel:
+//! `w g - U.grad g + Y : grad grad g - (Q, U) : grad grad grad g / 2`,
+//! with the kernel `g(s) = e^(-k s) / (4 pi s)`, by Taylor's series about the cluster's middle.
+//!
+//! w is the sum of b / z_b over its triangles (b: value times area), U of b (n + e / z_b) with e from the middle, Y of
+//! b (e n + n e + e e / z_b) / 2, and Q the mean of e e over the area: the third order takes e e for independent of b
+//! and n.
 
 use glam::{DMat3, DVec3};
 
