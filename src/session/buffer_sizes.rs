@@ -37,7 +37,8 @@ impl Session {
             ShadingMethod::None if *slot == BufferId::radiosity => true,
             _ => !self.plan.writes(*slot),
         };
-        let blank: Vec<BufferId> = RESULTS[..4].iter().copied().filter(unwritten).collect();
+        let blank = RESULTS.iter().copied().filter(|slot| *slot != BufferId::counters && unwritten(slot));
+        let blank: Vec<BufferId> = blank.collect();
         blank.iter().for_each(|slot| self.prepared.state.data.bytes_mut(*slot).fill(0));
         self.send(&blank)
     }

@@ -220,3 +220,20 @@ fn a_refused_edit_changes_nothing() {
     session.show(&before).unwrap();
     assert!(Outcome::of(&mut session).apart(&wanted).is_empty());
 }
+
+/// Where no stage says which receiver a pixel shows, memory must not: some drivers fault beyond a buffer's end.
+#[test]
+fn without_light_every_pixel_shows_the_first_receiver() {
+    devices::on_devices(|device| {
+        let sets = ["transport.receivers=pixels", "camera.size=[24, 20]"].map(String::from);
+        let scene = Scene::load_with("sphere", &sets).unwrap();
+        let mut session = Session::new(&scene, Some(device), Options::default()).unwrap();
+        session.render().unwrap();
+        session.fetch(&[BufferId::seen]).unwrap();
+        assert!(session.state().data.seen.iter().any(|&seen| seen > 0));
+        session.set_lights(&[]).unwrap();
+        session.render().unwrap();
+        session.fetch(&[BufferId::seen]).unwrap();
+        assert!(session.state().data.seen.iter().all(|&seen| seen == 0));
+    });
+}
