@@ -176,7 +176,7 @@ mod tests {
             layers.first += one.first;
             layers.second += one.second;
         }
-        for k in [0.0, 1.0, 6.0] {
+        for k in [0.0, 1.0] {
             let exact = |x: DVec3| -> f64 {
                 let of = |&(place, normal, b): &(DVec3, DVec3, f64)| {
                     let d = x - place;
@@ -190,9 +190,7 @@ mod tests {
                     (layers.at(k, &area, x) - exact(x)).abs() / (kernel(k, distance) * 0.1 / z_b)
                 };
                 let (near, far) = (off(0.5), off(1.0));
-                // The kernel falls by more and more over the patches.
-                let falls = if k < 2.0 { 0.2 } else { 0.7 };
-                assert!(near < 1e-2 && far < falls * near + 1e-9, "{k} {way}: {near:.1e} {far:.1e}");
+                assert!(near < 1e-2 && far < 0.2 * near + 1e-9, "{k} {way}: {near:.1e} {far:.1e}");
 
                 // About a block's centre, the third order is lost.
                 let (x, step) = (center + 0.7 * way, DVec3::new(0.01, -0.02, 0.015));
@@ -202,8 +200,7 @@ mod tests {
                     let series = e.value + e.gradient.dot(d) + 0.5 * d.dot(e.second * d);
                     (series - exact(x + d) - (e.value - exact(x))).abs() / (kernel(k, 0.7) * 0.1 / z_b)
                 };
-                let [most, least] = if k < 2.0 { [1.5e-3, 4e-4] } else { [1e-2, 4e-3] };
-                assert!(value(1.0) < most && value(0.25) < least, "{k} {way}: {:.1e} {:.1e}", value(1.0), value(0.25));
+                assert!(value(1.0) < 1.5e-3 && value(0.25) < 4e-4, "{k} {way}: {:.1e} {:.1e}", value(1.0), value(0.25));
             }
         }
     }
