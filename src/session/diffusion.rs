@@ -4,6 +4,7 @@ use super::run::Session;
 use crate::error::{Input, Result};
 use crate::gpu::Timing;
 use crate::layout::{BufferId, ListCounters, SMALL_NORMS, SMALL_SYSTEM};
+use crate::pipeline::plan::Mode;
 use crate::prepare::diffusion::residual;
 use crate::scene::Scene;
 use crate::state::{Scope, Step};
@@ -63,12 +64,13 @@ impl Session {
         if !self.state().data.counters.iter().all(ready) {
             return Ok(times);
         }
-        self.solves.clear();
+        let before = std::mem::take(&mut self.solves);
+        let warms = matches!(self.plan.options().mode, Mode::Render | Mode::Incremental);
         for object in 0..self.state().objects.len() {
             let own: Vec<Step> =
                 steps.iter().filter(|step| iterates(step) && step.at.object == object).copied().collect();
             if let Some(sum) = steps.iter().find(|step| step.stage.is(&krylov_sum::STAGE) && step.at.object == object) {
-                self.solve_object(&own, *sum, &mut times)?;
+                self.solve_object(&own, *sum, warms && !before.is_empty(), &mut times)?;
             }
         }
         let rest: Vec<Step> = steps[first..]
@@ -80,27 +82,26 @@ impl Session {
         Ok(times)
     }
 
-    /// Solves the system of one object.
-    fn solve_object(&mut self, own: &[Step], sum: Step, times: &mut Vec<Timing>) -> Result<()> {
+    /// Solves the system of one object, `warm` from the last frame's solution.
+    fn solve_object(&mut self, own: &[Step], sum: Step, warm: bool, times: &mut Vec<Timing>) -> Result<()> {
         let object = sum.at.object;
         let asked = self.scene.transport.steps;
         let target = residual(self.scene.transport.tolerance);
         let mut report = SolveReport { object, ..SolveReport::default() };
-        let mut whole = [0.0; 3];
-        for start in 0..STARTS {
-            self.prepared.state.method.warm = start > 0;
+        // From what is there: the last frame's solution, or what the starts before have found.
+        self.prepared.state.method.warm = warm;
+        for _ in 0..STARTS {
             let mut taken = 0;
             for pair in own.chunks(2) {
                 add(times, self.run(pair)?);
-                self.fetch(&[BufferId::small_system])?;
-                let small = &self.state().data.small_system[object * SMALL_SYSTEM..];
                 taken = pair[0].at.chunk;
-                if start == 0 && taken == 0 {
-                    whole = small[SMALL_NORMS].map(f64::from);
+                report.residual = self.residual_of(object)?;
+                if taken == 0 && self.state().method.warm && !report.residual.iter().all(|&left| left <= 1.0) {
+                    // A start that is worse than none, or no number.
+                    self.prepared.state.method.warm = false;
+                    add(times, self.run(pair)?);
+                    report.residual = self.residual_of(object)?;
                 }
-                report.residual = std::array::from_fn(|c| {
-                    if whole[c] > 0.0 { f64::from(small[SMALL_NORMS + 1][c]) / whole[c] } else { 0.0 }
-                });
                 report.converged = report.residual.iter().all(|&left| left <= target);
                 // A start that finds nothing left still takes a step.
                 if report.converged && asked.is_none() && taken > 0 {
@@ -113,10 +114,19 @@ impl Session {
             if report.converged || asked.is_some() {
                 break;
             }
+            self.prepared.state.method.warm = true;
         }
         self.prepared.state.method.warm = false;
         self.solves.push(report);
         Ok(())
+    }
+
+    /// The norm of the residual over that of the source term, per channel; where there is no source, 0 or infinite.
+    fn residual_of(&mut self, object: usize) -> Result<[f64; 3]> {
+        self.fetch(&[BufferId::small_system])?;
+        let small = &self.state().data.small_system[object * SMALL_SYSTEM..];
+        let [whole, left] = [SMALL_NORMS, SMALL_NORMS + 1].map(|place| small[place].map(f64::from));
+        Ok(std::array::from_fn(|c| if left[c] == 0.0 { 0.0 } else { left[c] / whole[c] }))
     }
 }
 

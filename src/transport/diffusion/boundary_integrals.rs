@@ -1,5 +1,6 @@
 //! Stage `boundary_integrals`: single and double layer at every triangle, of a vector of the basis; in the first run,
-//! of the light that was deposited below the surface, and of the solution to start from, if there is one. Clusters are
+//! of the light that was deposited below the surface, and of the solution to start from, if there is one (the second
+//! vector then keeps the former). Clusters are
 //! expanded about blocks of receivers or evaluated at each of them; near triangles take area points or the edge form.
 
 use super::sums::{Density, add_up, expanded};
@@ -66,6 +67,9 @@ fn cpu(state: &mut State, at: Scope) {
                 for c in 0..3 {
                     let sum = f64::from(data.received[face][c]) + expanded(&data.expansions[number], c, d);
                     let old = f64::from(data.krylov[face][c]);
+                    if density == Density::Solution {
+                        data.krylov[faces + face][c] = data.krylov[face][c];
+                    }
                     let (place, value) = match density {
                         Density::Source => (face, sum),
                         Density::Solution => (face, old - sum - 0.5 * f64::from(data.solution[face][c])),

@@ -1,6 +1,7 @@
 //! Stage `krylov_step`: one step of GMRES (Saad and Schultz 1986): the newest vector is made orthogonal to those before
 //! it, twice, in the mean over the object's area, and scaled to length 1; the small system gains a column, which
-//! rotations make triangular. What is left of its right-hand side is the residual's norm. Each channel by itself.
+//! rotations make triangular. What is left of its right-hand side is the residual's norm. Each channel by itself. At a
+//! start from a solution, the second vector is the source term, of which only the norm is taken.
 
 use crate::error::Result;
 use crate::layout::{
@@ -44,7 +45,7 @@ fn mean(data: &Buffers, [a, b]: [usize; 2], c: usize) -> f64 {
 }
 
 fn cpu(state: &mut State, at: Scope) {
-    let (newest, data) = (at.chunk, &mut state.data);
+    let (newest, warm, data) = (at.chunk, state.method.warm, &mut state.data);
     let faces = data.triangles.len();
     for c in 0..3 {
         let mut column = vec![0.0; newest];
@@ -63,6 +64,11 @@ fn cpu(state: &mut State, at: Scope) {
         let square = mean(data, [newest; 2], c);
         data.small_system[SMALL_PRODUCTS + newest][c] = square as f32;
         rotate(data, newest, c, &mut column, square.sqrt());
+        if warm && newest == 0 {
+            let whole = mean(data, [1; 2], c);
+            data.small_system[SMALL_PRODUCTS + 1][c] = whole as f32;
+            data.small_system[SMALL_NORMS][c] = whole.sqrt() as f32;
+        }
         let by = if square > 1e-37 { 1.0 / square.sqrt() } else { 0.0 };
         for value in &mut data.krylov[newest * faces..][..faces] {
             value[c] = (f64::from(value[c]) * by) as f32;
@@ -114,7 +120,11 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
             pass.dispatch(Some("subtract"), &[], &push, faces)?;
         }
     }
+    let warm = pass.state.method.warm;
     pass.dispatch(Some("products"), &[0], bytemuck::bytes_of(&[newest, newest]), groups(1))?;
-    pass.dispatch(Some("rotate"), &[], &push, 1)?;
+    if warm && newest == 0 {
+        pass.dispatch(Some("products"), &[0], bytemuck::bytes_of(&[1u32, 1]), groups(1))?;
+    }
+    pass.dispatch(Some("rotate"), &[u32::from(warm)], &push, 1)?;
     pass.dispatch(Some("scale"), &[], &push, faces)
 }

@@ -3,7 +3,8 @@
 #include "layout.glsl"
 
 // Each receiver's sum: what it received itself, its block's expansion, and half of its own value. The source term is
-// the first vector; with a solution to start from, its product is taken off.
+// the first vector; with a solution to start from, its product is taken off, and the second vector keeps the term itself
+// until its norm is known.
 layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint SOURCE = 0;
 layout(constant_id = 1) const uint SOLUTION = 0;
@@ -30,6 +31,10 @@ void main() {
     value += received[self.face];
     uint faces = object_params[0].faces;
     if (SOURCE != 0) krylov[self.face] = value;
-    else if (SOLUTION != 0) krylov[self.face] -= value + 0.5 * solution[self.face];
+    else if (SOLUTION != 0) {
+        vec3 source = krylov[self.face];
+        krylov[faces + self.face] = source;
+        krylov[self.face] = source - (value + 0.5 * solution[self.face]);
+    }
     else krylov[(step + 1) * faces + self.face] = value + 0.5 * krylov[step * faces + self.face];
 }
