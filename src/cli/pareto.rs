@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::replace::ReplaceArgument;
 use super::{DeviceArgument, SceneArguments, check_messages, print, table, validation};
+use milkglass::Session;
 use milkglass::error::{Input, Result};
 use milkglass::internals::pipeline::plan::{Goal, Mode, Options, ShadingMethod};
 use milkglass::internals::state::Scheme;
@@ -76,12 +77,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut links = scene.clone();
     links.transport.scheme = Scheme::Links;
     let radiosity = Options { goal: Goal::Radiosity, ..Options::default() };
-    let setups = [
+    let mut setups = vec![
         (&scene, Options::default()),
         (&scene, Options { mode: Mode::Render, ..radiosity }),
         (&links, radiosity),
         (&scene, Options { transport: ShadingMethod::Brute, ..radiosity }),
     ];
+    let diffusion = Options { transport: ShadingMethod::Diffusion, ..radiosity };
+    if Session::new(&scene, None, diffusion).is_ok() {
+        setups.push((&scene, diffusion));
+    }
     let own = arguments.replace.on(device.as_ref(), &setups)?;
     let bench = Bench { scene: &scene, device: device.as_ref() };
     settings.truth = arguments.truth.as_ref().map(|from| Truth::find(from, &scene, device.as_ref())).transpose()?;
@@ -176,7 +181,8 @@ fn text(found: &Sweep, origin: &Origin) -> String {
          a\n       multiple of its fastest\n\
          errors: of B at {} seeded faces, worst channel; `own` against brute force in f64 over the method's own leaf \
          sums, `total`\n        against the area integral over the same faces; `leaves` is the L2 of the one against \
-         the other\n        (midpoint sums without clusters: {:.1e}); * on the front of wall time and L2\n\n",
+         the other\n        (midpoint sums without clusters: {:.1e}); * on the front of wall time and L2; diffusion is \
+         another model: `own`\n        against its own solution on the CPU at a tenth of its finest tolerance\n\n",
         found.samples, found.midpoint.l2,
     );
     if let Some(walk) = &found.truth {
@@ -225,7 +231,8 @@ fn points(found: &Sweep, lighting: Lighting) -> String {
         let Ok(run) = &point.run else { continue };
         let errors = |norms: Norms, front: bool| {
             let star = if front { "*" } else { "" };
-            [norms.l2, norms.p99, norms.max].map(|x| format!("{x:.1e}")).into_iter().chain([star.to_string()])
+            let cell = |x: f64| if x.is_nan() { "-".to_string() } else { format!("{x:.1e}") };
+            [norms.l2, norms.p99, norms.max].map(cell).into_iter().chain([star.to_string()])
         };
         let leaves = if point.method.leaves == Leaves::Exact { 0.0 } else { found.midpoint.l2 };
         let spread = (run.range_ms[1] - run.range_ms[0]) / run.wall_ms;

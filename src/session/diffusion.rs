@@ -27,7 +27,7 @@ pub struct SolveReport {
 }
 
 /// An error where diffusion inside an object has no meaning.
-pub(super) fn closed(scene: &Scene) -> Result<()> {
+pub(crate) fn closed(scene: &Scene) -> Result<()> {
     for (number, object) in scene.objects.iter().enumerate().filter(|(_, object)| object.material.opaque.is_none()) {
         let fault = |what: &str| Input::new(what).key(format!("object.{number}"));
         if object.mesh.open_edges > 0 {

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::gpu::Device;
 use crate::layout::BufferId;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
-use crate::scene::{Scene, Scheme};
+use crate::scene::{Light, Scene, Scheme};
 use crate::session::run::Session;
 use crate::state::State;
 
@@ -39,6 +39,10 @@ impl Solver for Frames {
         Ok(timed.then_some(milliseconds))
     }
 
+    fn light(&mut self, lights: &[Light]) -> Result<()> {
+        self.session.set_lights(lights)
+    }
+
     fn radiosity(&mut self) -> Result<Vec<[f64; 3]>> {
         self.session.fetch(&[BufferId::radiosity])?;
         let light = self.session.units().light;
@@ -48,7 +52,7 @@ impl Solver for Frames {
     }
 
     fn links_per_face(&mut self) -> Result<Option<f64>> {
-        if self.session.plan().options().transport != ShadingMethod::Hierarchy {
+        if !matches!(self.session.plan().options().transport, ShadingMethod::Hierarchy | ShadingMethod::Diffusion) {
             return Ok(None);
         }
         self.session.fetch(&[BufferId::spans, BufferId::runs])?;

@@ -2,12 +2,13 @@
 
 use std::time::Instant;
 
+use super::diffusion::{diffusion, diffusion_kept};
 use super::frames::Frames;
-use super::{Leaves, Lighting};
+use super::{Equation, Leaves, Lighting};
 use crate::error::Result;
 use crate::gpu::Device;
 use crate::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
-use crate::scene::{ClusterForm, Distance, Hierarchy, Scene, Scheme};
+use crate::scene::{ClusterForm, Distance, Hierarchy, Light, Scene, Scheme};
 
 /// The problem, and where it is solved.
 #[derive(Clone, Copy)]
@@ -29,6 +30,8 @@ pub struct Method {
     pub parameter: &'static str,
     /// The setting's values, from coarse to fine; a single unused value if it has none.
     pub values: &'static [f64],
+    /// The equation that it solves.
+    pub equation: Equation,
     /// How it sums over single triangles.
     pub leaves: Leaves,
     /// Opens the method at a setting.
@@ -47,6 +50,10 @@ pub enum Opened {
 
 /// An opened method.
 pub trait Solver {
+    /// What goes before a frame and is not timed.
+    fn before(&mut self) -> Result<()> {
+        Ok(())
+    }
     /// Runs the work of one frame for its lighting; returns milliseconds by the device's clock, if there are any.
     fn frame(&mut self) -> Result<Option<f64>>;
     /// The last frame's radiosity of every triangle of the mesh, in the scene's units.
@@ -54,6 +61,8 @@ pub trait Solver {
     /// Links summed by the last frame, per face, if the method has links. For blocks, the mean number of list entries
     /// per face; an entry that is expanded once for a whole block is shared among its faces.
     fn links_per_face(&mut self) -> Result<Option<f64>>;
+    /// Replaces the lights, for the next frame.
+    fn light(&mut self, lights: &[Light]) -> Result<()>;
 }
 
 /// All methods; ratios refer to the first.
@@ -63,6 +72,7 @@ pub static METHODS: &[Method] = &[
         about: "emitters with moments to blocks of receivers; a resting light keeps the lists",
         parameter: "tolerance",
         values: &[1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5],
+        equation: Equation::Dipole,
         leaves: Leaves::Exact,
         open: blocks,
         foretell: None,
@@ -72,6 +82,7 @@ pub static METHODS: &[Method] = &[
         about: "the same, with lists that hold for any light and are kept while it changes: for a shape at rest",
         parameter: "tolerance",
         values: &[1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5],
+        equation: Equation::Dipole,
         leaves: Leaves::Exact,
         open: blocks_kept,
         foretell: None,
@@ -81,6 +92,7 @@ pub static METHODS: &[Method] = &[
         about: "Mertens et al. 2003; a new light rebuilds everything, a resting one keeps links and form factors",
         parameter: "angle",
         values: ANGLES,
+        equation: Equation::Dipole,
         leaves: Leaves::Exact,
         open: links,
         foretell: None,
@@ -90,6 +102,7 @@ pub static METHODS: &[Method] = &[
         about: "the same, with one sample for every cluster, however near",
         parameter: "angle",
         values: ANGLES,
+        equation: Equation::Dipole,
         leaves: Leaves::Exact,
         open: links_sample,
         foretell: None,
@@ -99,6 +112,7 @@ pub static METHODS: &[Method] = &[
         about: "links, kept with their form factors under a new light, too: for a shape at rest",
         parameter: "angle",
         values: ANGLES,
+        equation: Equation::Dipole,
         leaves: Leaves::Exact,
         open: links_kept,
         foretell: None,
@@ -108,6 +122,7 @@ pub static METHODS: &[Method] = &[
         about: "the irradiance octree of Jensen and Buhler 2002 on the host's cores; a resting light keeps the tree",
         parameter: "angle",
         values: &[0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01],
+        equation: Equation::Dipole,
         leaves: Leaves::Midpoint,
         open: octree,
         foretell: None,
@@ -117,17 +132,41 @@ pub static METHODS: &[Method] = &[
         about: "every face to every face, one sample or the edge form",
         parameter: "",
         values: &[0.0],
+        equation: Equation::Dipole,
         leaves: Leaves::Exact,
         open: brute,
         foretell: Some(brute_seconds),
     },
+    Method {
+        name: "diffusion",
+        about: "the diffusion equation on the object's own surface; lists are kept, the solver starts from 0",
+        parameter: "tolerance",
+        values: DIFFUSION,
+        equation: Equation::Diffusion,
+        leaves: Leaves::Exact,
+        open: diffusion,
+        foretell: None,
+    },
+    Method {
+        name: "diffusion-kept",
+        about: "the same, from the last frame's solution while the lights turn by three degrees a frame",
+        parameter: "tolerance",
+        values: DIFFUSION,
+        equation: Equation::Diffusion,
+        leaves: Leaves::Exact,
+        open: diffusion_kept,
+        foretell: None,
+    },
 ];
+
+/// Tolerances of diffusion.
+const DIFFUSION: &[f64] = &[1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4];
 
 /// Values for both epsilon_1 and epsilon_2 of section 5.2, steradian.
 const ANGLES: &[f64] = &[0.2, 0.1, 0.05, 0.03, 0.02];
 
 /// The change before each frame under this lighting.
-fn change(lighting: Lighting) -> Change {
+pub(super) fn change(lighting: Lighting) -> Change {
     match lighting {
         Lighting::Moves => Change::LIGHT,
         Lighting::Rests => Change::RESUM,

@@ -3,8 +3,10 @@
 //! A method is one entry of [`METHODS`] and one function that opens it. Each setting is timed under two kinds of
 //! lighting: a light that changes every frame, so that everything that depends on light runs again, and a constant
 //! one, so that only the summation does. The error belongs to the timed frames themselves and is given against two
-//! references: brute force over the method's own leaf sums, and the area integral over the same faces.
+//! references: brute force over the method's own leaf sums, and the area integral over the same faces; for diffusion,
+//! which is another equation, against its own solution.
 
+mod diffusion;
 mod frames;
 mod front;
 mod method;
@@ -22,7 +24,7 @@ pub use plot::svg;
 pub use ratios::{Norm, Ratio, Reach, ratios, time_at};
 pub use sheet::{Origin, csv, extent_mm, materials};
 pub use sweep::{Settings, sweep};
-pub use yardstick::{Leaves, Yardstick};
+pub use yardstick::{Equation, Leaves, Yardstick};
 
 use super::norms::Norms;
 use super::truth::TruthError;
@@ -62,9 +64,10 @@ pub struct Run {
     /// Load of the machine by other work: the time of a fixed small job just before or after, the larger of both,
     /// over its fastest time in the run; at least 1.
     pub busy: f64,
-    /// Error against brute force in `f64` over the method's own leaf sums, worst channel.
+    /// Error against brute force in `f64` over the method's own leaf sums, worst channel; of diffusion, against its
+    /// solution on the CPU at a tenth of the finest tolerance.
     pub own: Norms,
-    /// Error against the area integral over the same faces, in `f64`, worst channel.
+    /// Error against the area integral over the same faces, in `f64`, worst channel; unknown for diffusion.
     pub total: Norms,
     /// Error against a walk, if one was asked for.
     pub truth: Option<TruthError>,

@@ -14,8 +14,8 @@ use crate::error::{Error, Result};
 const PANEL: [i32; 2] = [600, 440];
 /// Height of the title above the panels, pixels.
 const TITLE: i32 = 76;
-/// Height of the legend below them, pixels.
-const LEGEND: i32 = 60;
+/// Height of the legend below them, pixels: two rows of methods, and one for the front.
+const LEGEND: i32 = 84;
 /// Colour of the band along the front.
 const BAND: RGBColor = RGBColor(222, 222, 222);
 /// A palette for colour-blind readers (Okabe and Ito).
@@ -163,17 +163,20 @@ fn legend<DB: DrawingBackend>(
     methods: &[&Method],
     top: i32,
 ) -> axes::Drawn<DB> {
-    let (mut x, y) = (74, top + 24);
+    let (mut x, mut y) = (74, top + 24);
     for (style, method) in methods.iter().enumerate() {
+        let parameter = if method.parameter.is_empty() { String::new() } else { format!(" ({})", method.parameter) };
+        let name = format!("{}{parameter}", method.name);
+        let width = 50 + 7 * name.len() as i32;
+        if x + width > 2 * PANEL[0] {
+            (x, y) = (74, y + 24);
+        }
         let color = COLORS[style % COLORS.len()];
         root.draw(&PathElement::new(vec![(x - 16, y), (x + 16, y)], color.stroke_width(2)))?;
         marker(root, style, (x, y), true)?;
-        let parameter = if method.parameter.is_empty() { String::new() } else { format!(" ({})", method.parameter) };
-        let name = format!("{}{parameter}", method.name);
         text(root, &name, (x + 24, y), 13, &INK, HPos::Left)?;
-        x += 80 + 7 * name.len() as i32;
+        x += width + 30;
     }
-    // Second line, because there may be many methods.
     let (x, y) = (74, y + 24);
     root.draw(&PathElement::new(vec![(x - 16, y), (x + 16, y)], BAND.stroke_width(10)))?;
     text(root, "Pareto front; hollow marks are off it", (x + 24, y), 13, &INK, HPos::Left)
@@ -189,7 +192,8 @@ mod tests {
     /// A method of which only the name matters.
     const fn method(name: &'static str, leaves: Leaves) -> Method {
         let open = |_: &super::super::Bench<'_>, _, _| Ok(Opened::NotOffered(String::new()));
-        Method { name, about: "", parameter: "threshold", values: &[0.1], leaves, open, foretell: None }
+        let equation = crate::measure::pareto::Equation::Dipole;
+        Method { name, about: "", parameter: "threshold", values: &[0.1], equation, leaves, open, foretell: None }
     }
 
     static FINE: Method = method("fine", Leaves::Exact);

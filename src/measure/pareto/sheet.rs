@@ -48,7 +48,7 @@ fn of_object(scene: &Scene, material: &Material) -> String {
     format!("{}: sigma_s' {scattering} /mm, sigma_a {absorption} /mm, eta {}", material.name, show(material.eta))
 }
 
-/// The columns. Times are medians in milliseconds; `wall_low_ms` and `wall_high_ms` are the fastest and slowest
+/// The columns; what is not known is empty. Times are medians in milliseconds; `wall_low_ms` and `wall_high_ms` are the fastest and slowest
 /// frame, `busy` the time of a fixed job over its fastest time. Errors of the worst channel: `own` against the
 /// method's own leaf sums, `total` against the area integral, `leaves` of the leaf sums against the area integral.
 /// `own_front` and `total_front` tell whether a point is on the front of its lighting by that L2.
@@ -98,7 +98,7 @@ pub fn csv(sweep: &Sweep, origin: &Origin) -> Result<String> {
             Err(why) => (None, why.as_str()),
         };
         let named = !point.method.parameter.is_empty();
-        let number = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.6e}"));
+        let number = |x: Option<f64>| x.filter(|x| !x.is_nan()).map_or_else(String::new, |x| format!("{x:.6e}"));
         let of = |norms: Option<Norms>, front: bool| {
             let [l2, p99, max] = [|n: Norms| n.l2, |n: Norms| n.p99, |n: Norms| n.max].map(|f| number(norms.map(f)));
             [l2, p99, max, if norms.is_some() { u8::from(front).to_string() } else { String::new() }]

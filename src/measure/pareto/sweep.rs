@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::pace::Pace;
-use super::{Bench, Leaves, Lighting, Method, Opened, Point, Run, Sweep, Yardstick};
+use super::{Bench, Equation, Leaves, Lighting, Method, Opened, Point, Run, Sweep, Yardstick};
 use crate::error::Result;
 use crate::measure::progress::Progress;
 use crate::measure::truth::Truth;
@@ -29,8 +29,11 @@ pub struct Settings {
 
 /// Measures all points.
 pub fn sweep(bench: &Bench<'_>, settings: &Settings) -> Result<Sweep> {
-    let yardstick = Yardstick::new(bench.scene, settings.samples, settings.seed)?;
     let values = |method: &Method| method.values.len().min(settings.values);
+    let solved = settings.methods.iter().filter(|method| method.equation == Equation::Diffusion);
+    let finest = solved.map(|method| method.values[values(method) - 1]).reduce(f64::min);
+    let yardstick =
+        Yardstick::new(bench.scene, settings.samples, settings.seed)?.with_diffusion(bench.scene, finest)?;
     let count = settings.methods.iter().map(|method| values(method) * Lighting::ALL.len()).sum::<usize>();
     let progress = Progress::new(count);
     let mut points = Vec::new();
@@ -99,6 +102,7 @@ impl Course<'_> {
         // The first timed frame shows whether the others fit the budget.
         let (mut walls, mut devices) = (Vec::new(), Vec::new());
         for frame in 0..repeat {
+            solver.before()?;
             let before = Instant::now();
             devices.push(solver.frame()?);
             let seconds = before.elapsed().as_secs_f64();

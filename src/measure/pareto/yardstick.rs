@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::Method;
+use super::diffusion::diffusion_at;
 use crate::dipole::form_factor::Distance as Sources;
 use crate::dipole::form_factor::points::sampled;
 use crate::dipole::profile::Dipole;
@@ -12,8 +13,18 @@ use crate::measure::reference::{by_object, radiosity, receivers};
 use crate::measure::sample::Sample;
 use crate::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use crate::scene::{Hierarchy, Near, Scene, Scheme};
+use crate::session::diffusion::closed;
 use crate::session::run::Session;
 use crate::state::{Distance, State, wide};
+
+/// What a method solves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Equation {
+    /// The sum of every triangle's dipole.
+    Dipole,
+    /// Diffusion on the object's own surface.
+    Diffusion,
+}
 
 /// How a method treats a single triangle at its finest level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +56,7 @@ pub struct Yardstick {
     faces: Vec<usize>,
     exact: Vec<[f64; 3]>,
     midpoint: Vec<[f64; 3]>,
+    diffusion: Option<Vec<[f64; 3]>>,
 }
 
 impl Yardstick {
@@ -75,7 +87,25 @@ impl Yardstick {
         let places: Vec<usize> = faces.iter().map(|&face| places[face]).collect();
         let (state, light) = (session.state(), session.units().light);
         let scaled = |sums: Vec<[f64; 3]>| sums.into_iter().map(|sum| sum.map(|x| x * light)).collect();
-        Ok(Self { exact: scaled(radiosity(state, &places)), midpoint: scaled(midpoint(state, &places)), sample, faces })
+        Ok(Self {
+            exact: scaled(radiosity(state, &places)),
+            midpoint: scaled(midpoint(state, &places)),
+            sample,
+            faces,
+            diffusion: None,
+        })
+    }
+
+    /// With the solution of the diffusion equation, too, on the CPU at a tenth of this tolerance; without, where there
+    /// is none.
+    pub fn with_diffusion(mut self, scene: &Scene, finest: Option<f64>) -> Result<Self> {
+        let (Some(finest), Ok(())) = (finest, closed(scene)) else { return Ok(self) };
+        let (scene, options) = diffusion_at(scene, 0.1 * finest);
+        let mut session = Session::new(&scene, None, options)?;
+        session.frame(Change::EVERYTHING)?;
+        let all: Vec<[f64; 3]> = session.faces()?.into_iter().map(|face| face.radiosity).collect();
+        self.diffusion = Some(self.faces.iter().map(|&face| all[face]).collect());
+        Ok(self)
     }
 
     /// The number of receivers.
@@ -84,9 +114,13 @@ impl Yardstick {
     }
 
     /// The errors, worst channel, of the radiosity of all triangles: against the method's own leaf sums, and against
-    /// the area integral.
+    /// the area integral; of diffusion, only against its own solution.
     pub fn errors(&self, method: &Method, radiosity: &[[f64; 3]]) -> [Norms; 2] {
         let values: Vec<[f64; 3]> = self.faces.iter().map(|&face| radiosity[face]).collect();
+        if method.equation == Equation::Diffusion {
+            let own = self.diffusion.as_ref().map_or(Norms::UNKNOWN, |own| worst(&norms(&self.sample, &values, own)));
+            return [own, Norms::UNKNOWN];
+        }
         [method.leaves, Leaves::Exact].map(|leaves| worst(&norms(&self.sample, &values, self.sums(leaves))))
     }
 
