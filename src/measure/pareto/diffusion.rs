@@ -103,15 +103,15 @@ mod tests {
     #[test]
     fn every_light_turns() {
         let sets = [
-            "light.1={ type='point', position=[1, 2, 3], intensity=1 }",
-            "light.2={ type='spot', position=[1, 2, 3], direction=[0, 0, 1], intensity=1, outer=20 }",
-            "light.3={ type='area', position=[5, 4, 2], edge_u=[2, 0, 3], edge_v=[0, 2, 2], radiance=2 }",
+            "light.1={ type='point', position=[10, 20, 30], intensity=1 }",
+            "light.2={ type='spot', position=[10, 20, 30], direction=[0, 0, 1], intensity=1, outer=20 }",
+            "light.3={ type='area', position=[50, 40, 20], edge_u=[2, 0, 3], edge_v=[0, 2, 2], radiance=2 }",
             "light.4={ type='environment', image='builtin:sky' }",
         ];
         let lights = Scene::load_with("sphere", &sets.map(String::from)).unwrap().lights;
         assert!(lights.iter().zip(&turned(&lights, 3.0)).all(|(light, turned)| light != turned));
         let Source::Point { position, .. } = turned(&lights, 90.0)[1].source else { panic!("no point light") };
-        assert!((position - glam::DVec3::new(3.0, 2.0, -1.0)).length() < 1e-12, "{position}");
+        assert!((position - glam::DVec3::new(30.0, 20.0, -10.0)).length() < 1e-12, "{position}");
     }
 
     #[test]
