@@ -64,7 +64,8 @@ fn all_methods_are_measured_side_by_side() {
         let number = |row: &[String], name: &str| cell(row, name).parse::<f64>().unwrap();
         let mut names: Vec<String> = rows.iter().map(|row| cell(row, "method")).collect();
         names.dedup();
-        assert_eq!(names, ["blocks", "blocks-kept", "links", "links-sample", "links-kept", "octree", "brute"]);
+        let dipole = ["blocks", "blocks-kept", "links", "links-sample", "links-kept", "octree", "brute"];
+        assert_eq!(names, [&dipole[..], &["diffusion", "diffusion-kept"]].concat());
         assert!(out.contains("against its own leaf sums") && out.contains("against the area integral"), "{out}");
         for row in rows.iter().filter(|row| cell(row, "left_out").is_empty()) {
             let octree = cell(row, "method") == "octree";
@@ -72,6 +73,9 @@ fn all_methods_are_measured_side_by_side() {
             // The octree sums midpoints, has no links, and is timed by wall clock only.
             assert_eq!(number(row, "leaves_l2") > 0.0, octree, "{row:?}");
             assert_eq!(cell(row, "device_ms").is_empty(), octree || device.ends_with("cpu"), "{row:?}");
+            // Diffusion is another equation.
+            let diffusion = cell(row, "method").starts_with("diffusion");
+            assert_eq!(cell(row, "total_l2").is_empty(), diffusion, "{row:?}");
             // At most all pairs of faces, for each channel group.
             let links = cell(row, "links_per_face");
             assert!(links.is_empty() || number(row, "links_per_face") <= 3.0 * 320.0, "{row:?}");
