@@ -2,8 +2,7 @@
 
 use std::time::Instant;
 
-use super::diffusion::{diffusion, diffusion_kept};
-use super::frames::Frames;
+use super::frames::{Frames, diffusion, diffusion_kept};
 use super::{Equation, Leaves, Lighting};
 use crate::error::Result;
 use crate::gpu::Device;

@@ -6,7 +6,6 @@
 //! references: brute force over the method's own leaf sums, and the area integral over the same faces; for diffusion,
 //! which is another equation, against its own solution.
 
-mod diffusion;
 mod frames;
 mod front;
 mod method;
@@ -28,6 +27,8 @@ pub use yardstick::{Equation, Leaves, Yardstick};
 
 use super::norms::Norms;
 use super::truth::TruthError;
+use crate::pipeline::plan::{Goal, Options, ShadingMethod};
+use crate::scene::Scene;
 
 /// What the light does between frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -140,4 +141,11 @@ impl Sweep {
     pub fn plotted(&self) -> Vec<Against> {
         self.yardsticks().iter().copied().chain(self.truth.is_some().then_some(Against::Truth)).collect()
     }
+}
+
+/// The scene and options of diffusion at a tolerance.
+fn diffusion_at(scene: &Scene, tolerance: f64) -> (Scene, Options) {
+    let mut scene = scene.clone();
+    scene.transport.tolerance = tolerance;
+    (scene, Options { transport: ShadingMethod::Diffusion, goal: Goal::Radiosity, ..Options::default() })
 }

@@ -48,10 +48,10 @@ fn of_object(scene: &Scene, material: &Material) -> String {
     format!("{}: sigma_s' {scattering} /mm, sigma_a {absorption} /mm, eta {}", material.name, show(material.eta))
 }
 
-/// The columns; what is not known is empty. Times are medians in milliseconds; `wall_low_ms` and `wall_high_ms` are the fastest and slowest
-/// frame, `busy` the time of a fixed job over its fastest time. Errors of the worst channel: `own` against the
-/// method's own leaf sums, `total` against the area integral, `leaves` of the leaf sums against the area integral.
-/// `own_front` and `total_front` tell whether a point is on the front of its lighting by that L2.
+/// The columns; what is not known is empty. Times are medians in milliseconds; `wall_low_ms` and `wall_high_ms` are
+/// the fastest and slowest frame, `busy` the time of a fixed job over its fastest time. Errors of the worst channel:
+/// `own` against the method's own leaf sums, `total` against the area integral, `leaves` of the leaf sums against the
+/// area integral. `own_front` and `total_front` tell whether a point is on the front of its lighting by that L2.
 const COLUMNS: [&str; 27] = [
     "device",
     "driver",

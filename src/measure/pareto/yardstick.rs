@@ -2,8 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::Method;
-use super::diffusion::diffusion_at;
+use super::{Method, diffusion_at};
 use crate::dipole::form_factor::Distance as Sources;
 use crate::dipole::form_factor::points::sampled;
 use crate::dipole::profile::Dipole;
