@@ -183,6 +183,7 @@ fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Res
         tell!("tree of object {object}: {why}; split at medians instead");
     }
     sequence::warn_of_shape(&mut session, "");
+    session.diffusion_doubts().iter().for_each(|line| tell!("{line}"));
     if let Some(why) = session.not_kept() {
         tell!("{why}");
     }

@@ -40,6 +40,8 @@ enum TransportArgument {
     Walk,
     /// The diffusion equation, solved on the object's own surface: nearer to the truth than the dipole.
     Diffusion,
+    /// Diffusion in each object where it holds, the dipole by `hierarchy` in the others; `plan` says why.
+    Auto,
     /// No transport: only single scattering in layers, opaque objects, and reflections.
     None,
     /// No transport: the curvature-dependent reflectance function of Kubo et al. 2010, at each pixel.
@@ -65,6 +67,7 @@ impl OptionArguments {
                 TransportArgument::Brute => ShadingMethod::Brute,
                 TransportArgument::Walk => ShadingMethod::Walk,
                 TransportArgument::Diffusion => ShadingMethod::Diffusion,
+                TransportArgument::Auto => ShadingMethod::Auto,
                 TransportArgument::None => ShadingMethod::None,
                 TransportArgument::Cdrf => ShadingMethod::Cdrf,
                 TransportArgument::Lambert => ShadingMethod::Lambert,

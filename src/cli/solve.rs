@@ -114,7 +114,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         // The tolerance applies to this L2, for the method that has a tolerance.
         let tolerance = scene.transport.tolerance;
         let blocks = options.transport == ShadingMethod::Hierarchy && scene.transport.scheme == Scheme::Blocks;
-        let bounded = blocks || (options.transport == ShadingMethod::Diffusion && scene.transport.steps.is_none());
+        let solves = matches!(options.transport, ShadingMethod::Diffusion | ShadingMethod::Auto);
+        let bounded = blocks || (solves && scene.transport.steps.is_none());
         if all.l2.is_nan() || bounded && all.l2 > tolerance {
             return Err(Error::Check(format!("L2 is {:.3e}, above transport.tolerance, {tolerance:e}", all.l2)));
         }

@@ -150,6 +150,20 @@ impl Emitter {
     }
 }
 
+/// What a frame found at these faces of an object: its radiosity or, where an equation was solved, what the solution
+/// makes of it.
+fn found(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
+    match state.objects[0].solves() {
+        true => sums::applied(state, faces),
+        false => faces.iter().map(|&face| state.data.radiosity[face].map(f64::from)).collect(),
+    }
+}
+
+/// What it should have found.
+fn wanted(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
+    if state.objects[0].solves() { sums::source(state, faces) } else { alone(state, faces) }
+}
+
 /// The errors of a frame's radiosity at some receivers.
 pub struct Checked {
     /// Error norms per channel.
@@ -172,10 +186,7 @@ pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> 
     let data = &state.data;
     let sample = receivers(state, count, seed);
     let faces = &sample.faces;
-    let (values, reference) = match state.method.solves() {
-        true => (by_object(state, faces, sums::applied), by_object(state, faces, sums::source)),
-        false => (faces.iter().map(|&face| data.radiosity[face].map(f64::from)).collect(), radiosity(state, faces)),
-    };
+    let (values, reference) = (by_object(state, faces, found), by_object(state, faces, wanted));
     let estimate = state.method.estimate.then(|| {
         let error = |(value, b): (&[f64; 3], &[f64; 3])| [0, 1, 2].map(|c| (value[c] - b[c]).abs());
         let errors: Vec<[f64; 3]> = values.iter().zip(&reference).map(error).collect();

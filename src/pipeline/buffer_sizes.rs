@@ -3,7 +3,7 @@
 use super::frame::STAGES;
 use super::plan::Plan;
 use crate::layout::{BUFFER_IDS, BufferId, Partition, SMALL_SYSTEM};
-use crate::state::{Extent, Size, State};
+use crate::state::{Extent, Object, Size, State};
 use crate::view::shade;
 
 /// Buffers that the host and the picture read in every frame, whether a stage writes them or not.
@@ -30,7 +30,7 @@ fn elements(state: &State, slot: BufferId) -> usize {
         Partition::Corner => 3 * faces,
         Partition::Shadow => faces * state.data.object_params[0].shadow_words as usize,
         Partition::Node => nodes,
-        Partition::Vectors => state.objects.last().map_or(0, |last| last.vectors * faces),
+        Partition::Vectors => state.sum(Object::of_vectors),
         Partition::Small => state.objects.len() * SMALL_SYSTEM,
         Partition::Block => blocks,
         Partition::Receiver => receivers,

@@ -6,7 +6,7 @@ pub use crate::state::{Change, Changes};
 use super::frame::{STAGES, steps};
 use super::skip_reasons::{reason, unestimated, unkept};
 use crate::layout::{BUFFER_IDS, BufferId};
-use crate::state::{Carrier, Host, Stage, State, Step, Update};
+use crate::state::{Host, Stage, State, Step, Update};
 
 /// The stages of a frame and those left out.
 pub struct Plan {
@@ -61,21 +61,28 @@ impl Plan {
     /// The steps of a frame after these changes.
     pub fn steps(&self, state: &State, changes: impl Into<Changes>) -> Vec<Step> {
         let changes = changes.into();
-        let all = self.update(state, changes.any());
-        let each: Vec<Update> = (0..state.objects.len()).map(|k| self.update(state, changes.of(k))).collect();
+        let all = self.update(state, changes.any(), None);
+        let each: Vec<Update> =
+            (0..state.objects.len()).map(|object| self.update(state, changes.of(object), Some(object))).collect();
         let runs = |stage: &Stage, object: Option<usize>| (stage.runs)(object.map_or(&all, |object| &each[object]));
-        steps(state, |stage, object| self.has(stage) && runs(stage, object))
+        // Objects may differ in what carries their light.
+        let carries = |stage: &Stage, object: Option<usize>| {
+            object.is_none() || stage.carriers.contains(&state.carrier(self.options.transport, object))
+        };
+        steps(state, |stage, object| self.has(stage) && carries(stage, object) && runs(stage, object))
     }
 
-    /// What a frame after this change has to update.
-    pub(crate) fn update(&self, state: &State, change: Change) -> Update {
-        let links = self.options.mode != Mode::OnTheFly && self.options.transport == ShadingMethod::Hierarchy;
+    /// What a frame after this change has to update, for an object or for all of them at once.
+    pub(crate) fn update(&self, state: &State, change: Change, object: Option<usize>) -> Update {
+        let linked = matches!(self.options.transport, ShadingMethod::Hierarchy | ShadingMethod::Auto);
+        let links = self.options.mode != Mode::OnTheFly && linked;
         // The lists of diffusion depend on the shape and the material alone.
-        let keeps = links || state.method.solves();
+        let solves = object.map_or(state.method.solves(), |object| state.objects[object].solves());
+        let keeps = links || solves;
         Update {
             change,
             keeps,
-            any_light: keeps && state.method.any_light,
+            any_light: keeps && (state.method.any_light || solves),
             incremental: state.method.incremental,
             by_pixel: state.objects.iter().any(|object| object.by_pixel),
         }
@@ -83,8 +90,8 @@ impl Plan {
 
     /// Whether a host step runs in a frame after this change.
     pub fn runs_on_host(&self, host: &Host, state: &State, changes: impl Into<Changes>) -> bool {
-        let carrier = Carrier::new(self.options.transport, state.method.scheme);
-        carrier == host.carrier && self.writes(host.reads) && self.update(state, changes.into().any()).sums()
+        let carries = state.carriers(self.options.transport).contains(&host.carrier);
+        carries && self.writes(host.reads) && self.update(state, changes.into().any(), None).sums()
     }
 
     /// The buffers that are inputs.

@@ -9,7 +9,6 @@ pub(super) fn reason(stage: &Stage, state: &State, options: Options) -> Option<S
     if QUERIES.iter().any(|query| query.is(stage)) {
         return Some("answers `milkglass eval` only".into());
     }
-    let carrier = Carrier::new(options.transport, state.method.scheme);
     let lacks = |need: &Need| match need {
         Need::Picture => (options.goal == Goal::Radiosity).then_some("no picture is asked for"),
         Need::Light => (!state.lit()).then_some("no light shines: every radiosity is zero"),
@@ -17,9 +16,13 @@ pub(super) fn reason(stage: &Stage, state: &State, options: Options) -> Option<S
     if let Some(why) = stage.needs.iter().find_map(lacks) {
         return Some(why.into());
     }
-    if !stage.carriers.contains(&carrier) {
-        let own: Vec<&str> = stage.carriers.iter().map(|carrier| carrier.name()).collect();
-        return Some(format!("{}; part of {}", carrier.instead(), own.join(" and ")));
+    let carriers = state.carriers(options.transport);
+    if !carriers.iter().any(|carrier| stage.carriers.contains(carrier)) {
+        let join =
+            |of: fn(&Carrier) -> &'static str, list: &[Carrier]| list.iter().map(of).collect::<Vec<_>>().join(" and ");
+        let [instead, own] =
+            [join(|carrier| carrier.instead(), &carriers), join(|carrier| carrier.name(), stage.carriers)];
+        return Some(format!("{instead}; part of {own}"));
     }
     let nobody = || !state.objects.iter().any(|object| (stage.serves.object)(object, &state.method));
     (stage.skip)(state).or_else(|| nobody().then_some(stage.serves.none)).map(String::from)
@@ -36,7 +39,7 @@ pub(crate) fn unestimated(state: &State, options: Options) -> Option<&'static st
         }
         ShadingMethod::Brute => Some("brute force takes every pair of faces by itself, and estimates nothing"),
         ShadingMethod::Walk => Some("a walk has a standard error instead"),
-        ShadingMethod::Diffusion => Some("a solution of equations has a residual instead"),
+        ShadingMethod::Diffusion | ShadingMethod::Auto => Some("a solution of equations has a residual instead"),
         ShadingMethod::Hierarchy if state.method.scheme == Scheme::Links => Some("scheme links has none"),
         ShadingMethod::Hierarchy => Some("not requested; use `solve -o`, `--verify` or `render --aov`"),
     }
@@ -47,7 +50,7 @@ pub(crate) fn unkept(state: &State, options: Options) -> Option<&'static str> {
     match options.transport {
         _ if options.mode != Mode::Incremental => None,
         ShadingMethod::Hierarchy if state.method.scheme == Scheme::Links => None,
-        ShadingMethod::Hierarchy => Some(
+        ShadingMethod::Hierarchy | ShadingMethod::Auto => Some(
             "lists of blocks depend on how bright the whole object is, so that any change of shape may alter all of them: they are \
              kept as mode render keeps them; scheme links has incremental ones",
         ),
@@ -60,7 +63,11 @@ pub fn about_mode(state: &State, options: Options) -> String {
     let links = state.method.scheme == Scheme::Links;
     let budget = state.data.object_params.iter().map(|params| u64::from(params.budget)).sum::<u64>();
     match options.mode {
-        _ if options.transport != ShadingMethod::Hierarchy => "no links to keep".into(),
+        Mode::Render | Mode::Incremental if state.method.solves() => {
+            "render: lists are kept until the shape changes, and each solution starts from the last one".into()
+        }
+        _ if state.method.solves() => "on-the-fly: lists of diffusion are kept until the shape changes".into(),
+        _ if !matches!(options.transport, ShadingMethod::Hierarchy | ShadingMethod::Auto) => "no links to keep".into(),
         Mode::OnTheFly => "on-the-fly: links are made for each frame".into(),
         Mode::Keep => "keep: links are kept until something changes".into(),
         Mode::Render if links => "render: links and form factors are kept until the shape changes".into(),

@@ -52,7 +52,7 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &
     for (object, params) in state.objects.iter_mut().zip(&mut state.data.object_params) {
         object.groups = group(params, &state.data.texels, lights);
         // Diffusion carries all channels at once, those without light, too.
-        if state.method.solves() && !object.opaque {
+        if object.solves() {
             object.groups = vec![Group { channels: 7, lead: 0 }];
         }
     }

@@ -5,6 +5,7 @@ mod borders;
 pub(crate) mod camera;
 pub(crate) mod compactness;
 pub(crate) mod diffusion;
+pub mod diffusion_validity;
 pub(crate) mod layers;
 pub mod lights;
 pub mod material;

@@ -17,7 +17,7 @@ pub fn by_pixel(scene: &Scene, options: Options) -> (bool, String) {
         _ if options.goal == Goal::Radiosity => return (false, "no picture is asked for".into()),
         _ if options.transport.is_local() => return (false, "no light is carried to any".into()),
         _ if options.transport != ShadingMethod::Hierarchy => {
-            return (false, "only the hierarchy has blocks of them".into());
+            return (false, "only --transport hierarchy has blocks of them".into());
         }
         _ if transport.scheme == Scheme::Links => return (false, "scheme links knows triangles only".into()),
         Receivers::Faces => return (false, "transport.receivers is faces".into()),

@@ -74,12 +74,12 @@ impl Prepared {
 /// Builds the trees and the state of a scene. `by_pixel`: whether receivers are at pixels; `lit_at`: where opaque
 /// objects are lit; `known`: a scene that was prepared before, from which trees of the same meshes are taken.
 ///
-/// If it `solves`, the transport is diffusion. With `local`, shading takes the place of transport: there are no blocks
-/// of receivers, and a texture is applied once, at the exit (except with `Local::Blur`).
+/// `solves`: for each object whether its transport is diffusion. With `local`, shading takes the place of transport:
+/// there are no blocks of receivers, and a texture is applied once, at the exit (except with `Local::Blur`).
 pub fn prepare(
     scene: &Scene,
     (by_pixel, lit_at): (bool, LitAt),
-    (local, solves): (Option<Local>, bool),
+    (local, solves): (Option<Local>, &[bool]),
     known: Option<(&Scene, &Prepared)>,
 ) -> Prepared {
     let mut units = Units::of(&scene.objects);
@@ -93,7 +93,8 @@ pub fn prepare(
             same.then(|| (&prepared.trees[number], prepared.methods[number]))
         });
         let (tree, made, growth) = tree_of(object, scene.transport.hierarchy, units, known);
-        let (part, own) = one(scene, object, &tree, units, (by_pixel, lit_at, local, solves));
+        let any = solves.contains(&true);
+        let (part, own) = one(scene, object, &tree, units, (by_pixel, lit_at, local), (any, solves[number]));
         spoilt.push(growth);
         methods.push(made);
         parts.push(part);
@@ -151,11 +152,12 @@ fn one(
     object: &scene::Object,
     tree: &Tree,
     units: Units,
-    (by_pixel, lit_at, local, solves): (bool, LitAt, Option<Local>, bool),
+    (by_pixel, lit_at, local): (bool, LitAt, Option<Local>),
+    (any, solves): (bool, bool),
 ) -> (State, Vec<u32>) {
     let (mesh, transport) = (&object.mesh, &scene.transport);
-    let steps = if solves { steps(scene) } else { 0 };
-    let scheme = if solves { Scheme::Blocks } else { transport.scheme };
+    let steps = if any { steps(scene) } else { 0 };
+    let scheme = if any { Scheme::Blocks } else { transport.scheme };
     let mut state = State { distance: transport.distance, ..State::default() };
     let faces = topology(&mut state, mesh, tree, units.own(object));
     frame(&mut state, &object.material, transport, units, local);
@@ -177,11 +179,10 @@ fn one(
     state.method = Switches {
         scheme,
         steps,
-        any_light: solves,
         order: transport.order,
         estimate: false,
         near: transport.near,
-        projected: transport.projects() && local.is_none() && !solves,
+        projected: transport.projects() && local.is_none() && !any,
         local,
         ..Switches::default()
     };

@@ -4,7 +4,7 @@ use super::memory_estimate;
 use super::run::Session;
 use crate::error::Result;
 use crate::layout::BufferId;
-use crate::pipeline::plan::{Change, Changes, Plan};
+use crate::pipeline::plan::{Change, Changes};
 use crate::prepare::camera::{camera, tones};
 use crate::prepare::compactness::Compactness;
 use crate::prepare::lights::lights;
@@ -70,7 +70,8 @@ impl Session {
         let coefficients = |(old, new): (&Object, &Object)| {
             differs_by_coefficients(&old.material, &new.material, self.state().method.local)
         };
-        if self.fixed.asked.is_some() || !self.scene.objects.iter().zip(&new.objects).all(coefficients) {
+        let alike = self.scene.objects.iter().zip(&new.objects).all(coefficients);
+        if self.fixed.asked.is_some() || !alike || !self.choice.stays(new) {
             return self.renew(|scene| {
                 scene.objects.iter_mut().zip(&new.objects).for_each(|(old, new)| old.material = new.material.clone());
             });
@@ -85,6 +86,7 @@ impl Session {
                 changes.add_to(number, material::change(state, number, &old.material, *units).and(scatters));
             }
         }
+        self.choice.adopt(&self.scene);
         if !state.data.scattering_media.is_empty() {
             media(state, &self.scene.objects, *units);
         }
@@ -100,19 +102,20 @@ impl Session {
     fn adopt(&mut self, before: &Layout, changes: Changes, inputs: &[BufferId]) -> Result<()> {
         self.pending = std::mem::take(&mut self.pending).and(&changes);
         let state = &self.prepared.state;
-        let plan = Plan::new(state, self.plan.options()).without(self.fixed.receivers.clone());
+        let plan = self.plan_of(self.plan.options());
         let enters: Vec<&Stage> = plan.stages.iter().copied().filter(|stage| !self.plan.has(stage)).collect();
         // Stages that run once need a change of any object, the others one of each.
         let runs = |stage: &&Stage| match stage.granularity {
-            Granularity::Scene => (stage.runs)(&plan.update(state, changes.any())),
-            _ => (0..state.objects.len()).all(|object| (stage.runs)(&plan.update(state, changes.of(object)))),
+            Granularity::Scene => (stage.runs)(&plan.update(state, changes.any(), None)),
+            _ => (0..state.objects.len())
+                .all(|object| (stage.runs)(&plan.update(state, changes.of(object), Some(object)))),
         };
         let (now, run) = (Layout::of(state), enters.iter().all(runs));
         let same = enters.is_empty() && plan.stages.len() == self.plan.stages.len();
+        self.plan = plan;
         if same && *before == now {
             return self.send(inputs);
         }
-        self.plan = plan;
         // Blocks have lists for each group of channels. A stage that was not there has to run now.
         let blocks = self.prepared.state.method.scheme == Scheme::Blocks;
         if (blocks && before.groups != now.groups) || !run {
@@ -158,22 +161,6 @@ impl Session {
             self.set_camera(&new.camera)?;
         }
         Ok(())
-    }
-
-    /// Which objects' trees are rebuilt for their deformed shape, and why.
-    #[must_use]
-    pub fn rebuilt(&self) -> Vec<String> {
-        let grown = self.prepared.spoilt.iter().enumerate().filter_map(|(object, growth)| Some((object, (*growth)?)));
-        let says = |(object, growth)| {
-            format!("object {object}: deformed, its clusters would be {growth:.2} times as wide; tree rebuilt")
-        };
-        grown.map(says).collect()
-    }
-
-    /// Whether each layered object's depth maps are repacked by islands or used unchanged, and why.
-    #[must_use]
-    pub fn maps(&self) -> &[String] {
-        &self.prepared.maps
     }
 
     /// Whether a new session for these deformations would have the same trees.
@@ -232,7 +219,7 @@ impl Session {
         if sizes(self.state()) != before {
             // Another set of stages, or larger buffers.
             self.deform();
-            self.plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());
+            self.plan = self.plan_of(self.plan.options());
             return self.resize();
         }
         if parts(self.state()) != deformed {
@@ -270,7 +257,7 @@ impl Session {
         (self.shifted, self.sampled) = (false, false);
         camera(&mut self.prepared.state, new, self.prepared.units);
         if before.environment != new.environment || (before.samples == 1) != (new.samples == 1) {
-            self.plan = Plan::new(&self.prepared.state, self.plan.options()).without(self.fixed.receivers.clone());
+            self.plan = self.plan_of(self.plan.options());
         }
         self.size_picture();
         self.check_bindings()?;

@@ -1,12 +1,11 @@
 //! Diffusion as a transport: steps of its solver until the residual is as small as asked.
 
 use super::run::Session;
-use crate::error::{Input, Result};
+use crate::error::Result;
 use crate::gpu::Timing;
 use crate::layout::{BufferId, ListCounters, SMALL_NORMS, SMALL_SYSTEM};
 use crate::pipeline::plan::Mode;
 use crate::prepare::diffusion::residual;
-use crate::scene::Scene;
 use crate::state::{Scope, Step};
 use crate::transport::diffusion::{boundary_integrals, krylov_step, krylov_sum};
 
@@ -24,23 +23,6 @@ pub struct SolveReport {
     pub residual: [f64; 3],
     /// Whether that is as small as asked.
     pub converged: bool,
-}
-
-/// An error where diffusion inside an object has no meaning.
-pub(crate) fn closed(scene: &Scene) -> Result<()> {
-    for (number, object) in scene.objects.iter().enumerate().filter(|(_, object)| object.material.opaque.is_none()) {
-        let fault = |what: &str| Input::new(what).key(format!("object.{number}"));
-        if object.mesh.open_edges > 0 {
-            let found = format!("{} open edges", object.mesh.open_edges);
-            let fault = fault("diffusion is solved inside a closed object").found(found);
-            return Err(fault.expected("a closed mesh, or another --transport than diffusion").into());
-        }
-        if object.material.two_sided {
-            let fault = fault("light enters from outside only where diffusion is solved").found("two_sided = true");
-            return Err(fault.expected("two_sided = false, or another --transport than diffusion").into());
-        }
-    }
-    Ok(())
 }
 
 /// Whether a step belongs to the solver's loop.

@@ -22,6 +22,22 @@ impl Session {
         Self::with_capacity(scene, device, options, CapacityHints::default()).map_err(|error| scene.placed(error))
     }
 
+    /// Which objects' trees are rebuilt for their deformed shape, and why.
+    #[must_use]
+    pub fn rebuilt(&self) -> Vec<String> {
+        let grown = self.prepared.spoilt.iter().enumerate().filter_map(|(object, growth)| Some((object, (*growth)?)));
+        let says = |(object, growth)| {
+            format!("object {object}: deformed, its clusters would be {growth:.2} times as wide; tree rebuilt")
+        };
+        grown.map(says).collect()
+    }
+
+    /// Whether each layered object's depth maps are repacked by islands or used unchanged, and why.
+    #[must_use]
+    pub fn maps(&self) -> &[String] {
+        &self.prepared.maps
+    }
+
     /// Runs what has changed since the last frame, and returns the picture with the camera's size, samples, exposure
     /// and tone curve. The first call runs everything.
     ///

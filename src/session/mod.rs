@@ -8,6 +8,7 @@ pub(crate) mod buffer_limits;
 mod buffer_sizes;
 pub mod capacity;
 pub(crate) mod changes;
+pub(crate) mod choice;
 pub mod cluster_view;
 pub mod curvature_view;
 pub(crate) mod device_limits;

@@ -1,8 +1,8 @@
 //! Opens a session for a scene: alone, or after another one, with what that has in common.
 
 use super::capacity::{CapacityHints, Lists};
+use super::choice::Choice;
 use super::device_limits::holds;
-use super::diffusion::closed;
 use super::incremental::share_budget;
 use super::memory_estimate;
 use super::octree::OctreeTransport;
@@ -56,33 +56,32 @@ impl Session {
         reach(&scene.objects, units)?;
         // Subdivide where lighting needs it; code below sees only that scene.
         let asked = (scene.transport.subdivide > 0 && local.is_none()).then(|| scene.clone());
-        let solves = options.transport == ShadingMethod::Diffusion;
-        let blocks = scene.transport.scheme == Scheme::Blocks && options.transport == ShadingMethod::Hierarchy;
+        let linked = matches!(options.transport, ShadingMethod::Hierarchy | ShadingMethod::Auto);
+        let blocks = scene.transport.scheme == Scheme::Blocks && linked;
         let (scene, parts) = match &asked {
             Some(asked) => subdivide(asked, options.estimate && blocks)?,
             None => (scene.clone(), Vec::new()),
         };
+        let choice =
+            Choice::of(&scene, options.transport, before.as_deref().map(|before| (&before.choice, &before.scene)))?;
+        let solves = choice.solves(&scene);
         let (by_pixel, why) = by_pixel(&scene, options);
         let known = before.as_deref().map(|before| (&before.scene, &before.prepared));
-        let mut prepared = prepare(&scene, (by_pixel, lit_at(&scene, options)), (local, solves), known);
+        let mut prepared = prepare(&scene, (by_pixel, lit_at(&scene, options)), (local, &solves), known);
         blur(&mut prepared, &scene, unwrap(&scene, local)?);
         if options.transport == ShadingMethod::Walk {
             prepare_walk(&mut prepared, &scene, WalkControl::default())?;
         }
-        if solves {
-            closed(&scene)?;
-        }
         drop_unseen(&mut prepared.state, options);
         drop_unlooked(&mut prepared.state, options);
-        prepared.state.keep = options.mode != Mode::OnTheFly || solves;
-        prepared.state.method.estimate = options.estimate && blocks;
-        prepared.state.method.any_light =
-            solves || (matches!(options.mode, Mode::Render | Mode::Incremental) && blocks);
+        prepared.state.keep = options.mode != Mode::OnTheFly || solves.contains(&true);
+        prepared.state.method.estimate = options.estimate && blocks && options.transport == ShadingMethod::Hierarchy;
+        prepared.state.method.any_light = matches!(options.mode, Mode::Render | Mode::Incremental) && blocks;
         prepared.state.method.incremental =
             options.mode == Mode::Incremental && options.transport == ShadingMethod::Hierarchy && !blocks;
         share_budget(&mut prepared.state, scene.transport.budget)?;
         let receivers = (if by_pixel { "receivers at triangles" } else { "receivers at pixels" }, why);
-        let plan = Plan::new(&prepared.state, options).without(receivers.clone());
+        let plan = choice.told(Plan::new(&prepared.state, options).without(receivers.clone()));
         // Links and form factors are separate lists, and everything else needs memory as well.
         let room = CapacityHints { kept: room.kept.min(scene.memory.left() / 4), ..room };
         let lists = match before.as_deref() {
@@ -117,10 +116,13 @@ impl Session {
             octree,
             walk: WalkTransport::default(),
             solves: Vec::new(),
+            choice,
             fixed,
         };
         let fits = match options.transport {
-            ShadingMethod::Hierarchy => session.lists.too_much(&session.prepared.state),
+            ShadingMethod::Hierarchy | ShadingMethod::Auto | ShadingMethod::Diffusion => {
+                session.lists.too_much(&session.prepared.state)
+            }
             _ => Ok(()),
         };
         let sized = fits.and_then(|()| session.resize());

@@ -4,7 +4,7 @@
 use super::capacity::{Growth, Lists};
 use super::run::Session;
 use crate::error::{Error, Input, KeepLimit, Result};
-use crate::pipeline::plan::{Change, Mode, Options, Plan};
+use crate::pipeline::plan::{Change, Mode, Options};
 
 impl Session {
     /// Why lists are rebuilt in each frame although the mode asks to keep them.
@@ -31,8 +31,10 @@ impl Session {
             done => return done.map(|()| true),
         };
         let options = self.plan.options();
-        if options.mode == Mode::Keep {
-            let what = format!("{what}; use fewer triangles, or do without --aov or --view");
+        let solves = self.state().method.solves();
+        if options.mode == Mode::Keep || solves {
+            let advice = if solves { "--transport hierarchy" } else { "do without --aov or --view" };
+            let what = format!("{what}; use fewer triangles, or {advice}");
             let error = Error::TooMuchToKeep { what, limited_by };
             return Err(match limited_by {
                 KeepLimit::MemoryOption => Input::new(error.to_string()).key("--limit-memory").into(),
@@ -44,9 +46,8 @@ impl Session {
         (state.method.any_light, state.method.incremental) = (false, false);
         state.data.object_params.iter_mut().for_each(|params| params.budget = u32::MAX);
         let why = format!("{what}: links are made for each frame, as in mode on-the-fly");
-        self.plan = Plan::new(state, Options { mode: Mode::OnTheFly, ..options })
-            .without(self.fixed.receivers.clone())
-            .without(("kept links", why.clone()));
+        let options = Options { mode: Mode::OnTheFly, ..options };
+        self.plan = self.plan_of(options).without(("kept links", why.clone()));
         self.not_kept = Some(why);
         self.lists = Lists::new(self.fixed.room, self.limits());
         self.lists.cut(&mut self.prepared);

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 pub use super::capacity::CapacityHints;
 use super::capacity::Lists;
+use super::choice::Choice;
 use super::diffusion::SolveReport;
 use super::octree::OctreeTransport;
 use super::subdivide::Parts;
@@ -84,6 +85,8 @@ pub struct Session {
     pub(crate) walk: WalkTransport,
     /// How the systems of diffusion were solved.
     pub(crate) solves: Vec<SolveReport>,
+    /// Which objects diffusion serves.
+    pub(crate) choice: Choice,
     pub(crate) fixed: Fixed,
 }
 

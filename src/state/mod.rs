@@ -91,7 +91,7 @@ pub struct Method {
     pub nodes: u32,
     /// Whether an error estimate is carried along.
     pub estimate: bool,
-    /// Whether lists are made to serve any light, as in mode `render`.
+    /// Whether lists of blocks are made to serve any light, as in mode `render`.
     pub any_light: bool,
     /// Whether links are kept while the shape changes: mode `incremental` with scheme `links`.
     pub incremental: bool,
@@ -129,16 +129,10 @@ impl Local {
 }
 
 impl Method {
-    /// Whether a system of equations is solved: diffusion.
+    /// Whether a system of equations is solved for any object: diffusion.
     #[must_use]
     pub fn solves(&self) -> bool {
         self.steps > 0
-    }
-
-    /// The order of the clusters' moments; diffusion needs the second.
-    #[must_use]
-    pub fn moment_order(&self) -> u32 {
-        if self.solves() { 2 } else { self.order }
     }
 }
 

@@ -39,7 +39,7 @@ pub struct Object {
     pub by_pixel: bool,
     /// Whether it has layers beneath its surface.
     pub layered: bool,
-    /// How many vectors its Krylov space has at most; 0 where none is needed.
+    /// How many vectors its Krylov space has at most: above 0 where a system of equations is solved.
     pub vectors: usize,
     /// Whether pictures show the light that its medium scatters once.
     pub scatters_once: bool,
@@ -72,6 +72,11 @@ impl Object {
         self.opaque && self.lit_at != LitAt::Faces
     }
 
+    /// Whether a system of equations is solved for it: diffusion.
+    pub fn solves(&self) -> bool {
+        self.vectors > 0
+    }
+
     /// Whether the light at its triangles is needed.
     pub fn lit_by_face(&self) -> bool {
         !self.opaque || self.lit_at != LitAt::Pixels
@@ -88,10 +93,14 @@ impl Object {
             Partition::Corner => (3 * first.faces, 3 * count.faces),
             Partition::Shadow => (words * first.faces, words * count.faces),
             Partition::Node => (first.nodes, count.nodes),
-            Partition::Vectors => (self.vectors * first.faces, self.vectors * count.faces),
             Partition::Receiver => (first.receivers, count.receivers),
             _ => (first.blocks, count.blocks),
         }
+    }
+
+    /// Elements that it takes in the buffer of its Krylov space.
+    pub fn of_vectors(&self) -> usize {
+        self.vectors * room(self.count.faces)
     }
 
     /// Elements that each group of channels has in the buffers of moments.
@@ -104,6 +113,16 @@ impl State {
     /// The object of a scope.
     pub fn object(&self, at: Scope) -> &Object {
         &self.objects[at.object]
+    }
+
+    /// The order of the moments of an object's clusters; diffusion needs the second.
+    pub fn moment_order(&self, at: Scope) -> u32 {
+        if self.object(at).solves() { 2 } else { self.method.order }
+    }
+
+    /// Whether an object's lists serve any light: those of diffusion always do.
+    pub fn any_light(&self, at: Scope) -> bool {
+        self.method.any_light || self.object(at).solves()
     }
 
     /// The object of a triangle, given the triangle's index over all objects.
@@ -175,6 +194,7 @@ impl State {
                     Partition::Whole
                         | Partition::Object
                         | Partition::Small
+                        | Partition::Vectors
                         | Partition::Group
                         | Partition::Chunk
                         | Partition::Batch

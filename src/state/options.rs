@@ -16,6 +16,8 @@ pub enum ShadingMethod {
     Walk,
     /// Diffusion, solved on the object's own surface by boundary elements.
     Diffusion,
+    /// Diffusion in each object where it holds, in the others the hierarchical method with blocks.
+    Auto,
     /// No transport: only single scattering in layers, and opaque objects.
     None,
     /// No transport: the curvature-dependent reflectance function of Kubo et al. 2010.
@@ -107,6 +109,9 @@ impl Options {
             return Ok(());
         }
         let fault = Input::new(format!("{what} needs a method that transports light")).key("--transport");
-        Err(fault.found("cdrf, lambert or texture-blur").expected("hierarchy, octree, brute, walk or diffusion").into())
+        Err(fault
+            .found("cdrf, lambert or texture-blur")
+            .expected("hierarchy, octree, brute, walk, diffusion or auto")
+            .into())
     }
 }

@@ -62,6 +62,7 @@ impl State {
             Partition::Whole => return (0, all),
             Partition::Object => return (at.object, 1),
             Partition::Small => return (at.object * SMALL_SYSTEM, SMALL_SYSTEM),
+            Partition::Vectors => return (before(Object::of_vectors), object.vectors * object.count.faces),
             Partition::Group => {
                 let first = before(|object| object.groups.len() * object.of_group());
                 return (first + at.group * object.of_group(), object.of_group());

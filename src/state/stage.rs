@@ -172,11 +172,12 @@ impl Carrier {
         Self::TextureBlur,
     ];
 
-    /// The carrier for a transport and a scheme.
+    /// The carrier for a transport and a scheme, in an object for which a system of equations is solved or not.
     #[must_use]
-    pub fn new(transport: ShadingMethod, scheme: Scheme) -> Self {
+    pub fn new(transport: ShadingMethod, scheme: Scheme, solves: bool) -> Self {
         match (transport, scheme) {
-            (ShadingMethod::Hierarchy, Scheme::Blocks) => Self::Blocks,
+            (ShadingMethod::Auto, _) if solves => Self::Diffusion,
+            (ShadingMethod::Auto, _) | (ShadingMethod::Hierarchy, Scheme::Blocks) => Self::Blocks,
             (ShadingMethod::Hierarchy, Scheme::Links) => Self::Links,
             (ShadingMethod::Octree, _) => Self::Octree,
             (ShadingMethod::Brute, _) => Self::Brute,
@@ -221,6 +222,29 @@ impl Carrier {
             Self::Lambert => "no light is carried: Lambert's cosine shades each place by itself",
             Self::TextureBlur => "no light is carried: it is blurred over the texture coordinates",
         }
+    }
+}
+
+impl State {
+    /// What carries the light in each object, and in frames without objects.
+    pub fn carrier(&self, transport: ShadingMethod, object: Option<usize>) -> Carrier {
+        let solves = object.is_some_and(|object| self.objects[object].solves());
+        Carrier::new(transport, self.method.scheme, solves)
+    }
+
+    /// What carries the light in the translucent objects; never nothing at all.
+    pub fn carriers(&self, transport: ShadingMethod) -> Vec<Carrier> {
+        let translucent = (0..self.objects.len()).filter(|&object| !self.objects[object].opaque);
+        let mut carriers: Vec<Carrier> = Vec::new();
+        for carrier in translucent.map(|object| self.carrier(transport, Some(object))) {
+            if !carriers.contains(&carrier) {
+                carriers.push(carrier);
+            }
+        }
+        if carriers.is_empty() {
+            carriers.push(self.carrier(transport, None));
+        }
+        carriers
     }
 }
 

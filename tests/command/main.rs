@@ -6,6 +6,7 @@ mod shell;
 mod aov;
 mod borders;
 mod device_limits;
+mod diffusion;
 mod eval;
 mod extremes;
 mod failures;

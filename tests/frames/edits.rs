@@ -169,6 +169,7 @@ const WAYS: &[(&str, &[&str], ShadingMethod, Mode)] = &[
     ("blocks", &[], ShadingMethod::Lambert, Mode::OnTheFly),
     ("blocks", &["transport.subdivide=1"], ShadingMethod::Hierarchy, Mode::OnTheFly),
     ("blocks", &[], ShadingMethod::Diffusion, Mode::OnTheFly),
+    ("blocks", &[], ShadingMethod::Auto, Mode::OnTheFly),
 ];
 
 fn sequences(device: Option<&Device>, way: usize, length: usize) {

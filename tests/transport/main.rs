@@ -8,6 +8,7 @@ mod shell;
 mod blocks;
 mod clusters;
 mod diffusion;
+mod diffusion_auto;
 mod diffusion_frames;
 mod dropped;
 mod estimate;

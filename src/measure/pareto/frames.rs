@@ -9,7 +9,7 @@ use crate::gpu::Device;
 use crate::layout::BufferId;
 use crate::pipeline::plan::{Change, Mode, Options, ShadingMethod};
 use crate::scene::{Light, Scene, Scheme, Source};
-use crate::session::diffusion::closed;
+use crate::session::choice::closed;
 use crate::session::run::Session;
 use crate::state::State;
 

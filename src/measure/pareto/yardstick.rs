@@ -12,7 +12,7 @@ use crate::measure::reference::{by_object, radiosity, receivers};
 use crate::measure::sample::Sample;
 use crate::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use crate::scene::{Hierarchy, Near, Scene, Scheme};
-use crate::session::diffusion::closed;
+use crate::session::choice::closed;
 use crate::session::run::Session;
 use crate::state::{Distance, State, wide};
 

@@ -120,8 +120,8 @@ fn table(law: impl Fn(f64) -> f64) -> Vec<f32> {
 
 fn cpu(state: &mut State, at: Scope) {
     let (base, _) = state.part(BufferId::moments, at);
-    let (group, any_light) = (state.object(at).groups[at.group], state.method.any_light);
-    let (order, solves) = (state.method.moment_order(), state.method.solves());
+    let (group, any_light) = (state.object(at).groups[at.group], state.any_light(at));
+    let (order, solves) = (state.moment_order(at), state.object(at).solves());
     let data = &mut state.data;
     let params = data.object_params[0];
     let jets = GroupProfile::new(&params, group.channels);
@@ -212,8 +212,9 @@ fn cpu(state: &mut State, at: Scope) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let (group, method) = (pass.object().groups[pass.at.group], pass.state.method);
-    let (any_light, order, layers) = (u32::from(method.any_light), method.moment_order(), u32::from(method.solves()));
+    let group = pass.object().groups[pass.at.group];
+    let (any_light, order) = (u32::from(pass.state.any_light(pass.at)), pass.state.moment_order(pass.at));
+    let layers = u32::from(pass.object().solves());
     pass.dispatch(Some("table"), &[group.channels, order, any_light, layers], &[], ERROR_LAWS * RANGE_ENTRIES)?;
     pass.dispatch(Some("node"), &[order, any_light, layers], &[], pass.object().count.nodes)
 }

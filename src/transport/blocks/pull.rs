@@ -59,8 +59,8 @@ struct Sums {
 
 fn cpu(state: &mut State, at: Scope) {
     let (base, _) = state.part(BufferId::moments, at);
-    let (lead, order) = (state.object(at).groups[at.group].lead as usize, state.method.moment_order());
-    let by_area = state.method.solves();
+    let (lead, order) = (state.object(at).groups[at.group].lead as usize, state.moment_order(at));
+    let by_area = state.object(at).solves();
     let data = &mut state.data;
     let nodes = data.topology.len();
     let products = |v: DVec3| (v * v, DVec3::new(v.y * v.z, v.z * v.x, v.x * v.y));
@@ -119,8 +119,8 @@ fn cpu(state: &mut State, at: Scope) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    let (lead, order) = (pass.object().groups[pass.at.group].lead, pass.state.method.moment_order());
-    let lead = if pass.state.method.solves() { NONE } else { lead };
+    let (lead, order) = (pass.object().groups[pass.at.group].lead, pass.state.moment_order(pass.at));
+    let lead = if pass.object().solves() { NONE } else { lead };
     pass.dispatch(Some("leaf"), &[lead], &[], pass.object().count.faces)?;
     pass.climb("cluster", &[order])
 }
