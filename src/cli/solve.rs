@@ -111,6 +111,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                  rank correlation {rank:.2}\n"
             ))?;
         }
+        if let Some(bound) = checked.bound {
+            let [r, g, b] = bound.map(|l2| format!("{l2:.1e}"));
+            print(&format!(
+                "above: what is left of the equation of diffusion; the estimate of the error of B itself, L2: {r} {g} {b}\n"
+            ))?;
+        }
         // The tolerance applies to this L2, for the method that has a tolerance.
         let tolerance = scene.transport.tolerance;
         let blocks = options.transport == ShadingMethod::Hierarchy && scene.transport.scheme == Scheme::Blocks;

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use super::{Element, Record, Word};
 
 /// Elements of the small system of an object, a multiple of 64.
-pub const SMALL_SYSTEM: usize = 1088;
+pub const SMALL_SYSTEM: usize = 1152;
 
 records! { diffusion_records:
     /// The first collisions of the light that enters a triangle.

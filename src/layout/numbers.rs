@@ -167,6 +167,12 @@ constants! {
     SMALL_PRODUCTS: usize = 1051;
     /// Norms: of the source term, and of what is left.
     SMALL_NORMS: usize = 1083;
+    /// The residual's coefficients, of all vectors.
+    SMALL_RESIDUAL: usize = 1085;
+    /// The estimate of a solution's error: twice what is left at the triangle, plus this many times the mean left,
+    RESIDUAL_SPREAD: f32 = 4.0;
+    /// plus this share of `link_error` of the solution there, and of the source term's mean.
+    CLUSTER_SHARE: f32 = 0.12;
 
     /// Layers that a texel of a depth map holds.
     MAP_LAYERS: usize = 4;

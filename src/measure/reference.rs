@@ -168,8 +168,10 @@ fn wanted(state: &State, faces: &[usize]) -> Vec<[f64; 3]> {
 pub struct Checked {
     /// Error norms per channel.
     pub norms: [Norms; 3],
-    /// The quality of the error estimate, if there is one.
+    /// The quality of the error estimate, if there is one and no equation was solved.
     pub estimate: Option<Quality>,
+    /// Where an equation was solved: the L2 of the estimate of the radiosity's error, per channel, relative to it.
+    pub bound: Option<[f64; 3]>,
 }
 
 /// Error norms of a session's last frame at `count` seeded receivers, and the quality of its error estimate. Of
@@ -187,13 +189,26 @@ pub fn check(session: &mut Session, count: usize, seed: u64) -> Result<Checked> 
     let sample = receivers(state, count, seed);
     let faces = &sample.faces;
     let (values, reference) = (by_object(state, faces, found), by_object(state, faces, wanted));
-    let estimate = state.method.estimate.then(|| {
+    let estimates: Vec<[f64; 3]> = match state.method.estimate {
+        true => faces.iter().map(|&face| data.estimate[face].map(f64::from)).collect(),
+        false => Vec::new(),
+    };
+    let solves = state.method.solves();
+    let bound = (solves && state.method.estimate).then(|| {
+        let sum = |of: &dyn Fn(usize) -> f64| -> f64 {
+            sample.counts.iter().zip(0..).map(|(count, k)| count * of(k).powi(2)).sum()
+        };
+        [0, 1, 2].map(|c| {
+            let whole = sum(&|k| f64::from(data.radiosity[faces[k]][c]));
+            (sum(&|k| estimates[k][c]) / whole.max(f64::MIN_POSITIVE)).sqrt()
+        })
+    });
+    let estimate = (!solves && state.method.estimate).then(|| {
         let error = |(value, b): (&[f64; 3], &[f64; 3])| [0, 1, 2].map(|c| (value[c] - b[c]).abs());
         let errors: Vec<[f64; 3]> = values.iter().zip(&reference).map(error).collect();
-        let estimates: Vec<[f64; 3]> = faces.iter().map(|&face| data.estimate[face].map(f64::from)).collect();
         Quality::of(&sample.counts, &estimates, &errors)
     });
-    Ok(Checked { norms: norms(&sample, &values, &reference), estimate })
+    Ok(Checked { norms: norms(&sample, &values, &reference), estimate, bound })
 }
 
 /// A seeded sample of the faces of translucent objects; the state's radiosity, which may be rough, guides it.

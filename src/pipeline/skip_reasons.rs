@@ -39,9 +39,10 @@ pub(crate) fn unestimated(state: &State, options: Options) -> Option<&'static st
         }
         ShadingMethod::Brute => Some("brute force takes every pair of faces by itself, and estimates nothing"),
         ShadingMethod::Walk => Some("a walk has a standard error instead"),
-        ShadingMethod::Diffusion | ShadingMethod::Auto => Some("a solution of equations has a residual instead"),
         ShadingMethod::Hierarchy if state.method.scheme == Scheme::Links => Some("scheme links has none"),
-        ShadingMethod::Hierarchy => Some("not requested; use `solve -o`, `--verify` or `render --aov`"),
+        ShadingMethod::Hierarchy | ShadingMethod::Diffusion | ShadingMethod::Auto => {
+            Some("not requested; use `solve -o`, `--verify` or `render --aov`")
+        }
     }
 }
 

@@ -59,7 +59,9 @@ impl Session {
         let linked = matches!(options.transport, ShadingMethod::Hierarchy | ShadingMethod::Auto);
         let blocks = scene.transport.scheme == Scheme::Blocks && linked;
         let (scene, parts) = match &asked {
-            Some(asked) => subdivide(asked, options.estimate && blocks)?,
+            Some(asked) => {
+                subdivide(asked, options.estimate && (blocks || options.transport == ShadingMethod::Diffusion))?
+            }
             None => (scene.clone(), Vec::new()),
         };
         let choice =
@@ -75,7 +77,7 @@ impl Session {
         drop_unseen(&mut prepared.state, options);
         drop_unlooked(&mut prepared.state, options);
         prepared.state.keep = options.mode != Mode::OnTheFly || solves.contains(&true);
-        prepared.state.method.estimate = options.estimate && blocks && options.transport == ShadingMethod::Hierarchy;
+        prepared.state.method.estimate = options.estimate && (blocks || solves.contains(&true));
         prepared.state.method.any_light = matches!(options.mode, Mode::Render | Mode::Incremental) && blocks;
         prepared.state.method.incremental =
             options.mode == Mode::Incremental && options.transport == ShadingMethod::Hierarchy && !blocks;

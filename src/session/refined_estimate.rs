@@ -9,10 +9,12 @@ use crate::pipeline::plan::{Goal, Mode, Options};
 const SHARPER: f64 = 8.0;
 /// The smallest tolerance that `f32` sums can distinguish from 0.
 const LEAST: f64 = 1e-6;
+/// The smallest tolerance at which the solver of diffusion ends in `f32`.
+const LEAST_SOLVED: f64 = 1e-5;
 
 impl Session {
     /// Replaces the last frame's estimate by |B - B'| + e' per channel, where B' is the radiosity at 1/8 of the
-    /// tolerance (at least 1e-6) and e' its own estimate. It is a bound where e' is one. Costs a frame of a new
+    /// tolerance (at least 1e-6, for diffusion 1e-5) and e' its own estimate. It is a bound where e' is one. Costs a frame of a new
     /// session, and that session's memory meanwhile. The estimate stays as it is where the device fails, mostly for
     /// lack of memory (see [`Session::blunt`]), or where the tolerance is close to 1e-6 already. Does nothing without
     /// an estimate.
@@ -53,7 +55,8 @@ impl Session {
     /// The session of the second solution, before its frame; none if no error is estimated, or if it would not be
     /// more accurate.
     pub fn sharper(&self) -> Result<Option<Self>> {
-        let tolerance = (self.scene.transport.tolerance / SHARPER).max(LEAST);
+        let least = if self.state().method.solves() { LEAST_SOLVED } else { LEAST };
+        let tolerance = (self.scene.transport.tolerance / SHARPER).max(least);
         if !self.state().method.estimate || 2.0 * tolerance > self.scene.transport.tolerance {
             return Ok(None);
         }

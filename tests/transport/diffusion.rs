@@ -8,6 +8,7 @@ use milkglass::internals::pipeline::plan::{Change, Goal, Options, ShadingMethod}
 use milkglass::internals::session::run::Session;
 use milkglass::internals::state::State;
 use milkglass::internals::transport::diffusion::sums::pair;
+use milkglass::measure::estimate::Quality;
 use milkglass::scene::Scene;
 use rayon::prelude::*;
 
@@ -190,9 +191,10 @@ fn tolerances_are_met_against_the_dense_system() {
         for tolerance in [1e-2, 1e-3, 1e-4] {
             let asked = format!("transport.tolerance={tolerance}");
             let scene = scene(name, &[sets, &[&asked]].concat());
-            let all = RefCell::new(Vec::new());
+            let (all, qualities) = (RefCell::new(Vec::new()), RefCell::new(Vec::new()));
             devices::on_devices(|device| {
-                let mut session = Session::new(&scene, Some(device), options()).unwrap();
+                let estimated = Options { estimate: true, ..options() };
+                let mut session = Session::new(&scene, Some(device), estimated).unwrap();
                 session.frame(Change::EVERYTHING).unwrap();
                 session.fetch(BUFFER_IDS).unwrap();
                 let data = &session.state().data;
@@ -210,10 +212,29 @@ fn tolerances_are_met_against_the_dense_system() {
                     worst.push(off);
                 }
                 println!("{sets:?} {tolerance:e}: {:?} {:?}", worst, session.solve_reports());
+                let quality = |session: &Session| {
+                    let data = &session.state().data;
+                    let faces = 0..data.triangles.len();
+                    let of = |values: &[[f32; 3]], face: usize| values[face].map(f64::from);
+                    let off =
+                        |face: usize| [0, 1, 2].map(|c| (of(&data.radiosity, face)[c] - known[c][face].max(0.0)).abs());
+                    let errors: Vec<[f64; 3]> = faces.clone().map(off).collect();
+                    let estimates: Vec<[f64; 3]> = faces.clone().map(|face| of(&data.estimate, face)).collect();
+                    Quality::of(&vec![1.0; faces.len()], &estimates, &errors)
+                };
+                let own = quality(&session);
+                session.sharpen().unwrap();
+                let sharpened = quality(&session);
+                println!("own {own:?}, sharpened {sharpened:?}");
+                qualities.borrow_mut().push([own, sharpened]);
                 all.borrow_mut().append(&mut worst);
             });
             let most = all.into_inner().into_iter().fold(0.0, f64::max);
             assert!(most < tolerance, "{sets:?}: {most:.1e} at {tolerance:e}");
+            for [own, sharpened] in qualities.into_inner() {
+                assert!(own.covered > 0.98 && own.ratio < 50.0, "{sets:?}: {own:?}");
+                assert!(sharpened.covered > 0.95 && sharpened.ratio < 5.0, "{sets:?}: {sharpened:?}");
+            }
         }
     }
 }

@@ -3,7 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// The coefficients of the solution, from the triangular system, the last one first. One invocation.
+// The coefficients of the solution, from the triangular system, the last one first; and of the residual, by the rotations
+// backwards. One invocation.
 layout(push_constant, scalar) uniform push_block { uint steps; };
 UPDATES(small_system)
 
@@ -18,4 +19,11 @@ void main() {
         vec3 pivot = small_system[SMALL_MATRIX + k * (MOST_STEPS + 1) + k];
         small_system[SMALL_COEFFICIENTS + k] = mix(vec3(0), sum / max(pivot, vec3(1e-30)), greaterThan(pivot, vec3(1e-30)));
     }
+    vec3 carried = small_system[SMALL_RIGHT + steps];
+    for (uint back = 0; back < steps; ++back) {
+        uint k = steps - 1 - back;
+        small_system[SMALL_RESIDUAL + k + 1] = small_system[SMALL_COSINES + k] * carried;
+        carried *= -small_system[SMALL_SINES + k];
+    }
+    small_system[SMALL_RESIDUAL] = carried;
 }
