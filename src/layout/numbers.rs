@@ -153,6 +153,15 @@ constants! {
 
     /// Vectors of a Krylov space beyond the first one, at most.
     MOST_STEPS: usize = 30;
+    /// Even light of which the operator of diffusion makes this much has clusters as exact as the tolerance says.
+    GAIN_OF_ONE: f32 = 0.75;
+    /// Where it makes less, clusters are more exact, at most by this factor; never less, since light of both signs has
+    /// no share in the gain.
+    LEAST_GAIN: f32 = 1e-3;
+    /// A triangle is elongated where the square of its longest edge is more than this many times twice its area.
+    ELONGATED: f32 = 20.0;
+    /// The edges of such a triangle are integrated in parts of at most this width in asinh(t / S).
+    PART_WIDTH: f32 = 3.0;
     /// In `small_system`: the operator, column by column of MOST_STEPS + 1, made triangular by rotations.
     SMALL_MATRIX: usize = 0;
     /// Cosines of the rotations.

@@ -14,10 +14,10 @@ const LEAST_SOLVED: f64 = 1e-5;
 
 impl Session {
     /// Replaces the last frame's estimate by |B - B'| + e' per channel, where B' is the radiosity at 1/8 of the
-    /// tolerance (at least 1e-6, for diffusion 1e-5) and e' its own estimate. It is a bound where e' is one. Costs a frame of a new
-    /// session, and that session's memory meanwhile. The estimate stays as it is where the device fails, mostly for
-    /// lack of memory (see [`Session::blunt`]), or where the tolerance is close to 1e-6 already. Does nothing without
-    /// an estimate.
+    /// tolerance (at least 1e-6, for diffusion 1e-5) and e' its own estimate. It is a bound where e' is one. Costs a
+    /// frame of a new session, and that session's memory meanwhile. The estimate stays as it is where the device fails,
+    /// mostly for lack of memory (see [`Session::blunt`]), or where the tolerance is close to the least already. Does
+    /// nothing without an estimate.
     pub fn sharpen(&mut self) -> Result<()> {
         if self.sharp.is_some() {
             return Ok(());

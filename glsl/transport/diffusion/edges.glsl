@@ -6,11 +6,9 @@
 // with phi1 = (1 - e^(-k(s - s_m))) / (k (s - s_m)) and q = (r^2 - r_m^2) / r^2. One value a channel.
 #include "dipole/form_factor/edge.glsl"
 
-// Adds both integrals over one edge, without their factors.
-void add_edge(inout vec3 single, inout vec3 twice, vec3 k, float R, float t1, float t2, float h, float rim, float s_m) {
+// Adds both integrals over a part of one edge, without their factors.
+void add_part(inout vec3 single, inout vec3 twice, vec3 k, float R, float t1, float t2, float h, float rim, float s_m) {
     float R2 = R * R, S = sqrt(R2 + h * h);
-    // An edge whose line meets the foot adds nothing.
-    if (!(R2 > 0.0)) return;
     float w1 = t1 / (S + sqrt(S * S + t1 * t1)), w2 = t2 / (S + sqrt(S * S + t2 * t2));
     float middle = 0.5 * (w1 + w2), half_width = 0.5 * (w2 - w1);
     bool outside = h < rim;
@@ -31,6 +29,21 @@ void add_edge(inout vec3 single, inout vec3 twice, vec3 k, float R, float t1, fl
     twice += 2.0 * R * half_width * of_double;
 }
 
+// Adds both integrals over one edge; of an elongated triangle in parts of even width in asinh(t / S).
+void add_edge(inout vec3 single, inout vec3 twice, vec3 k, float R, float t1, float t2, float h, float rim, float s_m,
+              bool elongated) {
+    float S = sqrt(R * R + h * h);
+    // An edge whose line meets the foot adds nothing.
+    if (!(R * R > 0.0)) return;
+    float u1 = elongated ? asinh(t1 / S) : 0.0, u2 = elongated ? asinh(t2 / S) : 0.0;
+    float parts = clamp(ceil((u2 - u1) / PART_WIDTH), 1.0, 8.0), from = t1;
+    for (float part = 1.0; part <= parts; ++part) {
+        float to = part < parts ? S * sinh(u1 + (u2 - u1) * part / parts) : t2;
+        add_part(single, twice, k, R, from, to, h, rim, s_m);
+        from = to;
+    }
+}
+
 // Both layers of the triangle a b c (relative to the receiver), whose unit normal is `normal`; `height` is the
 // receiver's over the plane, 0 at the triangle's own place.
 void layers_of_triangle(vec3 k, vec3 a, vec3 b, vec3 c, uvec3 id, vec3 normal, float height,
@@ -39,12 +52,14 @@ void layers_of_triangle(vec3 k, vec3 a, vec3 b, vec3 c, uvec3 id, vec3 normal, f
     vec3 corner[3] = vec3[3](a - foot, b - foot, c - foot);
     uint number[3] = uint[3](id.x, id.y, id.z);
     bool inside = true;
-    float nearest = 1e30;
+    float nearest = 1e30, longest = 0.0;
     for (uint e = 0; e < 3; ++e) {
         vec3 p = corner[e], q = corner[(e + 1) % 3];
         inside = inside && dot(cross(p, q), normal) >= 0.0;
         nearest = min(nearest, segment_distance(p, q));
+        longest = max(longest, dot(q - p, q - p));
     }
+    bool elongated = longest > ELONGATED * length(cross(b - a, c - a));
     float h = abs(height), rim = inside ? 0.0 : nearest;
     float s_m = h < rim ? sqrt(h * h + rim * rim) : h;
     single = vec3(0);
@@ -56,7 +71,7 @@ void layers_of_triangle(vec3 k, vec3 a, vec3 b, vec3 c, uvec3 id, vec3 normal, f
         vec3 u = size > 0.0 ? (q - p) / size : vec3(0);
         float R = dot(cross(p, u), normal);
         vec3 one = vec3(0), two = vec3(0);
-        add_edge(one, two, k, R, dot(p, u), dot(q, u), h, rim, s_m);
+        add_edge(one, two, k, R, dot(p, u), dot(q, u), h, rim, s_m, elongated);
         single += swapped ? -one : one;
         twice += swapped ? -two : two;
     }

@@ -4,6 +4,7 @@
 //! A case passes if every value is finite, none is negative, none is zero where there must be light, and the errors
 //! are within the case's bounds, for the device's usual method and for brute force in `f32`.
 
+mod diffusion;
 pub mod factor;
 mod factors;
 mod materials;
@@ -72,6 +73,8 @@ enum Kind {
     Shade(fn() -> Result<crate::scene::Scene>),
     /// A random walk through a scene: against the CPU's, and its balance in the place of brute force.
     Walk(fn() -> Result<crate::scene::Scene>),
+    /// Diffusion: against the CPU's, and what is left of the equation in the place of brute force.
+    Diffusion(fn() -> Result<crate::scene::Scene>),
 }
 
 /// Errors of one method in one case, worst channel.
@@ -157,9 +160,16 @@ impl Found {
     }
 }
 
-/// All cases: single form factors, materials, meshes, positions and lights, shading by curvature, random walks.
+/// All cases: single form factors, materials, meshes, positions and lights, shading by curvature, random walks,
+/// diffusion.
 fn cases() -> impl Iterator<Item = &'static Case> {
-    factors::CASES.iter().chain(materials::CASES).chain(places::CASES).chain(shade::CASES).chain(walk::CASES)
+    factors::CASES
+        .iter()
+        .chain(materials::CASES)
+        .chain(places::CASES)
+        .chain(shade::CASES)
+        .chain(walk::CASES)
+        .chain(diffusion::CASES)
 }
 
 /// Runs the cases whose name contains `only`, on a device or, without one, on the CPU.
@@ -184,6 +194,10 @@ fn run(case: &'static Case, device: Option<&Device>, plant: Option<Plant>) -> Re
         }
         Kind::Walk(make) => {
             let [usual, brute] = walk::run(&make()?, device, plant)?;
+            (usual, brute, None)
+        }
+        Kind::Diffusion(make) => {
+            let [usual, brute] = diffusion::run(&make()?, device, plant)?;
             (usual, brute, None)
         }
         Kind::Scene(make) => {
@@ -227,7 +241,7 @@ mod tests {
     fn what_is_planted_is_found() {
         let fails = |only: &str, plant| stress(None, only, plant).unwrap().iter().all(|o| !o.faults.is_empty());
         let passes = |only: &str| stress(None, only, None).unwrap().iter().all(|o| o.faults.is_empty());
-        for only in ["inside a triangle", "one lit face", "walk: light in a cavity"] {
+        for only in ["inside a triangle", "one lit face", "walk: light in a cavity", "diffusion: no absorption"] {
             assert!(passes(only), "{only}");
             for plant in [Plant::NotANumber, Plant::Infinite, Plant::Negative, Plant::Dark, Plant::TenthMore] {
                 assert!(fails(only, Some(plant)), "{only}: {plant:?}");

@@ -23,6 +23,7 @@ use crate::state::{
     Carrier, Field, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
     wide,
 };
+use crate::transport::diffusion::layer_gain;
 
 /// Tolerances: the rounding of a logarithm, 60 x 2^-24, moves the argument by that share of the table's depth.
 const EMITTER: &[Field] = &[
@@ -157,7 +158,8 @@ fn cpu(state: &mut State, at: Scope) {
         let (low, high) = (f64::from(table[2 + entry]), f64::from(table[3 + entry]));
         low + (high - low) * (at - entry as f64)
     };
-    let error = f64::from(params.link_error);
+    let gain = if solves { layer_gain(&params, f64::from(data.clusters[0].area)) } else { 1.0 };
+    let error = gain * f64::from(params.link_error);
     let disc = f64::from(data.clusters[0].area) / (std::f64::consts::TAU * f64::from(params.usual_blocks));
     let sigma = params.sigma.map(f64::from);
     let nearest = params.z_real.iter().copied().map(f64::from).fold(f64::INFINITY, f64::min);

@@ -16,7 +16,7 @@ pub mod krylov_sum;
 mod near;
 pub mod sums;
 
-use crate::layout::ObjectParams;
+use crate::layout::{GAIN_OF_ONE, LEAST_GAIN, ObjectParams};
 
 /// The medium of one channel.
 #[derive(Clone, Copy, Debug)]
@@ -33,4 +33,22 @@ impl Medium {
     pub fn of(params: &ObjectParams, channel: usize) -> Self {
         Self { decay: params.sigma[channel].into(), boundary: params.boundary[channel].into() }
     }
+
+    /// What the integral operator makes of even light on a ball: 1/2 + D + S/z_b, with x = k R, D = (e^-2x - 2 phi)/2,
+    /// S = R phi and phi = (1 - e^-2x)/(2x). Above 1 where much light stays inside for long; near 0 where an object is
+    /// so thin that light hardly meets its surface: errors of a product then grow in the solution.
+    fn of_even_light(self, radius: f64) -> f64 {
+        let x = self.decay * radius;
+        let phi = if x < 1e-3 { 1.0 - x } else { -(-2.0 * x).exp_m1() / (2.0 * x) };
+        let whole = if x < 0.3 { x * x * (1.0 - x + 0.6 * x * x) / 3.0 } else { 0.5 * (1.0 + (-2.0 * x).exp()) - phi };
+        whole + radius * phi / self.boundary
+    }
+}
+
+/// What errors of clusters count relative to: the operator's value for even light on a ball of this area, at least over
+/// the channels.
+pub(crate) fn layer_gain(params: &ObjectParams, area: f64) -> f64 {
+    let radius = (area / (4.0 * std::f64::consts::PI)).sqrt();
+    let least = (0..3).map(|c| Medium::of(params, c).of_even_light(radius)).fold(f64::INFINITY, f64::min);
+    (least / f64::from(GAIN_OF_ONE)).clamp(f64::from(LEAST_GAIN), 1.0)
 }

@@ -12,6 +12,7 @@ use super::far::{kernel, slope};
 use crate::dipole::form_factor::footprint::{Edge, Footprint};
 use crate::dipole::form_factor::gauss::Node;
 use crate::dipole::form_factor::points::SIX;
+use crate::layout::{ELONGATED, PART_WIDTH};
 
 /// Single and double layer of density 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,14 +37,29 @@ fn phi1(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { -(-x).exp_m1() / x }
 }
 
-/// The integrals over one edge, without their factors.
-fn edge(edge: &Edge, k: f64, [h, rim, s_m]: [f64; 3], nodes: &[Node]) -> Both {
+/// The integrals over one edge, without their factors; of an elongated triangle in parts of even width in
+/// asinh(t / S), over which the integrands are smooth, however near the receiver is to the edge's line.
+fn edge(edge: &Edge, k: f64, at: [f64; 3], elongated: bool, nodes: &[Node]) -> Both {
     let r_line = edge.sense * edge.offset;
     if r_line == 0.0 {
         return Both::default();
     }
+    let s_line = r_line.hypot(at[0]);
+    let [u1, u2] = if elongated { [edge.start, edge.end].map(|t| (t / s_line).asinh()) } else { [0.0; 2] };
+    let parts = ((u2 - u1) / f64::from(PART_WIDTH)).ceil().clamp(1.0, 8.0) as usize;
+    let place = |k: usize| match k {
+        0 => edge.start,
+        k if k == parts => edge.end,
+        k => s_line * (u1 + (u2 - u1) * k as f64 / parts as f64).sinh(),
+    };
+    let each = (0..parts).map(|part| part_of_edge([place(part), place(part + 1)], r_line, k, at, nodes));
+    each.fold(Both::default(), |sum, one| Both { single: sum.single + one.single, double: sum.double + one.double })
+}
+
+/// The integrals from `t[0]` to `t[1]` along an edge.
+fn part_of_edge(t: [f64; 2], r_line: f64, k: f64, [h, rim, s_m]: [f64; 3], nodes: &[Node]) -> Both {
     let s_line = r_line.hypot(h);
-    let [w1, w2] = [edge.start, edge.end].map(|t| t / (s_line + s_line.hypot(t)));
+    let [w1, w2] = t.map(|t| t / (s_line + s_line.hypot(t)));
     let (middle, half) = (0.5 * (w1 + w2), 0.5 * (w2 - w1));
     let mut sum = Both::default();
     for node in nodes {
@@ -73,7 +89,10 @@ pub(super) fn by_edges(k: f64, corners: &[DVec3; 3], id: [u32; 3], x: DVec3, own
     let (h, rim) = (height.abs(), footprint.nearest);
     let s_m = if h < rim { h.hypot(rim) } else { h };
     let mut sum = Both::default();
-    for one in footprint.edges.iter().map(|one| edge(one, k, [h, rim, s_m], nodes)) {
+    let [a, b, c] = *corners;
+    let longest = [b - a, c - b, a - c].map(DVec3::length_squared).into_iter().fold(0.0, f64::max);
+    let elongated = longest > f64::from(ELONGATED) * (b - a).cross(c - a).length();
+    for one in footprint.edges.iter().map(|one| edge(one, k, [h, rim, s_m], elongated, nodes)) {
         sum.single += one.single;
         sum.double += one.double;
     }
@@ -140,6 +159,30 @@ mod tests {
                 |side: &[u32; 3]| by_edges(0.0, &side.map(|v| corners[v as usize]), *side, x, false, &nodes).double;
             let sum: f64 = sides.iter().map(of).sum();
             assert!((sum - wanted).abs() < 1e-5, "{sum} {wanted}");
+        }
+    }
+
+    #[test]
+    fn slivers_need_no_more_nodes() {
+        // A hundred to one and a thousand to one, from their own centroids and beside them.
+        for width in [1e-2, 1e-3] {
+            let corners = [DVec3::ZERO, DVec3::X, DVec3::new(0.4, width, 0.0)];
+            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+            for x in [middle, middle + 0.3 * width * DVec3::Y + 0.2 * width * DVec3::Z, middle + 0.1 * DVec3::X] {
+                let [few, many] = [6, 12].map(|n| by_edges(0.3, &corners, [0, 1, 2], x, x.z == 0.0, &legendre(n)));
+                let off = (few.single / many.single - 1.0).abs().max((few.double - many.double).abs() / many.single);
+                assert!(off < 1.5e-3, "{width} {x}: {off:.1e}, {few:?} {many:?}");
+            }
+            // In closed form for k = 0, at the own centroid: the sum over edges of R (asinh(t2 / R) - asinh(t1 / R)).
+            let found = by_edges(0.0, &corners, [0, 1, 2], middle, true, &legendre(6)).single;
+            let edge = |a: DVec3, b: DVec3| {
+                let u = (b - a).normalize();
+                let r = (a - middle).cross(u).z;
+                r * (((b - middle).dot(u) / r).asinh() - ((a - middle).dot(u) / r).asinh())
+            };
+            let exact =
+                (0..3).map(|e| edge(corners[e], corners[(e + 1) % 3])).sum::<f64>() / (4.0 * std::f64::consts::PI);
+            assert!((found / exact - 1.0).abs() < 1e-4, "{width}: {found} {exact}");
         }
     }
 }

@@ -19,6 +19,7 @@ WRITES(emitters)
 WRITES(expansion_distances)
 #include "transport/blocks/acceptance_radii/laws.glsl"
 #include "transport/blocks/chi.glsl"
+#include "transport/diffusion/gain.glsl"
 
 // The source that the laws bound: a node's light, or its area if lists have to serve any light.
 struct Source { vec3 center; float strength; float trace; float radius; };
@@ -60,6 +61,7 @@ void main() {
     float z = min(object_params[0].z_real.x, min(object_params[0].z_real.y, object_params[0].z_real.z)), error = object_params[0].link_error;
     // Layers lie on the surface.
     z = LAYERS != 0 ? 0.0 : z;
+    if (LAYERS != 0) error *= layer_gain(clusters[0].area);
     // A flat disc of a block's mean area, and four times more for each further class.
     float disc = log2(max(clusters[0].area / (6.2831853 * float(object_params[0].usual_blocks)), 1e-30));
     vec2 heads[ERROR_LAWS];

@@ -10,6 +10,13 @@ UPDATES(small_system)
 
 void main() {
     if (invocation() != 0) return;
+    vec3 carried = small_system[SMALL_RIGHT + steps];
+    for (uint back = 0; back < steps; ++back) {
+        uint k = steps - 1 - back;
+        small_system[SMALL_RESIDUAL + k + 1] = small_system[SMALL_COSINES + k] * carried;
+        carried *= -small_system[SMALL_SINES + k];
+    }
+    small_system[SMALL_RESIDUAL] = carried;
     for (uint back = 0; back < steps; ++back) {
         uint k = steps - 1 - back;
         vec3 sum = small_system[SMALL_RIGHT + k];
@@ -19,11 +26,4 @@ void main() {
         vec3 pivot = small_system[SMALL_MATRIX + k * (MOST_STEPS + 1) + k];
         small_system[SMALL_COEFFICIENTS + k] = mix(vec3(0), sum / max(pivot, vec3(1e-30)), greaterThan(pivot, vec3(1e-30)));
     }
-    vec3 carried = small_system[SMALL_RIGHT + steps];
-    for (uint back = 0; back < steps; ++back) {
-        uint k = steps - 1 - back;
-        small_system[SMALL_RESIDUAL + k + 1] = small_system[SMALL_COSINES + k] * carried;
-        carried *= -small_system[SMALL_SINES + k];
-    }
-    small_system[SMALL_RESIDUAL] = carried;
 }
