@@ -2,8 +2,8 @@
 //!
 //! What is left of the equation, r = b - M B, is the last entry of the rotated right-hand side, turned back. The error
 //! e solves M e = r, so that e = 2 (r - K e), K the integral over the surface: twice what is left there, and a smooth
-//! rest of the size of the mean. The estimate is twice |r|, four times its mean, and what clusters may add; it was above
-//! the error at 98 % of the triangles or more, of four shapes solved densely in `f64` at 1e-2, 1e-3 and 1e-4.
+//! rest of the size of the mean. The estimate is twice |r|, four times its mean, and what clusters may add; it was
+//! above the error at 98 % of the triangles or more, of four shapes solved densely in `f64` at 1e-2, 1e-3 and 1e-4.
 
 use crate::error::Result;
 use crate::layout::{
