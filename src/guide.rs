@@ -13,6 +13,7 @@
 //! | [Random walk](walk) | the reference without approximations: what it simulates, its noise, its time |
 //! | [Measuring](measuring) | error norms, references, error against run time, extreme cases, the papers' tables |
 //! | [Conformance](conformance) | for driver people: what is compared, and how to reduce a failure |
+//! | [For driver engineers](drivers) | failures as files that run elsewhere, results for build servers |
 //! | [Performance](performance) | profiles, your own kernels, tuning |
 //! | [Robustness](robustness) | limits, promises and the tests that verify them |
 //! | [As a library](library) | the Rust API |
@@ -34,5 +35,5 @@ macro_rules! pages {
 }
 
 pages! {
-    start scenes lights motion layers curvature how diffusion walk measuring conformance performance robustness library contributing
+    start scenes lights motion layers curvature how diffusion walk measuring conformance drivers performance robustness library contributing
 }

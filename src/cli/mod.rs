@@ -7,6 +7,7 @@ mod bake;
 mod conform;
 mod device;
 mod devices;
+mod dump;
 pub mod eval;
 mod faces;
 mod fit_cdrf;
@@ -20,6 +21,7 @@ mod progress;
 mod render;
 mod replace;
 mod report;
+mod repro;
 mod run_args;
 mod sequence;
 mod shader;
@@ -66,6 +68,10 @@ enum Command {
     Profile(profile::Arguments),
     /// Compare every stage on a device with the CPU reference.
     Conform(conform::Arguments),
+    /// Write a stage of a fixture as files that repeat it elsewhere: SPIR-V, buffers, an AmberScript.
+    Dump(dump::Arguments),
+    /// Run what `dump` or `conform --dump` wrote on a device, and compare.
+    Replay(repro::Arguments),
     /// Print a built-in shader's GLSL, as a starting point for your own: see `--replace`.
     Shader(shader::Arguments),
     /// Run the extreme cases: their fallbacks, whether results are finite, and the worst error against f64.
@@ -238,6 +244,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Profile(arguments) => profile::run(&arguments),
         Command::Conform(arguments) => conform::run(&arguments),
+        Command::Dump(arguments) => dump::run(&arguments),
+        Command::Replay(arguments) => repro::run(&arguments),
         Command::Shader(arguments) => shader::run(&arguments),
         Command::Stress(arguments) => stress::run(&arguments),
         Command::Pareto(arguments) => pareto::run(&arguments),

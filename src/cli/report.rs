@@ -6,7 +6,8 @@ use clap::Args;
 
 use super::{DeviceArgument, print, validation};
 use milkglass::error::{Error, Input, Result};
-use milkglass::measure::report::{Bench, Folder, PAGE, SECTIONS, Section, report};
+use milkglass::measure::folder::{Folder, REPORT};
+use milkglass::measure::report::{Bench, SECTIONS, Section, report};
 
 /// Arguments of `report`.
 #[derive(Args)]
@@ -37,7 +38,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let wanted = |section: &&Section| arguments.only.is_empty() || arguments.only.iter().any(|n| n == section.name);
     let sections: Vec<&Section> = SECTIONS.iter().filter(wanted).collect();
-    let folder = Folder::open(&arguments.output)?;
+    let folder = Folder::open(&arguments.output, &REPORT, "-o")?;
     let device = arguments.device.open(validation())?;
     let bench = Bench { device: device.as_ref(), quick: arguments.quick };
     let mut number = 0;
@@ -47,7 +48,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     let made = report(&bench, &sections, &mut tell);
     folder.fill(&made.page, &made.files)?;
-    print(&format!("{}\n", arguments.output.join(PAGE).display()))?;
+    print(&format!("{}\n", arguments.output.join(REPORT.page).display()))?;
     if made.faults.is_empty() {
         return Ok(());
     }

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use super::adapter::{Adapter, Limits};
 use super::instance::Instance;
-use super::kernel::{Kernel, KernelKey};
+use super::kernel::{Kernel, KernelKey, as_given};
 use super::kernel_cache::KernelCache;
 use super::logical_device::LogicalDevice;
 use crate::error::Result;
@@ -66,6 +66,11 @@ impl Device {
     /// The kernels that do not come from the build.
     pub fn replaced(&self) -> impl Iterator<Item = &str> {
         self.kernels.replaced()
+    }
+
+    /// The SPIR-V of a kernel as the driver is given it.
+    pub fn words(&self, kernel: &str) -> Result<Vec<u32>> {
+        Ok(as_given(&self.logical, self.kernels.words(kernel)?))
     }
 
     // What others name by path, which does not see through `Deref`.

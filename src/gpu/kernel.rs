@@ -7,8 +7,9 @@ use super::count::{self, Tally};
 use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
 use super::reflect::{Access, Reflected, reflect};
-use super::spirv_module::round_to_nearest;
+use super::spirv_module::{round_to_nearest, without_rounding};
 use crate::error::{Error, Result};
+use crate::layout::GROUPS_A_ROW;
 
 /// What identifies a kernel.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -56,6 +57,13 @@ impl Kernel {
         Ok(kernel)
     }
 
+    /// The groups of a dispatch of this many invocations: all in one row where they fit, else rows of equal length.
+    pub(crate) fn grid(&self, invocations: u64) -> [u32; 3] {
+        let groups = invocations.div_ceil(u64::from(self.group));
+        let row = u64::from(GROUPS_A_ROW).min(self.device.limits().groups[0].into()).max(1);
+        [groups.min(row), groups.div_ceil(row), 1].map(|count| u32::try_from(count).unwrap_or(u32::MAX))
+    }
+
     /// What it has done since the last call, if it counts.
     pub(super) fn tally(&self) -> Result<Option<Tally>> {
         let Some(meter) = &self.meter else { return Ok(None) };
@@ -66,11 +74,11 @@ impl Kernel {
     }
 
     /// The kernel of this SPIR-V with these specialization constants (0, 1, ...), or what the device lacks for it.
-    pub(super) fn new(device: &LogicalDevice, name: &str, words: Vec<u32>, constants: &[u32]) -> Result<Self> {
+    pub(crate) fn new(device: &LogicalDevice, name: &str, words: Vec<u32>, constants: &[u32]) -> Result<Self> {
         let doing = format!("preparing kernel {name}");
         let found = reflect(name, &words)?;
         check(device, &found, constants, &doing)?;
-        let words = if device.limits().round_to_nearest { round_to_nearest(words) } else { words };
+        let words = as_given(device, words);
 
         let mut kernel = Self {
             pipeline: vk::Pipeline::null(),
@@ -132,6 +140,12 @@ impl Kernel {
         device.label(kernel.pipeline, name);
         Ok(kernel)
     }
+}
+
+/// A module as the driver is given it: with a request to round to nearest, where the device takes one.
+pub(super) fn as_given(device: &LogicalDevice, words: Vec<u32>) -> Vec<u32> {
+    let words = without_rounding(&words);
+    if device.limits().round_to_nearest { round_to_nearest(words) } else { words }
 }
 
 /// Fails where the device allows less than a kernel needs, or where the number of constants is not the kernel's.

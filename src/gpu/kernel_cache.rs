@@ -39,13 +39,18 @@ impl KernelCache {
         self.replaced.keys().map(String::as_str)
     }
 
+    /// The SPIR-V of a kernel: what replaces the build's, or the build's.
+    pub(super) fn words(&self, name: &str) -> Result<Vec<u32>> {
+        self.replaced.get(name).map_or_else(|| words_of(name), |words| Ok(words.clone()))
+    }
+
     /// The kernel of this key for this device, made if need be.
     pub(super) fn get(&self, device: &LogicalDevice, key: &KernelKey) -> Result<Rc<Kernel>> {
         if let Some(kernel) = self.made.borrow().get(key) {
             return Ok(kernel.clone());
         }
         let KernelKey { name, constants } = key;
-        let words = self.replaced.get(name).map_or_else(|| words_of(name), |words| Ok(words.clone()))?;
+        let words = self.words(name)?;
         if self.counts {
             return Ok(Rc::new(Kernel::counting(device, name, words, constants)?));
         }

@@ -8,6 +8,7 @@
 //! - `memory`, `transfer`: buffers, and copies between host and device;
 //! - `spirv_module`, `reflect`, `replace`, `compile`, [`count`]: SPIR-V, what a kernel binds, and kernels that count;
 //! - `kernel`, `bind`, `record`: pipelines, descriptor sets, and a frame's dispatches and barriers;
+//! - `interface`: SPIR-V from files;
 //! - `kernel_cache`, `device`, `kernels`, `single_kernel`: what the rest of the program asks for.
 
 mod adapter;
@@ -21,6 +22,8 @@ mod device;
 #[doc(hidden)]
 pub mod faults;
 mod instance;
+#[cfg(feature = "measure")]
+mod interface;
 mod kernel;
 mod kernel_cache;
 mod kernels;
@@ -39,6 +42,8 @@ pub use allocator::MemoryUse;
 pub(crate) use bind::Binding;
 pub use device::Device;
 pub use instance::Instance;
+#[cfg(feature = "measure")]
+pub(crate) use interface::{disassembled, interface};
 pub use kernel::{Kernel, KernelKey};
 pub use kernels::Kernels;
 pub use logical_device::LogicalDevice;

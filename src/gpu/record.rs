@@ -14,7 +14,6 @@ use super::kernel::Kernel;
 use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
 use crate::error::{Error, Result};
-use crate::layout::GROUPS_A_ROW;
 
 /// How long one labelled part of a frame took.
 #[derive(Clone, Debug)]
@@ -33,6 +32,8 @@ pub struct Timing {
 pub enum Work<'a> {
     /// This many invocations, rounded up to whole groups.
     Invocations(u64),
+    /// This many groups in each dimension.
+    Grid([u32; 3]),
     /// As many groups as three numbers in a buffer say: an indirect dispatch.
     Groups {
         /// The buffer.
@@ -132,7 +133,7 @@ impl Recorder {
         work: Work<'_>,
     ) -> Result<()> {
         let doing = || format!("recording kernel {}", kernel.name);
-        if matches!(work, Work::Invocations(0)) {
+        if matches!(work, Work::Invocations(0)) || matches!(work, Work::Grid(groups) if groups.contains(&0)) {
             return Ok(());
         }
         if push.len() != kernel.push_bytes as usize {
@@ -162,16 +163,17 @@ impl Recorder {
         let set = self.sets.get(kernel, bindings)?;
         self.order(kernel, bindings, work);
 
-        // All groups in one row where they fit, else rows of equal length.
-        let groups = match work {
-            Work::Invocations(count) => count.div_ceil(u64::from(kernel.group)),
-            Work::Groups { .. } => 0,
+        let direct = match work {
+            Work::Invocations(count) => kernel.grid(count),
+            Work::Grid(groups) => groups,
+            Work::Groups { .. } => [0; 3],
         };
-        let most = self.device.limits().groups.map(u64::from);
-        let row = u64::from(GROUPS_A_ROW).min(most[0]).max(1);
-        let (across, down) = (groups.min(row), groups.div_ceil(row));
-        if down > most[1] {
-            let what = format!("it takes {groups} groups, the device dispatches at most {} x {}", most[0], most[1]);
+        let most = self.device.limits().groups;
+        if direct[0] > most[0] || direct[1] > most[1] {
+            let what = format!(
+                "it takes {} x {} groups, the device dispatches at most {} x {}",
+                direct[0], direct[1], most[0], most[1]
+            );
             return Err(Error::device(doing(), what));
         }
         let raw = self.device.raw();
@@ -183,7 +185,9 @@ impl Recorder {
                 raw.cmd_push_constants(self.commands, kernel.layout, vk::ShaderStageFlags::COMPUTE, 0, push);
             }
             match work {
-                Work::Invocations(_) => raw.cmd_dispatch(self.commands, across as u32, down as u32, 1),
+                Work::Invocations(_) | Work::Grid(_) => {
+                    raw.cmd_dispatch(self.commands, direct[0], direct[1], direct[2])
+                }
                 Work::Groups { buffer, offset } => raw.cmd_dispatch_indirect(self.commands, buffer.raw, offset),
             }
         }
@@ -205,7 +209,7 @@ impl Recorder {
             .collect();
         let counted = match work {
             Work::Groups { buffer, .. } => Some(buffer.raw.as_raw()),
-            Work::Invocations(_) => None,
+            Work::Invocations(_) | Work::Grid(_) => None,
         };
         let hazard = counted.is_some_and(|buffer| self.written.contains(&buffer))
             || uses

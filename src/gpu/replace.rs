@@ -5,6 +5,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 use super::reflect::{Reflected, SOURCES, kernel_names, reflect, words_of};
+use super::spirv_module::{MAGIC, whole};
 use crate::error::{Error, Input, Result};
 use crate::layout::{BUFFER_IDS, declarations};
 
@@ -38,8 +39,11 @@ pub fn replacement(kernel: &str, file: &Path) -> Result<Vec<u32>> {
         let like = near.map_or(String::new(), |name| format!("{name}, or another one that "));
         return Err(fault.expected(format!("{like}`milkglass shader` lists")).into());
     }
-    let text = read(file).map_err(|error| Input::new(format!("the shader could not be read: {error}")).file(file))?;
-    let words = compile(file, &text)?;
+    let unread = |error| Input::new(format!("the shader could not be read: {error}")).file(file);
+    let words = match file.extension().is_some_and(|ending| ending == "spv") {
+        true => module(file, &bytes(file).map_err(unread)?)?,
+        false => compile(file, &read(file).map_err(unread)?)?,
+    };
     let fault = |what: String| Error::from(Input::new(what).file(file));
     let own =
         reflect(kernel, &words).map_err(|error| fault(format!("it can't take the place of {kernel}: {error}")))?;
@@ -94,23 +98,43 @@ const MOST_TEXT: u64 = 1 << 20;
 #[cfg(feature = "shaderc")]
 const MOST_INCLUDES: u32 = 256;
 
-/// The text of a plain file, at most [`MOST_TEXT`] bytes.
-fn read(file: &Path) -> std::result::Result<String, String> {
+/// The bytes of a plain file, at most [`MOST_TEXT`].
+fn bytes(file: &Path) -> std::result::Result<Vec<u8>, String> {
     let known = file.metadata().map_err(|error| error.to_string())?;
     if !known.is_file() {
         return Err("not a plain file".into());
     }
-    let mut text = String::new();
+    let mut bytes = Vec::new();
     let source = std::fs::File::open(file).map_err(|error| error.to_string())?;
-    source.take(MOST_TEXT + 1).read_to_string(&mut text).map_err(|error| error.to_string())?;
-    if text.len() as u64 > MOST_TEXT {
+    source.take(MOST_TEXT + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > MOST_TEXT {
         return Err(format!("it has {} bytes, at most {MOST_TEXT} are read", known.len()));
     }
+    Ok(bytes)
+}
+
+/// The text of such a file.
+fn read(file: &Path) -> std::result::Result<String, String> {
+    let text = String::from_utf8(bytes(file)?).map_err(|_| "stream did not contain valid UTF-8".to_string())?;
     if let Some(at) = text.find('\0') {
         let line = 1 + text[..at].matches('\n').count();
         return Err(format!("line {line} has a NUL byte, which no GLSL has"));
     }
     Ok(text)
+}
+
+/// The words of a module of SPIR-V.
+fn module(file: &Path, bytes: &[u8]) -> Result<Vec<u32>> {
+    let words: Vec<u32> = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+    if !bytes.len().is_multiple_of(4) || words.first() != Some(&MAGIC) || !whole(&words) {
+        let found = format!("{} bytes", bytes.len());
+        return Err(Input::new("not a module of SPIR-V")
+            .file(file)
+            .found(found)
+            .expected("what compilers write")
+            .into());
+    }
+    Ok(words)
 }
 
 #[cfg(feature = "shaderc")]

@@ -2,6 +2,8 @@
 
 use spirq::spirv::{Capability, ExecutionMode, Op};
 
+/// The first word of a module.
+pub(super) const MAGIC: u32 = 0x0723_0203;
 /// Words of a module's header.
 pub(super) const HEADER_WORDS: usize = 5;
 /// The word of the header that holds the bound: every id of the module is smaller.
@@ -34,6 +36,15 @@ pub(super) fn instructions(module: &[u32]) -> impl Iterator<Item = Instruction<'
     })
 }
 
+/// Whether a module has a header and its instructions end where it ends.
+pub(super) fn whole(module: &[u32]) -> bool {
+    let mut at = HEADER_WORDS;
+    while let Some(first) = module.get(at) {
+        at += (first >> 16).max(1) as usize;
+    }
+    at == module.len() && at > HEADER_WORDS
+}
+
 /// Appends an instruction to a module.
 pub(super) fn append(module: &mut Vec<u32>, op: Op, operands: &[u32]) {
     module.push(((operands.len() as u32 + 1) << 16) | op as u32);
@@ -64,6 +75,19 @@ pub(super) fn round_to_nearest(module: Vec<u32>) -> Vec<u32> {
     module
 }
 
+/// The module without that request: one that was written down for another device has it already.
+pub(super) fn without_rounding(module: &[u32]) -> Vec<u32> {
+    let mut out = module.get(..HEADER_WORDS).unwrap_or(module).to_vec();
+    for instruction in instructions(module) {
+        match (instruction.op, instruction.operands) {
+            (Some(Op::Capability), [what]) if *what == Capability::RoundingModeRTE as u32 => {}
+            (Some(Op::ExecutionMode), [_, what, 32]) if *what == ExecutionMode::RoundingModeRTE as u32 => {}
+            _ => out.extend(instruction.words),
+        }
+    }
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -79,6 +103,8 @@ mod tests {
         let modes: Vec<_> = instructions(&rounding).skip(2).map(|mode| mode.operands[..2].to_vec()).collect();
         assert_eq!(modes, [[7, ExecutionMode::RoundingModeRTE as u32], [7, ExecutionMode::LocalSize as u32]]);
         assert_eq!(round_to_nearest(vec![0; HEADER_WORDS]), [0; HEADER_WORDS]);
+        assert_eq!(without_rounding(&rounding), module);
+        assert_eq!(without_rounding(&module), module);
     }
 
     #[test]

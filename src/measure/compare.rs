@@ -1,8 +1,9 @@
 //! Word-by-word comparison of one buffer in two states, for conformance.
 
 use super::bias::Bias;
-use crate::layout::{BufferId, Number, Word};
-use crate::state::{Field, State, Tolerance};
+use super::rules::{Allowed, Rules, field_of};
+use crate::layout::{BufferId, Number};
+use crate::state::{State, Tolerance};
 
 /// Upper bounds, in units in the last place, of all but the last bin of [`Comparison::histogram`].
 pub const BINS: [u64; 7] = [0, 1, 3, 7, 15, 255, 65_535];
@@ -60,7 +61,7 @@ pub fn compare(
     }
 
     let floats = |k: &usize| layout[*k].number == Number::Float;
-    let group = |k: usize| layout[k].path.trim_end_matches(|c: char| c == '.' || c.is_ascii_digit());
+    let group = |k: usize| field_of(&layout[k].path);
     if part.1 > 0 && tolerance != Tolerance::Exact {
         let own = part.0 * layout.len()..(part.0 + part.1) * layout.len();
         let starts = (0..layout.len()).filter(floats).filter(|&k| (0..k).all(|j| group(j) != group(k)));
@@ -76,11 +77,7 @@ pub fn compare(
         result.histogram[0] = (part.1 * (0..layout.len()).filter(floats).count()) as u64;
         return result;
     }
-    let rules = rules(&layout, group, a, tolerance);
-    let rounding = match tolerance {
-        Tolerance::Rounded(_, rounding) => Some((rounding, (rounding.of)(reference))),
-        _ => None,
-    };
+    let rules = Rules::new(slot, reference, tolerance);
 
     for (i, (&x, &y)) in a.iter().zip(b).enumerate() {
         let k = i % layout.len();
@@ -91,25 +88,19 @@ pub fn compare(
             result.histogram[BINS.iter().take_while(|most| distance > **most).count()] += 1;
             result.ulp = result.ulp.max(distance);
         }
-        let passes = match (&rules[k], word.number) {
-            (rule, Number::Float) if x != y => {
+        let passes = match word.number {
+            Number::Float if x != y => {
                 let (p, q) = (f32::from_bits(x), f32::from_bits(y));
                 let difference = (f64::from(p) - f64::from(q)).abs();
-                let of = |rule: &Rule| rule.of.map_or(1.0, |of| f64::from(f32::from_bits(a[i - k + of])));
-                let lowest = rule.as_ref().map_or(0.0, |rule| rule.floor * of(rule));
-                let more = rounding.as_ref().and_then(|(rounding, more)| {
-                    let field = rounding.fields.iter().position(|name| *name == group(k))?;
-                    more.get(i / layout.len() * rounding.fields.len() + field)
-                });
-                let allowed = rule.as_ref().map_or(0.0, |rule| rule.relative * f64::from(p).abs() + lowest)
-                    + more.copied().unwrap_or(0.0);
+                let Allowed { lowest, most } = rules.at(i);
+                let allowed = most.unwrap_or(0.0);
                 let relative = difference / f64::from(p).abs().max(lowest).max(1e-38);
                 // NaN and infinity count as infinitely far off.
                 result.relative = result.relative.max(if relative.is_nan() { f64::INFINITY } else { relative });
                 let used = if difference == 0.0 && allowed > 0.0 { 0.0 } else { difference / allowed };
                 result.used = result.used.max(if used.is_nan() { f64::INFINITY } else { used });
                 // Without a rule the bits must agree: 0 and -0 differ.
-                rule.is_some() && p.is_finite() && q.is_finite() && difference <= allowed
+                most.is_some() && p.is_finite() && q.is_finite() && difference <= allowed
             }
             _ => x == y,
         };
@@ -133,56 +124,6 @@ pub fn compare(
         }
     }
     result
-}
-
-/// Tolerance of one float: a share of its value, plus a floor, which may be relative to another word of the element.
-struct Rule {
-    relative: f64,
-    floor: f64,
-    of: Option<usize>,
-}
-
-/// The rule for each word of an element; `None` where it must agree bit for bit. `group` gives the field that a word
-/// belongs to.
-fn rules<'a>(
-    layout: &'a [Word],
-    group: impl Fn(usize) -> &'a str,
-    reference: &[u32],
-    tolerance: Tolerance,
-) -> Vec<Option<Rule>> {
-    let words = 0..layout.len();
-    match tolerance {
-        Tolerance::Exact => words.map(|_| None).collect(),
-        Tolerance::Float { relative, floor } => {
-            // Largest magnitude of each field, over all components of a vector.
-            let groups: Vec<usize> =
-                words.clone().map(|k| (0..k).find(|&j| group(j) == group(k)).unwrap_or(k)).collect();
-            let mut largest = vec![0f64; layout.len()];
-            for (i, &word) in reference.iter().enumerate() {
-                let value = f64::from(f32::from_bits(word)).abs();
-                if value.is_finite() {
-                    let k = groups[i % layout.len()];
-                    largest[k] = largest[k].max(value);
-                }
-            }
-            let rule = |k: usize| Rule {
-                relative: f64::from(relative),
-                floor: f64::from(floor) * largest[groups[k]],
-                of: None,
-            };
-            words.map(|k| Some(rule(k))).collect()
-        }
-        Tolerance::Fields(fields) | Tolerance::Rounded(fields, _) => {
-            let of = |name: &str| words.clone().find(|&j| !name.is_empty() && group(j) == name);
-            let field = |k: usize| fields.iter().find(|field| field.name == group(k) || field.name == layout[k].path);
-            let rule = |field: &Field| Rule {
-                relative: f64::from(field.relative),
-                floor: f64::from(field.floor),
-                of: of(field.of),
-            };
-            words.clone().map(|k| field(k).map(rule)).collect()
-        }
-    }
 }
 
 #[cfg(test)]

@@ -41,6 +41,8 @@ pub struct Row {
     pub biases: Vec<Bias>,
     /// Everything found wrong; empty if the stage conforms.
     pub faults: Vec<String>,
+    /// The first of the fixture's steps in which something was found wrong.
+    pub failed: Option<usize>,
 }
 
 /// A deliberate change to the device's results, to prove that the harness detects it.
@@ -74,13 +76,14 @@ fn compared(
     let _ = device.take_messages();
     // Steps after the last compared one have no effect on the result.
     let end = fixture.steps.iter().rposition(|step| takes_part(step.stage.name)).map_or(0, |last| last + 1);
-    for step in &fixture.steps[..end] {
+    for (index, step) in fixture.steps[..end].iter().enumerate() {
         if !takes_part(step.stage.name) {
             step.reference(&mut pair.reference);
             pair.stale = BUFFER_IDS.to_vec();
             continue;
         }
-        for row in pair.one(*step, &fixture.name, plants)? {
+        for mut row in pair.one(*step, &fixture.name, plants)? {
+            row.failed = (!row.faults.is_empty()).then_some(index);
             match rows.iter_mut().find(|known| known.stage == row.stage) {
                 Some(known) => {
                     known.steps += 1;
@@ -91,6 +94,7 @@ fn compared(
                     known.used = known.used.max(row.used);
                     add(&mut known.biases, &row.biases);
                     known.faults.extend(row.faults);
+                    known.failed = known.failed.or(row.failed);
                 }
                 None => rows.push(row),
             }
@@ -100,7 +104,7 @@ fn compared(
 }
 
 /// Fills the memory that a step overwrites with poison.
-fn poison(state: &mut State, step: Step) {
+pub(super) fn poison(state: &mut State, step: Step) {
     for (slot, role, _) in step.stage.writes {
         if *role == Role::Output {
             let stride = slot.spec().stride;

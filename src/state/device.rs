@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{Scope, State};
 use crate::error::Result;
-use crate::gpu::{Binding, Buffer, BufferRange, Device, Kernels, Recorder, Upload, Work, download, upload};
+use crate::gpu::{Binding, Buffer, BufferRange, Device, Kernel, Kernels, Recorder, Upload, Work, download, upload};
 use crate::layout::{BUFFER_IDS, BufferId};
 
 /// Guard bytes after the end of each buffer of a guarded state, which no kernel may touch. As many bytes after a part
@@ -117,32 +117,50 @@ impl DeviceState {
     /// Records one dispatch of a kernel; each buffer is bound to its part for the scope of the call.
     pub(super) fn submit(&self, recorder: &mut Recorder, state: &State, call: &Call<'_>) -> Result<()> {
         let kernel = self.kernels.get(call.kernel, call.constants)?;
-        let mut bindings = Vec::with_capacity(kernel.accesses.len());
-        for access in &kernel.accesses {
-            let Some(&named) = BUFFER_IDS.get(access.binding as usize) else { continue };
-            let slot = state.data.bound(named);
+        let bindings: Vec<Binding<'_>> = self.bound(&kernel, state, call.at).map(|(_, binding)| binding).collect();
+        let work = match call.groups {
+            Groups::Invocations(count) => Work::Invocations(count as u64),
+            Groups::Counted { slot, element } => match self.counted(state, call.at, (slot, element)) {
+                Some(BufferRange { buffer, offset, .. }) => Work::Groups { buffer, offset },
+                None => return Ok(()),
+            },
+        };
+        recorder.dispatch(&kernel, &bindings, call.push, work)
+    }
+
+    /// What a kernel binds in this scope: each buffer's part, and which buffer it is.
+    pub(super) fn bound<'a>(
+        &'a self,
+        kernel: &'a Kernel,
+        state: &'a State,
+        at: Scope,
+    ) -> impl Iterator<Item = (BufferId, Binding<'a>)> {
+        kernel.accesses.iter().filter_map(move |access| {
+            let slot = state.data.bound(*BUFFER_IDS.get(access.binding as usize)?);
             let Some(buffer) = self.buffers.get(&slot) else {
-                bindings.push(Binding { number: access.binding, buffer: &self.nothing, offset: 0, size: 4 });
-                continue;
+                return Some((slot, Binding { number: access.binding, buffer: &self.nothing, offset: 0, size: 4 }));
             };
             let stride = slot.spec().stride as u64;
-            let (first, count) = state.part(slot, call.at);
+            let (first, count) = state.part(slot, at);
             let (offset, own) = (first as u64 * stride, (count as u64 * stride).max(4));
             // A driver drops writes beyond what is bound. What follows the part is bound too where it is guarded, so
             // that they show; not where the kernel goes by the number of elements that are bound.
             let guard = if self.guarded && access.writes && !access.asks_length { GUARD } else { 0 };
             let most = (buffer.size() - offset).min(self.device.limits().binding_bytes);
-            bindings.push(Binding { number: access.binding, buffer, offset, size: (own + guard).min(most).max(own) });
-        }
-        let work = match call.groups {
-            Groups::Invocations(count) => Work::Invocations(count as u64),
-            Groups::Counted { slot, element } => {
-                let Some(buffer) = self.buffers.get(&slot) else { return Ok(()) };
-                let offset = ((state.part(slot, call.at).0 + element) * slot.spec().stride) as u64;
-                Work::Groups { buffer, offset }
-            }
-        };
-        recorder.dispatch(&kernel, &bindings, call.push, work)
+            let size = (own + guard).min(most).max(own);
+            Some((slot, Binding { number: access.binding, buffer, offset, size }))
+        })
+    }
+
+    /// Where the three numbers of an indirect dispatch are.
+    pub(super) fn counted(
+        &self,
+        state: &State,
+        at: Scope,
+        (slot, element): (BufferId, usize),
+    ) -> Option<BufferRange<'_>> {
+        let offset = ((state.part(slot, at).0 + element) * slot.spec().stride) as u64;
+        Some(BufferRange { buffer: self.buffers.get(&slot)?, offset, size: 12 })
     }
 }
 

@@ -9,6 +9,7 @@ mod pass;
 mod schedule;
 pub mod stage;
 mod tolerance;
+mod trace;
 
 pub use change::{Change, Changes, Update};
 pub use device::DeviceState;
@@ -17,6 +18,7 @@ pub use pass::{Bound, Dispatch, Pass, dispatches};
 pub use schedule::{Chunk, Schedule};
 pub use stage::{Carrier, Host, Need, Role, Serves, Size, Stage, Step};
 pub use tolerance::{Field, Rounding, Tolerance};
+pub use trace::{Trace, Traced, TracedBinding};
 
 use crate::layout::Buffers;
 pub use crate::scene::{Distance, Near, Scheme};

@@ -1,6 +1,7 @@
 //! What a stage records its dispatches with: a [`Pass`] sends them to a device or lists them.
 
 use super::device::{Call, DeviceState, Groups};
+use super::trace::Trace;
 use super::{Object, Scope, State, Step};
 use crate::error::Result;
 use crate::gpu::{Access, Recorder, Timing, accesses};
@@ -20,6 +21,7 @@ pub struct Pass<'a> {
 enum Sink<'a> {
     Device(&'a DeviceState, &'a mut Recorder),
     List(usize, &'a mut Vec<Dispatch>),
+    Trace(&'a DeviceState, &'a mut Trace),
 }
 
 /// A dispatch that a step requests.
@@ -81,6 +83,13 @@ pub fn dispatches(state: &State, steps: &[Step], subgroup: usize) -> Result<Vec<
 }
 
 impl DeviceState {
+    /// Runs a step's dispatches one at a time, and notes what each was given and what it left.
+    pub fn trace(&self, state: &State, step: Step) -> Result<Trace> {
+        let mut trace = Trace::default();
+        (step.stage.gpu)(&mut Pass { state, at: step.at, step, sink: Sink::Trace(self, &mut trace) })?;
+        Ok(trace)
+    }
+
     /// Records and submits these steps as one frame; returns the time of each.
     pub fn run(&self, state: &State, steps: &[Step]) -> Result<Vec<Timing>> {
         let mut recorder = Recorder::new(self.device(), steps.len())?;
@@ -111,7 +120,9 @@ impl<'s> Pass<'s> {
     /// The subgroup size of the device.
     pub fn subgroup(&self) -> usize {
         match &self.sink {
-            Sink::Device(device_state, _) => device_state.device().limits().subgroup_size.max(1) as usize,
+            Sink::Device(device_state, _) | Sink::Trace(device_state, _) => {
+                device_state.device().limits().subgroup_size.max(1) as usize
+            }
             Sink::List(size, _) => *size,
         }
     }
@@ -143,6 +154,10 @@ impl<'s> Pass<'s> {
             Sink::Device(device_state, recorder) => {
                 let call = Call { kernel: &kernel, constants, push, at: self.at, groups };
                 device_state.submit(recorder, self.state, &call)?;
+            }
+            Sink::Trace(device_state, trace) => {
+                let call = Call { kernel: &kernel, constants, push, at: self.at, groups };
+                device_state.run_traced(self.state, &call, trace)?;
             }
             Sink::List(_, found) => {
                 let invocations = match groups {

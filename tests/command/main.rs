@@ -3,6 +3,7 @@
 #[path = "../shell/mod.rs"]
 mod shell;
 
+mod amber;
 mod aov;
 mod borders;
 mod device_limits;
@@ -18,6 +19,7 @@ mod long_work;
 mod pareto;
 mod profile;
 mod report;
+mod repro;
 mod stress;
 mod textures;
 mod validity;

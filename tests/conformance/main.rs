@@ -16,5 +16,6 @@ mod guards;
 mod instrument;
 mod limits;
 mod pictures;
+mod repro;
 mod stages;
 mod systematic;

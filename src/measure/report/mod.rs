@@ -6,7 +6,6 @@
 mod accuracy;
 mod chart;
 mod checks;
-mod folder;
 mod francois;
 mod html;
 mod kubo;
@@ -19,7 +18,6 @@ mod whole;
 
 use std::time::Instant;
 
-pub use folder::{Folder, PAGE};
 pub use html::{Column, Finding, Page, Shown, Tone};
 pub use whole::{Written, whole};
 

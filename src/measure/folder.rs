@@ -1,6 +1,6 @@
-//! The output folder of a report. It must be new or empty, or hold an earlier report; files of the same names are
-//! replaced, the page last, and all others are left alone. Everything is first written to a temporary folder, so that
-//! a run that fails leaves the old report as it was.
+//! The output folder of a report, or of a case to replay. It must be new or empty, or hold an earlier one; files of the
+//! same names are replaced, the page last, and all others are left alone. Everything is first written to a temporary
+//! folder, so that a run that fails leaves the old one as it was.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,10 +8,21 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Input, Result};
 use crate::view::atomic_file::Part;
 
-/// The page's name.
-pub const PAGE: &str = "index.html";
-/// Identifies an earlier report; must be among its page's first bytes.
-const MARK: &str = "content=\"milkglass report\"";
+/// What a folder holds.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Kind {
+    /// The name of the file that is written last: the page.
+    pub page: &'static str,
+    /// Identifies an earlier one; must be among the page's first bytes.
+    pub mark: &'static str,
+    /// What it is called.
+    pub called: &'static str,
+}
+
+/// A report.
+pub const REPORT: Kind = Kind { page: "index.html", mark: "content=\"milkglass report\"", called: "report" };
+/// A case to replay.
+pub const CASE: Kind = Kind { page: "replay.json", mark: "\"milkglass_case\"", called: "case" };
 
 /// The output folder. The report goes to a temporary folder first, which is removed on drop.
 #[derive(Debug)]
@@ -20,32 +31,33 @@ pub struct Folder {
     beside: Part,
     /// Whether the target existed before.
     old: bool,
+    page: &'static str,
 }
 
 impl Folder {
     /// Checks the rules, and that the folder is writable, before anything is measured.
-    pub fn open(target: &Path) -> Result<Self> {
-        let fault = |what: &str| Input::new(what).key("-o").found(target.display());
-        let expected = "a new folder, an empty one, or one with an earlier report";
+    pub fn open(target: &Path, kind: &Kind, key: &str) -> Result<Self> {
+        let fault = |what: &str| Input::new(what).key(key).found(target.display());
+        let expected = format!("a new folder, an empty one, or one with an earlier {}", kind.called);
         let old = target.exists();
-        let part = format!(".report.{}.part", std::process::id());
+        let part = format!(".{}.{}.part", kind.called, std::process::id());
         let beside = if old {
-            let list = fs::read_dir(target).map_err(|e| fault(&format!("not a folder: {e}")).expected(expected))?;
-            let page = fs::read_to_string(target.join(PAGE)).unwrap_or_default();
-            if list.count() > 0 && !page.get(..page.len().min(600)).is_some_and(|start| start.contains(MARK)) {
+            let list = fs::read_dir(target).map_err(|e| fault(&format!("not a folder: {e}")).expected(&expected))?;
+            let page = fs::read_to_string(target.join(kind.page)).unwrap_or_default();
+            if list.count() > 0 && !page.get(..page.len().min(600)).is_some_and(|start| start.contains(kind.mark)) {
                 return Err(fault("the folder holds something else, which is not written over")
-                    .expected(expected)
+                    .expected(&expected)
                     .into());
             }
             target.join(part)
         } else {
-            let name = target.file_name().ok_or_else(|| fault("not a folder's name").expected(expected))?;
+            let name = target.file_name().ok_or_else(|| fault("not a folder's name").expected(&expected))?;
             target.with_file_name(format!(".{}{part}", name.to_string_lossy()))
         };
         let beside = Part::new(beside);
         fs::create_dir(beside.path())
-            .map_err(|e| fault(&format!("the folder can't be written: {e}")).expected(expected))?;
-        Ok(Self { target: target.to_path_buf(), beside, old })
+            .map_err(|e| fault(&format!("the folder can't be written: {e}")).expected(&expected))?;
+        Ok(Self { target: target.to_path_buf(), beside, old, page: kind.page })
     }
 
     /// Writes all files, then moves them to the target, the page last.
@@ -53,7 +65,7 @@ impl Folder {
         let write =
             |name: &str, bytes: &[u8]| -> std::io::Result<()> { fs::write(self.beside.path().join(name), bytes) };
         let all = || files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
-        let all = || all().chain([(PAGE, page.as_bytes())]);
+        let all = || all().chain([(self.page, page.as_bytes())]);
         let done = all().try_for_each(|(name, bytes)| write(name, bytes)).and_then(|()| match self.old {
             false => fs::rename(self.beside.path(), &self.target),
             true => all().try_for_each(|(name, _)| fs::rename(self.beside.path().join(name), self.target.join(name))),
@@ -77,26 +89,27 @@ mod tests {
     fn a_report_replaces_a_report_and_nothing_else() {
         let here = tempfile::tempdir().unwrap();
         let target = here.path().join("r");
-        let page = format!("<meta {MARK}>");
+        let page = format!("<meta {}>", REPORT.mark);
         let files = |text: &str| vec![("a.csv".to_string(), text.as_bytes().to_vec())];
-        Folder::open(&target).unwrap().fill(&page, &files("1")).unwrap();
-        assert_eq!(names(&target), ["a.csv", PAGE]);
+        Folder::open(&target, &REPORT, "-o").unwrap().fill(&page, &files("1")).unwrap();
+        assert_eq!(names(&target), ["a.csv", REPORT.page]);
         fs::write(target.join("mine"), "kept").unwrap();
-        Folder::open(&target).unwrap().fill(&page, &files("2")).unwrap();
+        Folder::open(&target, &REPORT, "-o").unwrap().fill(&page, &files("2")).unwrap();
         assert_eq!((names(&target).len(), fs::read_to_string(target.join("a.csv")).unwrap()), (3, "2".into()));
         // A run that fails leaves the old report as it was.
-        drop(Folder::open(&target).unwrap());
+        drop(Folder::open(&target, &REPORT, "-o").unwrap());
         assert_eq!((names(&target).len(), names(here.path())), (3, vec!["r".to_string()]));
 
         let other = here.path().join("other");
         fs::create_dir(&other).unwrap();
-        drop(Folder::open(&other).unwrap());
-        fs::write(other.join(PAGE), "a page of someone's").unwrap();
-        let fault = Folder::open(&other).unwrap_err();
+        drop(Folder::open(&other, &REPORT, "-o").unwrap());
+        fs::write(other.join(REPORT.page), "a page of someone's").unwrap();
+        let fault = Folder::open(&other, &REPORT, "-o").unwrap_err();
         assert!(fault.to_string().contains("not written over") && fault.exit_code() == 2, "{fault}");
-        for bad in [other.join(PAGE), other.join("no").join("such"), PathBuf::from("/"), PathBuf::from("/proc/report")]
+        for bad in
+            [other.join(REPORT.page), other.join("no").join("such"), PathBuf::from("/"), PathBuf::from("/proc/report")]
         {
-            let fault = Folder::open(&bad).unwrap_err();
+            let fault = Folder::open(&bad, &REPORT, "-o").unwrap_err();
             assert!(fault.exit_code() == 2 && fault.to_string().starts_with("-o: "), "{fault}");
         }
     }

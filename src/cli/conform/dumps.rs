@@ -1,0 +1,41 @@
+//! `--dump`: what differs, as files that repeat it elsewhere.
+
+use std::path::Path;
+
+use crate::cli::repro::describe;
+use milkglass::error::Result;
+use milkglass::internals::gpu::Device;
+use milkglass::measure::conform::Row;
+use milkglass::measure::fixtures::Fixture;
+use milkglass::measure::repro::trace::{case, first_step};
+
+/// Writes a folder for each of these rows, and says what it holds.
+pub(super) fn write<'a>(
+    folder: &Path,
+    list: &[Fixture],
+    rows: impl Iterator<Item = (&'a Device, &'a Row)>,
+) -> Result<()> {
+    for (device, row) in rows {
+        let Some(fixture) = list.iter().find(|fixture| fixture.name == row.fixture) else { continue };
+        // Where only the mean is off, no step is beyond tolerance: the first one.
+        let lanes = device.limits().subgroup_size.max(1) as usize;
+        let step = row.failed.map_or_else(|| first_step(fixture, row.stage, lanes), |step| Ok(Some(step)))?;
+        let Some(case) = step.map(|step| case(device, fixture, step)).transpose()?.flatten() else { continue };
+        let own = folder.join(name(device, row));
+        std::fs::create_dir_all(folder)
+            .map_err(|error| milkglass::error::Input::new(format!("could not be written: {error}")).file(folder))?;
+        case.write(&own, "--dump")?;
+        tell!("{}", describe(&own, &case).trim_end());
+    }
+    Ok(())
+}
+
+/// A folder's name: stage, fixture and device.
+fn name(device: &Device, row: &Row) -> String {
+    let plain = |text: &str| -> String {
+        let dashed: String = text.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect();
+        dashed.split('-').filter(|part| !part.is_empty()).collect::<Vec<_>>().join("-")
+    };
+    let device = plain(device.name().split(['(', ',']).next().unwrap_or_default());
+    format!("{}-{}-{device}", row.stage, plain(row.fixture.rsplit('/').next().unwrap_or(&row.fixture)))
+}

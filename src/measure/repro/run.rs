@@ -1,0 +1,120 @@
+//! Running a case on a device, and comparing what it leaves.
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use super::{Case, Part};
+use crate::error::{Error, Result};
+use crate::gpu::{Binding, Buffer, Device, Kernel, Recorder, Work};
+
+/// What a device made of a case.
+#[derive(Clone, Debug, Default)]
+pub struct Found {
+    /// Wrong words of each buffer that has any: the buffer's name, their number, and the first of them in words.
+    pub wrong: Vec<(String, usize, String)>,
+    /// Words that were compared.
+    pub words: usize,
+    /// The messages of the validation layer.
+    pub messages: Vec<String>,
+}
+
+impl Found {
+    /// Whether everything was as it should be.
+    #[must_use]
+    pub fn passes(&self) -> bool {
+        self.wrong.is_empty() && self.messages.is_empty()
+    }
+}
+
+impl Case {
+    /// Runs the dispatches on a device, in one submission, and returns what they leave in each buffer.
+    pub fn run(&self, device: &Device) -> Result<Vec<Vec<u32>>> {
+        let mut buffers = Vec::with_capacity(self.buffers.len());
+        for part in &self.buffers {
+            let buffer = Buffer::new(device, &part.name, 4 * part.before.len() as u64)?;
+            buffer.upload(bytemuck::cast_slice(&part.before))?;
+            buffers.push(buffer);
+        }
+        let mut kernels = BTreeMap::new();
+        let mut recorder = Recorder::new(device, 0)?;
+        for dispatch in &self.dispatches {
+            let key = (&dispatch.kernel, &dispatch.constants, &dispatch.spirv);
+            let kernel = match kernels.get(&key) {
+                Some(known) => Rc::clone(known),
+                None => {
+                    let words = dispatch.spirv.clone();
+                    let made = Rc::new(Kernel::new(device, &dispatch.kernel, words, &dispatch.constants)?);
+                    kernels.insert(key, made.clone());
+                    made
+                }
+            };
+            let bind =
+                |b: &super::Bound| Binding { number: b.number, buffer: &buffers[b.buffer], offset: 0, size: b.bytes };
+            let bindings: Vec<_> = dispatch.bindings.iter().map(bind).collect();
+            let push = bytemuck::cast_slice(&dispatch.push);
+            recorder.part(&dispatch.kernel, |recorder| {
+                recorder.dispatch(&kernel, &bindings, push, Work::Grid(dispatch.groups))
+            })?;
+        }
+        recorder.submit()?;
+        let mut left = Vec::with_capacity(buffers.len());
+        for (part, buffer) in self.buffers.iter().zip(&buffers) {
+            let mut words = part.before.clone();
+            buffer.download(bytemuck::cast_slice_mut(&mut words))?;
+            left.push(words);
+        }
+        Ok(left)
+    }
+
+    /// Runs it this many times, and compares each time; stops at the first run with a difference.
+    pub fn replay(&self, device: &Device, times: usize) -> Result<Found> {
+        let mut found = Found::default();
+        for time in 0..times.max(1) {
+            let left = self.run(device)?;
+            found = self.compare(&left);
+            found.messages = device.take_messages();
+            if !found.passes() {
+                if time > 0 {
+                    found.wrong.iter_mut().for_each(|(_, _, first)| *first += &format!("; only in run {}", time + 1));
+                }
+                break;
+            }
+        }
+        Ok(found)
+    }
+
+    /// Compares what a device has left with what it should have.
+    #[must_use]
+    pub fn compare(&self, left: &[Vec<u32>]) -> Found {
+        let mut found = Found::default();
+        for (part, words) in self.buffers.iter().zip(left) {
+            found.words += part.compared();
+            let wrong: Vec<usize> = part.wrong(words).collect();
+            if let Some(&first) = wrong.first() {
+                let text = format!("{}: {}", part.place(first), part.values(first, words[first]));
+                found.wrong.push((part.name.clone(), wrong.len(), text));
+            }
+        }
+        found
+    }
+
+    /// The same with another SPIR-V in place of a kernel's; an error if it does not run that kernel.
+    pub fn replacing(mut self, kernel: &str, words: &[u32]) -> Result<Self> {
+        let mut found = false;
+        for dispatch in self.dispatches.iter_mut().filter(|dispatch| dispatch.kernel == kernel) {
+            dispatch.spirv = words.to_vec();
+            found = true;
+        }
+        let names: Vec<&str> = self.dispatches.iter().map(|dispatch| dispatch.kernel.as_str()).collect();
+        let fault = crate::error::Input::new("this case does not run this kernel").key("--replace").found(kernel);
+        if found { Ok(self) } else { Err(Error::from(fault.expected(names.join(", ")))) }
+    }
+}
+
+impl Part {
+    /// How many words are compared.
+    #[must_use]
+    pub fn compared(&self) -> usize {
+        self.allowed.iter().filter(|allowed| **allowed != super::ANY).count()
+    }
+}

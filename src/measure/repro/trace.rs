@@ -1,0 +1,127 @@
+//! From a step of a fixture to a [`Case`]: the reference runs up to the step, the device runs the step's dispatches one
+//! at a time, and the reference says what they should have left.
+
+use std::collections::BTreeMap;
+
+use super::isolate::isolate;
+use super::{About, BITS, Bound, Case, Dispatch, Part};
+use crate::error::Result;
+use crate::gpu::Device;
+use crate::layout::{BUFFER_IDS, BufferId, Number};
+use crate::measure::conform::poison;
+use crate::measure::fixtures::Fixture;
+use crate::measure::rules::Rules;
+use crate::state::{DeviceState, State, Step, Tolerance, Trace};
+
+/// The step of this index in a fixture, as the device runs it: those of its dispatches that a failure needs, or all of
+/// them where there is none. None where the step dispatches nothing.
+pub fn case(device: &Device, fixture: &Fixture, index: usize) -> Result<Option<Case>> {
+    let mut state = fixture.state.clone();
+    let (before, rest) = fixture.steps.split_at(index.min(fixture.steps.len()));
+    let Some(&step) = rest.first() else { return Ok(None) };
+    before.iter().for_each(|step| step.reference(&mut state));
+    poison(&mut state, step);
+    let mut device_state = DeviceState::new(device, true)?;
+    device_state.upload(&state, BUFFER_IDS)?;
+    let trace = device_state.trace(&state, step)?;
+    if trace.dispatches.is_empty() {
+        return Ok(None);
+    }
+    step.reference(&mut state);
+    let whole = whole(device, fixture, (step, &state), &trace)?;
+    let left: Vec<_> = trace.dispatches.iter().map(|dispatch| left(&trace, &dispatch.after)).collect();
+    Ok(Some(isolate(whole, &left)))
+}
+
+/// The index of the first step of this stage that dispatches something.
+pub fn first_step(fixture: &Fixture, stage: &str, lanes: usize) -> Result<Option<usize>> {
+    for (index, step) in fixture.steps.iter().enumerate().filter(|(_, step)| step.stage.name == stage) {
+        if !crate::state::dispatches(&fixture.state, &[*step], lanes)?.is_empty() {
+            return Ok(Some(index));
+        }
+    }
+    Ok(None)
+}
+
+/// What a dispatch has left in the buffers that it may write, by their index.
+fn left(trace: &Trace, after: &[(BufferId, Vec<u8>)]) -> BTreeMap<usize, Vec<u32>> {
+    let index = |slot: &BufferId| trace.parts.keys().position(|known| known == slot).unwrap_or_default();
+    after.iter().map(|(slot, bytes)| (index(slot), words(bytes))).collect()
+}
+
+/// Whole words; buffers have no others.
+fn words(bytes: &[u8]) -> Vec<u32> {
+    bytes.chunks_exact(4).map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect()
+}
+
+/// All dispatches of a step; `state` is the reference after it.
+fn whole(device: &Device, fixture: &Fixture, (step, state): (Step, &State), trace: &Trace) -> Result<Case> {
+    let stage = step.stage;
+    let mut case = Case {
+        about: About {
+            stage: stage.name.into(),
+            does: stage.about.into(),
+            step: format!("{step:?}"),
+            fixture: fixture.name.clone(),
+            device: device.name().into(),
+            driver: device.driver().into(),
+            tolerance: stage.reason.into(),
+            ..About::default()
+        },
+        ..Case::default()
+    };
+    for (slot, (first, before)) in &trace.parts {
+        let spec = slot.spec();
+        let path = |word: crate::layout::Word| (word.path, word.number == Number::Float);
+        let mut part = Part {
+            name: spec.name.into(),
+            words: (spec.words)().into_iter().map(path).collect(),
+            first: *first as usize / spec.stride,
+            before: words(before),
+            ..Part::default()
+        };
+        // The reference has no guards: those stay.
+        let own = words(state.data.bytes(*slot).get(*first as usize..).unwrap_or_default());
+        part.expected = part.before.clone();
+        let (_, bound) = state.part(*slot, step.at);
+        let count = (bound * spec.stride / 4).min(own.len()).min(part.before.len());
+        part.expected[..count].copy_from_slice(&own[..count]);
+        part.allowed = vec![BITS; part.before.len()];
+        let written = stage.writes.iter().find(|(written, _, _)| written == slot);
+        if let Some((_, _, tolerance)) = written.filter(|(_, _, tolerance)| *tolerance != Tolerance::Exact) {
+            let rules = Rules::new(*slot, state, *tolerance);
+            for (k, allowed) in part.allowed[..count].iter_mut().enumerate() {
+                if let Some(most) = rules.at(*first as usize / 4 + k).most {
+                    *allowed = up(most);
+                }
+            }
+        }
+        part.device = part.before.clone();
+        case.buffers.push(part);
+    }
+    for dispatch in &trace.dispatches {
+        let index = |slot: &BufferId| trace.parts.keys().position(|known| known == slot).unwrap_or_default();
+        case.dispatches.push(Dispatch {
+            kernel: dispatch.kernel.clone(),
+            spirv: device.words(&dispatch.kernel)?,
+            constants: dispatch.constants.clone(),
+            push: words(&dispatch.push),
+            groups: dispatch.groups,
+            bindings: dispatch
+                .bindings
+                .iter()
+                .map(|b| Bound { number: b.number, buffer: index(&b.slot), bytes: b.bytes, writes: b.writes })
+                .collect(),
+        });
+    }
+    Ok(case)
+}
+
+/// The next single that is not below; what is no number, as of poison that stays, allows nothing but the same bits.
+fn up(value: f64) -> f32 {
+    if !value.is_finite() {
+        return BITS;
+    }
+    let near = value as f32;
+    if f64::from(near) < value { near.next_up() } else { near }
+}

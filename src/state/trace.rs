@@ -1,0 +1,113 @@
+//! What each dispatch of a step was given and what it left, for a copy of it that runs elsewhere.
+
+use std::collections::BTreeMap;
+
+use super::State;
+use super::device::{Call, DeviceState, Groups};
+use crate::error::Result;
+use crate::gpu::{BufferRange, Recorder, Work, download};
+use crate::layout::BufferId;
+
+/// The dispatches of a step, run one at a time. All of them bind the same part of a buffer.
+#[derive(Clone, Debug, Default)]
+pub struct Trace {
+    /// The first byte of each buffer's part, and the part's bytes before the first dispatch that binds it; those of
+    /// guards follow where any dispatch binds them.
+    pub parts: BTreeMap<BufferId, (u64, Vec<u8>)>,
+    /// The dispatches, in order; those of no group are left out.
+    pub dispatches: Vec<Traced>,
+}
+
+/// A dispatch that was run.
+#[derive(Clone, Debug)]
+pub struct Traced {
+    /// The kernel, `transport/blocks/gather/direct`.
+    pub kernel: String,
+    /// Its specialization constants 0, 1, ...
+    pub constants: Vec<u32>,
+    /// Its push constants.
+    pub push: Vec<u8>,
+    /// Groups in each dimension; those of an indirect dispatch as the device read them.
+    pub groups: [u32; 3],
+    /// What it binds.
+    pub bindings: Vec<TracedBinding>,
+    /// The parts that it may write, as it left them.
+    pub after: Vec<(BufferId, Vec<u8>)>,
+}
+
+/// A buffer as a dispatch binds it.
+#[derive(Clone, Copy, Debug)]
+pub struct TracedBinding {
+    /// The binding.
+    pub number: u32,
+    /// The buffer.
+    pub slot: BufferId,
+    /// Bytes bound, from the first one of the part.
+    pub bytes: u64,
+    /// Whether it is read.
+    pub reads: bool,
+    /// Whether it is written.
+    pub writes: bool,
+}
+
+impl DeviceState {
+    /// Runs one dispatch, and adds it to the trace.
+    pub(super) fn run_traced(&self, state: &State, call: &Call<'_>, trace: &mut Trace) -> Result<()> {
+        let kernel = self.kernels().get(call.kernel, call.constants)?;
+        let bound: Vec<_> = self.bound(&kernel, state, call.at).collect();
+        let read = |range: BufferRange<'_>| -> Result<Vec<u8>> {
+            let mut bytes = vec![0; range.size as usize];
+            download(self.device(), &[range], |part| {
+                bytes[part.offset..part.offset + part.bytes.len()].copy_from_slice(part.bytes);
+            })?;
+            Ok(bytes)
+        };
+        let groups = match call.groups {
+            Groups::Invocations(count) => kernel.grid(count as u64),
+            Groups::Counted { slot, element } => match self.counted(state, call.at, (slot, element)) {
+                Some(range) => bytemuck::pod_read_unaligned(&read(range)?),
+                None => return Ok(()),
+            },
+        };
+        if groups.contains(&0) {
+            return Ok(());
+        }
+        let mut dispatch = Traced {
+            kernel: call.kernel.to_string(),
+            constants: call.constants.to_vec(),
+            push: call.push.to_vec(),
+            groups,
+            bindings: Vec::new(),
+            after: Vec::new(),
+        };
+        for ((slot, binding), access) in bound.iter().zip(&kernel.accesses) {
+            let part = trace.parts.entry(*slot).or_insert_with(|| (binding.offset, Vec::new()));
+            if (part.1.len() as u64) < binding.size {
+                // An earlier dispatch binds less, and has not touched the rest.
+                let known = part.1.len() as u64;
+                let (offset, size) = (binding.offset + known, binding.size - known);
+                part.1.extend(read(BufferRange { buffer: binding.buffer, offset, size })?);
+            }
+            let (reads, writes) = (access.reads, access.writes);
+            dispatch.bindings.push(TracedBinding {
+                number: binding.number,
+                slot: *slot,
+                bytes: binding.size,
+                reads,
+                writes,
+            });
+        }
+        let bindings: Vec<_> = bound.iter().map(|(_, binding)| *binding).collect();
+        let mut recorder = Recorder::new(self.device(), 0)?;
+        recorder.part(call.kernel, |recorder| recorder.dispatch(&kernel, &bindings, call.push, Work::Grid(groups)))?;
+        recorder.submit()?;
+        for ((slot, binding), own) in bound.iter().zip(&dispatch.bindings) {
+            if own.writes && !dispatch.after.iter().any(|(known, _)| known == slot) {
+                let range = BufferRange { buffer: binding.buffer, offset: binding.offset, size: binding.size };
+                dispatch.after.push((*slot, read(range)?));
+            }
+        }
+        trace.dispatches.push(dispatch);
+        Ok(())
+    }
+}

@@ -1,0 +1,232 @@
+//! A strict reader of the part of AmberScript that the program writes, after the format's documentation.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// What a script declares and does.
+#[derive(Default)]
+pub struct Script {
+    /// Buffers: type and number of items.
+    pub buffers: BTreeMap<String, (String, usize)>,
+    pub pipelines: Vec<String>,
+    pub runs: Vec<(String, [u32; 3])>,
+    /// Comparisons.
+    pub expectations: usize,
+}
+
+/// Reads the script `case.amber` of a folder; panics at the first line that is not as the grammar has it.
+pub fn read(folder: &Path) -> Script {
+    let text = std::fs::read_to_string(folder.join("case.amber")).unwrap();
+    check(&text, folder).unwrap_or_else(|fault| panic!("{}: {fault}", folder.display()))
+}
+
+fn number<T: std::str::FromStr>(word: Option<&&str>) -> Result<T, String> {
+    let word = word.ok_or("a number is missing")?;
+    if word.starts_with('+') || word.is_empty() {
+        return Err(format!("{word} is no number"));
+    }
+    word.parse().map_err(|_| format!("{word} is no number of its kind"))
+}
+
+/// A float must have a point: without one it is an integer.
+fn float(word: Option<&&str>) -> Result<f64, String> {
+    let value: f64 = number(word)?;
+    if !word.unwrap().contains('.') || !value.is_finite() { Err(format!("{word:?} is no float")) } else { Ok(value) }
+}
+
+fn name(word: Option<&&str>) -> Result<String, String> {
+    let word = *word.ok_or("a name is missing")?;
+    let plain = word.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c));
+    // What begins like a number is read as one.
+    let first = word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
+    if plain && first { Ok(word.into()) } else { Err(format!("{word} is no name")) }
+}
+
+pub fn check(text: &str, folder: &Path) -> Result<Script, String> {
+    let mut lines = text.lines().enumerate();
+    if lines.next().map(|(_, line)| line) != Some("#!amber") {
+        return Err("the first line is not #!amber".into());
+    }
+    let mut script = Script::default();
+    let (mut shaders, mut data, mut open, mut pushes) = (Vec::new(), None::<usize>, None::<(bool, Vec<u32>)>, 0);
+    for (at, line) in lines {
+        let code = line.split('#').next().unwrap();
+        let words: Vec<&str> = code.split_whitespace().collect();
+        if words.is_empty() {
+            continue;
+        }
+        let mut body = || -> Result<(), String> {
+            if let Some(count) = &mut data {
+                if words == ["END"] {
+                    let count = data.take().unwrap();
+                    script.buffers.values_mut().filter(|b| b.1 == usize::MAX).for_each(|b| b.1 = count);
+                    return if count > 0 { Ok(()) } else { Err("no data".into()) };
+                }
+                for word in &words {
+                    number::<u32>(Some(word))?;
+                    *count += 1;
+                }
+                return Ok(());
+            }
+            if let Some((attached, bound)) = &mut open {
+                match words[..] {
+                    ["END"] if *attached => open = None,
+                    ["ATTACH", shader, ref rest @ ..] if !*attached => {
+                        *attached = true;
+                        if !shaders.contains(&shader.to_string()) || !rest.len().is_multiple_of(5) {
+                            return Err("what is attached".into());
+                        }
+                        for (id, special) in rest.chunks(5).enumerate() {
+                            if special[0] != "SPECIALIZE" || special[2] != "AS" || special[3] != "uint32" {
+                                return Err("SPECIALIZE id AS uint32 value".into());
+                            }
+                            if number::<usize>(special.get(1))? != id {
+                                return Err("constants are not in order".into());
+                            }
+                            number::<u32>(special.get(4))?;
+                        }
+                    }
+                    ["BIND", "BUFFER", buffer, "AS", "push_constant"] => {
+                        pushes += 1;
+                        let known = script.buffers.get(buffer).ok_or("the buffer is not declared")?;
+                        if !*attached || known.0 != "uint32" {
+                            return Err("push constants".into());
+                        }
+                    }
+                    ["BIND", "BUFFER", buffer, "AS", "storage", "DESCRIPTOR_SET", "0", "BINDING", ref rest @ ..] => {
+                        let own = number::<u32>(rest.first())?;
+                        let known = script.buffers.get(buffer).ok_or("the buffer is not declared")?;
+                        if !*attached || bound.contains(&own) {
+                            return Err("bound twice, or before ATTACH".into());
+                        }
+                        bound.push(own);
+                        match rest[1..] {
+                            [] => {}
+                            ["DESCRIPTOR_RANGE", range] if number::<usize>(Some(&range))? < 4 * known.1 => {}
+                            _ => return Err("what follows BINDING".into()),
+                        }
+                    }
+                    _ => return Err("not a line of a pipeline".into()),
+                }
+                return Ok(());
+            }
+            match words[..] {
+                ["SHADER", "compute", shader, "SPIRV-BIN", "FILE", file] => {
+                    let bytes = std::fs::read(folder.join(file)).map_err(|e| e.to_string())?;
+                    if bytes.get(..4) != Some(&0x0723_0203u32.to_le_bytes()[..]) {
+                        return Err("no SPIR-V".into());
+                    }
+                    shaders.push(name(Some(&shader))?);
+                }
+                ["BUFFER", buffer, "DATA_TYPE", kind, ref rest @ ..] => {
+                    let buffer = name(Some(&buffer))?;
+                    let count = match *rest {
+                        ["DATA"] => {
+                            data = Some(0);
+                            usize::MAX
+                        }
+                        ["SIZE", count, "FILE", "BINARY", file] => {
+                            let size = std::fs::metadata(folder.join(file)).map_err(|e| e.to_string())?.len();
+                            let count: usize = number(Some(&count))?;
+                            if count == 0 || size != 4 * count as u64 {
+                                return Err(format!("{file} has {size} bytes"));
+                            }
+                            count
+                        }
+                        _ => return Err("an initializer".into()),
+                    };
+                    if !["uint32", "float"].contains(&kind)
+                        || script.buffers.insert(buffer, (kind.into(), count)).is_some()
+                    {
+                        return Err("type, or declared twice".into());
+                    }
+                }
+                ["PIPELINE", "compute", pipeline] => {
+                    script.pipelines.push(name(Some(&pipeline))?);
+                    open = Some((false, Vec::new()));
+                }
+                ["RUN", pipeline, ref groups @ ..] if groups.len() == 3 => {
+                    if !script.pipelines.iter().any(|known| known == pipeline) {
+                        return Err("no such pipeline".into());
+                    }
+                    let groups = [0, 1, 2].map(|k| number::<u32>(groups.get(k)).unwrap_or(0));
+                    if groups.contains(&0) {
+                        return Err("groups".into());
+                    }
+                    script.runs.push((pipeline.into(), groups));
+                }
+                ["EXPECT", left, "EQ_BUFFER", right] => {
+                    if !script.buffers.contains_key(left) || script.buffers.get(left) != script.buffers.get(right) {
+                        return Err("other buffers".into());
+                    }
+                    script.expectations += 1;
+                }
+                ["EXPECT", buffer, "IDX", index, ref rest @ ..] => {
+                    let known = script.buffers.get(buffer).ok_or("the buffer is not declared")?;
+                    let index: usize = number(Some(&index))?;
+                    let values = match *rest {
+                        ["EQ", ref values @ ..] if known.0 == "uint32" => {
+                            values.iter().try_for_each(|value| number::<u32>(Some(value)).map(drop))?;
+                            values.len()
+                        }
+                        ["TOLERANCE", tolerance, "EQ", value] if known.0 == "float" => {
+                            float(Some(&value))?;
+                            if float(Some(&tolerance))? < 0.0 {
+                                return Err("a negative tolerance".into());
+                            }
+                            1
+                        }
+                        _ => return Err("a comparison".into()),
+                    };
+                    if !index.is_multiple_of(4) || values == 0 || index / 4 + values > known.1 {
+                        return Err("beyond the buffer".into());
+                    }
+                    script.expectations += 1;
+                }
+                _ => return Err("not a command".into()),
+            }
+            Ok(())
+        };
+        body().map_err(|fault| format!("line {}: {fault}: {line}", at + 1))?;
+    }
+    match (data.is_none() && open.is_none(), script.runs.is_empty() || script.expectations == 0) {
+        (false, _) => Err("an END is missing".into()),
+        (_, true) => Err("nothing is run, or nothing compared".into()),
+        _ => Ok(script),
+    }
+}
+
+#[test]
+fn the_reader_is_strict() {
+    let here = tempfile::tempdir().unwrap();
+    std::fs::write(here.path().join("k.spv"), 0x0723_0203u32.to_le_bytes()).unwrap();
+    std::fs::write(here.path().join("a.bin"), [0; 8]).unwrap();
+    let good = "#!amber\n# a comment\nSHADER compute k SPIRV-BIN FILE k.spv\n\
+                BUFFER a DATA_TYPE uint32 SIZE 2 FILE BINARY a.bin\nBUFFER p DATA_TYPE uint32 DATA\n 1 2\nEND\n\
+                PIPELINE compute r\n  ATTACH k SPECIALIZE 0 AS uint32 7\n\
+                  BIND BUFFER a AS storage DESCRIPTOR_SET 0 BINDING 3\n  BIND BUFFER p AS push_constant\nEND\n\
+                RUN r 1 2 3\nEXPECT a IDX 4 EQ 7\n";
+    let script = check(good, here.path()).unwrap();
+    assert_eq!((script.runs, script.expectations), (vec![("r".into(), [1, 2, 3])], 1));
+    for (old, new) in [
+        ("#!amber", "#amber"),
+        ("SPIRV-BIN", "SPIRV-HEX"),
+        ("k.spv", "a.bin"),
+        ("SIZE 2", "SIZE 3"),
+        ("DATA\n 1 2\nEND", "DATA 1 2 END"),
+        ("compute r", "graphics r"),
+        ("ATTACH k", "ATTACH l"),
+        ("AS uint32 7", "AS uint32 7.5"),
+        ("BINDING 3", "BINDING 3 OFFSET 4"),
+        ("RUN r 1", "RUN r 0"),
+        ("RUN r", "RUN s"),
+        ("IDX 4", "IDX 8"),
+        ("EQ 7", "TOLERANCE 1.0 EQ 7.0"),
+        ("EQ 7", "EQ_BUFFER p"),
+        ("EXPECT a IDX 4 EQ 7\n", ""),
+        ("push_constant\nEND", "push_constant\n"),
+    ] {
+        assert!(good.contains(old), "{old}");
+        assert!(check(&good.replacen(old, new, 1), here.path()).is_err(), "{old} -> {new}");
+    }
+}

@@ -1,0 +1,126 @@
+//! `dump`, `conform --dump` and `replay`: what differs becomes files that repeat it.
+
+use std::path::Path;
+
+use crate::amber;
+use crate::shell::{bad, folder, good, names, program, said};
+
+/// The built-in kernel `push` with a replacement in its text.
+fn planted(here: &tempfile::TempDir, file: &str, old: &str, new: &str) {
+    let (source, _) = good(here, "shader transport/blocks/push");
+    assert!(source.contains(old), "{source}");
+    std::fs::write(here.path().join(file), source.replace(old, new)).unwrap();
+}
+
+/// The only folder in this one.
+fn only(folder: &Path) -> std::path::PathBuf {
+    let all = names(folder);
+    assert_eq!(all.len(), 1, "{all:?}");
+    folder.join(&all[0])
+}
+
+#[test]
+fn a_planted_fault_is_dumped_and_replayed() {
+    let here = folder(&[]);
+    planted(&here, "swap.comp", "max(sum, vec3(0))", "max(sum.yxz, vec3(0))");
+    planted(&here, "off.comp", "max(sum, vec3(0))", "max(1.0001 * sum, vec3(0))");
+    planted(
+        &here,
+        "lane.comp",
+        "max(sum, vec3(0))",
+        "max(sum, vec3(0)) * ((gl_LocalInvocationIndex & 3u) == 1 ? 0.5 : 1)",
+    );
+    planted(&here, "sound.comp", "max(sum, vec3(0))", "max(sum, vec3(0))");
+    for fault in ["swap", "off", "lane"] {
+        let kernel = format!("--replace transport/blocks/push={fault}.comp");
+        let line = format!("conform --only oblique --stage push --no-validation {kernel} --dump {fault}");
+        let output = program(&here, &line).output().unwrap();
+        let (out, err) = said(&output);
+        assert_eq!(output.status.code(), Some(1), "{out}{err}");
+        assert!(err.contains("1 dispatch"), "{err}");
+        // The scheme as published does not run this stage.
+        let case = only(&here.path().join(fault));
+        let script = amber::read(&case);
+        assert!(script.expectations > 30 && script.runs.len() == 2, "{}", script.expectations);
+        bad(&here, &format!("replay {fault} --no-validation"), 1, &["radiosity[", "beyond tolerance", "1 case fails"]);
+        let replay = format!("replay {} --no-validation", case.strip_prefix(here.path()).unwrap().display());
+        good(&here, &format!("{replay} --replace transport/blocks/push=sound.comp"));
+        bad(&here, &replay, 1, &["1 case fails"]);
+    }
+    // Its SPIR-V is a kernel like any other.
+    let spirv = only(&here.path().join("swap")).join("transport-blocks-push.spv");
+    std::fs::copy(spirv, here.path().join("swap.spv")).unwrap();
+    good(&here, "dump push --fixture sliver -o good --no-validation");
+    bad(&here, "replay good --no-validation --replace transport/blocks/push=swap.spv", 1, &["radiosity["]);
+    bad(&here, "replay good --no-validation --replace transport/blocks/pull=swap.spv", 2, &["--replace"]);
+}
+
+#[test]
+fn what_passes_is_dumped_too() {
+    let here = folder(&[]);
+    let (out, _) = good(&here, "dump push --fixture sliver -o case --no-validation");
+    assert!(out.contains("push[0.0.0] on sliver, conforms"), "{out}");
+    let files = names(&here.path().join("case"));
+    for file in
+        ["case.amber", "replay.json", "radiosity.expected", "transport-blocks-push.spv", "transport-blocks-push.spvasm"]
+    {
+        assert!(files.iter().any(|known| known == file), "{file} in {files:?}");
+    }
+    let text = std::fs::read_to_string(here.path().join("case/transport-blocks-push.spvasm")).unwrap();
+    assert!(text.contains("OpEntryPoint GLCompute") && text.contains("OpFunctionEnd"), "{text}");
+    amber::read(&here.path().join("case"));
+    good(&here, "replay case --no-validation");
+    // A second time over it.
+    good(&here, "dump pull --fixture sliver -o case --no-validation");
+    good(&here, "replay case --no-validation");
+    bad(&here, "dump pushh --fixture sliver -o b", 2, &["no such stage", "found pushh"]);
+    bad(&here, "dump push --fixture slivr -o b", 2, &["no such fixture", "found slivr"]);
+    bad(
+        &here,
+        "dump relief --fixture sliver -o b --no-validation",
+        2,
+        &["does not run this stage", "found relief", "push"],
+    );
+    std::fs::create_dir(here.path().join("mine")).unwrap();
+    std::fs::write(here.path().join("mine/notes"), "x").unwrap();
+    bad(&here, "dump push --fixture sliver -o mine --no-validation", 2, &["-o", "not written over"]);
+    bad(&here, "dump push --fixture sliver -o b --device cpu", 2, &["--device"]);
+}
+
+#[test]
+fn a_broken_case_is_named() {
+    let here = folder(&[]);
+    good(&here, "dump push --fixture sliver -o case --no-validation");
+    let case = here.path().join("case");
+    let json = std::fs::read_to_string(case.join("replay.json")).unwrap();
+    bad(&here, "replay none", 2, &["none", "not a folder"]);
+    good(&here, "replay . --no-validation");
+    for (old, new, words) in [
+        ("\"milkglass_case\": 1", "\"milkglass_case\": 9", &["milkglass_case", "found 9", "expected 1"][..]),
+        ("\"stage\": \"push\"", "\"stages\": \"push\"", &["replay.json:4", "unknown field `stages`"]),
+        ("radiosity.before", "../radiosity.before", &["not the name of a file"]),
+        ("radiosity.before", "nowhere", &["nowhere", "could not be read"]),
+        ("radiosity.before", "received.before", &["received.before", "it has 48 bytes", "expected 112 bytes"]),
+        ("\"binding\": 45", "\"binding\": 44", &["bindings", "found 45"]),
+        ("transport-blocks-push.spv", "radiosity.before", &["radiosity.before", "no SPIR-V"]),
+        ("\"name\": \"blocks\"", "\"name\": \"received\"", &["two have the same name", "found received"]),
+        ("\"constants\": [", "\"constants\": [1,", &["constants", "found 3", "expected 2"]),
+        ("\"push_constants\": [", "\"push_constants\": [1,", &["push_constants", "found 12", "expected 8"]),
+        (
+            "\"bytes\": 48,\n          \"writes\"",
+            "\"bytes\": 52,\n          \"writes\"",
+            &["bindings.bytes", "found 52", "4 to 48"],
+        ),
+        ("float radius", "half radius", &["buffers.element", "found half radius"]),
+    ] {
+        assert!(json.contains(old), "{old} in {json}");
+        std::fs::write(case.join("replay.json"), json.replacen(old, new, 1)).unwrap();
+        bad(&here, "replay case --no-validation", 2, words);
+    }
+    std::fs::write(case.join("replay.json"), &json[..json.len() / 2]).unwrap();
+    bad(&here, "replay case --no-validation", 2, &["replay.json:"]);
+    std::fs::write(case.join("replay.json"), &json).unwrap();
+    let spirv = std::fs::read(case.join("transport-blocks-push.spv")).unwrap();
+    std::fs::write(case.join("transport-blocks-push.spv"), &spirv[..spirv.len() / 8 * 4]).unwrap();
+    bad(&here, "replay case --no-validation", 2, &["transport-blocks-push.spv"]);
+}
