@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::print;
 use super::replace::{ReplaceArgument, replaced};
-use super::repro::{Chosen, describe};
+use super::repro::{Chosen, written};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::pipeline::frame::{STAGES, stage};
 use milkglass::measure::fixtures::{Fixture, fixture};
@@ -26,6 +26,9 @@ pub struct Arguments {
     /// The folder to write: new, empty, or of an earlier dump.
     #[arg(short, value_name = "FOLDER")]
     output: PathBuf,
+    /// Leave out groups that do not fail, and the ends of buffers that nothing reaches.
+    #[arg(long)]
+    minimize: bool,
     #[command(flatten)]
     device: Chosen,
     #[command(flatten)]
@@ -50,8 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let runs: std::collections::BTreeSet<_> = fixture.steps.iter().map(|step| step.stage.name).collect();
         return Err(fault.expected(runs.into_iter().collect::<Vec<_>>().join(", ")).into());
     };
-    case.write(&arguments.output, "-o")?;
-    print(&describe(&arguments.output, &case))?;
+    print(&written(&case, &device, &arguments.output, "-o", arguments.minimize)?)?;
     match device.take_messages().as_slice() {
         [] => Ok(()),
         [first, ..] => Err(Error::Check(format!("the validation layer says: {first}"))),

@@ -11,6 +11,7 @@ use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Adapter, Device, Instance};
 use milkglass::measure::folder::CASE;
 use milkglass::measure::repro::Case;
+use milkglass::measure::repro::minimize::minimize;
 
 /// A Vulkan device.
 #[derive(Args)]
@@ -115,22 +116,38 @@ fn folders(folder: &Path) -> Result<Vec<PathBuf>> {
     if found.is_empty() { Err(fault("there is no case in it".into())) } else { Ok(found) }
 }
 
-/// A line on what was written.
-pub(super) fn describe(folder: &Path, case: &Case) -> String {
+/// Writes a case, and says what it holds; `key` is the argument that names the folder.
+pub(super) fn written(case: &Case, device: &Device, folder: &Path, key: &str, least: bool) -> Result<String> {
+    if !least {
+        case.write(folder, key)?;
+        return Ok(format!("{}, {}\n", describe(folder, case), amount(case)));
+    }
+    let less = minimize(case, device)?;
+    less.write(folder, key)?;
+    Ok(format!("{}, {} -> {}\n", describe(folder, &less), amount(case), amount(&less)))
+}
+
+/// Where a case comes from, and what it does.
+fn describe(folder: &Path, case: &Case) -> String {
     let about = &case.about;
     let kernels: std::collections::BTreeSet<&str> = case.dispatches.iter().map(|d| d.kernel.as_str()).collect();
     let kernels: Vec<_> = kernels.into_iter().collect();
     let fails = if about.fails { "fails" } else { "conforms" };
-    let [dispatches, buffers] = [case.dispatches.len(), case.buffers.len()];
+    let dispatches = case.dispatches.len();
     format!(
-        "{}: {} on {}, {fails}; {} ({}): {dispatches} dispatch{}, {} groups, {buffers} buffers, {}\n",
+        "{}: {} on {}, {fails}; {} ({}): {dispatches} dispatch{}, {} buffers",
         folder.display(),
         about.step,
         about.fixture,
         kernels.join(", "),
         about.dispatches,
         if dispatches == 1 { "" } else { "es" },
-        case.groups(),
-        size(case.bytes() as u64)
+        case.buffers.len(),
     )
+}
+
+/// Its groups and bytes.
+fn amount(case: &Case) -> String {
+    let groups = case.groups();
+    format!("{groups} group{}, {}", if groups == 1 { "" } else { "s" }, size(case.bytes() as u64))
 }

@@ -8,6 +8,8 @@
 
 mod read;
 mod tally;
+#[cfg(feature = "measure")]
+mod touch;
 mod write;
 
 use spirq::spirv::Op;
@@ -18,7 +20,9 @@ use write::Rewriter;
 
 pub(super) use tally::Block;
 pub use tally::{Tally, Traffic};
-pub(super) use write::BINDING;
+#[cfg(feature = "measure")]
+pub(crate) use touch::touching;
+pub(crate) use write::BINDING;
 
 /// A kernel that counts.
 pub(super) struct Counted {

@@ -10,6 +10,8 @@ use crate::error::{Error, Result};
 pub(crate) struct Interface {
     /// The numbers of its bindings.
     pub(crate) bindings: Vec<u32>,
+    /// Those whose number of elements it asks for.
+    pub(crate) lengths: Vec<u32>,
     /// Bytes of push constants.
     pub(crate) push_bytes: u32,
     /// How many specialization constants it has.
@@ -27,6 +29,7 @@ pub(crate) fn interface(name: &str, words: &[u32]) -> Result<Interface> {
     let found = reflect(name, words)?;
     Ok(Interface {
         bindings: found.accesses.iter().map(|access| access.binding).collect(),
+        lengths: found.accesses.iter().filter(|access| access.asks_length).map(|access| access.binding).collect(),
         push_bytes: found.push_bytes,
         constants: found.constants,
     })

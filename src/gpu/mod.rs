@@ -8,7 +8,7 @@
 //! - `memory`, `transfer`: buffers, and copies between host and device;
 //! - `spirv_module`, `reflect`, `replace`, `compile`, [`count`]: SPIR-V, what a kernel binds, and kernels that count;
 //! - `kernel`, `bind`, `record`: pipelines, descriptor sets, and a frame's dispatches and barriers;
-//! - `interface`: SPIR-V from files;
+//! - `interface`, `shift`: SPIR-V from files, and kernels whose groups count from another one;
 //! - `kernel_cache`, `device`, `kernels`, `single_kernel`: what the rest of the program asks for.
 
 mod adapter;
@@ -32,6 +32,8 @@ mod memory;
 mod record;
 mod reflect;
 mod replace;
+#[cfg(feature = "measure")]
+mod shift;
 mod single_kernel;
 mod spirv_module;
 mod transfer;
@@ -52,5 +54,7 @@ pub use record::Timing;
 pub(crate) use record::{Recorder, Work};
 pub use reflect::{Access, accesses, constants, kernel_names, reflect_records, spirv};
 pub use replace::{replacement, source, sources};
+#[cfg(feature = "measure")]
+pub(crate) use shift::shifted;
 pub use single_kernel::SingleKernel;
 pub(crate) use transfer::{BufferRange, Upload, download, upload};

@@ -47,6 +47,18 @@ fn a_planted_fault_is_dumped_and_replayed() {
         good(&here, &format!("{replay} --replace transport/blocks/push=sound.comp"));
         bad(&here, &replay, 1, &["1 case fails"]);
     }
+    // Of many groups, the one that fails.
+    planted(&here, "one.comp", "max(sum, vec3(0))", "max(sum, vec3(0)) * (group == 7 ? 0.5 : 1)");
+    let kernel = "--replace transport/blocks/push=one.comp";
+    let mut command = program(&here, &format!("dump push -o one --no-validation --minimize {kernel} --fixture"));
+    let output = command.arg("sphere with holes").output().unwrap();
+    let (out, err) = said(&output);
+    assert!(out.contains("group 8 of 20") && out.contains("20 groups,") && out.contains("-> 1 group,"), "{out}{err}");
+    amber::read(&here.path().join("one"));
+    let size = |name: &str| std::fs::metadata(here.path().join("one").join(name)).unwrap().len();
+    assert!(size("received.before") < 12 * 1269 && size("object_params.before") == 4, "{out}");
+    bad(&here, "replay one --no-validation", 1, &["192 words", "radiosity[448]"]);
+    good(&here, "replay one --no-validation --replace transport/blocks/push=sound.comp");
     // Its SPIR-V is a kernel like any other.
     let spirv = only(&here.path().join("swap")).join("transport-blocks-push.spv");
     std::fs::copy(spirv, here.path().join("swap.spv")).unwrap();

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use crate::devices::on_devices;
 use milkglass::internals::pipeline::frame::STAGES;
 use milkglass::measure::fixtures::{Fixture, fixture};
+use milkglass::measure::repro::minimize::minimize;
 use milkglass::measure::repro::trace::{case, first_step};
 use milkglass::measure::repro::{Case, Part};
 
@@ -22,6 +23,12 @@ fn all(fixture: &Fixture, done: &mut BTreeSet<&'static str>, check: impl Fn(&Cas
             for (part, left) in case.buffers.iter().zip(case.run(device).unwrap()) {
                 assert_eq!(part.device, left, "{}: {}", stage.name, part.name);
             }
+            // As little as it takes does the same.
+            let least = minimize(&case, device).unwrap();
+            assert!(least.bytes() <= case.bytes() && least.replay(device, 1).unwrap().passes(), "{}", stage.name);
+            let touched = least.bytes() < case.bytes();
+            let asked = case.dispatches.iter().all(|dispatch| dispatch.kernel.contains("scan"));
+            assert!(touched || asked || case.bytes() < 4000, "{}: {} bytes", stage.name, case.bytes());
             check(&case);
         }
     });

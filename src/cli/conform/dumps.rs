@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::cli::repro::describe;
+use crate::cli::repro::written;
 use milkglass::error::Result;
 use milkglass::internals::gpu::Device;
 use milkglass::measure::conform::Row;
@@ -11,7 +11,7 @@ use milkglass::measure::repro::trace::{case, first_step};
 
 /// Writes a folder for each of these rows, and says what it holds.
 pub(super) fn write<'a>(
-    folder: &Path,
+    (folder, least): (&Path, bool),
     list: &[Fixture],
     rows: impl Iterator<Item = (&'a Device, &'a Row)>,
 ) -> Result<()> {
@@ -24,8 +24,7 @@ pub(super) fn write<'a>(
         let own = folder.join(name(device, row));
         std::fs::create_dir_all(folder)
             .map_err(|error| milkglass::error::Input::new(format!("could not be written: {error}")).file(folder))?;
-        case.write(&own, "--dump")?;
-        tell!("{}", describe(&own, &case).trim_end());
+        tell!("{}", written(&case, device, &own, "--dump", least)?.trim_end());
     }
     Ok(())
 }

@@ -62,6 +62,9 @@ pub struct Arguments {
     /// For each stage and fixture that differs, write the dispatch to a folder of this folder: see `milkglass replay`.
     #[arg(long, value_name = "FOLDER")]
     dump: Option<PathBuf>,
+    /// In these folders leave out groups that do not fail, and the ends of buffers that nothing reaches.
+    #[arg(long, requires = "dump")]
+    minimize: bool,
     /// Also write the table to this file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -137,7 +140,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         tell!("\n{}", verdict(device, row, &again(arguments, device, row)));
     }
     if let Some(folder) = &arguments.dump {
-        dumps::write(folder, &list, wrong.iter().map(|(device, row)| (device, row)))?;
+        dumps::write((folder, arguments.minimize), &list, wrong.iter().map(|(device, row)| (device, row)))?;
     }
     let idle = |name: &&String| rows.iter().all(|(_, row)| row.stage != **name);
     if let Some(name) = arguments.stage.iter().find(idle) {

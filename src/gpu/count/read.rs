@@ -123,6 +123,18 @@ impl Module {
         }
     }
 
+    /// The binding of a variable that is a buffer.
+    #[cfg(feature = "measure")]
+    pub(super) fn binding(&self, variable: u32) -> Option<u32> {
+        self.bindings.get(&variable).copied()
+    }
+
+    /// Whether a value is known to be an unsigned integer.
+    #[cfg(feature = "measure")]
+    pub(super) fn is_unsigned(&self, value: u32) -> bool {
+        self.uint.is_some_and(|uint| self.values.get(&value) == Some(&uint))
+    }
+
     /// Adds what an instruction does to its block.
     pub(super) fn add(&self, block: &mut Block, instruction: Instruction<'_>) {
         let Instruction { op: Some(op), operands, .. } = instruction else { return };

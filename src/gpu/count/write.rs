@@ -6,7 +6,7 @@ use super::read::Module;
 use crate::gpu::spirv_module::{BOUND, HEADER_WORDS, Instruction, append};
 
 /// The binding of the counters, beyond every buffer of a frame.
-pub(in super::super) const BINDING: u32 = 200;
+pub(crate) const BINDING: u32 = 200;
 
 /// A module being copied.
 pub(super) struct Rewriter {
@@ -137,6 +137,24 @@ impl Rewriter {
         self.put(Op::IEqual, &[boolean, full, before, largest]);
         self.put(Op::Select, &[uint, carry, full, one, zero]);
         self.put(Op::AtomicIAdd, &[uint, after, high, scope, semantics, carry]);
+    }
+
+    /// Notes that this element is named: the number at `note` becomes at least one more.
+    #[cfg(feature = "measure")]
+    pub(super) fn note(&mut self, note: u32, element: u32, unsigned: bool) {
+        let Ids { word_pointer, variable, zero, .. } = self.ids;
+        let uint = self.uint.id;
+        let constant = |number: u32| zero + number;
+        let (one, scope) = (constant(1), constant(Scope::Device as u32));
+        let semantics = constant(MemorySemantics::RELAXED.bits());
+        let [cast, place, after, before] = std::array::from_fn(|_| self.next_id());
+        if !unsigned {
+            self.put(Op::Bitcast, &[uint, cast, element]);
+        }
+        let element = if unsigned { element } else { cast };
+        self.put(Op::AccessChain, &[word_pointer, place, variable, zero, constant(note)]);
+        self.put(Op::IAdd, &[uint, after, element, one]);
+        self.put(Op::AtomicUMax, &[uint, before, place, scope, semantics, after]);
     }
 
     pub(super) fn finish(self) -> Vec<u32> {

@@ -65,6 +65,9 @@ pub(super) struct DispatchFile {
     /// Words of push constants.
     pub(super) push_constants: Vec<u32>,
     pub(super) groups: [u32; 3],
+    /// The number that the first group takes itself for, across: its SPIR-V was changed to that end.
+    #[serde(default)]
+    pub(super) first_group: u32,
     pub(super) bindings: Vec<BindingFile>,
 }
 

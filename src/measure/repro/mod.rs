@@ -3,6 +3,7 @@
 //!
 //! - `trace`: runs a step of a fixture, and makes a [`Case`] of it;
 //! - `isolate`: leaves those dispatches out that have no part in a failure;
+//! - `minimize`: leaves groups and ends of buffers out that have none;
 //! - `run`: runs a case on a device, and compares;
 //! - `files`, `json`: a case as a folder, and back;
 //! - `amber`: the same as an AmberScript.
@@ -11,6 +12,7 @@ pub mod amber;
 pub mod files;
 mod isolate;
 mod json;
+pub mod minimize;
 pub mod run;
 pub mod trace;
 
@@ -86,6 +88,8 @@ pub struct Dispatch {
     pub push: Vec<u32>,
     /// Groups in each dimension.
     pub groups: [u32; 3],
+    /// The number that the first group takes itself for, across; not 0 where the SPIR-V was changed to that end.
+    pub first_group: u32,
     /// What it binds.
     pub bindings: Vec<Bound>,
 }

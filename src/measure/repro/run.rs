@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use super::{Case, Part};
 use crate::error::{Error, Result};
-use crate::gpu::{Binding, Buffer, Device, Kernel, Recorder, Work};
+use crate::gpu::{Binding, Buffer, Device, Kernel, Recorder, Work, shifted};
 
 /// What a device made of a case.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +29,11 @@ impl Found {
 impl Case {
     /// Runs the dispatches on a device, in one submission, and returns what they leave in each buffer.
     pub fn run(&self, device: &Device) -> Result<Vec<Vec<u32>>> {
+        self.run_with(device, &[])
+    }
+
+    /// The same with one more buffer bound in each dispatch.
+    pub(super) fn run_with(&self, device: &Device, more: &[(u32, Buffer)]) -> Result<Vec<Vec<u32>>> {
         let mut buffers = Vec::with_capacity(self.buffers.len());
         for part in &self.buffers {
             let buffer = Buffer::new(device, &part.name, 4 * part.before.len() as u64)?;
@@ -37,7 +42,7 @@ impl Case {
         }
         let mut kernels = BTreeMap::new();
         let mut recorder = Recorder::new(device, 0)?;
-        for dispatch in &self.dispatches {
+        for (index, dispatch) in self.dispatches.iter().enumerate() {
             let key = (&dispatch.kernel, &dispatch.constants, &dispatch.spirv);
             let kernel = match kernels.get(&key) {
                 Some(known) => Rc::clone(known),
@@ -50,7 +55,10 @@ impl Case {
             };
             let bind =
                 |b: &super::Bound| Binding { number: b.number, buffer: &buffers[b.buffer], offset: 0, size: b.bytes };
-            let bindings: Vec<_> = dispatch.bindings.iter().map(bind).collect();
+            let mut bindings: Vec<_> = dispatch.bindings.iter().map(bind).collect();
+            if let Some((number, buffer)) = more.get(index) {
+                bindings.push(Binding { number: *number, buffer, offset: 0, size: buffer.size() });
+            }
             let push = bytemuck::cast_slice(&dispatch.push);
             recorder.part(&dispatch.kernel, |recorder| {
                 recorder.dispatch(&kernel, &bindings, push, Work::Grid(dispatch.groups))
@@ -102,7 +110,13 @@ impl Case {
     pub fn replacing(mut self, kernel: &str, words: &[u32]) -> Result<Self> {
         let mut found = false;
         for dispatch in self.dispatches.iter_mut().filter(|dispatch| dispatch.kernel == kernel) {
-            dispatch.spirv = words.to_vec();
+            dispatch.spirv = match dispatch.first_group {
+                0 => words.to_vec(),
+                first => shifted(words, first).ok_or_else(|| {
+                    let what = format!("its groups can't begin at {first}, as in this case");
+                    Error::from(crate::error::Input::new(what).key("--replace").found(kernel))
+                })?,
+            };
             found = true;
         }
         let names: Vec<&str> = self.dispatches.iter().map(|dispatch| dispatch.kernel.as_str()).collect();

@@ -107,6 +107,7 @@ fn whole(device: &Device, fixture: &Fixture, (step, state): (Step, &State), trac
             constants: dispatch.constants.clone(),
             push: words(&dispatch.push),
             groups: dispatch.groups,
+            first_group: 0,
             bindings: dispatch
                 .bindings
                 .iter()
