@@ -27,6 +27,11 @@ impl std::fmt::Display for Size {
 }
 
 impl MemoryArgument {
+    /// The same argument, for a process to start.
+    pub(super) fn words(&self) -> Vec<String> {
+        vec!["--limit-memory".into(), self.limit_memory.to_string()]
+    }
+
     /// Access to files on disk within this limit.
     pub(super) fn files(&self) -> Files {
         Files::on_disk(self.limit_memory.0)

@@ -4,7 +4,9 @@
 mod text;
 
 mod bake;
+mod compare;
 mod conform;
+mod date;
 mod device;
 mod devices;
 mod dump;
@@ -68,6 +70,8 @@ enum Command {
     Profile(profile::Arguments),
     /// Compare every stage on a device with the CPU reference.
     Conform(conform::Arguments),
+    /// Show what differs between two results of `conform`: of drivers, devices or commits.
+    Compare(compare::Arguments),
     /// Write a stage of a fixture as files that repeat it elsewhere: SPIR-V, buffers, an AmberScript.
     Dump(dump::Arguments),
     /// Run what `dump` or `conform --dump` wrote on a device, and compare.
@@ -244,6 +248,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Profile(arguments) => profile::run(&arguments),
         Command::Conform(arguments) => conform::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
         Command::Dump(arguments) => dump::run(&arguments),
         Command::Replay(arguments) => repro::run(&arguments),
         Command::Shader(arguments) => shader::run(&arguments),

@@ -9,8 +9,10 @@ use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Device, replacement};
 use milkglass::internals::pipeline::plan::Options;
 use milkglass::internals::session::run::CapacityHints;
+use milkglass::measure::conform::Row;
 use milkglass::measure::fixtures::Fixture;
 use milkglass::measure::replace::{check, unused};
+use milkglass::measure::results::Outcome;
 use milkglass::measure::verdict::verdict;
 use milkglass::scene::Scene;
 
@@ -74,8 +76,10 @@ impl ReplaceArgument {
         for row in good {
             tell!("{}: {} words conform to the reference", row.stage, row.words);
         }
+        let names: Vec<String> = loaded.iter().map(|(name, _)| name.clone()).collect();
+        let outcome = |row: &Row| Outcome::new(device.adapter(), row, repeated(device.name()));
         for row in &bad {
-            tell!("\n{}", verdict(&device, row, &repeated(&device)));
+            tell!("\n{}", verdict(&outcome(row), device.limits().subgroup_size.into(), &names));
         }
         match bad.as_slice() {
             [] => Ok(Some(device)),

@@ -2,7 +2,6 @@
 
 use clap::{Args, ValueEnum};
 
-use milkglass::internals::gpu::Device;
 use milkglass::internals::pipeline::plan::{Mode, Options, ShadingMethod};
 
 /// Transport and mode.
@@ -59,6 +58,15 @@ impl OptionArguments {
         unwrap.into_iter().chain(sets.iter().cloned()).collect()
     }
 
+    /// The same arguments, for a process to start.
+    pub(super) fn words(&self) -> Vec<String> {
+        let name = |value: Option<clap::builder::PossibleValue>| {
+            value.map(|value| value.get_name().to_string()).unwrap_or_default()
+        };
+        let (mode, transport) = (name(self.mode.to_possible_value()), name(self.transport.to_possible_value()));
+        vec!["--mode".into(), mode, "--transport".into(), transport]
+    }
+
     pub(super) fn options(&self) -> Options {
         Options {
             transport: match self.transport {
@@ -84,10 +92,10 @@ impl OptionArguments {
 }
 
 /// This call as a shell command, with the device that it used.
-pub(super) fn repeated(device: &Device) -> String {
+pub(super) fn repeated(device: &str) -> String {
     let mut words: Vec<String> = std::env::args().skip(1).collect();
     if !words.iter().any(|word| word == "--device" || word.starts_with("--device=")) {
-        words.extend(["--device".into(), device.name().into()]);
+        words.extend(["--device".into(), device.into()]);
     }
     std::iter::once("milkglass".to_string()).chain(words.iter().map(|word| quoted(word))).collect::<Vec<_>>().join(" ")
 }

@@ -1,7 +1,9 @@
 //! Early termination of the program.
 
-use std::process::ExitCode;
+use std::process::{Child, ExitCode, ExitStatus};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard};
+use std::time::{Duration, Instant};
 
 /// Whether work is under way that can end early with what there is.
 static MAY_END: AtomicBool = AtomicBool::new(false);
@@ -20,6 +22,7 @@ pub fn remove_when_stopped() {
             if signal == SIGINT && MAY_END.load(Ordering::Relaxed) && !ENDS.swap(true, Ordering::Relaxed) {
                 continue;
             }
+            kill();
             milkglass::internals::view::atomic_file::abandon(|| signal_hook::low_level::exit(128 + signal));
         }
     });
@@ -28,6 +31,46 @@ pub fn remove_when_stopped() {
 /// Elsewhere the system's default applies.
 #[cfg(not(unix))]
 pub fn remove_when_stopped() {}
+
+/// The process that this one has started and waits for, if any.
+static CHILD: Mutex<Option<Child>> = Mutex::new(None);
+
+fn child() -> MutexGuard<'static, Option<Child>> {
+    CHILD.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+/// Keeps a process that was started: it ends when this one is stopped.
+pub(super) fn guard(started: Child) {
+    *child() = Some(started);
+}
+
+/// Ends that process.
+pub(super) fn kill() {
+    if let Some(child) = child().as_mut() {
+        let _ = child.kill();
+    }
+}
+
+/// Waits for that process until this time, then ends it; its status if it ended by itself.
+pub(super) fn wait(end: Instant) -> Option<ExitStatus> {
+    loop {
+        let status = child().as_mut().map(Child::try_wait);
+        match status {
+            Some(Ok(None)) if Instant::now() < end => std::thread::sleep(Duration::from_millis(5)),
+            Some(Ok(Some(status))) => {
+                *child() = None;
+                return Some(status);
+            }
+            _ => {
+                kill();
+                if let Some(mut child) = child().take() {
+                    let _ = child.wait();
+                }
+                return None;
+            }
+        }
+    }
+}
 
 /// Says whether the work under way can end early: the first Ctrl-C then asks it to.
 pub(super) fn may_end(early: bool) {

@@ -35,6 +35,19 @@ pub struct Limits {
     pub round_to_nearest: bool,
 }
 
+/// The numbers by which Vulkan names a device and its driver.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Ids {
+    /// The vendor.
+    pub vendor: u32,
+    /// The device.
+    pub device: u32,
+    /// The driver: `VkDriverId`.
+    pub driver: i32,
+    /// The driver's version, in an encoding of its own.
+    pub driver_version: u32,
+}
+
 /// A Vulkan device that could be opened.
 #[derive(Clone, Debug, Default)]
 pub struct Adapter {
@@ -44,6 +57,8 @@ pub struct Adapter {
     pub driver: String,
     /// The Vulkan version, `1.3.230`.
     pub version: String,
+    /// The vendor's and the device's number, the driver's number and its version as Vulkan encodes them.
+    pub ids: Ids,
     /// `discrete`, `integrated`, `virtual`, `cpu` or `other`.
     pub kind: &'static str,
     /// Its limits.
@@ -144,6 +159,12 @@ impl Adapter {
             name: text(&base.device_name),
             driver: format!("{} {}", text(&more.driver_name), text(&more.driver_info)).trim().to_string(),
             version: format!("{major}.{minor}.{patch}"),
+            ids: Ids {
+                vendor: base.vendor_id,
+                device: base.device_id,
+                driver: more.driver_id.as_raw(),
+                driver_version: base.driver_version,
+            },
             kind: match base.device_type {
                 vk::PhysicalDeviceType::DISCRETE_GPU => "discrete",
                 vk::PhysicalDeviceType::INTEGRATED_GPU => "integrated",

@@ -120,6 +120,11 @@ impl LogicalDevice {
         self.0.patience.set(patience);
     }
 
+    /// The adapter.
+    pub fn adapter(&self) -> &Adapter {
+        &self.0.adapter
+    }
+
     /// The adapter's name.
     pub fn name(&self) -> &str {
         &self.0.adapter.name

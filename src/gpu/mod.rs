@@ -39,7 +39,7 @@ mod spirv_module;
 mod transfer;
 mod vk_error;
 
-pub use adapter::{Adapter, Limits};
+pub use adapter::{Adapter, Ids, Limits};
 pub use allocator::MemoryUse;
 pub(crate) use bind::Binding;
 pub use device::Device;

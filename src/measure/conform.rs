@@ -5,6 +5,8 @@
 //! within the stage's tolerance, all others bit for bit. The device runs twice and must give the same bits; the guard
 //! bytes after each buffer must be untouched; the validation layer must report nothing.
 
+use std::time::Instant;
+
 use crate::error::Result;
 use crate::geometry::{deform, placement};
 use crate::gpu::Device;
@@ -41,6 +43,10 @@ pub struct Row {
     pub biases: Vec<Bias>,
     /// Everything found wrong; empty if the stage conforms.
     pub faults: Vec<String>,
+    /// Of each buffer that the stage writes, a hash of what the device left in all steps.
+    pub hashes: Vec<(&'static str, u64)>,
+    /// Time of the comparison by the host's clock, seconds.
+    pub seconds: f64,
     /// The first of the fixture's steps in which something was found wrong.
     pub failed: Option<usize>,
 }
@@ -57,12 +63,32 @@ pub struct Plant {
 /// Runs every step of a fixture and returns one row per stage. With planted errors, each is tested separately, and
 /// only their stages run on the device.
 pub fn conform(device: &Device, fixture: &Fixture, plants: &[Plant]) -> Result<Vec<Row>> {
-    compared(device, fixture, plants, &|stage| plants.is_empty() || plants.iter().any(|plant| plant.stage == stage))
+    let takes_part = |stage: &str| plants.is_empty() || plants.iter().any(|plant| plant.stage == stage);
+    compared(device, fixture, plants, &takes_part, &mut |_| {})
 }
 
 /// The same for some stages only; the other stages run on the reference alone.
 pub fn conform_stages(device: &Device, fixture: &Fixture, stages: &[String]) -> Result<Vec<Row>> {
-    compared(device, fixture, &[], &|stage| stages.iter().any(|name| name == stage))
+    compared(device, fixture, &[], &|stage| stages.iter().any(|name| name == stage), &mut |_| {})
+}
+
+/// What happens in a comparison.
+pub enum Event<'a> {
+    /// Steps of this stage begin.
+    Begins(&'static str),
+    /// The last step of a stage is done.
+    Ends(&'a mut Row),
+}
+
+/// The same for these stages, or all where there are none; tells what happens as it does.
+pub fn conform_told(
+    device: &Device,
+    fixture: &Fixture,
+    stages: &[String],
+    told: &mut dyn FnMut(Event<'_>),
+) -> Result<Vec<Row>> {
+    let takes_part = |stage: &str| stages.is_empty() || stages.iter().any(|name| name == stage);
+    compared(device, fixture, &[], &takes_part, told)
 }
 
 fn compared(
@@ -70,6 +96,7 @@ fn compared(
     fixture: &Fixture,
     plants: &[Plant],
     takes_part: &dyn Fn(&str) -> bool,
+    told: &mut dyn FnMut(Event<'_>),
 ) -> Result<Vec<Row>> {
     let mut rows: Vec<Row> = Vec::new();
     let mut pair = Pair::new(device, &fixture.state)?;
@@ -82,7 +109,10 @@ fn compared(
             pair.stale = BUFFER_IDS.to_vec();
             continue;
         }
+        told(Event::Begins(step.stage.name));
+        let start = Instant::now();
         for mut row in pair.one(*step, &fixture.name, plants)? {
+            row.seconds = start.elapsed().as_secs_f64();
             row.failed = (!row.faults.is_empty()).then_some(index);
             match rows.iter_mut().find(|known| known.stage == row.stage) {
                 Some(known) => {
@@ -95,12 +125,28 @@ fn compared(
                     add(&mut known.biases, &row.biases);
                     known.faults.extend(row.faults);
                     known.failed = known.failed.or(row.failed);
+                    known.seconds += row.seconds;
+                    let hashes = known.hashes.iter_mut().zip(row.hashes);
+                    hashes.for_each(|((_, hash), (_, more))| *hash = hashed(*hash, &more.to_le_bytes()));
                 }
                 None => rows.push(row),
             }
         }
+        let last = fixture.steps[index + 1..end].iter().all(|later| later.stage.name != step.stage.name);
+        for row in rows.iter_mut().filter(|row| last && row.stage == step.stage.name) {
+            told(Event::Ends(row));
+        }
     }
     Ok(rows)
+}
+
+/// What a hash begins with.
+const SEED: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// A hash of these bytes after others: FNV-1a over words.
+fn hashed(hash: u64, bytes: &[u8]) -> u64 {
+    let word = |b: &[u8]| b.iter().rev().fold(0, |word, byte| word << 8 | u64::from(*byte));
+    bytes.chunks(4).fold(hash, |hash, b| (hash ^ word(b)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
 /// Fills the memory that a step overwrites with poison.
@@ -217,6 +263,7 @@ impl Pair {
             }
         }
         for ((slot, _, _), first) in step.stage.writes.iter().zip(first) {
+            row.hashes.push((slot.spec().name, hashed(SEED, first)));
             if self.device.data.bytes(*slot) != first {
                 row.faults.push(format!("{step:?} two runs differ in buffer {}", slot.spec().name));
             }

@@ -26,6 +26,7 @@ pub mod reference;
 pub mod replace;
 pub mod report;
 pub mod repro;
+pub mod results;
 pub mod rules;
 pub mod sample;
 pub mod stress;

@@ -181,7 +181,7 @@ fn conform_compares_a_device_with_the_cpu() {
     let (out, _) = good(&here, "conform a.toml --no-validation --json a.json");
     assert!(out.contains("all conform"), "{out}");
     let rows: serde_json::Value = serde_json::from_str(&read(&here, "a.json")).unwrap();
-    assert!(rows.as_array().is_some_and(|rows| rows.iter().any(|row| row["stage"] == "link")), "{rows}");
+    assert!(rows["results"].as_array().is_some_and(|rows| rows.iter().any(|row| row["stage"] == "link")), "{rows}");
     bad(&here, "conform a.toml --device cpu --no-validation", 2, &["the CPU is the reference itself"]);
 }
 

@@ -6,6 +6,7 @@ mod shell;
 mod amber;
 mod aov;
 mod borders;
+mod conform;
 mod device_limits;
 mod diffusion;
 mod eval;

@@ -143,7 +143,7 @@ fn conform_counts_distances() {
     let (out, _) = good(&here, "conform a.toml --no-validation --stage gather,push --json a.json");
     assert!(out.contains("units in the last place") && out.contains("all conform"), "{out}");
     let rows: serde_json::Value = serde_json::from_str(&read(&here, "a.json")).unwrap();
-    for row in rows.as_array().unwrap() {
+    for row in rows["results"].as_array().unwrap() {
         assert!(["gather", "push"].contains(&row["stage"].as_str().unwrap()), "{row}");
         let floats: u64 = row["histogram"].as_array().unwrap().iter().map(|count| count.as_u64().unwrap()).sum();
         assert!(floats > 0 && floats <= row["words"].as_u64().unwrap(), "{row}");

@@ -12,11 +12,11 @@ use milkglass::measure::repro::trace::{case, first_step};
 /// Writes a folder for each of these rows, and says what it holds.
 pub(super) fn write<'a>(
     (folder, least): (&Path, bool),
-    list: &[Fixture],
-    rows: impl Iterator<Item = (&'a Device, &'a Row)>,
+    fixture: &Fixture,
+    device: &Device,
+    rows: impl Iterator<Item = &'a Row>,
 ) -> Result<()> {
-    for (device, row) in rows {
-        let Some(fixture) = list.iter().find(|fixture| fixture.name == row.fixture) else { continue };
+    for row in rows {
         // Where only the mean is off, no step is beyond tolerance: the first one.
         let lanes = device.limits().subgroup_size.max(1) as usize;
         let step = row.failed.map_or_else(|| first_step(fixture, row.stage, lanes), |step| Ok(Some(step)))?;

@@ -1,48 +1,96 @@
-//! The tables that `conform` prints.
+//! The tables that `conform` prints: a row as each comparison ends, and the histogram of distances after all.
 
+use super::choose::Choice;
 use crate::cli::table;
-use milkglass::internals::gpu::Device;
-use milkglass::measure::bias::farthest;
-use milkglass::measure::conform::{BINS, Row};
-use milkglass::measure::leaning::of_stage;
+use milkglass::internals::pipeline::frame::STAGES;
+use milkglass::measure::bias::{add, farthest};
+use milkglass::measure::conform::BINS;
+use milkglass::measure::results::{DeviceFacts, Mean, Outcome};
 
-/// The largest difference in per cent of what the tolerance allows.
-fn of_tolerance(used: f64) -> String {
-    match 100.0 * used {
-        0.0 => "0 %".into(),
-        percent if percent < 1.0 => "<1 %".into(),
-        percent if percent.is_finite() => format!("{percent:.0} %"),
-        _ => "NaN".into(),
+/// The headings, and the least widths of their columns.
+const COLUMNS: [(&str, usize); 8] = [
+    ("device", 0),
+    ("fixture", 0),
+    ("stage", 0),
+    ("words", 9),
+    ("ulp", 7),
+    ("relative", 8),
+    ("of tolerance", 12),
+    ("verdict", 0),
+];
+
+/// A table whose rows come one by one.
+pub(super) struct Sheet {
+    widths: [usize; 8],
+    begun: bool,
+}
+
+impl Sheet {
+    /// For rows of these devices and fixtures.
+    pub(super) fn new(devices: &[DeviceFacts], choices: &[Choice]) -> Self {
+        let count = |text: &str| text.chars().count();
+        let mut widths = COLUMNS.map(|(name, least)| count(name).max(least));
+        widths[0] = devices.iter().map(|device| count(&device.name)).fold(widths[0], usize::max);
+        widths[1] = choices.iter().map(|choice| count(choice.name())).fold(widths[1], usize::max);
+        widths[2] = STAGES.iter().map(|stage| count(stage.name)).fold(widths[2], usize::max);
+        Self { widths, begun: false }
+    }
+
+    /// A row, after the headings if it is the first one.
+    pub(super) fn row(&mut self, outcome: &Outcome) -> String {
+        let heading = if std::mem::replace(&mut self.begun, true) {
+            String::new()
+        } else {
+            self.line(&COLUMNS.map(|(name, _)| name.to_string()))
+        };
+        // Near zero, a distance in units in the last place is meaningless.
+        let ulp = match outcome.ulp {
+            None => "NaN".to_string(),
+            Some(1_000_001..) => "-".to_string(),
+            Some(ulp) => ulp.to_string(),
+        };
+        let relative = outcome.relative.map_or("inf".into(), |relative| format!("{relative:.1e}"));
+        let known = if outcome.known.is_some() { " (known)" } else { "" };
+        let mut cells = [outcome.device.clone(), outcome.fixture.clone(), outcome.stage.clone()].to_vec();
+        cells.extend([outcome.words.to_string(), ulp, relative, of_tolerance(outcome.of_tolerance)]);
+        if outcome.words == 0 && !outcome.verdict.passes() {
+            cells[3..].fill("-".into());
+        }
+        cells.push(format!("{}{known}", outcome.verdict.name()));
+        heading + &self.line(&cells)
+    }
+
+    fn line(&self, cells: &[String]) -> String {
+        let padded: Vec<String> = cells
+            .iter()
+            .zip(self.widths)
+            .enumerate()
+            .map(|(k, (cell, width))| {
+                let gap = " ".repeat(width.saturating_sub(cell.chars().count()));
+                if (3..7).contains(&k) { format!("{gap}{cell}") } else { format!("{cell}{gap}") }
+            })
+            .collect();
+        format!("{}\n", padded.join("  ").trim_end())
     }
 }
 
-/// The table of comparisons, followed by the histogram of distances.
-pub(super) fn text(rows: &[(Device, Row)]) -> String {
-    let cells: Vec<_> = rows
-        .iter()
-        .map(|(device, row)| {
-            // Near zero, a distance in units in the last place is meaningless.
-            let ulp = match row.ulp {
-                u64::MAX => "NaN".to_string(),
-                1_000_001.. => "-".to_string(),
-                ulp => ulp.to_string(),
-            };
-            let verdict = if row.faults.is_empty() { "conforms".to_string() } else { "DIFFERS".to_string() };
-            let relative = format!("{:.1e}", row.relative);
-            let mut cells = vec![device.name().to_string(), row.fixture.clone(), row.stage.to_string()];
-            cells.extend([row.words.to_string(), ulp, relative, of_tolerance(row.used), verdict]);
-            cells
-        })
-        .collect();
-    let header = ["device", "fixture", "stage", "words", "ulp", "relative", "of tolerance", "verdict"];
-    let mut text = table(&header, &[3, 4, 5, 6], &cells);
+/// The largest difference in per cent of what the tolerance allows.
+fn of_tolerance(used: Option<f64>) -> String {
+    match used.map(|used| 100.0 * used) {
+        Some(0.0) => "0 %".into(),
+        Some(percent) if percent < 1.0 => "<1 %".into(),
+        Some(percent) => format!("{percent:.0} %"),
+        None => "NaN".into(),
+    }
+}
 
-    // Sum the histograms over all fixtures.
-    let mut sums: Vec<(String, &str, [u64; 8])> = Vec::new();
-    for (device, row) in rows {
-        match sums.iter_mut().find(|sum| sum.0 == device.name() && sum.1 == row.stage) {
-            Some(sum) => sum.2.iter_mut().zip(row.histogram).for_each(|(sum, count)| *sum += count),
-            None => sums.push((device.name().to_string(), row.stage, row.histogram)),
+/// The histogram of distances, over all fixtures.
+pub(super) fn histogram(outcomes: &[Outcome]) -> String {
+    let mut sums: Vec<(&str, &str, [u64; 8])> = Vec::new();
+    for outcome in outcomes {
+        match sums.iter_mut().find(|sum| sum.0 == outcome.device && sum.1 == outcome.stage) {
+            Some(sum) => sum.2.iter_mut().zip(outcome.histogram).for_each(|(sum, count)| *sum += count),
+            None => sums.push((&outcome.device, &outcome.stage, outcome.histogram)),
         }
     }
     let share = |count: u64, all: u64| match 100.0 * count as f64 / all as f64 {
@@ -50,12 +98,15 @@ pub(super) fn text(rows: &[(Device, Row)]) -> String {
         percent if percent < 0.01 => "<0.01".to_string(),
         percent => format!("{percent:.2}"),
     };
-    let row = |(device, stage, counts): &(String, &str, [u64; 8])| {
+    let row = |(device, stage, counts): &(&str, &str, [u64; 8])| {
         let all: u64 = counts.iter().sum();
         let shares = counts.iter().map(|&count| share(count, all));
-        let own = rows.iter().filter(|(other, _)| other.name() == device).map(|(_, row)| row);
-        let mean = farthest(&of_stage(own, stage)).map_or("-".into(), |mean| format!("{mean:+.0e}"));
-        [device.clone(), (*stage).to_string(), all.to_string()].into_iter().chain(shares).chain([mean]).collect()
+        let mut means = Vec::new();
+        for own in outcomes.iter().filter(|own| own.device == *device && own.stage == *stage) {
+            add(&mut means, &own.means.iter().filter_map(Mean::bias).collect::<Vec<_>>());
+        }
+        let mean = farthest(&means).map_or("-".into(), |mean| format!("{mean:+.0e}"));
+        [device.to_string(), stage.to_string(), all.to_string()].into_iter().chain(shares).chain([mean]).collect()
     };
     let cells: Vec<Vec<String>> = sums.iter().filter(|sum| sum.2.iter().any(|&count| count > 0)).map(row).collect();
     let up_to = BINS.map(|most| format!("<={most}"));
@@ -65,7 +116,7 @@ pub(super) fn text(rows: &[(Device, Row)]) -> String {
         .chain(up_to.iter().map(String::as_str))
         .chain([beyond.as_str(), "mean"])
         .collect();
-    text += "\nfloats by their distance from the reference in units in the last place, per cent of all; `mean`: of the signed \
-             relative differences, of the buffer that is farthest off\n";
-    text + &table(&header, &[2, 3, 4, 5, 6, 7, 8, 9, 10, 11], &cells) + "\n"
+    let text = "\nfloats by their distance from the reference in units in the last place, per cent of all; `mean`: of the \
+                signed relative differences, of the buffer that is farthest off\n";
+    format!("{text}{}\n", table(&header, &[2, 3, 4, 5, 6, 7, 8, 9, 10, 11], &cells))
 }

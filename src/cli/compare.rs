@@ -1,0 +1,66 @@
+//! `milkglass compare`: what differs between two results of `conform`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{print, table};
+use milkglass::error::{Error, Result};
+use milkglass::measure::results::changes::{Change, Kind, Thresholds, changes};
+use milkglass::measure::results::read;
+
+/// Arguments of `compare`.
+#[derive(Args)]
+#[command(after_help = "Example: milkglass conform --only sliver --json a.json && milkglass compare a.json a.json")]
+pub struct Arguments {
+    /// Results that `conform --json` or `--jsonl` wrote.
+    first: PathBuf,
+    /// Others: of another driver, device or commit.
+    second: PathBuf,
+    /// Report a change of a field's mean relative difference beyond this, and beyond five standard errors of it.
+    #[arg(long, value_name = "SHARE", default_value_t = Thresholds::default().mean, value_parser = share)]
+    mean: f64,
+    /// Report a change of the share of its tolerance that a stage uses beyond this.
+    #[arg(long, value_name = "SHARE", default_value_t = Thresholds::default().used, value_parser = share)]
+    used: f64,
+    /// Report a change of the share of floats that are more than 3 ulp off beyond this.
+    #[arg(long, value_name = "SHARE", default_value_t = Thresholds::default().beyond, value_parser = share)]
+    beyond: f64,
+}
+
+fn share(text: &str) -> std::result::Result<f64, String> {
+    let found = text.parse().ok().filter(|share: &f64| share.is_finite() && *share >= 0.0);
+    found.ok_or_else(|| "expected a number from 0 on".into())
+}
+
+/// Prints the changes; fails if there is a new failure.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let (first, second) = (read(&arguments.first)?, read(&arguments.second)?);
+    let thresholds = Thresholds { mean: arguments.mean, used: arguments.used, beyond: arguments.beyond };
+    let found = changes(&first, &second, &thresholds)?;
+    print(&described(&found))?;
+    match found.iter().filter(|change| change.kind == Kind::Failure).count() {
+        0 => Ok(()),
+        1 => Err(Error::Check("1 new failure".into())),
+        more => Err(Error::Check(format!("{more} new failures"))),
+    }
+}
+
+/// The changes as a table, and how many there are of each kind.
+pub(super) fn described(changes: &[Change]) -> String {
+    if changes.is_empty() {
+        return "nothing has changed\n".into();
+    }
+    let row = |change: &Change| {
+        let Change { kind, device, fixture, stage, what } = change.clone();
+        vec![kind.name().to_string(), device, fixture, stage, what]
+    };
+    let rows: Vec<_> = changes.iter().map(row).collect();
+    let count = |kind: Kind| changes.iter().filter(|change| change.kind == kind).count();
+    let counts: Vec<String> = Kind::ALL
+        .into_iter()
+        .filter(|kind| count(*kind) > 0)
+        .map(|kind| format!("{}: {}", kind.name(), count(kind)))
+        .collect();
+    format!("{}{}\n", table(&["change", "device", "fixture", "stage", "what"], &[], &rows), counts.join(", "))
+}

@@ -1,0 +1,114 @@
+//! Comparisons in this process.
+
+use std::collections::BTreeSet;
+
+use super::arguments::{Arguments, again, repeating};
+use super::choose::Choice;
+use super::dumps;
+use super::sink::Sink;
+use crate::cli::device::opened;
+use crate::cli::replace::replaced;
+use milkglass::error::{Input, Result};
+use milkglass::internals::gpu::{Adapter, Device, Instance};
+use milkglass::internals::state::dispatches;
+use milkglass::measure::conform::{Event, Row, conform_told};
+use milkglass::measure::fixtures::Fixture;
+use milkglass::measure::leaning::blame;
+use milkglass::measure::replace;
+use milkglass::measure::results::{Outcome, Verdict};
+
+/// Compares everything that was chosen on all devices.
+pub(super) fn run(
+    arguments: &Arguments,
+    choices: &[Choice],
+    (instance, devices): (&Instance, &[(usize, &Adapter)]),
+    kernels: &[(String, Vec<u32>)],
+    sink: &mut Sink,
+) -> Result<()> {
+    let mut open: Vec<Device> = Vec::new();
+    for (_, adapter) in devices {
+        open.push(replaced(&opened(instance, adapter)?, kernels));
+    }
+    // Kernels that some fixture runs; those that are replaced must be among them.
+    let mut run = BTreeSet::new();
+    for choice in choices {
+        let fixture = choice.make(arguments)?;
+        if !kernels.is_empty() {
+            let lanes = open[0].limits().subgroup_size.max(1) as usize;
+            run.extend(dispatches(&fixture.state, &fixture.steps, lanes)?.into_iter().map(|found| found.kernel));
+        }
+        for device in &open {
+            one(arguments, device, &fixture, sink)?;
+        }
+    }
+    // A child sees one fixture, and a part some of them: not every kernel is run there.
+    match kernels.iter().find(|(name, _)| !run.contains(name)) {
+        Some((name, _)) if !arguments.child && arguments.shard.is_none() => {
+            let what = match choices {
+                [one] => format!("{} does not run this kernel", one.name()),
+                _ => "nothing that was chosen runs this kernel".into(),
+            };
+            let names = run.into_iter().collect::<Vec<_>>().join(", ");
+            Err(Input::new(what).key("--replace").found(name).expected(names).into())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// All stages of a fixture on a device, or those that were asked for, or those of replaced kernels.
+fn one(arguments: &Arguments, device: &Device, fixture: &Fixture, sink: &mut Sink) -> Result<()> {
+    let mut stages = replace::stages(device);
+    stages.extend(arguments.stage.iter().cloned());
+    let (adapter, mut now) = (device.adapter(), "");
+    let mut failed = None;
+    let mut rows: Vec<Row> = Vec::new();
+    let done = conform_told(device, fixture, &stages, &mut |event| {
+        let told = match event {
+            Event::Begins(stage) => {
+                now = stage;
+                sink.begins(&fixture.name, stage)
+            }
+            Event::Ends(row) => {
+                blame(std::slice::from_mut(row));
+                rows.push(row.clone());
+                sink.add(Outcome::new(adapter, row, again(arguments, device.name(), &row.fixture, row.stage)))
+            }
+        };
+        failed = failed.take().or(told.err());
+    });
+    if let Some(error) = failed {
+        return Err(error);
+    }
+    if let Err(error) = done {
+        if error.is_device_fault() {
+            sink.add(failure(arguments, adapter, (&fixture.name, now), Verdict::DeviceFailed, &error))?;
+        }
+        return Err(error);
+    }
+    if let Some(folder) = &arguments.dump {
+        let wrong = rows.iter().filter(|row| !row.faults.is_empty());
+        dumps::write((folder, arguments.minimize), fixture, device, wrong)?;
+    }
+    Ok(())
+}
+
+/// The outcome of a comparison that did not come to its end.
+pub(super) fn failure(
+    arguments: &Arguments,
+    adapter: &Adapter,
+    (fixture, stage): (&str, &str),
+    verdict: Verdict,
+    why: &dyn std::fmt::Display,
+) -> Outcome {
+    let mut outcome = Outcome {
+        device: adapter.name.clone(),
+        driver: adapter.driver.clone(),
+        fixture: fixture.into(),
+        stage: stage.into(),
+        verdict,
+        faults: vec![why.to_string()],
+        ..Outcome::default()
+    };
+    outcome.repeat = repeating(arguments, &outcome);
+    outcome
+}

@@ -1,0 +1,167 @@
+//! Comparisons in processes of their own, one a fixture and device: a hang or a crash ends one of them.
+
+use std::io::{BufRead, BufReader, Read};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+use super::alone::failure;
+use super::arguments::{Arguments, repeating};
+use super::choose::Choice;
+use super::sink::Sink;
+use crate::cli::stop;
+use milkglass::error::{Error, Input, Result};
+use milkglass::internals::gpu::Adapter;
+use milkglass::measure::results::{Line, Verdict};
+
+/// Compares everything that was chosen on all devices.
+pub(super) fn run(
+    arguments: &Arguments,
+    choices: &[Choice],
+    devices: &[(usize, &Adapter)],
+    sink: &mut Sink,
+) -> Result<()> {
+    for choice in choices {
+        for (index, adapter) in devices {
+            one(arguments, choice, (*index, adapter), sink)?;
+        }
+    }
+    Ok(())
+}
+
+/// The command of a child.
+fn command(arguments: &Arguments, choice: &Choice, device: usize) -> Result<Command> {
+    let exe = std::env::current_exe().map_err(|error| Error::device("starting a process for a fixture", error))?;
+    let mut command = Command::new(exe);
+    command.arg("conform").arg("--child").args(["--device", &device.to_string()]);
+    match choice {
+        Choice::Fixture(name) => {
+            command.args(["--fixture", name]);
+        }
+        Choice::Scene(name) => {
+            command.arg(name).arg(format!("--frame={}", arguments.frame));
+            command.args(arguments.sets.iter().flat_map(|set| ["--set", set]));
+            command.args(arguments.option_args.words());
+        }
+    }
+    if arguments.no_validation {
+        command.arg("--no-validation");
+    }
+    if !arguments.stage.is_empty() {
+        command.args(["--stage", &arguments.stage.join(",")]);
+    }
+    command.args(arguments.replace.pairs().iter().flat_map(|pair| ["--replace", pair]));
+    if let Some(folder) = &arguments.dump {
+        command.arg("--dump").arg(folder);
+        if arguments.minimize {
+            command.arg("--minimize");
+        }
+    }
+    command.args(arguments.memory.words());
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    Ok(command)
+}
+
+/// What a child says on standard output, line by line; its end is the end of the channel.
+fn lines(child: &mut Child) -> Receiver<String> {
+    let (sender, receiver) = channel();
+    if let Some(out) = child.stdout.take() {
+        std::thread::spawn(move || {
+            // A line that can't be read is the last one.
+            for line in BufReader::new(out).lines().map_while(std::result::Result::ok) {
+                if sender.send(line).is_err() {
+                    break;
+                }
+            }
+        });
+    }
+    receiver
+}
+
+fn one(arguments: &Arguments, choice: &Choice, (index, adapter): (usize, &Adapter), sink: &mut Sink) -> Result<()> {
+    let started = command(arguments, choice, index)?.spawn();
+    let mut child = started.map_err(|error| Error::device("starting a process for a fixture", error))?;
+    let end = Instant::now() + Duration::from_secs_f64(arguments.timeout);
+    let out = lines(&mut child);
+    let err = child.stderr.take().map(|mut err| {
+        std::thread::spawn(move || {
+            let mut text = Vec::new();
+            let _ = err.read_to_end(&mut text);
+            String::from_utf8_lossy(&text).into_owned()
+        })
+    });
+    stop::guard(child);
+    let (mut stage, mut told) = (String::new(), Ok(()));
+    let hung = loop {
+        match out.recv_timeout(end.saturating_duration_since(Instant::now())) {
+            Ok(line) => match serde_json::from_str(&line) {
+                Ok(Line::Begins(_, begun)) => {
+                    stage.clone_from(&begun);
+                    told = told.and(sink.begins(choice.name(), &begun));
+                }
+                Ok(Line::Result(outcome)) => {
+                    let mut outcome = *outcome;
+                    if !arguments.scenes.is_empty() {
+                        outcome.repeat = repeating(arguments, &outcome);
+                    }
+                    // What ended is over; a device that failed has said so itself.
+                    if outcome.verdict == Verdict::DeviceFailed {
+                        continue;
+                    }
+                    stage.clear();
+                    told = told.and(sink.add(outcome));
+                }
+                Ok(Line::Run(_)) => {}
+                Err(_) => tell!("{line}"),
+            },
+            Err(RecvTimeoutError::Disconnected) => break false,
+            Err(RecvTimeoutError::Timeout) => break true,
+        }
+        if told.is_err() {
+            break false;
+        }
+    };
+    if hung || told.is_err() {
+        stop::kill();
+    }
+    // One that has closed its output may still hang.
+    let status = stop::wait(end);
+    told?;
+    let said = match &err {
+        Some(thread) if !thread.is_finished() && status.is_none() => String::new(),
+        _ => err.and_then(|thread| thread.join().ok()).unwrap_or_default(),
+    };
+    let (verdict, why) = match status {
+        _ if hung => (Verdict::Hung, format!("it did not end within {} s and was killed", arguments.timeout)),
+        None => (Verdict::Hung, format!("it did not end within {} s and was killed", arguments.timeout)),
+        Some(status) => match status.code() {
+            Some(0) => {
+                said.lines().for_each(|line| tell!("{line}"));
+                return Ok(());
+            }
+            Some(2) => return Err(Input::new(message(&said)).into()),
+            Some(3) => (Verdict::DeviceFailed, message(&said)),
+            _ => (Verdict::Crashed, format!("{}{}", ended(status), after(&message(&said)))),
+        },
+    };
+    sink.add(failure(arguments, adapter, (choice.name(), &stage), verdict, &why))
+}
+
+/// The last error of a process, without its name.
+fn message(said: &str) -> String {
+    let start = said.rfind("milkglass: ").map_or(said, |at| &said[at + "milkglass: ".len()..]);
+    start.trim().to_string()
+}
+
+fn after(text: &str) -> String {
+    if text.is_empty() { String::new() } else { format!(": {text}") }
+}
+
+/// How a process ended.
+fn ended(status: ExitStatus) -> String {
+    #[cfg(unix)]
+    if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
+        return format!("signal {signal} ended it");
+    }
+    format!("it ended with {status}")
+}

@@ -1,0 +1,279 @@
+//! Results of conformance as data: what was run, and a record for each stage of each fixture on each device.
+//!
+//! A file holds them as one JSON object, or as lines of JSON that were written as the comparisons ended.
+
+pub mod changes;
+mod read;
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+pub use read::read;
+
+use crate::gpu::Adapter;
+use crate::layout::BUFFER_IDS;
+use crate::measure::bias::{Bias, farthest};
+use crate::measure::conform::Row;
+use crate::pipeline::frame::stage;
+use crate::state::Tolerance;
+
+/// The version of the format.
+pub const SCHEMA: u32 = 1;
+
+/// A run of the program.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// The version of this format.
+    pub schema: u32,
+    /// The program's version.
+    pub version: String,
+    /// The commit it was built from, where the build was told.
+    pub commit: Option<String>,
+    /// When it began: UTC, `2026-01-31T23:59:59Z`.
+    pub date: String,
+    /// The command.
+    pub command: String,
+    /// Upper bounds, in units in the last place, of all but the last number of a histogram.
+    pub most_ulp_of_bins: Vec<u64>,
+    /// The devices.
+    pub devices: Vec<DeviceFacts>,
+}
+
+/// What is known of a device.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct DeviceFacts {
+    /// Its name.
+    pub name: String,
+    /// The driver's name and version.
+    pub driver: String,
+    /// The Vulkan version.
+    pub vulkan: String,
+    /// `discrete`, `integrated`, `virtual`, `cpu` or `other`.
+    pub kind: String,
+    /// The vendor's number.
+    pub vendor_id: u32,
+    /// The device's number.
+    pub device_id: u32,
+    /// The driver's number: `VkDriverId`.
+    pub driver_id: i32,
+    /// The driver's version, in an encoding of its own.
+    pub driver_version: u32,
+    /// The limits that matter here, by name.
+    pub limits: BTreeMap<String, u64>,
+}
+
+/// What a comparison came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Within tolerance.
+    #[default]
+    Conforms,
+    /// Beyond it.
+    Differs,
+    /// The process took longer than it may.
+    Hung,
+    /// The process ended by a signal or a panic.
+    Crashed,
+    /// The device failed.
+    DeviceFailed,
+}
+
+impl Verdict {
+    /// Whether it is good.
+    #[must_use]
+    pub fn passes(self) -> bool {
+        self == Self::Conforms
+    }
+
+    /// Its name in tables: in capitals where it is not good.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Conforms => "conforms",
+            Self::Differs => "DIFFERS",
+            Self::Hung => "HUNG",
+            Self::Crashed => "CRASHED",
+            Self::DeviceFailed => "DEVICE FAILED",
+        }
+    }
+}
+
+/// A stage of a fixture on a device.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// The device.
+    pub device: String,
+    /// The driver's name and version.
+    pub driver: String,
+    /// The fixture.
+    pub fixture: String,
+    /// The stage; empty where none had begun.
+    pub stage: String,
+    /// What it came to.
+    pub verdict: Verdict,
+    /// Everything found wrong.
+    pub faults: Vec<String>,
+    /// Why it is known to fail, where it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub known: Option<String>,
+    /// The command that repeats it.
+    pub repeat: String,
+    /// Steps: one per object, chunk, group or batch.
+    pub steps: usize,
+    /// Words compared.
+    pub words: usize,
+    /// Largest distance in units in the last place; null if a value is not a number.
+    pub ulp: Option<u64>,
+    /// Number of floats per distance.
+    pub histogram: [u64; 8],
+    /// Largest relative difference; null if a value is not a number.
+    pub relative: Option<f64>,
+    /// Largest difference as a share of the allowed one; null if a value is not a number.
+    pub of_tolerance: Option<f64>,
+    /// The tolerance of each buffer that the stage writes.
+    pub tolerance: BTreeMap<String, String>,
+    /// A hash of what the device left in each of these buffers.
+    pub hashes: BTreeMap<String, String>,
+    /// The mean signed relative difference that is farthest from 0, of fields with enough values.
+    pub mean: Option<f64>,
+    /// The signed relative differences, field by field.
+    pub means: Vec<Mean>,
+    /// Time of the comparison by the host's clock, seconds.
+    pub seconds: f64,
+}
+
+/// The signed relative differences of one field.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Mean {
+    /// The buffer.
+    pub buffer: String,
+    /// The field; empty for a buffer of plain numbers.
+    pub field: String,
+    /// Values that differ.
+    pub count: u64,
+    /// Sum of their signed relative differences.
+    pub sum: f64,
+    /// Sum of the squares of those.
+    pub squares: f64,
+}
+
+impl Mean {
+    /// The same as a stage of this program has it; none for a buffer that there is not.
+    #[must_use]
+    pub fn bias(&self) -> Option<Bias> {
+        let buffer = BUFFER_IDS.iter().map(|slot| slot.spec().name).find(|name| *name == self.buffer)?;
+        let Self { field, count, sum, squares, .. } = self.clone();
+        Some(Bias { buffer, field, count, sum, squares })
+    }
+}
+
+/// A line of a file of results.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Line {
+    /// The first one.
+    Run(Run),
+    /// A comparison begins: fixture and stage.
+    Begins(String, String),
+    /// A comparison has ended.
+    Result(Box<Outcome>),
+}
+
+/// A whole file of results.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Results {
+    /// What was run.
+    pub run: Run,
+    /// What came of it.
+    pub results: Vec<Outcome>,
+}
+
+impl DeviceFacts {
+    /// What is known of an adapter.
+    #[must_use]
+    pub fn new(adapter: &Adapter) -> Self {
+        let limits = &adapter.limits;
+        let numbers = [
+            ("binding_bytes", limits.binding_bytes),
+            ("allocation_bytes", limits.allocation_bytes),
+            ("offset_alignment", limits.offset_alignment),
+            ("storage_buffers", limits.storage_buffers.into()),
+            ("push_bytes", limits.push_bytes.into()),
+            ("group_invocations", limits.group_invocations.into()),
+            ("groups_x", limits.groups[0].into()),
+            ("groups_y", limits.groups[1].into()),
+            ("subgroup_size", limits.subgroup_size.into()),
+            ("round_to_nearest", limits.round_to_nearest.into()),
+        ];
+        Self {
+            name: adapter.name.clone(),
+            driver: adapter.driver.clone(),
+            vulkan: adapter.version.clone(),
+            kind: adapter.kind.into(),
+            vendor_id: adapter.ids.vendor,
+            device_id: adapter.ids.device,
+            driver_id: adapter.ids.driver,
+            driver_version: adapter.ids.driver_version,
+            limits: numbers.map(|(name, value)| (name.to_string(), value)).into(),
+        }
+    }
+}
+
+impl Outcome {
+    /// The record of a row on this device.
+    #[must_use]
+    pub fn new(adapter: &Adapter, row: &Row, repeat: String) -> Self {
+        let writes = stage(row.stage).map_or(&[][..], |stage| stage.writes);
+        let mean = |bias: &Bias| Mean {
+            buffer: bias.buffer.into(),
+            field: bias.field.clone(),
+            count: bias.count,
+            sum: bias.sum,
+            squares: bias.squares,
+        };
+        Self {
+            device: adapter.name.clone(),
+            driver: adapter.driver.clone(),
+            fixture: row.fixture.clone(),
+            stage: row.stage.into(),
+            verdict: if row.faults.is_empty() { Verdict::Conforms } else { Verdict::Differs },
+            faults: row.faults.clone(),
+            known: None,
+            repeat,
+            steps: row.steps,
+            words: row.words,
+            ulp: (row.ulp < u64::MAX).then_some(row.ulp),
+            histogram: row.histogram,
+            relative: row.relative.is_finite().then_some(row.relative),
+            of_tolerance: row.used.is_finite().then_some(row.used),
+            tolerance: writes.iter().map(|(slot, _, t)| (slot.spec().name.into(), words(t))).collect(),
+            hashes: row.hashes.iter().map(|(name, hash)| ((*name).into(), format!("{hash:016x}"))).collect(),
+            mean: farthest(&row.biases),
+            means: row.biases.iter().filter(|bias| bias.count > 0).map(mean).collect(),
+            seconds: row.seconds,
+        }
+    }
+}
+
+/// A tolerance in words.
+fn words(tolerance: &Tolerance) -> String {
+    match tolerance {
+        Tolerance::Exact => "the same bits".into(),
+        Tolerance::Float { relative, floor } => {
+            format!("{relative:e} of the value and {floor:e} of the field's largest")
+        }
+        Tolerance::Fields(fields) | Tolerance::Rounded(fields, _) => {
+            let one = |field: &crate::state::Field| {
+                let of = if field.of.is_empty() { String::new() } else { format!(" of {}", field.of) };
+                format!("{}: {:e} of the value and {:e}{of}", field.name, field.relative, field.floor)
+            };
+            let mut text = fields.iter().map(one).collect::<Vec<_>>().join("; ");
+            if let Tolerance::Rounded(_, rounding) = tolerance {
+                text += &format!("; {} also {}", rounding.fields.join(", "), rounding.about);
+            }
+            text + "; else the same bits"
+        }
+    }
+}
