@@ -17,7 +17,6 @@ use milkglass::measure::pareto::{
     Against, Bench, Leaves, Lighting, METHODS, Method, Norm, Origin, Settings, Sweep, csv, extent_mm, mark, materials,
     ratios, svg, sweep,
 };
-use milkglass::measure::truth::Truth;
 
 /// Arguments of `pareto`.
 #[derive(Args)]
@@ -33,6 +32,8 @@ pub struct Arguments {
     /// Compare with a random walk as well: `walk`, `walk:SECONDS`, or a CSV file that `solve --transport walk` wrote.
     #[arg(long, value_name = "TRUTH")]
     truth: Option<String>,
+    #[command(flatten)]
+    limit: super::walk::LimitArgument,
     /// Also write every point to this file.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -65,6 +66,7 @@ const BUSY: f64 = 1.3;
 /// Measures, prints, and writes the requested files.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let mut settings = settings(arguments)?;
+    arguments.limit.hold();
     for (option, path, ending) in [("--csv", &arguments.csv, "csv"), ("--svg", &arguments.svg, "svg")] {
         if let Some(path) = path {
             check(option, path, ending)?;
@@ -89,7 +91,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let own = arguments.replace.on(device.as_ref(), &setups)?;
     let bench = Bench { scene: &scene, device: device.as_ref() };
-    settings.truth = arguments.truth.as_ref().map(|from| Truth::find(from, &scene, device.as_ref())).transpose()?;
+    settings.truth = match &arguments.truth {
+        Some(from) => Some(super::walk::truth(from, &scene, device.as_ref())?),
+        None => None,
+    };
     let mut found = sweep(&bench, &settings)?;
     if own.is_some() {
         let after = sweep(&Bench { scene: &scene, device: own.as_ref() }, &settings)?;

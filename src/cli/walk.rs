@@ -5,10 +5,13 @@ use std::time::Duration;
 
 use clap::Args;
 
+use super::progress::{show_walk, tell_beside};
 use super::stop::{ends, may_end};
-use milkglass::Session;
+use milkglass::error::Result;
 use milkglass::internals::pipeline::plan::ShadingMethod;
 use milkglass::internals::session::walk::{WalkControl, WalkReport};
+use milkglass::measure::truth::Truth;
+use milkglass::{Device, Scene, Session};
 
 /// The limit that the command line gives, if it gives one.
 static LIMIT: OnceLock<Duration> = OnceLock::new();
@@ -31,7 +34,7 @@ impl LimitArgument {
 }
 
 /// Parses `90s`: a number above 0, and optionally s, m or h.
-fn parse(text: &str) -> Result<Duration, String> {
+fn parse(text: &str) -> std::result::Result<Duration, String> {
     let (digits, unit) = match text.char_indices().next_back() {
         Some((at, 's')) => (&text[..at], 1.0),
         Some((at, 'm')) => (&text[..at], 60.0),
@@ -43,16 +46,27 @@ fn parse(text: &str) -> Result<Duration, String> {
     time.ok_or_else(|| "expected a number of seconds above 0, or such as 90s, 5m, 2h".to_string())
 }
 
-/// Has a session say how long its walks take, refuse those that are too long, and end one early on Ctrl-C.
+/// Walks that say how long they take and how far they are, are refused if that is too long, and end early on Ctrl-C.
+pub(super) fn control() -> WalkControl {
+    let limit = LIMIT.get().copied();
+    WalkControl { limit, stop: Some(ends), tell: Some(tell_beside), show: Some(show_walk), ..WalkControl::default() }
+}
+
+/// Has a session's walks do so.
 pub(super) fn watch(session: &mut Session) {
     may_end(session.plan().options().transport == ShadingMethod::Walk);
-    session.watch_walk(WalkControl {
-        limit: LIMIT.get().copied(),
-        within: None,
-        stop: Some(ends),
-        tell: Some(|line| tell!("{line}")),
-        seed: 0,
-    });
+    session.watch_walk(control());
+    if let Some(caveat) = session.walk_caveat() {
+        tell!("{caveat}");
+    }
+}
+
+/// The walk that `--truth` names.
+pub(super) fn truth(name: &str, scene: &Scene, device: Option<&Device>) -> Result<Truth> {
+    may_end(true);
+    let found = Truth::find(name, scene, device, control());
+    may_end(false);
+    found
 }
 
 /// Says on standard error what became of the light in the last frame's walks, or how exactly diffusion was solved.

@@ -54,23 +54,27 @@ impl TruthError {
 
 impl Truth {
     /// The walk of this name: `walk`, `walk:SECONDS`, or a file.
-    pub fn find(name: &str, scene: &Scene, device: Option<&Device>) -> Result<Self> {
+    pub fn find(name: &str, scene: &Scene, device: Option<&Device>, control: WalkControl) -> Result<Self> {
+        let walk = |within| Self::walk(scene, device, WalkControl { within, ..control });
         match name.split_once(':') {
             Some(("walk", seconds)) => {
                 let time = seconds.parse().ok().and_then(|x| Duration::try_from_secs_f64(x).ok());
                 let fault = Input::new("not a time").key("--truth").found(seconds).expected("walk:SECONDS, above 0");
-                Self::walk(scene, device, Some(time.filter(|time| !time.is_zero()).ok_or(fault)?))
+                walk(Some(time.filter(|time| !time.is_zero()).ok_or(fault)?))
             }
-            _ if name == "walk" => Self::walk(scene, device, None),
+            _ if name == "walk" => walk(None),
             _ => Self::read(Path::new(name), scene),
         }
     }
 
-    /// Walks through a scene, until `transport.walk_error` or `transport.walks` is reached, or for this long an object.
-    pub fn walk(scene: &Scene, device: Option<&Device>, within: Option<Duration>) -> Result<Self> {
+    /// Walks through a scene, until `transport.walk_error` or `transport.walks` is reached, or within its time.
+    pub fn walk(scene: &Scene, device: Option<&Device>, control: WalkControl) -> Result<Self> {
         let options = Options { transport: ShadingMethod::Walk, goal: Goal::Radiosity, ..Options::default() };
         let mut session = Session::new(scene, device, options)?;
-        session.watch_walk(WalkControl { within, ..WalkControl::default() });
+        session.watch_walk(control);
+        if let (Some(caveat), Some(tell)) = (session.walk_caveat(), control.tell) {
+            tell(&caveat);
+        }
         session.frame(Change::EVERYTHING)?;
         Self::of_session(&mut session)
     }

@@ -28,5 +28,6 @@ pub mod run;
 pub mod shadow_borders;
 pub mod subdivide;
 pub mod walk;
+mod walk_control;
 mod walk_report;
 pub mod workload;

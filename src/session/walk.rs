@@ -1,10 +1,12 @@
 //! The random walk as a transport: rounds of flights until the noise is as small as asked, and what became of the
 //! light.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::patches::patches;
 use super::run::Session;
+use super::walk_control::{Course, End};
+pub use super::walk_control::{WalkControl, WalkProgress};
 pub use super::walk_report::WalkReport;
 use super::walk_report::report_of;
 use crate::error::{Input, Result};
@@ -24,24 +26,6 @@ const PILOT: u32 = 8192;
 /// Extinction at most, per internal length: denser materials are scaled down to it, with their albedo kept, because
 /// positions in `f32` would show no walk.
 const WALK_DENSEST: f64 = 1e5;
-/// Seconds from which a walk says how long it takes.
-const LONG: f64 = 10.0;
-
-/// How a session's walks are watched.
-#[derive(Clone, Copy, Default)]
-pub struct WalkControl {
-    /// The longest that a walk may take: one that will take longer is refused once that is known.
-    pub limit: Option<Duration>,
-    /// How long each object's walk goes on, whatever its noise: in the place of `transport.walk_error` and `walks`.
-    pub within: Option<Duration>,
-    /// Asked between rounds whether to end with what there is.
-    pub stop: Option<fn() -> bool>,
-    /// Told how long a walk takes.
-    pub tell: Option<fn(&str)>,
-    /// Other numbers, other photons.
-    pub seed: u32,
-}
-
 /// The walks of a session.
 #[derive(Default)]
 pub struct WalkTransport {
@@ -85,7 +69,13 @@ pub(super) fn prepare_walk(prepared: &mut Prepared, scene: &Scene, control: Walk
         }
     }
     let slots = asked.unwrap_or(SLOTS).min(SLOTS);
-    let photons = asked.filter(|_| control.within.is_none()).unwrap_or(PILOT);
+    // The first photons tell how long all take, where somebody wants to know.
+    let watched = control.limit.is_some() || control.tell.is_some();
+    let photons = match asked.filter(|_| control.within.is_none()) {
+        Some(asked) if !watched => asked,
+        Some(asked) => asked.min(PILOT),
+        None => PILOT,
+    };
     let of = |(number, object): (usize, &crate::scene::Object)| {
         let params = params(&object.material, prepared.units, number, slots, photons);
         WalkParams { seed: params.seed.wrapping_add(control.seed), ..params }
@@ -115,6 +105,14 @@ impl Session {
             }
         }
         self.walk.entering = Some(own);
+    }
+
+    /// What the device does not promise that walks rely on, if it does not: a line for the user.
+    #[must_use]
+    pub fn walk_caveat(&self) -> Option<String> {
+        let device = self.device().filter(|device| self.walks() && !device.limits().round_to_nearest)?;
+        let what = "rounding to nearest can't be requested; its walks may not be those of the CPU, photon by photon";
+        Some(format!("{}: {what}", device.name()))
     }
 
     /// What became of the light in the last frame's walk.
@@ -153,64 +151,45 @@ impl Session {
 
     /// Walks through one object; returns the seconds that it took.
     fn walk_object(&mut self, step: Step) -> Result<f64> {
-        let (object, begin, control) = (step.at.object, Instant::now(), self.walk.control);
+        let (object, control, transport) = (step.at.object, self.walk.control, &self.scene.transport);
+        let end = match (control.within, transport.walks) {
+            (Some(time), _) => End::Within(time),
+            (None, Some(photons)) => End::Photons(photons),
+            (None, None) => End::Noise(transport.walk_error),
+        };
+        let mut course = Course::new(object, end, control)?;
         self.fetch(&[BufferId::clusters, BufferId::entry_blocks])?;
         let parts = patches(self.state(), object);
-        let mut told = false;
         loop {
-            let stopped = self.finish(step, control.within.map(|time| begin + time))?;
+            let stopped = self.finish(step, &mut course)?;
             self.fetch(&[BufferId::exits, BufferId::balances])?;
             let mut report = report_of(self.state(), object, &parts)?;
-            (report.seconds, report.stopped) = (begin.elapsed().as_secs_f64(), stopped);
-            let worst = report.noise.into_iter().fold(0.0, f64::max);
-            let photons = f64::from(report.photons);
-            let needed = match control.within {
-                Some(_) => f64::INFINITY,
-                None if self.scene.transport.walks.is_some() => 0.0,
-                None => photons * (worst / self.scene.transport.walk_error).powi(2),
+            (report.seconds, report.stopped) = (course.begin.elapsed().as_secs_f64(), stopped);
+            course.learn(report.photons, report.noise.into_iter().fold(0.0, f64::max));
+            let (photons, needed) = (f64::from(report.photons), course.needed().unwrap_or(0.0));
+            let next = match end {
+                End::Photons(photons) => photons,
+                // Somewhat more, and not too many where the noise is not yet well known.
+                _ => (1.05 * needed).min(64.0 * photons).min(f64::from(crate::scene::MOST_WALKS)) as u32,
             };
-            if stopped || needed <= photons {
+            if stopped || needed <= photons || next <= report.photons {
                 let seconds = report.seconds;
                 self.walk.reports.push(report);
                 return Ok(seconds);
             }
             if control.within.is_none() {
-                self.foretell(&report, needed, &mut told)?;
-            }
-            let next = (1.05 * needed).min(64.0 * photons).min(f64::from(crate::scene::MOST_WALKS)) as u32;
-            if next <= report.photons {
-                self.walk.reports.push(report);
-                return Ok(begin.elapsed().as_secs_f64());
+                course.foretell(report.photons, needed)?;
             }
             self.prepared.state.data.walk_params[object].photons = next;
             self.send(&[BufferId::walk_params])?;
         }
     }
 
-    /// Says how long a walk of so many photons takes, or refuses it.
-    fn foretell(&self, report: &WalkReport, needed: f64, told: &mut bool) -> Result<()> {
-        let (control, target) = (self.walk.control, self.scene.transport.walk_error);
-        let expected = report.seconds * needed / f64::from(report.photons);
-        let about = format!("about {needed:.1e} photons a channel, {expected:.0} s");
-        if let Some(limit) = control.limit.filter(|limit| expected > limit.as_secs_f64()) {
-            let fault = Input::new(format!("a walk to transport.walk_error = {target} takes {about}"));
-            let least = format!("at most {:.0} s: a larger walk_error, or --limit-time", limit.as_secs_f64());
-            return Err(fault.key("--limit-time").found(format!("{expected:.0} s")).expected(least).into());
-        }
-        if let Some(tell) = control.tell.filter(|_| !*told && expected > LONG) {
-            tell(&format!("long: object {} takes {about}; Ctrl-C ends with what there is", report.object));
-            *told = true;
-        }
-        Ok(())
-    }
-
     /// Runs rounds until no photon is under way; returns whether it was stopped before all have started.
-    fn finish(&mut self, step: Step, end: Option<Instant>) -> Result<bool> {
-        let mut stopped = false;
-        let over = |stop: Option<fn() -> bool>| {
-            stop.is_some_and(|stop| stop()) || end.is_some_and(|end| Instant::now() >= end)
-        };
+    fn finish(&mut self, step: Step, course: &mut Course) -> Result<bool> {
+        let (mut stopped, mut before) = (false, None);
         loop {
+            let begin = Instant::now();
             self.run(&[step])?;
             self.fetch(&[BufferId::photons])?;
             let data = &self.state().data;
@@ -221,7 +200,14 @@ impl Session {
             if slots().all(|slot| data.photons[slot].weight == 0 && number(slot) >= params.photons) {
                 return Ok(stopped);
             }
-            if !stopped && over(self.walk.control.stop) {
+            let [under_way, all] = [slots().filter(|slot| data.photons[*slot].weight != 0).count(), slots().count()];
+            let under_way = under_way as f64;
+            course.round(begin.elapsed().as_secs_f64(), before.unwrap_or(all as f64), under_way, all as f64);
+            before = Some(under_way);
+            let started: f64 = slots().map(|slot| f64::from(data.photons[slot].started)).sum();
+            course.show(started / light.iter().filter(|lit| **lit).count().max(1) as f64);
+            course.bounded()?;
+            if !stopped && course.over() {
                 // Every slot starts as many as the one that has started most.
                 let most = slots().map(|slot| data.photons[slot].started).max().unwrap_or(0);
                 stopped = most * every < params.photons;

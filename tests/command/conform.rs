@@ -113,8 +113,7 @@ fn a_hang_a_crash_and_a_lost_device_are_verdicts() {
     slow(&here);
     let kernel = "--replace transport/blocks/push=slow.comp --no-validation";
     let start = Instant::now();
-    let line =
-        format!("conform --filter ^(sliver|sphere.with.holes)$ --isolate --timeout 6 --jsonl a.jsonl {kernel}");
+    let line = format!("conform --filter ^(sliver|sphere.with.holes)$ --isolate --timeout 6 --jsonl a.jsonl {kernel}");
     let (sliver, holes) = ("--fixture sliver", "holes");
     let output = program(&here, &line).output().unwrap();
     let (out, err) = said(&output);

@@ -123,6 +123,23 @@ fn bad_arguments_are_named() {
 }
 
 #[test]
+fn a_walk_that_takes_too_long_is_refused_before_anything_is_measured() {
+    let here = folder(&[]);
+    for (truth, words) in [
+        ("walk --set transport.walk_error=1e-4", ["transport.walk_error = 0.0001 takes about", "at most 5 s"]),
+        ("walk --set transport.walks=200000000", ["transport.walks = 200000000 takes about", "at most 5 s"]),
+        ("walk:6", ["found 6 s", "at most 5 s"]),
+    ] {
+        let line = format!("{SMALL} --device cpu --methods brute --limit-time 5s --csv a.csv --truth {truth}");
+        let err = bad(&here, &line, 2, &words);
+        assert!(err.contains("--limit-time: "), "{err}");
+    }
+    let fits = format!("{SMALL} --device cpu --methods brute --limit-time 60s --truth walk --set transport.walks=3000");
+    assert!(good(&here, &fits).0.contains("a walk of 3000 photons a channel"));
+    bad(&here, &format!("{SMALL} --limit-time never"), 2, &["--limit-time", "such as 90s"]);
+}
+
+#[test]
 fn errors_against_a_walk_are_those_of_the_model() {
     let here = folder(&[]);
     let walk = "solve sphere --set object.0.detail=2 --transport walk --set transport.walks=40000 -o walk.csv";

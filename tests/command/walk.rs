@@ -58,6 +58,9 @@ fn what_has_no_meaning_or_takes_too_long_is_refused() {
     bad(&here, "solve open.obj --transport walk -o w.csv", 2, &["object.0", "3 open edges", "closed"]);
     let too_long = format!("solve {BALL} --set transport.walk_error=1e-4 --limit-time 2s -o w.csv --device cpu");
     bad(&here, &too_long, 2, &["--limit-time", "transport.walk_error", "at most 2 s"]);
+    let too_many = format!("solve {BALL} --set transport.walks=100000000 -o w.csv --device cpu --limit-time");
+    bad(&here, &format!("{too_many} 2s"), 2, &["--limit-time", "transport.walks = 100000000", "at most 2 s"]);
+    bad(&here, &format!("{too_many} 0.001s"), 2, &["--limit-time", "first photons", "at most 0.001 s"]);
     let both = format!("solve {BALL} --set object.0.material.two_sided=true -o w.csv");
     bad(&here, &both, 2, &["object.0", "two_sided"]);
     for (set, word) in [
@@ -68,6 +71,26 @@ fn what_has_no_meaning_or_takes_too_long_is_refused() {
         bad(&here, &format!("solve {BALL} --set {set} -o w.csv"), 2, &[word]);
     }
     bad(&here, &format!("render {BALL} --limit-time 0 -o w.png"), 2, &["--limit-time"]);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_terminal_shows_how_far_it_is_and_a_pipe_nothing() {
+    let here = folder(&[]);
+    let line = format!("solve {BALL} --set transport.walk_error=0.1 --device cpu -o w.csv");
+    let (_, err) = good(&here, &line);
+    assert!(err.lines().all(|line| line.starts_with("walk, object 0: ") || line.starts_with("long: ")), "{err}");
+    // `script` runs it on a terminal of its own.
+    let words = format!("{} {line}", env!("CARGO_BIN_EXE_milkglass"));
+    let output = Command::new("script").args(["-qec", &words, "/dev/null"]).current_dir(here.path()).output().unwrap();
+    let shown = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{shown}");
+    for word in ["walk, object 0 ", " % of 10 %, ", " s left", "walk, object 0: "] {
+        assert!(shown.contains(word), "{word}: {shown}");
+    }
+    // The line at the end stands by itself.
+    let last = shown.trim_end().rsplit(['\r', '\n']).next().unwrap().replace("\u{1b}[2K", "");
+    assert!(last.starts_with("walk, object 0: "), "{last:?}");
 }
 
 #[test]

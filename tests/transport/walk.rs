@@ -1,5 +1,6 @@
 //! The random walk against known answers, and its tallies bit for bit.
 
+use super::walk_light::on_devices_and_cpu;
 use crate::devices::on_devices;
 use milkglass::internals::gpu::Device;
 use milkglass::internals::layout::{BUFFER_IDS, BufferId, ExitSum};
@@ -175,14 +176,16 @@ fn each_triangle_returns_what_it_takes() {
     cube.objects[0].mesh = cube_of(20.0);
     // Triangles of other sizes, at the corners too.
     cube.objects[0].mesh.positions[0] *= 0.7;
-    let mut session = Session::new(&cube, None, options()).unwrap();
-    for face in session.faces_after_a_frame() {
-        let noise = face.noise.unwrap();
-        for (c, noise) in noise.into_iter().enumerate() {
-            let (enters, leaves) = (face.irradiance[c], face.radiosity[c]);
-            assert!((leaves - enters).abs() < 4.0 * noise && noise < 0.05 * enters, "{c}: {leaves} {enters}");
+    on_devices_and_cpu(|device| {
+        let mut session = Session::new(&cube, device, options()).unwrap();
+        for face in session.faces_after_a_frame() {
+            let noise = face.noise.unwrap();
+            for (c, noise) in noise.into_iter().enumerate() {
+                let (enters, leaves) = (face.irradiance[c], face.radiosity[c]);
+                assert!((leaves - enters).abs() < 4.0 * noise && noise < 0.05 * enters, "{c}: {leaves} {enters}");
+            }
         }
-    }
+    });
 }
 
 #[test]

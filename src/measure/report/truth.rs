@@ -10,8 +10,9 @@ use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::Scene;
 use crate::session::run::Session;
 
-/// The shapes: their names, as scenes call them, cells for a full and a quick report, and a factor on the thickness.
-const SHAPES: [(&str, &str, [u32; 2], f64); 3] = [
+/// A shape: its name, as scenes call it, cells for a full and a quick report, and a factor on the thickness.
+type Shape = (&'static str, &'static str, [u32; 2], f64);
+const SHAPES: [Shape; 3] = [
     ("ball, 20 mm", "sphere", [4, 3], 1.0),
     ("torus, 20 mm", "torus", [60, 36], 1.0),
     ("slab, 20 x 20 x 2 mm", "slab", [40, 24], 0.5),
@@ -29,8 +30,9 @@ const COMMON: [&str; 4] = [
 const MATERIALS: [&str; 3] = ["marble", "wholemilk", "skin1"];
 
 /// What a method is called, its transport, and whether its picture is shown.
-const METHODS: [(&str, ShadingMethod, bool); 3] = [
+const METHODS: [(&str, ShadingMethod, bool); 4] = [
     ("dipole", ShadingMethod::Hierarchy, true),
+    ("diffusion", ShadingMethod::Diffusion, true),
     ("CDRF", ShadingMethod::Cdrf, true),
     ("Lambert", ShadingMethod::Lambert, false),
 ];
@@ -42,7 +44,7 @@ fn solved(scene: &Scene, bench: &Bench<'_>, method: ShadingMethod) -> Result<(Ve
     // The first frame makes lists and buffers; the next one is timed.
     let times = session.frame(Change::EVERYTHING)?;
     let shot = Shot::of(&session.picture()?, times.iter().map(|time| time.milliseconds).sum());
-    if method == ShadingMethod::Hierarchy {
+    if matches!(method, ShadingMethod::Hierarchy | ShadingMethod::Diffusion) {
         return Ok((session.faces()?.into_iter().map(|face| face.radiosity).collect(), shot));
     }
     let mut found = vec![[0.0; 3]; scene.objects[0].mesh.triangles.len()];
@@ -60,9 +62,14 @@ pub fn truth(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
          means over some 200 patches, with the walk's own noise taken off: what is left is the model's error, and no tolerance \
          makes it smaller. Times are those of a frame from scratch.",
     );
-    let (side, mut rows, mut worst) = (bench.either(120, 240), Vec::new(), Vec::new());
     let effort = bench.either("transport.walks=12000", "transport.walk_error=0.04");
-    for (shape, name, [full, quick], thinner) in SHAPES {
+    compare(bench, page, &SHAPES, bench.either(120, 240), effort)
+}
+
+/// Walks through these shapes as far as told, and compares, with pictures of so many pixels a side.
+fn compare(bench: &Bench<'_>, page: &mut Page, shapes: &[Shape], side: u32, effort: &str) -> Result<()> {
+    let (mut rows, mut worst) = (Vec::new(), Vec::new());
+    for &(shape, name, [full, quick], thinner) in shapes {
         for material in bench.either(&MATERIALS[..1], &MATERIALS[..]) {
             let own = [
                 format!("camera.size=[{side}, {side}]"),
@@ -122,4 +129,46 @@ pub fn truth(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         page.find(Tone::of(error <= 0.05), &aim, &format!("{:.0} %", 100.0 * error));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_method_has_its_errors_pictures_and_costs() {
+        let (mut page, bench) = (Page::default(), Bench { device: None, quick: true });
+        let shapes = [("ball", "sphere", [2, 2], 1.0), ("disc", "sphere", [1, 1], 0.5)];
+        compare(&bench, &mut page, &shapes, 24, "transport.walks=30000").unwrap();
+        let (name, table) = &page.files[0];
+        assert_eq!((name.as_str(), page.files.len()), ("truth.csv", 1));
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(table.as_slice());
+        let rows: Vec<csv::StringRecord> = reader.records().map(|row| row.unwrap()).collect();
+        let of = |row: &csv::StringRecord, name: &str| {
+            row[rows[0].iter().position(|n| n == name).unwrap()].parse::<f64>().unwrap()
+        };
+        let named: Vec<_> = rows[1..].iter().map(|row| [&row[0], &row[1], &row[2]]).collect();
+        let methods = ["dipole", "diffusion", "CDRF", "Lambert"];
+        let all = ["ball", "disc"].map(|shape| methods.map(|method| [shape, "marble", method]));
+        assert_eq!(named, all.concat());
+        for row in &rows[1..] {
+            // Its noise, its photons and its time are the walk's, the same for all methods.
+            assert_eq!(of(row, "photons"), 30_000.0);
+            assert!((1.0..15.0).contains(&of(row, "walk's noise %")) && of(row, "walk, s") > 0.0, "{row:?}");
+            assert!(of(row, "frame, ms") > 0.0 && (0.001..0.9).contains(&of(row, "FLIP")), "{row:?}");
+        }
+        // What does not scatter sideways is farther from the truth in every channel.
+        for channel in ["red %", "green %", "blue %"] {
+            let [dipole, diffusion, lambert] = [1, 2, 4].map(|row| of(&rows[row], channel));
+            assert!((2.0..25.0).contains(&dipole) && lambert > 1.2 * dipole && diffusion < 0.6 * dipole, "{rows:?}");
+        }
+        // For each shape the walk, and three methods with their differences; one finding.
+        let found: Vec<_> = page.findings.iter().map(|found| found.aim.as_str()).collect();
+        assert!(found[0].starts_with("ball, marble: ") && found[1].starts_with("disc, marble: ") && found.len() == 2);
+        assert!(page.findings.iter().all(|found| found.found.ends_with(" %")), "{:?}", page.findings);
+        assert_eq!(page.body().matches("<img").count(), 2 * 7);
+        for word in ["ball, marble", "disc, marble", "random walk, ", "dipole, ", "CDRF, ", "difference, FLIP "] {
+            assert!(page.body().contains(word), "{word}");
+        }
+    }
 }
