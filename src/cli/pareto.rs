@@ -91,10 +91,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let own = arguments.replace.on(device.as_ref(), &setups)?;
     let bench = Bench { scene: &scene, device: device.as_ref() };
-    settings.truth = match &arguments.truth {
-        Some(from) => Some(super::walk::truth(from, &scene, device.as_ref())?),
-        None => None,
-    };
+    let walk = |from: &String| super::walk::truth(from, &scene, device.as_ref());
+    settings.truth = arguments.truth.as_ref().map(walk).transpose()?;
     let mut found = sweep(&bench, &settings)?;
     if own.is_some() {
         let after = sweep(&Bench { scene: &scene, device: own.as_ref() }, &settings)?;
