@@ -1,6 +1,7 @@
 //! Word-by-word comparison of one buffer in two states, for conformance.
 
 use super::bias::Bias;
+use super::pattern::pattern;
 use super::rules::{Allowed, Rules, field_of};
 use crate::layout::{BufferId, Number};
 use crate::state::{State, Tolerance};
@@ -27,6 +28,10 @@ pub struct Comparison {
     pub biases: Vec<Bias>,
     /// The first failure as text: index, field, both values, both in hex.
     pub first: Option<String>,
+    /// The failure that is farthest beyond what is allowed, where it is not the first.
+    pub worst: Option<String>,
+    /// Where the failures are.
+    pub places: String,
 }
 
 /// Distance between two floats in units in the last place; `u64::MAX` if either is NaN.
@@ -79,7 +84,9 @@ pub fn compare(
     }
     let rules = Rules::new(slot, reference, tolerance);
 
+    let (mut wrong, mut worst) = (Vec::new(), (0, 0.0));
     for (i, (&x, &y)) in a.iter().zip(b).enumerate() {
+        let mut beyond = 0.0;
         let k = i % layout.len();
         let word = &layout[k];
         let told = (part.0..part.0 + part.1).contains(&(i / layout.len()));
@@ -97,6 +104,7 @@ pub fn compare(
                 let relative = difference / f64::from(p).abs().max(lowest).max(1e-38);
                 // NaN and infinity count as infinitely far off.
                 result.relative = result.relative.max(if relative.is_nan() { f64::INFINITY } else { relative });
+                beyond = difference / allowed.max(1e-38);
                 let used = if difference == 0.0 && allowed > 0.0 { 0.0 } else { difference / allowed };
                 result.used = result.used.max(if used.is_nan() { f64::INFINITY } else { used });
                 // Without a rule the bits must agree: 0 and -0 differ.
@@ -105,23 +113,27 @@ pub fn compare(
             _ => x == y,
         };
         if !passes {
-            result.failures += 1;
-            if result.first.is_none() {
-                let show = |bits: u32| match word.number {
-                    Number::Float => format!("{:e} ({bits:#010x})", f32::from_bits(bits)),
-                    Number::Unsigned => format!("{bits} ({bits:#010x})"),
-                };
-                let dot = if word.path.is_empty() { "" } else { "." };
-                result.first = Some(format!(
-                    "{}[{}]{dot}{}: reference {}, device {}",
-                    slot.spec().name,
-                    i / layout.len(),
-                    word.path,
-                    show(x),
-                    show(y)
-                ));
+            if wrong.is_empty() || beyond > worst.1 || (f64::is_nan(beyond) && !f64::is_nan(worst.1)) {
+                worst = (i, beyond);
             }
+            wrong.push(i);
         }
+    }
+    result.failures = wrong.len();
+    let told = |i: usize| {
+        let word = &layout[i % layout.len()];
+        let show = |bits: u32| match word.number {
+            Number::Float => format!("{:e} ({bits:#010x})", f32::from_bits(bits)),
+            Number::Unsigned => format!("{bits} ({bits:#010x})"),
+        };
+        let dot = if word.path.is_empty() { "" } else { "." };
+        let (name, element) = (slot.spec().name, i / layout.len());
+        format!("{name}[{element}]{dot}{}: reference {}, device {}", word.path, show(a[i]), show(b[i]))
+    };
+    result.first = wrong.first().map(|&first| told(first));
+    if let Some(first) = wrong.first() {
+        result.worst = (worst.0 != *first).then(|| told(worst.0));
+        result.places = pattern(&wrong, &layout, part);
     }
     result
 }

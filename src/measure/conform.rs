@@ -256,6 +256,10 @@ impl Pair {
                 let what = if written.is_some() { "beyond tolerance" } else { "changed though not written" };
                 let first = found.first.unwrap_or_default();
                 let mut fault = format!("{step:?} {what}, {} words: {first}", found.failures);
+                if let Some(worst) = found.worst {
+                    fault += &format!("; worst {worst}");
+                }
+                fault += &format!("; wrong: {}", found.places);
                 if tolerance != Tolerance::Exact {
                     fault += &format!("; the tolerance is {tolerance:?} because {}", step.stage.reason);
                 }

@@ -20,6 +20,7 @@ pub mod local;
 pub mod modes;
 pub mod norms;
 pub mod pareto;
+pub mod pattern;
 pub mod profile;
 pub mod progress;
 pub mod reference;

@@ -47,6 +47,7 @@ impl Sheet {
         let ulp = match outcome.ulp {
             None => "NaN".to_string(),
             Some(1_000_001..) => "-".to_string(),
+            Some(ulp) if near_zero(outcome) => format!("{ulp}*"),
             Some(ulp) => ulp.to_string(),
         };
         let relative = outcome.relative.map_or("inf".into(), |relative| format!("{relative:.1e}"));
@@ -72,6 +73,15 @@ impl Sheet {
             .collect();
         format!("{}\n", padded.join("  ").trim_end())
     }
+}
+
+/// Whether the largest distance is of a value so near zero that the floor of its tolerance decides, not the value.
+fn near_zero(outcome: &Outcome) -> bool {
+    const FAR: f64 = 4.0;
+    let (Some(ulp), Some(relative)) = (outcome.ulp, outcome.relative) else { return false };
+    outcome.verdict.passes()
+        && (256..=1_000_000).contains(&ulp)
+        && ulp as f64 * f64::from(f32::EPSILON) > FAR * relative
 }
 
 /// The largest difference in per cent of what the tolerance allows.
@@ -116,7 +126,13 @@ pub(super) fn histogram(outcomes: &[Outcome]) -> String {
         .chain(up_to.iter().map(String::as_str))
         .chain([beyond.as_str(), "mean"])
         .collect();
+    let note = match outcomes.iter().any(near_zero) {
+        true => {
+            "* of a value near zero: the floor of its tolerance decides, and `relative` and `of tolerance` go by that\n"
+        }
+        false => "",
+    };
     let text = "\nfloats by their distance from the reference in units in the last place, per cent of all; `mean`: of the \
                 signed relative differences, of the buffer that is farthest off\n";
-    format!("{text}{}\n", table(&header, &[2, 3, 4, 5, 6, 7, 8, 9, 10, 11], &cells))
+    format!("{note}{text}{}\n", table(&header, &[2, 3, 4, 5, 6, 7, 8, 9, 10, 11], &cells))
 }
