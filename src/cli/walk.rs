@@ -109,7 +109,7 @@ mod tests {
     fn times_are_numbers_with_a_unit() {
         let seconds = |text: &str| parse(text).map(|time| time.as_secs_f64());
         assert_eq!(
-            [seconds("90"), seconds("1.5m"), seconds("2h"), seconds("3s")].map(Result::unwrap),
+            [seconds("90"), seconds("1.5m"), seconds("2h"), seconds("3s")].map(|time| time.unwrap()),
             [90.0, 90.0, 7200.0, 3.0]
         );
         for text in ["", "0", "-3", "m", "nan", "1d", "1e300h"] {
