@@ -186,7 +186,7 @@ fn svg(rows: &[Row]) -> String {
     for (column, shape) in shapes.iter().enumerate() {
         for (line, material) in materials.iter().enumerate() {
             let corner = [LEFT + column as f64 * (PANEL[0] + GAP[0]), TOP + line as f64 * (PANEL[1] + GAP[1])];
-            let _ = write!(out, "<g transform=\"translate({},{})\">\n", corner[0], corner[1]);
+            let _ = writeln!(out, "<g transform=\"translate({},{})\">", corner[0], corner[1]);
             if line == 0 {
                 let _ = writeln!(out, "<text x=\"{}\" y=\"-8\" text-anchor=\"middle\">{shape}</text>", PANEL[0] / 2.0);
             }
