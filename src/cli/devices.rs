@@ -1,11 +1,44 @@
 //! `milkglass devices`: lists what a command can run on.
 
+use clap::Args;
+
+use super::device::opened;
 use super::{print, size, table};
-use milkglass::error::Result;
+use milkglass::error::{Error, Result};
 use milkglass::internals::gpu::{Adapter, Instance};
+use milkglass::measure::probe::probe;
+
+/// Arguments of `devices`.
+#[derive(Args)]
+#[command(after_help = "Example: milkglass devices\n         milkglass devices --probe")]
+pub struct Arguments {
+    /// Run small kernels with exact answers on each device: what it gets right and wrong that kernels rely on, and
+    /// known faults of drivers.
+    #[arg(long)]
+    probe: bool,
+}
+
+/// Runs the probes on every usable device; fails if one lacks what kernels rely on.
+fn probes() -> Result<()> {
+    let instance = Instance::open(super::validation())?;
+    let (mut rows, mut lacking) = (Vec::new(), 0);
+    for adapter in instance.adapters()?.iter().filter(|adapter| adapter.unusable.is_none()) {
+        for fact in probe(&opened(&instance, adapter)?)? {
+            lacking += usize::from(fact.needed && !fact.right);
+            let needed = if fact.needed { "needed" } else { "avoided" };
+            rows.push(vec![adapter.name.clone(), fact.what.into(), needed.into(), fact.found]);
+        }
+    }
+    print(&format!("\n{}", table(&["device", "probe", "kernels", "found"], &[], &rows)))?;
+    match lacking {
+        0 => Ok(()),
+        1 => Err(Error::Check("1 probe that kernels rely on fails".into())),
+        more => Err(Error::Check(format!("{more} probes that kernels rely on fail"))),
+    }
+}
 
 /// Prints every Vulkan device and the CPU back end.
-pub fn run() -> Result<()> {
+pub fn run(arguments: &Arguments) -> Result<()> {
     let mut rows = vec![row("cpu", "CPU reference (f64)", "-", "-", "usable", None)];
     match Instance::open(false).and_then(|instance| instance.adapters()) {
         Ok(adapters) => {
@@ -35,7 +68,7 @@ pub fn run() -> Result<()> {
         &[5, 6, 7, 8, 9, 10],
         &rows,
     ))?;
-    Ok(())
+    if arguments.probe { probes() } else { Ok(()) }
 }
 
 fn row(index: &str, name: &str, driver: &str, version: &str, state: &str, adapter: Option<&Adapter>) -> Vec<String> {

@@ -93,8 +93,7 @@ enum Command {
     /// Show where shading by curvature is a good approximation of the dipole, and where it is not.
     Validity(validity::Arguments),
     /// List the Vulkan devices and the CPU back end.
-    #[command(after_help = "Example: milkglass devices")]
-    Devices,
+    Devices(devices::Arguments),
     /// List the built-in scenes, or print one.
     Scenes(lists::Scenes),
     /// List the built-in materials.
@@ -259,7 +258,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
         Command::BakeLayers(arguments) => bake::run(&arguments),
         Command::FitCdrf(arguments) => fit_cdrf::run(&arguments),
         Command::Validity(arguments) => validity::run(&arguments),
-        Command::Devices => devices::run(),
+        Command::Devices(arguments) => devices::run(&arguments),
         Command::Scenes(arguments) => lists::scenes(&arguments),
         Command::Materials => lists::materials(),
         Command::Stages => lists::stages(),

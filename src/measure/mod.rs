@@ -21,6 +21,7 @@ pub mod modes;
 pub mod norms;
 pub mod pareto;
 pub mod pattern;
+pub mod probe;
 pub mod profile;
 pub mod progress;
 pub mod reference;

@@ -9,6 +9,7 @@ use milkglass::internals::layout::BufferId;
 use milkglass::internals::pipeline::plan::{Change, Goal, Options};
 use milkglass::internals::session::run::Session;
 use milkglass::measure::norms::worst;
+use milkglass::measure::probe::probe;
 use milkglass::measure::reference::verify;
 use milkglass::scene::Scene;
 
@@ -84,6 +85,22 @@ fn the_loop_that_no_kernel_may_have_is_wrong_where_it_is_known_to_be() {
         }
         let known = name.contains("llvmpipe") && driver.contains("22.3.6");
         assert!(!known || wrong > 0, "{name}, {driver}: the miscompiled shape is no longer seen");
+    });
+}
+
+/// What kernels rely on is there; the fault above is found by its probe, too.
+#[test]
+fn probes_agree_with_what_is_known() {
+    on_devices(|device| {
+        let facts = probe(device).unwrap();
+        assert_eq!(facts.len(), 7);
+        for fact in facts.iter().filter(|fact| fact.needed) {
+            assert!(fact.right, "{}: {fact:?}", device.name());
+        }
+        let known = device.name().contains("llvmpipe") && device.driver().contains("22.3.6");
+        for fact in &facts[..2] {
+            assert!(!known || !fact.right, "{}: {fact:?}", device.name());
+        }
     });
 }
 
