@@ -161,7 +161,7 @@ constants! {
     /// A triangle is elongated where the square of its longest edge is more than this many times twice its area.
     ELONGATED: f32 = 20.0;
     /// The edges of such a triangle are integrated in parts of at most this width in asinh(t / S).
-    PART_WIDTH: f32 = 3.0;
+    PART_WIDTH: f32 = 2.0;
     /// In `small_system`: the operator, column by column of MOST_STEPS + 1, made triangular by rotations.
     SMALL_MATRIX: usize = 0;
     /// Cosines of the rotations.

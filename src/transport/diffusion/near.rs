@@ -171,7 +171,7 @@ mod tests {
             for x in [middle, middle + 0.3 * width * DVec3::Y + 0.2 * width * DVec3::Z, middle + 0.1 * DVec3::X] {
                 let [few, many] = [6, 12].map(|n| by_edges(0.3, &corners, [0, 1, 2], x, x.z == 0.0, &legendre(n)));
                 let off = (few.single / many.single - 1.0).abs().max((few.double - many.double).abs() / many.single);
-                assert!(off < 1.5e-3, "{width} {x}: {off:.1e}, {few:?} {many:?}");
+                assert!(off < 2e-4, "{width} {x}: {off:.1e}, {few:?} {many:?}");
             }
             // In closed form for k = 0, at the own centroid: the sum over edges of R (asinh(t2 / R) - asinh(t1 / R)).
             let found = by_edges(0.0, &corners, [0, 1, 2], middle, true, &legendre(6)).single;
@@ -182,7 +182,7 @@ mod tests {
             };
             let exact =
                 (0..3).map(|e| edge(corners[e], corners[(e + 1) % 3])).sum::<f64>() / (4.0 * std::f64::consts::PI);
-            assert!((found / exact - 1.0).abs() < 1e-4, "{width}: {found} {exact}");
+            assert!((found / exact - 1.0).abs() < 2e-4, "{width}: {found} {exact}");
         }
     }
 }
