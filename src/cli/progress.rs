@@ -90,6 +90,6 @@ mod tests {
         assert_eq!(walk(Some(0.041), Some(11.2), Some(0.02)), "error 4.10 % of 2 %, 12 s left");
         assert_eq!(walk(None, None, Some(0.02)), "error unknown yet");
         assert_eq!(walk(Some(0.5), Some(7300.0), None), "error 50.00 %, 3 h left");
-        assert_eq!([time(0.0), time(119.5), time(121.0)], ["0 s", "120 s", "3 min"]);
+        assert_eq!([time(0.0), time(118.5), time(121.0)], ["0 s", "119 s", "3 min"]);
     }
 }
