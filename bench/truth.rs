@@ -266,10 +266,7 @@ fn legend(out: &mut String, rows: &[Row], top: f64) {
         at += 54.0 + 8.0 * name.len() as f64;
     }
     let strokes = [
-        (
-            "stroke-width=\"2\" stroke=\"#444\"",
-            "against a random walk, over patches, worst channel, its noise taken off",
-        ),
+        ("stroke-width=\"2\" stroke=\"#444\"", "against a random walk, over patches, worst channel, noise taken off"),
         ("stroke-dasharray=\"4 3\" stroke=\"#444\"", "against the same model, summed exactly"),
         ("stroke-dasharray=\"1 3\" stroke=\"#777\"", "the walk's noise"),
     ];
@@ -281,6 +278,6 @@ fn legend(out: &mut String, rows: &[Row], top: f64) {
             at + 30.0,
             top + 4.0
         );
-        at += 54.0 + 6.3 * words.len() as f64;
+        at += 54.0 + 6.6 * words.len() as f64;
     }
 }
