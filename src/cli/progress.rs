@@ -46,13 +46,22 @@ pub(super) fn show_walk(progress: Option<&WalkProgress>) {
         shown.take().iter().for_each(ProgressBar::finish_and_clear);
         return;
     };
-    let bar = shown.get_or_insert_with(|| {
-        let style = ProgressStyle::with_template("{prefix} {wide_bar} {msg}");
-        ProgressBar::new(1000).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-    });
-    bar.set_prefix(format!("walk, object {}", progress.object));
-    bar.set_message(so_far(progress));
-    bar.set_position((1000.0 * progress.done) as u64);
+    // A bar is drawn at most every 50 ms, on the first change after: all that it shows first goes in at once.
+    let (prefix, message) = (format!("walk, object {}", progress.object), so_far(progress));
+    let position = (1000.0 * progress.done) as u64;
+    match &*shown {
+        Some(bar) if bar.prefix() == prefix => {
+            bar.set_message(message);
+            bar.set_position(position);
+        }
+        _ => {
+            let style = ProgressStyle::with_template("{prefix} {wide_bar} {msg}");
+            let bar = ProgressBar::new(1000).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            let bar = bar.with_prefix(prefix).with_message(message).with_position(position);
+            bar.tick();
+            shown.replace(bar).iter().for_each(ProgressBar::finish_and_clear);
+        }
+    }
 }
 
 /// Writes a line to standard error, above the bar if there is one.
