@@ -139,14 +139,22 @@ impl Truth {
         let (mut all, mut first) = (Vec::new(), 0);
         for (number, object) in session.state().objects.iter().enumerate() {
             let places = session.prepared().places(number);
-            let mut of_place = vec![0; object.count.faces];
-            places.iter().enumerate().for_each(|(face, place)| of_place[place - object.first.faces] = first + face);
-            first += places.len();
+            // Rows are of whole triangles: of a subdivided one, its part in the middle stands for it.
+            let shown: Vec<usize> = match session.parts().get(number) {
+                Some(parts) => parts.middle.iter().map(|&part| places[part as usize]).collect(),
+                None => places,
+            };
+            let mut of_place = vec![None; object.count.faces];
+            shown
+                .iter()
+                .enumerate()
+                .for_each(|(face, place)| of_place[place - object.first.faces] = Some(first + face));
+            first += shown.len();
             if object.opaque {
                 continue;
             }
             for part in patches(session.state(), number) {
-                let faces: Vec<usize> = of_place[part].to_vec();
+                let faces: Vec<usize> = of_place[part].iter().flatten().copied().collect();
                 let area: f64 = faces.iter().map(|&face| rows[face].area).sum();
                 let mean = |of: &dyn Fn(&Row) -> f64, by: f64| {
                     if by > 0.0 { faces.iter().map(|&face| of(&rows[face])).sum::<f64>() / by } else { 0.0 }

@@ -10,7 +10,7 @@ use crate::shading::{
 };
 use crate::state::{Granularity, Host, Scope, Stage, State, Step};
 use crate::transport::blocks::{acceptance_radii, coarse_solve, gather, irradiance_ratio, link, pull, push};
-use crate::transport::diffusion::{boundary_integrals, deposit, krylov_step, krylov_sum};
+use crate::transport::diffusion::{boundary_integrals, deposit, krylov_step, krylov_sum, near_layers};
 use crate::transport::links::{
     form_factor, mark_moved, mark_relit, mark_stale, mean_irradiance, push_links, reach, refine, resum_links, snapshot,
     sum_links, update_form_factors, update_links,
@@ -64,7 +64,7 @@ pub static FRAME: &[Section] = &[
         &[
             per_group(&[&pull::STAGE, &coarse_solve::STAGE, &irradiance_ratio::STAGE, &acceptance_radii::STAGE]),
             per_object(&[&pixel_receivers::STAGE, &deposit::STAGE]),
-            per_batch(&[&link::STAGE, &gather::STAGE]),
+            per_batch(&[&link::STAGE, &gather::STAGE, &near_layers::STAGE]),
             per_object(&[&push::STAGE]),
         ],
     ),

@@ -180,7 +180,7 @@ pub fn features() -> Vec<Feature> {
             with(ball(&[])),
         ),
         (
-            &["deposit", "boundary_integrals", "krylov_step", "krylov_sum"],
+            &["deposit", "near_layers", "boundary_integrals", "krylov_step", "krylov_sum"],
             &[
                 BufferId::deposits,
                 BufferId::layer_places,

@@ -2,6 +2,8 @@
 //   g(s) = e^(-k s) / (4 pi s):  w g - U.grad g + Y : grad grad g - (Q, U) : grad grad grad g / 2,
 // where Q is the mean square of the cluster's area about its middle. All vectors run over the channels. The includer
 // reads the four buffers of layers, `second_moments` and `object_params`.
+#include "transport/diffusion/kernel.glsl"
+
 struct Layers { vec3 x, y, z, w; vec3 ux, uy, uz; vec3 xx, yy, zz, yz, zx, xy; };
 
 Layers layers_of(uint node) {
@@ -10,21 +12,6 @@ Layers layers_of(uint node) {
     LayerSecond squares = layer_squares[node], products = layer_products[node];
     return Layers(place.x, place.y, place.z, place.charge, first.x, first.y, first.z, squares.x, squares.y, squares.z,
                   products.x, products.y, products.z);
-}
-
-// The kernel at a distance, and factors of its derivatives: c1 = 1 + a, c2 = 3 + 3a + a^2, c3 = 15 + 15a + 6a^2 + a^3
-// for a = k s; and 1 / s.
-struct Kernel { vec3 g, c1, c2, c3, by_s; };
-
-Kernel kernel_at(vec3 s2) {
-    vec3 s = sqrt(max(s2, vec3(1e-30))), a = object_params[0].sigma * s;
-    Kernel kernel;
-    kernel.by_s = 1.0 / s;
-    kernel.g = 0.0795774715 * exp(-a) * kernel.by_s;
-    kernel.c1 = 1.0 + a;
-    kernel.c2 = 3.0 + a * (3.0 + a);
-    kernel.c3 = 15.0 + a * (15.0 + a * (6.0 + a));
-    return kernel;
 }
 
 // What a cluster's layers give at a place; `x`, `y`, `z` run from their middle to it, over the channels.

@@ -1,8 +1,10 @@
 //! Stage `boundary_integrals`: single and double layer at every triangle, of a vector of the basis; in the first run,
 //! of the light that was deposited below the surface, and of the solution to start from, if there is one (the second
 //! vector then keeps the former). Clusters are
-//! expanded about blocks of receivers or evaluated at each of them; near triangles take area points or the edge form.
+//! expanded about blocks of receivers or evaluated at each of them; near triangles take area points or
+//! the edge form, or are known from `near_layers`.
 
+use super::near_layers::kept;
 use super::sums::{Density, add_up, expanded};
 use crate::error::Result;
 use crate::layout::{BLOCK_RECEIVERS, BufferId, Range};
@@ -91,6 +93,8 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
         let solution = u32::from(density == Density::Solution);
         let vector = step.saturating_sub(1) as u32;
         let (faces, nodes) = (pass.object().count.faces, pass.state.method.nodes);
+        // Of the source term nothing is kept: each channel's light is at a depth of its own.
+        let kept = if density == Density::Source { 0 } else { kept(pass.state) as u32 };
         pass.dispatch(Some("leaf"), &[source, solution], bytemuck::bytes_of(&vector), faces)?;
         pass.climb("cluster", &[source])?;
         for batch in 0..pass.object().schedule.batches.len() {
@@ -103,8 +107,11 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
             for first in (0..pass.state.data.object_params[0].near_capacity).step_by(NEAR_PART as usize) {
                 let push = [range, Range { first, count: NEAR_PART }];
                 let push = bytemuck::bytes_of(&push);
-                pass.dispatch_counted("area", &[source], push, (BufferId::near_groups, 0))?;
-                pass.dispatch_counted("edge", &[source, nodes], push, (BufferId::near_groups, 0))?;
+                pass.dispatch_counted("area", &[source, kept], push, (BufferId::near_groups, 0))?;
+                pass.dispatch_counted("edge", &[source, kept, nodes], push, (BufferId::near_groups, 0))?;
+            }
+            if kept > 0 {
+                pass.dispatch_counted("near", &[kept], bytemuck::bytes_of(&range), (BufferId::near_groups, 0))?;
             }
         }
         pass.at.chunk = step;

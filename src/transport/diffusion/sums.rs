@@ -6,8 +6,9 @@ use rayon::prelude::*;
 use super::Medium;
 use super::far::{Layers, Quadratic, area_moment};
 use super::near::{by_edges, sampled};
+use super::near_layers::{computed, kept};
 use crate::dipole::form_factor::gauss::{Node, legendre};
-use crate::layout::{BufferId, Buffers, Expansion, LayerFirst, LayerPlace, LayerSecond, NONE, Runs};
+use crate::layout::{BLOCK_RECEIVERS, BufferId, Buffers, Expansion, LayerFirst, LayerPlace, LayerSecond, NONE, Runs};
 use crate::state::{Scope, State, wide};
 use crate::transport::blocks::link::batch;
 
@@ -26,6 +27,12 @@ pub(super) enum Density {
 fn depth(data: &Buffers, face: usize, c: usize) -> DVec3 {
     let deposit = &data.deposits[face];
     wide([deposit.red, deposit.green, deposit.blue][c])
+}
+
+/// A triangle's vertices and where they are.
+pub(super) fn corners(data: &Buffers, face: usize) -> ([u32; 3], [DVec3; 3]) {
+    let ids = data.triangles[face];
+    (ids, ids.map(|v| wide(data.positions[v as usize])))
 }
 
 /// The layers of all nodes, in one channel.
@@ -114,23 +121,29 @@ impl Sums<'_> {
         sum
     }
 
-    /// Everything but the expansion at a triangle's centroid.
-    fn receive(&self, face: usize, x: DVec3, run: &Runs, entries: &[u32]) -> f64 {
+    /// Everything but the expansion at a triangle's centroid; `known`: what the last of its near triangles give with
+    /// charge 1.
+    fn receive(&self, face: usize, x: DVec3, run: &Runs, entries: &[u32], known: &[f64]) -> f64 {
         let (direct, rest) = entries[run.expanded as usize..].split_at(run.direct as usize);
         let (area, rest) = rest.split_at(run.area as usize);
         let k = self.medium.decay;
         let far = |node: &u32| Layers::of(self.data, *node as usize, self.c).at(k, &self.area(*node), x);
         let mut sum: f64 = direct.iter().map(far).sum();
-        for (list, points) in [(area, true), (&rest[..run.edge as usize], false)] {
+        let edge = &rest[..run.edge as usize];
+        let charge = |node: u32| f64::from(self.data.layer_places[node as usize].charge[self.c]);
+        let last = area.iter().chain(edge).skip(area.len() + edge.len() - known.len());
+        sum += last.zip(known).map(|(&node, known)| charge(node) * known).sum::<f64>();
+        let anew = computed(run, known.len());
+        for (list, points) in [(&area[..anew[0]], true), (&edge[..anew[1]], false)] {
             for &node in list {
                 let emitter = self.data.topology[node as usize].face as usize;
                 let cluster = &self.data.clusters[node as usize];
-                let ids = self.data.triangles[emitter];
                 let source = self.density == Density::Source;
                 let moved = if source { depth(self.data, emitter, self.c) } else { DVec3::ZERO };
-                let corners = ids.map(|v| wide(self.data.positions[v as usize]) + moved);
+                let (ids, corners) = corners(self.data, emitter);
+                let corners = corners.map(|corner| corner + moved);
                 let size = f64::from(cluster.area).max(1e-37);
-                let charge = f64::from(self.data.layer_places[node as usize].charge[self.c]);
+                let charge = charge(node);
                 if points {
                     let normal = wide(self.data.layer_firsts[node as usize].of(self.c));
                     let one = sampled(k, &corners, normal, x);
@@ -163,9 +176,21 @@ pub(super) fn add_up(state: &mut State, at: Scope, density: Density) {
     let nodes = legendre(state.method.nodes as usize);
     for chunk in 0..state.object(at).schedule.batches.len() {
         let (blocks, run_base, entry_base) = batch(state, Scope { chunk, ..at });
+        let kept = if density == Density::Source { 0 } else { kept(state) };
+        let known_base = state.part(BufferId::near_layers, Scope { chunk, ..at }).0;
         let data = &state.data;
+        let runs = &data.runs[run_base..run_base + blocks.len()];
+        // The place of each block among those that have near triangles.
+        let slots: Vec<usize> = runs
+            .iter()
+            .scan(0, |next, run| {
+                let slot = *next;
+                *next += usize::from(run.area + run.edge > 0);
+                Some(slot)
+            })
+            .collect();
         let of_block = |number: usize| {
-            let run = data.runs[run_base + number - blocks.start];
+            let (run, slot) = (runs[number - blocks.start], slots[number - blocks.start]);
             let list = &data.entries[entry_base + run.first as usize..];
             let block = data.blocks[number];
             let faces = block.first as usize..(block.first + block.count) as usize;
@@ -177,7 +202,12 @@ pub(super) fn add_up(state: &mut State, at: Scope, density: Density) {
                 let e = sums.expand(wide(data.spheres[number].center), &list[..run.expanded as usize]);
                 put(&mut expansion, c, &e);
                 for (face, received) in faces.clone().zip(&mut received) {
-                    received[c] = sums.receive(face, wide(data.receiver_positions[face]), &run, list) as f32;
+                    let known = |i: usize| {
+                        let place = (slot * kept + i) * BLOCK_RECEIVERS + face - faces.start;
+                        f64::from(data.near_layers[known_base + place][c])
+                    };
+                    let known: Vec<f64> = (0..kept.min((run.area + run.edge) as usize)).map(known).collect();
+                    received[c] = sums.receive(face, wide(data.receiver_positions[face]), &run, list, &known) as f32;
                 }
             }
             (number, expansion, received)

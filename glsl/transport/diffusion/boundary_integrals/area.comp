@@ -2,9 +2,10 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// Near triangles by 6 area points, each at every receiver of the block.
+// Near triangles by 6 area points, each at every receiver of the block; but not those whose layers are kept.
 layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint SOURCE = 0;
+layout(constant_id = 1) const uint KEPT = 0;
 layout(push_constant, scalar) uniform push_block { Range range; Range part; };
 READS(object_params)
 READS(blocks)
@@ -26,12 +27,12 @@ UPDATES(received)
 #include "dipole/form_factor/points.glsl"
 #include "transport/diffusion/layers.glsl"
 #include "transport/blocks/gather/receiver.glsl"
-#include "transport/diffusion/boundary_integrals/near.glsl"
+#include "transport/diffusion/near_receiver.glsl"
 
 void main() {
     Runs run;
     Receiver self = near_receiver(run);
-    uint first = run.first + run.expanded + run.direct, last = min(part.first + part.count, run.area);
+    uint first = run.first + run.expanded + run.direct, last = min(part.first + part.count, computed(run).x);
     vec3 sum = vec3(0);
     for (uint k = part.first; k < last; ++k) {
         uint node = entries[first + k], face = topology[node].face;
@@ -55,5 +56,5 @@ void main() {
             sum += point.w * kernel.g * (charge + kernel.c1 * along * kernel.by_s);
         }
     }
-    if (self.present && run.area > part.first) received[self.face] += sum;
+    if (self.present && computed(run).x > part.first) received[self.face] += sum;
 }

@@ -2,11 +2,12 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// The nearest triangles by the edge form, each at every receiver of the block. Of the source term there is a single
-// layer only, each channel's at its own depth.
+// The nearest triangles by the edge form, each at every receiver of the block; but not those whose layers are kept. Of
+// the source term there is a single layer only, each channel's at its own depth.
 layout(local_size_x = GROUP_SIZE) in;
 layout(constant_id = 0) const uint SOURCE = 0;
-layout(constant_id = 1) const uint NODES = 6;
+layout(constant_id = 1) const uint KEPT = 0;
+layout(constant_id = 2) const uint NODES = 6;
 layout(push_constant, scalar) uniform push_block { Range range; Range part; };
 READS(object_params)
 READS(blocks)
@@ -23,13 +24,14 @@ READS(near_groups)
 READS(layer_places)
 UPDATES(received)
 #include "transport/diffusion/edges.glsl"
+#include "transport/diffusion/source_edges.glsl"
 #include "transport/blocks/gather/receiver.glsl"
-#include "transport/diffusion/boundary_integrals/near.glsl"
+#include "transport/diffusion/near_receiver.glsl"
 
 void main() {
     Runs run;
     Receiver self = near_receiver(run);
-    uint first = run.first + run.expanded + run.direct + run.area, last = min(part.first + part.count, run.edge);
+    uint first = run.first + run.expanded + run.direct + run.area, last = min(part.first + part.count, computed(run).y);
     vec3 k = object_params[0].sigma, z = object_params[0].boundary, sum = vec3(0);
     for (uint i = part.first; i < last; ++i) {
         uint node = entries[first + i], face = topology[node].face;
@@ -41,17 +43,12 @@ void main() {
         if (SOURCE != 0) {
             Deposit deposit = deposits[face];
             vec3 depth[3] = vec3[3](deposit.red, deposit.green, deposit.blue);
-            for (uint channel = 0; channel < 3; ++channel) {
-                vec3 d = depth[channel];
-                float height = -dot(cluster.center - self.x + d, normal);
-                layers_of_triangle(vec3(k[channel]), a + d, b + d, c + d, corner, normal, height, single, twice);
-                sum[channel] += value[channel] * single.x;
-            }
+            sum += value * single_at_depths(k, vec3[3](a, b, c), cluster.center - self.x, depth, normal);
         } else {
             float height = face == self.face ? 0.0 : -dot(cluster.center - self.x, normal);
             layers_of_triangle(k, a, b, c, corner, normal, height, single, twice);
             sum += value * (single + z * twice);
         }
     }
-    if (self.present && run.edge > part.first) received[self.face] += sum;
+    if (self.present && computed(run).y > part.first) received[self.face] += sum;
 }

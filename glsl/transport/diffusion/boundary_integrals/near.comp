@@ -1,0 +1,29 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "layout.glsl"
+
+// Near triangles whose layers are kept, each at every receiver of the block.
+layout(local_size_x = GROUP_SIZE) in;
+layout(constant_id = 0) const uint KEPT = 0;
+layout(push_constant, scalar) uniform push_block { Range range; };
+READS(blocks)
+READS(receiver_positions)
+READS(runs)
+READS(entries)
+READS(near)
+READS(near_groups)
+READS(near_layers)
+READS(layer_places)
+UPDATES(received)
+#include "transport/blocks/gather/receiver.glsl"
+#include "transport/diffusion/near_receiver.glsl"
+
+void main() {
+    Runs run;
+    uint slot;
+    Receiver self = near_receiver(run, slot);
+    uint kept = kept_of(run), first = run.first + run.expanded + run.direct + run.area + run.edge - kept;
+    vec3 sum = vec3(0);
+    for (uint i = 0; i < kept; ++i) sum += layer_places[entries[first + i]].charge * near_layers[kept_place(slot, i)];
+    if (self.present) received[self.face] += sum;
+}

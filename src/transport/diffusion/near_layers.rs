@@ -1,0 +1,124 @@
+//! Stage `near_layers`: what each near triangle gives at each receiver of its block, with charge 1. It depends on shape
+//! and material alone, and serves every step of the solver; blocks with more near triangles than are kept compute the
+//! first of them anew in each step.
+
+use rayon::prelude::*;
+
+use super::near::{by_edges, sampled};
+use super::{Medium, sums::corners};
+use crate::dipole::form_factor::gauss::legendre;
+use crate::error::Result;
+use crate::layout::{BLOCK_RECEIVERS, BufferId, Buffers, NEAR_KEPT, Range, Runs};
+use crate::state::{
+    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, stage::never, wide,
+};
+use crate::transport::blocks::link::{self, batch};
+
+/// The stage's declaration.
+pub static STAGE: Stage = Stage {
+    name: "near_layers",
+    module: "transport/diffusion",
+    about: "single and double layer of each block's near triangles at its receivers, for all steps of the solver",
+    equation: "int [g/z_b + dg/dn] dA over a triangle, times z_b over its area, by area points or the edge form",
+    writes: &[(BufferId::near_layers, Role::Update, Tolerance::Float { relative: 1e-4, floor: 1e-5 })],
+    reason: "quadrature in f32: e^-a with the rounding of a; the edges of a distant triangle cancel",
+    sizes: &[(BufferId::near_layers, Size::Elements(|state| state.batch_parts() * room(state)))],
+    granularity: Granularity::Batch,
+    carriers: &[Carrier::Diffusion],
+    needs: &[Need::Light],
+    serves: Serves::TRANSLUCENT,
+    skip: never,
+    runs: |update| (link::STAGE.runs)(update),
+    cpu,
+    gpu,
+};
+
+/// Every device binds this many bytes of a buffer.
+const MOST_BYTES: usize = 1 << 27;
+
+/// Receivers of the largest batch, rounded up so that a device can bind each batch's part.
+fn receivers(state: &State) -> usize {
+    (state.largest_batch() * BLOCK_RECEIVERS).next_multiple_of(64)
+}
+
+/// Elements of a batch's part.
+fn room(state: &State) -> usize {
+    let most = MOST_BYTES / (state.batch_parts() * receivers(state) * BufferId::near_layers.spec().stride).max(1);
+    receivers(state) * most.min(NEAR_KEPT as usize)
+}
+
+/// Near triangles of a block that are kept, at most.
+pub(super) fn kept(state: &State) -> usize {
+    room(state) / receivers(state).max(1)
+}
+
+/// How many near triangles of a block are computed anew in each step: of those that take area points, and of those
+/// that take the edge form.
+pub(super) fn computed(run: &Runs, kept: usize) -> [usize; 2] {
+    let [area, edge] = [run.area as usize, run.edge as usize];
+    let anew = (area + edge).saturating_sub(kept);
+    [anew.min(area), anew.saturating_sub(area)]
+}
+
+fn cpu(state: &mut State, at: Scope) {
+    let (blocks, run_base, entry_base) = batch(state, at);
+    let (kept, base) = (kept(state), state.part(BufferId::near_layers, at).0);
+    let near_base = state.part(BufferId::near, at).0;
+    let nodes = legendre(state.method.nodes as usize);
+    let data = &state.data;
+    let groups = state.part(BufferId::near_groups, at).0;
+    let of_slot = |slot: usize| {
+        let number = data.near[near_base + slot] as usize;
+        let (run, block) = (&data.runs[run_base + number], &data.blocks[blocks.start + number]);
+        let list = near_list(data, run, entry_base);
+        let [area, edge] = computed(run, kept);
+        let mut layers = Vec::new();
+        for (i, &node) in list.iter().enumerate().skip(area + edge) {
+            for face in block.first as usize..(block.first + block.count) as usize {
+                layers.push([0, 1, 2].map(|c| one(data, node, face, c, i < run.area as usize, &nodes) as f32));
+            }
+        }
+        (slot, block.count as usize, layers)
+    };
+    let all: Vec<_> = (0..data.near_groups[groups + 1][0] as usize).into_par_iter().map(of_slot).collect();
+    for (slot, count, layers) in all {
+        for (i, of_triangle) in layers.chunks(count).enumerate() {
+            let first = base + (slot * kept + i) * BLOCK_RECEIVERS;
+            state.data.near_layers[first..first + count].copy_from_slice(of_triangle);
+        }
+    }
+}
+
+/// The near triangles of a block: those that take area points, then those that take the edge form.
+fn near_list<'a>(data: &'a Buffers, run: &Runs, entry_base: usize) -> &'a [u32] {
+    let first = entry_base + (run.first + run.expanded + run.direct) as usize;
+    &data.entries[first..first + (run.area + run.edge) as usize]
+}
+
+/// What a triangle of charge 1 gives at a receiver, in a channel.
+fn one(
+    data: &Buffers,
+    node: u32,
+    face: usize,
+    c: usize,
+    points: bool,
+    nodes: &[crate::dipole::form_factor::gauss::Node],
+) -> f64 {
+    let Medium { decay, boundary } = Medium::of(&data.object_params[0], c);
+    let (cluster, emitter) = (&data.clusters[node as usize], data.topology[node as usize].face as usize);
+    let (ids, corners) = corners(data, emitter);
+    let (area, x) = (f64::from(cluster.area).max(1e-37), wide(data.receiver_positions[face]));
+    if points {
+        let both = sampled(decay, &corners, wide(cluster.normal) / area, x);
+        return both.single + boundary * both.double;
+    }
+    let both = by_edges(decay, &corners, ids, x, emitter == face, nodes);
+    (both.single + boundary * both.double) / area
+}
+
+fn gpu(pass: &mut Pass<'_>) -> Result<()> {
+    let blocks = pass.object().schedule.batches[pass.at.chunk].clone();
+    let range = Range { first: blocks.start, count: blocks.end - blocks.start };
+    let constants = [kept(pass.state) as u32, pass.state.method.nodes];
+    pass.dispatch_counted("layers", &constants, bytemuck::bytes_of(&range), (BufferId::near_groups, 0))
+}
