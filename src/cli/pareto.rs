@@ -73,7 +73,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
     }
     ready([("--csv", arguments.csv.as_ref()), ("--svg", arguments.svg.as_ref())])?;
-    let scene = arguments.scene.load()?;
+    let mut scene = arguments.scene.load()?;
+    if std::mem::take(&mut scene.transport.subdivide) > 0 {
+        tell!("transport.subdivide = 0 here: errors are those of the mesh's own triangles");
+    }
     let device = arguments.device.open(validation())?;
     // Setups that together use the kernels of all methods; a picture alone does not.
     let mut links = scene.clone();
@@ -113,13 +116,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let write = |path: &Path, text: String| {
         write_atomically(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))
     };
-    if let Some(path) = &arguments.csv {
-        write(path, csv(&found, &origin)?)?;
-    }
-    if let Some(path) = &arguments.svg {
-        write(path, svg(&found, &origin)?)?;
-    }
-    Ok(())
+    arguments.csv.iter().try_for_each(|path| write(path, csv(&found, &origin)?))?;
+    arguments.svg.iter().try_for_each(|path| write(path, svg(&found, &origin)?))
 }
 
 /// Wall times with the built-in shaders and with the user's, point by point.

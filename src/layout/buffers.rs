@@ -211,8 +211,8 @@ buffers! {
     layer_squares: LayerSecond, node;
     /// Their second moments: products.
     layer_products: LayerSecond, node;
-    /// What a near triangle's layers of charge 1 give at each receiver of its block: the last `NEAR_KEPT` triangles of a
-    /// block, at most, blocks in the order of `near`.
+    /// What a near triangle's layers of charge 1 give at each receiver of a block: of the last near triangles of each
+    /// block, blocks in the order of `near`.
     near_layers: [f32; 3], batch;
     /// An orthonormal basis of the Krylov space of each object, in the mean over its area.
     krylov: [f32; 3], vectors;

@@ -158,8 +158,6 @@ constants! {
     /// Where it makes less, clusters are more exact, at most by this factor; never less, since light of both signs has
     /// no share in the gain.
     LEAST_GAIN: f32 = 1e-3;
-    /// Near triangles of a block whose layers are kept from step to step, at most.
-    NEAR_KEPT: u32 = 64;
     /// A triangle is elongated where the square of its longest edge is more than this many times twice its area.
     ELONGATED: f32 = 20.0;
     /// The edges of such a triangle are integrated in parts of at most this width in asinh(t / S).

@@ -177,3 +177,13 @@ fn errors_against_a_walk_are_those_of_the_model() {
         bad(&here, &format!("{SMALL} --methods blocks --truth {truth}"), 2, &told);
     }
 }
+
+#[test]
+fn a_scene_that_is_subdivided_is_measured_on_its_own_triangles() {
+    let (out, err) = good(
+        &folder(&[]),
+        &format!("{SMALL} --set transport.subdivide=2 --methods blocks --truth walk --set transport.walks=3000"),
+    );
+    assert!(err.contains("transport.subdivide = 0 here"), "{err}");
+    assert!(out.contains("sphere: 320 faces") && out.contains("truth:  a walk of 3000 photons"), "{out}");
+}

@@ -32,15 +32,15 @@ vec2 collides(float tau) {
     return vec2(share, tau < 0.5 ? small : 1.0 - tau * fall / share);
 }
 
-// The distance through the object along a direction, of mean free paths of this length.
-float depth_along(vec3 center, vec3 way, uint face, float path) {
+// The distance through the object along a direction.
+float thickness(vec3 center, vec3 way, uint face) {
     vec3 weights;
     uint found = meeting(center, way, 8.0, face, weights);
-    if (found == NONE || found == UNFINISHED) return 80.0;
+    if (found == NONE || found == UNFINISHED) return 1e30;
     uvec3 corner = triangles[found];
     float sum = weights.x + weights.y + weights.z;
     vec3 place = (weights.x * positions[corner.x] + weights.y * positions[corner.y] + weights.z * positions[corner.z]) / sum;
-    return clamp(dot(place - center, way) / max(path, 1e-30), 0.0, 80.0);
+    return max(0.0, dot(place - center, way));
 }
 
 void main() {
@@ -58,6 +58,9 @@ void main() {
     for (uint i = 0; i <= object_params[0].lights; ++i) {
         bool sky = i == object_params[0].lights;
         if (sky && SKY == 0) break;
+        // Channels of one index share a direction, and its ray.
+        vec3 known_way = vec3(0);
+        float known = 0.0;
         for (uint channel = 0; channel < 3; ++channel) {
             float eta = object_params[0].eta[channel], one, path;
             vec3 way = -normal;
@@ -71,7 +74,9 @@ void main() {
                 path = object_params[0].z_real[channel];
             }
             if (one > 0.0) {
-                vec2 found = collides(depth_along(center, way, face, path));
+                if (way != known_way) known = thickness(center, way, face);
+                known_way = way;
+                vec2 found = collides(min(known / max(path, 1e-30), 80.0));
                 all[channel] += one;
                 light[channel] += one * found.x;
                 sums[channel] += one * found.x * found.y * path * way;

@@ -94,7 +94,7 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
         let vector = step.saturating_sub(1) as u32;
         let (faces, nodes) = (pass.object().count.faces, pass.state.method.nodes);
         // Of the source term nothing is kept: each channel's light is at a depth of its own.
-        let kept = if density == Density::Source { 0 } else { kept(pass.state) as u32 };
+        let kept = if density == Density::Source { 0 } else { kept(pass.object()) as u32 };
         pass.dispatch(Some("leaf"), &[source, solution], bytemuck::bytes_of(&vector), faces)?;
         pass.climb("cluster", &[source])?;
         for batch in 0..pass.object().schedule.batches.len() {
@@ -103,7 +103,7 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
             let range = Range { first: blocks.start, count: blocks.end - blocks.start };
             let (push, count) = (bytemuck::bytes_of(&range), range.count as usize);
             pass.dispatch(Some("expand"), &[], push, count)?;
-            pass.dispatch(Some("direct"), &[], push, count * BLOCK_RECEIVERS)?;
+            pass.dispatch(Some("direct"), &[source], push, count * BLOCK_RECEIVERS)?;
             for first in (0..pass.state.data.object_params[0].near_capacity).step_by(NEAR_PART as usize) {
                 let push = [range, Range { first, count: NEAR_PART }];
                 let push = bytemuck::bytes_of(&push);

@@ -4,9 +4,9 @@
 //! `B(x)/2 + int B(y) [g(x, y)/z_b + dg/dn_y(x, y)] dA(y) = (1/z_b) int g(x, y + l w) weight(y) E(y) dA(y)`,
 //!
 //! with `g(s) = e^(-k s) / (4 pi s)`, one value a triangle and the equation at its centroid. The stages: `deposit`
-//! (where light collides first: y + l w), `near_layers` (what near triangles give), `boundary_integrals` (the right-hand side, or the left-hand side of a
-//! vector), `krylov_step` (GMRES: Saad and Schultz 1986) and `krylov_sum` (the solution). Lists of clusters are those
-//! of blocks, by area.
+//! (where light collides first: y + l w), `near_layers` (what near triangles give), `boundary_integrals` (the
+//! right-hand side, or the left-hand side of a vector), `krylov_step` (GMRES: Saad and Schultz 1986) and `krylov_sum`
+//! (the solution). Lists of clusters are those of blocks, by area.
 
 pub mod boundary_integrals;
 pub mod deposit;

@@ -6,11 +6,11 @@ use rayon::prelude::*;
 
 use super::near::{by_edges, sampled};
 use super::{Medium, sums::corners};
-use crate::dipole::form_factor::gauss::legendre;
+use crate::dipole::form_factor::gauss::{Node, legendre};
 use crate::error::Result;
-use crate::layout::{BLOCK_RECEIVERS, BufferId, Buffers, NEAR_KEPT, Range, Runs};
+use crate::layout::{BLOCK_RECEIVERS, BufferId, Buffers, Range, Runs};
 use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, stage::never, wide,
+    Carrier, Granularity, Need, Object, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, stage::never, wide,
 };
 use crate::transport::blocks::link::{self, batch};
 
@@ -33,23 +33,27 @@ pub static STAGE: Stage = Stage {
     gpu,
 };
 
-/// Every device binds this many bytes of a buffer.
+/// Near triangles of a block that are kept, at most.
+const MOST_KEPT: usize = 64;
+/// What the kept layers of an object take, at most; every device binds this many bytes.
 const MOST_BYTES: usize = 1 << 27;
 
-/// Receivers of the largest batch, rounded up so that a device can bind each batch's part.
-fn receivers(state: &State) -> usize {
-    (state.largest_batch() * BLOCK_RECEIVERS).next_multiple_of(64)
+/// Receivers of an object's largest batch, rounded up so that a device can bind each batch's part.
+fn receivers(object: &Object) -> usize {
+    let largest = object.schedule.batches.iter().map(|batch| batch.len()).max().unwrap_or(0);
+    (largest * BLOCK_RECEIVERS).next_multiple_of(64)
+}
+
+/// Near triangles of a block that are kept, at most; fewer in large objects.
+pub(super) fn kept(object: &Object) -> usize {
+    let all = receivers(object) * object.schedule.batches.len() * BufferId::near_layers.spec().stride;
+    (MOST_BYTES / all.max(1)).min(MOST_KEPT)
 }
 
 /// Elements of a batch's part.
 fn room(state: &State) -> usize {
-    let most = MOST_BYTES / (state.batch_parts() * receivers(state) * BufferId::near_layers.spec().stride).max(1);
-    receivers(state) * most.min(NEAR_KEPT as usize)
-}
-
-/// Near triangles of a block that are kept, at most.
-pub(super) fn kept(state: &State) -> usize {
-    room(state) / receivers(state).max(1)
+    let solved = state.objects.iter().filter(|object| object.solves());
+    solved.map(|object| receivers(object) * kept(object)).max().unwrap_or(0)
 }
 
 /// How many near triangles of a block are computed anew in each step: of those that take area points, and of those
@@ -62,7 +66,7 @@ pub(super) fn computed(run: &Runs, kept: usize) -> [usize; 2] {
 
 fn cpu(state: &mut State, at: Scope) {
     let (blocks, run_base, entry_base) = batch(state, at);
-    let (kept, base) = (kept(state), state.part(BufferId::near_layers, at).0);
+    let (kept, base) = (kept(state.object(at)), state.part(BufferId::near_layers, at).0);
     let near_base = state.part(BufferId::near, at).0;
     let nodes = legendre(state.method.nodes as usize);
     let data = &state.data;
@@ -96,14 +100,7 @@ fn near_list<'a>(data: &'a Buffers, run: &Runs, entry_base: usize) -> &'a [u32] 
 }
 
 /// What a triangle of charge 1 gives at a receiver, in a channel.
-fn one(
-    data: &Buffers,
-    node: u32,
-    face: usize,
-    c: usize,
-    points: bool,
-    nodes: &[crate::dipole::form_factor::gauss::Node],
-) -> f64 {
+fn one(data: &Buffers, node: u32, face: usize, c: usize, points: bool, nodes: &[Node]) -> f64 {
     let Medium { decay, boundary } = Medium::of(&data.object_params[0], c);
     let (cluster, emitter) = (&data.clusters[node as usize], data.topology[node as usize].face as usize);
     let (ids, corners) = corners(data, emitter);
@@ -119,6 +116,34 @@ fn one(
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let blocks = pass.object().schedule.batches[pass.at.chunk].clone();
     let range = Range { first: blocks.start, count: blocks.end - blocks.start };
-    let constants = [kept(pass.state) as u32, pass.state.method.nodes];
+    let constants = [kept(pass.object()) as u32, pass.state.method.nodes];
     pass.dispatch_counted("layers", &constants, bytemuck::bytes_of(&range), (BufferId::near_groups, 0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_object_keeps_fewer() {
+        let of = |batches: &[std::ops::Range<u32>]| {
+            let mut object = Object::default();
+            object.schedule.batches.extend_from_slice(batches);
+            object
+        };
+        assert_eq!(kept(&of(&[0..640, 640..1280])), MOST_KEPT);
+        let object = of(&[0..100_000, 100_000..150_000]);
+        let bytes = 2 * receivers(&object) * kept(&object) * BufferId::near_layers.spec().stride;
+        assert!(kept(&object) < MOST_KEPT && bytes <= MOST_BYTES && bytes > MOST_BYTES / 2, "{bytes}");
+        assert_eq!(kept(&of(&[0..10_000_000, 10_000_000..20_000_000])), 0);
+    }
+
+    #[test]
+    fn what_is_not_kept_is_computed_from_the_first_on() {
+        let run = |area, edge| Runs { area, edge, ..Runs::default() };
+        assert_eq!(computed(&run(9, 50), 64), [0, 0]);
+        assert_eq!(computed(&run(9, 60), 64), [5, 0]);
+        assert_eq!(computed(&run(9, 70), 64), [9, 6]);
+        assert_eq!(computed(&run(9, 70), 0), [9, 70]);
+    }
 }

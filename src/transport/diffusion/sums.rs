@@ -176,7 +176,7 @@ pub(super) fn add_up(state: &mut State, at: Scope, density: Density) {
     let nodes = legendre(state.method.nodes as usize);
     for chunk in 0..state.object(at).schedule.batches.len() {
         let (blocks, run_base, entry_base) = batch(state, Scope { chunk, ..at });
-        let kept = if density == Density::Source { 0 } else { kept(state) };
+        let kept = if density == Density::Source { 0 } else { kept(state.object(at)) };
         let known_base = state.part(BufferId::near_layers, Scope { chunk, ..at }).0;
         let data = &state.data;
         let runs = &data.runs[run_base..run_base + blocks.len()];

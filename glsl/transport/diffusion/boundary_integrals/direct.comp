@@ -1,9 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 #include "layout.glsl"
 
-// Clusters too near to be expanded, each at every receiver of the block.
+// Clusters too near to be expanded, each at every receiver of the block. One invocation a receiver; as many clusters
+// are loaded at once as invocations share a block, one each, and shuffled.
 layout(local_size_x = GROUP_SIZE) in;
+layout(constant_id = 0) const uint SOURCE = 0;
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(object_params)
 READS(blocks)
@@ -19,17 +22,42 @@ WRITES(received)
 #include "transport/diffusion/layers.glsl"
 #include "transport/blocks/gather/receiver.glsl"
 
+vec3 shuffled(vec3 v, uint from) {
+    return vec3(subgroupShuffle(v.x, from), subgroupShuffle(v.y, from), subgroupShuffle(v.z, from));
+}
+
 void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    Receiver self = receiver_at(group * gl_WorkGroupSize.x + gl_LocalInvocationIndex);
+    Receiver self = receiver_at((group * gl_NumSubgroups + gl_SubgroupID) * gl_SubgroupSize + gl_SubgroupInvocationID);
+    uint width = min(gl_SubgroupSize, BLOCK_RECEIVERS);
+    uint mine = gl_SubgroupInvocationID % width, base = gl_SubgroupInvocationID - mine;
     Runs run = runs[self.run];
-    uint first = run.first + run.expanded, last = first + run.direct;
-    vec3 sum = vec3(0);
-    for (uint k = first; k < last; ++k) {
-        uint node = entries[k];
-        Layers m = layers_of(node);
-        vec3 x = self.x.x - m.x, y = self.x.y - m.y, z = self.x.z - m.z;
-        sum += layers_at(m, second_moments[node], kernel_at(x * x + y * y + z * z), x, y, z);
+    uint first = run.first + run.expanded, count = run.direct;
+    vec3 sum = vec3(0), none = vec3(0);
+    for (uint at = 0; at < count; at += width) {
+        uint node = entries[first + min(at + mine, count - 1)];
+        Layers load = layers_of(node);
+        SecondMoments area = second_moments[node];
+        uint last = min(width, count - at);
+        for (uint k = 0; k < last; ++k) {
+            uint from = base + k;
+            // About the middle of the source term's charge, which each channel has at its own place, there is no
+            // first moment, and nothing that its product with the area's would correct.
+            bool source = SOURCE != 0;
+            vec3 place = vec3(subgroupShuffle(load.x.x, from), subgroupShuffle(load.y.x, from),
+                              subgroupShuffle(load.z.x, from));
+            vec3 px = source ? shuffled(load.x, from) : vec3(place.x), py = source ? shuffled(load.y, from) : vec3(place.y);
+            vec3 pz = source ? shuffled(load.z, from) : vec3(place.z);
+            Layers m = Layers(px, py, pz, shuffled(load.w, from), source ? none : shuffled(load.ux, from),
+                              source ? none : shuffled(load.uy, from), source ? none : shuffled(load.uz, from),
+                              shuffled(load.xx, from), shuffled(load.yy, from), shuffled(load.zz, from),
+                              shuffled(load.yz, from), shuffled(load.zx, from), shuffled(load.xy, from));
+            SecondMoments second = area;
+            second.diagonal = source ? none : shuffled(area.diagonal, from);
+            second.mixed = source ? none : shuffled(area.mixed, from);
+            vec3 x = self.x.x - m.x, y = self.x.y - m.y, z = self.x.z - m.z;
+            sum += layers_at(m, second, kernel_at(x * x + y * y + z * z), x, y, z);
+        }
     }
     if (self.present) received[self.face] = sum;
 }
