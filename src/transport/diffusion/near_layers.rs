@@ -2,10 +2,11 @@
 //! and material alone, and serves every step of the solver; blocks with more near triangles than are kept compute the
 //! first of them anew in each step.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
+use super::Medium;
 use super::near::{by_edges, sampled};
-use super::{Medium, sums::corners};
 use crate::dipole::form_factor::gauss::{Node, legendre};
 use crate::error::Result;
 use crate::layout::{BLOCK_RECEIVERS, BufferId, Buffers, Range, Runs};
@@ -62,6 +63,19 @@ pub(super) fn computed(run: &Runs, kept: usize) -> [usize; 2] {
     let [area, edge] = [run.area as usize, run.edge as usize];
     let anew = (area + edge).saturating_sub(kept);
     [anew.min(area), anew.saturating_sub(area)]
+}
+
+/// A triangle's vertices and where they are.
+pub(super) fn corners(data: &Buffers, face: usize) -> ([u32; 3], [DVec3; 3]) {
+    let ids = data.triangles[face];
+    (ids, ids.map(|v| wide(data.positions[v as usize])))
+}
+
+/// The place of each block among those that have near triangles.
+pub(super) fn slots(runs: &[Runs]) -> Vec<usize> {
+    let next =
+        |next: &mut usize, run: &Runs| Some(std::mem::replace(next, *next + usize::from(run.area + run.edge > 0)));
+    runs.iter().scan(0, next).collect()
 }
 
 fn cpu(state: &mut State, at: Scope) {

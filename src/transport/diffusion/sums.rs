@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::Medium;
 use super::far::{Layers, Quadratic, area_moment};
 use super::near::{by_edges, sampled};
-use super::near_layers::{computed, kept};
+use super::near_layers::{computed, corners, kept, slots};
 use crate::dipole::form_factor::gauss::{Node, legendre};
 use crate::layout::{BLOCK_RECEIVERS, BufferId, Buffers, Expansion, LayerFirst, LayerPlace, LayerSecond, NONE, Runs};
 use crate::state::{Scope, State, wide};
@@ -27,12 +27,6 @@ pub(super) enum Density {
 fn depth(data: &Buffers, face: usize, c: usize) -> DVec3 {
     let deposit = &data.deposits[face];
     wide([deposit.red, deposit.green, deposit.blue][c])
-}
-
-/// A triangle's vertices and where they are.
-pub(super) fn corners(data: &Buffers, face: usize) -> ([u32; 3], [DVec3; 3]) {
-    let ids = data.triangles[face];
-    (ids, ids.map(|v| wide(data.positions[v as usize])))
 }
 
 /// The layers of all nodes, in one channel.
@@ -180,15 +174,7 @@ pub(super) fn add_up(state: &mut State, at: Scope, density: Density) {
         let known_base = state.part(BufferId::near_layers, Scope { chunk, ..at }).0;
         let data = &state.data;
         let runs = &data.runs[run_base..run_base + blocks.len()];
-        // The place of each block among those that have near triangles.
-        let slots: Vec<usize> = runs
-            .iter()
-            .scan(0, |next, run| {
-                let slot = *next;
-                *next += usize::from(run.area + run.edge > 0);
-                Some(slot)
-            })
-            .collect();
+        let slots = slots(runs);
         let of_block = |number: usize| {
             let (run, slot) = (runs[number - blocks.start], slots[number - blocks.start]);
             let list = &data.entries[entry_base + run.first as usize..];
