@@ -1,5 +1,5 @@
-// The kernel g(s) = e^(-k s) / (4 pi s) at a distance, and factors of its derivatives: c1 = 1 + a, c2 = 3 + 3a + a^2, c3 = 15 + 15a + 6a^2 + a^3
-// for a = k s; and 1 / s.
+// The kernel g(s) = e^(-k s) / (4 pi s) at a distance, and factors of its derivatives: c1 = 1 + a, c2 = 3 + 3a + a^2,
+// c3 = 15 + 15a + 6a^2 + a^3 for a = k s; and 1 / s. The includer reads `object_params`.
 struct Kernel { vec3 g, c1, c2, c3, by_s; };
 
 Kernel kernel_at(vec3 s2) {
