@@ -21,10 +21,11 @@ pub(crate) fn layer_error(tolerance: f64) -> f64 {
     8.0 * tolerance
 }
 
-/// The residual at which the solver ends, as a share of the source term. Measured, the solution errs by 2 to 5 times
-/// as much where little is absorbed.
-pub(crate) fn residual(tolerance: f64) -> f64 {
-    0.1 * tolerance
+/// The residual at which the solver ends, as a share of the source term. That is larger than the solution by what the
+/// operator makes of even light, the gain, whereas it halves what is rough. Measured on balls, a torus, a slab, a stone
+/// and a shell, the solution errs by at most 3 times the root of the gain times the residual.
+pub(crate) fn residual(tolerance: f64, gain: f64) -> f64 {
+    0.1 * tolerance * (2.4 / gain.max(1e-30).sqrt()).clamp(0.02, 1.0)
 }
 
 /// Sets what the boundary is to diffusion, from the dipole's lengths: z_b = 2 A D, and the mean depth of the first

@@ -7,7 +7,7 @@ use crate::layout::{BufferId, ListCounters, SMALL_NORMS, SMALL_SYSTEM};
 use crate::pipeline::plan::Mode;
 use crate::prepare::diffusion::residual;
 use crate::state::{Scope, Step};
-use crate::transport::diffusion::{boundary_integrals, krylov_step, krylov_sum};
+use crate::transport::diffusion::{boundary_integrals, even_gain, krylov_step, krylov_sum};
 
 /// Starts of the solver, at most; each takes as many steps as its basis has room for.
 const STARTS: usize = 20;
@@ -68,7 +68,7 @@ impl Session {
     fn solve_object(&mut self, own: &[Step], sum: Step, warm: bool, times: &mut Vec<Timing>) -> Result<()> {
         let object = sum.at.object;
         let asked = self.scene.transport.steps;
-        let target = residual(self.scene.transport.tolerance);
+        let target = self.targets(object);
         let mut report = SolveReport { object, ..SolveReport::default() };
         // From what is there: the last frame's solution, or what the starts before have found.
         self.prepared.state.method.warm = warm;
@@ -84,7 +84,7 @@ impl Session {
                     add(times, self.run(pair)?);
                     report.residual = self.residual_of(object)?;
                 }
-                report.converged = report.residual.iter().all(|&left| left <= target);
+                report.converged = report.residual.iter().zip(target).all(|(&left, most)| left <= most);
                 // A start that finds nothing left still takes a step.
                 if report.converged && asked.is_none() && taken > 0 {
                     break;
@@ -101,6 +101,15 @@ impl Session {
         self.prepared.state.method.warm = false;
         self.solves.push(report);
         Ok(())
+    }
+
+    /// The residuals at which an object's channels are done; its area counts at rest.
+    fn targets(&self, object: usize) -> [f64; 3] {
+        let (mesh, length) = (&self.scene.objects[object].mesh, self.prepared.units.length);
+        let corners = mesh.triangles.iter().map(|triangle| triangle.map(|v| mesh.positions[v as usize]));
+        let area: f64 = corners.map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
+        let gains = even_gain(&self.state().data.object_params[object], area * length * length);
+        gains.map(|gain| residual(self.scene.transport.tolerance, gain))
     }
 
     /// The norm of the residual over that of the source term, per channel; where there is no source, 0 or infinite.

@@ -14,11 +14,11 @@ use rayon::prelude::*;
 
 use crate::devices;
 
-fn options() -> Options {
+pub(super) fn options() -> Options {
     Options { transport: ShadingMethod::Diffusion, goal: Goal::Radiosity, ..Options::default() }
 }
 
-fn scene(name: &str, sets: &[&str]) -> Scene {
+pub(super) fn scene(name: &str, sets: &[&str]) -> Scene {
     Scene::load_with(name, &sets.iter().map(ToString::to_string).collect::<Vec<_>>()).unwrap()
 }
 
@@ -168,8 +168,17 @@ fn a_clear_object_is_solved_to_its_tolerance() {
     });
 }
 
+/// The distance of a solution from that of the dense system, relative, in one channel.
+pub(super) fn off(data: &Buffers, c: usize, wanted: &[f64]) -> f64 {
+    let areas = areas(data);
+    let norm = |of: &dyn Fn(usize) -> f64| {
+        areas.iter().enumerate().map(|(face, area)| area * of(face).powi(2)).sum::<f64>().sqrt()
+    };
+    norm(&|face| f64::from(data.solution[face][c]) - wanted[face]) / norm(&|face| wanted[face])
+}
+
 /// The solution of the dense system in f64, in one channel, by elimination.
-fn dense(data: &Buffers, c: usize) -> Vec<f64> {
+pub(super) fn dense(data: &Buffers, c: usize) -> Vec<f64> {
     let (faces, nodes) = (data.triangles.len(), legendre(12));
     let mut rows: Vec<Vec<f64>> = (0..faces)
         .into_par_iter()
@@ -228,15 +237,7 @@ fn tolerances_are_met_against_the_dense_system() {
                 if known.is_empty() {
                     *known = (0..3).map(|c| dense(data, c)).collect();
                 }
-                let areas = areas(data);
-                let norm = |of: &dyn Fn(usize) -> f64| {
-                    areas.iter().enumerate().map(|(face, area)| area * of(face).powi(2)).sum::<f64>().sqrt()
-                };
-                for (c, wanted) in known.iter().enumerate() {
-                    let off =
-                        norm(&|face| f64::from(data.solution[face][c]) - wanted[face]) / norm(&|face| wanted[face]);
-                    worst.push(off);
-                }
+                worst.extend(known.iter().enumerate().map(|(c, wanted)| off(data, c, wanted)));
                 println!("{sets:?} {tolerance:e}: {:?} {:?}", worst, session.solve_reports());
                 let quality = |session: &Session| {
                     let data = &session.state().data;

@@ -10,6 +10,7 @@ mod clusters;
 mod diffusion;
 mod diffusion_auto;
 mod diffusion_frames;
+mod diffusion_scenes;
 mod dropped;
 mod estimate;
 mod hierarchies;

@@ -46,10 +46,15 @@ impl Medium {
     }
 }
 
+/// What the integral operator makes of even light on a ball of this area, per channel.
+pub(crate) fn even_gain(params: &ObjectParams, area: f64) -> [f64; 3] {
+    let radius = (area / (4.0 * std::f64::consts::PI)).sqrt();
+    [0, 1, 2].map(|c| Medium::of(params, c).of_even_light(radius))
+}
+
 /// What errors of clusters count relative to: the operator's value for even light on a ball of this area, at least over
 /// the channels.
 pub(crate) fn layer_gain(params: &ObjectParams, area: f64) -> f64 {
-    let radius = (area / (4.0 * std::f64::consts::PI)).sqrt();
-    let least = (0..3).map(|c| Medium::of(params, c).of_even_light(radius)).fold(f64::INFINITY, f64::min);
+    let least = even_gain(params, area).into_iter().fold(f64::INFINITY, f64::min);
     (least / f64::from(GAIN_OF_ONE)).clamp(f64::from(LEAST_GAIN), 1.0)
 }
