@@ -18,7 +18,7 @@ impl Bar {
 
 impl Observer for Bar {
     fn begin(&self, steps: usize) {
-        let style = ProgressStyle::with_template("{pos}/{len} {wide_bar} {msg}");
+        let style = ProgressStyle::with_template("{pos}/{len} {msg} {wide_bar}");
         let bar = ProgressBar::new(steps as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         self.with(|shown| *shown = Some(bar));
     }
@@ -55,7 +55,7 @@ pub(super) fn show_walk(progress: Option<&WalkProgress>) {
             bar.set_position(position);
         }
         _ => {
-            let style = ProgressStyle::with_template("{prefix} {wide_bar} {msg}");
+            let style = ProgressStyle::with_template("{prefix}: {msg} {wide_bar}");
             let bar = ProgressBar::new(1000).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
             let bar = bar.with_prefix(prefix).with_message(message).with_position(position);
             bar.tick();

@@ -80,12 +80,12 @@ fn a_terminal_shows_how_far_it_is_and_a_pipe_nothing() {
     let line = format!("solve {BALL} --set transport.walk_error=0.06 --device cpu -o w.csv");
     let (_, err) = good(&here, &line);
     assert!(err.lines().all(|line| line.starts_with("walk, object 0: ") || line.starts_with("long: ")), "{err}");
-    // `script` runs it on a terminal of its own.
-    let words = format!("{} {line}", env!("CARGO_BIN_EXE_milkglass"));
+    // `script` runs it on a terminal of its own, which has no size and no kind where the test has no terminal.
+    let words = format!("stty cols 120; TERM=xterm {} {line}", env!("CARGO_BIN_EXE_milkglass"));
     let output = Command::new("script").args(["-qec", &words, "/dev/null"]).current_dir(here.path()).output().unwrap();
     let shown = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{shown}");
-    for word in ["walk, object 0 ", " % of 6 %, ", " s left", "walk, object 0: "] {
+    for word in ["walk, object 0: error ", " % of 6 %, ", " s left", "walk, object 0: "] {
         assert!(shown.contains(word), "{word}: {shown}");
     }
     // The line at the end stands by itself.
