@@ -107,8 +107,14 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
             for first in (0..pass.state.data.object_params[0].near_capacity).step_by(NEAR_PART as usize) {
                 let push = [range, Range { first, count: NEAR_PART }];
                 let push = bytemuck::bytes_of(&push);
-                pass.dispatch_counted("area", &[source, kept], push, (BufferId::near_groups, 0))?;
-                pass.dispatch_counted("edge", &[source, kept, nodes], push, (BufferId::near_groups, 0))?;
+                let groups = (BufferId::near_groups, 0);
+                if source > 0 {
+                    pass.dispatch_counted("source_area", &[], push, groups)?;
+                    pass.dispatch_counted("source_edge", &[nodes], push, groups)?;
+                } else {
+                    pass.dispatch_counted("area", &[kept], push, groups)?;
+                    pass.dispatch_counted("edge", &[kept, nodes], push, groups)?;
+                }
             }
             if kept > 0 {
                 pass.dispatch_counted("near", &[kept], bytemuck::bytes_of(&range), (BufferId::near_groups, 0))?;

@@ -7,6 +7,7 @@ use super::Medium;
 use super::far::{Layers, Quadratic, area_moment};
 use super::near::{by_edges, sampled};
 use super::near_layers::{computed, corners, kept, slots};
+use crate::dipole::distance2;
 use crate::dipole::form_factor::gauss::{Node, legendre};
 use crate::layout::{BLOCK_RECEIVERS, BufferId, Buffers, Expansion, LayerFirst, LayerPlace, LayerSecond, NONE, Runs};
 use crate::state::{Scope, State, wide};
@@ -27,6 +28,15 @@ pub(super) enum Density {
 fn depth(data: &Buffers, face: usize, c: usize) -> DVec3 {
     let deposit = &data.deposits[face];
     wide([deposit.red, deposit.green, deposit.blue][c])
+}
+
+/// Whether the light that a triangle deposits is too near to a place for area points, in any channel; exact on every
+/// device.
+fn too_near(data: &Buffers, node: usize, area_distance: f32, x: [f32; 3]) -> bool {
+    let (center, reach) = (data.clusters[node].center, area_distance.max(0.0));
+    let deposit = &data.deposits[data.topology[node].face as usize];
+    let place = |depth: [f32; 3]| [0, 1, 2].map(|i| center[i] + depth[i]);
+    [deposit.red, deposit.green, deposit.blue].into_iter().any(|depth| distance2(x, place(depth)) < reach * reach)
 }
 
 /// The layers of all nodes, in one channel.
@@ -91,6 +101,8 @@ fn store(data: &mut Buffers, c: usize, all: &[Layers]) {
 /// One channel's sums over lists.
 struct Sums<'a> {
     data: &'a Buffers,
+    /// Where the emitters of its lists begin.
+    emitters: usize,
     base: usize,
     density: Density,
     c: usize,
@@ -128,14 +140,20 @@ impl Sums<'_> {
         let last = area.iter().chain(edge).skip(area.len() + edge.len() - known.len());
         sum += last.zip(known).map(|(&node, known)| charge(node) * known).sum::<f64>();
         let anew = computed(run, known.len());
+        let source = self.density == Density::Source;
         for (list, points) in [(&area[..anew[0]], true), (&edge[..anew[1]], false)] {
             for &node in list {
                 let emitter = self.data.topology[node as usize].face as usize;
                 let cluster = &self.data.clusters[node as usize];
-                let source = self.density == Density::Source;
                 let moved = if source { depth(self.data, emitter, self.c) } else { DVec3::ZERO };
                 let (ids, corners) = corners(self.data, emitter);
                 let corners = corners.map(|corner| corner + moved);
+                let points = if source {
+                    let distance = self.data.emitters[self.emitters + node as usize].area;
+                    !too_near(self.data, node as usize, distance, self.data.receiver_positions[face])
+                } else {
+                    points
+                };
                 let size = f64::from(cluster.area).max(1e-37);
                 let charge = charge(node);
                 if points {
@@ -162,7 +180,7 @@ impl LayerFirst {
 /// Computes all layers, and adds up the lists of every block: `expansions` and `received`.
 pub(super) fn add_up(state: &mut State, at: Scope, density: Density) {
     let first = Scope { chunk: 0, ..at };
-    let (base, _) = state.part(BufferId::moments, first);
+    let [base, emitters] = [BufferId::moments, BufferId::emitters].map(|id| state.part(id, first).0);
     for c in 0..3 {
         let all = climb(&state.data, base, density, c);
         store(&mut state.data, c, &all);
@@ -184,7 +202,7 @@ pub(super) fn add_up(state: &mut State, at: Scope, density: Density) {
             let mut received = vec![[0.0f32; 3]; faces.len()];
             for c in 0..3 {
                 let medium = Medium::of(&data.object_params[0], c);
-                let sums = Sums { data, base, density, c, medium, nodes: &nodes };
+                let sums = Sums { data, emitters, base, density, c, medium, nodes: &nodes };
                 let e = sums.expand(wide(data.spheres[number].center), &list[..run.expanded as usize]);
                 put(&mut expansion, c, &e);
                 for (face, received) in faces.clone().zip(&mut received) {

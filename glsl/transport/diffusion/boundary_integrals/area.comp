@@ -4,8 +4,7 @@
 
 // Near triangles by 6 area points, each at every receiver of the block; but not those whose layers are kept.
 layout(local_size_x = GROUP_SIZE) in;
-layout(constant_id = 0) const uint SOURCE = 0;
-layout(constant_id = 1) const uint KEPT = 0;
+layout(constant_id = 0) const uint KEPT = 0;
 layout(push_constant, scalar) uniform push_block { Range range; Range part; };
 READS(object_params)
 READS(blocks)
@@ -13,7 +12,6 @@ READS(receiver_positions)
 READS(topology)
 READS(triangles)
 READS(positions)
-READS(deposits)
 READS(runs)
 READS(entries)
 READS(near)
@@ -40,19 +38,11 @@ void main() {
         vec3 a = self.x - positions[corner.x], b = self.x - positions[corner.y], c = self.x - positions[corner.z];
         vec3 charge = layer_places[node].charge;
         LayerFirst u = layer_firsts[node];
-        vec3 dx = vec3(0), dy = vec3(0), dz = vec3(0);
-        if (SOURCE != 0) {
-            Deposit deposit = deposits[face];
-            dx = vec3(deposit.red.x, deposit.green.x, deposit.blue.x);
-            dy = vec3(deposit.red.y, deposit.green.y, deposit.blue.y);
-            dz = vec3(deposit.red.z, deposit.green.z, deposit.blue.z);
-        }
         for (uint j = 0; j < 6; ++j) {
             vec4 point = RULE[RULE_FIRST[1] + j];
             vec3 d = point.x * a + point.y * b + point.z * c;
-            vec3 x = d.x - dx, y = d.y - dy, z = d.z - dz;
-            Kernel kernel = kernel_at(x * x + y * y + z * z);
-            vec3 along = (u.x * x + u.y * y + u.z * z) * kernel.by_s;
+            Kernel kernel = kernel_at(vec3(dot(d, d)));
+            vec3 along = (u.x * d.x + u.y * d.y + u.z * d.z) * kernel.by_s;
             sum += point.w * kernel.g * (charge + kernel.c1 * along * kernel.by_s);
         }
     }

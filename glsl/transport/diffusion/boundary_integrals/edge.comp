@@ -2,12 +2,10 @@
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
-// The nearest triangles by the edge form, each at every receiver of the block; but not those whose layers are kept. Of
-// the source term there is a single layer only, each channel's at its own depth.
+// The nearest triangles by the edge form, each at every receiver of the block; but not those whose layers are kept.
 layout(local_size_x = GROUP_SIZE) in;
-layout(constant_id = 0) const uint SOURCE = 0;
-layout(constant_id = 1) const uint KEPT = 0;
-layout(constant_id = 2) const uint NODES = 6;
+layout(constant_id = 0) const uint KEPT = 0;
+layout(constant_id = 1) const uint NODES = 6;
 layout(push_constant, scalar) uniform push_block { Range range; Range part; };
 READS(object_params)
 READS(blocks)
@@ -16,7 +14,6 @@ READS(clusters)
 READS(topology)
 READS(triangles)
 READS(positions)
-READS(deposits)
 READS(runs)
 READS(entries)
 READS(near)
@@ -24,7 +21,6 @@ READS(near_groups)
 READS(layer_places)
 UPDATES(received)
 #include "transport/diffusion/edges.glsl"
-#include "transport/diffusion/source_edges.glsl"
 #include "transport/blocks/gather/receiver.glsl"
 #include "transport/diffusion/near_receiver.glsl"
 
@@ -40,15 +36,9 @@ void main() {
         vec3 a = positions[corner.x] - self.x, b = positions[corner.y] - self.x, c = positions[corner.z] - self.x;
         vec3 normal = cluster.area > 0.0 ? cluster.normal / cluster.area : vec3(0);
         vec3 value = layer_places[node].charge / max(cluster.area, 1e-37), single, twice;
-        if (SOURCE != 0) {
-            Deposit deposit = deposits[face];
-            vec3 depth[3] = vec3[3](deposit.red, deposit.green, deposit.blue);
-            sum += value * single_at_depths(k, vec3[3](a, b, c), cluster.center - self.x, depth, normal);
-        } else {
-            float height = face == self.face ? 0.0 : -dot(cluster.center - self.x, normal);
-            layers_of_triangle(k, a, b, c, corner, normal, height, single, twice);
-            sum += value * (single + z * twice);
-        }
+        float height = face == self.face ? 0.0 : -dot(cluster.center - self.x, normal);
+        layers_of_triangle(k, a, b, c, corner, normal, height, single, twice);
+        sum += value * (single + z * twice);
     }
     if (self.present && computed(run).y > part.first) received[self.face] += sum;
 }
