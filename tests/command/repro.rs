@@ -49,6 +49,13 @@ fn a_planted_fault_is_dumped_and_replayed() {
         let replay = format!("replay {} --no-validation", case.strip_prefix(here.path()).unwrap().display());
         good(&here, &format!("{replay} --replace transport/blocks/push=sound.comp"));
         bad(&here, &replay, 1, &["1 case fails"]);
+        // The least of it shows the same.
+        let least = line.replace(&format!("--dump {fault}"), &format!("--dump {fault}-least --minimize"));
+        assert_eq!(program(&here, &least).output().unwrap().status.code(), Some(1));
+        amber::read(&only(&here.path().join(format!("{fault}-least"))));
+        let replay = format!("replay {fault}-least --no-validation");
+        bad(&here, &replay, 1, &["1 case fails"]);
+        good(&here, &format!("{replay} --replace transport/blocks/push=sound.comp"));
     }
     // A barrier that is missing within a kernel.
     let kernel = "transport/blocks/coarse_solve/root";
