@@ -42,10 +42,35 @@ fn main() {
         }
     }
     println!("cargo::rerun-if-env-changed=GLSLC");
+    name_commit();
     link_shaderc();
     if let Err(message) = run() {
         println!("cargo::error={}", message.trim_end().replace('\n', "\ncargo::error="));
         process::exit(1);
+    }
+}
+
+/// Tells the program its commit, which results name: `MILKGLASS_COMMIT`, else what git says where this is the root of a
+/// checkout. What was changed since that commit does not show.
+fn name_commit() {
+    println!("cargo::rerun-if-env-changed=MILKGLASS_COMMIT");
+    if env::var_os("MILKGLASS_COMMIT").is_some() {
+        return;
+    }
+    let git = |words: &[&str]| {
+        let run = process::Command::new("git").args(words).output().ok().filter(|run| run.status.success())?;
+        Some(String::from_utf8(run.stdout).ok()?.trim().to_string())
+    };
+    // A package that lies in another repository is not of its commit.
+    let Some("") = git(&["rev-parse", "--show-prefix"]).as_deref() else { return };
+    let Some(commit) = git(&["rev-parse", "HEAD"]).filter(|_| Path::new(".git").exists()) else { return };
+    println!("cargo::rustc-env=MILKGLASS_COMMIT={commit}");
+    // The log of HEAD grows with each commit and checkout; without one, HEAD and its branch.
+    let branch = git(&["symbolic-ref", "-q", "HEAD"]);
+    for name in ["logs/HEAD", "HEAD"].into_iter().chain(branch.as_deref()) {
+        if let Some(file) = git(&["rev-parse", "--git-path", name]).filter(|file| Path::new(file).exists()) {
+            println!("cargo::rerun-if-changed={file}");
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 #include "layout.glsl"
 
 // What kernels rely on, and what some drivers get wrong: each probe has an exact answer, in whole words. Numbers come
@@ -18,7 +19,10 @@ struct Uneven {
 layout(set = 0, binding = 0, scalar) restrict readonly buffer number_block { uint rows; uint numbers[]; };
 layout(set = 0, binding = 1, scalar) restrict readonly buffer term_block { float terms[]; };
 layout(set = 0, binding = 2, scalar) restrict readonly buffer uneven_block { Uneven uneven[]; };
-layout(set = 0, binding = 3, scalar) restrict writeonly buffer answer_block { uint probed[]; };
+layout(set = 0, binding = 3, scalar) restrict buffer answer_block { uint probed[]; };
+// The groups of two indirect dispatches.
+layout(set = 0, binding = 4, scalar) restrict writeonly buffer count_block { uint counts[]; };
+layout(push_constant, scalar) uniform push_block { uint pushed[32]; };
 
 shared uint parts[GROUP_SIZE];
 
@@ -72,8 +76,30 @@ uint shared_memory() {
     return parts[0] + other;
 }
 
+// The place of this lane, counted by subgroups.
+uint lane() {
+    return gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
+}
+
+// The other lane of each pair, while the lanes of other pairs have left the loop; from memory where there are no pairs.
+uint shuffled() {
+    uint sum = 0, last = lane() / 2 % 5;
+    for (uint row = 0; row <= last; ++row) {
+        uint other = subgroupShuffle(numbers[row * GROUP_SIZE + lane()], gl_SubgroupInvocationID ^ 1);
+        sum += gl_SubgroupSize < 2 ? numbers[row * GROUP_SIZE + (lane() ^ 1)] : other;
+    }
+    return sum;
+}
+
+// Every second lane asks the next one, which is elsewhere.
+uint inactive() {
+    uint own = numbers[lane()];
+    if ((lane() & 1) == 0) own = subgroupShuffle(own, gl_SubgroupInvocationID + 1);
+    return own;
+}
+
 void main() {
-    uint answer = 0;
+    uint answer = 0, at = gl_LocalInvocationIndex;
     if (PROBE == 0) answer = nested();
     if (PROBE == 1) answer = long_loops();
     if (PROBE == 2) answer = floatBitsToUint(terms[0] + terms[1]);
@@ -88,5 +114,23 @@ void main() {
         answer = floatBitsToUint(own.before + 2 * own.middle.x + 4 * own.middle.y + 8 * own.middle.z + 16 * own.after);
     }
     if (PROBE == 6) answer = shared_memory();
-    probed[gl_LocalInvocationIndex] = answer;
+    if (PROBE == 7) {
+        at = lane();
+        answer = shuffled();
+    }
+    if (PROBE == 8) {
+        at = lane();
+        answer = inactive();
+    }
+    if (PROBE == 9) answer = pushed[number(0) % 32];
+    if (PROBE == 10 && at == 0) {
+        uint groups[6] = uint[6](3, 1, 1, 0, 1, 1);
+        for (uint k = 0; k < 6; ++k) counts[k] = groups[k];
+    }
+    if (PROBE == 11) {
+        // As many groups as probe 10 wrote.
+        atomicAdd(probed[at], gl_WorkGroupID.x + 1);
+        return;
+    }
+    probed[at] = answer;
 }

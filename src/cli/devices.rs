@@ -26,10 +26,10 @@ fn probes() -> Result<()> {
         for fact in probe(&opened(&instance, adapter)?)? {
             lacking += usize::from(fact.needed && !fact.right);
             let needed = if fact.needed { "needed" } else { "avoided" };
-            rows.push(vec![adapter.name.clone(), fact.what.into(), needed.into(), fact.found]);
+            rows.push(vec![adapter.name.clone(), fact.name, fact.what, needed.into(), fact.found]);
         }
     }
-    print(&format!("\n{}", table(&["device", "probe", "kernels", "found"], &[], &rows)))?;
+    print(&format!("\n{}", table(&["device", "probe", "what it shows", "kernels", "found"], &[], &rows)))?;
     match lacking {
         0 => Ok(()),
         1 => Err(Error::Check("1 probe that kernels rely on fails".into())),

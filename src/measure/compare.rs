@@ -9,6 +9,9 @@ use crate::state::{State, Tolerance};
 /// Upper bounds, in units in the last place, of all but the last bin of [`Comparison::histogram`].
 pub const BINS: [u64; 7] = [0, 1, 3, 7, 15, 255, 65_535];
 
+/// Distances beyond this, in units in the last place, want to be explained where they are within tolerance.
+const FAR: u64 = 255;
+
 /// Differences between one buffer of the device and the reference's.
 #[derive(Clone, Debug, Default)]
 pub struct Comparison {
@@ -32,6 +35,8 @@ pub struct Comparison {
     pub worst: Option<String>,
     /// Where the failures are.
     pub places: String,
+    /// The float of the largest distance, and why it may be that far off: only where that is not for its own size.
+    pub farthest: Option<String>,
 }
 
 /// Distance between two floats in units in the last place; `u64::MAX` if either is NaN.
@@ -84,7 +89,7 @@ pub fn compare(
     }
     let rules = Rules::new(slot, reference, tolerance);
 
-    let (mut wrong, mut worst) = (Vec::new(), (0, 0.0));
+    let (mut wrong, mut worst, mut farthest) = (Vec::new(), (0, 0.0), 0);
     for (i, (&x, &y)) in a.iter().zip(b).enumerate() {
         let mut beyond = 0.0;
         let k = i % layout.len();
@@ -93,13 +98,15 @@ pub fn compare(
         if word.number == Number::Float && told {
             let distance = if x == y { 0 } else { ulp(f32::from_bits(x), f32::from_bits(y)) };
             result.histogram[BINS.iter().take_while(|most| distance > **most).count()] += 1;
-            result.ulp = result.ulp.max(distance);
+            if distance > result.ulp {
+                (result.ulp, farthest) = (distance, i);
+            }
         }
         let passes = match word.number {
             Number::Float if x != y => {
                 let (p, q) = (f32::from_bits(x), f32::from_bits(y));
                 let difference = (f64::from(p) - f64::from(q)).abs();
-                let Allowed { lowest, most } = rules.at(i);
+                let Allowed { lowest, most, .. } = rules.at(i);
                 let allowed = most.unwrap_or(0.0);
                 let relative = difference / f64::from(p).abs().max(lowest).max(1e-38);
                 // NaN and infinity count as infinitely far off.
@@ -131,6 +138,12 @@ pub fn compare(
         format!("{name}[{element}]{dot}{}: reference {}, device {}", word.path, show(a[i]), show(b[i]))
     };
     result.first = wrong.first().map(|&first| told(first));
+    if result.ulp > FAR && wrong.is_empty() {
+        result.farthest = rules.at(farthest).beside_its_share().map(|why| {
+            let off = (f64::from(f32::from_bits(b[farthest])) - f64::from(f32::from_bits(a[farthest]))).abs();
+            format!("{}: off by {off:.1e}, {why}", told(farthest))
+        });
+    }
     if let Some(first) = wrong.first() {
         result.worst = (worst.0 != *first).then(|| told(worst.0));
         result.places = pattern(&wrong, &layout, part);
@@ -176,6 +189,24 @@ mod tests {
             compare(BufferId::radiosity, &state(vec![[1.0; 3]]), &state(vec![[1.0, f32::NAN, 1.0]]), tolerance, (0, 1));
         assert_eq!(found.failures, 1);
         assert_eq!(found.ulp, u64::MAX);
+    }
+
+    #[test]
+    fn a_float_that_is_far_off_and_conforms_explains_itself() {
+        let (near, far) = (state(vec![[1.0, 1e-9, 1.0]]), state(vec![[1.0, 2e-9, 1.0]]));
+        let found = |floor| {
+            let tolerance = Tolerance::Float { relative: 1e-5, floor };
+            compare(BufferId::radiosity, &near, &far, tolerance, (0, 1))
+        };
+        let text = found(1e-6).farthest.unwrap();
+        assert!(text.starts_with("radiosity[0].1: reference 1e-9 (0x3089705f), device 2e-9"), "{text}");
+        assert!(text.ends_with("off by 1.0e-9, allowed 1.0e-6, 1.0e-6 of it by the floor"), "{text}");
+        // A failure has words of its own.
+        assert!(found(1e-12).farthest.is_none());
+        let by_share = Allowed { lowest: 1e-9, rounding: 0.0, most: Some(1e-5) };
+        assert_eq!(by_share.beside_its_share(), None);
+        let rounded = Allowed { lowest: 1e-9, rounding: 1e-5, most: Some(1e-5) };
+        assert!(rounded.beside_its_share().unwrap().contains("by the rounding of its own element"));
     }
 
     #[test]

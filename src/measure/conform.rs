@@ -43,6 +43,8 @@ pub struct Row {
     pub biases: Vec<Bias>,
     /// Everything found wrong; empty if the stage conforms.
     pub faults: Vec<String>,
+    /// The float of the largest distance of all, where it conforms for another reason than its own size.
+    pub farthest: Option<String>,
     /// Of each buffer that the stage writes, a hash of what the device left in all steps.
     pub hashes: Vec<(&'static str, u64)>,
     /// Time of the comparison by the host's clock, seconds.
@@ -118,7 +120,9 @@ fn compared(
                 Some(known) => {
                     known.steps += 1;
                     known.words += row.words;
-                    known.ulp = known.ulp.max(row.ulp);
+                    if row.ulp > known.ulp {
+                        (known.ulp, known.farthest) = (row.ulp, row.farthest);
+                    }
                     known.histogram.iter_mut().zip(row.histogram).for_each(|(sum, count)| *sum += count);
                     known.relative = known.relative.max(row.relative);
                     known.used = known.used.max(row.used);
@@ -246,7 +250,9 @@ impl Pair {
                 compare(slot, &self.reference, &self.device, tolerance, self.reference.part(slot, step.at));
             if written.is_some() {
                 row.words += found.words;
-                row.ulp = row.ulp.max(found.ulp);
+                if found.ulp > row.ulp {
+                    (row.ulp, row.farthest) = (found.ulp, found.farthest);
+                }
                 row.histogram.iter_mut().zip(found.histogram).for_each(|(sum, count)| *sum += count);
                 row.relative = row.relative.max(found.relative);
                 row.used = row.used.max(found.used);
@@ -255,7 +261,7 @@ impl Pair {
             if found.failures > 0 {
                 let what = if written.is_some() { "beyond tolerance" } else { "changed though not written" };
                 let first = found.first.unwrap_or_default();
-                let mut fault = format!("{step:?} {what}, {} words: {first}", found.failures);
+                let mut fault = format!("{step} {what}, {} words: {first}", found.failures);
                 if let Some(worst) = found.worst {
                     fault += &format!("; worst {worst}");
                 }
@@ -269,10 +275,10 @@ impl Pair {
         for ((slot, _, _), first) in step.stage.writes.iter().zip(first) {
             row.hashes.push((slot.spec().name, hashed(SEED, first)));
             if self.device.data.bytes(*slot) != first {
-                row.faults.push(format!("{step:?} two runs differ in buffer {}", slot.spec().name));
+                row.faults.push(format!("{step} two runs differ in buffer {}", slot.spec().name));
             }
         }
-        row.faults.extend(trespasses.iter().map(|name| format!("{step:?} wrote beyond the end of buffer {name}")));
+        row.faults.extend(trespasses.iter().map(|name| format!("{step} wrote beyond the end of buffer {name}")));
         row.faults.extend(self.device_state.device().take_messages());
         row
     }

@@ -53,23 +53,25 @@ pub fn pattern(wrong: &[usize], layout: &[Word], part: (usize, usize)) -> String
             text += &format!(": number {}", first / group);
         }
     }
-    // A map: `#` where all elements of a cell are wrong, `+` where some are.
     let cells = CELLS.min(part.1);
-    let mut counts = vec![0usize; cells];
-    let cell = |element: usize| (element * cells / part.1.max(1)).min(cells - 1);
-    own.iter().for_each(|&element| counts[cell(element)] += 1);
-    let mut sizes = vec![0usize; cells];
-    (0..part.1).for_each(|element| sizes[cell(element)] += 1);
-    let map: String = counts
-        .iter()
-        .zip(&sizes)
-        .map(|(&count, &size)| match count {
-            0 => '.',
-            count if count >= size => '#',
-            _ => '+',
-        })
-        .collect();
-    format!("{text} [{map}]")
+    text += &format!(" [{}]", map(&own, part.1, cells, |element| (element * cells / part.1.max(1)).min(cells - 1)));
+    if all > 1 {
+        text += &format!(", by lanes of the groups [{}]", map(&own, part.1, group, |element| element % group));
+    }
+    text
+}
+
+/// A map of so many cells: `#` where all elements of a cell are wrong, `+` where some are, `.` where none is.
+fn map(wrong: &[usize], all: usize, cells: usize, cell: impl Fn(usize) -> usize) -> String {
+    let (mut counts, mut sizes) = (vec![0usize; cells], vec![0usize; cells]);
+    wrong.iter().for_each(|&element| counts[cell(element)] += 1);
+    (0..all).for_each(|element| sizes[cell(element)] += 1);
+    let sign = |(&count, &size): (&usize, &usize)| match count {
+        0 => '.',
+        count if count >= size => '#',
+        _ => '+',
+    };
+    counts.iter().zip(&sizes).map(sign).collect()
 }
 
 #[cfg(test)]
@@ -90,6 +92,7 @@ mod tests {
         let lanes: Vec<usize> = (0..128).filter(|e| e % 4 == 1).collect();
         let text = pattern(&words(&lanes), &layout, (0, 128));
         assert!(text.starts_with("32 of 128 elements, all of them 1 modulo 4, in 2 of 2 groups of 64 [+.+."), "{text}");
+        assert!(text.contains("], by lanes of the groups [.#...#...#"), "{text}");
         let group: Vec<usize> = (100 + 64..100 + 128).collect();
         let text = pattern(&words(&group), &layout, (100, 256));
         assert!(

@@ -31,8 +31,24 @@ struct Rule {
 pub struct Allowed {
     /// The floor of its tolerance.
     pub lowest: f64,
+    /// What rounding of its element's own data explains.
+    pub rounding: f64,
     /// The largest difference that is allowed; none if the bits must agree.
     pub most: Option<f64>,
+}
+
+impl Allowed {
+    /// What allows the most, in words, where it is not a share of the value itself.
+    #[must_use]
+    pub fn beside_its_share(&self) -> Option<String> {
+        let most = self.most?;
+        let text = |part: f64, what: &str| Some(format!("allowed {most:.1e}, {part:.1e} of it {what}"));
+        match (self.lowest, self.rounding) {
+            (lowest, rounding) if lowest + rounding < 0.5 * most => None,
+            (lowest, rounding) if rounding > lowest => text(rounding, "by the rounding of its own element"),
+            (lowest, _) => text(lowest, "by the floor"),
+        }
+    }
 }
 
 impl<'a> Rules<'a> {
@@ -61,8 +77,9 @@ impl<'a> Rules<'a> {
             let field = rounding.fields.iter().position(|name| *name == field_of(&word.path))?;
             more.get(index / self.layout.len() * rounding.fields.len() + field)
         });
-        let most = rule.relative * value(index).abs() + lowest + more.copied().unwrap_or(0.0);
-        Allowed { lowest, most: Some(most) }
+        let rounding = more.copied().unwrap_or(0.0);
+        let most = rule.relative * value(index).abs() + lowest + rounding;
+        Allowed { lowest, rounding, most: Some(most) }
     }
 }
 

@@ -1,5 +1,6 @@
 //! The text for a failed comparison, ready to be pasted into a bug report to the driver's vendor.
 
+use super::probe::FIXTURE;
 use super::results::{Outcome, Verdict};
 use crate::pipeline::frame::{owner, stage};
 
@@ -13,8 +14,11 @@ pub fn verdict(outcome: &Outcome, subgroup: u64, replaced: &[String]) -> String 
         .filter(|name| owner(name).is_some_and(|stage| stage.name == outcome.stage))
         .collect();
     let own = if replaced.is_empty() { String::new() } else { format!(", with a replaced {}", replaced.join(", ")) };
-    let about = stage(&outcome.stage).map_or("before its first stage", |stage| stage.about);
+    let probe = outcome.fixture == FIXTURE;
+    let none = if probe { "a probe of what kernels rely on" } else { "before its first stage" };
+    let about = stage(&outcome.stage).map_or(none, |stage| stage.about);
     let what = match outcome.verdict {
+        Verdict::Differs if probe => "the device lacks what kernels rely on",
         Verdict::Conforms | Verdict::Differs => "a stage on the device differs from its reference on the CPU",
         Verdict::Hung => "a stage on the device does not end",
         Verdict::Crashed => "a stage on the device ended the process",

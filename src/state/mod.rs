@@ -1,5 +1,6 @@
 //! What a frame works on ([`State`]), what a [`Stage`] is, and the state's copy on a device.
 
+mod carrier;
 mod change;
 mod device;
 mod objects;
@@ -11,12 +12,13 @@ pub mod stage;
 mod tolerance;
 mod trace;
 
+pub use carrier::Carrier;
 pub use change::{Change, Changes, Update};
 pub use device::DeviceState;
 pub use objects::{Extent, LitAt, Object};
 pub use pass::{Bound, Dispatch, Pass, dispatches};
 pub use schedule::{Chunk, Schedule};
-pub use stage::{Carrier, Host, Need, Role, Serves, Size, Stage, Step};
+pub use stage::{Host, Need, Role, Serves, Size, Stage, Step};
 pub use tolerance::{Field, Rounding, Tolerance};
 pub use trace::{Trace, Traced, TracedBinding};
 

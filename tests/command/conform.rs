@@ -17,7 +17,7 @@ fn planted(here: &TempDir, file: &str, new: &str) {
 }
 
 /// The results in a file: of lines, or of one object.
-fn results(here: &TempDir, name: &str) -> Vec<Value> {
+pub fn results(here: &TempDir, name: &str) -> Vec<Value> {
     let text = read(here, name);
     let lines = text.lines().map(|line| serde_json::from_str::<Value>(line).unwrap_or_default());
     let found: Vec<Value> = lines.filter_map(|line| line.get("result").cloned()).collect();
@@ -28,7 +28,7 @@ fn results(here: &TempDir, name: &str) -> Vec<Value> {
 }
 
 /// Fixture and stage of each result, sorted.
-fn keys(results: &[Value]) -> Vec<String> {
+pub fn keys(results: &[Value]) -> Vec<String> {
     let mut keys: Vec<String> = results.iter().map(|row| format!("{}/{}", row["fixture"], row["stage"])).collect();
     keys.sort();
     keys
@@ -58,6 +58,9 @@ fn results_come_as_lines_and_as_one_object() {
     assert_eq!((&run["schema"], &run["version"]), (&1.into(), &env!("CARGO_PKG_VERSION").into()));
     assert!(run["command"].as_str().unwrap().contains("--stage push,gather"), "{run}");
     assert!(run["date"].as_str().unwrap().ends_with('Z') && run["date"].as_str().unwrap().len() == 20, "{run}");
+    // In a checkout the build asks git; cargo gives tests the same variable.
+    assert_eq!(run["commit"].as_str(), option_env!("MILKGLASS_COMMIT"), "{run}");
+    assert!(!std::path::Path::new(".git").exists() || run["commit"].as_str().is_some_and(|c| c.len() == 40), "{run}");
     let device = &run["devices"][0];
     assert!(device["vendor_id"].as_u64() > Some(0) && device["driver_version"].as_u64() > Some(0), "{device}");
     assert!(device["limits"]["binding_bytes"].as_u64() > Some(1 << 20), "{device}");
@@ -71,8 +74,8 @@ fn results_come_as_lines_and_as_one_object() {
     // The guide explains every key.
     let guide = include_str!("../../src/guide/drivers.md");
     let (run, row) = (run.as_object().unwrap(), whole["results"][0].as_object().unwrap());
-    let device = device.as_object().unwrap();
-    for key in run.keys().chain(device.keys()).chain(row.keys()) {
+    let (device, probe) = (device.as_object().unwrap(), device["probes"][0].as_object().unwrap());
+    for key in run.keys().chain(device.keys()).chain(row.keys()).chain(probe.keys()).chain([&"farthest".to_string()]) {
         assert!(guide.contains(&format!("`{key}`")), "the guide does not explain {key}");
     }
 }

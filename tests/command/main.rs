@@ -18,6 +18,7 @@ mod line;
 mod lists;
 mod long_work;
 mod pareto;
+mod probes;
 mod profile;
 mod report;
 mod repro;

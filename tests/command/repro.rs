@@ -37,7 +37,7 @@ fn a_planted_fault_is_dumped_and_replayed() {
         let output = program(&here, &line).output().unwrap();
         let (out, err) = said(&output);
         assert_eq!(output.status.code(), Some(1), "{out}{err}");
-        assert!(err.contains("1 dispatch"), "{err}");
+        assert!(err.contains("1 dispatch") && err.contains("differs: push of object 0 beyond tolerance"), "{err}");
         if fault == "lane" {
             assert!(err.contains("; wrong: 6 of 24 elements, all of them 1 modulo 4 [.#...#"), "{err}");
         }
@@ -49,7 +49,26 @@ fn a_planted_fault_is_dumped_and_replayed() {
         let replay = format!("replay {} --no-validation", case.strip_prefix(here.path()).unwrap().display());
         good(&here, &format!("{replay} --replace transport/blocks/push=sound.comp"));
         bad(&here, &replay, 1, &["1 case fails"]);
+        // The least of it shows the same.
+        let least = line.replace(&format!("--dump {fault}"), &format!("--dump {fault}-least --minimize"));
+        assert_eq!(program(&here, &least).output().unwrap().status.code(), Some(1));
+        amber::read(&only(&here.path().join(format!("{fault}-least"))));
+        let replay = format!("replay {fault}-least --no-validation");
+        bad(&here, &replay, 1, &["1 case fails"]);
+        good(&here, &format!("{replay} --replace transport/blocks/push=sound.comp"));
     }
+    // A barrier that is missing within a kernel.
+    let kernel = "transport/blocks/coarse_solve/root";
+    let (source, _) = good(&here, &format!("shader {kernel}"));
+    std::fs::write(here.path().join("sound.comp"), &source).unwrap();
+    std::fs::write(here.path().join("bare.comp"), source.replace("barrier();", "")).unwrap();
+    let line = "conform --filter ^sphere.with.holes$ --no-validation";
+    let output = program(&here, &format!("{line} --replace {kernel}=bare.comp --dump bare")).output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{:?}", said(&output));
+    amber::read(&only(&here.path().join("bare")));
+    bad(&here, "replay bare --no-validation", 1, &["reference_level[0]", "1 case fails"]);
+    good(&here, &format!("replay bare --no-validation --replace {kernel}=sound.comp"));
+    planted(&here, "sound.comp", "max(sum, vec3(0))", "max(sum, vec3(0))");
     // Of many groups, the one that fails.
     planted(&here, "one.comp", "max(sum, vec3(0))", "max(sum, vec3(0)) * (group == 7 ? 0.5 : 1)");
     let kernel = "--replace transport/blocks/push=one.comp";
@@ -74,7 +93,7 @@ fn a_planted_fault_is_dumped_and_replayed() {
 fn what_passes_is_dumped_too() {
     let here = folder(&[]);
     let (out, _) = good(&here, "dump push --fixture sliver -o case --no-validation");
-    assert!(out.contains("push[0.0.0] on sliver, conforms"), "{out}");
+    assert!(out.contains("push of object 0 on sliver, conforms"), "{out}");
     let files = names(&here.path().join("case"));
     for file in
         ["case.amber", "replay.json", "radiosity.expected", "transport-blocks-push.spv", "transport-blocks-push.spvasm"]

@@ -6,38 +6,32 @@ use super::arguments::{Arguments, again, repeating};
 use super::choose::Choice;
 use super::dumps;
 use super::sink::Sink;
-use crate::cli::device::opened;
-use crate::cli::replace::replaced;
 use milkglass::error::{Input, Result};
-use milkglass::internals::gpu::{Adapter, Device, Instance};
+use milkglass::internals::gpu::{Adapter, Device};
 use milkglass::internals::state::dispatches;
 use milkglass::measure::conform::{Event, Row, conform_told};
 use milkglass::measure::fixtures::Fixture;
 use milkglass::measure::leaning::blame;
-use milkglass::measure::replace;
 use milkglass::measure::results::{Outcome, Verdict};
+use milkglass::measure::{probe, replace};
 
 /// Compares everything that was chosen on all devices.
 pub(super) fn run(
     arguments: &Arguments,
     choices: &[Choice],
-    (instance, devices): (&Instance, &[(usize, &Adapter)]),
+    open: &[Device],
     kernels: &[(String, Vec<u32>)],
     sink: &mut Sink,
 ) -> Result<()> {
-    let mut open: Vec<Device> = Vec::new();
-    for (_, adapter) in devices {
-        open.push(replaced(&opened(instance, adapter)?, kernels));
-    }
     // Kernels that some fixture runs; those that are replaced must be among them.
-    let mut run = BTreeSet::new();
+    let mut run = BTreeSet::from([probe::NAME.to_string()]);
     for choice in choices {
         let fixture = choice.make(arguments)?;
         if !kernels.is_empty() {
             let lanes = open[0].limits().subgroup_size.max(1) as usize;
             run.extend(dispatches(&fixture.state, &fixture.steps, lanes)?.into_iter().map(|found| found.kernel));
         }
-        for device in &open {
+        for device in open {
             one(arguments, device, &fixture, sink)?;
         }
     }

@@ -85,6 +85,9 @@ pub struct Arguments {
     /// Write lines of JSON to standard output and nothing else: for the process that has started this one.
     #[arg(long, hide = true)]
     pub(super) child: bool,
+    /// Compare nothing, only probe the device: for such a process.
+    #[arg(long, hide = true, requires = "child")]
+    pub(super) probe_only: bool,
 }
 
 fn seconds(text: &str) -> std::result::Result<f64, String> {

@@ -25,6 +25,9 @@ pub(super) fn write<'a>(
         std::fs::create_dir_all(folder)
             .map_err(|error| milkglass::error::Input::new(format!("could not be written: {error}")).file(folder))?;
         tell!("{}", written(&case, device, &own, "--dump", least)?.trim_end());
+        if row.failed.is_some() && !case.about.fails {
+            tell!("{}: it does not fail again; a race may do so in many runs: replay --times 1000", own.display());
+        }
     }
     Ok(())
 }

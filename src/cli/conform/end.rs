@@ -2,6 +2,7 @@
 
 use super::arguments::{Arguments, repeating};
 use super::choose::Choice;
+use super::drivers::side_by_side;
 use super::sheet::histogram;
 use super::sink::Sink;
 use crate::cli::compare::described;
@@ -28,6 +29,7 @@ pub(super) fn end(arguments: &Arguments, mut sink: Sink, before: Option<&Results
     let outcomes = &sink.all.results;
     if outcomes.iter().any(|outcome| outcome.words > 0) {
         print(&histogram(outcomes))?;
+        print(&side_by_side(&sink.all))?;
     }
     let wrong: Vec<&Outcome> =
         outcomes.iter().filter(|outcome| !outcome.verdict.passes() && outcome.known.is_none()).collect();
@@ -95,6 +97,10 @@ fn closing(all: &Results) -> Result<()> {
         let count = all.results.iter().filter(|outcome| outcome.device == facts.name).count();
         let (version, name, driver) = (&all.run.version, &facts.name, &facts.driver);
         text += &format!("milkglass {version}, {name}, driver {driver}, subgroups of {size}: {count} comparisons\n");
+        let wrong: Vec<&str> = facts.probes.iter().filter(|fact| !fact.right).map(|fact| fact.name.as_str()).collect();
+        let avoided = if wrong.is_empty() { String::new() } else { format!("; avoided: {}", wrong.join(", ")) };
+        let (right, all) = (facts.probes.len() - wrong.len(), facts.probes.len());
+        text += &format!("{right} of {all} probes of {name} are right{avoided}\n");
     }
     let known = all.results.iter().filter(|outcome| outcome.known.is_some()).count();
     let count = all.results.len();

@@ -12,7 +12,8 @@ use super::sink::Sink;
 use crate::cli::stop;
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Adapter;
-use milkglass::measure::results::{Line, Verdict};
+use milkglass::measure::probe::{FIXTURE, REPEAT};
+use milkglass::measure::results::{DeviceFacts, Line, Outcome, Verdict};
 
 /// Compares everything that was chosen on all devices.
 pub(super) fn run(
@@ -29,11 +30,20 @@ pub(super) fn run(
     Ok(())
 }
 
-/// The command of a child.
-fn command(arguments: &Arguments, choice: &Choice, device: usize) -> Result<Command> {
+/// The command of a child on this device.
+fn command(arguments: &Arguments, device: usize) -> Result<Command> {
     let exe = std::env::current_exe().map_err(|error| Error::device("starting a process for a fixture", error))?;
     let mut command = Command::new(exe);
     command.arg("conform").arg("--child").args(["--device", &device.to_string()]);
+    if arguments.no_validation {
+        command.arg("--no-validation");
+    }
+    command.args(arguments.replace.pairs().iter().flat_map(|pair| ["--replace", pair]));
+    Ok(command)
+}
+
+/// What is compared, as arguments.
+fn compares(command: &mut Command, arguments: &Arguments, choice: &Choice) {
     match choice {
         Choice::Fixture(name) => {
             command.args(["--fixture", name]);
@@ -44,13 +54,9 @@ fn command(arguments: &Arguments, choice: &Choice, device: usize) -> Result<Comm
             command.args(arguments.option_args.words());
         }
     }
-    if arguments.no_validation {
-        command.arg("--no-validation");
-    }
     if !arguments.stage.is_empty() {
         command.args(["--stage", &arguments.stage.join(",")]);
     }
-    command.args(arguments.replace.pairs().iter().flat_map(|pair| ["--replace", pair]));
     if let Some(folder) = &arguments.dump {
         command.arg("--dump").arg(folder);
         if arguments.minimize {
@@ -58,8 +64,6 @@ fn command(arguments: &Arguments, choice: &Choice, device: usize) -> Result<Comm
         }
     }
     command.args(arguments.memory.words());
-    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    Ok(command)
 }
 
 /// What a child says on standard output, line by line; its end is the end of the channel.
@@ -78,10 +82,63 @@ fn lines(child: &mut Child) -> Receiver<String> {
     receiver
 }
 
+/// Probes a device in a process of its own; what came of it where it did not end.
+pub(super) fn probed(
+    arguments: &Arguments,
+    (index, adapter): (usize, &Adapter),
+    facts: &mut DeviceFacts,
+) -> Result<Option<Outcome>> {
+    let mut child = command(arguments, index)?;
+    child.arg("--probe-only");
+    let ended = watched(child, arguments.timeout, &mut |line| {
+        if let Line::Run(run) = line {
+            facts.probes = run.devices.into_iter().next().map(|device| device.probes).unwrap_or_default();
+        }
+        Ok(())
+    })?;
+    let outcome = |(verdict, why): (Verdict, String)| Outcome {
+        repeat: REPEAT.into(),
+        ..failure(arguments, adapter, (FIXTURE, ""), verdict, &why)
+    };
+    Ok(ended.map(outcome))
+}
+
 fn one(arguments: &Arguments, choice: &Choice, (index, adapter): (usize, &Adapter), sink: &mut Sink) -> Result<()> {
-    let started = command(arguments, choice, index)?.spawn();
-    let mut child = started.map_err(|error| Error::device("starting a process for a fixture", error))?;
-    let end = Instant::now() + Duration::from_secs_f64(arguments.timeout);
+    let mut child = command(arguments, index)?;
+    compares(&mut child, arguments, choice);
+    let mut stage = String::new();
+    let ended = watched(child, arguments.timeout, &mut |line| match line {
+        Line::Begins(_, begun) => {
+            stage.clone_from(&begun);
+            sink.begins(choice.name(), &begun)
+        }
+        // What ended is over; a device that failed has said so itself.
+        Line::Result(outcome) if outcome.verdict == Verdict::DeviceFailed => Ok(()),
+        Line::Result(mut outcome) => {
+            if !arguments.scenes.is_empty() {
+                outcome.repeat = repeating(arguments, &outcome);
+            }
+            stage.clear();
+            sink.add(*outcome)
+        }
+        Line::Run(_) => Ok(()),
+    })?;
+    match ended {
+        Some((verdict, why)) => sink.add(failure(arguments, adapter, (choice.name(), &stage), verdict, &why)),
+        None => Ok(()),
+    }
+}
+
+/// Runs a child to its end, or to that of its time; what came of it where it did not end well. `heard` takes each line
+/// as it comes.
+fn watched(
+    mut command: Command,
+    timeout: f64,
+    heard: &mut dyn FnMut(Line) -> Result<()>,
+) -> Result<Option<(Verdict, String)>> {
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().map_err(|error| Error::device("starting a process for a fixture", error))?;
+    let end = Instant::now() + Duration::from_secs_f64(timeout);
     let out = lines(&mut child);
     let err = child.stderr.take().map(|mut err| {
         std::thread::spawn(move || {
@@ -91,27 +148,11 @@ fn one(arguments: &Arguments, choice: &Choice, (index, adapter): (usize, &Adapte
         })
     });
     stop::guard(child);
-    let (mut stage, mut told) = (String::new(), Ok(()));
+    let mut told = Ok(());
     let hung = loop {
         match out.recv_timeout(end.saturating_duration_since(Instant::now())) {
             Ok(line) => match serde_json::from_str(&line) {
-                Ok(Line::Begins(_, begun)) => {
-                    stage.clone_from(&begun);
-                    told = told.and(sink.begins(choice.name(), &begun));
-                }
-                Ok(Line::Result(outcome)) => {
-                    let mut outcome = *outcome;
-                    if !arguments.scenes.is_empty() {
-                        outcome.repeat = repeating(arguments, &outcome);
-                    }
-                    // What ended is over; a device that failed has said so itself.
-                    if outcome.verdict == Verdict::DeviceFailed {
-                        continue;
-                    }
-                    stage.clear();
-                    told = told.and(sink.add(outcome));
-                }
-                Ok(Line::Run(_)) => {}
+                Ok(line) => told = heard(line),
                 Err(_) => tell!("{line}"),
             },
             Err(RecvTimeoutError::Disconnected) => break false,
@@ -131,20 +172,17 @@ fn one(arguments: &Arguments, choice: &Choice, (index, adapter): (usize, &Adapte
         Some(thread) if !thread.is_finished() && status.is_none() => String::new(),
         _ => err.and_then(|thread| thread.join().ok()).unwrap_or_default(),
     };
-    let (verdict, why) = match status {
-        _ if hung => (Verdict::Hung, format!("it did not end within {} s and was killed", arguments.timeout)),
-        None => (Verdict::Hung, format!("it did not end within {} s and was killed", arguments.timeout)),
-        Some(status) => match status.code() {
-            Some(0) => {
-                said.lines().for_each(|line| tell!("{line}"));
-                return Ok(());
-            }
-            Some(2) => return Err(Input::new(message(&said)).into()),
-            Some(3) => (Verdict::DeviceFailed, message(&said)),
-            _ => (Verdict::Crashed, format!("{}{}", ended(status), after(&message(&said)))),
-        },
-    };
-    sink.add(failure(arguments, adapter, (choice.name(), &stage), verdict, &why))
+    let late = || (Verdict::Hung, format!("it did not end within {timeout} s and was killed"));
+    let Some(status) = status.filter(|_| !hung) else { return Ok(Some(late())) };
+    Ok(Some(match status.code() {
+        Some(0) => {
+            said.lines().for_each(|line| tell!("{line}"));
+            return Ok(None);
+        }
+        Some(2) => return Err(Input::new(message(&said)).into()),
+        Some(3) => (Verdict::DeviceFailed, message(&said)),
+        _ => (Verdict::Crashed, format!("{}{}", ended(status), after(&message(&said)))),
+    }))
 }
 
 /// The last error of a process, without its name.

@@ -3,6 +3,7 @@
 mod alone;
 mod arguments;
 mod choose;
+mod drivers;
 mod dumps;
 mod end;
 mod expect;
@@ -14,12 +15,15 @@ mod sink;
 pub use self::arguments::Arguments;
 use self::choose::chosen;
 use self::sink::Sink;
+use super::device::opened;
 use super::print;
+use super::replace::replaced;
 use milkglass::error::{Error, Input, Result};
-use milkglass::internals::gpu::{Adapter, Instance};
+use milkglass::internals::gpu::{Adapter, Device, Instance};
 use milkglass::internals::pipeline::frame::{STAGES, stage};
 use milkglass::internals::view::atomic_file::ready;
-use milkglass::measure::results::{DeviceFacts, Results, read};
+use milkglass::measure::probe::probe;
+use milkglass::measure::results::{DeviceFacts, Outcome, Results, read};
 
 /// Runs the fixtures on every requested device; fails on any difference beyond tolerance.
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -67,11 +71,30 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             tell!("{}: rounding to nearest can't be requested; decisions rely on its default", adapter.name);
         }
     }
-    let facts = devices.iter().map(|(_, adapter)| DeviceFacts::new(adapter)).collect();
+    let isolated = arguments.isolate || arguments.junit.is_some();
+    let (mut open, mut facts, mut failures) = (Vec::<Device>::new(), Vec::new(), Vec::<Outcome>::new());
+    for (index, adapter) in &devices {
+        let mut own = DeviceFacts::new(adapter);
+        if isolated {
+            failures.extend(isolate::probed(arguments, (*index, adapter), &mut own)?);
+        } else {
+            let device = replaced(&opened(&instance, adapter)?, &kernels);
+            if !arguments.child || arguments.probe_only {
+                own.probes = probe(&device)?;
+            }
+            open.push(device);
+        }
+        failures.extend(own.lacking());
+        facts.push(own);
+    }
     let mut sink = Sink::open(arguments, &choices, facts, &kernels, known)?;
-    let done = match arguments.isolate || arguments.junit.is_some() {
+    if arguments.probe_only {
+        return Ok(());
+    }
+    failures.into_iter().try_for_each(|failure| sink.add(failure))?;
+    let done = match isolated {
         true => isolate::run(arguments, &choices, &devices, &mut sink),
-        false => alone::run(arguments, &choices, (&instance, &devices), &kernels, &mut sink),
+        false => alone::run(arguments, &choices, &open, &kernels, &mut sink),
     };
     if let Err(error) = done {
         // What there is so far is kept.

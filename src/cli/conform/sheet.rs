@@ -43,12 +43,11 @@ impl Sheet {
         } else {
             self.line(&COLUMNS.map(|(name, _)| name.to_string()))
         };
-        // Near zero, a distance in units in the last place is meaningless.
+        let star = if outcome.farthest.is_some() { "*" } else { "" };
         let ulp = match outcome.ulp {
             None => "NaN".to_string(),
-            Some(1_000_001..) => "-".to_string(),
-            Some(ulp) if near_zero(outcome) => format!("{ulp}*"),
-            Some(ulp) => ulp.to_string(),
+            Some(1_000_001..) => format!(">1e6{star}"),
+            Some(ulp) => format!("{ulp}{star}"),
         };
         let relative = outcome.relative.map_or("inf".into(), |relative| format!("{relative:.1e}"));
         let known = if outcome.known.is_some() { " (known)" } else { "" };
@@ -75,17 +74,8 @@ impl Sheet {
     }
 }
 
-/// Whether the largest distance is of a value so near zero that the floor of its tolerance decides, not the value.
-fn near_zero(outcome: &Outcome) -> bool {
-    const FAR: f64 = 4.0;
-    let (Some(ulp), Some(relative)) = (outcome.ulp, outcome.relative) else { return false };
-    outcome.verdict.passes()
-        && (256..=1_000_000).contains(&ulp)
-        && ulp as f64 * f64::from(f32::EPSILON) > FAR * relative
-}
-
 /// The largest difference in per cent of what the tolerance allows.
-fn of_tolerance(used: Option<f64>) -> String {
+pub(super) fn of_tolerance(used: Option<f64>) -> String {
     match used.map(|used| 100.0 * used) {
         Some(0.0) => "0 %".into(),
         Some(percent) if percent < 1.0 => "<1 %".into(),
@@ -126,13 +116,32 @@ pub(super) fn histogram(outcomes: &[Outcome]) -> String {
         .chain(up_to.iter().map(String::as_str))
         .chain([beyond.as_str(), "mean"])
         .collect();
-    let note = match outcomes.iter().any(near_zero) {
-        true => {
-            "* of a value near zero: the floor of its tolerance decides, and `relative` and `of tolerance` go by that\n"
-        }
-        false => "",
-    };
+    let note = explained(outcomes);
     let text = "\nfloats by their distance from the reference in units in the last place, per cent of all; `mean`: of the \
                 signed relative differences, of the buffer that is farthest off\n";
     format!("{note}{text}{}\n", table(&header, &[2, 3, 4, 5, 6, 7, 8, 9, 10, 11], &cells))
+}
+
+/// Why distances that are marked with a star are no failures: of each stage the largest.
+fn explained(outcomes: &[Outcome]) -> String {
+    let mut largest: Vec<(&Outcome, &str)> = Vec::new();
+    for outcome in outcomes {
+        let Some(why) = outcome.farthest.as_deref() else { continue };
+        match largest.iter_mut().find(|(known, _)| known.device == outcome.device && known.stage == outcome.stage) {
+            Some(known) if known.0.ulp < outcome.ulp => *known = (outcome, why),
+            Some(_) => {}
+            None => largest.push((outcome, why)),
+        }
+    }
+    if largest.is_empty() {
+        return String::new();
+    }
+    let row = |(outcome, why): &(&Outcome, &str)| {
+        let Outcome { device, fixture, stage, .. } = outcome;
+        [device, fixture, stage, *why].map(str::to_string).to_vec()
+    };
+    let rows: Vec<_> = largest.iter().map(row).collect();
+    let text = "\n* far off in units in the last place and right: the value is small beside what it is computed from. \
+                `relative` and `of tolerance` go by what is allowed. The farthest of each stage:\n";
+    format!("{text}{}", table(&["device", "fixture", "stage", "farthest"], &[], &rows))
 }

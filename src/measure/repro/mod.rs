@@ -3,6 +3,7 @@
 //!
 //! - `trace`: runs a step of a fixture, and makes a [`Case`] of it;
 //! - `isolate`: leaves those dispatches out that have no part in a failure;
+//! - `together`: looks for failures that need the dispatches in one submission;
 //! - `minimize`: leaves groups and ends of buffers out that have none;
 //! - `run`: runs a case on a device, and compares;
 //! - `files`, `json`: a case as a folder, and back;
@@ -14,6 +15,7 @@ mod isolate;
 mod json;
 pub mod minimize;
 pub mod run;
+mod together;
 pub mod trace;
 
 /// The word need not agree with anything.

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::isolate::isolate;
+use super::together::together;
 use super::{About, BITS, Bound, Case, Dispatch, Part};
 use crate::error::Result;
 use crate::gpu::Device;
@@ -30,7 +31,9 @@ pub fn case(device: &Device, fixture: &Fixture, index: usize) -> Result<Option<C
     step.reference(&mut state);
     let whole = whole(device, fixture, (step, &state), &trace)?;
     let left: Vec<_> = trace.dispatches.iter().map(|dispatch| left(&trace, &dispatch.after)).collect();
-    Ok(Some(isolate(whole, &left)))
+    let case = isolate(whole, &left);
+    // Right one at a time: what is wrong may need them in one submission.
+    if case.about.fails { Ok(Some(case)) } else { together(case, |case| case.run(device)).map(Some) }
 }
 
 /// The index of the first step of this stage that dispatches something.
@@ -61,7 +64,7 @@ fn whole(device: &Device, fixture: &Fixture, (step, state): (Step, &State), trac
         about: About {
             stage: stage.name.into(),
             does: stage.about.into(),
-            step: format!("{step:?}"),
+            step: step.to_string(),
             fixture: fixture.name.clone(),
             device: device.name().into(),
             driver: device.driver().into(),

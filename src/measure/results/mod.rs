@@ -3,12 +3,14 @@
 //! A file holds them as one JSON object, or as lines of JSON that were written as the comparisons ended.
 
 pub mod changes;
+mod facts;
 mod read;
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+pub use facts::DeviceFacts;
 pub use read::read;
 
 use crate::gpu::Adapter;
@@ -28,7 +30,7 @@ pub struct Run {
     pub schema: u32,
     /// The program's version.
     pub version: String,
-    /// The commit it was built from, where the build was told.
+    /// The commit it was built from, where the build could tell.
     pub commit: Option<String>,
     /// When it began: UTC, `2026-01-31T23:59:59Z`.
     pub date: String,
@@ -38,29 +40,6 @@ pub struct Run {
     pub most_ulp_of_bins: Vec<u64>,
     /// The devices.
     pub devices: Vec<DeviceFacts>,
-}
-
-/// What is known of a device.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct DeviceFacts {
-    /// Its name.
-    pub name: String,
-    /// The driver's name and version.
-    pub driver: String,
-    /// The Vulkan version.
-    pub vulkan: String,
-    /// `discrete`, `integrated`, `virtual`, `cpu` or `other`.
-    pub kind: String,
-    /// The vendor's number.
-    pub vendor_id: u32,
-    /// The device's number.
-    pub device_id: u32,
-    /// The driver's number: `VkDriverId`.
-    pub driver_id: i32,
-    /// The driver's version, in an encoding of its own.
-    pub driver_version: u32,
-    /// The limits that matter here, by name.
-    pub limits: BTreeMap<String, u64>,
 }
 
 /// What a comparison came to.
@@ -132,6 +111,10 @@ pub struct Outcome {
     pub relative: Option<f64>,
     /// Largest difference as a share of the allowed one; null if a value is not a number.
     pub of_tolerance: Option<f64>,
+    /// The float of the largest distance, where it conforms for another reason than its own size: its values, and what
+    /// allows them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub farthest: Option<String>,
     /// The tolerance of each buffer that the stage writes.
     pub tolerance: BTreeMap<String, String>,
     /// A hash of what the device left in each of these buffers.
@@ -190,37 +173,6 @@ pub struct Results {
     pub results: Vec<Outcome>,
 }
 
-impl DeviceFacts {
-    /// What is known of an adapter.
-    #[must_use]
-    pub fn new(adapter: &Adapter) -> Self {
-        let limits = &adapter.limits;
-        let numbers = [
-            ("binding_bytes", limits.binding_bytes),
-            ("allocation_bytes", limits.allocation_bytes),
-            ("offset_alignment", limits.offset_alignment),
-            ("storage_buffers", limits.storage_buffers.into()),
-            ("push_bytes", limits.push_bytes.into()),
-            ("group_invocations", limits.group_invocations.into()),
-            ("groups_x", limits.groups[0].into()),
-            ("groups_y", limits.groups[1].into()),
-            ("subgroup_size", limits.subgroup_size.into()),
-            ("round_to_nearest", limits.round_to_nearest.into()),
-        ];
-        Self {
-            name: adapter.name.clone(),
-            driver: adapter.driver.clone(),
-            vulkan: adapter.version.clone(),
-            kind: adapter.kind.into(),
-            vendor_id: adapter.ids.vendor,
-            device_id: adapter.ids.device,
-            driver_id: adapter.ids.driver,
-            driver_version: adapter.ids.driver_version,
-            limits: numbers.map(|(name, value)| (name.to_string(), value)).into(),
-        }
-    }
-}
-
 impl Outcome {
     /// The record of a row on this device.
     #[must_use]
@@ -248,6 +200,7 @@ impl Outcome {
             histogram: row.histogram,
             relative: row.relative.is_finite().then_some(row.relative),
             of_tolerance: row.used.is_finite().then_some(row.used),
+            farthest: row.farthest.clone().filter(|_| row.faults.is_empty()),
             tolerance: writes.iter().map(|(slot, _, t)| (slot.spec().name.into(), words(t))).collect(),
             hashes: row.hashes.iter().map(|(name, hash)| ((*name).into(), format!("{hash:016x}"))).collect(),
             mean: farthest(&row.biases),

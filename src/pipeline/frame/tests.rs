@@ -58,3 +58,13 @@ fn every_stage_has_its_place_once_and_its_name_alone() {
         assert!(!stage.about.is_empty() && !stage.reason.is_empty() && !stage.serves.none.is_empty());
     }
 }
+
+#[test]
+fn scopes_are_told_in_words() {
+    let at = crate::state::Scope { object: 1, chunk: 2, group: 3 };
+    let said = |name: &str, at| crate::state::Step { stage: stage(name).unwrap(), at }.to_string();
+    assert_eq!(said(gather::STAGE.name, at), "gather of object 1, channel group 3, batch 2");
+    assert_eq!(said(refit::STAGE.name, at), "refit of object 1");
+    assert_eq!(said(shade::STAGE.name, crate::state::Scope::SCENE), "shade of the whole scene");
+    assert_eq!(said(krylov_step::STAGE.name, at), "krylov_step of object 1, iteration 2");
+}

@@ -1,0 +1,135 @@
+//! The probes: what each kernel is given, and its exact answer.
+
+use super::{Inputs, LANES, PUSHED, ROWS};
+
+/// A kernel with a known answer.
+pub(super) struct Probe {
+    /// Its name in results.
+    pub(super) name: &'static str,
+    /// What it shows.
+    pub(super) what: &'static str,
+    /// Whether kernels rely on it.
+    pub(super) needed: bool,
+    /// Two terms and a third one.
+    pub(super) terms: [f32; 3],
+    /// The answer of each lane, from the numbers and the records.
+    pub(super) answer: fn(&Inputs, usize) -> u32,
+    /// What a device does that gives another answer, where that can be told.
+    pub(super) other: fn(u32) -> Option<&'static str>,
+}
+
+const NEAR: f32 = 1.0 + 1.0 / 4096.0;
+
+pub(super) const PROBES: [Probe; 11] = [
+    Probe {
+        name: "nested-loops",
+        what: "nested loops, where a variable of the inner one indexes a buffer after it",
+        needed: false,
+        terms: [0.0; 3],
+        answer: |inputs, lane| {
+            let column = |row: usize| inputs.numbers[row * LANES + lane];
+            let (mut row, mut sum) = (0, 0u32);
+            while row < ROWS {
+                let far = !column(row).is_multiple_of(4);
+                if far && column(row) / 4 % 2 == 1 {
+                    sum += 7 * row as u32 + 1;
+                }
+                row += if far { 3 } else { 1 };
+            }
+            sum
+        },
+        other: |_| None,
+    },
+    Probe {
+        name: "long-loops",
+        what: "loops of 90,000 iterations are run to their end",
+        needed: false,
+        terms: [0.0; 3],
+        answer: |_, _| 300 * ROWS as u32,
+        other: |found| (found < 300 * ROWS as u32).then_some("ended early"),
+    },
+    Probe {
+        name: "rounding",
+        what: "addition rounds to nearest",
+        needed: true,
+        // 1 and three quarters of the step above it.
+        terms: [1.0, 0.75 * f32::EPSILON, 0.0],
+        answer: |_, _| (1.0 + f32::EPSILON).to_bits(),
+        other: |found| (found == 1f32.to_bits()).then_some("towards zero"),
+    },
+    Probe {
+        name: "no-contraction",
+        what: "precise products and sums stay apart (NoContraction)",
+        needed: true,
+        // The product is rounded, so the sum is 0; a fused operation leaves 2^-24.
+        terms: [NEAR, NEAR, -(1.0 + 1.0 / 2048.0)],
+        answer: |_, _| 0,
+        other: |found| (found == (1.0f32 / 16_777_216.0).to_bits()).then_some("fused"),
+    },
+    Probe {
+        name: "denormals",
+        what: "denormal numbers are kept",
+        needed: false,
+        terms: [f32::MIN_POSITIVE, 0.5, 0.0],
+        answer: |_, _| 0x0040_0000,
+        other: |found| (found == 0).then_some("flushed to zero"),
+    },
+    Probe {
+        name: "scalar-layout",
+        what: "scalar block layout",
+        needed: true,
+        terms: [0.0; 3],
+        answer: |inputs, lane| {
+            let [before, x, y, z, after] = inputs.uneven[lane];
+            (before + 2.0 * x + 4.0 * y + 8.0 * z + 16.0 * after).to_bits()
+        },
+        other: |_| None,
+    },
+    Probe {
+        name: "shared-memory",
+        what: "shared memory and barriers",
+        needed: true,
+        terms: [0.0; 3],
+        answer: |inputs, lane| {
+            let sum = inputs.numbers[..LANES].iter().fold(0u32, |sum, number| sum.wrapping_add(*number));
+            sum.wrapping_add(inputs.numbers[LANES - 1 - lane])
+        },
+        other: |_| None,
+    },
+    Probe {
+        name: "shuffles",
+        what: "shuffles among lanes that are left in a loop",
+        needed: true,
+        terms: [0.0; 3],
+        answer: |inputs, lane| {
+            let other = |row: usize| inputs.numbers[row * LANES + (lane ^ 1)];
+            (0..=lane / 2 % 5).fold(0, |sum, row| sum.wrapping_add(other(row)))
+        },
+        other: |_| None,
+    },
+    Probe {
+        name: "inactive-shuffles",
+        what: "shuffles read lanes that are not active",
+        needed: false,
+        terms: [0.0; 3],
+        answer: |inputs, lane| inputs.numbers[lane | 1],
+        other: |found| (found == 0).then_some("zero"),
+    },
+    Probe {
+        name: "push-constants",
+        what: "128 bytes of push constants, indexed by a variable",
+        needed: false,
+        terms: [0.0; 3],
+        answer: |inputs, lane| PUSHED[inputs.numbers[lane] as usize % PUSHED.len()],
+        other: |found| (found == 0).then_some("zero"),
+    },
+    Probe {
+        name: "indirect-counts",
+        what: "indirect dispatches of 3 groups and of none, as an earlier one writes",
+        needed: true,
+        terms: [0.0; 3],
+        // The numbers of the groups, from 1 on.
+        answer: |_, _| 1 + 2 + 3,
+        other: |found| (found == 0).then_some("not run"),
+    },
+];
