@@ -4,7 +4,7 @@ use super::run::Session;
 use crate::error::Result;
 use crate::gpu::Timing;
 use crate::layout::{BufferId, ListCounters, SMALL_NORMS, SMALL_SYSTEM};
-use crate::pipeline::plan::Mode;
+use crate::pipeline::plan::{Changes, Mode};
 use crate::prepare::diffusion::residual;
 use crate::state::{Scope, Step};
 use crate::transport::diffusion::{boundary_integrals, even_gain, krylov_step, krylov_sum};
@@ -35,6 +35,22 @@ impl Session {
     #[must_use]
     pub fn solve_reports(&self) -> &[SolveReport] {
         &self.solves
+    }
+
+    /// The steps of a frame after this change; of a solver, as many as it took in the last frame, if one start was
+    /// enough.
+    pub(super) fn steps_taken(&self, changes: impl Into<Changes>) -> Vec<Step> {
+        let mut steps = self.plan.steps(self.state(), changes);
+        for SolveReport { object, steps: taken, .. } in &self.solves {
+            let solver = |step: &Step| step.at.object == *object && iterates(step);
+            if *taken < steps.iter().filter(|step| solver(step)).map(|step| step.at.chunk).max().unwrap_or(0) {
+                steps.retain(|step| !solver(step) || step.at.chunk <= *taken);
+                let sums =
+                    steps.iter_mut().filter(|step| step.at.object == *object && step.stage.is(&krylov_sum::STAGE));
+                sums.for_each(|step| step.at.chunk = *taken);
+            }
+        }
+        steps
     }
 
     /// Runs these steps, those of the solver until it is done.

@@ -26,7 +26,7 @@ impl Session {
     /// whole frame before, which gives the lists their capacity. Leaves out the octree.
     pub fn apart(&mut self, changes: impl Into<Changes>) -> Result<Vec<Timing>> {
         let (begin, mut times) = (Instant::now(), Vec::new());
-        for step in self.plan.steps(&self.prepared.state, changes) {
+        for step in self.steps_taken(changes) {
             let start = begin.elapsed().as_secs_f64() * 1e3;
             self.run(&[step])?;
             let milliseconds = begin.elapsed().as_secs_f64() * 1e3 - start;
@@ -38,7 +38,7 @@ impl Session {
     /// The dispatches of a frame after this change; on the CPU, those of a device with subgroups of 32.
     pub fn dispatches(&self, changes: impl Into<Changes>) -> Result<Vec<Dispatch>> {
         let lanes = self.limits().map_or(SUBGROUP, |limits| limits.subgroup_size.max(1) as usize);
-        dispatches(self.state(), &self.plan.steps(self.state(), changes), lanes)
+        dispatches(self.state(), &self.steps_taken(changes), lanes)
     }
 
     /// Bytes of all buffers of the state.

@@ -39,6 +39,20 @@ fn a_profile_is_printed_and_written() {
 }
 
 #[test]
+fn a_solver_is_profiled_as_far_as_it_goes() {
+    let here = folder(&[]);
+    let solve = format!("{SMALL} --transport diffusion --set transport.tolerance=0.1");
+    let (out, _) = good(&here, &format!("profile {solve} --frames 3 --json a.json"));
+    assert!(out.contains("counted by the kernels") && !out.contains("not counted"), "{out}");
+    let json: serde_json::Value = serde_json::from_str(&read(&here, "a.json")).unwrap();
+    let stages = json["stages"].as_array().unwrap();
+    let dispatches =
+        |stage: &str| stages.iter().find(|row| row["stage"] == stage).unwrap()["dispatches"].as_u64().unwrap();
+    // A step of the solver takes two rounds of two and four more; there are up to 30 steps.
+    assert!((6..90).contains(&dispatches("krylov_step")), "{}", dispatches("krylov_step"));
+}
+
+#[test]
 fn a_profile_on_the_cpu_has_times_only() {
     let here = folder(&[]);
     let (out, _) = good(&here, &format!("profile {SMALL} --frames 1 --device cpu --csv a.csv"));
