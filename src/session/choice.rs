@@ -4,7 +4,7 @@ use super::run::Session;
 use crate::error::{Input, Result};
 use crate::pipeline::plan::{Options, Plan, ShadingMethod};
 use crate::prepare::diffusion_validity::{Inside, Validity};
-use crate::scene::{Object, Scene, Scheme};
+use crate::scene::{Object, Receivers, Scene, Scheme};
 
 /// The choice of a session.
 #[derive(Clone, Debug, Default)]
@@ -23,6 +23,10 @@ impl Choice {
     pub fn of(scene: &Scene, transport: ShadingMethod, before: Option<(&Self, &Scene)>) -> Result<Self> {
         if !matches!(transport, ShadingMethod::Diffusion | ShadingMethod::Auto) {
             return Ok(Self { transport, ..Self::default() });
+        }
+        if scene.transport.receivers == Receivers::Pixels {
+            let fault = Input::new("diffusion is solved at triangles").key("transport.receivers").found("pixels");
+            return Err(fault.expected("faces or auto, or --transport hierarchy").into());
         }
         if transport == ShadingMethod::Auto && scene.transport.scheme == Scheme::Links {
             let what = "where diffusion does not hold, auto takes scheme blocks";

@@ -105,6 +105,16 @@ fn another_material_makes_another_choice() {
 }
 
 #[test]
+fn receivers_at_pixels_are_refused() {
+    let scene = scene(&["transport.receivers='pixels'"]);
+    for transport in [ShadingMethod::Auto, ShadingMethod::Diffusion] {
+        let options = Options { transport, ..Options::default() };
+        let error = Session::new(&scene, None, options).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(error.contains("transport.receivers") && error.contains("at triangles"), "{error}");
+    }
+}
+
+#[test]
 fn keys_of_scheme_links_are_refused() {
     let scene = scene(&["transport.scheme='links'"]);
     let options = Options { transport: ShadingMethod::Auto, goal: Goal::Radiosity, ..Options::default() };
