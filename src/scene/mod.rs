@@ -48,6 +48,7 @@ pub use transport::{ClusterForm, Distance, Hierarchy, MOST_WALKS, Near, Oracle, 
 use crate::error::{Error, Input, Result};
 
 use glam::DVec3;
+use mesh::{FORMATS, Format, is_textured};
 use range::Checked;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -267,32 +268,42 @@ impl Text {
         // A mesh alone, or a scene file.
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let file = path.to_path_buf();
-        if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("obj")) {
-            let folder = PathBuf::new();
-            return Ok(Self { name, toml: around_mesh(name_or_path), file, folder });
-        }
         let fault = |found: String, expected: &str| {
             Input::new("the scene file cannot be read").file(path).found(found).expected(expected)
         };
-        let kinds = "a scene in TOML, or a mesh that ends in .obj";
-        let toml = files.stream(path, COPIES).map_err(|error| fault(error.to_string(), kinds))?;
-        if toml.len() > MOST_TEXT {
-            return Err(fault(format!("{} bytes", toml.len()), &format!("at most {MOST_TEXT} bytes, {kinds}")));
+        let kinds = &format!("a scene in TOML, or a mesh in {FORMATS}");
+        let bytes = files.stream(path, 1).map_err(|error| fault(error.to_string(), kinds))?;
+        if Format::of(path, &bytes).is_some() {
+            let toml = around_mesh(name_or_path, is_textured(files, path, &bytes));
+            return Ok(Self { name, toml, file, folder: PathBuf::new() });
         }
-        let toml = String::from_utf8(toml).map_err(|error| fault(error.utf8_error().to_string(), kinds))?;
+        if bytes.len() > MOST_TEXT {
+            return Err(fault(format!("{} bytes", bytes.len()), &format!("at most {MOST_TEXT} bytes, {kinds}")));
+        }
+        files.need(COPIES * bytes.len() as u64).map_err(|error| fault(error.to_string(), kinds))?;
+        let toml = String::from_utf8(bytes).map_err(|error| fault(error.utf8_error().to_string(), kinds))?;
+        let named = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
+        if let (false, Err(error)) = (named, toml::from_str::<toml::Table>(&toml)) {
+            // What has another name need not be meant as TOML: name the formats too.
+            let fault = locate::from_toml(&error, &toml, path);
+            let what = format!("neither a mesh nor a scene in TOML: {}", fault.what);
+            return Err(Input { what, expected: Some(kinds.clone()), ..fault });
+        }
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
         Ok(Self { name, toml, file, folder })
     }
 }
 
-/// The scene of a mesh alone: marble, 20 mm across, one light, a fitted camera.
-fn around_mesh(path: &str) -> String {
+/// The scene of a mesh alone: marble, 20 mm across, tinted by the texture that the mesh brings along, if any; one
+/// light, a fitted camera.
+fn around_mesh(path: &str, textured: bool) -> String {
+    let texture = if textured { ", texture = \"mesh\"" } else { "" };
     // Escape `%`, which would stand for the frame's number.
     let path = toml::Value::String(path.replace('%', "%%"));
     format!(
         "unit = \"mm\"\n\n\
          [[light]]\ntype = \"directional\"\ndirection = [0.35, 0.6, 0.75]\nirradiance = 3.0\n\n\
-         [[object]]\nmesh = {path}\nsize = 20\nmaterial = {{ preset = \"marble\" }}\n"
+         [[object]]\nmesh = {path}\nsize = 20\nmaterial = {{ preset = \"marble\"{texture} }}\n"
     )
 }
 

@@ -4,8 +4,9 @@ use super::deform::{self, Deform, DeformFile};
 use super::file::MaterialFile;
 use super::files::Files;
 use super::material::Material;
-use super::mesh::{Mesh, Origin, Shape};
+use super::mesh::{Coordinates, FORMATS, Mesh, Origin, Shape};
 use super::range::{self, Checked};
+use super::texture::Texture;
 use super::transport::Transport;
 use super::vector::Vector;
 use crate::error::Input;
@@ -154,9 +155,10 @@ impl ObjectFile {
                 let fault = Input::new("a mesh from a file has no such key");
                 Err(fault.key(key(".detail")).expected("mesh, size, position, rotation, deform, material"))
             }
-            (Some(path), None) if path.as_os_str().is_empty() => {
-                Err(Input::new("no file is named").key(key(".mesh")).found("\"\"").expected("a Wavefront OBJ file"))
-            }
+            (Some(path), None) if path.as_os_str().is_empty() => Err(Input::new("no file is named")
+                .key(key(".mesh"))
+                .found("\"\"")
+                .expected(format!("a file in {FORMATS}"))),
             (Some(path), None) => Ok(Source::File(path.clone())),
             (None, Some(shape)) => {
                 let detail = self.detail.unwrap_or_else(|| i64::from(shape.usual_detail()));
@@ -211,6 +213,7 @@ impl Draft {
         }
         let unwrapped = transport.unwrap && self.material.opaque.is_none();
         let textured = textured.or(unwrapped.then_some("transport.unwrap"));
+        let own = self.material.texture.as_ref().is_some_and(Texture::is_own);
         if let Some(texture) = &mut self.material.texture {
             texture.load(files, folder, &self.source, &key)?;
         }
@@ -218,7 +221,10 @@ impl Draft {
             layers.load(files, folder, &layered, report)?;
         }
         let mesh = match &self.source {
-            Source::File(path) => Mesh::read(files, &folder.join(path), textured, report)?,
+            Source::File(path) => {
+                let wanted = textured.map(|key| Coordinates { key, own });
+                Mesh::read(files, &folder.join(path), wanted, report)?
+            }
             Source::Shape(shape, detail) => {
                 let most = shape.most_triangles(*detail);
                 files.take(most * Mesh::BYTES).map_err(|error| {

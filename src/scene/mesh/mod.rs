@@ -23,7 +23,7 @@ mod uv;
 mod walk;
 mod wrap;
 
-pub(super) use import::map_kd;
+pub(super) use import::{Coordinates, FORMATS, Format, Texels, is_textured, map_kd, own_texture};
 pub(super) use refine::Origin;
 pub use shape::Shape;
 
@@ -63,10 +63,15 @@ impl Mesh {
     /// Memory per triangle, with its share of the vertices, while a mesh is built, bytes.
     pub const BYTES: u64 = 150;
 
-    /// Reads, cleans and orients a Wavefront OBJ file; repairs and warnings are added to `report`. `textured` is the
-    /// key of a texture, if there is one: every corner must then have texture coordinates.
-    pub(super) fn read(files: &Files, path: &Path, textured: Option<&str>, report: &mut Vec<String>) -> Checked<Self> {
-        let soup = import::read(files, path, textured)?;
+    /// Reads, cleans and orients a mesh file; repairs and warnings are added to `report`. `wanted` are texture
+    /// coordinates, if there is a texture: every corner must then have them.
+    pub(super) fn read(
+        files: &Files,
+        path: &Path,
+        wanted: Option<Coordinates<'_>>,
+        report: &mut Vec<String>,
+    ) -> Checked<Self> {
+        let soup = import::read(files, path, wanted)?;
         let (mut mesh, _) = clean::clean(soup, report).map_err(|fault| fault.file(path))?;
         let (low, high) = mesh.bounds();
         let extent = (high - low).max_element();
