@@ -107,7 +107,7 @@ enum Command {
 /// The scene, and overrides of its values.
 #[derive(Args, Clone)]
 struct SceneArguments {
-    /// A scene file (TOML), a built-in scene's name, or a mesh (OBJ).
+    /// A scene file (TOML), a built-in scene's name, or a mesh (OBJ, PLY, STL, glTF).
     scene: String,
     /// Change a value of the scene: `object.0.material.preset=ketchup`, `'light.0.intensity=[9,9,9]'`.
     #[arg(long = "set", value_name = "KEY=VALUE")]

@@ -169,24 +169,24 @@ impl DeformFile {
 }
 
 impl Draft {
-    /// Reads a morph's other mesh, relative to `folder`; it must match the object's own file `own`, which is none for a
-    /// built-in shape. `origin` maps the vertices of that file to the object's, `place` scales and rotates
+    /// Reads a morph's other mesh, relative to `folder`; it must match `own`, the object's file and the part of
+    /// it, which is none for a built-in shape. `origin` maps the vertices of that file to the object's, `place` scales and rotates
     /// displacements.
     pub(super) fn load(
         &mut self,
         files: &Files,
         folder: &Path,
-        own: Option<&Path>,
+        own: Option<(&Path, Option<u32>)>,
         origin: &Origin,
         place: impl Fn(DVec3) -> DVec3,
         key: &str,
     ) -> Checked<()> {
         let (Some(other), Deform::Morph { ways, .. }) = (&self.other, &mut self.deform) else { return Ok(()) };
-        let Some(own) = own else {
+        let Some((own, part)) = own else {
             let fault = Input::new("a shape made here has no file whose vertices another mesh could match");
             return Err(fault.key(key).expected("an object with `mesh`"));
         };
-        let ends = Mesh::read_ends(files, &folder.join(own), &folder.join(other), key)?;
+        let ends = Mesh::read_ends(files, (&folder.join(own), part), &folder.join(other), key)?;
         let bytes = ends[0].len().max(origin.vertices()) as u64 * size_of::<DVec3>() as u64;
         files
             .take(bytes)

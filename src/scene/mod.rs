@@ -48,7 +48,7 @@ pub use transport::{ClusterForm, Distance, Hierarchy, MOST_WALKS, Near, Oracle, 
 use crate::error::{Error, Input, Result};
 
 use glam::DVec3;
-use mesh::{FORMATS, Format, is_textured};
+use mesh::{FORMATS, Format, scene_of};
 use range::Checked;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -159,12 +159,17 @@ impl Scene {
     /// The same; `files` provides the files that the text names.
     pub fn parse_from(name: &str, toml: &str, sets: &[String], files: &Files) -> Result<Self> {
         let (name, file) = (name.to_owned(), PathBuf::from(name));
-        Self::of(Text { name, toml: toml.to_owned(), file, folder: PathBuf::new() }, sets, 0.0, files)
+        Self::of(
+            Text { name, toml: toml.to_owned(), file, folder: PathBuf::new(), report: Vec::new() },
+            sets,
+            0.0,
+            files,
+        )
     }
 
     fn of(text: Text, sets: &[String], frame: f64, files: &Files) -> Result<Self> {
         let draft = read::read(&text.toml, &text.file, sets, frame)?;
-        let mut report = Vec::new();
+        let mut report = text.report;
 
         // Meshes, scaled and placed, and their textures.
         let several = draft.objects.len() > 1;
@@ -245,6 +250,8 @@ struct Text {
     file: PathBuf,
     /// The folder that paths in the text are relative to.
     folder: PathBuf,
+    /// What there is to say about a mesh that became a scene.
+    report: Vec<String>,
 }
 
 impl Text {
@@ -254,7 +261,7 @@ impl Text {
         if let Some(&(name, toml, _)) = built_in {
             let (name, toml) = (name.to_owned(), toml.to_owned());
             let file = PathBuf::from(&name);
-            return Ok(Self { name, toml, file, folder: PathBuf::new() });
+            return Ok(Self { name, toml, file, folder: PathBuf::new(), report: Vec::new() });
         }
         let path = Path::new(name_or_path);
         if !path.exists() {
@@ -274,8 +281,10 @@ impl Text {
         let kinds = &format!("a scene in TOML, or a mesh in {FORMATS}");
         let bytes = files.stream(path, 1).map_err(|error| fault(error.to_string(), kinds))?;
         if Format::of(path, &bytes).is_some() {
-            let toml = around_mesh(name_or_path, is_textured(files, path, &bytes));
-            return Ok(Self { name, toml, file, folder: PathBuf::new() });
+            let around = toml::from_str(&around_mesh(name_or_path)).unwrap_or_default();
+            let (table, report) = scene_of(files, path, &bytes, around)?;
+            let toml = toml::to_string(&table).unwrap_or_default();
+            return Ok(Self { name, toml, file, folder: PathBuf::new(), report });
         }
         if bytes.len() > MOST_TEXT {
             return Err(fault(format!("{} bytes", bytes.len()), &format!("at most {MOST_TEXT} bytes, {kinds}")));
@@ -290,20 +299,18 @@ impl Text {
             return Err(Input { what, expected: Some(kinds.clone()), ..fault });
         }
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-        Ok(Self { name, toml, file, folder })
+        Ok(Self { name, toml, file, folder, report: Vec::new() })
     }
 }
 
-/// The scene of a mesh alone: marble, 20 mm across, tinted by the texture that the mesh brings along, if any; one
-/// light, a fitted camera.
-fn around_mesh(path: &str, textured: bool) -> String {
-    let texture = if textured { ", texture = \"mesh\"" } else { "" };
+/// The scene of a mesh alone: marble, 20 mm across, one light, a fitted camera.
+fn around_mesh(path: &str) -> String {
     // Escape `%`, which would stand for the frame's number.
     let path = toml::Value::String(path.replace('%', "%%"));
     format!(
         "unit = \"mm\"\n\n\
          [[light]]\ntype = \"directional\"\ndirection = [0.35, 0.6, 0.75]\nirradiance = 3.0\n\n\
-         [[object]]\nmesh = {path}\nsize = 20\nmaterial = {{ preset = \"marble\"{texture} }}\n"
+         [[object]]\nmesh = {path}\nsize = 20\nmaterial = {{ preset = \"marble\" }}\n"
     )
 }
 

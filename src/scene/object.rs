@@ -67,6 +67,7 @@ impl Object {
 #[serde(deny_unknown_fields)]
 pub(super) struct ObjectFile {
     mesh: Option<PathBuf>,
+    part: Option<i64>,
     shape: Option<Shape>,
     detail: Option<i64>,
     size: Option<f64>,
@@ -96,8 +97,8 @@ pub(super) struct Draft {
 /// Where a mesh comes from.
 #[derive(Debug)]
 pub(super) enum Source {
-    /// A file, relative to the scene file.
-    File(PathBuf),
+    /// A file, relative to the scene file, and the number of a part of it.
+    File(PathBuf, Option<u32>),
     /// A built-in shape, and its detail.
     Shape(Shape, u32),
 }
@@ -153,13 +154,23 @@ impl ObjectFile {
             }
             (Some(_), None) if self.detail.is_some() => {
                 let fault = Input::new("a mesh from a file has no such key");
-                Err(fault.key(key(".detail")).expected("mesh, size, position, rotation, deform, material"))
+                Err(fault.key(key(".detail")).expected("mesh, part, size, position, rotation, deform, material"))
             }
             (Some(path), None) if path.as_os_str().is_empty() => Err(Input::new("no file is named")
                 .key(key(".mesh"))
                 .found("\"\"")
                 .expected(format!("a file in {FORMATS}"))),
-            (Some(path), None) => Ok(Source::File(path.clone())),
+            (Some(path), None) => {
+                let number = |part: i64| {
+                    let fault = Input::new("out of range").key(key(".part")).found(part);
+                    u32::try_from(part).map_err(|_| fault.expected("a whole number from 0"))
+                };
+                Ok(Source::File(path.clone(), self.part.map(number).transpose()?))
+            }
+            (None, Some(_)) if self.part.is_some() => {
+                let fault = Input::new("a shape has no parts").key(key(".part"));
+                Err(fault.expected("shape, detail, size, position, rotation, deform, material"))
+            }
             (None, Some(shape)) => {
                 let detail = self.detail.unwrap_or_else(|| i64::from(shape.usual_detail()));
                 let range = shape.details();
@@ -180,7 +191,7 @@ impl Draft {
     pub(super) fn most_triangles(&self) -> u64 {
         match self.source {
             Source::Shape(shape, detail) => shape.most_triangles(detail),
-            Source::File(_) => 0,
+            Source::File(..) => 0,
         }
     }
 
@@ -221,9 +232,9 @@ impl Draft {
             layers.load(files, folder, &layered, report)?;
         }
         let mesh = match &self.source {
-            Source::File(path) => {
+            Source::File(path, part) => {
                 let wanted = textured.map(|key| Coordinates { key, own });
-                Mesh::read(files, &folder.join(path), wanted, report)?
+                Mesh::read(files, &folder.join(path), *part, wanted, report)?
             }
             Source::Shape(shape, detail) => {
                 let most = shape.most_triangles(*detail);
@@ -255,7 +266,7 @@ impl Draft {
             }
         }
         let own = match &self.source {
-            Source::File(path) => Some(path.as_path()),
+            Source::File(path, part) => Some((path.as_path(), *part)),
             Source::Shape(..) => None,
         };
         for (number, deform) in self.deforms.iter_mut().enumerate() {

@@ -2,7 +2,7 @@
 
 use super::file::MaterialFile;
 use super::files::Files;
-use super::image::{read_exr, read_hdr, read_png};
+use super::image::{MOST_TEXELS, read_exr, read_hdr, read_packed};
 use super::locate;
 use super::mesh::{Texels, map_kd, own_texture};
 use super::object::Source;
@@ -13,8 +13,6 @@ use serde::Deserialize;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Maximum texels of a texture: as many as the smallest devices can bind.
-pub(super) const MOST_TEXELS: usize = 1 << 23;
 /// Maximum texels along a side.
 pub(super) const MOST_SIDE: u32 = 1 << 14;
 /// The name that stands for the texture in the mesh's material library.
@@ -139,12 +137,12 @@ impl Texture {
     pub(super) fn load(&mut self, files: &Files, folder: &Path, mesh: &Source, key: &str) -> Checked<()> {
         let Some(image) = self.image.take() else { return Ok(()) };
         let path = match mesh {
-            Source::File(mesh) if image == OWN => {
-                let texels = own_texture(files, &folder.join(mesh)).map_err(|fault| at_key(fault, key))?;
+            Source::File(mesh, part) if image == OWN => {
+                let texels = own_texture(files, &folder.join(mesh), *part).map_err(|fault| at_key(fault, key))?;
                 return self.set(checked(texels, key, &folder.join(mesh))?);
             }
             _ if image != LIBRARY && image != OWN => folder.join(&image),
-            Source::File(mesh) => map_kd(files, &folder.join(mesh)).map_err(|fault| at_key(fault, key))?,
+            Source::File(mesh, _) => map_kd(files, &folder.join(mesh)).map_err(|fault| at_key(fault, key))?,
             Source::Shape(..) => {
                 let what = "a shape has neither a material library nor a texture of its own";
                 let fault = Input::new(what).key(key).found(format!("`{image}`"));
@@ -177,13 +175,15 @@ fn read(files: &Files, path: &Path, key: &str) -> Checked<Texels> {
     let at = |what: String| Input::new(what).key(key);
     let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
     let image = match end.as_str() {
-        "png" => read_png(files, path, MOST_TEXELS),
+        "png" | "jpg" | "jpeg" => read_packed(files, path),
         "exr" => read_exr(files, path, MOST_TEXELS),
         "hdr" => read_hdr(files, path, MOST_TEXELS),
         _ => {
             let fault = at("not the name of a texture".into()).found(path.display());
             let names = BUILTIN.map(|(name, _)| name).join(", ");
-            return Err(fault.expected(format!("a file that ends in .png, .exr or .hdr, {LIBRARY}, {OWN}, or {names}")));
+            return Err(
+                fault.expected(format!("a file that ends in .png, .jpg, .exr or .hdr, {LIBRARY}, {OWN}, or {names}"))
+            );
         }
     };
     let read = image.map_err(|error| at(format!("{}: the texture cannot be read", path.display())).found(error))?;

@@ -23,7 +23,7 @@ mod uv;
 mod walk;
 mod wrap;
 
-pub(super) use import::{Coordinates, FORMATS, Format, Texels, is_textured, map_kd, own_texture};
+pub(super) use import::{Coordinates, FORMATS, Format, Texels, map_kd, own_texture, scene_of};
 pub(super) use refine::Origin;
 pub use shape::Shape;
 
@@ -63,15 +63,16 @@ impl Mesh {
     /// Memory per triangle, with its share of the vertices, while a mesh is built, bytes.
     pub const BYTES: u64 = 150;
 
-    /// Reads, cleans and orients a mesh file; repairs and warnings are added to `report`. `wanted` are texture
+    /// Reads, cleans and orients a mesh file or a part of it; repairs and warnings are added to `report`. `wanted` are texture
     /// coordinates, if there is a texture: every corner must then have them.
     pub(super) fn read(
         files: &Files,
         path: &Path,
+        part: Option<u32>,
         wanted: Option<Coordinates<'_>>,
         report: &mut Vec<String>,
     ) -> Checked<Self> {
-        let soup = import::read(files, path, wanted)?;
+        let soup = import::read(files, path, part, wanted)?;
         let (mut mesh, _) = clean::clean(soup, report).map_err(|fault| fault.file(path))?;
         let (low, high) = mesh.bounds();
         let extent = (high - low).max_element();
@@ -188,7 +189,7 @@ mod tests {
                     f 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
         std::fs::write(&path, cube).expect("written");
         let mut report = Vec::new();
-        let mesh = Mesh::read(&Files::default(), &path, None, &mut report).expect("a cube");
+        let mesh = Mesh::read(&Files::default(), &path, None, None, &mut report).expect("a cube");
         assert_eq!((mesh.triangles.len(), mesh.open_edges), (12, 0));
         assert_eq!(mesh.input_face, [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5]);
         assert!((mesh.volume() - 1.0).abs() < 1e-12);

@@ -8,11 +8,17 @@ use glam::DVec3;
 use std::path::Path;
 
 impl Mesh {
-    /// The positions of the vertices of the mesh read from `own`, in that file and in `other`, whose key for errors is
+    /// The positions of the vertices of the mesh read from `own`, a part of a file, in that file and in `other`, whose key for errors is
     /// `key`. Both must have the same number of vertices and the same triangles in the same order; vertices that
     /// coincide in the first must coincide in the other.
-    pub(in crate::scene) fn read_ends(files: &Files, own: &Path, other: &Path, key: &str) -> Checked<[Vec<DVec3>; 2]> {
-        let [rest, end] = [own, other].map(|path| import::read(files, path, None));
+    pub(in crate::scene) fn read_ends(
+        files: &Files,
+        own: (&Path, Option<u32>),
+        other: &Path,
+        key: &str,
+    ) -> Checked<[Vec<DVec3>; 2]> {
+        let (own, part) = own;
+        let [rest, end] = [own, other].map(|path| import::read(files, path, part, None));
         let (rest, end) = (rest?, end?);
         let fault = |what: &str, found: String, expected: String| {
             Err(Input::new(what).key(key).found(found).expected(expected))

@@ -8,8 +8,10 @@ use crate::scene::range::Checked;
 use glam::DVec3;
 use std::io::ErrorKind;
 use std::path::Path;
+use toml::{Table, Value};
 
 mod colors;
+mod gltf;
 mod obj;
 mod ply;
 mod stl;
@@ -17,7 +19,7 @@ mod stl;
 pub(in crate::scene) use obj::map_kd;
 
 /// The formats, for messages.
-pub(in crate::scene) const FORMATS: &str = "Wavefront OBJ, PLY or STL";
+pub(in crate::scene) const FORMATS: &str = "Wavefront OBJ, PLY, STL or glTF 2.0";
 
 /// The largest coordinate a mesh may have; its cube is still far from overflow.
 const LARGEST: f64 = 1e30;
@@ -62,6 +64,8 @@ pub(in crate::scene) enum Format {
     Ply,
     /// Stereolithography, ascii or binary.
     Stl,
+    /// glTF 2.0, as text or GLB.
+    Gltf,
 }
 
 /// The first words of statements in a Wavefront OBJ file.
@@ -79,6 +83,10 @@ impl Format {
         if stl::is_binary(bytes) || line(start, b"solid") && start.windows(5).any(|word| word == b"facet") {
             return Some(Self::Stl);
         }
+        let json = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start).starts_with(b"{");
+        if bytes.starts_with(b"glTF") || json && start.windows(7).any(|word| word == b"\"asset\"") {
+            return Some(Self::Gltf);
+        }
         if line(bytes, b"ply") {
             return Some(Self::Ply);
         }
@@ -90,6 +98,7 @@ impl Format {
             "obj" => Some(Self::Obj),
             "ply" => Some(Self::Ply),
             "stl" => Some(Self::Stl),
+            "gltf" | "glb" => Some(Self::Gltf),
             _ => None,
         }
     }
@@ -106,11 +115,17 @@ fn is_obj(bytes: &[u8]) -> bool {
     STATEMENTS.iter().any(|word| word.as_bytes() == first) && words.next().is_none_or(|word| !word.starts_with(b"="))
 }
 
-/// Reads a file; every error carries the file, and the line if one statement is to blame. `wanted` are texture
-/// coordinates, if the mesh is to have any.
-pub(super) fn read(files: &Files, path: &Path, wanted: Option<Coordinates<'_>>) -> Checked<Soup> {
+/// Reads a file, or a part of it; every error carries the file, and the line if one statement is to blame. `wanted` are
+/// texture coordinates, if the mesh is to have any.
+pub(super) fn read(files: &Files, path: &Path, part: Option<u32>, wanted: Option<Coordinates<'_>>) -> Checked<Soup> {
     let bytes = bytes_of(files, path, 1)?;
-    let read = match Format::of(path, &bytes) {
+    let format = Format::of(path, &bytes);
+    if let (Some(part), Some(Format::Obj | Format::Ply | Format::Stl)) = (part, format) {
+        let fault = Input::new("a file in this format has no parts").file(path).found(format!("part = {part}"));
+        return Err(fault.expected("no key `part`, or a glTF file, whose parts are its materials"));
+    }
+    let read = match format {
+        Some(Format::Gltf) => gltf::read(files, path, &bytes, part, wanted),
         Some(Format::Obj) => obj::read(files, &bytes, wanted),
         Some(Format::Ply) => ply::read(files, &bytes, wanted),
         Some(Format::Stl) => stl::read(files, &bytes, wanted),
@@ -121,19 +136,38 @@ pub(super) fn read(files: &Files, path: &Path, wanted: Option<Coordinates<'_>>) 
     Ok(soup)
 }
 
-/// The texture that a mesh file brings along.
-pub(in crate::scene) fn own_texture(files: &Files, path: &Path) -> Checked<Texels> {
+/// The texture that a mesh file, or a part of it, brings along.
+pub(in crate::scene) fn own_texture(files: &Files, path: &Path, part: Option<u32>) -> Checked<Texels> {
     let bytes = bytes_of(files, path, 1)?;
-    let texels = match Format::of(path, &bytes) {
-        Some(Format::Ply) => ply::texture(files, &bytes),
-        _ => Err(Input::new("a file in this format brings no texture along").expected("PLY with vertex colours")),
-    };
+    let texels =
+        match Format::of(path, &bytes) {
+            Some(Format::Gltf) => gltf::texture(files, path, &bytes, part),
+            Some(Format::Ply) => ply::texture(files, &bytes),
+            _ => Err(Input::new("a file in this format brings no texture along")
+                .expected("PLY with vertex colours, or glTF")),
+        };
     texels.map_err(|fault| fault.file(path))
 }
 
-/// Whether a file that is a mesh brings a texture along, such as colours of its vertices.
-pub(in crate::scene) fn is_textured(files: &Files, path: &Path, bytes: &[u8]) -> bool {
-    Format::of(path, bytes) == Some(Format::Ply) && ply::texture(files, bytes).is_ok()
+/// The scene of a mesh file alone, and what there is to say about it; `around` is that of a mesh which brings nothing
+/// but its shape along.
+pub(in crate::scene) fn scene_of(
+    files: &Files,
+    path: &Path,
+    bytes: &[u8],
+    mut around: Table,
+) -> Checked<(Table, Vec<String>)> {
+    match Format::of(path, bytes) {
+        Some(Format::Gltf) => return gltf::scene(files, path, bytes, around).map_err(|fault| fault.file(path)),
+        Some(Format::Ply) if ply::texture(files, bytes).is_ok() => {
+            let object = around.get_mut("object").and_then(Value::as_array_mut).and_then(|objects| objects.first_mut());
+            if let Some(Value::Table(material)) = object.and_then(|object| object.get_mut("material")) {
+                material.insert("texture".into(), "mesh".into());
+            }
+        }
+        _ => {}
+    }
+    Ok((around, Vec::new()))
 }
 
 /// Reads the bytes of a mesh file; `copies` times its size must fit the memory.
