@@ -5,12 +5,13 @@ use super::file::MaterialFile;
 use super::files::Files;
 use super::material::Material;
 use super::mesh::{Coordinates, FORMATS, Mesh, Origin, Shape};
+use super::play::Play;
 use super::range::{self, Checked};
 use super::texture::Texture;
 use super::transport::Transport;
 use super::vector::Vector;
 use crate::error::Input;
-use glam::{DQuat, DVec3, EulerRot};
+use glam::{DMat4, DQuat, DVec3, EulerRot};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -202,15 +203,21 @@ impl Draft {
     }
 
     /// Loads textures and depth maps; reads or builds the mesh, refines it for the hierarchy and scales it, rotates and
-    /// moves it if it has deformations; reads the targets of its morphs. Paths are relative to `folder`.
+    /// moves it if it has deformations; reads the targets of its morphs and the pose that
+    /// `play` asks for. Paths are relative to `folder`.
     pub(super) fn mesh(
         &mut self,
         files: &Files,
         folder: &Path,
         index: usize,
         transport: &Transport,
+        play: Option<&mut Play>,
         report: &mut Vec<String>,
     ) -> Checked<Mesh> {
+        if let (Some(play), Source::File(path, part)) = (play, &self.source) {
+            let played = deform::Draft::played(files, (&folder.join(path), *part), play)?;
+            self.deforms.splice(..0, played);
+        }
         let key = format!("object.{index}.material.texture");
         let layered = format!("object.{index}.material.layers");
         let maps = format!("{layered}.maps");
@@ -256,9 +263,9 @@ impl Draft {
             let shape = matches!(self.source, Source::Shape(..));
             layers.check_mesh(&mesh, &layered, if shape { &mut unsaid } else { report })?;
         }
-        let factor = match self.size {
+        let (middle, factor) = match self.size {
             Some(size) => mesh.resize(size, &format!("object.{index}.size"))?,
-            None => 1.0,
+            None => (DVec3::ZERO, 1.0),
         };
         if !self.deforms.is_empty() {
             for position in &mut mesh.positions {
@@ -271,7 +278,8 @@ impl Draft {
         };
         for (number, deform) in self.deforms.iter_mut().enumerate() {
             let key = format!("object.{index}.deform.{number}.mesh");
-            deform.load(files, folder, own, &origin, |way| self.rotation * (factor * way), &key)?;
+            let placed = DMat4::from_scale_rotation_translation(DVec3::splat(factor), self.rotation, self.position);
+            deform.load(files, folder, own, &origin, placed * DMat4::from_translation(-middle), &key)?;
         }
         Ok(mesh)
     }

@@ -23,7 +23,7 @@ mod uv;
 mod walk;
 mod wrap;
 
-pub(super) use import::{Coordinates, FORMATS, Format, Texels, map_kd, own_texture, scene_of};
+pub(super) use import::{Coordinates, FORMATS, Format, Texels, animations, map_kd, own_texture, scene_of};
 pub(super) use refine::Origin;
 pub use shape::Shape;
 
@@ -142,9 +142,9 @@ impl Mesh {
         boxed.par_iter().step_by(step).find_first(|p| inside(p)).copied().copied()
     }
 
-    /// Moves the centre of the bounding box to the origin and scales the largest extent to `size`; returns the factor.
-    /// `key` is the key of the size, for errors.
-    pub(super) fn resize(&mut self, size: f64, key: &str) -> Checked<f64> {
+    /// Moves the centre of the bounding box to the origin and scales the largest extent to `size`; returns that centre
+    /// and the factor. `key` is the key of the size, for errors.
+    pub(super) fn resize(&mut self, size: f64, key: &str) -> Checked<(DVec3, f64)> {
         let (low, high) = self.bounds();
         let extent = (high - low).max_element();
         if extent <= 0.0 {
@@ -154,7 +154,7 @@ impl Mesh {
         for position in &mut self.positions {
             *position = (*position - middle) * factor;
         }
-        Ok(factor)
+        Ok((middle, factor))
     }
 }
 

@@ -47,6 +47,11 @@ pub(super) fn linear(x: f64) -> f32 {
     light as f32
 }
 
+/// The nearest number from 0 to 1; 0 for what is no number.
+pub(super) fn share(x: f64) -> f32 {
+    if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) as f32 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,6 +5,7 @@ use super::Mesh;
 use crate::error::Input;
 use crate::scene::files::Files;
 use crate::scene::range::Checked;
+use crate::scene::skin::{Pose, Rig};
 use glam::DVec3;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -170,6 +171,26 @@ pub(in crate::scene) fn scene_of(
     Ok((around, Vec::new()))
 }
 
+/// Names of the animations of a mesh file, and how long they last, in seconds; empty for formats without animations.
+pub(in crate::scene) fn animations(files: &Files, path: &Path) -> Checked<Vec<(String, f64)>> {
+    let bytes = bytes_of(files, path, 1)?;
+    match Format::of(path, &bytes) {
+        Some(Format::Gltf) => gltf::animations(files, path, &bytes).map_err(|fault| fault.file(path)),
+        _ => Ok(Vec::new()),
+    }
+}
+
+/// The mesh of a file or a part of it, what its vertices follow, and its poses at rest and at a time of an animation.
+pub(super) fn animated(
+    files: &Files,
+    path: &Path,
+    part: Option<u32>,
+    at: (usize, f64),
+) -> Checked<(Soup, Rig, [Pose; 2])> {
+    let bytes = bytes_of(files, path, 1)?;
+    gltf::animated(files, path, &bytes, part, at).map_err(|fault| fault.file(path))
+}
+
 /// Reads the bytes of a mesh file; `copies` times its size must fit the memory.
 fn bytes_of(files: &Files, path: &Path, copies: u64) -> Checked<Vec<u8>> {
     files.read(path, copies).map_err(|error| match error.kind() {
@@ -196,20 +217,22 @@ fn no_coordinates(wanted: Option<Coordinates<'_>>, format: &str) -> Checked<()> 
     }
 }
 
-/// Keeps the vertices that triangles use, in the order of first use.
-fn compact(positions: &[DVec3], triangles: Vec<[u32; 3]>, input_face: Vec<u32>) -> Soup {
+/// Keeps the vertices that triangles use, in the order of first use; returns also which they were.
+fn compact(positions: &[DVec3], triangles: Vec<[u32; 3]>, input_face: Vec<u32>) -> (Soup, Vec<u32>) {
     let mut soup = Soup { triangles, input_face, ..Soup::default() };
     let mut number = vec![u32::MAX; positions.len()];
+    let mut from = Vec::new();
     for corner in soup.triangles.iter_mut().flatten() {
         let old = *corner as usize;
         if number[old] == u32::MAX {
             number[old] = soup.positions.len() as u32;
             soup.positions.push(positions[old]);
+            from.push(*corner);
         }
         *corner = number[old];
     }
     soup.unused = positions.len() - soup.positions.len();
-    soup
+    (soup, from)
 }
 
 /// A vertex, numbered from 0, whose coordinates are finite and at most [`LARGEST`].

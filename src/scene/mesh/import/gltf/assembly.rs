@@ -5,6 +5,7 @@ use super::primitive::{self, Piece};
 use super::tree::{Local, Tree};
 use super::{Checked, Files, Input, LARGEST};
 use crate::scene::mesh::import::unread;
+use crate::scene::skin::{Pose, Rig};
 use glam::{DMat4, DVec3};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::texture::Info;
@@ -27,10 +28,20 @@ pub(super) struct Assembly<'a> {
     pub matrices: Vec<DMat4>,
     /// Corners of each triangle.
     pub triangles: Vec<[u32; 3]>,
-    /// Primitives in order, with the number of the first vertex of each, and of the first triangle.
-    pub pieces: Vec<(&'a Primitive, u32, usize)>,
-    /// What is ignored.
-    pub notes: Vec<String>,
+    /// Primitives in order.
+    pub pieces: Vec<Placed<'a>>,
+}
+
+/// A primitive among those that are joined.
+pub(super) struct Placed<'a> {
+    /// It.
+    pub primitive: &'a Primitive,
+    /// The number of its first vertex.
+    pub first: u32,
+    /// Its contents.
+    pub piece: Piece,
+    /// The weights of its morph targets.
+    pub weights: Vec<f64>,
 }
 
 /// Primitives with triangles of the nodes that are shown.
@@ -87,9 +98,8 @@ impl<'a> Assembly<'a> {
             pieces.push((node, primitive, piece, skin.is_some(), first));
         }
         for (node, primitive, piece, skinned, first) in pieces {
-            whole.add(primitive, &piece, &locals[node].weights, skinned, first)?;
+            whole.add(primitive, piece, &locals[node].weights, skinned, first)?;
         }
-        whole.notes.extend(document.ignored());
         Ok(whole)
     }
 
@@ -97,7 +107,7 @@ impl<'a> Assembly<'a> {
     fn add(
         &mut self,
         primitive: &'a Primitive,
-        piece: &Piece,
+        piece: Piece,
         weights: &[f64],
         skinned: bool,
         first: u32,
@@ -107,7 +117,6 @@ impl<'a> Assembly<'a> {
         let Some(start) = start else {
             return Err(Input::new("the mesh has too many vertices").expected("below 2^32"));
         };
-        self.pieces.push((primitive, start, self.triangles.len()));
         for vertex in 0..piece.positions.len() {
             self.base.push(piece.morphed(vertex, weights));
             let own = match skinned {
@@ -127,6 +136,7 @@ impl<'a> Assembly<'a> {
         let mirrored = !skinned && self.matrices[first as usize].determinant() < 0.0;
         let turn = |[a, b, c]: [u32; 3]| if mirrored { [b, a, c] } else { [a, b, c] };
         self.triangles.extend(piece.triangles.iter().map(|corners| turn(corners.map(|corner| start + corner))));
+        self.pieces.push(Placed { primitive, first: start, piece, weights: weights.to_vec() });
         Ok(())
     }
 
@@ -142,15 +152,49 @@ impl<'a> Assembly<'a> {
     /// Texture coordinates of the triangles' corners; none unless every primitive has some.
     pub fn uvs(&self, document: &Document, files: &Files, info: Option<&Info>) -> Checked<Option<Vec<[[f64; 2]; 3]>>> {
         let mut all = Vec::with_capacity(self.base.len());
-        for (k, (primitive, first, _)) in self.pieces.iter().enumerate() {
-            let end = self.pieces.get(k + 1).map_or(self.base.len(), |(_, next, _)| *next as usize);
+        for Placed { primitive, piece, .. } in &self.pieces {
             let Some(uvs) = primitive::uvs(document, files, primitive, info)? else { return Ok(None) };
-            if uvs.len() != end - *first as usize {
+            if uvs.len() != piece.positions.len() {
                 return Err(Input::new("attribute TEXCOORD has not one entry per vertex").found(uvs.len()));
             }
             all.extend(uvs);
         }
         Ok(Some(self.triangles.iter().map(|corners| corners.map(|corner| all[corner as usize])).collect()))
+    }
+
+    /// What these vertices follow: each piece has a row of weights.
+    pub fn rig(&self, vertices: &[u32]) -> Checked<Rig> {
+        let targets = self.targets();
+        if targets > Rig::MOST_TARGETS || self.count > Rig::MOST_JOINTS {
+            let found = format!("{targets} targets and {} joints of a vertex", self.count);
+            let fault = Input::new("too many morph targets or joints").found(found);
+            return Err(fault.expected(format!("at most {} and {}", Rig::MOST_TARGETS, Rig::MOST_JOINTS)));
+        }
+        let mut rig = Rig { joints: self.count, targets, ..Rig::default() };
+        for &vertex in vertices {
+            let row = self.pieces.partition_point(|placed| placed.first <= vertex).saturating_sub(1);
+            let Placed { piece, first, .. } = &self.pieces[row];
+            let own = (vertex - first) as usize;
+            rig.base.push(piece.positions[own]);
+            rig.influences.extend(&self.influences[vertex as usize * self.count..][..self.count]);
+            let way = |k: usize| piece.targets.get(k).and_then(|target| target.get(own)).copied().unwrap_or_default();
+            rig.ways.extend((0..targets).map(way));
+            rig.rows.push(row as u32);
+        }
+        Ok(rig)
+    }
+
+    /// The pose in which the nodes are.
+    pub fn pose(&self) -> Pose {
+        let targets = self.targets();
+        let row = |placed: &Placed<'_>| -> Vec<f64> {
+            (0..targets).map(|k| placed.weights.get(k).copied().unwrap_or_default()).collect()
+        };
+        Pose { matrices: self.matrices.clone(), weights: self.pieces.iter().flat_map(row).collect() }
+    }
+
+    fn targets(&self) -> usize {
+        self.pieces.iter().map(|placed| placed.piece.targets.len()).max().unwrap_or(0)
     }
 
     /// The lowest and highest corner of the bounding box.

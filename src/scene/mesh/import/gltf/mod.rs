@@ -5,11 +5,14 @@ use super::{Coordinates, LARGEST, MOST_UV, Soup, Texels, checked, colors, compac
 use crate::error::Input;
 use crate::scene::files::Files;
 use crate::scene::range::Checked;
+use crate::scene::skin::{Pose, Rig};
 use document::Document;
+use std::collections::HashSet;
 use std::path::Path;
 use toml::Table;
 use tree::{Local, Tree};
 
+mod animation;
 mod assembly;
 mod document;
 mod material;
@@ -53,8 +56,10 @@ pub(super) fn read(
         let fault = Input::new("a texture coordinate is out of range").found(format!("{place:?}"));
         return Err(fault.expected("numbers from -10,000 to 10,000"));
     }
-    let soup = compact(&positions?, assembly.triangles, input_face);
-    Ok(Soup { uvs, notes: assembly.notes, ..soup })
+    let (soup, _) = compact(&positions?, assembly.triangles, input_face);
+    // Once for a file whose parts are objects.
+    let notes = if part.is_none_or(|part| part == 0) { document.ignored() } else { None };
+    Ok(Soup { uvs, notes: notes.into_iter().collect(), ..soup })
 }
 
 /// The texture of a part.
@@ -73,6 +78,32 @@ pub(super) fn scene(files: &Files, path: &Path, bytes: &[u8], around: Table) -> 
     scene::scene(&document, files, around)
 }
 
+/// Names of a file's animations, and how long they last, in seconds.
+pub(super) fn animations(files: &Files, path: &Path, bytes: &[u8]) -> Checked<Vec<(String, f64)>> {
+    animation::names(&Document::open(files, path, bytes)?, files)
+}
+
+/// The mesh of a part, what its vertices follow, and two poses: at rest, and as animation `number` has it at a time.
+pub(super) fn animated(
+    files: &Files,
+    path: &Path,
+    bytes: &[u8],
+    part: Option<u32>,
+    (number, time): (usize, f64),
+) -> Checked<(Soup, Rig, [Pose; 2])> {
+    let document = Document::open(files, path, bytes)?;
+    let tree = Tree::of(&document)?;
+    let parts = Parts::of(&document, &tree, part)?;
+    let mut locals = Local::rest(&document);
+    let rest = Assembly::of(&document, files, &tree, &locals, &parts.chosen)?;
+    animation::pose(&document, files, number, time, &mut locals)?;
+    let now = Assembly::of(&document, files, &tree, &locals, &parts.chosen)?;
+    let input_face = (0..).take(rest.triangles.len()).collect();
+    let positions: Vec<_> = rest.positions().collect();
+    let (soup, from) = compact(&positions, rest.triangles.clone(), input_face);
+    Ok((soup, rest.rig(&from)?, [rest.pose(), now.pose()]))
+}
+
 /// The materials of what is shown, and which of them are chosen; `None` is glTF's default material.
 struct Parts {
     /// All of them, in the order of first use.
@@ -83,13 +114,13 @@ struct Parts {
 
 impl Parts {
     fn of(document: &Document, tree: &Tree, part: Option<u32>) -> Checked<Self> {
-        let mut all = Vec::new();
+        let (mut all, mut seen) = (Vec::new(), HashSet::new());
         for primitive in assembly::primitives(document, tree)?.into_iter().map(|(_, primitive)| primitive) {
             let material = primitive.material.map(|material| material.value());
             if let Some(material) = material.filter(|material| *material >= document.root.materials.len()) {
                 return Err(document::gone("material", material));
             }
-            if !all.contains(&material) {
+            if seen.insert(material) {
                 all.push(material);
             }
         }

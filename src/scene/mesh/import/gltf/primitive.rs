@@ -4,6 +4,7 @@
 use super::document::{Document, extension, number, numbers};
 use crate::error::Input;
 use crate::scene::files::Files;
+use crate::scene::mesh::import::colors::share;
 use crate::scene::range::Checked;
 use glam::DVec3;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
@@ -155,6 +156,6 @@ pub(super) fn uvs(
 pub(super) fn colors(document: &Document, files: &Files, primitive: &Primitive) -> Checked<Option<Vec<[f32; 3]>>> {
     let Some(index) = attribute(primitive, Semantic::Colors(0)) else { return Ok(None) };
     let (values, width) = document.numbers(files, index, &[3, 4])?;
-    let color = |rgb: &[f64]| [0, 1, 2].map(|k| rgb[k].max(0.0).min(1.0) as f32);
+    let color = |rgb: &[f64]| [0, 1, 2].map(|k| share(rgb[k]));
     Ok(Some(values.chunks_exact(width).map(color).collect()))
 }

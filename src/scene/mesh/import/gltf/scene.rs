@@ -10,6 +10,8 @@ use toml::{Table, Value};
 
 /// Lumens per watt, at 555 nm: what `KHR_lights_punctual` gives in candela and lux becomes W/sr and W/m^2.
 const LUMENS: f64 = 683.0;
+/// Most parts: as many as a scene has objects.
+const MOST: usize = 256;
 /// Millimetres of the largest extent of what has no size in the scene around it.
 const USUAL: f64 = 20.0;
 
@@ -26,7 +28,8 @@ impl Frame {
 }
 
 fn list(v: DVec3) -> Value {
-    Value::Array(v.to_array().map(Value::Float).to_vec())
+    // Adding 0 turns -0 into 0.
+    Value::Array((v + DVec3::ZERO).to_array().map(Value::Float).to_vec())
 }
 
 /// Changes the scene `around` a mesh into that of the file; returns it with what there is to say.
@@ -42,6 +45,14 @@ pub(super) fn scene(document: &Document, files: &Files, mut around: Table) -> Ch
     let Some(Value::Table(model)) = objects.first().cloned() else { return Ok((around, notes)) };
     let (low, high) = Assembly::of(document, files, &tree, &locals, &parts.all)?.bounds();
     let extent = (high - low).max_element();
+    // The mesh's own reader says what is wrong.
+    if !(extent > 0.0 && extent.is_finite()) {
+        return Ok((around, notes));
+    }
+    if parts.all.len() > MOST {
+        let fault = Input::new("the meshes of the file have too many materials").found(parts.all.len());
+        return Err(fault.expected(format!("at most {MOST}, as many as a scene has objects")));
+    }
     let media = document.root.materials.iter().enumerate();
     let physical = media.filter(|(index, _)| parts.all.contains(&Some(*index))).any(|(_, m)| Medium::of(m).is_some());
     let size = model.get("size").and_then(|size| size.as_float().or(size.as_integer().map(|size| size as f64)));
@@ -66,7 +77,7 @@ pub(super) fn scene(document: &Document, files: &Files, mut around: Table) -> Ch
     objects.splice(..1, made);
     if physical {
         notes.push(format!(
-            "materials: scattering per metre, as in the file; the mesh is {:.4} mm across",
+            "materials: scattering per metre, as in the file; the mesh is {:.1} mm across",
             extent * scale
         ));
     }

@@ -1,5 +1,6 @@
 //! What tints a part: an image, the colours of its vertices, or one colour.
 
+use super::assembly::Placed;
 use super::document::{Document, gone, source};
 use super::primitive;
 use super::{Assembly, Checked, Files, Input, Local, Parts, Texels, Tree, colors};
@@ -30,7 +31,7 @@ impl<'a> Tint<'a> {
         };
         let Some(Material { pbr_metallic_roughness: pbr, .. }) = material.map(|index| &document.root.materials[index])
         else {
-            return Ok(Self::without_image(document, tree, material, [1.0; 3])?);
+            return Self::without_image(document, tree, material, [1.0; 3]);
         };
         let factor = [0, 1, 2].map(|k| f64::from(pbr.base_color_factor.0[k]).clamp(0.0, 1.0));
         match &pbr.base_color_texture {
@@ -99,7 +100,7 @@ impl<'a> Tint<'a> {
                     return Err(fault.found(assembly.triangles.len()).expected(format!("at most {}", colors::MOST)));
                 }
                 let mut all = vec![[1.0; 3]; assembly.base.len()];
-                for (primitive, first, _) in &assembly.pieces {
+                for Placed { primitive, first, .. } in &assembly.pieces {
                     let own = primitive::colors(document, files, primitive)?.unwrap_or_default();
                     all.iter_mut().skip(*first as usize).zip(own).for_each(|(place, color)| *place = color);
                 }

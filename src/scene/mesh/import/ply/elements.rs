@@ -1,6 +1,6 @@
 //! Elements of a PLY file.
 
-use super::colors::linear;
+use super::colors::{linear, share};
 use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 
 /// An element `vertex`.
@@ -100,9 +100,8 @@ fn color(property: &Property) -> Option<f32> {
     Some(match property {
         Property::UChar(x) => linear(f64::from(*x) / 255.0),
         Property::UShort(x) => linear(f64::from(*x) / 65535.0),
-        // A NaN becomes 0.
-        Property::Float(x) => x.max(0.0).min(1.0),
-        Property::Double(x) => x.max(0.0).min(1.0) as f32,
+        Property::Float(x) => share(f64::from(*x)),
+        Property::Double(x) => share(*x),
         _ => return None,
     })
 }

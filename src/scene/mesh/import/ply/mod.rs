@@ -35,7 +35,7 @@ pub(super) fn read(files: &Files, bytes: &[u8], wanted: Option<Coordinates<'_>>)
     };
     let positions: Checked<Vec<DVec3>> =
         ply.vertices.iter().enumerate().map(|(number, vertex)| checked(vertex.position.into(), number)).collect();
-    let soup = compact(&positions?, triangles, input_face);
+    let (soup, _) = compact(&positions?, triangles, input_face);
     let ignored = ply.has_color && !wanted.is_some_and(|wanted| wanted.own);
     let note = "ignored: the colours of the vertices; texture = \"mesh\" in the material shows them";
     Ok(Soup { uvs, notes: ignored.then(|| note.to_owned()).into_iter().collect(), ..soup })
