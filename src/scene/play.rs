@@ -45,7 +45,11 @@ impl Play {
     pub fn find(&mut self, animations: Vec<(String, f64)>) -> Option<usize> {
         let found = animations.iter().position(|(name, _)| name.eq_ignore_ascii_case(&self.name));
         self.played |= found.is_some();
-        self.known.extend(animations.into_iter().map(|(name, _)| name));
+        for (name, _) in animations {
+            if !self.known.contains(&name) {
+                self.known.push(name);
+            }
+        }
         found
     }
 
