@@ -1,4 +1,4 @@
-//! Reads images as linear values: OpenEXR, Radiance HDR, and PNG and JPEG, decoded from sRGB. Depth maps are read without
+//! Reads images as linear values: OpenEXR, Radiance HDR, PNG and JPEG decoded from sRGB. Depth maps are read without
 //! conversion.
 //!
 //! The size that a file states is checked before memory is allocated: against the maximum number of pixels, the file's

@@ -112,7 +112,7 @@ impl Scene {
         }
     }
 
-    /// Loads a built-in scene by its name, a mesh alone by its file (`.obj`), or a scene file (TOML).
+    /// Loads a built-in scene by its name, a mesh alone by its file (OBJ, PLY, STL or glTF), or a scene file (TOML).
     ///
     /// ```
     /// let scene = milkglass::Scene::load("sphere")?;

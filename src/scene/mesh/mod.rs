@@ -63,8 +63,8 @@ impl Mesh {
     /// Memory per triangle, with its share of the vertices, while a mesh is built, bytes.
     pub const BYTES: u64 = 150;
 
-    /// Reads, cleans and orients a mesh file or a part of it; repairs and warnings are added to `report`. `wanted` are texture
-    /// coordinates, if there is a texture: every corner must then have them.
+    /// Reads, cleans and orients a mesh file or a part of it; repairs and warnings are added to `report`. `wanted` are
+    /// texture coordinates, if there is a texture: every corner must then have them.
     pub(super) fn read(
         files: &Files,
         path: &Path,

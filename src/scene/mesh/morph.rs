@@ -23,9 +23,9 @@ impl Mesh {
         Ok((rig.of(&from), poses))
     }
 
-    /// The positions of the vertices of the mesh read from `own`, a part of a file, in that file and in `other`, whose key for errors is
-    /// `key`. Both must have the same number of vertices and the same triangles in the same order; vertices that
-    /// coincide in the first must coincide in the other.
+    /// The positions of the vertices of the mesh read from `own`, a part of a file, in that file and in `other`, whose
+    /// key for errors is `key`. Both must have the same number of vertices and the same triangles in the same order;
+    /// vertices that coincide in the first must coincide in the other.
     pub(in crate::scene) fn read_ends(
         files: &Files,
         own: (&Path, Option<u32>),
