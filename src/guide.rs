@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [Getting started](start) | installing, first pictures, devices, commands, exit codes |
 //! | [Scenes](scenes) | scene files: objects, materials, textures, every key |
+//! | [Meshes](meshes) | mesh files: formats, what is read and what not, animated characters |
 //! | [Lights and looks](lights) | light types, shadows, environments, reflection, tone, layers of a picture |
 //! | [Motion](motion) | deformation, keyframes, sequences, what is kept between frames |
 //! | [Layers](layers) | subsurface texture mapping |
@@ -35,5 +36,5 @@ macro_rules! pages {
 }
 
 pages! {
-    start scenes lights motion layers curvature how diffusion walk measuring conformance drivers performance robustness library contributing
+    start scenes meshes lights motion layers curvature how diffusion walk measuring conformance drivers performance robustness library contributing
 }

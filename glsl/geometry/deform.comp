@@ -10,6 +10,7 @@ READS(rest)
 READS(rest_normals)
 READS(deforms)
 READS(morphs)
+READS(skinned)
 UPDATES(positions)
 
 float dot3(vec3 a, vec3 b) {
@@ -106,6 +107,8 @@ void main() {
         } else if (d.kind == DEFORM_MORPH) {
             precise vec3 place = p + d.amount * morphs[d.first + vertex];
             p = place;
+        } else if (d.kind == DEFORM_SKIN) {
+            p = skinned[vertex];
         } else {
             precise vec3 at = from * d.rate;
             precise float height = d.amount * noise(at);

@@ -3,16 +3,18 @@
 use clap::Args;
 
 use super::{print, table};
+use milkglass::Scene;
 use milkglass::error::{Input, Result};
 use milkglass::internals::pipeline::frame::{FRAME, Part, QUERIES};
 use milkglass::internals::state::{Change, Stage, Update};
-use milkglass::scene::{BUILTIN, PRESETS};
+use milkglass::scene::{BUILTIN, Files, PRESETS};
+use std::path::Path;
 
 /// Arguments of `scenes`.
 #[derive(Args)]
 #[command(after_help = "Example: milkglass scenes lotus > mine.toml")]
 pub struct Scenes {
-    /// Print this scene's TOML file, to copy and edit.
+    /// Print this scene's TOML file, to copy and edit; that of a mesh alone, with its animations.
     name: Option<String>,
 }
 
@@ -28,9 +30,17 @@ pub fn scenes(arguments: &Scenes) -> Result<()> {
             print(text)?;
             Ok(())
         }
+        None if Path::new(name).is_file() => {
+            let (text, animations) = Scene::text(name, &Files::default())?;
+            let line = |(name, seconds): &(String, f64)| format!("# --animation {name:?}: {seconds:.3} s\n");
+            print(&format!("{}{text}", animations.iter().map(line).collect::<String>()))
+        }
         None => {
             let known: Vec<_> = BUILTIN.iter().map(|(name, _, _)| *name).collect();
-            Err(Input::new("no built-in scene has this name").found(name).expected(known.join(", ")).into())
+            Err(Input::new("neither a built-in scene nor a file has this name")
+                .found(name)
+                .expected(format!("a file, or one of {}", known.join(", ")))
+                .into())
         }
     }
 }

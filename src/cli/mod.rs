@@ -107,7 +107,7 @@ enum Command {
 /// The scene, and overrides of its values.
 #[derive(Args, Clone)]
 struct SceneArguments {
-    /// A scene file (TOML), a built-in scene's name, or a mesh (OBJ).
+    /// A scene file (TOML), a built-in scene's name, or a mesh (OBJ, PLY, STL, glTF).
     scene: String,
     /// Change a value of the scene: `object.0.material.preset=ketchup`, `'light.0.intensity=[9,9,9]'`.
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -115,11 +115,24 @@ struct SceneArguments {
     /// The frame, if values have keyframes.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     frame: f64,
+    /// Play this animation of a glTF mesh; `milkglass scenes FILE` lists them.
+    #[arg(long, value_name = "NAME")]
+    animation: Option<String>,
+    /// Frames per second of the animation: 24 by default.
+    #[arg(long, value_name = "N", requires = "animation")]
+    fps: Option<f64>,
     #[command(flatten)]
     memory: MemoryArgument,
 }
 
 impl SceneArguments {
+    /// All settings, those by options of their own last.
+    fn sets(&self) -> Vec<String> {
+        let name = self.animation.as_ref().map(|name| format!("animation={}", toml::Value::String(name.clone())));
+        let fps = self.fps.map(|fps| format!("fps={fps:?}"));
+        self.sets.iter().cloned().chain(name).chain(fps).collect()
+    }
+
     /// Loads the scene and reports repairs to it.
     fn load(&self) -> Result<Scene> {
         let scene = self.at(self.frame)?;
@@ -131,7 +144,7 @@ impl SceneArguments {
 
     /// Checks that the values at a frame are valid.
     fn check(&self, frame: f64) -> Result<()> {
-        Scene::check_at(&self.scene, &self.sets, frame)
+        Scene::check_at(&self.scene, &self.sets(), frame)
     }
 
     /// Loads another scene with the same memory limit.
@@ -145,7 +158,7 @@ impl SceneArguments {
             return Err(Input::new("not a frame").key("--frame").found(frame).expected("a finite number").into());
         }
         announce_pipe(Path::new(&self.scene));
-        Scene::load_from(&self.scene, &self.sets, frame, &self.memory.files())
+        Scene::load_from(&self.scene, &self.sets(), frame, &self.memory.files())
     }
 }
 

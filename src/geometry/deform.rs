@@ -9,7 +9,8 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{
-    BufferId, Buffers, DEFORM_BEND, DEFORM_BUMP_AXIS, DEFORM_BUMP_NORMAL, DEFORM_MORPH, DEFORM_TWIST, Deform, SINE,
+    BufferId, Buffers, DEFORM_BEND, DEFORM_BUMP_AXIS, DEFORM_BUMP_NORMAL, DEFORM_MORPH, DEFORM_SKIN, DEFORM_TWIST,
+    Deform, SINE,
 };
 use crate::state::{Carrier, Granularity, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never};
 
@@ -86,7 +87,8 @@ fn noise(p: [f32; 3]) -> f32 {
     mix(across(0), across(4), fade[2])
 }
 
-/// Where a deformation moves a point that has this normal at rest; a morph moves it by its weight times `way`.
+/// Where a deformation moves a point that has this normal at rest; a morph moves it by its weight times `way`, a skin
+/// to `way`.
 pub fn displace(deform: &Deform, p: [f32; 3], normal: [f32; 3], way: [f32; 3]) -> [f32; 3] {
     let d = deform;
     let from = each(|k| p[k] - d.origin[k]);
@@ -124,6 +126,7 @@ pub fn displace(deform: &Deform, p: [f32; 3], normal: [f32; 3], way: [f32; 3]) -
             each(|k| p[k] + height * along[k])
         }
         DEFORM_MORPH => each(|k| p[k] + d.amount * way[k]),
+        DEFORM_SKIN => way,
         _ => {
             let height = d.amount * noise(from.map(|x| x * d.rate));
             each(|k| p[k] + height * normal[k])
@@ -131,9 +134,14 @@ pub fn displace(deform: &Deform, p: [f32; 3], normal: [f32; 3], way: [f32; 3]) -
     }
 }
 
-/// The displacement of a vertex to its position in a morph's other mesh; 0 for any other deformation.
-pub fn way(morphs: &[[f32; 3]], deform: &Deform, vertex: usize) -> [f32; 3] {
-    if deform.kind == DEFORM_MORPH { morphs[deform.first as usize + vertex] } else { [0.0; 3] }
+/// The displacement of a vertex to its position in a morph's other mesh, or its place by a skin, of those that begin
+/// with the object's own; 0 for any other deformation.
+pub fn way(morphs: &[[f32; 3]], skinned: &[[f32; 3]], deform: &Deform, vertex: usize) -> [f32; 3] {
+    match deform.kind {
+        DEFORM_MORPH => morphs[deform.first as usize + vertex],
+        DEFORM_SKIN => skinned[vertex],
+        _ => [0.0; 3],
+    }
 }
 
 fn cpu(state: &mut State, _at: Scope) {
@@ -148,10 +156,10 @@ pub fn deform(data: &mut Buffers, object: usize) {
     let (first, count) = (params.first_vertex as usize, params.vertices as usize);
     let begin = if data.object_params.len() == 1 { 0 } else { first };
     let (rest, normals) = (&data.rest[begin..], &data.rest_normals[begin..]);
+    let skinned = data.skinned.get(begin..).unwrap_or_default();
     data.positions[first..first + count].par_iter_mut().enumerate().for_each(|(vertex, place)| {
-        *place = own
-            .iter()
-            .fold(rest[vertex], |p, deform| displace(deform, p, normals[vertex], way(&data.morphs, deform, vertex)));
+        let way = |deform| way(&data.morphs, skinned, deform, vertex);
+        *place = own.iter().fold(rest[vertex], |p, deform| displace(deform, p, normals[vertex], way(deform)));
     });
 }
 
@@ -246,8 +254,8 @@ mod tests {
     fn morphs_go_a_share_of_the_way() {
         let half = Deform { kind: DEFORM_MORPH, first: 1, amount: 0.5, ..Deform::default() };
         let ways = [[9.0; 3], [1.0, -2.0, 4.0], [8.0, 0.0, 0.0]];
-        assert_eq!([0, 1].map(|vertex| way(&ways, &half, vertex)), [ways[1], ways[2]]);
+        assert_eq!([0, 1].map(|vertex| way(&ways, &[], &half, vertex)), [ways[1], ways[2]]);
         assert_eq!(displace(&half, [1.0, 1.0, 1.0], [0.0; 3], ways[1]), [1.5, 0.0, 3.0]);
-        assert_eq!(way(&[], &Deform { kind: DEFORM_NOISE, first: 7, ..half }, 3), [0.0; 3]);
+        assert_eq!(way(&[], &[], &Deform { kind: DEFORM_NOISE, first: 7, ..half }, 3), [0.0; 3]);
     }
 }

@@ -6,4 +6,5 @@ pub mod occlusion;
 pub mod placement;
 pub mod plane;
 pub mod refit;
+pub mod skin;
 pub mod trace;

@@ -20,8 +20,7 @@ buffers! {
     sky_rows: SkyRow, row;
     /// Integrals over its columns.
     sky_columns: SkyColumn, column;
-    /// Directions in which the environment is reflected: of microfacets about the normal, or about the mirror
-    /// direction.
+    /// Directions in which the environment is reflected: of microfacets, or about the mirror direction.
     reflection_directions: [f32; 3], direction;
     /// Sums of image times harmonic, nine a block of pixels; the first nine are the environment's coefficients.
     harmonics: [f32; 3], patch;
@@ -37,6 +36,18 @@ buffers! {
     deforms: Deform, deform;
     /// For each morph and each vertex of its object, the displacement to its place in the other mesh.
     morphs: [f32; 3], way;
+    /// The vertices that follow joints, as they are bound; empty if none do.
+    skin_vertices: SkinVertex, vertex;
+    /// The joints that each vertex follows.
+    skin_joints: SkinJoint, joint;
+    /// Displacements of each vertex by its morph targets.
+    skin_targets: [f32; 3], way;
+    /// Weights of morph targets.
+    skin_weights: f32, weight;
+    /// The matrices of the joints.
+    skin_matrices: SkinMatrix, matrix;
+    /// Where joints place the vertices, each in its object's own frame.
+    skinned: [f32; 3], vertex;
     /// Indices in `positions` of each triangle's corners, in the order of the tree's leaves. All other indices of an
     /// object count from its own first vertex, face, node and block.
     triangles: [u32; 3], face;
@@ -44,8 +55,7 @@ buffers! {
     corner_starts: u32, start;
     /// The triangles around each vertex.
     corners: u32, corner;
-    /// The vertices in the order of their first triangles, so that neighbours in it lie close together; empty unless
-    /// curvature may be smoothed.
+    /// The vertices in the order of their first triangles; empty unless curvature may be smoothed.
     vertex_order: u32, vertex;
     /// Texture coordinates of each triangle's corners; empty if there is no texture.
     corner_uvs: CornerUvs, face;
@@ -90,8 +100,7 @@ buffers! {
     /// Each object's Gaussians, narrowest first: the weight of each channel, then the deviation, a length, by which the
     /// sheet before is blurred.
     gaussians: [f32; 4], gaussian;
-    /// A sheet of the light that enters at each texel, and one for each Gaussian: light, and 1 where there is a
-    /// surface.
+    /// A sheet of the light that enters at each texel, and one for each Gaussian: light, and 1 on a surface.
     irradiance_maps: [f32; 4], texel;
     /// A sheet blurred along its rows.
     blurred_rows: [f32; 4], texel;
@@ -190,8 +199,7 @@ buffers! {
     entry_sums: EntrySum, face;
     /// The same of blocks of triangles.
     entry_blocks: EntryBlock, walk;
-    /// Of each cell of a grid around an object, `CLEARANCE_SIDE` a side, the least distance of its points to the
-    /// surface, or less.
+    /// Of each cell of a grid around an object, `CLEARANCE_SIDE` a side, its distance to the surface, or less.
     clearance: f32, walk;
     /// The photons under way in an object, three slots in turn of red, green, blue.
     photons: Photon, walk;
@@ -248,8 +256,7 @@ buffers! {
     scattering_media: ScatteringMedium, medium;
     /// The view rays beneath the points that some pixels show.
     inner_rays: InnerRay, ray;
-    /// The lights that shine into layers and scattering media: those with a position or a direction, and the
-    /// environment as directional lights.
+    /// The lights that shine into layers and scattering media, the environment as directional lights.
     layer_lights: Light, beam;
     /// The vertices of each cluster.
     vertex_moments: VertexMoments, node;

@@ -31,6 +31,8 @@ constants! {
     DEFORM_NOISE: u32 = 5;
     /// A morph towards another mesh.
     DEFORM_MORPH: u32 = 6;
+    /// The place that joints give, before any other deformation.
+    DEFORM_SKIN: u32 = 7;
 
     /// `ObjectParams.texture_wrap` and `Layering.wrap`: beyond its edges the texture repeats.
     WRAP_REPEAT: u32 = 0;

@@ -56,7 +56,7 @@ plain! {
     [u32; 2], "uvec2", 2, Unsigned;
     [u32; 3], "uvec3", 3, Unsigned;
     [u32; 5], "uint[5]", 5, Unsigned;
-    [u32; 14], "uint[14]", 14, Unsigned;
+    [u32; 8], "uint[8]", 8, Unsigned;
     [u32; 16], "uint[16]", 16, Unsigned;
     [u32; 20], "uint[20]", 20, Unsigned;
     [u32; 32], "uint[32]", 32, Unsigned;
@@ -263,6 +263,7 @@ macro_rules! buffers {
 #[macro_use]
 mod constants;
 mod buffers;
+mod deform;
 mod diffusion;
 mod glsl;
 mod kinds;
@@ -281,6 +282,7 @@ pub use self::shading::*;
 pub use self::view::*;
 pub use buffers::*;
 pub use constants::{Constant, Shared};
+pub use deform::*;
 pub use diffusion::*;
 pub use glsl::declarations;
 pub use kinds::*;
@@ -292,5 +294,5 @@ pub use walk::*;
 /// Every record.
 pub fn records() -> Vec<Record> {
     let lists = [frame_records(), list_records(), local_records(), light_records(), view_records(), layer_records()];
-    lists.into_iter().chain([walk_records(), diffusion_records()]).flatten().collect()
+    lists.into_iter().chain([walk_records(), diffusion_records(), deform_records()]).flatten().collect()
 }

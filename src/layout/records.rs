@@ -134,7 +134,19 @@ records! { frame_records:
         /// Diffusion: mean depth of the first collision of light from all around, per channel, length.
         sky_depth: [f32; 3],
         /// Unused.
-        padding: [u32; 14],
+        padding: [u32; 8],
+        /// Joints that each of its vertices follows; 0 if it follows none.
+        skin_joints: u32,
+        /// The first element of `skin_joints`.
+        first_joint: u32,
+        /// The first one of `skin_matrices`.
+        first_matrix: u32,
+        /// Morph targets of each of its vertices.
+        skin_targets: u32,
+        /// The first element of `skin_targets`.
+        first_target: u32,
+        /// The first one of `skin_weights`.
+        first_weight: u32,
         /// Not 0 if near clusters are integrated over their projection (section 5.1.1).
         projected: u32,
         /// Unused.
@@ -145,27 +157,6 @@ records! { frame_records:
         budget: u32,
         /// Room for links that a frame makes or undoes in one chunk.
         edit_capacity: u32,
-    }
-    /// A deformation of an object's vertices.
-    Deform {
-        /// Which deformation: a `DEFORM_`.
-        kind: u32,
-        /// A morph's first element of `morphs`: that of the object's first vertex.
-        first: u32,
-        /// A point of the axis, a bump's middle, or the noise's origin.
-        origin: [f32; 3],
-        /// Of length 1: the axis, the direction that is bent, or a bump's.
-        axis: [f32; 3],
-        /// Of length 1 and across it: where a bend leans to.
-        toward: [f32; 3],
-        /// Height of the low end along the axis, from `origin`.
-        low: f32,
-        /// From the low end to the high one.
-        extent: f32,
-        /// Turns a length; or one over a bump's squared radius, or over the size of the noise's features.
-        rate: f32,
-        /// A bend's radius of curvature, a bump's height, the noise's amplitude, or a morph's weight.
-        amount: f32,
     }
     /// A block of receivers: the faces of a maximal node of at most 16, or what a tile of 4 x 4 pixels shows of an
     /// object in one piece.

@@ -1,7 +1,7 @@
 //! The frame: every stage in order, with the loops that they run in. Conformance, profile and plan follow this list;
 //! a new stage adds a line here.
 
-use crate::geometry::{deform, placement, refit};
+use crate::geometry::{deform, placement, refit, skin};
 use crate::layers::{plane_fit, relief, single_scattering};
 use crate::lighting::{environment, irradiance, opaque_faces, shadow, texture_in};
 use crate::shading::{
@@ -28,6 +28,7 @@ pub static FRAME: &[Section] = &[
     section(
         "The shape of this frame",
         &[per_object(&[
+            &skin::STAGE,
             &deform::STAGE,
             &refit::STAGE,
             &placement::STAGE,

@@ -5,7 +5,6 @@ use glam::DVec3;
 
 use super::shape::{records, rest};
 use super::units::Units;
-use crate::geometry::deform::{displace, way};
 use crate::hierarchy::Tree;
 use crate::hierarchy::compact::Sample;
 use crate::scene::{Hierarchy, Object};
@@ -57,11 +56,8 @@ impl Compactness {
         if matches!(hierarchy, Hierarchy::Butterfly | Hierarchy::ShrinkWrap) {
             return None;
         }
-        let mut morphs = Vec::new();
-        let own = records(object, units.own(object), &mut morphs);
-        let place = |Corner { vertex, place, normal }: Corner| -> DVec3 {
-            wide(own.iter().fold(place, |p, deform| displace(deform, p, normal, way(&morphs, deform, vertex))))
-        };
+        let own = records(object, units.own(object));
+        let place = |Corner { vertex, place, normal }: Corner| -> DVec3 { wide(own.moved(vertex, place, normal)) };
         let now = self.sample.relative_radius(self.corners.iter().map(|corners| corners.map(place)));
         let growth = now / self.at_rest;
         (growth > SPOILT).then_some(growth)

@@ -17,6 +17,7 @@ pub mod scene;
 pub mod shading;
 pub mod shape;
 pub mod single_scattering;
+mod skins;
 pub(crate) mod texture_charts;
 pub(crate) mod textures;
 pub mod units;

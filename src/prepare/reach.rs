@@ -33,6 +33,8 @@ fn farthest(object: &Object, units: Units) -> f64 {
         Deform::Bump { height, .. } => radius + height.abs(),
         // Noise is -1 to 1 but for rounding.
         Deform::Noise { amplitude, .. } => radius + 1.001 * amplitude.abs(),
+        // Joints may carry vertices anywhere.
+        Deform::Skin { .. } => f64::INFINITY,
         Deform::Morph { ways, weight } => {
             radius + weight.abs() * ways.iter().map(|way| way.length_squared()).fold(0.0, f64::max).sqrt()
         }
@@ -51,10 +53,14 @@ pub fn reach(objects: &[Object], units: Units) -> Result<()> {
         let own = units.own(object);
         let place = |p: DVec3| object.placed(own.outside(p));
         let vertices = object.mesh.positions.len();
-        let other = |deform: &&Deform| matches!(deform, Deform::Morph { ways, .. } if ways.len() != vertices);
-        if object.deforms.iter().any(|deform| other(&deform)) {
-            let fault = Input::new("a morph is of another mesh").key(format!("object.{number}.deform"));
-            return Err(fault.expected(format!("a way for each of {vertices} vertices")).into());
+        let other = |deform: &Deform| match deform {
+            Deform::Morph { ways, .. } => ways.len() != vertices,
+            Deform::Skin { rig, .. } => rig.base.len() != vertices,
+            _ => false,
+        };
+        if object.deforms.iter().any(other) {
+            let fault = Input::new("a morph or skin is of another mesh").key(format!("object.{number}.deform"));
+            return Err(fault.expected(format!("one entry for each of {vertices} vertices")).into());
         }
         for deform in &object.deforms {
             if let Deform::Noise { scale, offset, .. } = deform {

@@ -5,10 +5,14 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::skins;
 use super::units::Units;
 use crate::geometry::deform::{deform, displace, way};
+use crate::geometry::skin::skin;
 use crate::layout::Deform as Record;
-use crate::layout::{DEFORM_BEND, DEFORM_BUMP_AXIS, DEFORM_BUMP_NORMAL, DEFORM_MORPH, DEFORM_NOISE, DEFORM_TWIST};
+use crate::layout::{
+    DEFORM_BEND, DEFORM_BUMP_AXIS, DEFORM_BUMP_NORMAL, DEFORM_MORPH, DEFORM_NOISE, DEFORM_SKIN, DEFORM_TWIST,
+};
 use crate::scene::{Deform, Object};
 use crate::state::{State, narrow, wide};
 
@@ -20,10 +24,15 @@ pub fn shape(state: &mut State, objects: &[Object], units: Units) {
     data.morphs.clear();
     for ((object, part), params) in objects.iter().zip(&mut state.objects).zip(&mut data.object_params) {
         params.first_deform = data.deforms.len() as u32;
-        data.deforms.extend(records(object, units.own(object), &mut data.morphs));
+        let own = records(object, units.own(object));
+        let first = data.morphs.len() as u32;
+        data.deforms.extend(own.records.into_iter().map(|record| Record { first: record.first + first, ..record }));
+        data.morphs.extend(own.morphs);
         params.deforms = data.deforms.len() as u32 - params.first_deform;
         part.deforms = params.deforms as usize;
     }
+    skins::write(state, objects, units);
+    let data = &mut state.data;
     if data.deforms.is_empty() {
         if !data.rest.is_empty() {
             data.positions = std::mem::take(&mut data.rest);
@@ -51,6 +60,7 @@ pub fn deform_all(state: &mut State) {
     }
     state.data.positions.clone_from(&state.data.rest);
     for object in 0..state.objects.len() {
+        skin(&mut state.data, object);
         deform(&mut state.data, object);
     }
 }
@@ -70,29 +80,50 @@ pub(super) fn rest(object: &Object, units: Units) -> (Vec<[f32; 3]>, Vec<[f32; 3
 
 /// An object's deformed vertices, in internal units of its own frame; none where nothing deforms it.
 pub fn moved(object: &Object, units: Units) -> Option<Vec<DVec3>> {
-    let (mut morphs, units) = (Vec::new(), units.own(object));
-    let own = records(object, units, &mut morphs);
-    if own.is_empty() {
+    let units = units.own(object);
+    let own = records(object, units);
+    if own.records.is_empty() {
         return None;
     }
     let (places, normals) = rest(object, units);
-    let place = |v: usize| own.iter().fold(places[v], |p, d| displace(d, p, normals[v], way(&morphs, d, v)));
+    let place = |v: usize| own.moved(v, places[v], normals[v]);
     Some((0..places.len()).into_par_iter().map(|v| wide(place(v))).collect())
 }
 
-/// An object's deformations in internal units, without those that have no effect; appends the displacements of morphs
-/// to `morphs`.
-pub(super) fn records(object: &Object, units: Units, morphs: &mut Vec<[f32; 3]>) -> Vec<Record> {
-    let mut records = Vec::new();
+/// An object's deformations in internal units.
+pub(super) struct Records {
+    /// Those that have an effect; morphs begin with the object's own.
+    records: Vec<Record>,
+    /// Displacements of the vertices by morphs.
+    morphs: Vec<[f32; 3]>,
+    /// Where joints place the vertices; empty if they follow none.
+    skinned: Vec<[f32; 3]>,
+}
+
+impl Records {
+    /// Where a vertex with this place and normal at rest moves.
+    pub fn moved(&self, vertex: usize, place: [f32; 3], normal: [f32; 3]) -> [f32; 3] {
+        let way = |deform| way(&self.morphs, &self.skinned, deform, vertex);
+        self.records.iter().fold(place, |p, deform| displace(deform, p, normal, way(deform)))
+    }
+}
+
+/// An object's deformations, without those that have no effect.
+pub(super) fn records(object: &Object, units: Units) -> Records {
+    let mut all = Records { records: Vec::new(), morphs: Vec::new(), skinned: Vec::new() };
     for deform in &object.deforms {
         let Some(mut record) = record(deform, units) else { continue };
-        if let Deform::Morph { ways, .. } = deform {
-            record.first = morphs.len() as u32;
-            morphs.extend(ways.iter().map(|&way| narrow(way * units.length)));
+        match deform {
+            Deform::Morph { ways, .. } => {
+                record.first = all.morphs.len() as u32;
+                all.morphs.extend(ways.iter().map(|&way| narrow(way * units.length)));
+            }
+            Deform::Skin { rig, pose } => all.skinned = skins::placed(rig, pose, units),
+            _ => {}
         }
-        records.push(record);
+        all.records.push(record);
     }
-    records
+    all
 }
 
 /// A deformation in internal units; none where it has no effect.
@@ -138,12 +169,13 @@ fn record(deform: &Deform, units: Units) -> Option<Record> {
         Deform::Morph { weight, .. } => {
             (weight != 0.0).then(|| Record { kind: DEFORM_MORPH, amount: weight as f32, ..Record::default() })
         }
+        Deform::Skin { .. } => Some(Record { kind: DEFORM_SKIN, ..Record::default() }),
     }
 }
 
 /// For each object, how many triangles its deformations turn inside out or leave without an area: their rest shape's
-/// front side is at the back, or nowhere. A morph does not define what happens in front of a triangle; with one,
-/// triangles count that fold against their neighbours, or all of a closed surface that is turned inside out.
+/// front side is at the back, or nowhere. Morphs and skins do not define what happens in front of a triangle; with
+/// one, triangles count that fold against their neighbours, or all of a closed surface that is turned inside out.
 pub fn turned(state: &State) -> Vec<usize> {
     let data = &state.data;
     let count = |(part, params): (&crate::state::Object, &crate::layout::ObjectParams)| {
@@ -152,7 +184,7 @@ pub fn turned(state: &State) -> Vec<usize> {
         if own.is_empty() {
             return 0;
         }
-        if own.iter().any(|deform| deform.kind == DEFORM_MORPH) {
+        if own.iter().any(|deform| [DEFORM_MORPH, DEFORM_SKIN].contains(&deform.kind)) {
             return folded(state, part.first.vertices, part.count.vertices, triangles);
         }
         let moved =

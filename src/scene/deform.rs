@@ -1,11 +1,13 @@
 //! Deformations of an object, in scene coordinates, applied after it is scaled and placed.
 
 use super::files::Files;
-use super::mesh::{Mesh, Origin};
+use super::mesh::{Mesh, Origin, animations};
+use super::play::Play;
 use super::range::{self, Checked};
+use super::skin::{Pose, Rig};
 use super::vector::Vector;
 use crate::error::Input;
-use glam::DVec3;
+use glam::{DMat4, DVec3};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -57,6 +59,13 @@ pub enum Deform {
         /// Factor on `ways`, -10 to 10: 1 gives the other mesh.
         weight: f64,
     },
+    /// Vertices placed by joints, whatever their place at rest; the first deformation of an object.
+    Skin {
+        /// What the vertices follow.
+        rig: Arc<Rig>,
+        /// Where the joints are.
+        pose: Arc<Pose>,
+    },
 }
 
 /// A section of an axis.
@@ -91,6 +100,8 @@ pub(super) struct Draft {
     length: Option<f64>,
     /// File of a morph's other mesh, relative to the scene file.
     other: Option<PathBuf>,
+    /// A skin's pose at rest, in the frame of the file.
+    rest: Pose,
 }
 
 /// Maximum number of deformations of an object.
@@ -124,6 +135,7 @@ impl DeformFile {
                 center: point("center", center)?,
                 length: length.map(|x| size("length", x)).transpose()?,
                 other: None,
+                rest: Pose::default(),
             },
             Self::Bend { angle: turn, axis, toward, center, length } => {
                 let span = along(axis)?;
@@ -140,6 +152,7 @@ impl DeformFile {
                     center: point("center", center)?,
                     length: length.map(|x| size("length", x)).transpose()?,
                     other: None,
+                    rest: Pose::default(),
                 }
             }
             Self::Bump { position, radius, height: top, direction: along } => {
@@ -149,7 +162,7 @@ impl DeformFile {
                     height: height("height", *top)?,
                     direction: direction("direction", along)?,
                 };
-                Draft { deform, center: None, length: None, other: None }
+                Draft { deform, center: None, length: None, other: None, rest: Pose::default() }
             }
             Self::Noise { amplitude, scale, offset } => {
                 let deform = Deform::Noise {
@@ -157,42 +170,65 @@ impl DeformFile {
                     scale: size("scale", *scale)?,
                     offset: point("offset", offset)?.unwrap_or_default(),
                 };
-                Draft { deform, center: None, length: None, other: None }
+                Draft { deform, center: None, length: None, other: None, rest: Pose::default() }
             }
             Self::Morph { mesh, weight } => {
                 let weight = range::number(&key("weight"), *weight, |x| x.abs() <= 10.0, "-10 to 10")?;
                 let deform = Deform::Morph { ways: Arc::default(), weight };
-                Draft { deform, center: None, length: None, other: Some(mesh.clone()) }
+                Draft { deform, center: None, length: None, other: Some(mesh.clone()), rest: Pose::default() }
             }
         })
     }
 }
 
 impl Draft {
-    /// Reads a morph's other mesh, relative to `folder`; it must match the object's own file `own`, which is none for a
-    /// built-in shape. `origin` maps the vertices of that file to the object's, `place` scales and rotates
-    /// displacements.
+    /// The pose of a file's mesh that `play` asks for, if the file has such an animation.
+    pub(super) fn played(files: &Files, own: (&Path, Option<u32>), play: &mut Play) -> Checked<Option<Self>> {
+        let Some(number) = play.find(animations(files, own.0)?) else { return Ok(None) };
+        let (rig, [rest, now]) = Mesh::read_animated(files, own, (number, play.time))?;
+        let deform = Deform::Skin { rig: Arc::new(rig), pose: Arc::new(now) };
+        Ok(Some(Self { deform, center: None, length: None, other: None, rest }))
+    }
+
+    /// Reads a morph's other mesh, relative to `folder`; it must match `own`, the object's file and the part of
+    /// it, which is none for a built-in shape. `origin` maps the vertices of that file to the object's, `placed` places
+    /// them in the scene.
     pub(super) fn load(
         &mut self,
         files: &Files,
         folder: &Path,
-        own: Option<&Path>,
+        own: Option<(&Path, Option<u32>)>,
         origin: &Origin,
-        place: impl Fn(DVec3) -> DVec3,
+        placed: DMat4,
         key: &str,
     ) -> Checked<()> {
+        if let Deform::Skin { rig, pose } = &mut self.deform {
+            match origin {
+                Origin::File => {
+                    let matrices = pose.matrices.iter().map(|matrix| placed * *matrix).collect();
+                    *pose = Arc::new(Pose { matrices, weights: pose.weights.clone() });
+                }
+                // Vertices between those of the file follow no joints, but go with their neighbours.
+                _ => {
+                    let [rest, now] = [&self.rest, pose].map(|pose| origin.apply(rig.place(pose)));
+                    let ways = rest.iter().zip(&now).map(|(&from, &to)| placed.transform_vector3(to - from)).collect();
+                    self.deform = Deform::Morph { ways, weight: 1.0 };
+                }
+            }
+            return Ok(());
+        }
         let (Some(other), Deform::Morph { ways, .. }) = (&self.other, &mut self.deform) else { return Ok(()) };
-        let Some(own) = own else {
+        let Some((own, part)) = own else {
             let fault = Input::new("a shape made here has no file whose vertices another mesh could match");
             return Err(fault.key(key).expected("an object with `mesh`"));
         };
-        let ends = Mesh::read_ends(files, &folder.join(own), &folder.join(other), key)?;
+        let ends = Mesh::read_ends(files, (&folder.join(own), part), &folder.join(other), key)?;
         let bytes = ends[0].len().max(origin.vertices()) as u64 * size_of::<DVec3>() as u64;
         files
             .take(bytes)
             .map_err(|error| Input::new(format!("the morph does not fit the memory: {error}")).key(key))?;
         let [rest, other] = ends.map(|places| origin.apply(places));
-        *ways = rest.iter().zip(&other).map(|(&from, &to)| place(to - from)).collect();
+        *ways = rest.iter().zip(&other).map(|(&from, &to)| placed.transform_vector3(to - from)).collect();
         Ok(())
     }
 

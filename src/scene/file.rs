@@ -6,6 +6,7 @@ use super::light::{Light, LightFile};
 use super::local::{self, Cdrf, Kappa};
 use super::material::Fresnel;
 use super::object::{self, ObjectFile};
+use super::play::Play;
 use super::range::Checked;
 use super::surface::ReflectionKind;
 use super::texture::{Side, Wrap};
@@ -19,6 +20,8 @@ use serde::Deserialize;
 pub(super) struct SceneFile {
     #[serde(default)]
     unit: Unit,
+    animation: Option<String>,
+    fps: Option<f64>,
     #[serde(default)]
     camera: CameraFile,
     #[serde(default)]
@@ -196,6 +199,8 @@ impl Default for TransportFile {
 pub(super) struct Draft {
     /// Millimetres per scene unit.
     pub unit_mm: f64,
+    /// The animation to play, and its frames per second.
+    pub animation: Option<(String, f64)>,
     /// The camera, not fitted to the objects yet.
     pub framing: Framing,
     /// The lights, in the file's order.
@@ -222,6 +227,7 @@ impl SceneFile {
         framing.check_background(&lights)?;
         Ok(Draft {
             unit_mm,
+            animation: Play::check(self.animation.as_ref(), self.fps)?,
             framing,
             lights,
             objects: object::check_all(&self.object, unit_mm)?,

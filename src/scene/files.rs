@@ -108,15 +108,15 @@ impl Files {
         Ok(())
     }
 
+    /// Whether there is something at this path.
+    pub fn exists(&self, path: &Path) -> bool {
+        self.held.as_ref().map_or_else(|| path.exists(), |held| held.contains_key(path))
+    }
+
     /// Reads a plain file; `copies` times its size must fit the memory.
     pub fn read(&self, path: &Path, copies: u64) -> Result<Vec<u8>> {
-        if let Some(held) = &self.held {
-            let bytes = held.get(path).ok_or_else(|| Error::new(ErrorKind::NotFound, "no such file"))?;
-            self.need(copies.saturating_mul(bytes.len() as u64))?;
-            return Ok(bytes.clone());
-        }
         // Anything but a plain file may block or never end.
-        if !std::fs::metadata(path)?.is_file() {
+        if self.held.is_none() && !std::fs::metadata(path)?.is_file() {
             return Err(Error::new(ErrorKind::Unsupported, "not a plain file"));
         }
         self.stream(path, copies)
@@ -124,6 +124,11 @@ impl Files {
 
     /// The same for anything that ends, such as a pipe; terminals and other devices are refused.
     pub fn stream(&self, path: &Path, copies: u64) -> Result<Vec<u8>> {
+        if let Some(held) = &self.held {
+            let bytes = held.get(path).ok_or_else(|| Error::new(ErrorKind::NotFound, "no such file"))?;
+            self.need(copies.saturating_mul(bytes.len() as u64))?;
+            return Ok(bytes.clone());
+        }
         #[cfg(unix)]
         {
             use std::os::unix::fs::FileTypeExt;

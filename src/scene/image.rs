@@ -1,4 +1,4 @@
-//! Reads images as linear values: OpenEXR, Radiance HDR, and PNG, decoded from sRGB. Depth maps are read without
+//! Reads images as linear values: OpenEXR, Radiance HDR, PNG and JPEG decoded from sRGB. Depth maps are read without
 //! conversion.
 //!
 //! The size that a file states is checked before memory is allocated: against the maximum number of pixels, the file's
@@ -18,6 +18,9 @@ use std::result::Result;
 
 /// Size and pixels of an image file, rows from the top, or an error message.
 pub(super) type Image = Result<([u32; 2], Vec<[f32; 3]>), String>;
+
+/// Maximum texels of a texture: as many as the smallest devices can bind.
+pub(super) const MOST_TEXELS: usize = 1 << 23;
 
 /// Maximum bytes of pixels per byte of a file: above the ratio of deflated 1-bit images, and of deflated uniform images
 /// that were transformed in squares.
@@ -113,14 +116,16 @@ pub(super) type Depths = Result<([u32; 2], Vec<[f32; 4]>, usize), String>;
 pub(super) fn read_depths(files: &Files, path: &Path, most: usize) -> Option<Depths> {
     let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
     match end.as_str() {
-        "png" => Some(decode(files, path, most).map(|image| {
-            let (channels, image) = (usize::from(image.color().channel_count()), image.into_rgba16());
-            let size = [image.width(), image.height()];
-            // Two channels are grey and alpha.
-            let order = if channels == 2 { [0, 3, 3, 3] } else { [0, 1, 2, 3] };
-            let share = |pixel: [u16; 4]| order.map(|c| (f64::from(pixel[c]) / 65535.0) as f32);
-            (size, image.pixels().map(|pixel| share(pixel.0)).collect(), channels)
-        })),
+        "png" => {
+            Some(bytes(files, path).and_then(|bytes| decode(files, &bytes, ImageFormat::Png, most)).map(|image| {
+                let (channels, image) = (usize::from(image.color().channel_count()), image.into_rgba16());
+                let size = [image.width(), image.height()];
+                // Two channels are grey and alpha.
+                let order = if channels == 2 { [0, 3, 3, 3] } else { [0, 1, 2, 3] };
+                let share = |pixel: [u16; 4]| order.map(|c| (f64::from(pixel[c]) / 65535.0) as f32);
+                (size, image.pixels().map(|pixel| share(pixel.0)).collect(), channels)
+            }))
+        }
         "exr" => Some(exr_depths(files, path, most)),
         _ => None,
     }
@@ -147,9 +152,19 @@ fn exr_depths(files: &Files, path: &Path, most: usize) -> Depths {
     Ok(([layer.size.width() as u32, layer.size.height() as u32], pixels, channels.len()))
 }
 
-/// Reads a PNG of 8 or 16 bits per channel, in colour or grey; alpha is ignored.
-pub(super) fn read_png(files: &Files, path: &Path, most: usize) -> Image {
-    let image = decode(files, path, most)?.into_rgb16();
+fn bytes(files: &Files, path: &Path) -> Result<Vec<u8>, String> {
+    files.read(path, 1).map_err(|error| error.to_string())
+}
+
+/// Reads a PNG of 8 or 16 bits per channel, in colour or grey, or a JPEG; alpha is ignored.
+pub(super) fn read_packed(files: &Files, path: &Path) -> Image {
+    unpack(files, &bytes(files, path)?)
+}
+
+/// The same for the bytes of a file, whose first ones tell a JPEG.
+pub(super) fn unpack(files: &Files, bytes: &[u8]) -> Image {
+    let format = if bytes.starts_with(&[0xff, 0xd8]) { ImageFormat::Jpeg } else { ImageFormat::Png };
+    let image = decode(files, bytes, format, MOST_TEXELS)?.into_rgb16();
     let size = [image.width(), image.height()];
     let linear = |x: u16| {
         let x = f64::from(x) / 65535.0;
@@ -173,10 +188,11 @@ fn whole_palettes(bytes: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-fn decode(files: &Files, path: &Path, most: usize) -> Result<DynamicImage, String> {
-    let bytes = files.read(path, 1).map_err(|error| error.to_string())?;
-    whole_palettes(&bytes)?;
-    let mut reader = ImageReader::with_format(Cursor::new(&bytes), ImageFormat::Png);
+fn decode(files: &Files, bytes: &[u8], format: ImageFormat, most: usize) -> Result<DynamicImage, String> {
+    if format == ImageFormat::Png {
+        whole_palettes(bytes)?;
+    }
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     // The decoder unpacks metadata such as colour profiles before the pixels: limit the memory for it.
     let mut limits = Limits::default();
     limits.max_alloc = Some(files.memory().left().min(MOST_BESIDE));

@@ -20,10 +20,13 @@ mod material;
 mod mesh;
 mod object;
 mod overrides;
+mod play;
 mod preset;
 mod range;
 mod read;
+mod skin;
 mod surface;
+mod text;
 mod texture;
 mod transport;
 mod vector;
@@ -41,6 +44,7 @@ pub use material::{Fresnel, Material};
 pub use mesh::{Mesh, Shape};
 pub use object::Object;
 pub use preset::{PRESETS, Preset};
+pub use skin::{Pose, Rig};
 pub use surface::{Reflection, Surface};
 pub use texture::{Side, Texture, Wrap};
 pub use transport::{ClusterForm, Distance, Hierarchy, MOST_WALKS, Near, Oracle, Receivers, Scheme, Transport};
@@ -48,9 +52,10 @@ pub use transport::{ClusterForm, Distance, Hierarchy, MOST_WALKS, Near, Oracle, 
 use crate::error::{Error, Input, Result};
 
 use glam::DVec3;
-use range::Checked;
-use std::path::{Path, PathBuf};
+use play::Play;
+use std::path::PathBuf;
 use std::sync::Arc;
+use text::Text;
 
 /// A validated scene: objects with their materials, lights, a camera, and settings of light transport.
 ///
@@ -107,7 +112,7 @@ impl Scene {
         }
     }
 
-    /// Loads a built-in scene by its name, a mesh alone by its file (`.obj`), or a scene file (TOML).
+    /// Loads a built-in scene by its name, a mesh alone by its file (OBJ, PLY, STL or glTF), or a scene file (TOML).
     ///
     /// ```
     /// let scene = milkglass::Scene::load("sphere")?;
@@ -150,6 +155,14 @@ impl Scene {
         read::read(&text.toml, &text.file, sets, frame).map(|_| ()).map_err(Into::into)
     }
 
+    /// The text of the scene that [`Self::load_from`] loads by this name, and the animations of the mesh if it is that
+    /// of a mesh alone: their names, and how long they last, in seconds.
+    pub fn text(name_or_path: &str, files: &Files) -> Result<(String, Vec<(String, f64)>)> {
+        let text = Text::find(name_or_path, files)?;
+        let animations = if text.alone { mesh::animations(files, &text.file)? } else { Vec::new() };
+        Ok((text.toml, animations))
+    }
+
     /// Reads the text of a scene file, called `name` in messages, and applies the `key=value` settings in order.
     pub fn parse(name: &str, toml: &str, sets: &[String]) -> Result<Self> {
         Self::parse_from(name, toml, sets, &Files::default())
@@ -158,12 +171,17 @@ impl Scene {
     /// The same; `files` provides the files that the text names.
     pub fn parse_from(name: &str, toml: &str, sets: &[String], files: &Files) -> Result<Self> {
         let (name, file) = (name.to_owned(), PathBuf::from(name));
-        Self::of(Text { name, toml: toml.to_owned(), file, folder: PathBuf::new() }, sets, 0.0, files)
+        Self::of(
+            Text { name, toml: toml.to_owned(), file, folder: PathBuf::new(), alone: false, report: Vec::new() },
+            sets,
+            0.0,
+            files,
+        )
     }
 
     fn of(text: Text, sets: &[String], frame: f64, files: &Files) -> Result<Self> {
         let draft = read::read(&text.toml, &text.file, sets, frame)?;
-        let mut report = Vec::new();
+        let mut report = text.report;
 
         // Meshes, scaled and placed, and their textures.
         let several = draft.objects.len() > 1;
@@ -173,10 +191,11 @@ impl Scene {
             let fault = fault.found(format!("up to {most} triangles: {error}")).expected("a smaller `detail`");
             read::place(fault, &text.toml, &text.file, sets)
         })?;
+        let mut play = draft.animation.map(|animation| Play::at(animation, frame));
         let mut objects = Vec::with_capacity(draft.objects.len());
         for (index, mut object) in draft.objects.into_iter().enumerate() {
             let mut notes = Vec::new();
-            let mesh = object.mesh(files, &text.folder, index, &draft.transport, &mut notes);
+            let mesh = object.mesh(files, &text.folder, index, &draft.transport, play.as_mut(), &mut notes);
             let mesh = mesh.map_err(|fault| match fault.file.as_os_str().is_empty() {
                 true => read::place(fault, &text.toml, &text.file, sets),
                 false => fault,
@@ -187,6 +206,9 @@ impl Scene {
             objects.push(Object { mesh, rotation, position, material: object.material, deforms });
         }
 
+        if let Some(play) = play {
+            play.check_played().map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
+        }
         extent::check(&objects).map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
 
         // Camera: fitting it needs the meshes.
@@ -228,61 +250,6 @@ impl Scene {
 fn bounds(objects: &[Object]) -> (DVec3, DVec3) {
     let both = |(low, high): (DVec3, DVec3), (a, b): (DVec3, DVec3)| (low.min(a), high.max(b));
     objects.iter().map(Object::bounds).reduce(both).unwrap_or_default()
-}
-
-/// Maximum size of a scene file, bytes.
-const MOST_TEXT: usize = 1 << 22;
-/// Memory that reading a scene file takes, in bytes per byte of the file.
-const COPIES: u64 = 400;
-
-/// The TOML text of a scene and where it comes from.
-#[derive(Debug)]
-struct Text {
-    name: String,
-    toml: String,
-    /// For error messages.
-    file: PathBuf,
-    /// The folder that paths in the text are relative to.
-    folder: PathBuf,
-}
-
-impl Text {
-    fn find(name_or_path: &str, files: &Files) -> Checked<Self> {
-        // A built-in scene.
-        let built_in = BUILTIN.iter().find(|(name, ..)| name.eq_ignore_ascii_case(name_or_path));
-        if let Some(&(name, toml, _)) = built_in {
-            let (name, toml) = (name.to_owned(), toml.to_owned());
-            let file = PathBuf::from(&name);
-            return Ok(Self { name, toml, file, folder: PathBuf::new() });
-        }
-        let path = Path::new(name_or_path);
-        if !path.exists() {
-            let names: Vec<&str> = BUILTIN.iter().map(|(name, ..)| *name).collect();
-            let what = "neither a built-in scene nor a file";
-            let what = locate::with_suggestion(what, name_or_path, &names);
-            let expected = format!("a file, or one of {}", names.join(", "));
-            return Err(Input::new(what).found(name_or_path).expected(expected));
-        }
-
-        // A mesh alone, or a scene file.
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let file = path.to_path_buf();
-        if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("obj")) {
-            let folder = PathBuf::new();
-            return Ok(Self { name, toml: around_mesh(name_or_path), file, folder });
-        }
-        let fault = |found: String, expected: &str| {
-            Input::new("the scene file cannot be read").file(path).found(found).expected(expected)
-        };
-        let kinds = "a scene in TOML, or a mesh that ends in .obj";
-        let toml = files.stream(path, COPIES).map_err(|error| fault(error.to_string(), kinds))?;
-        if toml.len() > MOST_TEXT {
-            return Err(fault(format!("{} bytes", toml.len()), &format!("at most {MOST_TEXT} bytes, {kinds}")));
-        }
-        let toml = String::from_utf8(toml).map_err(|error| fault(error.utf8_error().to_string(), kinds))?;
-        let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-        Ok(Self { name, toml, file, folder })
-    }
 }
 
 /// The scene of a mesh alone: marble, 20 mm across, one light, a fitted camera.

@@ -4,12 +4,14 @@ use super::deform::{self, Deform, DeformFile};
 use super::file::MaterialFile;
 use super::files::Files;
 use super::material::Material;
-use super::mesh::{Mesh, Origin, Shape};
+use super::mesh::{Coordinates, FORMATS, Mesh, Origin, Shape};
+use super::play::Play;
 use super::range::{self, Checked};
+use super::texture::Texture;
 use super::transport::Transport;
 use super::vector::Vector;
 use crate::error::Input;
-use glam::{DQuat, DVec3, EulerRot};
+use glam::{DMat4, DQuat, DVec3, EulerRot};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -66,6 +68,7 @@ impl Object {
 #[serde(deny_unknown_fields)]
 pub(super) struct ObjectFile {
     mesh: Option<PathBuf>,
+    part: Option<i64>,
     shape: Option<Shape>,
     detail: Option<i64>,
     size: Option<f64>,
@@ -95,8 +98,8 @@ pub(super) struct Draft {
 /// Where a mesh comes from.
 #[derive(Debug)]
 pub(super) enum Source {
-    /// A file, relative to the scene file.
-    File(PathBuf),
+    /// A file, relative to the scene file, and the number of a part of it.
+    File(PathBuf, Option<u32>),
     /// A built-in shape, and its detail.
     Shape(Shape, u32),
 }
@@ -152,12 +155,23 @@ impl ObjectFile {
             }
             (Some(_), None) if self.detail.is_some() => {
                 let fault = Input::new("a mesh from a file has no such key");
-                Err(fault.key(key(".detail")).expected("mesh, size, position, rotation, deform, material"))
+                Err(fault.key(key(".detail")).expected("mesh, part, size, position, rotation, deform, material"))
             }
-            (Some(path), None) if path.as_os_str().is_empty() => {
-                Err(Input::new("no file is named").key(key(".mesh")).found("\"\"").expected("a Wavefront OBJ file"))
+            (Some(path), None) if path.as_os_str().is_empty() => Err(Input::new("no file is named")
+                .key(key(".mesh"))
+                .found("\"\"")
+                .expected(format!("a file in {FORMATS}"))),
+            (Some(path), None) => {
+                let number = |part: i64| {
+                    let fault = Input::new("out of range").key(key(".part")).found(part);
+                    u32::try_from(part).map_err(|_| fault.expected("a whole number from 0"))
+                };
+                Ok(Source::File(path.clone(), self.part.map(number).transpose()?))
             }
-            (Some(path), None) => Ok(Source::File(path.clone())),
+            (None, Some(_)) if self.part.is_some() => {
+                let fault = Input::new("a shape has no parts").key(key(".part"));
+                Err(fault.expected("shape, detail, size, position, rotation, deform, material"))
+            }
             (None, Some(shape)) => {
                 let detail = self.detail.unwrap_or_else(|| i64::from(shape.usual_detail()));
                 let range = shape.details();
@@ -178,7 +192,7 @@ impl Draft {
     pub(super) fn most_triangles(&self) -> u64 {
         match self.source {
             Source::Shape(shape, detail) => shape.most_triangles(detail),
-            Source::File(_) => 0,
+            Source::File(..) => 0,
         }
     }
 
@@ -189,15 +203,21 @@ impl Draft {
     }
 
     /// Loads textures and depth maps; reads or builds the mesh, refines it for the hierarchy and scales it, rotates and
-    /// moves it if it has deformations; reads the targets of its morphs. Paths are relative to `folder`.
+    /// moves it if it has deformations; reads the targets of its morphs and the pose that
+    /// `play` asks for. Paths are relative to `folder`.
     pub(super) fn mesh(
         &mut self,
         files: &Files,
         folder: &Path,
         index: usize,
         transport: &Transport,
+        play: Option<&mut Play>,
         report: &mut Vec<String>,
     ) -> Checked<Mesh> {
+        if let (Some(play), Source::File(path, part)) = (play, &self.source) {
+            let played = deform::Draft::played(files, (&folder.join(path), *part), play)?;
+            self.deforms.splice(..0, played);
+        }
         let key = format!("object.{index}.material.texture");
         let layered = format!("object.{index}.material.layers");
         let maps = format!("{layered}.maps");
@@ -211,6 +231,7 @@ impl Draft {
         }
         let unwrapped = transport.unwrap && self.material.opaque.is_none();
         let textured = textured.or(unwrapped.then_some("transport.unwrap"));
+        let own = self.material.texture.as_ref().is_some_and(Texture::is_own);
         if let Some(texture) = &mut self.material.texture {
             texture.load(files, folder, &self.source, &key)?;
         }
@@ -218,7 +239,10 @@ impl Draft {
             layers.load(files, folder, &layered, report)?;
         }
         let mesh = match &self.source {
-            Source::File(path) => Mesh::read(files, &folder.join(path), textured, report)?,
+            Source::File(path, part) => {
+                let wanted = textured.map(|key| Coordinates { key, own });
+                Mesh::read(files, &folder.join(path), *part, wanted, report)?
+            }
             Source::Shape(shape, detail) => {
                 let most = shape.most_triangles(*detail);
                 files.take(most * Mesh::BYTES).map_err(|error| {
@@ -239,9 +263,9 @@ impl Draft {
             let shape = matches!(self.source, Source::Shape(..));
             layers.check_mesh(&mesh, &layered, if shape { &mut unsaid } else { report })?;
         }
-        let factor = match self.size {
+        let (middle, factor) = match self.size {
             Some(size) => mesh.resize(size, &format!("object.{index}.size"))?,
-            None => 1.0,
+            None => (DVec3::ZERO, 1.0),
         };
         if !self.deforms.is_empty() {
             for position in &mut mesh.positions {
@@ -249,12 +273,13 @@ impl Draft {
             }
         }
         let own = match &self.source {
-            Source::File(path) => Some(path.as_path()),
+            Source::File(path, part) => Some((path.as_path(), *part)),
             Source::Shape(..) => None,
         };
         for (number, deform) in self.deforms.iter_mut().enumerate() {
             let key = format!("object.{index}.deform.{number}.mesh");
-            deform.load(files, folder, own, &origin, |way| self.rotation * (factor * way), &key)?;
+            let placed = DMat4::from_scale_rotation_translation(DVec3::splat(factor), self.rotation, self.position);
+            deform.load(files, folder, own, &origin, placed * DMat4::from_translation(-middle), &key)?;
         }
         Ok(mesh)
     }

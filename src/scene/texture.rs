@@ -2,9 +2,9 @@
 
 use super::file::MaterialFile;
 use super::files::Files;
-use super::image::{read_exr, read_hdr, read_png};
+use super::image::{MOST_TEXELS, read_exr, read_hdr, read_packed};
 use super::locate;
-use super::mesh::map_kd;
+use super::mesh::{Texels, map_kd, own_texture};
 use super::object::Source;
 use super::range::Checked;
 use crate::error::Input;
@@ -13,12 +13,12 @@ use serde::Deserialize;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Maximum texels of a texture: as many as the smallest devices can bind.
-pub(super) const MOST_TEXELS: usize = 1 << 23;
 /// Maximum texels along a side.
 pub(super) const MOST_SIDE: u32 = 1 << 14;
 /// The name that stands for the texture in the mesh's material library.
 const LIBRARY: &str = "mtl";
+/// The name that stands for the texture that the mesh file brings along.
+const OWN: &str = "mesh";
 /// Built-in checkerboards: name, and the two colours of the squares, linear.
 const BUILTIN: [(&str, [[f32; 3]; 2]); 2] =
     [("builtin:checker", [[1.0; 3], [0.25; 3]]), ("builtin:tiles", [[0.9, 0.55, 0.2], [0.1, 0.35, 0.8]])];
@@ -127,19 +127,32 @@ impl Texture {
         })
     }
 
-    /// Reads the texels of a texture that is not built in: from its file, relative to `folder`, or from the one that
-    /// the mesh's material library names.
+    /// Whether it is the texture that the mesh file brings along, not read yet.
+    pub(super) fn is_own(&self) -> bool {
+        self.image.as_deref() == Some(OWN)
+    }
+
+    /// Reads the texels of a texture that is not built in: from its file, relative to `folder`, from the one that the
+    /// mesh's material library names, or from the mesh file itself.
     pub(super) fn load(&mut self, files: &Files, folder: &Path, mesh: &Source, key: &str) -> Checked<()> {
         let Some(image) = self.image.take() else { return Ok(()) };
         let path = match mesh {
-            _ if image != LIBRARY => folder.join(&image),
-            Source::File(mesh) => map_kd(files, &folder.join(mesh)).map_err(|fault| at_key(fault, key))?,
+            Source::File(mesh, part) if image == OWN => {
+                let texels = own_texture(files, &folder.join(mesh), *part).map_err(|fault| at_key(fault, key))?;
+                return self.set(checked(texels, key, &folder.join(mesh))?);
+            }
+            _ if image != LIBRARY && image != OWN => folder.join(&image),
+            Source::File(mesh, _) => map_kd(files, &folder.join(mesh)).map_err(|fault| at_key(fault, key))?,
             Source::Shape(..) => {
-                let fault = Input::new("a shape has no material library").key(key).found("`mtl`");
+                let what = "a shape has neither a material library nor a texture of its own";
+                let fault = Input::new(what).key(key).found(format!("`{image}`"));
                 return Err(fault.expected("an image file, or the name of one that is built in"));
             }
         };
-        let (size, texels) = read(files, &path, key)?;
+        self.set(read(files, &path, key)?)
+    }
+
+    fn set(&mut self, (size, texels): Texels) -> Checked<()> {
         (self.size, self.texels) = (size, Arc::new(texels));
         Ok(())
     }
@@ -158,21 +171,28 @@ fn squares(colors: [[f32; 3]; 2]) -> Vec<[f32; 3]> {
 }
 
 /// Reads the size and texels of a file; `key` is the texture's key, for errors.
-fn read(files: &Files, path: &Path, key: &str) -> Checked<([u32; 2], Vec<[f32; 3]>)> {
+fn read(files: &Files, path: &Path, key: &str) -> Checked<Texels> {
     let at = |what: String| Input::new(what).key(key);
     let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
     let image = match end.as_str() {
-        "png" => read_png(files, path, MOST_TEXELS),
+        "png" | "jpg" | "jpeg" => read_packed(files, path),
         "exr" => read_exr(files, path, MOST_TEXELS),
         "hdr" => read_hdr(files, path, MOST_TEXELS),
         _ => {
             let fault = at("not the name of a texture".into()).found(path.display());
             let names = BUILTIN.map(|(name, _)| name).join(", ");
-            return Err(fault.expected(format!("a file that ends in .png, .exr or .hdr, {LIBRARY}, or {names}")));
+            return Err(
+                fault.expected(format!("a file that ends in .png, .jpg, .exr or .hdr, {LIBRARY}, {OWN}, or {names}"))
+            );
         }
     };
-    let (size, texels) =
-        image.map_err(|error| at(format!("{}: the texture cannot be read", path.display())).found(error))?;
+    let read = image.map_err(|error| at(format!("{}: the texture cannot be read", path.display())).found(error))?;
+    checked(read, key, path)
+}
+
+/// Checks size and texels of the texture in a file.
+fn checked((size, texels): Texels, key: &str, path: &Path) -> Checked<Texels> {
+    let at = |what: String| Input::new(what).key(key);
     if texels.is_empty() || texels.len() > MOST_TEXELS || size.iter().any(|&side| side > MOST_SIDE) {
         let fault = at(format!("{}: the texture has too few or too many texels", path.display()));
         let found = format!("{} x {}", size[0], size[1]);

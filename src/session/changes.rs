@@ -205,7 +205,16 @@ impl Session {
         for (own, new) in self.scene.objects.iter_mut().zip(&new.objects) {
             own.deforms.clone_from(&new.deforms);
         }
-        let sizes = |state: &State| (state.data.deforms.len(), state.data.morphs.len());
+        let inputs = [
+            BufferId::deforms,
+            BufferId::morphs,
+            BufferId::skin_vertices,
+            BufferId::skin_joints,
+            BufferId::skin_targets,
+            BufferId::skin_weights,
+            BufferId::skin_matrices,
+        ];
+        let sizes = |state: &State| inputs.map(|slot| state.data.bytes(slot).len());
         let parts = |state: &State| state.objects.iter().map(|object| object.deforms > 0).collect::<Vec<_>>();
         let (before, deformed) = (sizes(self.state()), parts(self.state()));
         let places = self.state().method.incremental.then(|| self.state().data.positions.clone());
@@ -227,7 +236,8 @@ impl Session {
             self.deform();
             self.send(&[BufferId::positions])?;
         }
-        self.send(&[BufferId::object_params, BufferId::deforms, BufferId::morphs])
+        self.send(&[BufferId::object_params])?;
+        self.send(&inputs)
     }
 
     /// Deforms the vertices on the host, too, if that is still to be done: a frame does without.

@@ -202,7 +202,7 @@ fn bad_arguments_are_named() {
         ("render sphere -o a.png --size 0x4".into(), &["--size: not a picture size"]),
         ("render sphere -o a.jpg".into(), &["-o: ", ".jpg", ".png or .exr"]),
         ("solve sphere -o a.png".into(), &["-o: ", ".csv or .ply"]),
-        ("scenes spere".into(), &["no built-in scene", "lotus, noise, slab, slab-layers, sphere"]),
+        ("scenes spere".into(), &["neither a built-in scene nor a file", "lotus, noise, slab, slab-layers, sphere"]),
         ("rendr sphere".into(), &["'rendr'", "'render'"]),
         (format!("render {SMALL} -o gone/a.png --size 4x4"), &["gone/a.png: could not be written"]),
     ];

@@ -85,8 +85,8 @@ fn bad_textures_are_named() {
         ("a.toml", "texture=broken.png", &["object.0.material.texture: ", "broken.png: the texture cannot be read"]),
         (
             "a.toml",
-            "texture=a.jpg",
-            &["not the name of a texture; found ", "a.jpg", ".png, .exr or .hdr, mtl, or builtin:"],
+            "texture=a.gif",
+            &["not the name of a texture; found ", "a.gif", ".png, .jpg, .exr or .hdr, mtl, mesh, or builtin:"],
         ),
         (
             "a.toml",

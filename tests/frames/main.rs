@@ -5,6 +5,7 @@ mod devices;
 #[path = "../shell/mod.rs"]
 mod shell;
 
+mod animation;
 mod budget;
 mod edits;
 mod incremental;

@@ -5,6 +5,7 @@
 mod shell;
 
 mod arguments;
+mod formats;
 mod images;
 mod makers;
 mod meshes;
@@ -98,6 +99,16 @@ fn scenes() {
 #[test]
 fn meshes() {
     refused(&meshes::cases());
+}
+
+#[test]
+fn ply_and_stl() {
+    refused(&formats::ply_and_stl());
+}
+
+#[test]
+fn gltf() {
+    refused(&formats::gltf());
 }
 
 #[test]

@@ -40,7 +40,7 @@ pub fn cases() -> Vec<Case> {
         (with(&format!("f {}", "1 ".repeat(50_000))), "m.obj: every face of the mesh is degenerate; found 49998"),
         ("{\"obj\": 3}".into(), "m.obj: the mesh has no faces"),
         ("# v 0 0 0\n# f 1 2 3".into(), "m.obj: the mesh has no faces"),
-        ("ply\nformat ascii 1.0\nelement vertex 0\nend_header".into(), "m.obj: the mesh has no faces"),
+        ("ply\nformat ascii 1.0\nelement vertex 0\nend_header".into(), "m.obj: the vertices have no position"),
         (with("f 1 2 3\nf 1 2 5"), "m.obj:5: a face names a vertex that is not there; found 5"),
         (with("f 1 \u{202e}2 3"), "m.obj:4: a corner of a face is not a vertex number"),
     ];

@@ -3,9 +3,10 @@
 use super::{Depth, pattern};
 use crate::error::Input;
 use crate::scene::files::Files;
+use crate::scene::image::MOST_TEXELS;
 use crate::scene::image::read_depths;
 use crate::scene::range::Checked;
-use crate::scene::texture::{MOST_SIDE, MOST_TEXELS, Wrap};
+use crate::scene::texture::{MOST_SIDE, Wrap};
 use std::path::Path;
 use std::sync::Arc;
 

@@ -13,7 +13,8 @@ const SLIVER: f64 = 1e-7;
 /// The cleaned mesh, with faces in the order of the input, and for each of its vertices that of the input. Open edges
 /// are not counted yet.
 pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<(Mesh, Vec<u32>)> {
-    let Soup { positions, triangles, input_face, uvs, unused } = soup;
+    let Soup { positions, triangles, input_face, uvs, unused, notes } = soup;
+    report.extend(notes);
     let (first, welded) = weld(&positions);
 
     // Keep faces with three different corners and an area.

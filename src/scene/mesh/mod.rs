@@ -23,7 +23,7 @@ mod uv;
 mod walk;
 mod wrap;
 
-pub(super) use import::map_kd;
+pub(super) use import::{Coordinates, FORMATS, Format, Texels, animations, map_kd, own_texture, scene_of};
 pub(super) use refine::Origin;
 pub use shape::Shape;
 
@@ -63,10 +63,16 @@ impl Mesh {
     /// Memory per triangle, with its share of the vertices, while a mesh is built, bytes.
     pub const BYTES: u64 = 150;
 
-    /// Reads, cleans and orients a Wavefront OBJ file; repairs and warnings are added to `report`. `textured` is the
-    /// key of a texture, if there is one: every corner must then have texture coordinates.
-    pub(super) fn read(files: &Files, path: &Path, textured: Option<&str>, report: &mut Vec<String>) -> Checked<Self> {
-        let soup = import::read(files, path, textured)?;
+    /// Reads, cleans and orients a mesh file or a part of it; repairs and warnings are added to `report`. `wanted` are
+    /// texture coordinates, if there is a texture: every corner must then have them.
+    pub(super) fn read(
+        files: &Files,
+        path: &Path,
+        part: Option<u32>,
+        wanted: Option<Coordinates<'_>>,
+        report: &mut Vec<String>,
+    ) -> Checked<Self> {
+        let soup = import::read(files, path, part, wanted)?;
         let (mut mesh, _) = clean::clean(soup, report).map_err(|fault| fault.file(path))?;
         let (low, high) = mesh.bounds();
         let extent = (high - low).max_element();
@@ -136,9 +142,9 @@ impl Mesh {
         boxed.par_iter().step_by(step).find_first(|p| inside(p)).copied().copied()
     }
 
-    /// Moves the centre of the bounding box to the origin and scales the largest extent to `size`; returns the factor.
-    /// `key` is the key of the size, for errors.
-    pub(super) fn resize(&mut self, size: f64, key: &str) -> Checked<f64> {
+    /// Moves the centre of the bounding box to the origin and scales the largest extent to `size`; returns that centre
+    /// and the factor. `key` is the key of the size, for errors.
+    pub(super) fn resize(&mut self, size: f64, key: &str) -> Checked<(DVec3, f64)> {
         let (low, high) = self.bounds();
         let extent = (high - low).max_element();
         if extent <= 0.0 {
@@ -148,7 +154,7 @@ impl Mesh {
         for position in &mut self.positions {
             *position = (*position - middle) * factor;
         }
-        Ok(factor)
+        Ok((middle, factor))
     }
 }
 
@@ -183,7 +189,7 @@ mod tests {
                     f 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
         std::fs::write(&path, cube).expect("written");
         let mut report = Vec::new();
-        let mesh = Mesh::read(&Files::default(), &path, None, &mut report).expect("a cube");
+        let mesh = Mesh::read(&Files::default(), &path, None, None, &mut report).expect("a cube");
         assert_eq!((mesh.triangles.len(), mesh.open_edges), (12, 0));
         assert_eq!(mesh.input_face, [0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5]);
         assert!((mesh.volume() - 1.0).abs() < 1e-12);

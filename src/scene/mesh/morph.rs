@@ -1,18 +1,39 @@
-//! Morph targets: the positions of a mesh's vertices in two files of equal topology.
+//! Morph targets: the positions of a mesh's vertices in two files of equal topology. Animations: what they follow.
 
 use super::{Mesh, clean, import};
 use crate::error::Input;
 use crate::scene::files::Files;
 use crate::scene::range::Checked;
+use crate::scene::skin::{Pose, Rig};
 use glam::DVec3;
 use std::path::Path;
 
 impl Mesh {
-    /// The positions of the vertices of the mesh read from `own`, in that file and in `other`, whose key for errors is
-    /// `key`. Both must have the same number of vertices and the same triangles in the same order; vertices that
-    /// coincide in the first must coincide in the other.
-    pub(in crate::scene) fn read_ends(files: &Files, own: &Path, other: &Path, key: &str) -> Checked<[Vec<DVec3>; 2]> {
-        let [rest, end] = [own, other].map(|path| import::read(files, path, None));
+    /// What the vertices of the mesh read from `path`, a part of it, follow; its poses at rest, and at a time of the
+    /// animation of this number.
+    pub(in crate::scene) fn read_animated(
+        files: &Files,
+        (path, part): (&Path, Option<u32>),
+        at: (usize, f64),
+    ) -> Checked<(Rig, [Pose; 2])> {
+        let (soup, rig, poses) = import::animated(files, path, part, at)?;
+        let (_, from) = clean::clean(soup, &mut Vec::new()).map_err(|fault| fault.file(path))?;
+        let unread = |error| Input::new("the animation does not fit the memory").file(path).found(error);
+        files.take(from.len() as u64 * Rig::bytes(rig.joints, rig.targets)).map_err(unread)?;
+        Ok((rig.of(&from), poses))
+    }
+
+    /// The positions of the vertices of the mesh read from `own`, a part of a file, in that file and in `other`, whose
+    /// key for errors is `key`. Both must have the same number of vertices and the same triangles in the same order;
+    /// vertices that coincide in the first must coincide in the other.
+    pub(in crate::scene) fn read_ends(
+        files: &Files,
+        own: (&Path, Option<u32>),
+        other: &Path,
+        key: &str,
+    ) -> Checked<[Vec<DVec3>; 2]> {
+        let (own, part) = own;
+        let [rest, end] = [own, other].map(|path| import::read(files, path, part, None));
         let (rest, end) = (rest?, end?);
         let fault = |what: &str, found: String, expected: String| {
             Err(Input::new(what).key(key).found(found).expected(expected))

@@ -42,3 +42,22 @@ pub fn image(name: &str, bytes: &[u8]) {
     ];
     texts.iter().for_each(|text| load(text, &[(name, bytes)]));
 }
+
+/// As `load`, with the file as a mesh, with each of these endings of its material; and as a scene by itself.
+#[allow(dead_code, reason = "not every target is of meshes")]
+pub fn mesh(name: &str, bytes: &[u8], materials: &[&str]) {
+    let light = "[camera]\nsize = [4, 4]\n[[light]]\ntype = 'directional'\ndirection = [1, 2, 3]\nirradiance = 1\n";
+    for material in materials {
+        let object = format!("[[object]]\nmesh = '{name}'\nsize = 20\nmaterial = {{ preset = 'marble'{material} }}\n");
+        load(&format!("{light}{object}"), &[(name, bytes)]);
+    }
+    alone(name, bytes, &[]);
+}
+
+/// Loads a file as a scene by itself, with these settings.
+#[allow(dead_code, reason = "not every target is of meshes")]
+pub fn alone(name: &str, bytes: &[u8], sets: &[String]) {
+    let files = Files::held([(name.into(), bytes.to_vec())], LIMIT);
+    let small = ["camera.size=[4,4]".to_string()];
+    let _ = Scene::load_from(name, &[&small[..], sets].concat(), 7.0, &files);
+}

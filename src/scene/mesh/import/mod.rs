@@ -1,30 +1,43 @@
-//! Reads Wavefront OBJ: positions and faces as they are in the file, polygons cut into fans.
-//!
-//! Materials, groups, normals, points and lines are ignored, so that an error in them, or a missing `.mtl` file, does
-//! not matter. Texture coordinates, and the library that names a texture, are read only if a texture is requested.
+//! Reads mesh files: positions and triangles as they are in the file, polygons cut into fans. The content tells the
+//! format; the name's ending matters only where the content does not.
 
 use super::Mesh;
 use crate::error::Input;
 use crate::scene::files::Files;
 use crate::scene::range::Checked;
+use crate::scene::skin::{Pose, Rig};
 use glam::DVec3;
-use std::borrow::Cow;
 use std::io::ErrorKind;
 use std::path::Path;
+use toml::{Table, Value};
 
-mod fault;
-mod mtl;
-mod uv;
+mod colors;
+mod gltf;
+mod obj;
+mod ply;
+mod stl;
 
-pub(in crate::scene) use mtl::map_kd;
+pub(in crate::scene) use obj::map_kd;
+
+/// The formats, for messages.
+pub(in crate::scene) const FORMATS: &str = "Wavefront OBJ, PLY, STL or glTF 2.0";
 
 /// The largest coordinate a mesh may have; its cube is still far from overflow.
 const LARGEST: f64 = 1e30;
+/// The largest absolute texture coordinate: points in a texture are still distinguished after 10,000 repetitions.
+const MOST_UV: f64 = 1e4;
 
-/// Copies of a file's text that are held in memory.
-const COPIES: u64 = 4;
-/// Memory per word of the text until the mesh is clean, bytes: that of a face's corner with texture coordinates.
-const BYTES: u64 = 150;
+/// Size and texels of a texture, rows from the top, r g b, linear.
+pub(in crate::scene) type Texels = ([u32; 2], Vec<[f32; 3]>);
+
+/// Which texture coordinates a mesh must have.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::scene) struct Coordinates<'a> {
+    /// The key of the texture, for errors.
+    pub key: &'a str,
+    /// Whether they are those of the texture that the mesh file brings along.
+    pub own: bool,
+}
 
 /// Triangles as read, not yet cleaned.
 #[derive(Debug, Default)]
@@ -39,204 +52,198 @@ pub(super) struct Soup {
     pub uvs: Option<Vec<[[f64; 2]; 3]>>,
     /// Vertices of the file that no face uses.
     pub unused: usize,
+    /// What the file has that is ignored, one line each.
+    pub notes: Vec<String>,
 }
 
-/// Reads a file; every error carries the file, and the line if one statement is to blame. `textured` is the key of the
-/// texture, if the mesh is to have one.
-pub(super) fn read(files: &Files, path: &Path, textured: Option<&str>) -> Checked<Soup> {
-    let text = text(files, path)?;
-    let elements = text.split_ascii_whitespace().count() as u64;
-    files.need(elements * BYTES).map_err(|error| unread(path, &error))?;
-    let mut soup = parse(&text).map_err(|fault| fault.file(path))?;
-    if let Some(key) = textured {
-        soup.uvs = Some(uv::corners(&text).map_err(|fault| fault.key(key).file(path))?);
+/// A format of mesh files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::scene) enum Format {
+    /// Wavefront OBJ.
+    Obj,
+    /// Polygon file format, ascii or binary.
+    Ply,
+    /// Stereolithography, ascii or binary.
+    Stl,
+    /// glTF 2.0, as text or GLB.
+    Gltf,
+}
+
+/// The first words of statements in a Wavefront OBJ file.
+const STATEMENTS: [&str; 14] =
+    ["v", "vt", "vn", "vp", "f", "l", "p", "o", "g", "s", "mtllib", "usemtl", "usemap", "cstype"];
+
+impl Format {
+    /// The format of a file with these bytes; none if it is no mesh by content and name.
+    pub fn of(path: &Path, bytes: &[u8]) -> Option<Self> {
+        let start = bytes.trim_ascii_start();
+        let line = |bytes: &[u8], word: &[u8]| {
+            bytes.strip_prefix(word).is_some_and(|rest| rest.first().is_none_or(u8::is_ascii_whitespace))
+        };
+        // Binary STL has no mark but its length, and may begin like ascii STL.
+        if stl::is_binary(bytes) || line(start, b"solid") && start.windows(5).any(|word| word == b"facet") {
+            return Some(Self::Stl);
+        }
+        let json = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start).starts_with(b"{");
+        if bytes.starts_with(b"glTF") || json && start.windows(7).any(|word| word == b"\"asset\"") {
+            return Some(Self::Gltf);
+        }
+        if line(bytes, b"ply") {
+            return Some(Self::Ply);
+        }
+        if is_obj(bytes) {
+            return Some(Self::Obj);
+        }
+        let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
+        match end.as_str() {
+            "obj" => Some(Self::Obj),
+            "ply" => Some(Self::Ply),
+            "stl" => Some(Self::Stl),
+            "gltf" | "glb" => Some(Self::Gltf),
+            _ => None,
+        }
     }
-    files.take(soup.triangles.len() as u64 * Mesh::BYTES).map_err(|error| unread(path, &error))?;
+}
+
+/// Whether the first line of a text that is no comment is a statement of Wavefront OBJ.
+fn is_obj(bytes: &[u8]) -> bool {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let mut lines = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+    let Some(line) = lines.find(|line| !line.is_empty() && !line.starts_with(b"#")) else { return false };
+    let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+    let first = words.next().unwrap_or_default();
+    // `v = 1` is TOML.
+    STATEMENTS.iter().any(|word| word.as_bytes() == first) && words.next().is_none_or(|word| !word.starts_with(b"="))
+}
+
+/// Reads a file, or a part of it; every error carries the file, and the line if one statement is to blame. `wanted` are
+/// texture coordinates, if the mesh is to have any.
+pub(super) fn read(files: &Files, path: &Path, part: Option<u32>, wanted: Option<Coordinates<'_>>) -> Checked<Soup> {
+    let bytes = bytes_of(files, path, 1)?;
+    let format = Format::of(path, &bytes);
+    if let (Some(part), Some(Format::Obj | Format::Ply | Format::Stl)) = (part, format) {
+        let fault = Input::new("a file in this format has no parts").file(path).found(format!("part = {part}"));
+        return Err(fault.expected("no key `part`, or a glTF file, whose parts are its materials"));
+    }
+    let read = match format {
+        Some(Format::Gltf) => gltf::read(files, path, &bytes, part, wanted),
+        Some(Format::Obj) => obj::read(files, &bytes, wanted),
+        Some(Format::Ply) => ply::read(files, &bytes, wanted),
+        Some(Format::Stl) => stl::read(files, &bytes, wanted),
+        None => Err(Input::new("the mesh is in no format that can be read").expected(FORMATS)),
+    };
+    let soup = read.map_err(|fault| fault.file(path))?;
+    files.take(soup.triangles.len() as u64 * Mesh::BYTES).map_err(|error| unread(&error).file(path))?;
     Ok(soup)
 }
 
-/// Reads the text of a file.
-fn text(files: &Files, path: &Path) -> Checked<String> {
-    let bytes = files.read(path, COPIES).map_err(|error| match error.kind() {
+/// The texture that a mesh file, or a part of it, brings along.
+pub(in crate::scene) fn own_texture(files: &Files, path: &Path, part: Option<u32>) -> Checked<Texels> {
+    let bytes = bytes_of(files, path, 1)?;
+    let texels =
+        match Format::of(path, &bytes) {
+            Some(Format::Gltf) => gltf::texture(files, path, &bytes, part),
+            Some(Format::Ply) => ply::texture(files, &bytes),
+            _ => Err(Input::new("a file in this format brings no texture along")
+                .expected("PLY with vertex colours, or glTF")),
+        };
+    texels.map_err(|fault| fault.file(path))
+}
+
+/// The scene of a mesh file alone, and what there is to say about it; `around` is that of a mesh which brings nothing
+/// but its shape along.
+pub(in crate::scene) fn scene_of(
+    files: &Files,
+    path: &Path,
+    bytes: &[u8],
+    mut around: Table,
+) -> Checked<(Table, Vec<String>)> {
+    match Format::of(path, bytes) {
+        Some(Format::Gltf) => return gltf::scene(files, path, bytes, around).map_err(|fault| fault.file(path)),
+        Some(Format::Ply) if ply::texture(files, bytes).is_ok() => {
+            let object = around.get_mut("object").and_then(Value::as_array_mut).and_then(|objects| objects.first_mut());
+            if let Some(Value::Table(material)) = object.and_then(|object| object.get_mut("material")) {
+                material.insert("texture".into(), "mesh".into());
+            }
+        }
+        _ => {}
+    }
+    Ok((around, Vec::new()))
+}
+
+/// Names of the animations of a mesh file, and how long they last, in seconds; empty for formats without animations.
+pub(in crate::scene) fn animations(files: &Files, path: &Path) -> Checked<Vec<(String, f64)>> {
+    let bytes = bytes_of(files, path, 1)?;
+    match Format::of(path, &bytes) {
+        Some(Format::Gltf) => gltf::animations(files, path, &bytes).map_err(|fault| fault.file(path)),
+        _ => Ok(Vec::new()),
+    }
+}
+
+/// The mesh of a file or a part of it, what its vertices follow, and its poses at rest and at a time of an animation.
+pub(super) fn animated(
+    files: &Files,
+    path: &Path,
+    part: Option<u32>,
+    at: (usize, f64),
+) -> Checked<(Soup, Rig, [Pose; 2])> {
+    let bytes = bytes_of(files, path, 1)?;
+    gltf::animated(files, path, &bytes, part, at).map_err(|fault| fault.file(path))
+}
+
+/// Reads the bytes of a mesh file; `copies` times its size must fit the memory.
+fn bytes_of(files: &Files, path: &Path, copies: u64) -> Checked<Vec<u8>> {
+    files.read(path, copies).map_err(|error| match error.kind() {
         ErrorKind::NotFound => Input::new("there is no such mesh file").file(path),
         ErrorKind::Unsupported => {
-            Input::new("the mesh is not a plain file").file(path).expected("a Wavefront OBJ file")
+            Input::new("the mesh is not a plain file").file(path).expected(format!("a file in {FORMATS}"))
         }
-        _ => unread(path, &error),
-    })?;
-    // Names and comments may be in any encoding; what matters is ASCII.
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
-}
-
-fn unread(path: &Path, error: &std::io::Error) -> Input {
-    Input::new("the mesh file cannot be read").file(path).found(error)
-}
-
-/// Parses the text of a file.
-fn parse(text: &str) -> Checked<Soup> {
-    let (kept, vertices) = geometry(text);
-    let options = tobj::LoadOptions::default();
-    let no_materials = |_: &Path| Ok(Default::default());
-    let loaded = tobj::load_obj_buf(&mut kept.as_bytes(), &options, no_materials);
-    let soup = match loaded {
-        Ok((models, _)) => join(&models, vertices),
-        Err(_) => None,
-    };
-    let soup = soup.ok_or_else(|| {
-        let whole = || Input::new("the mesh file is not Wavefront OBJ");
-        fault::first(text, vertices).unwrap_or_else(whole)
-    })?;
-    if soup.triangles.is_empty() {
-        let fault = Input::new("the mesh has no faces");
-        return Err(fault.found("no `f` statement").expected("a Wavefront OBJ file with faces"));
-    }
-    Ok(soup)
-}
-
-/// Concatenates the models; `None` when a face has too few corners or a coordinate is out of range.
-fn join(models: &[tobj::Model], vertices: usize) -> Option<Soup> {
-    let mut soup = Soup::default();
-    let mut face = 0;
-    for tobj::Model { mesh, .. } in models {
-        let base = u32::try_from(soup.positions.len()).ok()?;
-        for position in mesh.positions.as_chunks().0 {
-            let position = DVec3::from_array(*position);
-            if !position.is_finite() || position.abs().max_element() > LARGEST {
-                return None;
-            }
-            soup.positions.push(position);
-        }
-
-        // Polygons become fans about their first corner; without arities all are triangles.
-        let mut rest = mesh.indices.as_slice();
-        let mut arities = mesh.face_arities.iter();
-        while !rest.is_empty() || arities.len() > 0 {
-            let arity = arities.next().map_or(3, |&arity| arity as usize);
-            let (corners, after) = rest.split_at_checked(arity)?;
-            let (first, others) = corners.split_first()?;
-            if others.len() < 2 {
-                return None;
-            }
-            for pair in others.windows(2) {
-                soup.triangles.push([base + first, base + pair[0], base + pair[1]]);
-                soup.input_face.push(face);
-            }
-            rest = after;
-            face = face.checked_add(1)?;
-        }
-    }
-    soup.unused = vertices.saturating_sub(soup.positions.len());
-    Some(soup)
-}
-
-/// The `v` and `f` statements of a file without comments and attributes, and the number of `v`.
-fn geometry(text: &str) -> (String, usize) {
-    let mut kept = String::with_capacity(text.len());
-    let mut vertices = 0;
-    for (_, statement) in statements(text) {
-        let mut words = statement.split_whitespace();
-        match words.next() {
-            Some("v") => {
-                // Six numbers are a position and a colour; four are homogeneous.
-                let count = statement.split_whitespace().count() - 1;
-                let taken = if count == 4 { 4 } else { 3 };
-                kept.push('v');
-                words.take(taken).for_each(|word| push(&mut kept, word));
-                vertices += 1;
-            }
-            Some("f") => {
-                kept.push('f');
-                words.for_each(|word| push(&mut kept, index_of(word)));
-            }
-            _ => continue,
-        }
-        kept.push('\n');
-    }
-    (kept, vertices)
-}
-
-fn push(text: &mut String, word: &str) {
-    text.push(' ');
-    text.push_str(word);
-}
-
-/// The position index of a corner such as `7`, `7/2`, `7//3` or `7/2/3`; `x` when it has none.
-fn index_of(corner: &str) -> &str {
-    match corner.split('/').next() {
-        None | Some("") => "x",
-        Some(index) => index,
-    }
-}
-
-/// The statements of a file, each with the line it starts on; comments are cut off, and lines that
-/// end in a backslash are joined.
-fn statements(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
-    let text = text.trim_start_matches('\u{feff}');
-    let mut lines = text.lines().enumerate();
-    std::iter::from_fn(move || {
-        let (number, line) = lines.next()?;
-        let mut statement = Cow::Borrowed(bare(line));
-        while statement.ends_with('\\') {
-            let joined = statement.to_mut();
-            joined.pop();
-            joined.push(' ');
-            joined.push_str(lines.next().map_or("", |(_, line)| bare(line)));
-        }
-        Some((number + 1, statement))
+        _ => unread(&error).file(path),
     })
 }
 
-/// A line without its comment.
-fn bare(line: &str) -> &str {
-    line.split('#').next().unwrap_or_default().trim_end()
+fn unread(error: &std::io::Error) -> Input {
+    Input::new("the mesh file cannot be read").found(error)
+}
+
+/// A mesh whose format has no texture coordinates cannot have a texture.
+fn no_coordinates(wanted: Option<Coordinates<'_>>, format: &str) -> Checked<()> {
+    match wanted {
+        None => Ok(()),
+        Some(wanted) => {
+            let fault = Input::new("the mesh has no texture coordinates").key(wanted.key).found(format);
+            Err(fault.expected("a material without texture, or a mesh with texture coordinates"))
+        }
+    }
+}
+
+/// Keeps the vertices that triangles use, in the order of first use; returns also which they were.
+fn compact(positions: &[DVec3], triangles: Vec<[u32; 3]>, input_face: Vec<u32>) -> (Soup, Vec<u32>) {
+    let mut soup = Soup { triangles, input_face, ..Soup::default() };
+    let mut number = vec![u32::MAX; positions.len()];
+    let mut from = Vec::new();
+    for corner in soup.triangles.iter_mut().flatten() {
+        let old = *corner as usize;
+        if number[old] == u32::MAX {
+            number[old] = soup.positions.len() as u32;
+            soup.positions.push(positions[old]);
+            from.push(*corner);
+        }
+        *corner = number[old];
+    }
+    soup.unused = positions.len() - soup.positions.len();
+    (soup, from)
+}
+
+/// A vertex, numbered from 0, whose coordinates are finite and at most [`LARGEST`].
+fn checked(position: DVec3, vertex: usize) -> Checked<DVec3> {
+    if position.is_finite() && position.abs().max_element() <= LARGEST {
+        return Ok(position);
+    }
+    let found = format!("[{}, {}, {}] at vertex {vertex}", position.x, position.y, position.z);
+    let fault = Input::new("a coordinate is not finite or too large").found(found);
+    Err(fault.expected("three numbers of at most 1e30"))
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
-
-    #[test]
-    fn polygons_become_fans_in_the_files_order() {
-        let text = format!("mtllib gone.mtl\n{SQUARE}v 9 9 9\no a\nf 1/1/1 2//2 3/3 4\no b\nf -3 -2 -1\n");
-        let soup = parse(&text).expect("a square and a triangle");
-        assert_eq!(soup.triangles, [[0, 1, 2], [0, 2, 3], [2, 3, 4]]);
-        assert_eq!(soup.input_face, [0, 0, 1]);
-        assert_eq!((soup.positions.len(), soup.unused), (5, 0));
-    }
-
-    #[test]
-    fn passes_over_what_does_not_matter() {
-        let text = "\u{feff}# caf\u{e9}\r\nmtllib\r\nv 0 0 0 1 0 0\r\nv 2 0 0 2\r\nv 0 1 0 # here\r\n\
-                    vt nonsense\r\nusemtl\r\np 1\r\nl 1 2\r\nv 5 5 5\r\nf 1/9/9 2/8 \\\r\n 3\r\n";
-        let soup = parse(text).expect("a triangle");
-        assert_eq!(soup.positions, [DVec3::ZERO, DVec3::X, DVec3::Y]);
-        assert_eq!((soup.triangles.len(), soup.unused), (1, 1));
-    }
-
-    #[test]
-    fn a_statement_of_a_million_lines_is_joined_once() {
-        // Joining once per line would take minutes.
-        let text = format!("{SQUARE}f 1 2 3 {}4\n", "\\\n".repeat(1_000_000));
-        assert_eq!(parse(&text).expect("a square").triangles.len(), 2);
-    }
-
-    #[test]
-    fn file_faults_name_the_file() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("gone.obj");
-        let error = read(&Files::default(), &path, None).err().map(|e| e.to_string()).unwrap_or_default();
-        assert!(error.ends_with("gone.obj: there is no such mesh file"), "{error}");
-        let error = read(&Files::default(), folder.path(), None).err().map(|e| e.to_string()).unwrap_or_default();
-        assert!(error.contains(": the mesh is not a plain file; expected"), "{error}");
-        for bytes in [&b""[..], b"v 0 0 0\n", b"\xff\xfe\0\0\x80"] {
-            std::fs::write(&path, bytes).expect("written");
-            let error = read(&Files::default(), &path, None).err().map(|e| e.to_string()).unwrap_or_default();
-            assert!(error.contains("gone.obj: the mesh has no faces; found no `f`"), "{error}");
-        }
-        std::fs::write(&path, format!("{SQUARE}f 1 2 7\n")).expect("written");
-        let error = read(&Files::default(), &path, None).err().map(|e| e.to_string()).unwrap_or_default();
-        assert!(error.contains("gone.obj:5: a face names a vertex that is not there"), "{error}");
-    }
-}
+mod tests;

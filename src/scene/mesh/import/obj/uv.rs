@@ -1,11 +1,8 @@
 //! Texture coordinates: `vt` statements, and the corners of faces that refer to them.
 
-use super::statements;
+use super::{MOST_UV, statements};
 use crate::error::Input;
 use crate::scene::range::Checked;
-
-/// The largest absolute texture coordinate: points in a texture are still distinguished after 10,000 repetitions.
-const MOST: f64 = 1e4;
 
 /// Texture coordinates of each triangle's corners, with polygons cut into fans in the order of the file; an error
 /// carries its line.
@@ -43,7 +40,7 @@ pub(super) fn corners(text: &str) -> Checked<Vec<[[f64; 2]; 3]>> {
 /// The first two numbers of a `vt` statement; the second defaults to 0.
 fn place<'a>(words: impl Iterator<Item = &'a str>) -> Checked<[f64; 2]> {
     let words: Vec<&str> = words.take(2).collect();
-    let number = |word: &str| word.parse().ok().filter(|x: &f64| x.abs() <= MOST);
+    let number = |word: &str| word.parse().ok().filter(|x: &f64| x.abs() <= MOST_UV);
     let read = |k: usize| words.get(k).map_or(Some(0.0), |word| number(word));
     match (words.is_empty(), read(0), read(1)) {
         (false, Some(u), Some(v)) => Ok([u, v]),

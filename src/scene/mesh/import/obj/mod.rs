@@ -1,0 +1,198 @@
+//! Reads Wavefront OBJ: positions and faces as they are in the file, polygons cut into fans.
+//!
+//! Materials, groups, normals, points and lines are ignored, so that an error in them, or a missing `.mtl` file, does
+//! not matter. Texture coordinates, and the library that names a texture, are read only if a texture is requested.
+
+use super::{Coordinates, LARGEST, MOST_UV, Soup, bytes_of};
+use crate::error::Input;
+use crate::scene::files::Files;
+use crate::scene::range::Checked;
+use glam::DVec3;
+use std::borrow::Cow;
+use std::path::Path;
+
+mod fault;
+mod mtl;
+mod uv;
+
+pub(in crate::scene) use mtl::map_kd;
+
+/// Memory that the text takes beside the file's bytes, in bytes per byte.
+const COPIES: u64 = 3;
+/// Memory per word of the text until the mesh is clean, bytes: that of a face's corner with texture coordinates.
+const BYTES: u64 = 150;
+
+/// Reads a file's bytes; an error carries the line if one statement is to blame.
+pub(super) fn read(files: &Files, bytes: &[u8], wanted: Option<Coordinates<'_>>) -> Checked<Soup> {
+    let need = |bytes: u64| files.need(bytes).map_err(|error| super::unread(&error));
+    need(COPIES * bytes.len() as u64)?;
+    // Names and comments may be in any encoding; what matters is ASCII.
+    let text = String::from_utf8_lossy(bytes);
+    need(text.split_ascii_whitespace().count() as u64 * BYTES)?;
+    let mut soup = parse(&text)?;
+    if let Some(wanted) = wanted {
+        if wanted.own {
+            let fault = Input::new("a Wavefront OBJ file has no texture of its own").key(wanted.key).found("`mesh`");
+            return Err(fault.expected("`mtl` for the one that its material library names, or the name of an image"));
+        }
+        soup.uvs = Some(uv::corners(&text).map_err(|fault| fault.key(wanted.key))?);
+    }
+    Ok(soup)
+}
+
+/// Reads the text of a file.
+fn text(files: &Files, path: &Path) -> Checked<String> {
+    let bytes = bytes_of(files, path, 1 + COPIES)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// Parses the text of a file.
+fn parse(text: &str) -> Checked<Soup> {
+    let (kept, vertices) = geometry(text);
+    let options = tobj::LoadOptions::default();
+    let no_materials = |_: &Path| Ok(Default::default());
+    let loaded = tobj::load_obj_buf(&mut kept.as_bytes(), &options, no_materials);
+    let soup = match loaded {
+        Ok((models, _)) => join(&models, vertices),
+        Err(_) => None,
+    };
+    let soup = soup.ok_or_else(|| {
+        let whole = || Input::new("the mesh file is not Wavefront OBJ");
+        fault::first(text, vertices).unwrap_or_else(whole)
+    })?;
+    if soup.triangles.is_empty() {
+        let fault = Input::new("the mesh has no faces");
+        return Err(fault.found("no `f` statement").expected("a Wavefront OBJ file with faces"));
+    }
+    Ok(soup)
+}
+
+/// Concatenates the models; `None` when a face has too few corners or a coordinate is out of range.
+fn join(models: &[tobj::Model], vertices: usize) -> Option<Soup> {
+    let mut soup = Soup::default();
+    let mut face = 0;
+    for tobj::Model { mesh, .. } in models {
+        let base = u32::try_from(soup.positions.len()).ok()?;
+        for position in mesh.positions.as_chunks().0 {
+            let position = DVec3::from_array(*position);
+            if !position.is_finite() || position.abs().max_element() > LARGEST {
+                return None;
+            }
+            soup.positions.push(position);
+        }
+
+        // Polygons become fans about their first corner; without arities all are triangles.
+        let mut rest = mesh.indices.as_slice();
+        let mut arities = mesh.face_arities.iter();
+        while !rest.is_empty() || arities.len() > 0 {
+            let arity = arities.next().map_or(3, |&arity| arity as usize);
+            let (corners, after) = rest.split_at_checked(arity)?;
+            let (first, others) = corners.split_first()?;
+            if others.len() < 2 {
+                return None;
+            }
+            for pair in others.windows(2) {
+                soup.triangles.push([base + first, base + pair[0], base + pair[1]]);
+                soup.input_face.push(face);
+            }
+            rest = after;
+            face = face.checked_add(1)?;
+        }
+    }
+    soup.unused = vertices.saturating_sub(soup.positions.len());
+    Some(soup)
+}
+
+/// The `v` and `f` statements of a file without comments and attributes, and the number of `v`.
+fn geometry(text: &str) -> (String, usize) {
+    let mut kept = String::with_capacity(text.len());
+    let mut vertices = 0;
+    for (_, statement) in statements(text) {
+        let mut words = statement.split_whitespace();
+        match words.next() {
+            Some("v") => {
+                // Six numbers are a position and a colour; four are homogeneous.
+                let count = statement.split_whitespace().count() - 1;
+                let taken = if count == 4 { 4 } else { 3 };
+                kept.push('v');
+                words.take(taken).for_each(|word| push(&mut kept, word));
+                vertices += 1;
+            }
+            Some("f") => {
+                kept.push('f');
+                words.for_each(|word| push(&mut kept, index_of(word)));
+            }
+            _ => continue,
+        }
+        kept.push('\n');
+    }
+    (kept, vertices)
+}
+
+fn push(text: &mut String, word: &str) {
+    text.push(' ');
+    text.push_str(word);
+}
+
+/// The position index of a corner such as `7`, `7/2`, `7//3` or `7/2/3`; `x` when it has none.
+fn index_of(corner: &str) -> &str {
+    match corner.split('/').next() {
+        None | Some("") => "x",
+        Some(index) => index,
+    }
+}
+
+/// The statements of a file, each with the line it starts on; comments are cut off, and lines that
+/// end in a backslash are joined.
+fn statements(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
+    let text = text.trim_start_matches('\u{feff}');
+    let mut lines = text.lines().enumerate();
+    std::iter::from_fn(move || {
+        let (number, line) = lines.next()?;
+        let mut statement = Cow::Borrowed(bare(line));
+        while statement.ends_with('\\') {
+            let joined = statement.to_mut();
+            joined.pop();
+            joined.push(' ');
+            joined.push_str(lines.next().map_or("", |(_, line)| bare(line)));
+        }
+        Some((number + 1, statement))
+    })
+}
+
+/// A line without its comment.
+fn bare(line: &str) -> &str {
+    line.split('#').next().unwrap_or_default().trim_end()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+    #[test]
+    fn polygons_become_fans_in_the_files_order() {
+        let text = format!("mtllib gone.mtl\n{SQUARE}v 9 9 9\no a\nf 1/1/1 2//2 3/3 4\no b\nf -3 -2 -1\n");
+        let soup = parse(&text).expect("a square and a triangle");
+        assert_eq!(soup.triangles, [[0, 1, 2], [0, 2, 3], [2, 3, 4]]);
+        assert_eq!(soup.input_face, [0, 0, 1]);
+        assert_eq!((soup.positions.len(), soup.unused), (5, 0));
+    }
+
+    #[test]
+    fn passes_over_what_does_not_matter() {
+        let text = "\u{feff}# caf\u{e9}\r\nmtllib\r\nv 0 0 0 1 0 0\r\nv 2 0 0 2\r\nv 0 1 0 # here\r\n\
+                    vt nonsense\r\nusemtl\r\np 1\r\nl 1 2\r\nv 5 5 5\r\nf 1/9/9 2/8 \\\r\n 3\r\n";
+        let soup = parse(text).expect("a triangle");
+        assert_eq!(soup.positions, [DVec3::ZERO, DVec3::X, DVec3::Y]);
+        assert_eq!((soup.triangles.len(), soup.unused), (1, 1));
+    }
+
+    #[test]
+    fn a_statement_of_a_million_lines_is_joined_once() {
+        // Joining once per line would take minutes.
+        let text = format!("{SQUARE}f 1 2 3 {}4\n", "\\\n".repeat(1_000_000));
+        assert_eq!(parse(&text).expect("a square").triangles.len(), 2);
+    }
+}

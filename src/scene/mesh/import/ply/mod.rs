@@ -1,0 +1,205 @@
+//! Reads PLY, ascii and binary of either byte order: element `vertex`, with positions, texture coordinates and colours,
+//! and lists of corners in element `face`, cut into fans.
+
+use super::{Coordinates, MOST_UV, Soup, Texels, checked, colors, compact, unread};
+use crate::error::Input;
+use crate::scene::files::Files;
+use crate::scene::range::Checked;
+use glam::DVec3;
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
+use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess, PropertyType, ScalarType};
+
+mod elements;
+use elements::{Face, Other, Vertex};
+
+/// Memory per vertex, face and corner until the mesh is clean, bytes.
+const BYTES: u64 = 200;
+
+/// The contents of a file.
+struct Ply {
+    vertices: Vec<Vertex>,
+    faces: Vec<Face>,
+    /// Whether vertices have texture coordinates, and whether they have colours.
+    has_uv: bool,
+    has_color: bool,
+}
+
+/// Reads a file's bytes; an error carries the line if one is to blame.
+pub(super) fn read(files: &Files, bytes: &[u8], wanted: Option<Coordinates<'_>>) -> Checked<Soup> {
+    let ply = Ply::read(files, bytes)?;
+    let (triangles, input_face) = ply.fans()?;
+    let uvs = match wanted {
+        None => None,
+        Some(wanted) if wanted.own && ply.has_color => Some(colors::corners(triangles.len())),
+        Some(wanted) => Some(ply.uvs(wanted.key)?),
+    };
+    let positions: Checked<Vec<DVec3>> =
+        ply.vertices.iter().enumerate().map(|(number, vertex)| checked(vertex.position.into(), number)).collect();
+    let (soup, _) = compact(&positions?, triangles, input_face);
+    let ignored = ply.has_color && !wanted.is_some_and(|wanted| wanted.own);
+    let note = "ignored: the colours of the vertices; texture = \"mesh\" in the material shows them";
+    Ok(Soup { uvs, notes: ignored.then(|| note.to_owned()).into_iter().collect(), ..soup })
+}
+
+/// The colours of the vertices as a texture.
+pub(super) fn texture(files: &Files, bytes: &[u8]) -> Checked<Texels> {
+    let ply = Ply::read(files, bytes)?;
+    if !ply.has_color {
+        let fault = Input::new("the vertices have no colours").found("no properties red, green and blue");
+        return Err(fault.expected("properties red, green and blue, or the name of an image"));
+    }
+    let (triangles, _) = ply.fans()?;
+    if triangles.len() > colors::MOST {
+        let fault = Input::new("too many triangles for colours of their vertices").found(triangles.len());
+        return Err(fault.expected(format!("at most {}", colors::MOST)));
+    }
+    let colors = triangles.iter().map(|corners| corners.map(|corner| ply.vertices[corner as usize].color));
+    Ok(colors::texture(&colors.collect::<Vec<_>>()))
+}
+
+impl Ply {
+    fn read(files: &Files, bytes: &[u8]) -> Checked<Self> {
+        // The parser reads lines as UTF-8; comments may be in any encoding.
+        let end = bytes.windows(10).position(|word| word == b"end_header").unwrap_or(bytes.len());
+        let head = String::from_utf8_lossy(&bytes[..end]);
+        let whole = [head.as_bytes(), &bytes[end..]].concat();
+        let mut reader = Reader::new(whole.as_slice());
+        let header = Parser::<Other>::new().read_header(&mut reader).map_err(|error| fault(&error))?;
+        fits(files, &header, reader.get_ref().len())?;
+        let mut ply = Self { vertices: Vec::new(), faces: Vec::new(), has_uv: false, has_color: false };
+        for (name, element) in &header.elements {
+            let has = |names: &[&str]| names.iter().all(|name| element.properties.contains_key(*name));
+            match name.as_str() {
+                "vertex" => {
+                    if !has(&["x", "y", "z"]) {
+                        let fault = Input::new("the vertices have no position").found(properties(element));
+                        return Err(fault.expected("properties x, y and z"));
+                    }
+                    ply.has_uv = has(&["u", "v"]) || has(&["s", "t"]) || has(&["texture_u", "texture_v"]);
+                    ply.has_color = has(&["red", "green", "blue"]);
+                    ply.vertices = elements(&mut reader, element, &header)?;
+                }
+                "face" => {
+                    if !has(&["vertex_indices"]) && !has(&["vertex_index"]) {
+                        let fault = Input::new("the faces have no corners").found(properties(element));
+                        return Err(fault.expected("a list vertex_indices or vertex_index"));
+                    }
+                    ply.faces = elements(&mut reader, element, &header)?;
+                }
+                _ => drop(elements::<Other>(&mut reader, element, &header)?),
+            }
+        }
+        Ok(ply)
+    }
+
+    /// Triangles, and for each the face that it came from.
+    fn fans(&self) -> Checked<(Vec<[u32; 3]>, Vec<u32>)> {
+        let (mut triangles, mut input_face) = (Vec::new(), Vec::new());
+        for (face, number) in self.faces.iter().zip(0..) {
+            let outside = |corner: &&u32| **corner as usize >= self.vertices.len();
+            if let Some(corner) = face.corners.iter().find(outside) {
+                let found = if *corner == u32::MAX { "a negative number".into() } else { corner.to_string() };
+                let fault =
+                    Input::new("a face names a vertex that is not there").found(format!("{found} in face {number}"));
+                return Err(fault.expected(format!("numbers from 0 and below {}", self.vertices.len())));
+            }
+            let [first, others @ ..] = &face.corners[..] else { continue };
+            for pair in others.windows(2) {
+                triangles.push([*first, pair[0], pair[1]]);
+                input_face.push(number);
+            }
+        }
+        if triangles.is_empty() {
+            let fault =
+                Input::new("the mesh has no faces").found(format!("{} faces of element `face`", self.faces.len()));
+            return Err(fault.expected("a PLY file with faces of three or more corners"));
+        }
+        Ok((triangles, input_face))
+    }
+
+    /// Texture coordinates of the corners of all triangles: those of faces, or else those of vertices.
+    fn uvs(&self, key: &str) -> Checked<Vec<[[f64; 2]; 3]>> {
+        let of_faces = self.faces.iter().any(|face| !face.uvs.is_empty());
+        let mut uvs = Vec::new();
+        for (face, number) in self.faces.iter().zip(0u32..) {
+            let places: Vec<[f64; 2]> = match of_faces {
+                true => face.uvs.as_chunks().0.to_vec(),
+                false if self.has_uv => face.corners.iter().map(|&corner| self.vertices[corner as usize].uv).collect(),
+                false => Vec::new(),
+            };
+            let fine = |place: &[f64; 2]| place.iter().all(|x| x.abs() <= MOST_UV);
+            if places.len() < face.corners.len() || !places.iter().all(fine) {
+                let fault = Input::new("the mesh has no texture coordinates, or not at every corner").key(key);
+                let expected = "properties u and v of vertices from -10,000 to 10,000, or a list texcoord of faces";
+                return Err(fault.found(format!("{places:?} at face {number}")).expected(expected));
+            }
+            let corners = &places[..face.corners.len()];
+            uvs.extend(corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]));
+        }
+        Ok(uvs)
+    }
+}
+
+/// The names of an element's properties.
+fn properties(element: &ElementDef) -> String {
+    let names: Vec<&str> = element.properties.keys().map(String::as_str).collect();
+    if names.is_empty() { "no properties".into() } else { names.join(", ") }
+}
+
+fn elements<E: PropertyAccess>(reader: &mut Reader<&[u8]>, element: &ElementDef, header: &Header) -> Checked<Vec<E>> {
+    Parser::<E>::new().read_payload_for_element(reader, element, header).map_err(|error| fault(&error))
+}
+
+/// Checks what the header states against the bytes that follow it and the memory.
+fn fits(files: &Files, header: &Header, bytes: usize) -> Checked<()> {
+    let binary = header.encoding != Encoding::Ascii;
+    let mut least = 0usize;
+    for element in header.elements.values() {
+        // Characters of an ascii number and what follows it, or bytes.
+        let of = |kind: &PropertyType| match kind {
+            _ if !binary => 2,
+            PropertyType::Scalar(kind) | PropertyType::List(kind, _) => width(kind),
+        };
+        let one: usize = element.properties.values().map(|property| of(&property.data_type)).sum();
+        least = least.saturating_add(one.max(1).saturating_mul(element.count));
+    }
+    // The last line may end without a break.
+    if least > bytes.saturating_add(1) {
+        let fault = Input::new("the file is shorter than its header states").found(format!("{bytes} bytes after it"));
+        return Err(fault.expected(format!("at least {least} bytes")));
+    }
+    let counts = header.elements.values().map(|element| element.count as u64).sum::<u64>();
+    // A list may have as many entries as the rest of the file has bytes.
+    let entries = if binary { bytes as u64 / 4 } else { bytes as u64 / 2 };
+    files.need(counts.saturating_mul(BYTES) + entries * 16 + bytes as u64).map_err(|error| unread(&error))
+}
+
+fn width(kind: &ScalarType) -> usize {
+    match kind {
+        ScalarType::Char | ScalarType::UChar => 1,
+        ScalarType::Short | ScalarType::UShort => 2,
+        ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
+        ScalarType::Double => 8,
+    }
+}
+
+/// The parser's error: what is wrong, and the text in which it is.
+fn fault(error: &ParseError) -> Input {
+    let text = error.to_string();
+    let text =
+        text.strip_prefix("Line ").and_then(|text| text.split_once(": ")).map_or(text.as_str(), |(_, rest)| rest);
+    let mut lines = text.lines().map(str::trim);
+    let what = lines.next().unwrap_or_default().trim_end_matches('.');
+    let fault = Input::new(format!("the mesh file is not PLY as it should be: {what}"));
+    let fault = match lines.find_map(|line| line.strip_prefix("String: ")) {
+        Some(found) => fault.found(found.trim_matches('\'').trim_end()),
+        None => fault,
+    };
+    match error.line() {
+        Some(line) => fault.line(line),
+        None => fault,
+    }
+}
+
+#[cfg(test)]
+mod tests;

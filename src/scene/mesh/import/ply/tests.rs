@@ -1,0 +1,120 @@
+//! Encodings, lists, texture coordinates, colours and faults.
+
+use super::*;
+
+const HEAD: &str = "comment caf\u{e9}\nelement vertex 5\nproperty float x\nproperty double y\nproperty short z\n\
+                    property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float s\nproperty float t\n\
+                    element face 2\nproperty uchar quality\nproperty list ushort int vertex_indices\n\
+                    element edge 1\nproperty int a\nend_header\n";
+/// x, y, z, red, s of each vertex; green is 255, blue is 0, t is half of s.
+const VERTICES: [(f32, f64, i16, u8, f32); 5] = [
+    (0.0, 0.0, 0, 0, 0.0),
+    (2.0, 0.0, 0, 128, 1.0),
+    (2.0, 2.5, 1, 255, 0.5),
+    (0.0, 2.5, 1, 51, 0.25),
+    (9.0, 9.0, 9, 0, 0.0),
+];
+const FACES: [&[i32]; 2] = [&[0, 1, 2, 3], &[2, 1, 0]];
+
+fn ascii() -> Vec<u8> {
+    let mut text = format!("ply\nformat ascii 1.0\n{HEAD}");
+    for (x, y, z, red, s) in VERTICES {
+        text += &format!("{x} {y} {z} {red} 255 0 {s} {}\n", s / 2.0);
+    }
+    for face in FACES {
+        text += &format!("7 {} {}\n", face.len(), face.iter().map(i32::to_string).collect::<Vec<_>>().join(" "));
+    }
+    (text + "3\n").into_bytes()
+}
+
+fn binary(big: bool) -> Vec<u8> {
+    fn put<const N: usize>(bytes: &mut Vec<u8>, little: [u8; N], big: bool) {
+        let mut all = little;
+        if big {
+            all.reverse();
+        }
+        bytes.extend(all);
+    }
+    let order = if big { "big" } else { "little" };
+    let mut bytes = format!("ply\nformat binary_{order}_endian 1.0\n{HEAD}").into_bytes();
+    for (x, y, z, red, s) in VERTICES {
+        put(&mut bytes, x.to_le_bytes(), big);
+        put(&mut bytes, y.to_le_bytes(), big);
+        put(&mut bytes, z.to_le_bytes(), big);
+        bytes.extend([red, 255, 0]);
+        put(&mut bytes, s.to_le_bytes(), big);
+        put(&mut bytes, (s / 2.0).to_le_bytes(), big);
+    }
+    for face in FACES {
+        bytes.push(7);
+        put(&mut bytes, (face.len() as u16).to_le_bytes(), big);
+        face.iter().for_each(|corner| put(&mut bytes, corner.to_le_bytes(), big));
+    }
+    put(&mut bytes, 3i32.to_le_bytes(), big);
+    bytes
+}
+
+fn of(bytes: &[u8], own: bool) -> Checked<Soup> {
+    read(&Files::default(), bytes, Some(Coordinates { key: "texture", own }))
+}
+
+#[test]
+fn every_encoding_gives_the_same_mesh() {
+    for bytes in [ascii(), binary(false), binary(true)] {
+        let soup = of(&bytes, false).expect("three triangles");
+        assert_eq!(soup.triangles, [[0, 1, 2], [0, 2, 3], [2, 1, 0]]);
+        assert_eq!((soup.input_face, soup.unused, soup.positions.len()), (vec![0, 0, 1], 1, 4));
+        assert_eq!(soup.positions[3], DVec3::new(0.0, 2.5, 1.0));
+        assert_eq!(soup.uvs.expect("coordinates")[1], [[0.0, 0.0], [0.5, 0.25], [0.25, 0.125]]);
+        assert_eq!(soup.notes.len(), 1);
+        assert!(of(&bytes, true).expect("three triangles").notes.is_empty());
+        let (size, texels) = texture(&Files::default(), &bytes).expect("colours");
+        assert_eq!((size, texels[0], texels[4]), ([4, 4], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]));
+        assert!((texels[1][0] - 0.215_860_5).abs() < 1e-6, "sRGB 128 in linear light");
+    }
+}
+
+#[test]
+fn texture_coordinates_may_belong_to_faces() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                element face 1\nproperty list uchar uint8 vertex_index\nproperty list uchar float texcoord\n\
+                end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 6 0 0 1 0 0.5 1";
+    let uvs = of(text.as_bytes(), false).expect("a triangle").uvs;
+    assert_eq!(uvs, Some(vec![[[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]]]));
+    let fault = texture(&Files::default(), text.as_bytes()).expect_err("no colours").to_string();
+    assert!(fault.starts_with("the vertices have no colours; found no properties red"), "{fault}");
+}
+
+#[test]
+fn faults_say_what_and_where() {
+    let file = |head: &str, rest: &str| format!("ply\nformat ascii 1.0\n{head}end_header\n{rest}");
+    let vertices = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    let faces = |count: &str| format!("{vertices}element face {count}\nproperty list uchar int vertex_index\n");
+    let three = "0 0 0\n1 0 0\n0 1 0\n";
+    let cases = [
+        ("ply\nformat ascii 1.0\n".into(), "Unexpected end of file while reading header"),
+        ("ply\nformat ascii\nend_header\n".into(), "Couldn't parse line; found format ascii"),
+        ("ply\nformat ascii 1.0\nelement vertex 3\nproperty flat x\n".into(), "found property flat x"),
+        (file("element vertex 1\nproperty float x\n", "0\n"), "the vertices have no position; found x; expected"),
+        (file("element face 1\nproperty float x\n", "0\n"), "the faces have no corners; found x; expected a list"),
+        (file("element vertex 9\n", ""), "the file is shorter than its header states; found 0 bytes after it"),
+        (file(vertices, three), "the mesh has no faces; found 0 faces"),
+        (file(&faces("1"), &format!("{three}3 0 1 3\n")), "a face names a vertex that is not there; found 3 in face 0"),
+        (
+            file(&faces("1"), &format!("{three}3 0 1 -1\n")),
+            "found a negative number in face 0; expected numbers from 0",
+        ),
+        (file(&faces("1"), &format!("{three}3 0 1\n")), "Couldn't read element line; found 3 0 1"),
+        (file(&faces("4000000000"), three), "the file is shorter than its header states"),
+        (
+            file(&faces("1"), "0 0 0\n1 0 1e39\n0 1 0\n3 0 1 2\n"),
+            "a coordinate is not finite or too large; found [1, 0",
+        ),
+    ];
+    for (text, expected) in cases {
+        let fault = read(&Files::default(), text.as_bytes(), None).expect_err(expected).to_string();
+        assert!(fault.contains(expected), "{fault}");
+    }
+    let text = file(&faces("1"), "0 0 0\n1 0 x\n0 1 0\n3 0 1 2\n");
+    assert_eq!(read(&Files::default(), text.as_bytes(), None).expect_err("no number").line, Some(11));
+}

@@ -1,0 +1,69 @@
+//! The animation that a scene plays: every mesh that has one of this name.
+
+use super::locate;
+use super::range::{self, Checked};
+use crate::error::Input;
+
+/// Frames per second, if the scene gives none.
+const FPS: f64 = 24.0;
+
+/// An animation, at a frame.
+#[derive(Debug, Clone)]
+pub(super) struct Play {
+    name: String,
+    /// Seconds from its start.
+    pub time: f64,
+    /// Whether a mesh has it.
+    played: bool,
+    /// Names of the animations that the meshes have.
+    known: Vec<String>,
+}
+
+impl Play {
+    /// The animation of a scene, at frame 0; `fps` is the number of frames per second.
+    pub fn check(name: Option<&String>, fps: Option<f64>) -> Checked<Option<(String, f64)>> {
+        match (name, fps) {
+            (None, None) => Ok(None),
+            (None, Some(_)) => {
+                Err(Input::new("the scene plays no animation").key("fps").expected("an `animation` beside it"))
+            }
+            (Some(name), fps) => {
+                let fps = fps.unwrap_or(FPS);
+                let accept = |fps| (1e-3..=1e6).contains(&fps);
+                range::number("fps", fps, accept, "0.001 to 1e6 frames per second")?;
+                Ok(Some((name.clone(), fps)))
+            }
+        }
+    }
+
+    /// At a frame.
+    pub fn at((name, fps): (String, f64), frame: f64) -> Self {
+        Self { name, time: frame / fps, played: false, known: Vec::new() }
+    }
+
+    /// The number of the animation among those of a mesh, with their lengths in seconds.
+    pub fn find(&mut self, animations: Vec<(String, f64)>) -> Option<usize> {
+        let found = animations.iter().position(|(name, _)| name.eq_ignore_ascii_case(&self.name));
+        self.played |= found.is_some();
+        for (name, _) in animations {
+            if !self.known.contains(&name) {
+                self.known.push(name);
+            }
+        }
+        found
+    }
+
+    /// Returns an error if no mesh has the animation.
+    pub fn check_played(&self) -> Checked<()> {
+        if self.played {
+            return Ok(());
+        }
+        let known: Vec<&str> = self.known.iter().map(String::as_str).collect();
+        let what = locate::with_suggestion("no mesh of the scene has this animation", &self.name, &known);
+        let expected = match known.as_slice() {
+            [] => "a glTF file with animations".to_owned(),
+            names => names.join(", "),
+        };
+        Err(Input::new(what).key("animation").found(&self.name).expected(expected))
+    }
+}
