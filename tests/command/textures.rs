@@ -107,7 +107,7 @@ fn bad_textures_are_named() {
             "texture=builtin:checker",
             &["c.obj:11: object.0.material.texture: the mesh has no texture coordinates"],
         ),
-        ("sphere", "texture=mtl", &["object.0.material.texture: a shape has no material library"]),
+        ("sphere", "texture=mtl", &["object.0.material.texture: a shape has neither a material library"]),
         ("sphere", "texture=builtin:chekcer", &["built in, did you mean `builtin:checker`?", "builtin:tiles"]),
         ("sphere", "texture_on=entry", &["object.0.material.texture_on: the material has no texture; expected a `tex"]),
         ("sphere", "texture_wrap=clamp", &["object.0.material.texture_wrap: the material has no texture"]),
