@@ -10,7 +10,7 @@ use crate::measure::leaning::{blame, of_stage};
 use crate::measure::stress::{Outcome, stress as extremes};
 
 /// Fixtures of a quick report: those whose name contains one of these. Together they run every stage.
-const FEW: [&str; 22] = [
+const FEW: [&str; 23] = [
     "one triangle",
     "sliver",
     "lights of two colours",
@@ -18,6 +18,7 @@ const FEW: [&str; 22] = [
     "opaque and lit by triangle",
     "three objects, receivers at pixels",
     "three objects, two of them deformed",
+    "three objects, two of them with joints",
     "three objects, links kept",
     "three objects, brute force",
     "walk through three objects",
