@@ -6,8 +6,9 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::bare::Subject;
 use super::long_work::tell_long_work;
-use super::{SceneArguments, check_messages, open_session, run_frame};
+use super::{check_messages, open_session, run_frame};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Device, Timing};
 use milkglass::internals::pipeline::plan::{Change, Options};
@@ -23,7 +24,7 @@ const MOST: i64 = 1_000_000;
 /// The frames of one call.
 pub struct Job<'a> {
     /// The scene, by frame.
-    pub scenes: &'a SceneArguments,
+    pub scenes: &'a Subject,
     /// The frames' numbers.
     pub frames: RangeInclusive<i32>,
     /// Width and height of the pictures, if other than the scene's.
@@ -41,7 +42,7 @@ pub struct Job<'a> {
 impl Job<'_> {
     /// Renders the frames, with a progress bar and a summary.
     pub fn run(self, device: Option<&Device>) -> Result<()> {
-        let scene = &self.scenes.scene;
+        let scene = &self.scenes.scenes.scene;
         if Path::new(scene).metadata().is_ok_and(|known| !known.is_file() && !known.is_dir()) {
             let fault = Input::new("the scene is read again for every frame").key("--frames").found(scene);
             return Err(fault.expected("a plain file").into());
