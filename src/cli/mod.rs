@@ -27,6 +27,7 @@ mod replace;
 mod report;
 mod repro;
 mod run_args;
+mod samples;
 mod sequence;
 mod shader;
 mod solve;

@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::bare::BareArguments;
 use super::long_work::tell_long_work;
+use super::samples::Samples;
 use super::{
     RunArguments, SceneArguments, check_messages, open_session, print, run_frame, sequence, table, validation,
 };
@@ -133,7 +134,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         picture.save(&arguments.output)?;
         return print_curvature(&curvature_view, scene.unit_mm);
     }
-    times.extend(sequence::shoot(&mut session, aov, &arguments.output)?);
+    let samples = Samples::new(&session);
+    times.extend(sequence::shoot(&mut session, aov, &arguments.output, samples)?);
     if arguments.times {
         super::solve::print_times(&mut session, &times)?;
     }

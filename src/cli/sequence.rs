@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::bare::Subject;
 use super::long_work::tell_long_work;
+use super::samples::Samples;
 use super::{check_messages, open_session, run_frame};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Device, Timing};
@@ -80,7 +81,7 @@ impl Job<'_> {
             };
             run_frame(session, Change::default())?;
             check_messages(device)?;
-            shoot(session, self.aov, &output(frame))?;
+            shoot(session, self.aov, &output(frame), Samples::hidden())?;
             check_messages(device)?;
             bar.inc(1);
             Ok(())
@@ -113,14 +114,15 @@ pub fn warn_of_shape(session: &mut Session, frame: &str) {
     }
 }
 
-/// Writes the picture of the last frame, with layers if `aov`. Returns the times of its samples.
-pub fn shoot(session: &mut Session, aov: bool, output: &Path) -> Result<Vec<Timing>> {
+/// Writes the picture of the last frame, with layers if `aov`; `samples` tells how far it is. Returns the times of its
+/// samples.
+pub fn shoot(session: &mut Session, aov: bool, output: &Path, mut samples: Samples) -> Result<Vec<Timing>> {
     // Layers first: they belong to rays through the pixels' centres.
     let layers = if aov { Some(layers(session)?) } else { None };
     if aov {
         super::solve::tell_estimate(session)?;
     }
-    let times = session.sample()?;
+    let times = session.sample_telling(&mut |done, all, steps| samples.tell(done, all, steps))?;
     match layers {
         Some(layers) => save(&session.picture()?, &layers, output)?,
         None if is_png(output) => {

@@ -59,6 +59,10 @@ pub(super) fn told(scene: &Scene, name: &str, up: Up, guessed: bool, backdrop: &
     )];
     let Some(object) = scene.objects.iter().find(|object| object.material.opaque.is_none()) else { return lines };
     let thick = thickness(object);
+    // A sheet without volume has no thickness.
+    if thick * scene.unit_mm < 1e-4 * extent {
+        return lines;
+    }
     let (share, free) = passes(object, thick);
     let fits = |fits: &dyn Fn(f64) -> bool| {
         // Bisect the logarithm of the factor on the size.

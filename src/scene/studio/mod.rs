@@ -81,8 +81,8 @@ fn mesh_alone(name_or_path: &str, files: &Files) -> Checked<Option<Text>> {
 }
 
 impl Studio {
-    /// Builds the studio for the mesh in a file as it is at `frame`; `None` for a scene file or a built-in scene. Of the
-    /// settings, those of objects, of `unit` and of the camera's lens decide where lights and camera stand.
+    /// Builds the studio for the mesh in a file as it is at `frame`; `None` for a scene file or a built-in scene. Of
+    /// the settings, those of objects, of `unit` and of the camera's lens decide where lights and camera stand.
     pub fn around(
         name_or_path: &str,
         sets: &[String],

@@ -49,9 +49,12 @@ fn bounds<'a>(points: impl Iterator<Item = &'a DVec3>) -> (DVec3, DVec3) {
 }
 
 /// How firmly points stand if this axis points upwards: the share of their ground plan that their feet span; 0 if they
-/// would fall over.
+/// would fall over, or are flat.
 fn stands(points: &[DVec3], axis: usize) -> f64 {
     let (low, high) = bounds(points.iter());
+    if high[axis] - low[axis] < 1e-3 * (high - low).max_element() {
+        return 0.0;
+    }
     let ceiling = low[axis] + FEET * (high[axis] - low[axis]);
     let (left, right) = bounds(points.iter().filter(|p| p[axis] <= ceiling));
     let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::scene::Source;
 
-/// A box with a foot at each lower corner, `tall` along an axis and `long` along the next one, as an OBJ file.
+/// A table with four feet, whose top juts out, `long` in one direction, as an OBJ file; the axis points upwards.
 fn table(axis: usize, long: f64) -> String {
     let mut text = String::new();
     let mut count = 0;
@@ -19,7 +19,7 @@ fn table(axis: usize, long: f64) -> String {
         count += 8;
     };
     // In these coordinates the third is up.
-    solid([0.0, 0.0, 2.0], [2.0, long, 3.0]);
+    solid([-0.2, -0.2, 2.0], [2.2, long + 0.2, 3.0]);
     for (x, y) in [(0.0, 0.0), (1.8, 0.0), (0.0, long - 0.2), (1.8, long - 0.2)] {
         solid([x, y, 0.0], [x + 0.2, y + 0.2, 2.1]);
     }
@@ -42,7 +42,7 @@ fn a_mesh_stands_on_its_feet() {
         let scene = made.scene(0.0, &[], 0.0, &Files::default()).expect("a scene");
         assert!(made.told[0].starts_with(&format!("table: {up} is up (a guess: --up), 20 mm")), "{:?}", made.told);
         let (low, high) = scene.bounds();
-        assert!(high.y - low.y > 1.4 * (high.x - low.x), "{up}: {low} {high}");
+        assert!(high.y - low.y > 1.2 * (high.x - low.x), "{up}: {low} {high}");
         let feet = scene.objects[0].mesh.positions.iter().filter(|&&p| scene.objects[0].placed(p).y < low.y + 0.1);
         assert_eq!(feet.count(), 16, "{up}");
     }
@@ -101,6 +101,7 @@ fn settings_come_last_and_shape_the_studio() {
     assert!(made.told[0].contains(" 5 mm"), "{:?}", made.told);
     assert!(scene.camera.position.distance(scene.camera.target) < 25.0 && scene.camera.exposure == 3.0);
     assert!(matches!(scene.lights[2].source, Source::Area { radiance: [7.0, ..], .. }));
+    let (_folder, made) = studio(&table(1, 2.0), &[], Wishes::default());
     let copy = Scene::parse("copy.toml", &made.toml(), &[]).expect("its text is a scene file");
     assert_eq!(copy.lights.len(), 3);
 }
