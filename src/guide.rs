@@ -3,6 +3,7 @@
 //! | page | answers |
 //! |---|---|
 //! | [Getting started](start) | installing, first pictures, devices, commands, exit codes |
+//! | [Pictures of meshes](pictures) | what `render` does with a mesh alone: studio, size, material; the gallery |
 //! | [Scenes](scenes) | scene files: objects, materials, textures, every key |
 //! | [Meshes](meshes) | mesh files: formats, what is read and what not, animated characters |
 //! | [Lights and looks](lights) | light types, shadows, environments, reflection, tone, layers of a picture |
@@ -36,5 +37,5 @@ macro_rules! pages {
 }
 
 pages! {
-    start scenes meshes lights motion layers curvature how diffusion walk measuring conformance drivers performance robustness library contributing
+    start pictures scenes meshes lights motion layers curvature how diffusion walk measuring conformance drivers performance robustness library contributing
 }

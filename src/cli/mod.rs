@@ -4,6 +4,7 @@
 mod text;
 
 mod bake;
+mod bare;
 mod compare;
 mod conform;
 mod date;
@@ -13,6 +14,7 @@ mod dump;
 pub mod eval;
 mod faces;
 mod fit_cdrf;
+mod gallery;
 mod lists;
 mod long_work;
 mod memory;
@@ -25,6 +27,7 @@ mod replace;
 mod report;
 mod repro;
 mod run_args;
+mod samples;
 mod sequence;
 mod shader;
 mod solve;
@@ -62,6 +65,8 @@ struct Cli {
 enum Command {
     /// Render a picture of a scene.
     Render(render::Arguments),
+    /// Render meshes in materials, and write a page of the pictures with the commands that make them.
+    Gallery(gallery::Arguments),
     /// Solve light transport only: irradiance and radiosity of every face.
     Solve(solve::Arguments),
     /// Show what a scene needs: stages, buffers, and what is skipped and why.
@@ -154,12 +159,18 @@ impl SceneArguments {
 
     /// The scene at a frame, without a report.
     fn at(&self, frame: f64) -> Result<Scene> {
-        if !frame.is_finite() {
-            return Err(Input::new("not a frame").key("--frame").found(frame).expected("a finite number").into());
-        }
+        finite(frame)?;
         announce_pipe(Path::new(&self.scene));
         Scene::load_from(&self.scene, &self.sets(), frame, &self.memory.files())
     }
+}
+
+/// Returns an error if this is no frame.
+fn finite(frame: f64) -> Result<()> {
+    if frame.is_finite() {
+        return Ok(());
+    }
+    Err(Input::new("not a frame").key("--frame").found(frame).expected("a finite number").into())
 }
 
 /// Says what a named pipe is waited for; reading it may take for ever.
@@ -256,6 +267,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
     observe(Box::<progress::Bar>::default());
     match cli.command {
         Command::Render(arguments) => render::run(&arguments),
+        Command::Gallery(arguments) => gallery::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Profile(arguments) => profile::run(&arguments),

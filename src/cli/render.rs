@@ -5,7 +5,9 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 
+use super::bare::BareArguments;
 use super::long_work::tell_long_work;
+use super::samples::Samples;
 use super::{
     RunArguments, SceneArguments, check_messages, open_session, print, run_frame, sequence, table, validation,
 };
@@ -22,6 +24,8 @@ use milkglass::internals::view::picture::{check, encode};
 pub struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
+    #[command(flatten)]
+    bare: BareArguments,
     #[command(flatten)]
     run: RunArguments,
     #[command(flatten)]
@@ -76,10 +80,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if aov {
         arguments.run.options().carries("--aov")?;
     }
-    if arguments.frames.is_none() {
+    let around = arguments.bare.turns().map(|turns| format!("0..{}", turns - 1));
+    let range = arguments.frames.clone().or(around);
+    if range.is_none() {
         ready([("-o", Some(&arguments.output))])?;
     }
-    let frames = arguments.frames.as_deref().map(|text| sequence::parse(text, &arguments.output)).transpose()?;
+    let frames = range.as_deref().map(|text| sequence::parse(text, &arguments.output)).transpose()?;
     let size = arguments.size.as_deref().map(parse_size).transpose()?;
     let pick = arguments.pick.as_deref().map(parse_pick).transpose()?;
     let device = arguments.run.device.open(validation())?;
@@ -102,12 +108,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
         options.mode = Mode::Keep;
     }
+    let subject = arguments.bare.subject(arguments.run.of(&arguments.scene), size)?;
     if let Some(frames) = frames {
-        let (scenes, output, skip) = (&arguments.run.of(&arguments.scene), &arguments.output, arguments.skip_existing);
+        let (scenes, output, skip) = (&subject, &arguments.output, arguments.skip_existing);
         let job = sequence::Job { scenes, frames, size, options, output, aov, skip };
         return job.run(device.as_ref());
     }
-    let mut scene = arguments.run.of(&arguments.scene).load()?;
+    let mut scene = subject.load()?;
     scene.camera = scene.camera.clone().sized(size.unwrap_or(scene.camera.size))?;
     let mut session = open_session(&scene, device.as_ref(), options)?;
     tell_long_work(&session);
@@ -127,7 +134,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         picture.save(&arguments.output)?;
         return print_curvature(&curvature_view, scene.unit_mm);
     }
-    times.extend(sequence::shoot(&mut session, aov, &arguments.output)?);
+    let samples = Samples::new(&session);
+    times.extend(sequence::shoot(&mut session, aov, &arguments.output, samples)?);
     if arguments.times {
         super::solve::print_times(&mut session, &times)?;
     }
@@ -181,7 +189,7 @@ fn parse_pick(text: &str) -> Result<[u32; 2]> {
 }
 
 /// Parses `800x600`, each side from 1 to 16384.
-fn parse_size(text: &str) -> Result<[u32; 2]> {
+pub fn parse_size(text: &str) -> Result<[u32; 2]> {
     let side = |text: &str| text.trim().parse::<u32>().ok().filter(|n| (1..=16384).contains(n));
     text.split_once(['x', 'X']).and_then(|(w, h)| Some([side(w)?, side(h)?])).ok_or_else(|| {
         Input::new("not a picture size").key("--size").found(text).expected("WxH, each 1 to 16384").into()

@@ -6,8 +6,10 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::bare::Subject;
 use super::long_work::tell_long_work;
-use super::{SceneArguments, check_messages, open_session, run_frame};
+use super::samples::Samples;
+use super::{check_messages, open_session, run_frame};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Device, Timing};
 use milkglass::internals::pipeline::plan::{Change, Options};
@@ -23,7 +25,7 @@ const MOST: i64 = 1_000_000;
 /// The frames of one call.
 pub struct Job<'a> {
     /// The scene, by frame.
-    pub scenes: &'a SceneArguments,
+    pub scenes: &'a Subject,
     /// The frames' numbers.
     pub frames: RangeInclusive<i32>,
     /// Width and height of the pictures, if other than the scene's.
@@ -41,7 +43,7 @@ pub struct Job<'a> {
 impl Job<'_> {
     /// Renders the frames, with a progress bar and a summary.
     pub fn run(self, device: Option<&Device>) -> Result<()> {
-        let scene = &self.scenes.scene;
+        let scene = &self.scenes.scenes.scene;
         if Path::new(scene).metadata().is_ok_and(|known| !known.is_file() && !known.is_dir()) {
             let fault = Input::new("the scene is read again for every frame").key("--frames").found(scene);
             return Err(fault.expected("a plain file").into());
@@ -79,7 +81,7 @@ impl Job<'_> {
             };
             run_frame(session, Change::default())?;
             check_messages(device)?;
-            shoot(session, self.aov, &output(frame))?;
+            shoot(session, self.aov, &output(frame), Samples::hidden())?;
             check_messages(device)?;
             bar.inc(1);
             Ok(())
@@ -112,14 +114,15 @@ pub fn warn_of_shape(session: &mut Session, frame: &str) {
     }
 }
 
-/// Writes the picture of the last frame, with layers if `aov`. Returns the times of its samples.
-pub fn shoot(session: &mut Session, aov: bool, output: &Path) -> Result<Vec<Timing>> {
+/// Writes the picture of the last frame, with layers if `aov`; `samples` tells how far it is. Returns the times of its
+/// samples.
+pub fn shoot(session: &mut Session, aov: bool, output: &Path, mut samples: Samples) -> Result<Vec<Timing>> {
     // Layers first: they belong to rays through the pixels' centres.
     let layers = if aov { Some(layers(session)?) } else { None };
     if aov {
         super::solve::tell_estimate(session)?;
     }
-    let times = session.sample()?;
+    let times = session.sample_telling(&mut |done, all, steps| samples.tell(done, all, steps))?;
     match layers {
         Some(layers) => save(&session.picture()?, &layers, output)?,
         None if is_png(output) => {

@@ -21,6 +21,8 @@ pub struct Kind {
 
 /// A report.
 pub const REPORT: Kind = Kind { page: "index.html", mark: "content=\"milkglass report\"", called: "report" };
+/// A gallery.
+pub const GALLERY: Kind = Kind { page: "index.html", mark: "content=\"milkglass gallery\"", called: "gallery" };
 /// A case to replay.
 pub const CASE: Kind = Kind { page: "replay.json", mark: "\"milkglass_case\"", called: "case" };
 

@@ -25,6 +25,7 @@ mod preset;
 mod range;
 mod read;
 mod skin;
+mod studio;
 mod surface;
 mod text;
 mod texture;
@@ -45,6 +46,7 @@ pub use mesh::{Mesh, Shape};
 pub use object::Object;
 pub use preset::{PRESETS, Preset};
 pub use skin::{Pose, Rig};
+pub use studio::{Studio, Up, Wishes};
 pub use surface::{Reflection, Surface};
 pub use texture::{Side, Texture, Wrap};
 pub use transport::{ClusterForm, Distance, Hierarchy, MOST_WALKS, Near, Oracle, Receivers, Scheme, Transport};
@@ -252,14 +254,18 @@ fn bounds(objects: &[Object]) -> (DVec3, DVec3) {
     objects.iter().map(Object::bounds).reduce(both).unwrap_or_default()
 }
 
-/// The scene of a mesh alone: marble, 20 mm across, one light, a fitted camera.
+/// The scene of a mesh alone.
 fn around_mesh(path: &str) -> String {
     // Escape `%`, which would stand for the frame's number.
-    let path = toml::Value::String(path.replace('%', "%%"));
+    around(&format!("mesh = {}", toml::Value::String(path.replace('%', "%%"))))
+}
+
+/// The scene of one object, whose source this line names: marble, 20 mm across, one light, a fitted camera.
+fn around(source: &str) -> String {
     format!(
         "unit = \"mm\"\n\n\
          [[light]]\ntype = \"directional\"\ndirection = [0.35, 0.6, 0.75]\nirradiance = 3.0\n\n\
-         [[object]]\nmesh = {path}\nsize = 20\nmaterial = {{ preset = \"marble\" }}\n"
+         [[object]]\n{source}\nsize = 20\nmaterial = {{ preset = \"marble\" }}\n"
     )
 }
 

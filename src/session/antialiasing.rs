@@ -19,13 +19,21 @@ impl Session {
     /// Runs the frames of the camera's samples, after one through the pixels' centres, which is a sample only if it is
     /// the only one. Returns the times of their steps. Does nothing if that is done and nothing has changed since.
     pub fn sample(&mut self) -> Result<Vec<Timing>> {
+        self.sample_telling(&mut |_, _, _| ())
+    }
+
+    /// The same; after each sample `tell` gets the number of samples done, that of all, and the times of the steps of
+    /// the last one.
+    pub fn sample_telling(&mut self, tell: &mut dyn FnMut(u32, u32, &[Timing])) -> Result<Vec<Timing>> {
         let (samples, mut times) = (self.scene().camera.samples, Vec::new());
         if samples == 1 || self.sampled {
             return Ok(times);
         }
         for k in 0..samples {
             self.shift(place(k, samples), k)?;
-            times.extend(self.frame_as_it_is(Change::VIEW)?);
+            let steps = self.frame_as_it_is(Change::VIEW)?;
+            tell(k + 1, samples, &steps);
+            times.extend(steps);
         }
         (self.sampled, self.shifted) = (true, true);
         Ok(times)

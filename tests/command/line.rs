@@ -153,7 +153,7 @@ fn odd_scenes_still_give_a_picture() {
     good(&here, "render inside.toml -o inside.exr --size 8x8 --device cpu");
     assert!(exr(&here.path().join("inside.exr")).2.iter().flatten().all(|x| x.is_finite()));
     let (_, err) = good(&here, "render leaf.obj -o leaf.exr --size 8x8 --device cpu");
-    assert!(err.starts_with("open: 3 edges"), "{err}");
+    assert!(err.starts_with("leaf: y is up") && err.contains("\nopen: 3 edges"), "{err}");
     assert!(exr(&here.path().join("leaf.exr")).2.iter().flatten().any(|&x| x > 0.0));
     good(&here, "solve leaf.obj -o leaf.csv --device cpu");
     assert_eq!(numbers(&read(&here, "leaf.csv")).1.len(), 1);

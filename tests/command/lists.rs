@@ -17,6 +17,7 @@ fn every_help_has_an_example() {
     let here = folder(&[]);
     for command in [
         "render",
+        "gallery",
         "solve",
         "plan",
         "profile",

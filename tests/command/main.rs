@@ -23,6 +23,7 @@ mod profile;
 mod report;
 mod repro;
 mod stress;
+mod studio;
 mod textures;
 mod validity;
 mod walk;

@@ -18,7 +18,8 @@ mod whole;
 
 use std::time::Instant;
 
-pub use html::{Column, Finding, Page, Shown, Tone};
+pub use html::{Column, Finding, Page, Shown, Tone, escape};
+pub use pictures::png;
 pub use whole::{Written, whole};
 
 use crate::error::Result;

@@ -59,7 +59,7 @@ impl Shot {
 }
 
 /// Encodes a PNG file.
-fn png([width, height]: [u32; 2], bytes: &[u8]) -> Result<Vec<u8>> {
+pub fn png([width, height]: [u32; 2], bytes: &[u8]) -> Result<Vec<u8>> {
     let mut file = std::io::Cursor::new(Vec::new());
     image::write_buffer_with_format(
         &mut file,

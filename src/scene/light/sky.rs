@@ -15,6 +15,8 @@ use std::sync::Arc;
 
 /// The name of the built-in sky.
 const BUILTIN: &str = "builtin:sky";
+/// The name of the built-in surroundings of a studio.
+const STUDIO: &str = "builtin:studio";
 /// Maximum pixels of an image: as many as the smallest devices can bind.
 const MOST_PIXELS: usize = 1 << 23;
 
@@ -46,10 +48,14 @@ impl Sky {
     }
 
     /// A sky from a file, which is read later, or the built-in sky.
-    pub(super) fn of_image(image: &str, factor: [f64; 3], rotation: f64) -> Self {
-        let mut sky = if image == BUILTIN { built_in() } else { Self::new([0, 0], Vec::new()) };
-        sky.image = (image != BUILTIN).then(|| image.to_owned());
-        Self { factor, rotation, ..sky }
+    pub(in crate::scene) fn of_image(image: &str, factor: [f64; 3], rotation: f64) -> Self {
+        let mut sky = match image {
+            BUILTIN => drawn(sky),
+            STUDIO => drawn(studio),
+            _ => Self { image: Some(image.to_owned()), ..Self::new([0, 0], Vec::new()) },
+        };
+        (sky.factor, sky.rotation) = (factor, rotation);
+        sky
     }
 
     /// Reads the image file, if there is one; `key` is the light's key, for errors.
@@ -57,7 +63,7 @@ impl Sky {
         let Some(image) = self.image.take() else { return Ok(()) };
         let path = folder.join(&image);
         let at = |what: String| Input::new(what).key(format!("{key}.image"));
-        let expected = format!("an image that ends in .exr or .hdr, or {BUILTIN}");
+        let expected = format!("an image that ends in .exr or .hdr, {BUILTIN} or {STUDIO}");
         let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default().to_ascii_lowercase();
         let read = match end.as_str() {
             "exr" => read_exr(files, &path, MOST_PIXELS),
@@ -114,17 +120,27 @@ impl Sky {
 }
 
 /// Blue above, grey below, with a warm glow low on one side: a polynomial of degree 2 in the direction.
-fn built_in() -> Sky {
-    let [width, height] = [64u32, 32];
+fn sky(direction: DVec3) -> DVec3 {
     let glow = DVec3::new(0.6, 0.25, -0.76).normalize();
+    let high = 0.5 + 0.5 * direction.y;
+    let warm = (0.5 + 0.5 * direction.dot(glow)).powi(2);
+    DVec3::new(0.10, 0.09, 0.08) + high * high * DVec3::new(0.35, 0.55, 0.90) + warm * DVec3::new(1.00, 0.70, 0.35)
+}
+
+/// A grey room, brighter above, with a bright spot on the wall that a camera in front sees behind its object.
+fn studio(direction: DVec3) -> DVec3 {
+    let spot = DVec3::new(-0.3, -0.26, -0.92).normalize();
+    let off = spot.angle_between(direction);
+    let high = 0.5 + 0.5 * direction.y;
+    DVec3::new(0.96, 0.98, 1.0) * (0.03 + 0.19 * (-(off / 0.33).powi(2)).exp() + 0.25 * high.powi(4))
+}
+
+/// An image of this radiance by direction.
+fn drawn(radiance: impl Fn(DVec3) -> DVec3) -> Sky {
+    let [width, height] = [64u32, 32];
     let pixel = |column: u32, row: u32| {
         let (t, a) = (PI * (f64::from(row) + 0.5) / 32.0, TAU * ((f64::from(column) + 0.5) / 64.0 - 0.5));
-        let direction = DVec3::new(t.sin() * a.sin(), t.cos(), -t.sin() * a.cos());
-        let high = 0.5 + 0.5 * direction.y;
-        let warm = (0.5 + 0.5 * direction.dot(glow)).powi(2);
-        let sum = DVec3::new(0.10, 0.09, 0.08)
-            + high * high * DVec3::new(0.35, 0.55, 0.90)
-            + warm * DVec3::new(1.00, 0.70, 0.35);
+        let sum = radiance(DVec3::new(t.sin() * a.sin(), t.cos(), -t.sin() * a.cos()));
         [sum.x as f32, sum.y as f32, sum.z as f32]
     };
     let pixels = (0..height).flat_map(|row| (0..width).map(move |column| pixel(column, row))).collect();

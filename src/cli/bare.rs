@@ -1,0 +1,134 @@
+//! A mesh alone in its studio: the flags of `render` that are about it, and the scene of each frame.
+
+use clap::{Args, ValueEnum};
+
+use super::{SceneArguments, finite};
+use milkglass::error::{Input, Result};
+use milkglass::scene::{Scene, Studio, Up, Wishes};
+
+/// What `render` takes for a mesh alone.
+#[derive(Args, Clone)]
+pub struct BareArguments {
+    /// A mesh alone: its material, as `milkglass materials` lists them.
+    #[arg(long, value_name = "NAME")]
+    preset: Option<String>,
+    /// A mesh alone: its largest extent in mm; 20 without.
+    #[arg(long, value_name = "MM")]
+    size_mm: Option<f64>,
+    /// Samples per pixel, 1 to 64; of a mesh alone 8 without.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    samples: Option<u32>,
+    /// A mesh alone: the axis that points upwards; guessed without.
+    #[arg(long, value_enum)]
+    up: Option<UpArgument>,
+    /// A mesh alone: it stands on a dark table, and casts its shadow there.
+    #[arg(long)]
+    ground: bool,
+    /// A mesh alone: an image of the surroundings that lights it, `.exr` or `.hdr`.
+    #[arg(long, value_name = "FILE")]
+    environment: Option<String>,
+    /// A mesh alone: N frames from all around it, `-o name-%04d.png`.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=10000),
+          conflicts_with_all = ["frames", "view", "times"])]
+    turntable: Option<u32>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum UpArgument {
+    Y,
+    Z,
+}
+
+/// The scene of each frame.
+pub struct Subject {
+    /// The scene's name, its settings and frame.
+    pub scenes: SceneArguments,
+    /// The studio, if it is a mesh alone.
+    studio: Option<Studio>,
+    /// Frames around the mesh, if it is turned.
+    turns: Option<u32>,
+}
+
+impl BareArguments {
+    /// The number of frames around the mesh, if it is to be turned.
+    pub fn turns(&self) -> Option<u32> {
+        self.turntable
+    }
+
+    /// The scene, in a studio if it is a mesh alone; says what is assumed then. `pixels`: the picture's size, if given.
+    pub fn subject(&self, mut scenes: SceneArguments, pixels: Option<[u32; 2]>) -> Result<Subject> {
+        let wishes = Wishes {
+            preset: self.preset.clone(),
+            size_mm: self.size_mm,
+            samples: self.samples,
+            pixels,
+            up: self.up.map(|up| match up {
+                UpArgument::Y => Up::Y,
+                UpArgument::Z => Up::Z,
+            }),
+            ground: self.ground,
+            environment: self.environment.clone(),
+        };
+        finite(scenes.frame)?;
+        let studio = Studio::around(&scenes.scene, &scenes.sets(), scenes.frame, &scenes.memory.files(), wishes)?;
+        match &studio {
+            Some(studio) => studio.told.iter().for_each(|line| tell!("{line}")),
+            None => {
+                self.only_for_meshes(&scenes.scene)?;
+                scenes.sets.extend(self.samples.map(|samples| format!("camera.samples={samples}")));
+            }
+        }
+        Ok(Subject { scenes, studio, turns: self.turntable })
+    }
+
+    /// Returns an error if a flag is given that has a meaning for a mesh alone only.
+    fn only_for_meshes(&self, scene: &str) -> Result<()> {
+        let flags = [
+            ("--preset", self.preset.is_some(), "--set object.0.material.preset=NAME"),
+            ("--size-mm", self.size_mm.is_some(), "--set object.0.size=SIZE, in the scene's unit"),
+            ("--up", self.up.is_some(), "--set 'object.0.rotation=[-90, 0, 0]'"),
+            ("--ground", self.ground, "an [[object]] with `shape = \"plane\"` and an opaque material"),
+            ("--environment", self.environment.is_some(), "a [[light]] with `type = \"environment\"`"),
+            ("--turntable", self.turntable.is_some(), "keyframes of `camera.position`, and --frames"),
+        ];
+        match flags.into_iter().find(|(_, given, _)| *given) {
+            Some((flag, _, instead)) => {
+                let fault = Input::new("only for a mesh alone").key(flag).found(format!("{scene}, which is a scene"));
+                Err(fault.expected(instead).into())
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+impl Subject {
+    /// The scene at its frame; reports repairs to it.
+    pub fn load(&self) -> Result<Scene> {
+        let scene = self.at(self.scenes.frame)?;
+        scene.report.iter().for_each(|line| tell!("{line}"));
+        Ok(scene)
+    }
+
+    /// Checks that the values at a frame are valid.
+    pub fn check(&self, frame: f64) -> Result<()> {
+        match &self.studio {
+            Some(studio) => studio.check(&self.scenes.sets(), self.place(frame).1),
+            None => self.scenes.check(frame),
+        }
+    }
+
+    /// The scene at a frame, without a report.
+    pub fn at(&self, frame: f64) -> Result<Scene> {
+        let Some(studio) = &self.studio else { return self.scenes.at(frame) };
+        let (turn, frame) = self.place(frame);
+        studio.scene(turn, &self.scenes.sets(), frame, &self.scenes.memory.files())
+    }
+
+    /// How far the camera is turned at a frame, degrees, and the frame of the mesh.
+    fn place(&self, frame: f64) -> (f64, f64) {
+        match self.turns {
+            Some(turns) => (360.0 * frame / f64::from(turns), self.scenes.frame),
+            None => (0.0, frame),
+        }
+    }
+}

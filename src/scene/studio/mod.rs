@@ -1,0 +1,259 @@
+//! The studio around a mesh alone: a scene whose picture shows translucency. A weak key light and a soft fill in front,
+//! a strong light behind that shines through thin parts, a grey backdrop, a glossy surface, and a camera that sees the
+//! broad side of what stands upright.
+
+mod depth;
+mod lights;
+mod pose;
+
+pub use pose::Up;
+
+use super::light::Sky;
+use super::range::Checked;
+use super::text::Text;
+use super::{BUILTIN, Files, PRESETS, Preset, Scene, around, locate, read};
+use crate::error::{Input, Result};
+use glam::{DQuat, DVec3};
+use lights::Backdrop;
+use pose::Pose;
+use std::f64::consts::FRAC_PI_2;
+use std::path::Path;
+use toml::{Table, Value};
+
+/// What to take instead of what the studio chooses.
+#[derive(Debug, Clone, Default)]
+pub struct Wishes {
+    /// The material's name among the presets.
+    pub preset: Option<String>,
+    /// Largest extent, mm.
+    pub size_mm: Option<f64>,
+    /// Samples per pixel, 1 to 64.
+    pub samples: Option<u32>,
+    /// Width and height of the picture, pixels.
+    pub pixels: Option<[u32; 2]>,
+    /// The axis of the mesh that points upwards.
+    pub up: Option<Up>,
+    /// Whether it stands on a table.
+    pub ground: bool,
+    /// An image of the surroundings, `.exr` or `.hdr`.
+    pub environment: Option<String>,
+}
+
+impl Wishes {
+    /// Returns an error if a preset or a size is none.
+    fn check(&self) -> Checked<()> {
+        if let Some(name) = self.preset.as_deref().filter(|name| Preset::named(name).is_none()) {
+            let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
+            let what = locate::with_suggestion("unknown preset", name, &names);
+            return Err(Input::new(what).key("--preset").found(name).expected(names.join(", ").to_lowercase()));
+        }
+        match self.size_mm.filter(|size| !(1e-6..=1e6).contains(size)) {
+            Some(size) => {
+                let fault = Input::new("not a size").key("--size-mm").found(size);
+                Err(fault.expected("the largest extent in mm, 1e-6 to 1e6"))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// A mesh alone in its studio.
+#[derive(Debug)]
+pub struct Studio {
+    text: Text,
+    /// The scene without lights, camera and table.
+    table: Table,
+    pose: Pose,
+    backdrop: Backdrop,
+    wishes: Wishes,
+    /// What was assumed, and what shows more, one per entry.
+    pub told: Vec<String>,
+}
+
+/// The text of the scene of a mesh alone; none for a built-in scene or a scene file, nor for a pipe, which can be read
+/// only once.
+fn mesh_alone(name_or_path: &str, files: &Files) -> Checked<Option<Text>> {
+    let built_in = BUILTIN.iter().any(|(name, ..)| name.eq_ignore_ascii_case(name_or_path));
+    if built_in || Path::new(name_or_path).metadata().is_ok_and(|known| !known.is_file()) {
+        return Ok(None);
+    }
+    Ok(Some(Text::find(name_or_path, files)?).filter(|text| text.alone))
+}
+
+impl Studio {
+    /// Builds the studio for the mesh in a file as it is at `frame`; `None` for a scene file or a built-in scene. Of
+    /// the settings, those of objects, of `unit` and of the camera's lens decide where lights and camera stand.
+    pub fn around(
+        name_or_path: &str,
+        sets: &[String],
+        frame: f64,
+        files: &Files,
+        wishes: Wishes,
+    ) -> Result<Option<Self>> {
+        let Some(text) = mesh_alone(name_or_path, files)? else { return Ok(None) };
+        Self::of(text, sets, frame, files, wishes).map(Some)
+    }
+
+    /// Builds the studio for a built-in shape, by its name.
+    pub fn around_shape(shape: &str, files: &Files, wishes: Wishes) -> Result<Self> {
+        let toml = around(&format!("shape = {}", Value::String(shape.to_owned())));
+        let (name, file, folder) = (shape.to_owned(), shape.into(), Default::default());
+        Self::of(Text { name, toml, file, folder, alone: true, report: Vec::new() }, &[], 0.0, files, wishes)
+    }
+
+    fn of(text: Text, sets: &[String], frame: f64, files: &Files, wishes: Wishes) -> Result<Self> {
+        wishes.check()?;
+        let shaping = ["object.", "unit", "animation", "fps", "camera.fov", "camera.size"];
+        let sets: Vec<String> =
+            sets.iter().filter(|set| shaping.iter().any(|key| set.trim_start().starts_with(key))).cloned().collect();
+        let mut table: Table = toml::from_str(&text.toml).unwrap_or_default();
+        let ask = |key: &str, value: &Value, table: &mut Table| {
+            let camera = table.entry("camera").or_insert_with(|| Table::new().into());
+            if let Value::Table(camera) = camera {
+                camera.entry(key).or_insert_with(|| value.clone());
+            }
+        };
+        ask("fov", &Value::Float(30.0), &mut table);
+        if let Some(size) = wishes.pixels {
+            ask("size", &Value::Array(size.map(|n| Value::Integer(n.into())).to_vec()), &mut table);
+        }
+        look(&mut table, wishes.preset.as_deref());
+        let mut as_it_is = scene_of(&text, &table, &sets, frame, files)?;
+        if let Some(size) = wishes.size_mm {
+            if let Some(set) = sets.iter().find(|set| set.contains(".size")) {
+                let fault = Input::new("gives the size a second time").key("--size-mm").found(format!("--set {set}"));
+                return Err(fault.expected("one of them").into());
+            }
+            let (low, high) = as_it_is.bounds();
+            let factor = size / ((high - low).max_element() * as_it_is.unit_mm).max(1e-12);
+            objects(&mut table, |object| enlarge(object, factor));
+            for object in &mut as_it_is.objects {
+                object.mesh.positions.iter_mut().for_each(|position| *position *= factor);
+                object.position *= factor;
+            }
+        }
+
+        // Upright: unless the user has turned it.
+        let turned = sets.iter().any(|set| set.contains(".rotation"));
+        let up = wishes.up.unwrap_or_else(|| if turned { Up::Y } else { Up::guess(&text.file, &as_it_is) });
+        if up == Up::Z && !turned {
+            objects(&mut table, lay);
+            let upright = DQuat::from_rotation_x(-FRAC_PI_2);
+            for object in &mut as_it_is.objects {
+                (object.rotation, object.position) = (upright * object.rotation, upright * object.position);
+            }
+        }
+        let own_lights = table.get("light") != toml::from_str::<Table>(&around("")).unwrap_or_default().get("light");
+        let pose = Pose::of(&as_it_is, wishes.ground, table.get("camera").and_then(|c| c.get("position")).is_some());
+        let backdrop = Backdrop::of(wishes.environment.as_deref(), own_lights, files)?;
+        let told = depth::told(&as_it_is, &text.name, up, wishes.up.is_none() && !turned, &backdrop);
+        Ok(Self { text, table, pose, backdrop, wishes, told })
+    }
+
+    /// The scene at `frame`, seen from `turn` degrees further round, with `key=value` settings applied in order.
+    pub fn scene(&self, turn: f64, sets: &[String], frame: f64, files: &Files) -> Result<Scene> {
+        let mut scene = scene_of(&self.text, &self.whole(turn), sets, frame, files)?;
+        scene.report.splice(..0, self.text.report.iter().cloned());
+        Ok(scene)
+    }
+
+    /// Checks the values at `frame` without reading the mesh.
+    pub fn check(&self, sets: &[String], frame: f64) -> Result<()> {
+        read::read(&self.toml(), &self.text.file, sets, frame).map(|_| ()).map_err(Into::into)
+    }
+
+    /// Its text, as a scene file that lies in the current folder.
+    #[must_use]
+    pub fn toml(&self) -> String {
+        toml::to_string(&self.whole(0.0)).unwrap_or_default()
+    }
+
+    fn whole(&self, turn: f64) -> Table {
+        let mut table = self.table.clone();
+        let pose = self.pose.turned(turn);
+        let camera = table.entry("camera").or_insert_with(|| Table::new().into());
+        if let Value::Table(camera) = camera {
+            pose.place(camera);
+            camera.insert("samples".into(), Value::Integer(self.wishes.samples.unwrap_or(8).into()));
+            camera.insert("tone".into(), "filmic".into());
+            camera.insert("background".into(), self.backdrop.background());
+        }
+        if let Some(lights) = self.backdrop.lights(&pose, self.wishes.ground) {
+            table.insert("light".into(), Value::Array(lights));
+        }
+        if let (true, Some(Value::Array(all))) = (self.wishes.ground, table.get_mut("object")) {
+            all.push(lights::ground(&pose));
+        }
+        table
+    }
+}
+
+/// The scene of a table; its report is that of its meshes alone.
+fn scene_of(text: &Text, table: &Table, sets: &[String], frame: f64, files: &Files) -> Result<Scene> {
+    let toml = toml::to_string(table).unwrap_or_default();
+    let (name, file, folder) = (text.name.clone(), text.file.clone(), text.folder.clone());
+    Scene::of(Text { name, toml, file, folder, alone: true, report: Vec::new() }, sets, frame, files)
+}
+
+/// Changes every object of a scene.
+fn objects(table: &mut Table, change: impl Fn(&mut Table)) {
+    let all = table.get_mut("object").and_then(Value::as_array_mut);
+    all.into_iter().flatten().filter_map(Value::as_table_mut).for_each(change);
+}
+
+/// Makes translucent surfaces glossy, of the material asked for.
+fn look(table: &mut Table, preset: Option<&str>) {
+    objects(table, |object| {
+        let Some(Value::Table(material)) = object.get_mut("material") else { return };
+        if !material.contains_key("reflection") {
+            material.insert("reflection".into(), "ggx".into());
+            material.insert("roughness".into(), Value::Float(0.3));
+        }
+        if let (Some(preset), false) = (preset, material.contains_key("opaque")) {
+            material.retain(|key, _| !["sigma_s_prime", "sigma_a", "eta"].contains(&key));
+            material.insert("preset".into(), preset.into());
+        }
+    });
+}
+
+/// Scales an object's size and position.
+fn enlarge(object: &mut Table, factor: f64) {
+    if let Some(size) = object.get("size").and_then(number) {
+        object.insert("size".into(), Value::Float(size * factor));
+    }
+    if let Some(place) = object.get("position").and_then(vector) {
+        object.insert("position".into(), value(place * factor));
+    }
+}
+
+/// Turns an object whose z axis points upwards about x, so that z becomes y.
+fn lay(object: &mut Table) {
+    object.insert("rotation".into(), value(DVec3::new(-90.0, 0.0, 0.0)));
+    if let Some(place) = object.get("position").and_then(vector) {
+        object.insert("position".into(), value(DVec3::new(place.x, place.z, -place.y)));
+    }
+}
+
+fn number(value: &Value) -> Option<f64> {
+    value.as_float().or_else(|| value.as_integer().map(|n| n as f64))
+}
+
+fn vector(value: &Value) -> Option<DVec3> {
+    let parts: Vec<f64> = value.as_array()?.iter().filter_map(number).collect();
+    Some(DVec3::from_array(parts.try_into().ok()?))
+}
+
+fn value(vector: DVec3) -> Value {
+    Value::Array(vector.to_array().map(Value::Float).to_vec())
+}
+
+/// The mean radiance of an image of the surroundings.
+fn mean(image: &str, files: &Files) -> Checked<f64> {
+    let mut sky = Sky::of_image(image, [1.0; 3], 0.0);
+    sky.load(files, Path::new(""), "environment")
+        .map_err(|fault| Input { key: Some("--environment".into()), ..fault })?;
+    Ok(sky.mean().element_sum() / 3.0)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,125 @@
+//! Meshes in their studio: which way up they stand, what the camera sees, and what is said about them.
+
+use super::*;
+use crate::scene::Source;
+
+/// A table with four feet, whose top juts out, `long` in one direction, as an OBJ file; the axis points upwards.
+fn table(axis: usize, long: f64) -> String {
+    let mut text = String::new();
+    let mut count = 0;
+    let mut solid = |low: [f64; 3], high: [f64; 3]| {
+        for corner in 0..8 {
+            let mut p = [0, 1, 2].map(|k| if corner >> k & 1 == 0 { low[k] } else { high[k] });
+            p.rotate_right((axis + 1) % 3);
+            text += &format!("v {} {} {}\n", p[0], p[1], p[2]);
+        }
+        for [a, b, c, d] in [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]] {
+            text += &format!("f {} {} {} {}\n", a + count, b + count, c + count, d + count);
+        }
+        count += 8;
+    };
+    // In these coordinates the third is up.
+    solid([-0.2, -0.2, 2.0], [2.2, long + 0.2, 3.0]);
+    for (x, y) in [(0.0, 0.0), (1.8, 0.0), (0.0, long - 0.2), (1.8, long - 0.2)] {
+        solid([x, y, 0.0], [x + 0.2, y + 0.2, 2.1]);
+    }
+    text
+}
+
+fn studio(text: &str, sets: &[&str], wishes: Wishes) -> (tempfile::TempDir, Studio) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("table.obj");
+    std::fs::write(&path, text).expect("written");
+    let sets: Vec<String> = sets.iter().map(ToString::to_string).collect();
+    let made = Studio::around(&path.to_string_lossy(), &sets, 0.0, &Files::default(), wishes).expect("a studio");
+    (folder, made.expect("a mesh alone"))
+}
+
+#[test]
+fn a_mesh_stands_on_its_feet() {
+    for (axis, up) in [(1, "y"), (2, "z")] {
+        let (_folder, made) = studio(&table(axis, 2.0), &[], Wishes::default());
+        let scene = made.scene(0.0, &[], 0.0, &Files::default()).expect("a scene");
+        assert!(made.told[0].starts_with(&format!("table: {up} is up (a guess: --up), 20 mm")), "{:?}", made.told);
+        let (low, high) = scene.bounds();
+        assert!(high.y - low.y > 1.2 * (high.x - low.x), "{up}: {low} {high}");
+        let feet = scene.objects[0].mesh.positions.iter().filter(|&&p| scene.objects[0].placed(p).y < low.y + 0.1);
+        assert_eq!(feet.count(), 16, "{up}");
+    }
+    let wishes = Wishes { up: Some(Up::Y), ..Wishes::default() };
+    let (_folder, made) = studio(&table(2, 2.0), &[], wishes);
+    assert!(made.told[0].starts_with("table: y is up, 20 mm"), "{:?}", made.told);
+}
+
+#[test]
+fn the_camera_sees_all_of_the_broad_side() {
+    for (ground, turn, pixels) in [(false, 0.0, [100, 100]), (true, 120.0, [300, 100])] {
+        let wishes = Wishes { ground, pixels: Some(pixels), ..Wishes::default() };
+        let (_folder, made) = studio(&table(2, 7.0), &[], wishes);
+        let scene = made.scene(turn, &[], 0.0, &Files::default()).expect("a scene");
+        let (right, up, forward) = scene.camera.basis();
+        let tall = (scene.camera.fov.to_radians() / 2.0).tan();
+        let wide = tall * f64::from(pixels[0]) / f64::from(pixels[1]);
+        let mut most = 0.0f64;
+        for &point in &scene.objects[0].mesh.positions {
+            let seen = scene.objects[0].placed(point) - scene.camera.position;
+            let depth = seen.dot(forward);
+            most = most.max(seen.dot(right).abs() / depth / wide).max(seen.dot(up).abs() / depth / tall);
+        }
+        assert!(turn > 0.0 || (0.75..1.0).contains(&most), "{most}");
+        let (low, high) = scene.objects[0].bounds();
+        let across = if high.x - low.x > high.z - low.z { right.x } else { right.z };
+        assert!(turn > 0.0 || across.abs() > 0.9, "{across}");
+        assert_eq!(scene.objects.len(), if ground { 2 } else { 1 });
+        assert_eq!((scene.camera.samples, scene.lights.len()), (8, 3));
+    }
+}
+
+#[test]
+fn sizes_that_hide_the_light_are_told() {
+    let told = |size: f64| {
+        let wishes = Wishes { size_mm: Some(size), ..Wishes::default() };
+        studio(&table(1, 2.0), &[], wishes).1.told
+    };
+    assert_eq!(told(20.0).len(), 1);
+    let [thick, thin] = [told(2000.0), told(0.2)];
+    assert!(
+        thick[1].contains("looks opaque") && thin[1].contains("thinner than a mean free path"),
+        "{thick:?} {thin:?}"
+    );
+    for told in [thick, thin] {
+        let better = told[1].split("--size-mm ").nth(1).and_then(|rest| rest.split(' ').next()?.parse::<f64>().ok());
+        assert!(better.is_some_and(|size| (2.0..=200.0).contains(&size)), "{told:?}");
+    }
+}
+
+#[test]
+fn settings_come_last_and_shape_the_studio() {
+    let sets = ["object.0.size=5", "light.2.radiance=7", "camera.exposure=3"];
+    let (_folder, made) = studio(&table(1, 2.0), &sets, Wishes::default());
+    let scene = made.scene(0.0, &sets.map(String::from), 0.0, &Files::default()).expect("a scene");
+    assert!(made.told[0].contains(" 5 mm"), "{:?}", made.told);
+    assert!(scene.camera.position.distance(scene.camera.target) < 25.0 && scene.camera.exposure == 3.0);
+    assert!(matches!(scene.lights[2].source, Source::Area { radiance: [7.0, ..], .. }));
+    let (_folder, made) = studio(&table(1, 2.0), &[], Wishes::default());
+    let copy = Scene::parse("copy.toml", &made.toml(), &[]).expect("its text is a scene file");
+    assert_eq!(copy.lights.len(), 3);
+}
+
+#[test]
+fn wrong_wishes_are_named() {
+    let message = |wishes: Wishes| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.obj");
+        std::fs::write(&path, table(1, 2.0)).expect("written");
+        let made = Studio::around(&path.to_string_lossy(), &[], 0.0, &Files::default(), wishes);
+        made.err().map(|error| error.to_string()).unwrap_or_default()
+    };
+    let error = message(Wishes { preset: Some("marbel".into()), ..Wishes::default() });
+    assert!(error.starts_with("--preset: unknown preset, did you mean `Marble`?; found marbel; expected"), "{error}");
+    let error = message(Wishes { size_mm: Some(-1.0), ..Wishes::default() });
+    assert!(error.starts_with("--size-mm: not a size; found -1; expected"), "{error}");
+    let error = message(Wishes { environment: Some("none.hdr".into()), ..Wishes::default() });
+    assert!(error.starts_with("--environment: none.hdr: the image cannot be read"), "{error}");
+    assert!(Studio::around("lotus", &[], 0.0, &Files::default(), Wishes::default()).expect("built in").is_none());
+}

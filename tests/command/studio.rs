@@ -1,0 +1,129 @@
+//! `render` of a mesh alone, in its studio, and `gallery`.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use crate::shell::{bad, folder, good, names, program, read, said};
+
+/// A box of 4 x 2 x 1, thin along y, as an OBJ file.
+fn sheet() -> String {
+    let mut text = String::new();
+    for corner in 0..8 {
+        let at = |k: u32, size: f64| f64::from(corner >> k & 1) * size;
+        let _ = writeln!(text, "v {} {} {}", at(0, 4.0), at(1, 2.0), at(2, 0.5));
+    }
+    for [a, b, c, d] in [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]] {
+        let _ = writeln!(text, "f {a} {b} {c} {d}");
+    }
+    text
+}
+
+fn pixels(path: &Path) -> image::RgbImage {
+    image::open(path).unwrap().into_rgb8()
+}
+
+#[test]
+fn a_mesh_alone_is_shown_in_a_studio() {
+    let here = folder(&[("sheet.obj", &sheet())]);
+    let (_, err) = good(&here, "render sheet.obj -o a.png --size 48x48");
+    assert!(
+        err.contains("sheet: ") && err.contains(" is up (a guess: --up), 20 mm (--size-mm), marble (--preset)"),
+        "{err}"
+    );
+    let picture = pixels(&here.path().join("a.png"));
+    // A grey backdrop in the corner, and the object, brighter, in the middle.
+    let (corner, middle) = (picture.get_pixel(0, 0).0, picture.get_pixel(24, 24).0);
+    assert!(corner.iter().all(|&c| (20..150).contains(&c)), "{corner:?}");
+    assert!(middle[0] > corner[0].saturating_add(20), "{corner:?} {middle:?}");
+
+    // Each flag changes the picture.
+    let flags = [
+        "--preset ketchup",
+        "--size-mm 2",
+        "--samples 1",
+        "--up z",
+        "--ground",
+        "--set object.0.material.preset=potato",
+    ];
+    for flag in flags {
+        good(&here, &format!("render sheet.obj -o b.png --size 48x48 {flag}"));
+        assert!(pixels(&here.path().join("b.png")) != picture, "{flag}");
+    }
+    let (_, err) = good(&here, "render sheet.obj -o b.png --size 48x48 --size-mm 900");
+    assert!(err.contains("looks opaque") && err.contains("--size-mm "), "{err}");
+
+    // `solve` and a scene file keep their own light.
+    let (out, _) = good(&here, "plan sheet.obj");
+    assert!(out.contains("the material's surface reflects nothing"), "{out}");
+}
+
+#[test]
+fn surroundings_light_a_mesh() {
+    let here = folder(&[("sheet.obj", &sheet())]);
+    let file = std::fs::File::create(here.path().join("red.hdr")).unwrap();
+    let sky: Vec<_> = (0..32).map(|_| image::Rgb([9.0f32, 1.0, 1.0])).collect();
+    image::codecs::hdr::HdrEncoder::new(file).encode(&sky, 8, 4).unwrap();
+    let (_, err) = good(&here, "render sheet.obj -o a.png --size 32x32 --environment red.hdr");
+    assert!(err.contains("the image's light"), "{err}");
+    let corner = pixels(&here.path().join("a.png")).get_pixel(0, 0).0;
+    assert!(corner[0] > 60 && corner[0] > 2 * corner[1], "{corner:?}");
+}
+
+#[test]
+fn a_turntable_goes_round() {
+    let here = folder(&[("sheet.obj", &sheet())]);
+    good(&here, "render sheet.obj -o t-%02d.png --size 32x32 --samples 2 --turntable 4");
+    assert_eq!(names(here.path()), ["sheet.obj", "t-00.png", "t-01.png", "t-02.png", "t-03.png"]);
+    good(&here, "render sheet.obj -o one.png --size 32x32 --samples 2");
+    let at = |name: &str| pixels(&here.path().join(name));
+    assert!(at("t-00.png") == at("one.png") && at("t-01.png") != at("t-00.png") && at("t-02.png") != at("t-00.png"));
+}
+
+#[test]
+fn wrong_flags_are_named() {
+    let here = folder(&[
+        ("sheet.obj", &sheet()),
+        ("s.toml", "[[object]]\nshape = 'slab'\nmaterial = { preset = 'marble' }\n"),
+    ]);
+    let cases = [
+        ("render sheet.obj -o a.png --preset marbel", ["--preset", "did you mean `Marble`?"]),
+        ("render sheet.obj -o a.png --size-mm 0", ["--size-mm: not a size", "expected"]),
+        ("render sheet.obj -o a.png --size-mm 5 --set object.0.size=4", ["--size-mm", "a second time"]),
+        ("render sheet.obj -o a.png --samples 65", ["--samples", "1..=64"]),
+        ("render sheet.obj -o a.png --up x", ["--up", "[possible values: y, z]"]),
+        ("render sheet.obj -o a.png --environment sky.png", ["--environment", ".exr or .hdr"]),
+        ("render sheet.obj -o a.png --turntable 4", ["own", "frame-%04d.png"]),
+        ("render lotus -o a.png --preset marble", ["--preset: only for a mesh alone", "object.0.material.preset"]),
+        ("render s.toml -o a.png --ground", ["--ground: only for a mesh alone", "plane"]),
+        ("gallery s.toml -o g", ["not a mesh alone", "s.toml"]),
+        ("gallery -o g --materials marbel", ["unknown preset", "did you mean `Marble`?"]),
+    ];
+    for (line, words) in cases {
+        bad(&here, line, 2, &words);
+    }
+    // With a scene, --samples is the camera's.
+    good(&here, "render s.toml -o a.png --size 16x16 --samples 4");
+}
+
+#[test]
+fn a_gallery_repeats_itself() {
+    let here = folder(&[("sheet.obj", &sheet())]);
+    good(&here, "gallery sheet.obj -o g --materials skin1,marble --size 24x24 --samples 2");
+    assert_eq!(names(&here.path().join("g")), ["index.html", "sheet-0-marble.png", "sheet-0-skin1.png"]);
+    let page = read(&here, "g/index.html");
+    let commands: Vec<&str> =
+        page.split("<code>milkglass ").skip(1).filter_map(|part| part.split('<').next()).collect();
+    assert_eq!(commands.len(), 2, "{page}");
+    for (command, picture) in commands.iter().zip(["sheet-0-skin1.png", "sheet-0-marble.png"]) {
+        good(&here, command);
+        assert!(pixels(&here.path().join(picture)) == pixels(&here.path().join("g").join(picture)), "{command}");
+    }
+
+    // Built-in shapes come with scene files.
+    good(&here, "gallery -o shapes --materials marble --size 16x16 --samples 1");
+    let shapes = folder(&[]);
+    let scene = here.path().join("shapes/torus-marble.toml");
+    let output = program(&shapes, &format!("render {} -o t.png", scene.display())).output().unwrap();
+    assert!(output.status.success(), "{:?}", said(&output));
+    assert!(pixels(&shapes.path().join("t.png")) == pixels(&here.path().join("shapes/torus-marble.png")));
+}
