@@ -9,10 +9,12 @@
 use glam::DVec3;
 
 use super::far::{kernel, slope};
+use crate::dipole::distance2;
 use crate::dipole::form_factor::footprint::{Edge, Footprint};
 use crate::dipole::form_factor::gauss::Node;
 use crate::dipole::form_factor::points::SIX;
-use crate::layout::{ELONGATED, PART_WIDTH};
+use crate::layout::{Buffers, ELONGATED, PART_WIDTH};
+use crate::state::wide;
 
 /// Single and double layer of density 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,6 +33,21 @@ pub(super) fn sampled(k: f64, corners: &[DVec3; 3], normal: DVec3, x: DVec3) -> 
         sum.double -= weight * slope(k, s) * d.dot(normal);
     }
     sum
+}
+
+/// The way from a triangle's centroid to the place of its light, in a channel.
+pub(super) fn depth(data: &Buffers, face: usize, c: usize) -> DVec3 {
+    let deposit = &data.deposits[face];
+    wide([deposit.red, deposit.green, deposit.blue][c])
+}
+
+/// Whether the light that a triangle deposits is too near to a place for area points, in any channel; exact on every
+/// device.
+pub(super) fn too_near(data: &Buffers, node: usize, area_distance: f32, x: [f32; 3]) -> bool {
+    let (center, reach) = (data.clusters[node].center, area_distance.max(0.0));
+    let deposit = &data.deposits[data.topology[node].face as usize];
+    let place = |depth: [f32; 3]| [0, 1, 2].map(|i| center[i] + depth[i]);
+    [deposit.red, deposit.green, deposit.blue].into_iter().any(|depth| distance2(x, place(depth)) < reach * reach)
 }
 
 fn phi1(x: f64) -> f64 {

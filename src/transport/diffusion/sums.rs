@@ -5,9 +5,8 @@ use rayon::prelude::*;
 
 use super::Medium;
 use super::far::{Layers, Quadratic, area_moment};
-use super::near::{by_edges, sampled};
+use super::near::{by_edges, depth, sampled, too_near};
 use super::near_layers::{computed, corners, kept, slots};
-use crate::dipole::distance2;
 use crate::dipole::form_factor::gauss::{Node, legendre};
 use crate::layout::{BLOCK_RECEIVERS, BufferId, Buffers, Expansion, LayerFirst, LayerPlace, LayerSecond, NONE, Runs};
 use crate::state::{Scope, State, wide};
@@ -22,21 +21,6 @@ pub(super) enum Density {
     Vector(usize),
     /// The solution.
     Solution,
-}
-
-/// The way from a triangle's centroid to the place of its light, in a channel.
-fn depth(data: &Buffers, face: usize, c: usize) -> DVec3 {
-    let deposit = &data.deposits[face];
-    wide([deposit.red, deposit.green, deposit.blue][c])
-}
-
-/// Whether the light that a triangle deposits is too near to a place for area points, in any channel; exact on every
-/// device.
-fn too_near(data: &Buffers, node: usize, area_distance: f32, x: [f32; 3]) -> bool {
-    let (center, reach) = (data.clusters[node].center, area_distance.max(0.0));
-    let deposit = &data.deposits[data.topology[node].face as usize];
-    let place = |depth: [f32; 3]| [0, 1, 2].map(|i| center[i] + depth[i]);
-    [deposit.red, deposit.green, deposit.blue].into_iter().any(|depth| distance2(x, place(depth)) < reach * reach)
 }
 
 /// The layers of all nodes, in one channel.
