@@ -2,7 +2,8 @@
 
 use milkglass::internals::layout::BufferId;
 use milkglass::internals::pipeline::plan::{Goal, Mode, Options, ShadingMethod};
-use milkglass::scene::{Light, Receivers, Reflection, Scene};
+use milkglass::scene::{Deform, Light, Pose, Receivers, Reflection, Rig, Scene};
+use std::sync::Arc;
 
 fn small(name: &str, sets: &[&str]) -> Scene {
     let all = [sets, &["camera.size=[24, 20]"]].concat();
@@ -26,6 +27,17 @@ fn changed(mut scene: Scene, change: impl Fn(&mut Scene)) -> Case {
 
 fn carried(transport: ShadingMethod) -> Case {
     (ball(&[]), Options { transport, ..Options::default() })
+}
+
+/// A ball that a joint turns.
+fn turned() -> Case {
+    changed(ball(&[]), |scene| {
+        let base = scene.objects[0].mesh.positions.clone();
+        let count = base.len();
+        let rig = Rig { base, joints: 1, influences: vec![(0, 1.0); count], rows: vec![0; count], ..Rig::default() };
+        let pose = Pose { matrices: vec![glam::DMat4::from_rotation_z(0.1)], weights: Vec::new() };
+        scene.objects[0].deforms.push(Deform::Skin { rig: Arc::new(rig), pose: Arc::new(pose) });
+    })
 }
 
 /// Stages, buffers, a frame with the feature, a frame without it.
@@ -89,6 +101,12 @@ pub fn features() -> Vec<Feature> {
             with(ball(&["object.0.position=[20, 0, 0]"])),
         ),
         (&["deform"], &[BufferId::rest, BufferId::deforms], with(twisted), with(ball(&[]))),
+        (
+            &["skin"],
+            &[BufferId::skin_vertices, BufferId::skin_joints, BufferId::skin_matrices, BufferId::skinned],
+            turned(),
+            with(ball(&[])),
+        ),
         (&["reflect"], &[], reflects(Reflection::Phong { shininess: 9 }), reflects(Reflection::None)),
         (&["opaque_faces"], &[], with(on_a_table("faces")), alone(on_a_table("faces"))),
         (

@@ -49,8 +49,8 @@ fn writes_beyond_the_end_are_reported() {
     let found = faults("if (face", more);
     // Of an object in the middle they land between the objects' parts, else after the buffer's end.
     let has = |what: [&str; 2]| found.iter().any(|fault| what.iter().all(|part| fault.contains(part)));
-    assert!(has(["opaque_faces[1", "beyond tolerance, 3 words: radiosity["]), "{found:?}");
-    assert!(has(["opaque_faces[2", "wrote beyond the end of buffer radiosity"]), "{found:?}");
+    assert!(has(["opaque_faces of object 1", "beyond tolerance, 3 words: radiosity["]), "{found:?}");
+    assert!(has(["opaque_faces of object 2", "wrote beyond the end of buffer radiosity"]), "{found:?}");
 }
 
 #[test]
