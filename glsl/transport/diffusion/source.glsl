@@ -1,4 +1,5 @@
-// Light that near triangles deposit, which is a single layer at a depth of its own in each channel. Decisions are exact.
+// Light that near triangles deposit, which is a single layer at a depth of its own in each channel. Decisions are
+// exact.
 #include "dipole/near.glsl"
 
 // Whether a triangle's light is too near to a place for area points, in any channel.
