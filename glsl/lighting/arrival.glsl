@@ -1,7 +1,8 @@
 // The light that arrives from a light source. SHADOWS is not 0 if there are bits of shadow: in `lit`, unless the
-// includer defines LIT to read them from another buffer.
+// includer defines LIT and LIT_WORDS to read them from another buffer.
 #ifndef LIT
 #define LIT(word) lit[word]
+#define LIT_WORDS object_params[0].shadow_words
 #endif
 
 // The share of a light's intensity in the unit direction `away` from it. 1 - cos is taken from the sine, which is exact
@@ -30,7 +31,7 @@ float reaches(Light light, uint index) {
     float lets = 1.0;
     if (SHADOWS != 0) {
         if (light.shadow != NONE) {
-            uint word = LIT(index * object_params[0].shadow_words + light.shadow / 32);
+            uint word = LIT(index * LIT_WORDS + light.shadow / 32);
             lets = float(word >> (light.shadow % 32) & 1u);
         }
     }

@@ -3,13 +3,15 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Whether one light reaches the points of opaque objects that some pixels show: a bit of `pixel_lit`. Decisions
-// only.
+// Whether one light reaches the points that some pixels show: a bit of `pixel_lit`. Decisions only.
 layout(constant_id = 0) const uint OBJECTS = 1;
+layout(constant_id = 1) const uint OTHERS = 0; // not 0 where a translucent object does not shadow itself
 layout(push_constant, scalar) uniform push_block { Rays rays; };
 READS(object_params)
-READS(lights)
+READS(camera)
+READS(pixel_lights)
 READS(placed_positions)
+READS(placed_normals)
 READS(triangles)
 READS(placed_bounds)
 READS(hits)
@@ -17,6 +19,10 @@ UPDATES(pixel_lit)
 UPDATES(cut_short)
 #include "geometry/blend.glsl"
 #include "lighting/way.glsl"
+#include "geometry/exact.glsl"
+#include "geometry/turn.glsl"
+#include "geometry/random.glsl"
+#include "lighting/pixel_light.glsl"
 #include "view/object.glsl"
 
 void main() {
@@ -27,16 +33,21 @@ void main() {
     bool shown = hit.face < UNFINISHED;
     uint face = shown ? hit.face : 0;
     uint object = object_of(face);
-    bool asked = shown && object_params[object].opaque == OPAQUE_BY_PIXEL;
-    Light light = lights[rays.light];
     uvec3 corner = triangles[face];
     precise vec3 weight = CORNER_WEIGHTS(hit);
     precise vec3 place = BLEND_AT(weight, placed_positions, corner);
-    uint met = way(light, object, face, place, asked, false);
+    precise vec3 normal = BLEND_AT(weight, placed_normals, corner);
+    Light light = pixel_light(rays.light, pixel, normal);
+
+    // Opaque objects are lit here; what others reflect is not the environment's rays.
+    bool opaque = object_params[object].opaque == OPAQUE_BY_PIXEL;
+    bool reflects = object_params[object].reflection != REFLECTION_NONE && light.kind != LIGHT_SKY_RAY;
+    bool others = OTHERS != 0 && object_params[object].opaque == OPAQUE_NOT;
+    uint met = way(light, object, face, place, shown && (opaque || reflects), others);
     if (met == UNFINISHED) cut_short[0] = 1;
 
     // The first light of a word clears it.
-    uint word = pixel * object_params[0].shadow_words + light.shadow / 32, bit = light.shadow % 32;
-    uint others = bit == 0 ? 0 : pixel_lit[word];
-    pixel_lit[word] = others | (met == FREE ? 1u << bit : 0u);
+    uint word = pixel * camera[0].shadow_words + light.shadow / 32, bit = light.shadow % 32;
+    uint before = bit == 0 ? 0 : pixel_lit[word];
+    pixel_lit[word] = before | (met == FREE ? 1u << bit : 0u);
 }

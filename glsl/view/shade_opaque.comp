@@ -9,7 +9,7 @@ layout(constant_id = 1) const uint SHADOWS = 0;
 layout(constant_id = 2) const uint SKY = 0;
 READS(object_params)
 READS(camera)
-READS(lights)
+READS(pixel_lights)
 READS(pixel_lit)
 READS(harmonics)
 READS(triangles)
@@ -17,22 +17,36 @@ READS(placed_positions)
 READS(placed_normals)
 READS(hits)
 UPDATES(radiance)
-#define LIT(word) pixel_lit[word]
 #include "geometry/blend.glsl"
+#include "geometry/sight.glsl"
+#include "geometry/exact.glsl"
+#include "geometry/turn.glsl"
+#include "geometry/random.glsl"
+#include "lighting/pixel_light.glsl"
+
+// The lights as this pixel sees them.
+uint pixel;
+vec3 blended_normal;
+#define LIT(word) pixel_lit[word]
+#define LIT_WORDS camera[0].shadow_words
+#define LIGHTS camera[0].lights
+#define LIGHT_AT(i) pixel_light(i, pixel, blended_normal)
+#define SKY_WEIGHT(cosine) 1.0
 #include "lighting/entering.glsl"
 #include "view/object.glsl"
 
 void main() {
-    uint pixel = invocation();
+    pixel = invocation();
     if (pixel >= camera[0].width * camera[0].height) return;
     Hit hit = hits[pixel];
     if (hit.face >= UNFINISHED) return;
     uint object = object_of(hit.face);
     if (object_params[object].opaque != OPAQUE_BY_PIXEL) return;
     uvec3 corner = triangles[hit.face];
-    vec3 weight = CORNER_WEIGHTS(hit);
+    precise vec3 weight = CORNER_WEIGHTS(hit);
     vec3 point = BLEND_AT(weight, placed_positions, corner);
-    vec3 normal = BLEND_AT(weight, placed_normals, corner);
+    precise vec3 normal = BLEND_AT(weight, placed_normals, corner);
+    blended_normal = normal;
     normal /= sqrt(max(dot(normal, normal), 1e-30));
     vec3 arrives = entering(object, pixel, point, normal);
     vec3 eye = camera[0].origin - point;

@@ -5,6 +5,7 @@ pub mod exact;
 pub mod occlusion;
 pub mod placement;
 pub mod plane;
+pub mod random;
 pub mod refit;
 pub mod skin;
 pub mod trace;

@@ -9,8 +9,10 @@ buffers! {
     lights: Light, light;
     /// Whether each light reaches each triangle: a bit each, `object_params.shadow_words` words a triangle.
     lit: u32, shadow;
-    /// Whether each light reaches the surface of an opaque object that a pixel shows: a bit each,
-    /// `object_params.shadow_words` words a pixel.
+    /// The lights as pixels see them: of an area or an environment as many points or rays as one sample of a pixel
+    /// takes. Empty where light is found for no pixel by itself.
+    pixel_lights: Light, light;
+    /// Whether each of those reaches the surface that a pixel shows: a bit each, `camera.shadow_words` words a pixel.
     pixel_lit: u32, pixel;
     /// Not 0 if a driver ended a shadow ray's loop early; one element.
     cut_short: u32, scene;

@@ -18,6 +18,8 @@ constants! {
     LIGHT_AREA_BOTH: u32 = 4;
     /// A ray to the environment.
     LIGHT_SKY_RAY: u32 = 5;
+    /// A ray to the environment from the back of a surface, as pixels see it.
+    LIGHT_SKY_RAY_BACK: u32 = 6;
 
     /// `Deform.kind`: a twist about an axis.
     DEFORM_TWIST: u32 = 1;
@@ -52,13 +54,6 @@ constants! {
     OPAQUE_BY_FACE: u32 = 1;
     /// None does, and it is lit pixel by pixel.
     OPAQUE_BY_PIXEL: u32 = 2;
-
-    /// Whose bits of shadow `reflect` reads: none.
-    SHADOWS_NOT: u32 = 0;
-    /// Those of triangles.
-    SHADOWS_BY_FACE: u32 = 1;
-    /// Those of pixels.
-    SHADOWS_BY_PIXEL: u32 = 2;
 
     /// `ObjectParams.kappa`: sqrt((k1^2 + k2^2) / 2).
     KAPPA_RMS: u32 = 0;

@@ -20,8 +20,16 @@ records! { light_records:
         inner: f32,
         /// Spot: 1 - cos of the angle outside which nothing arrives.
         outer: f32,
-        /// The number of its bit in `lit`, `NONE` if it casts no shadow.
+        /// The number of its bit in `lit`, or `pixel_lit`; `NONE` if it casts no shadow.
         shadow: u32,
+        /// The edges of an area that each pixel sees another point of; `place` is its centre.
+        edge_u: [f32; 3],
+        /// Its other edge.
+        edge_v: [f32; 3],
+        /// Which of its light's points, or rays to the environment, of one sample of a pixel this is.
+        number: u32,
+        /// How many of them there are.
+        of: u32,
     }
     /// The texture coordinates of a triangle's corners: (0, 0) is the texture's upper left corner, (1, 1) its lower
     /// right one. If the texture repeats, whole repetitions are taken off, so that the least is from 0 to 1, or to 2 if

@@ -33,6 +33,12 @@ records! { view_records:
         samples: u32,
         /// Share of this frame's sample in the mean so far: 1 for the first, then 1/2, 1/3, ...
         weight: f32,
+        /// Which of the samples this frame is, from 0.
+        sample_number: u32,
+        /// Number of `pixel_lights`.
+        lights: u32,
+        /// Words of `pixel_lit` for each pixel: a bit for each of those that casts shadows.
+        shadow_words: u32,
     }
     /// What a primary ray hits.
     Hit {

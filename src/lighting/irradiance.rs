@@ -73,32 +73,56 @@ pub fn reaches(data: &Buffers, light: &Light, face: usize) -> bool {
     bit(&data.lit, data.object_params[0].shadow_words, light, face)
 }
 
-/// The same for any such bits, `words` per element; a light that casts no shadows always reaches.
+/// The same for the surface that a pixel shows, according to its own bits.
 #[must_use]
-pub fn bit(bits: &[u32], words: u32, light: &Light, index: usize) -> bool {
+pub fn reaches_pixel(data: &Buffers, light: &Light, pixel: usize) -> bool {
+    bit(&data.pixel_lit, data.camera[0].shadow_words, light, pixel)
+}
+
+/// The same for any such bits, `words` per element; a light that casts no shadows always reaches.
+fn bit(bits: &[u32], words: u32, light: &Light, index: usize) -> bool {
     let bit = |bit: u32| bits[index * words as usize + bit as usize / 32] >> (bit % 32) & 1;
     light.shadow == NONE || bit(light.shadow) == 1
 }
 
-/// E of equation 5 at a point with a unit normal (`place`), from the lights that reach it and the environment.
-pub fn entering(data: &Buffers, params: &ObjectParams, place: [DVec3; 2], reaches: &dyn Fn(&Light) -> bool) -> DVec3 {
+/// How rays to the environment are distributed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SkyRays {
+    /// Evenly over all directions.
+    Evenly,
+    /// By the cosine about the surface's normal.
+    ByCosine,
+}
+
+/// E of equation 5 at a point with a unit normal (`place`), from those of the `lights` that reach it and the environment.
+pub fn entering(
+    data: &Buffers,
+    params: &ObjectParams,
+    place: [DVec3; 2],
+    (lights, rays): (&[Light], SkyRays),
+    reaches: &dyn Fn(&Light) -> bool,
+) -> DVec3 {
     let [point, normal] = place;
     let eta = params.eta.map(f64::from);
     let sky: Vec<DVec3> = data.harmonics.iter().take(SKY_HARMONICS).map(|&c| wide(c)).collect();
     let zonal = [wide(params.zonal_0), wide(params.zonal_1), wide(params.zonal_2)];
     let one_side = |normal: DVec3| {
         let (mut sum, mut all, mut free) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
-        for light in &data.lights {
+        for light in lights {
             let (toward, falloff) = arrival(light, point);
             let arrives = reaches(light);
             let cosine = normal.dot(toward).max(0.0);
-            let enters = DVec3::from_array(eta.map(|eta| fresnel::transmittance(eta, cosine))) * cosine;
+            let passes = DVec3::from_array(eta.map(|eta| fresnel::transmittance(eta, cosine)));
             if light.kind == LIGHT_SKY_RAY {
-                let weight = harmonics::radiance(&sky, toward) * enters;
+                let share = match rays {
+                    SkyRays::Evenly => cosine,
+                    SkyRays::ByCosine => f64::from(u8::from(cosine > 0.0)),
+                };
+                let weight = harmonics::radiance(&sky, toward) * passes * share;
                 all += weight;
                 free += if arrives { weight } else { DVec3::ZERO };
             } else if arrives {
-                sum += wide(light.color) * enters * falloff;
+                sum += wide(light.color) * passes * (cosine * falloff);
             }
         }
         if sky.is_empty() {
@@ -119,7 +143,7 @@ fn cpu(state: &mut State, _at: Scope) {
         let reaches = |light: &Light| reaches(data, light, face);
         let params = &data.object_params[0];
         let place = [wide(placed(params, leaf.center)), wide(turned(params, narrow(normal)))];
-        narrow(entering(data, params, place, &reaches))
+        narrow(entering(data, params, place, (&data.lights, SkyRays::Evenly), &reaches))
     };
     state.data.irradiance = (0..data.triangles.len()).into_par_iter().map(of_face).collect();
 }

@@ -6,6 +6,7 @@ pub mod fresnel;
 pub mod harmonics;
 pub mod irradiance;
 pub mod opaque_faces;
+pub mod pixel_light;
 pub mod shadow;
 pub mod sky;
 pub mod texture;

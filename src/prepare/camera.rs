@@ -6,7 +6,7 @@ use crate::scene::Camera;
 use crate::state::{State, narrow};
 use crate::view::tone::thresholds;
 
-/// Writes the camera's record and, unless a frame does without them, the tones.
+/// Writes the camera's record, without its lights, and, unless a frame does without them, the tones.
 pub fn camera(state: &mut State, camera: &Camera, units: Units) {
     tones(state, camera);
     let (right, up, forward) = camera.basis();
@@ -26,6 +26,7 @@ pub fn camera(state: &mut State, camera: &Camera, units: Units) {
         radiance: units.radiance(),
         samples: camera.samples,
         weight: 1.0,
+        ..Record::default()
     }];
 }
 

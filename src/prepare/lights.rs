@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::blocks::group;
 use super::layers::beams;
+use super::pixel_lights::pixel_lights;
 use super::units::Units;
 use crate::layout::{
     LIGHT_AREA, LIGHT_AREA_BOTH, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SKY_RAY, LIGHT_SPOT, Light as Record,
@@ -59,6 +60,7 @@ pub fn lights(state: &mut State, lights: &[Light], units: &mut Units, objects: &
     if let Some(camera) = state.data.camera.first_mut() {
         camera.radiance = units.radiance();
     }
+    pixel_lights(state, lights, *units);
 }
 
 fn largest(channels: [f64; 3]) -> f64 {
@@ -103,8 +105,24 @@ fn brightest(light: &Light, units: Units, objects: &[Object]) -> f64 {
     }
 }
 
-/// The records of a light. `shadow` is 0 for now if it casts shadows (bits are numbered later), otherwise all ones.
+/// The records of a light, one of each sample.
 fn records(light: &Light, units: Units) -> Vec<Record> {
+    match &light.source {
+        Source::Area { .. } => {
+            let record = record_of(light, units, light.samples());
+            light.places().iter().map(|&place| Record { place: narrow(units.inside(place)), ..record }).collect()
+        }
+        Source::Environment { occlusion, .. } => {
+            let ray = |k| Record { place: narrow(fibonacci_direction(k, *occlusion)), ..record_of(light, units, 1) };
+            (0..if light.color() == [0.0; 3] { 0 } else { *occlusion }).map(ray).collect()
+        }
+        _ => vec![record_of(light, units, 1)],
+    }
+}
+
+/// The record of a light, or of one of so many samples of it, whose place is left out. `shadow` is 0 for now if it casts
+/// shadows (bits are numbered later), otherwise all ones.
+pub fn record_of(light: &Light, units: Units, samples: usize) -> Record {
     let black = light.color() == [0.0; 3];
     let shadow = if light.shadows && !black { 0 } else { u32::MAX };
     let scaled = |color: [f64; 3], factor: f64| color.map(|x| (x * factor / units.light) as f32);
@@ -112,36 +130,26 @@ fn records(light: &Light, units: Units) -> Vec<Record> {
     match &light.source {
         Source::Directional { direction, irradiance } => {
             let color = scaled(*irradiance, 1.0);
-            vec![Record { kind: LIGHT_DIRECTIONAL, place: narrow(*direction), color, shadow, ..Record::default() }]
+            Record { kind: LIGHT_DIRECTIONAL, place: narrow(*direction), color, shadow, ..Record::default() }
         }
         Source::Point { position, intensity } => {
             let (place, color) = (narrow(units.inside(*position)), scaled(*intensity, square));
-            vec![Record { kind: LIGHT_POINT, place, color, shadow, ..Record::default() }]
+            Record { kind: LIGHT_POINT, place, color, shadow, ..Record::default() }
         }
         Source::Spot { position, direction, intensity, inner, outer } => {
             // 1 - cos, without cancellation.
             let narrowness = |degrees: f64| (2.0 * (0.5 * degrees.to_radians()).sin().powi(2)) as f32;
             let (place, color) = (narrow(units.inside(*position)), scaled(*intensity, square));
             let (axis, inner, outer) = (narrow(*direction), narrowness(*inner), narrowness(*outer));
-            vec![Record { kind: LIGHT_SPOT, place, color, axis, inner, outer, shadow }]
+            Record { kind: LIGHT_SPOT, place, color, axis, inner, outer, shadow, ..Record::default() }
         }
         Source::Area { edge_u, edge_v, radiance, two_sided, .. } => {
             let normal = edge_u.cross(*edge_v);
-            let color = scaled(*radiance, square * normal.length() / light.samples() as f64);
+            let color = scaled(*radiance, square * normal.length() / samples as f64);
             let kind = if *two_sided { LIGHT_AREA_BOTH } else { LIGHT_AREA };
-            let axis = narrow(normal.normalize());
-            let record = Record { kind, color, axis, shadow, ..Record::default() };
-            light.places().iter().map(|&place| Record { place: narrow(units.inside(place)), ..record }).collect()
+            Record { kind, color, axis: narrow(normal.normalize()), shadow, ..Record::default() }
         }
-        Source::Environment { occlusion, .. } => {
-            let ray = |k| Record {
-                kind: LIGHT_SKY_RAY,
-                place: narrow(fibonacci_direction(k, *occlusion)),
-                shadow: 0,
-                ..Record::default()
-            };
-            (0..if black { 0 } else { *occlusion }).map(ray).collect()
-        }
+        Source::Environment { .. } => Record { kind: LIGHT_SKY_RAY, shadow: 0, ..Record::default() },
     }
 }
 

@@ -9,6 +9,7 @@ pub mod diffusion_validity;
 pub(crate) mod layers;
 pub mod lights;
 pub mod material;
+pub mod pixel_lights;
 pub mod place;
 pub(crate) mod reach;
 pub mod receivers;

@@ -112,8 +112,8 @@ pub fn prepare(
     deform_all(&mut state);
     let maps = layers(&mut state, &scene.objects, &faces, units);
     media(&mut state, &scene.objects, units);
-    lights(&mut state, &scene.lights, &mut units, &scene.objects);
     camera(&mut state, &scene.camera, units);
+    lights(&mut state, &scene.lights, &mut units, &scene.objects);
     let compactness = vec![None; trees.len()];
     Prepared { state, units, trees, methods, spoilt, compactness, faces, maps }
 }

@@ -12,12 +12,13 @@ impl Session {
         let Some(limits) = self.limits() else { return Ok(()) };
         let data = &self.state().data;
         let most = limits.binding_bytes;
-        let (faces, samples) = (self.state().sum(|object| object.count.faces), 32 * data.object_params[0].shadow_words);
-        let bits = |of: String| format!("a bit for each of {of} and {samples} samples of lights");
+        let faces = self.state().sum(|object| object.count.faces);
+        let bits = |of: String, words: u32| format!("a bit for each of {of} and {} samples of lights", 32 * words);
+        let at_pixels = data.camera.first().map_or(0, |camera| camera.shadow_words);
         let fewer = "use fewer samples, or shadows = false";
         for (slot, what, advice) in [
-            (BufferId::lit, bits(format!("{faces} faces")), fewer),
-            (BufferId::pixel_lit, bits(format!("{} pixels", data.hits.len())), fewer),
+            (BufferId::lit, bits(format!("{faces} faces"), data.object_params[0].shadow_words), fewer),
+            (BufferId::pixel_lit, bits(format!("{} pixels", data.hits.len()), at_pixels), fewer),
             (
                 BufferId::irradiance_maps,
                 format!("the light of {} texels", data.texel_hits.len()),

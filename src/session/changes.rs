@@ -9,6 +9,7 @@ use crate::prepare::camera::{camera, tones};
 use crate::prepare::compactness::Compactness;
 use crate::prepare::lights::lights;
 use crate::prepare::material::{self, differs_by_coefficients, quadrature};
+use crate::prepare::pixel_lights::pixel_lights;
 use crate::prepare::place::place;
 use crate::prepare::reach::reach;
 use crate::prepare::receivers::by_pixel;
@@ -22,6 +23,7 @@ use crate::state::{Granularity, Group, Scheme, Stage, State};
 const LIGHTING: &[BufferId] = &[
     BufferId::object_params,
     BufferId::lights,
+    BufferId::pixel_lights,
     BufferId::camera,
     BufferId::sky,
     BufferId::sky_rows,
@@ -35,7 +37,7 @@ const LIGHTING: &[BufferId] = &[
 #[derive(PartialEq)]
 struct Layout {
     groups: Vec<Vec<Group>>,
-    shadow_words: u32,
+    shadow_words: [u32; 2],
     sky: [u32; 2],
     directions: usize,
 }
@@ -45,7 +47,7 @@ impl Layout {
         let params = &state.data.object_params[0];
         Self {
             groups: state.objects.iter().map(|object| object.groups.clone()).collect(),
-            shadow_words: params.shadow_words,
+            shadow_words: [params.shadow_words, state.data.camera.first().map_or(0, |camera| camera.shadow_words)],
             sky: params.sky,
             directions: state.data.reflection_directions.len(),
         }
@@ -185,7 +187,7 @@ impl Session {
         }
         let before = Layout::of(state);
         // Where the middle of the scene is another one, every place in it is rounded in another way.
-        let all = units != self.prepared.units || before.shadow_words > 0;
+        let all = units != self.prepared.units || before.shadow_words != [0; 2];
         self.prepared.units = units;
         let mut changes = Changes::from(Change::VIEW);
         for (object, moved) in place(state, &scene.objects, units).into_iter().enumerate() {
@@ -266,12 +268,13 @@ impl Session {
         self.pending.add(Change::VIEW);
         (self.shifted, self.sampled) = (false, false);
         camera(&mut self.prepared.state, new, self.prepared.units);
+        pixel_lights(&mut self.prepared.state, &self.scene.lights, self.prepared.units);
         if before.environment != new.environment || (before.samples == 1) != (new.samples == 1) {
             self.plan = self.plan_of(self.plan.options());
         }
         self.size_picture();
         self.check_bindings()?;
-        self.send(&[BufferId::camera, BufferId::tones])
+        self.send(&[BufferId::camera, BufferId::tones, BufferId::pixel_lights])
     }
 
     /// Rebuilds the session for the scene after this change.
@@ -289,6 +292,7 @@ impl Session {
         if let Some(camera) = self.prepared.state.data.camera.first_mut() {
             [camera.shift_x, camera.shift_y] = place.map(|x| 2.0 * x as f32);
             camera.weight = 1.0 / (k + 1) as f32;
+            camera.sample_number = k;
         }
         self.shifted = place != [0.0; 2];
         self.pending.add(Change::VIEW);

@@ -8,7 +8,8 @@
 use super::run::Session;
 use crate::geometry::placement::placed;
 use crate::geometry::trace::may_meet;
-use crate::layout::{Camera, LIGHT_DIRECTIONAL, LIGHT_SKY_RAY, Light, NONE};
+use crate::layout::{Camera, LIGHT_DIRECTIONAL, LIGHT_SKY_RAY, Light, NONE, REFLECTION_NONE};
+use crate::lighting::pixel_light::pixel_light;
 use crate::lighting::shadow;
 use crate::state::State;
 use crate::transport::blocks::gather;
@@ -86,12 +87,12 @@ impl Session {
         let faces = Places::new(state, |_| true);
         let casting: Vec<&Light> = state.data.lights.iter().filter(|light| light.shadow != NONE).collect();
         let mut load = Workload { triangles: extent.faces, ..Workload::default() };
-        let samples = Some(casting.len() as u64);
         if plan.has(&shadow::STAGE) {
             let lit = |object: usize| state.objects[object].lit_by_face();
             let places = state.objects.iter().filter(|object| object.lit_by_face()).map(|object| object.count.faces);
-            let places = places.sum::<usize>() as u64;
-            let [share, boxes] = faces.shadowed(&Places::new(state, lit), &casting);
+            let (places, samples) = (places.sum::<usize>() as u64, Some(casting.len() as u64));
+            let [share, boxes] =
+                faces.shadowed(&Places::new(state, lit), casting.len(), |number, _, _| *casting[number]);
             load.rays.push(Rays { stage: shadow::STAGE.name, per: "triangles", places, samples, share, boxes });
         }
         let sight: Vec<_> = state.data.camera.first().map_or(Vec::new(), some_rays);
@@ -101,8 +102,15 @@ impl Session {
             load.rays.push(Rays { stage, per: "pixels", places, samples: None, share: 1.0, boxes });
         }
         if plan.has(&pixel_shadow::STAGE) {
-            let own = Places::new(state, |object| state.objects[object].plain());
-            let [facing, boxes] = faces.shadowed(&own, &casting);
+            let asks = |object: usize| {
+                state.objects[object].plain() || state.data.object_params[object].reflection != REFLECTION_NONE
+            };
+            let own = Places::new(state, asks);
+            let lights = &state.data.pixel_lights;
+            let casting: Vec<usize> = (0..lights.len()).filter(|&number| lights[number].shadow != NONE).collect();
+            let samples = Some(casting.len() as u64);
+            let light = |number: usize, k, normal| pixel_light(&state.data, casting[number], k, normal);
+            let [facing, boxes] = faces.shadowed(&own, casting.len(), light);
             let shown =
                 mean(sight.iter().map(|&[origin, direction]| f64::from(u8::from(own.ahead(origin, direction)))));
             let (stage, places, share) = (pixel_shadow::STAGE.name, pixels as u64, shown * facing);
@@ -189,20 +197,22 @@ impl Places {
     }
 
     /// Share of pairs of one of these places and a light whose ray is cast, and boxes along such a ray, on average.
-    fn shadowed(&self, places: &Self, casting: &[&Light]) -> [f64; 2] {
+    /// `light` is the light of a number below `lights`, as place k with this normal sees it.
+    fn shadowed(&self, places: &Self, lights: usize, light: impl Fn(usize, usize, [f32; 3]) -> Light) -> [f64; 2] {
         let mut boxes = Vec::new();
-        if places.corners.is_empty() || casting.is_empty() {
+        if places.corners.is_empty() || lights == 0 {
             return [0.0; 2];
         }
         for k in 0..SAMPLE {
             // Another light each time, spread over all of them by the golden ratio.
-            let spread = (k as f64 * 0.618_033_988_75).fract() * casting.len() as f64;
+            let spread = (k as f64 * 0.618_033_988_75).fract() * lights as f64;
             let corners = &places.corners[k * places.corners.len() / SAMPLE];
-            let (light, origin) = (casting[spread as usize], centroid(corners));
+            let [a, b, c] = corners.map(glam::Vec3::from);
+            let normal = (b - a).cross(c - a);
+            let (light, origin) = (light(spread as usize, k, normal.into()), centroid(corners));
             let far = light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_SKY_RAY;
             let direction = if far { light.place } else { std::array::from_fn(|k| light.place[k] - origin[k]) };
-            let [a, b, c] = corners.map(glam::Vec3::from);
-            if (b - a).cross(c - a).dot(direction.into()) > 0.0 {
+            if normal.dot(direction.into()) > 0.0 {
                 boxes.push(self.along(origin, direction));
             }
         }

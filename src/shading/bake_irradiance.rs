@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::gaussians::GAUSSIANS;
 use crate::error::Result;
 use crate::layout::{BufferId, LONGEST_STRETCH, TEXTURE_ENTERS, TexelHit, Unwrapping};
-use crate::lighting::irradiance::{entering, reaches};
+use crate::lighting::irradiance::{SkyRays, entering, reaches};
 use crate::lighting::texture::{factor, place};
 use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never, wide,
@@ -52,7 +52,8 @@ fn texel(state: &State, own: &Unwrapping, chart: &TexelHit) -> ([f32; 4], [f32; 
         corners.iter().zip(weight).map(|(&v, weight)| weight * wide(values[v as usize])).sum()
     };
     let place_of = [mix(data.in_scene()), mix(data.normals_in_scene()).normalize_or_zero()];
-    let mut light = entering(data, params, place_of, &|light| reaches(data, light, face));
+    let mut light =
+        entering(data, params, place_of, (&data.lights, SkyRays::Evenly), &|light| reaches(data, light, face));
     if params.texture_side & TEXTURE_ENTERS != 0 {
         light *= factor(params, &data.texels, place(data, face, chart.u.into(), chart.v.into()));
     }

@@ -1,19 +1,23 @@
-//! Stage `pixel_shadow`: whether each light that casts shadows reaches the point of an opaque object that a pixel
-//! shows, by a ray from that point: shadow borders are as sharp as the picture, however coarse the triangles.
+//! Stage `pixel_shadow`: whether each light reaches the point that a pixel shows, by a ray from that point: shadow
+//! borders are as sharp as the picture, however coarse the triangles. Opaque objects are lit by it, and the reflections
+//! of lights on all objects.
 
 use rayon::prelude::*;
 
 use super::pixel_receivers::place;
 use crate::error::Result;
-use crate::layout::{BufferId, Light, NONE, Rays};
+use crate::layout::{BufferId, LIGHT_SKY_RAY, NONE, OPAQUE_BY_PIXEL, ObjectParams, REFLECTION_NONE, Rays};
+use crate::lighting::pixel_light::{blended, pixel_light};
 use crate::lighting::shadow::{RAYS, free};
-use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update};
+use crate::state::{
+    Carrier, Granularity, Local, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update,
+};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "pixel_shadow",
     module: "view",
-    about: "whether each light reaches the point of an opaque object that a pixel shows: rays through the tree, one bit per ray",
+    about: "whether each light reaches the point that a pixel shows: rays through the tree, one bit per ray",
     equation: "the visibility in equation 5; any triangle between blocks",
     writes: &[
         (BufferId::pixel_lit, Role::Output, Tolerance::Exact),
@@ -22,12 +26,12 @@ pub static STAGE: Stage = Stage {
     reason: "decisions, bit for bit",
     sizes: &[(
         BufferId::pixel_lit,
-        Size::Elements(|state| state.data.object_params[0].shadow_words as usize * state.pixels()),
+        Size::Elements(|state| state.data.camera.first().map_or(0, |c| c.shadow_words as usize) * state.pixels()),
     )],
     granularity: Granularity::Scene,
     carriers: Carrier::ALL,
     needs: &[Need::Light, Need::Picture],
-    serves: Serves { object: |object, _| object.plain(), none: "no opaque object is lit where the pixels show it" },
+    serves: Serves::ALL,
     skip,
     runs: Update::picture,
     cpu,
@@ -35,23 +39,34 @@ pub static STAGE: Stage = Stage {
 };
 
 fn skip(state: &State) -> Option<&'static str> {
-    let unshadowed = state.data.object_params.iter().all(|params| params.shadow_words == 0);
-    unshadowed.then_some("no light casts shadows, and no environment asks what is hidden of it")
+    let unshadowed = state.data.camera.iter().all(|camera| camera.shadow_words == 0);
+    match state.data.pixel_lights.is_empty() {
+        true => Some("no opaque object is lit where the pixels show it, and none reflects a light"),
+        false if unshadowed => Some("no light casts shadows, and no environment asks what is hidden of it"),
+        false => None,
+    }
+}
+
+/// Whether the light at the pixels of an object is asked for: to light it, or to be reflected.
+fn asked(params: &ObjectParams, kind: u32) -> bool {
+    params.opaque == OPAQUE_BY_PIXEL || (params.reflection != REFLECTION_NONE && kind != LIGHT_SKY_RAY)
 }
 
 fn cpu(state: &mut State, _at: Scope) {
     let data = &state.data;
-    let words = data.object_params[0].shadow_words as usize;
-    let casting: Vec<&Light> = data.lights.iter().filter(|light| light.shadow != NONE).collect();
+    let words = data.camera[0].shadow_words as usize;
+    let casting: Vec<usize> =
+        (0..data.pixel_lights.len()).filter(|&number| data.pixel_lights[number].shadow != NONE).collect();
     let mut reached = vec![0; words * data.hits.len()];
-    reached.par_chunks_mut(words.max(1)).zip(&data.hits).for_each(|(bits, hit)| {
+    reached.par_chunks_mut(words.max(1)).zip(&data.hits).enumerate().for_each(|(pixel, (bits, hit))| {
         let Some(&corners) = data.triangles.get(hit.face as usize) else { return };
-        if !state.objects[state.object_of(hit.face as usize)].plain() {
-            return;
-        }
+        let params = &data.object_params[state.object_of(hit.face as usize)];
         let place = place(hit, corners.map(|v| data.in_scene()[v as usize]));
-        for light in &casting {
-            bits[light.shadow as usize / 32] |= u32::from(free(state, hit.face, place, light)) << (light.shadow % 32);
+        let normal = blended([hit.u, hit.v], corners.map(|v| data.normals_in_scene()[v as usize]));
+        for &number in &casting {
+            let light = pixel_light(data, number, pixel, normal);
+            let free = asked(params, light.kind) && free(state, hit.face, place, &light);
+            bits[light.shadow as usize / 32] |= u32::from(free) << (light.shadow % 32);
         }
     });
     state.data.pixel_lit = reached;
@@ -59,12 +74,13 @@ fn cpu(state: &mut State, _at: Scope) {
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let data = &pass.state.data;
-    let objects = pass.state.objects.len() as u32;
-    for light in (0..data.lights.len()).filter(|&light| data.lights[light].shadow != NONE) {
+    let others = u32::from(pass.state.method.local.is_some_and(Local::spares_itself));
+    let constants = [pass.state.objects.len() as u32, others];
+    for light in (0..data.pixel_lights.len()).filter(|&light| data.pixel_lights[light].shadow != NONE) {
         for first in (0..data.hits.len()).step_by(RAYS) {
             let count = RAYS.min(data.hits.len() - first);
             let rays = Rays { object: 0, first: first as u32, count: count as u32, light: light as u32 };
-            pass.dispatch(None, &[objects], bytemuck::bytes_of(&rays), count)?;
+            pass.dispatch(None, &constants, bytemuck::bytes_of(&rays), count)?;
         }
     }
     Ok(())

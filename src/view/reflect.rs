@@ -13,10 +13,11 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{
-    BufferId, Hit, LIGHT_SKY_RAY, OPAQUE_BY_PIXEL, ObjectParams, REFLECTION_GGX, REFLECTION_NONE, REFLECTION_PHONG,
-    SHADOWS_BY_FACE, SHADOWS_BY_PIXEL, SHADOWS_NOT,
+    BufferId, Hit, LIGHT_SKY_RAY, LIGHT_SKY_RAY_BACK, Light, ObjectParams, REFLECTION_GGX, REFLECTION_NONE,
+    REFLECTION_PHONG,
 };
-use crate::lighting::irradiance::{arrival, bit, reaches};
+use crate::lighting::irradiance::{arrival, reaches_pixel};
+use crate::lighting::pixel_light::pixel_light;
 use crate::lighting::{fresnel, sky};
 use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, wide,
@@ -79,6 +80,10 @@ fn facets(alpha: f64, cosine: f64) -> f64 {
     a2 / (PI * (c2 * (a2 - 1.0) + 1.0).powi(2))
 }
 
+fn sky_ray(light: &Light) -> bool {
+    [LIGHT_SKY_RAY, LIGHT_SKY_RAY_BACK].contains(&light.kind)
+}
+
 /// Reflected radiance of one pixel, internal units.
 fn reflected(state: &State, pixel: usize, hit: &Hit) -> DVec3 {
     let (data, camera) = (&state.data, &state.data.camera[0]);
@@ -102,14 +107,11 @@ fn reflected(state: &State, pixel: usize, hit: &Hit) -> DVec3 {
         |cosine: f64| DVec3::from_array(params.eta.map(|eta| 1.0 - fresnel::transmittance(eta.into(), cosine)));
 
     let mut sum = DVec3::ZERO;
-    for light in data.lights.iter().filter(|light| light.kind != LIGHT_SKY_RAY) {
-        let (toward, falloff) = arrival(light, point);
+    for number in (0..data.pixel_lights.len()).filter(|&number| !sky_ray(&data.pixel_lights[number])) {
+        let light = pixel_light(data, number, pixel, narrow(normal));
+        let (toward, falloff) = arrival(&light, point);
         let cosine = normal.dot(toward);
-        let arrives = match state.objects[object].plain() {
-            true => bit(&data.pixel_lit, params.shadow_words, light, pixel),
-            false => reaches(data, light, hit.face as usize),
-        };
-        if cosine <= 0.0 || !arrives {
+        if cosine <= 0.0 || !reaches_pixel(data, &light, pixel) {
             continue;
         }
         let (lobe, met) = if ggx {
@@ -157,12 +159,8 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     for (object, params) in (0u32..).zip(&data.object_params).filter(|(_, params)| params.reflection != REFLECTION_NONE)
     {
         let (ggx, push) = (u32::from(params.reflection == REFLECTION_GGX), object.to_le_bytes());
-        if data.lights.iter().any(|light| light.kind != LIGHT_SKY_RAY) {
-            let shadows = match params.opaque {
-                _ if params.shadow_words == 0 => SHADOWS_NOT,
-                OPAQUE_BY_PIXEL => SHADOWS_BY_PIXEL,
-                _ => SHADOWS_BY_FACE,
-            };
+        if !data.pixel_lights.iter().all(sky_ray) {
+            let shadows = u32::from(data.camera[0].shadow_words > 0);
             pass.dispatch(Some("lights"), &[shadows, ggx], &push, pixels)?;
         }
         if !data.reflection_directions.is_empty() {

@@ -11,7 +11,8 @@ use super::pixel_receivers::place;
 use crate::error::Result;
 use crate::layout::{BufferId, Hit, Light};
 use crate::lighting::fresnel;
-use crate::lighting::irradiance::{bit, entering};
+use crate::lighting::irradiance::{SkyRays, entering, reaches_pixel};
+use crate::lighting::pixel_light::{blended, pixel_light};
 use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
 };
@@ -49,8 +50,11 @@ fn radiance(state: &State, pixel: usize, hit: &Hit) -> Option<[f32; 3]> {
     let normal: DVec3 =
         corners.iter().zip(weight).map(|(&v, weight)| weight * wide(data.normals_in_scene()[v as usize])).sum();
     let normal = normal.normalize_or_zero();
-    let reaches = |light: &Light| bit(&data.pixel_lit, params.shadow_words, light, pixel);
-    let arrives = entering(data, params, [point, normal], &reaches);
+    let blended = blended([hit.u, hit.v], corners.map(|v| data.normals_in_scene()[v as usize]));
+    let lights: Vec<Light> =
+        (0..data.pixel_lights.len()).map(|number| pixel_light(data, number, pixel, blended)).collect();
+    let reaches = |light: &Light| reaches_pixel(data, light, pixel);
+    let arrives = entering(data, params, [point, normal], (&lights, SkyRays::ByCosine), &reaches);
     let toward = (wide(camera.origin) - point).normalize_or_zero();
     let leaves = params.eta.map(|eta| fresnel::transmittance(eta.into(), normal.dot(toward).abs()));
     let scale = f64::from(camera.radiance) / std::f64::consts::PI;
@@ -66,7 +70,7 @@ fn cpu(state: &mut State, _at: Scope) {
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let data = &pass.state.data;
-    let shadows = u32::from(data.object_params[0].shadow_words > 0);
+    let shadows = u32::from(data.camera[0].shadow_words > 0);
     let constants = [pass.state.objects.len() as u32, shadows, u32::from(!data.sky.is_empty())];
     pass.dispatch(None, &constants, &[], data.radiance.len())
 }

@@ -5,28 +5,27 @@
 #include "lighting/fresnel.glsl"
 
 // The reflections of lights that have a position or a direction, if they reach the point.
-layout(constant_id = 0) const uint SHADOWS = SHADOWS_NOT; // whose bits of shadow are read
+layout(constant_id = 0) const uint SHADOWS = 0;
 layout(constant_id = 1) const uint GGX = 0;
 layout(push_constant, scalar) uniform push_block { uint object; }; // whose pixels this dispatch shades
 READS(object_params)
 READS(camera)
-READS(lights)
-READS(lit)
+READS(pixel_lights)
 READS(pixel_lit)
 READS(triangles)
 READS(placed_positions)
 READS(placed_normals)
 READS(hits)
 UPDATES(radiance)
-uint shadow_bits(uint word) {
-    uint bits = 0;
-    if (SHADOWS == SHADOWS_BY_PIXEL) bits = pixel_lit[word];
-    else bits = lit[word];
-    return bits;
-}
-#define LIT(word) shadow_bits(word)
+#define LIT(word) pixel_lit[word]
+#define LIT_WORDS camera[0].shadow_words
 #include "lighting/arrival.glsl"
 #include "view/surface.glsl"
+#include "geometry/sight.glsl"
+#include "geometry/exact.glsl"
+#include "geometry/turn.glsl"
+#include "geometry/random.glsl"
+#include "lighting/pixel_light.glsl"
 
 // A cosine to the power of a whole number up to 1023.
 float power(float cosine, uint exponent) {
@@ -46,11 +45,10 @@ void main() {
     Surface s = surface(hit);
     float signed_seen = dot(s.normal, s.toward), seen = abs(signed_seen), alpha = object_params[object].roughness;
     vec3 sum = vec3(0);
-    uint index = SHADOWS == SHADOWS_BY_PIXEL ? pixel : hit.face;
-    for (uint i = 0; i < object_params[0].lights; ++i) {
-        Light light = lights[i];
+    for (uint i = 0; i < camera[0].lights; ++i) {
+        Light light = pixel_light(i, pixel, s.normal);
         vec3 toward;
-        float falloff = arrival(light, s.point, toward) * reaches(light, index);
+        float falloff = arrival(light, s.point, toward) * reaches(light, pixel);
         float cosine = max(dot(s.normal, toward), 0.0), lobe, met;
         if (GGX != 0) {
             vec3 facet = unit(s.toward + toward);

@@ -1,32 +1,9 @@
 //! Arithmetic of the walk, in step with `glsl/transport/walk/exact.glsl`: `f32` additions, multiplications and
 //! comparisons in the same order, so that every device finds the same bits.
 
-use crate::geometry::deform::turn;
 pub use crate::geometry::exact::{inside, inverse, kept_unit, refracted, root, unit};
+pub use crate::geometry::random::{about, random4, unit_random};
 use crate::layout::LOGARITHM;
-
-/// Four random numbers of a photon's flight: pcg4d of Jarzynski and Olano 2020, "Hash Functions for GPU Rendering".
-#[must_use]
-pub fn random4(number: u32, flight: u32, channel: u32, seed: u32) -> [u32; 4] {
-    let [mut x, mut y, mut z, mut w] =
-        [number, flight, channel, seed].map(|n| n.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
-    for round in 0..2 {
-        if round == 1 {
-            [x, y, z, w] = [x, y, z, w].map(|n| n ^ (n >> 16));
-        }
-        x = x.wrapping_add(y.wrapping_mul(w));
-        y = y.wrapping_add(z.wrapping_mul(x));
-        z = z.wrapping_add(x.wrapping_mul(y));
-        w = w.wrapping_add(y.wrapping_mul(z));
-    }
-    [x, y, z, w]
-}
-
-/// One of 2^23 numbers in (0, 1).
-#[must_use]
-pub fn unit_random(bits: u32) -> f32 {
-    ((bits >> 9) * 2 + 1) as f32 * (1.0 / 16_777_216.0)
-}
 
 /// -ln x for x in (0, 1).
 #[must_use]
@@ -41,19 +18,6 @@ pub fn minus_log(x: f32) -> f32 {
 
 /// Rounded as the shader's text is.
 const LN_2: f32 = std::f32::consts::LN_2;
-
-/// The direction that has these cosine and azimuth (in turns) about an axis.
-#[must_use]
-pub fn about(axis: [f32; 3], cosine: f32, turns: f32) -> [f32; 3] {
-    let s = if axis[2] >= 0.0 { 1.0 } else { -1.0 };
-    let a = -s * inverse(1.0 + s * axis[2]);
-    let b = axis[0] * axis[1] * a;
-    let right = [1.0 + s * axis[0] * axis[0] * a, s * b, -s * axis[0]];
-    let up = [b, s + axis[1] * axis[1] * a, -axis[1]];
-    let across = root(1.0 - cosine * cosine);
-    let [sine, cos] = turn(turns);
-    std::array::from_fn(|k| cosine * axis[k] + across * (cos * right[k] + sine * up[k]))
-}
 
 /// Fresnel transmittance of a boundary with this index, inner over outer, from its cosines outside and inside.
 #[must_use]

@@ -1,0 +1,26 @@
+// A light as one pixel sees it in one sample. Areas and environments are seen at points of a sequence that fills the
+// square evenly (R2, by the plastic number), shifted for each pixel: no two neighbours see the same ones, and further
+// samples fill the gaps. The same bits on every device.
+
+// `normal`: the surface's, of any length. A ray to the environment is drawn by the cosine about it.
+Light pixel_light(uint number, uint pixel, vec3 normal) {
+    Light light = pixel_lights[number];
+    bool area = light.kind == LIGHT_AREA || light.kind == LIGHT_AREA_BOTH;
+    bool sky = light.kind == LIGHT_SKY_RAY || light.kind == LIGHT_SKY_RAY_BACK;
+    if (area || sky) {
+        uint point = camera[0].sample_number * light.of + light.number;
+        uvec4 shift = random4(pixel, light.kind, 0, 0);
+        float u = unit_random(shift.x + point * SQUARE_STEPS[0]), v = unit_random(shift.y + point * SQUARE_STEPS[1]);
+        precise float across = u - 0.5, along = v - 0.5;
+        precise vec3 place = light.place + (across * light.edge_u + along * light.edge_v);
+        if (sky) {
+            precise float left = 1.0 - u;
+            vec3 up = unit_of(normal);
+            if (light.kind == LIGHT_SKY_RAY_BACK) up = -up;
+            place = about(up, root_of(left), v);
+            light.kind = LIGHT_SKY_RAY;
+        }
+        light.place = place;
+    }
+    return light;
+}

@@ -1,0 +1,72 @@
+//! The scene's lights as pixels see them: where opaque objects are lit pixel by pixel, or objects reflect lights.
+//!
+//! A light's points, or an environment's rays, are spread over the samples of a picture: each sample of a pixel takes
+//! its share of them, at places of its own, and their mean is that of all.
+
+use super::lights::record_of;
+use super::units::Units;
+use crate::layout::{LIGHT_SKY_RAY, LIGHT_SKY_RAY_BACK, Light as Record, NONE, REFLECTION_NONE};
+use crate::scene::{Light, Source};
+use crate::state::{Local, State, narrow};
+
+/// Fewest rays to an environment in one sample: what is hidden of it is a ratio of two of their sums.
+const FEWEST_RAYS: usize = 4;
+
+/// Writes `pixel_lights` and their numbers in the camera's record, for lights that cast shadows unless `alone`.
+pub fn pixel_lights(state: &mut State, lights: &[Light], units: Units) {
+    state.data.pixel_lights.clear();
+    let Some(samples) = state.data.camera.first().map(|camera| camera.samples as usize) else { return };
+    let params = state.objects.iter().zip(&state.data.object_params);
+    let (plain, both) = params
+        .clone()
+        .filter(|(object, _)| object.plain())
+        .fold((false, false), |(_, both), (_, p)| (true, both || p.two_sided != 0));
+    let reflects = params.clone().any(|(_, params)| params.reflection != REFLECTION_NONE);
+    if !plain && !reflects {
+        count(state, 0);
+        return;
+    }
+    let mut records = Vec::new();
+    for light in lights {
+        let share = light.samples().div_ceil(samples.max(1));
+        match &light.source {
+            Source::Environment { .. } if !plain || share == 0 || light.color() == [0.0; 3] => {}
+            Source::Environment { .. } => {
+                let of = share.max(FEWEST_RAYS);
+                let kinds = [LIGHT_SKY_RAY, LIGHT_SKY_RAY_BACK];
+                for kind in kinds.into_iter().take(if both { 2 } else { 1 }) {
+                    let ray = Record { kind, of: of as u32, ..Record::default() };
+                    records.extend((0..of as u32).map(|number| Record { number, ..ray }));
+                }
+            }
+            Source::Area { position, edge_u, edge_v, .. } => {
+                let record = Record {
+                    place: narrow(units.inside(*position)),
+                    edge_u: narrow(*edge_u / units.length),
+                    edge_v: narrow(*edge_v / units.length),
+                    of: share as u32,
+                    ..record_of(light, units, share)
+                };
+                records.extend((0..share as u32).map(|number| Record { number, ..record }));
+            }
+            _ => records.push(record_of(light, units, 1)),
+        }
+    }
+    // In local shading an object does not shadow itself.
+    let alone = state.method.local.is_some_and(Local::spares_itself) && state.objects.len() == 1 && !plain;
+    let mut bits = 0;
+    for record in records.iter_mut().filter(|record| record.shadow != NONE) {
+        record.shadow = if alone { NONE } else { bits };
+        bits += u32::from(!alone);
+    }
+    state.data.pixel_lights = records;
+    count(state, bits);
+}
+
+/// Writes their number, and that of those that cast shadows, into the camera's record.
+fn count(state: &mut State, bits: u32) {
+    let lights = state.data.pixel_lights.len() as u32;
+    for camera in &mut state.data.camera {
+        (camera.lights, camera.shadow_words) = (lights, bits.div_ceil(32));
+    }
+}
