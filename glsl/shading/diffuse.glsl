@@ -17,6 +17,7 @@ UPDATES(radiance)
 #include "lighting/fresnel.glsl"
 #include "lighting/harmonics.glsl"
 #include "lighting/arrival.glsl"
+#include "lighting/leaving.glsl"
 #include "view/object.glsl"
 
 // The normal of a vertex, of length 32767, and kappa, unpacked from what stage `pack_normals` writes.
@@ -83,7 +84,7 @@ void main() {
         sum += whole * mix(open / max(all, vec3(1e-30)), vec3(1), equal(open, all));
     }
     vec3 eye = view.origin - point;
-    float cosine = abs(dot(normal, eye)) / sqrt(max(dot(eye, eye), 1e-30));
+    float cosine = SEEN_COSINE(normal, eye, corner);
     vec3 leaves = transmittance(eta, cosine) * exits;
     radiance[pixel] = leaves * diffuse * sum * (view.radiance / 3.14159265358979);
 }

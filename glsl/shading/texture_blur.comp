@@ -18,6 +18,7 @@ READS(gaussians)
 READS(irradiance_maps)
 UPDATES(radiance)
 #include "geometry/blend.glsl"
+#include "lighting/leaving.glsl"
 #include "lighting/wrap.glsl"
 #include "view/object.glsl"
 
@@ -56,7 +57,7 @@ void main() {
     vec3 normal = BLEND_AT(weight, placed_normals, corner);
     normal /= sqrt(max(dot(normal, normal), 1e-30));
     vec3 eye = camera[0].origin - point;
-    float cosine = abs(dot(normal, eye)) / sqrt(max(dot(eye, eye), 1e-30));
+    float cosine = SEEN_COSINE(normal, eye, corner);
     vec3 leaves = transmittance(object_params[object].eta, cosine) * object_params[object].exit;
     radiance[pixel] = leaves * sum * (camera[0].radiance / 3.14159265358979);
 }

@@ -19,6 +19,7 @@ READS(hits)
 READS(seen)
 WRITES(radiance)
 #include "geometry/blend.glsl"
+#include "lighting/leaving.glsl"
 #include "view/object.glsl"
 
 void main() {
@@ -37,8 +38,7 @@ void main() {
             if (object_params[object].by_pixel != 0) B = radiosity[object_params[object].first_receiver + seen[pixel]];
         }
         vec3 toward = camera[0].origin - point;
-        float size = sqrt(dot(normal, normal) * dot(toward, toward));
-        float cosine = size > 0.0 ? abs(dot(normal, toward)) / size : 0.0;
+        float cosine = SEEN_COSINE(normal, toward, corner);
         color = transmittance(object_params[object].eta, cosine) * B * (camera[0].radiance / 3.14159265358979) *
                 object_params[object].exit;
     }

@@ -7,7 +7,7 @@ use milkglass::Scene;
 use milkglass::error::{Input, Result};
 use milkglass::internals::pipeline::frame::{FRAME, Part, QUERIES};
 use milkglass::internals::state::{Change, Stage, Update};
-use milkglass::scene::{BUILTIN, Files, PRESETS};
+use milkglass::scene::{BUILTIN, Files, Preset};
 use std::path::Path;
 
 /// Arguments of `scenes`.
@@ -75,18 +75,25 @@ fn row(stage: &Stage) -> Vec<String> {
     [stage.name, stage.module, &again.join(", "), stage.about, stage.equation].map(String::from).to_vec()
 }
 
-/// Lists the presets of Jensen et al. 2001.
+/// Lists the presets, measured ones and looks.
 pub fn materials() -> Result<()> {
     let three = |v: [f64; 3]| v.map(|x| x.to_string()).join(" ");
-    let rows: Vec<_> = PRESETS
-        .iter()
+    let rows: Vec<_> = Preset::all()
         .map(|m| {
-            let (s, a, r) = (three(m.sigma_s_prime), three(m.sigma_a), three(m.diffuse_reflectance));
-            vec![m.name.to_string(), s, a, m.eta.to_string(), r]
+            let (s, a, r) =
+                (three(m.sigma_s_prime), three(m.sigma_a), m.diffuse_reflectance.map_or(String::new(), three));
+            vec![m.name.to_string(), s, a, m.eta.to_string(), m.origin.words().to_string(), r]
         })
         .collect();
     print(&table(
-        &["material", "sigma_s' per mm (r g b)", "sigma_a per mm (r g b)", "eta", "diffuse reflectance (r g b)"],
+        &[
+            "material",
+            "sigma_s' per mm (r g b)",
+            "sigma_a per mm (r g b)",
+            "eta",
+            "coefficients",
+            "diffuse reflectance as printed",
+        ],
         &[],
         &rows,
     ))?;

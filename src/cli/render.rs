@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::bare::BareArguments;
 use super::long_work::tell_long_work;
-use super::samples::Samples;
+use super::samples::{Samples, foretell};
 use super::{
     RunArguments, SceneArguments, check_messages, open_session, print, run_frame, sequence, table, validation,
 };
@@ -118,7 +118,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     scene.camera = scene.camera.clone().sized(size.unwrap_or(scene.camera.size))?;
     let mut session = open_session(&scene, device.as_ref(), options)?;
     tell_long_work(&session);
-    let mut times = run_frame(&mut session, Change::EVERYTHING)?;
+    let shows = pick.is_none() && arguments.view.is_none();
+    let foretold = if shows { foretell(&mut session)? } else { None };
+    let mut times = foretold.clone().unwrap_or_default();
+    times.extend(run_frame(&mut session, if foretold.is_some() { Change::VIEW } else { Change::EVERYTHING })?);
     if arguments.times && (pick.is_some() || arguments.view.is_some()) {
         super::solve::print_times(&mut session, &times)?;
     }
@@ -134,7 +137,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         picture.save(&arguments.output)?;
         return print_curvature(&curvature_view, scene.unit_mm);
     }
-    let samples = Samples::new(&session);
+    let samples = Samples::new(&session, foretold.is_some());
     times.extend(sequence::shoot(&mut session, aov, &arguments.output, samples)?);
     if arguments.times {
         super::solve::print_times(&mut session, &times)?;

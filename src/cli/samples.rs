@@ -1,17 +1,50 @@
-//! How far the samples of a picture are: a bar, and, where they take long, how long and why, said after the first one.
+//! How long the samples of a picture will take, and why, said before the first one where that is long; and a bar.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::run_frame;
+use milkglass::Result;
 use milkglass::internals::gpu::Timing;
+use milkglass::internals::pipeline::plan::Change;
 use milkglass::internals::session::run::Session;
 use milkglass::internals::view::pixel_shadow;
 use milkglass::scene::{Light, Source};
 
 /// Seconds from which the samples that are left count as long.
 const LONG: f64 = 5.0;
+
+/// Pixels times samples of a picture from which on a small one is timed first: a picture of fewer is not long.
+const LARGE: f64 = 1e6;
+/// Pixels of the small one, about.
+const SMALL: f64 = 4096.0;
+
+/// Says before a large picture is made how long that takes, if it is long: from a small picture, which this renders. The
+/// session's light is found then. Returns the times of its steps; none if nothing was timed.
+pub fn foretell(session: &mut Session) -> Result<Option<Vec<Timing>>> {
+    let camera = session.scene().camera.clone();
+    let [width, height] = camera.size.map(f64::from);
+    let samples = if camera.samples == 1 { 1.0 } else { f64::from(camera.samples) + 1.0 };
+    let by_pixel = session.state().objects.iter().any(|object| object.by_pixel);
+    if width * height * samples < LARGE || by_pixel {
+        return Ok(None);
+    }
+    let size = [width, height].map(|side| ((side * (SMALL / (width * height)).sqrt()).round() as u32).max(1));
+    session.set_camera(&camera.clone().sized(size)?)?;
+    let times = run_frame(session, Change::EVERYTHING)?;
+    // Once more: the first time a driver may still compile kernels.
+    let steps = session.frame(Change::VIEW)?;
+    let each: f64 = steps.iter().map(|step| step.milliseconds).filter(|ms| ms.is_finite()).sum();
+    let pixels = f64::from(size[0]) * f64::from(size[1]);
+    let seconds = 1e-3 * each * samples * width * height / pixels;
+    if let Some(line) = long(seconds, "the picture takes", &steps, fewer(&session.scene().lights).as_deref()) {
+        tell!("{line}");
+    }
+    session.set_camera(&camera)?;
+    Ok(Some(times))
+}
 
 /// The progress of a picture's samples.
 pub struct Samples {
@@ -23,8 +56,8 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// The start of a session's samples.
-    pub fn new(session: &Session) -> Self {
+    /// The start of a session's samples; `foretold` if it is known how long they take.
+    pub fn new(session: &Session, foretold: bool) -> Self {
         let bar = match session.scene().camera.samples {
             1 => ProgressBar::hidden(),
             samples => ProgressBar::new(samples.into()),
@@ -32,7 +65,7 @@ impl Samples {
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len} samples, {eta} left") {
             bar.set_style(style);
         }
-        Self { start: Some(Instant::now()), bar, fewer: fewer(&session.scene().lights) }
+        Self { start: (!foretold).then(Instant::now), bar, fewer: fewer(&session.scene().lights) }
     }
 
     /// Samples that nothing is said about, as those of a frame among many.
@@ -44,7 +77,8 @@ impl Samples {
     pub fn tell(&mut self, done: u32, all: u32, steps: &[Timing]) {
         let first = self.start.filter(|_| done == 1);
         let left = first.map_or(0.0, |start| start.elapsed().as_secs_f64() * f64::from(all - done));
-        if let Some(line) = long(left, all - done, steps, self.fewer.as_deref()) {
+        let what = format!("{} more samples a pixel take", all - done);
+        if let Some(line) = long(left, &what, steps, self.fewer.as_deref()) {
             self.bar.suspend(|| tell!("{line}"));
         }
         self.bar.inc(1);
@@ -54,8 +88,8 @@ impl Samples {
     }
 }
 
-/// What to say about so many samples that will take so many seconds, if that is long.
-fn long(seconds: f64, samples: u32, steps: &[Timing], fewer: Option<&str>) -> Option<String> {
+/// What to say about `what` that takes so many seconds, if that is long.
+fn long(seconds: f64, what: &str, steps: &[Timing], fewer: Option<&str>) -> Option<String> {
     if seconds < LONG {
         return None;
     }
@@ -67,11 +101,11 @@ fn long(seconds: f64, samples: u32, steps: &[Timing], fewer: Option<&str>) -> Op
     let most = stages.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).filter(|_| total > 0.0);
     let share = most.map(|(stage, time)| format!(", {:.0} % of it in {stage}", 100.0 * time / total));
     let shadows = most.is_some_and(|(stage, _)| stage == pixel_shadow::STAGE.name);
-    let fewer = fewer.filter(|_| shadows).map(|key| format!(" or {key}")).unwrap_or_default();
+    let fewer = fewer
+        .filter(|_| shadows)
+        .map_or(" or a lower --samples".to_string(), |key| format!(", a lower --samples or {key}"));
     let share = share.unwrap_or_default();
-    Some(format!(
-        "long: {samples} more samples a pixel take about {seconds:.0} s{share}; a lower --samples{fewer} takes less"
-    ))
+    Some(format!("long: {what} about {seconds:.0} s{share}; a smaller --size{fewer} takes less"))
 }
 
 /// The key of the light with most samples.
@@ -90,14 +124,15 @@ mod tests {
         let step = |name: &str, milliseconds| Timing { name: name.into(), milliseconds, start: 0.0 };
         let shadows = pixel_shadow::STAGE.name;
         let steps = [step(shadows, 600.0), step("other", 100.0), step(shadows, 300.0)];
-        assert_eq!(long(4.9, 7, &steps, None), None);
-        let line = long(70.0, 7, &steps, Some("light.0.occlusion"));
+        assert_eq!(long(4.9, "it takes", &steps, None), None);
+        let line = long(70.0, "7 more samples a pixel take", &steps, Some("light.0.occlusion"));
         let words = format!(
-            "long: 7 more samples a pixel take about 70 s, 90 % of it in {shadows}; a lower --samples or \
-             light.0.occlusion takes less"
+            "long: 7 more samples a pixel take about 70 s, 90 % of it in {shadows}; a smaller --size, a \
+             lower --samples or light.0.occlusion takes less"
         );
         assert_eq!(line, Some(words));
-        let line = long(9.0, 1, &[step("other", f64::NAN)], Some("light.0.samples")).unwrap_or_default();
-        assert_eq!(line, "long: 1 more samples a pixel take about 9 s; a lower --samples takes less");
+        let line =
+            long(9.0, "the picture takes", &[step("other", f64::NAN)], Some("light.0.samples")).unwrap_or_default();
+        assert_eq!(line, "long: the picture takes about 9 s; a smaller --size or a lower --samples takes less");
     }
 }

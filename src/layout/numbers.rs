@@ -27,6 +27,8 @@ constants! {
     TEXTURE_PARTS: u32 = 16;
     /// Pixels of the environment's image that one invocation sums, and partial sums that the next one adds up.
     SKY_BLOCK: usize = 64;
+    /// The cosine towards the eye up to which a triangle's own normal may count instead of the interpolated one.
+    LEAST_SEEN: f32 = 0.2;
     /// The plastic number's powers -1 and -2, times 2^32: steps of a sequence that fills the unit square evenly.
     SQUARE_STEPS: [u32; 2] = [3_242_174_889, 2_447_445_414];
     /// Spherical harmonics of degree 0 to 2.

@@ -5,6 +5,7 @@ pub mod environment;
 pub mod fresnel;
 pub mod harmonics;
 pub mod irradiance;
+pub mod leaving;
 pub mod opaque_faces;
 pub mod pixel_light;
 pub mod shadow;

@@ -28,7 +28,9 @@ pub fn pixel_lights(state: &mut State, lights: &[Light], units: Units) {
     }
     let mut records = Vec::new();
     for light in lights {
-        let share = light.samples().div_ceil(samples.max(1));
+        // One point of an area serves for its reflection where there are several samples.
+        let most = if plain || samples == 1 { usize::MAX } else { 1 };
+        let share = light.samples().div_ceil(samples.max(1)).min(most);
         match &light.source {
             Source::Environment { .. } if !plain || share == 0 || light.color() == [0.0; 3] => {}
             Source::Environment { .. } => {

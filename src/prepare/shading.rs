@@ -3,7 +3,7 @@
 use crate::dipole::profile::Dipole;
 use crate::layout::Buffers;
 use crate::lighting::fresnel;
-use crate::scene::{self, Cdrf, Fresnel, Material, PRESETS, Preset};
+use crate::scene::{self, Cdrf, Fresnel, Material, Preset};
 use crate::shading::balls::usual::fitted;
 use crate::state::Local;
 use crate::state::options::ShadingMethod;
@@ -70,7 +70,7 @@ fn tabled(material: &Material) -> Option<[f64; 3]> {
             && same(material.sigma_s_prime, preset.sigma_s_prime)
             && same(material.sigma_a, preset.sigma_a)
     };
-    let preset = PRESETS.iter().find(alike)?;
+    let preset = Preset::all().find(alike)?;
     Some(preset.sigma_0.map(|length| length * preset.sigma_s_prime[0] / material.sigma_s_prime[0]))
 }
 
@@ -103,8 +103,8 @@ mod tests {
 
     #[test]
     fn the_table_of_presets_is_the_fit() {
-        for preset in PRESETS {
-            let material = material(&[&format!("preset={}", preset.name.to_lowercase()), "scale=2.5"]);
+        for preset in Preset::all() {
+            let material = material(&[&format!("preset='{}'", preset.name.to_lowercase()), "scale=2.5"]);
             let (table, found) = (sigma_0(&material), fit(&material));
             (0..3).for_each(|c| assert!((table[c] / found[c] - 1.0).abs() < 1e-3, "{}: {found:?}", preset.name));
             assert_eq!(Some(table), tabled(&material));

@@ -4,7 +4,7 @@
 use super::file::MaterialFile;
 use super::layers::Layers;
 use super::locate;
-use super::preset::{PRESETS, Preset};
+use super::preset::Preset;
 use super::range::{self, Checked};
 use super::surface::{Reflection, Surface};
 use super::texture::{Side, Texture};
@@ -254,7 +254,7 @@ impl Material {
 /// The preset of this name, or an error with the nearest name and the list of all.
 fn find(name: &str, key: &str) -> Checked<&'static Preset> {
     Preset::named(name).ok_or_else(|| {
-        let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
+        let names = Preset::names();
         let what = locate::with_suggestion("unknown preset", name, &names);
         Input::new(what).key(key).found(name).expected(names.join(", "))
     })

@@ -44,7 +44,7 @@ pub use local::{Cdrf, Kappa};
 pub use material::{Fresnel, Material};
 pub use mesh::{Mesh, Shape};
 pub use object::Object;
-pub use preset::{PRESETS, Preset};
+pub use preset::{LIQUIDS, LOOKS, PRESETS, Preset, Provenance};
 pub use skin::{Pose, Rig};
 pub use studio::{Studio, Up, Wishes};
 pub use surface::{Reflection, Surface};

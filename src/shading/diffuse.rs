@@ -16,6 +16,7 @@ use super::reflectance;
 use crate::error::Result;
 use crate::layout::{Buffers, Hit, LIGHT_SKY_RAY, OPAQUE_NOT, ObjectParams};
 use crate::lighting::irradiance::{arrival, reaches};
+use crate::lighting::leaving::seen_cosine;
 use crate::lighting::texture::{look, place};
 use crate::lighting::{fresnel, harmonics};
 use crate::state::{Pass, State, narrow, wide};
@@ -84,8 +85,8 @@ fn pixel(state: &State, hit: &Hit, before: [f32; 3], response: &Response<'_>, be
     let normal = normal.normalize_or_zero();
     let sigma = if bends { kappa * sigma_0(data, params, hit.face as usize, weight) } else { DVec3::ZERO };
     let sum = received(state, hit.face as usize, [point, normal], sigma, response);
-    let toward = (wide(camera.origin) - point).normalize_or_zero();
-    let leaves = params.eta.map(|eta| fresnel::transmittance(eta.into(), normal.dot(toward).abs()));
+    let cosine = seen_cosine(normal, wide(camera.origin) - point, corners.map(|v| data.in_scene()[v as usize]));
+    let leaves = params.eta.map(|eta| fresnel::transmittance(eta.into(), cosine));
     let scale = f64::from(camera.radiance) / std::f64::consts::PI;
     narrow(DVec3::from_array(leaves) * wide(params.exit) * wide(params.diffuse) * sum * scale)
 }

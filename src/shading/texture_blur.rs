@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::layout::{BufferId, GAUSSIANS, Hit, Unwrapping};
 use crate::lighting::fresnel;
+use crate::lighting::leaving::seen_cosine;
 use crate::lighting::texture::{place, texel};
 use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
@@ -72,11 +73,9 @@ fn pixel(state: &State, hit: &Hit, before: [f32; 3]) -> [f32; 3] {
     let mix = |values: &[[f32; 3]]| -> DVec3 {
         corners.iter().zip(weight).map(|(&v, weight)| weight * wide(values[v as usize])).sum()
     };
-    let (toward, normal) = (
-        (wide(camera.origin) - mix(data.in_scene())).normalize_or_zero(),
-        mix(data.normals_in_scene()).normalize_or_zero(),
-    );
-    let leaves = params.eta.map(|eta| fresnel::transmittance(eta.into(), normal.dot(toward).abs()));
+    let places = corners.map(|v| data.in_scene()[v as usize]);
+    let cosine = seen_cosine(mix(data.normals_in_scene()), wide(camera.origin) - mix(data.in_scene()), places);
+    let leaves = params.eta.map(|eta| fresnel::transmittance(eta.into(), cosine));
     let scale = f64::from(camera.radiance) / std::f64::consts::PI;
     narrow(DVec3::from_array(leaves) * wide(params.exit) * sum * scale)
 }

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::layout::BufferId;
 use crate::lighting::fresnel;
+use crate::lighting::leaving::seen_cosine;
 use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, narrow, wide,
 };
@@ -52,11 +53,12 @@ fn cpu(state: &mut State, _at: Scope) {
             let mix = |values: &[[f32; 3]]| -> DVec3 {
                 corner.iter().zip(weight).map(|(&v, weight)| weight * wide(values[v as usize])).sum()
             };
-            let toward = (wide(camera.origin) - mix(data.in_scene())).normalize_or_zero();
-            let normal = mix(data.normals_in_scene()).normalize_or_zero();
+            let toward = wide(camera.origin) - mix(data.in_scene());
+            let places = corner.map(|v| data.in_scene()[v as usize]);
+            let cosine = seen_cosine(mix(data.normals_in_scene()), toward, places);
             let params = &data.object_params[state.object_of(hit.face as usize)];
             let (eta, exit) = (params.eta.map(f64::from), wide(params.exit));
-            let leaves = eta.map(|eta| fresnel::transmittance(eta, normal.dot(toward).abs()));
+            let leaves = eta.map(|eta| fresnel::transmittance(eta, cosine));
             let scale = f64::from(camera.radiance) / std::f64::consts::PI;
             let radiosity = match params.by_pixel {
                 0 => mix(&data.vertex_radiosity),

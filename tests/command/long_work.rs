@@ -83,6 +83,15 @@ fn a_plan_counts_rays() {
     let rays = &plan(&folder, "a.toml")["rays"];
     let of = |k: usize, key: &str| rays[k][key].as_f64().unwrap();
     assert_eq!((of(0, "rays"), of(1, "rays"), of(2, "rays")), (320.0 * 73.0, 120_000.0, 120_000.0 * 73.0));
-    // Every pixel whose ray descends shows the floor, and a floor sees half of the sky.
-    assert!((0.3..0.6).contains(&of(2, "cast")), "{rays}");
+    // Every pixel whose ray descends shows the floor, which sends its rays to the sky upwards.
+    assert!((0.6..=1.0).contains(&of(2, "cast")), "{rays}");
+}
+
+#[test]
+fn a_large_picture_says_how_long_it_takes_before_it_starts() {
+    let folder = folder(&[("a.toml", &lit(32, 2))]);
+    let said = first_notice(&mut program(&folder, "render a.toml -o a.png --size 1400x1050 --samples 64")).unwrap();
+    let seconds = said.split("the picture takes about ").nth(1).and_then(|rest| rest.split(" s").next()).unwrap();
+    assert!(seconds.parse::<f64>().unwrap() >= 5.0 && said.contains("a smaller --size"), "{said}");
+    assert!(!folder.path().join("a.png").exists());
 }

@@ -4,6 +4,7 @@ mod environment;
 mod kinds;
 mod paint;
 mod shadow;
+mod soft;
 
 use glam::DVec3;
 use milkglass::internals::pipeline::plan::{Goal, Options};

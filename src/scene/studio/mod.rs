@@ -11,7 +11,7 @@ pub use pose::Up;
 use super::light::Sky;
 use super::range::Checked;
 use super::text::Text;
-use super::{BUILTIN, Files, PRESETS, Preset, Scene, around, locate, read};
+use super::{BUILTIN, Files, Preset, Scene, around, locate, read};
 use crate::error::{Input, Result};
 use glam::{DQuat, DVec3};
 use lights::Backdrop;
@@ -43,7 +43,7 @@ impl Wishes {
     /// Returns an error if a preset or a size is none.
     fn check(&self) -> Checked<()> {
         if let Some(name) = self.preset.as_deref().filter(|name| Preset::named(name).is_none()) {
-            let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
+            let names = Preset::names();
             let what = locate::with_suggestion("unknown preset", name, &names);
             return Err(Input::new(what).key("--preset").found(name).expected(names.join(", ").to_lowercase()));
         }
