@@ -44,8 +44,8 @@ pub fn pixel_lights(state: &mut State, lights: &[Light], units: Units) {
             Source::Area { position, edge_u, edge_v, .. } => {
                 let record = Record {
                     place: narrow(units.inside(*position)),
-                    edge_u: narrow(*edge_u / units.length),
-                    edge_v: narrow(*edge_v / units.length),
+                    edge_u: narrow(*edge_u * units.length),
+                    edge_v: narrow(*edge_v * units.length),
                     of: share as u32,
                     ..record_of(light, units, share)
                 };

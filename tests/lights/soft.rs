@@ -75,3 +75,35 @@ fn neighbours_see_other_points_of_a_light() {
     let [rough, fine] = [grain(1), grain(64)];
     assert!(rough > 3.0 * fine, "{rough}, {fine}");
 }
+
+#[test]
+fn a_sheet_under_a_panel_gets_its_integral() {
+    // One bare sheet, seen from straight above, and a panel at height 20 over its middle: E = L int cos cos' / d^2 dA.
+    let sets = [
+        "camera={ position = [0, 60, 0], target = [0, 0, 0], up = [0, 0, -1], fov = 60, size = [12, 12], samples = 64 }",
+        "object.0={ shape = 'plane', size = 300, material = { opaque = true, albedo = 0.6, eta = 1 } }",
+        "light.0={ type = 'area', position = [3, 20, 0], edge_u = [14, 0, 0], edge_v = [0, 0, 10], radiance = 2, samples = 3 }",
+    ];
+    let mut session = Session::new(&scene("sphere", &sets), None, Options::default()).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    let found = session.render().unwrap().pixels;
+    let panel = |at: DVec3| {
+        let part = |k: usize, side: f64| side * ((k as f64 + 0.5) / 60.0 - 0.5);
+        let each = (0..3600).map(|k| DVec3::new(3.0 + part(k % 60, 14.0), 20.0, part(k / 60, 10.0)) - at);
+        each.map(|way| 2.0 * way.y * way.y / way.length_squared().powi(2) * 140.0 / 3600.0).sum::<f64>()
+    };
+    let mut off = Vec::new();
+    for (pixel, found) in found.into_iter().enumerate() {
+        // The mean over the pixel's square of the sheet.
+        let side = 2.0 * 60.0 * 30f64.to_radians().tan() / 12.0;
+        let corner = |k: usize| (k as f64 - 6.0) * side;
+        let inner = |k: usize| side * (k as f64 + 0.5) / 8.0;
+        let place = |k: usize| DVec3::new(corner(pixel % 12) + inner(k % 8), 0.0, corner(pixel / 12) + inner(k / 8));
+        let mean = (0..64).map(|k| panel(place(k))).sum::<f64>() / 64.0;
+        let expected = 0.6 / std::f64::consts::PI * mean;
+        off.push(f64::from(found[1]) / expected - 1.0);
+    }
+    let mean = off.iter().sum::<f64>() / 144.0;
+    let rms = (off.iter().map(|x| x * x).sum::<f64>() / 144.0).sqrt();
+    assert!(mean.abs() < 0.002 && rms < 0.02, "on average {mean}, root mean square {rms}");
+}

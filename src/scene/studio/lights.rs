@@ -18,6 +18,9 @@ pub(super) enum Backdrop {
     Own,
 }
 
+/// Side of a softbox, in radii of the object.
+const SOFTBOX: f64 = 1.4;
+
 /// Mean radiance that an image of the surroundings is brought to.
 const AROUND: f64 = 0.25;
 
@@ -45,8 +48,10 @@ impl Backdrop {
         let behind = if ground { DVec3::new(1.9, 0.9, -3.2) } else { DVec3::new(1.7, 2.0, -2.4) };
         let strength = if ground { 150.0 } else { 230.0 };
         let front = if ground { 1.6 } else { 0.8 };
-        let key = area(pose, DVec3::new(-2.2, 2.8, 2.4), 1.4, [9.0, 8.6, 8.0].map(|c| c * front));
-        let back = |share: f64| area(pose, behind, 1.4, [1.0, 0.9, 0.78].map(|c| c * strength * share));
+        // The table shows each grain of a shadow.
+        let samples = if ground { 6 } else { 3 };
+        let key = area(pose, DVec3::new(-2.2, 2.8, 2.4), samples, [9.0, 8.6, 8.0].map(|c| c * front));
+        let back = |share: f64| area(pose, behind, samples, [1.0, 0.9, 0.78].map(|c| c * strength * share));
         let around = |image: &str, intensity: f64, rotation: f64| {
             let mut light = Table::new();
             light.insert("type".into(), "environment".into());
@@ -72,18 +77,18 @@ impl Backdrop {
     }
 }
 
-/// A square softbox of a side in radii, at a place of the studio, that faces the object.
-fn area(pose: &Pose, place: DVec3, side: f64, radiance: [f64; 3]) -> Value {
+/// A square softbox at a place of the studio, that faces the object, with so many samples along a side.
+fn area(pose: &Pose, place: DVec3, samples: i64, radiance: [f64; 3]) -> Value {
     let toward = -place.normalize();
     let across = DVec3::Y.cross(toward).normalize();
-    let [u, v] = [across, toward.cross(across)].map(|edge| pose.direction(edge) * side * pose.radius);
+    let [u, v] = [across, toward.cross(across)].map(|edge| pose.direction(edge) * SOFTBOX * pose.radius);
     let mut light = Table::new();
     light.insert("type".into(), "area".into());
     light.insert("position".into(), value(pose.place_at(place)));
     light.insert("edge_u".into(), value(u));
     light.insert("edge_v".into(), value(v));
     light.insert("radiance".into(), Value::Array(radiance.map(Value::Float).to_vec()));
-    light.insert("samples".into(), Value::Integer(3));
+    light.insert("samples".into(), Value::Integer(samples));
     Value::Table(light)
 }
 
