@@ -55,7 +55,8 @@ pub struct Arguments {
     pub(super) stage: Vec<String>,
     #[command(flatten)]
     pub(super) replace: ReplaceArgument,
-    /// For each stage and fixture that differs, write the dispatch to a folder of this folder: see `milkglass replay`.
+    /// For each stage and fixture that differs, and with --isolate for each that hangs or crashes, write the dispatch to
+    /// a folder of this folder: see `milkglass replay`.
     #[arg(long, value_name = "FOLDER")]
     pub(super) dump: Option<PathBuf>,
     /// In these folders leave out groups that do not fail, and the ends of buffers that nothing reaches.
@@ -74,7 +75,7 @@ pub struct Arguments {
     #[arg(long)]
     pub(super) isolate: bool,
     /// How long such a process may take, seconds.
-    #[arg(long, value_name = "SECONDS", default_value_t = 600.0, value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 600.0, value_parser = crate::cli::watch::seconds)]
     pub(super) timeout: f64,
     /// Failures that are known, as TOML; they do not fail the run, and those that are gone do.
     #[arg(long, value_name = "FILE")]
@@ -88,11 +89,10 @@ pub struct Arguments {
     /// Compare nothing, only probe the device: for such a process.
     #[arg(long, hide = true, requires = "child")]
     pub(super) probe_only: bool,
-}
-
-fn seconds(text: &str) -> std::result::Result<f64, String> {
-    let found = text.parse().ok().filter(|seconds| (0.001..=1e6).contains(seconds));
-    found.ok_or_else(|| "expected 0.001 to 1e6 seconds".into())
+    /// Compare nothing, only run this step of the stage, counted from 0, and write the case of each dispatch to a folder
+    /// of --dump before it runs: for such a process.
+    #[arg(long, hide = true, requires = "child")]
+    pub(super) unfinished: Option<usize>,
 }
 
 /// The command that repeats a comparison.

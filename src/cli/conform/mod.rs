@@ -11,6 +11,7 @@ mod isolate;
 mod junit;
 mod sheet;
 mod sink;
+mod unfinished;
 
 pub use self::arguments::Arguments;
 use self::choose::chosen;
