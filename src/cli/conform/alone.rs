@@ -108,5 +108,8 @@ pub(super) fn failure(
         ..Outcome::default()
     };
     outcome.repeat = repeating(arguments, &outcome);
+    if arguments.isolated() && arguments.scenes.is_empty() {
+        outcome.repeat += &format!(" --isolate --timeout {}", arguments.timeout);
+    }
     outcome
 }

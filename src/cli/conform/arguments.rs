@@ -95,6 +95,13 @@ pub struct Arguments {
     pub(super) unfinished: Option<usize>,
 }
 
+impl Arguments {
+    /// Whether each fixture has a process of its own.
+    pub(super) fn isolated(&self) -> bool {
+        self.isolate || self.junit.is_some()
+    }
+}
+
 /// The command that repeats a comparison.
 pub(super) fn again(arguments: &Arguments, device: &str, fixture: &str, stage: &str) -> String {
     if !arguments.scenes.is_empty() {

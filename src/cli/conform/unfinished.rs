@@ -10,7 +10,7 @@ use super::dumps::{made, name};
 use super::isolate::{command, compares};
 use crate::cli::repro::{amount, describe, played};
 use crate::cli::watch::watched;
-use milkglass::error::{Input, Result};
+use milkglass::error::Result;
 use milkglass::internals::gpu::{Adapter, Device};
 use milkglass::internals::view::atomic_file::Part;
 use milkglass::measure::fixtures::Fixture;
