@@ -161,6 +161,6 @@ fn devices_of_the_same_name_are_told_apart() {
     assert!(devices.iter().all(|name| text.contains(*name)) && text.matches("<testcase").count() == 2, "{text}");
     let (out, err) = said(&run("devices"));
     assert!(devices.iter().all(|name| out.contains(*name)), "{out}{err}");
-    let one = run(&format!("conform --fixture sliver --stage push --no-validation --json b.json --device 1"));
+    let one = run("conform --fixture sliver --stage push --no-validation --json b.json --device 1");
     assert_eq!((one.status.code(), results(&here, "b.json")[0]["device"].as_str()), (Some(0), Some(devices[1])));
 }
