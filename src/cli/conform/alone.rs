@@ -2,12 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use super::arguments::{Arguments, again, repeating};
+use super::arguments::{Arguments, again, failure};
 use super::choose::Choice;
 use super::sink::Sink;
 use super::{dumps, unfinished};
 use milkglass::error::{Input, Result};
-use milkglass::internals::gpu::{Adapter, Device};
+use milkglass::internals::gpu::Device;
 use milkglass::internals::state::dispatches;
 use milkglass::measure::conform::{Event, conform_told};
 use milkglass::measure::fixtures::Fixture;
@@ -88,28 +88,4 @@ fn one(arguments: &Arguments, device: &Device, fixture: &Fixture, sink: &mut Sin
         return Err(error);
     }
     Ok(())
-}
-
-/// The outcome of a comparison that did not come to its end.
-pub(super) fn failure(
-    arguments: &Arguments,
-    adapter: &Adapter,
-    (fixture, stage): (&str, &str),
-    verdict: Verdict,
-    why: &dyn std::fmt::Display,
-) -> Outcome {
-    let mut outcome = Outcome {
-        device: adapter.name.clone(),
-        driver: adapter.driver.clone(),
-        fixture: fixture.into(),
-        stage: stage.into(),
-        verdict,
-        faults: vec![why.to_string()],
-        ..Outcome::default()
-    };
-    outcome.repeat = repeating(arguments, &outcome);
-    if arguments.isolated() && arguments.scenes.is_empty() {
-        outcome.repeat += &format!(" --isolate --timeout {}", arguments.timeout);
-    }
-    outcome
 }

@@ -1,15 +1,13 @@
 //! Comparisons in processes of their own, one a fixture and device: a hang or a crash ends one of them.
 
 use std::collections::BTreeMap;
-use std::path::Path;
-use std::process::Command;
 
-use super::alone::failure;
-use super::arguments::{Arguments, repeating};
+use super::arguments::{Arguments, failure, repeating};
+use super::child::{command, compares};
 use super::choose::Choice;
 use super::sink::Sink;
 use super::unfinished::write;
-use crate::cli::watch::{itself, watched};
+use crate::cli::watch::watched;
 use milkglass::error::Result;
 use milkglass::internals::gpu::Adapter;
 use milkglass::measure::probe::{FIXTURE, REPEAT};
@@ -28,46 +26,6 @@ pub(super) fn run(
         }
     }
     Ok(())
-}
-
-/// The command of a child on this device.
-pub(super) fn command(arguments: &Arguments, device: usize) -> Result<Command> {
-    let mut command = itself("conform")?;
-    command.args(["--device", &device.to_string()]);
-    if arguments.no_validation {
-        command.arg("--no-validation");
-    }
-    command.args(arguments.replace.words());
-    Ok(command)
-}
-
-/// What is compared, as arguments: these stages, and where what differs goes.
-pub(super) fn compares(
-    command: &mut Command,
-    arguments: &Arguments,
-    choice: &Choice,
-    (stages, dump): (&[String], Option<&Path>),
-) {
-    match choice {
-        Choice::Fixture(name) => {
-            command.args(["--fixture", name]);
-        }
-        Choice::Scene(name) => {
-            command.arg(name).arg(format!("--frame={}", arguments.frame));
-            command.args(arguments.sets.iter().flat_map(|set| ["--set", set]));
-            command.args(arguments.option_args.words());
-        }
-    }
-    if !stages.is_empty() {
-        command.args(["--stage", &stages.join(",")]);
-    }
-    if let Some(folder) = dump {
-        command.arg("--dump").arg(folder);
-        if arguments.minimize {
-            command.arg("--minimize");
-        }
-    }
-    command.args(arguments.memory.words());
 }
 
 /// Probes a device in a process of its own; what came of it where it did not end.

@@ -2,6 +2,7 @@
 
 mod alone;
 mod arguments;
+mod child;
 mod choose;
 mod drivers;
 mod dumps;

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::arguments::Arguments;
+use super::child::{command, compares};
 use super::choose::Choice;
 use super::dumps::{made, name};
-use super::isolate::{command, compares};
 use crate::cli::repro::{amount, describe, played};
 use crate::cli::watch::watched;
 use milkglass::error::Result;
