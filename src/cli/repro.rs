@@ -73,7 +73,7 @@ pub struct Arguments {
     /// Run each case this many times: a race may show in one of them only.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     times: u32,
-    /// How long a case may take, in a process of its own, seconds [default: for two runs 600, or what the case has taken
+    /// How long a case may take, in a process of its own, seconds [default: for two runs 600, or what the case took
     /// too long for].
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     timeout: Option<f64>,

@@ -57,8 +57,8 @@ pub struct About {
     pub dispatches: String,
     /// Whether that device was beyond tolerance, or did not end.
     pub fails: bool,
-    /// Where it did not end, by a hang, a crash or the loss of the device: within how many seconds two runs in a process
-    /// of their own should.
+    /// Where it did not end, by a hang, a crash or the loss of the device: within how many seconds two runs in a
+    /// process of their own should.
     pub seconds: Option<f64>,
 }
 
