@@ -37,8 +37,8 @@ pub fn keys(results: &[Value]) -> Vec<String> {
     keys
 }
 
-/// `slow.comp`: for these groups it takes some seconds per 64 sums for a few of them. The loop stays below what llvmpipe
-/// ends.
+/// `slow.comp`: for these groups it takes some seconds per 64 sums for a few of them. The loop stays below what
+/// llvmpipe ends.
 pub fn slow(here: &TempDir, groups: &str, sums: usize) {
     planted(here, "slow.comp", &format!("max(sum + ({groups} ? 1e-30 * slow(sum.x) : 0), vec3(0))"));
     let text = read(here, "slow.comp");
