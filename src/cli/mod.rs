@@ -35,6 +35,7 @@ mod stop;
 mod stress;
 mod validity;
 mod walk;
+mod watch;
 
 use std::ffi::OsString;
 use std::path::Path;

@@ -17,7 +17,7 @@ use milkglass::measure::verdict::verdict;
 use milkglass::scene::Scene;
 
 /// Shaders that replace built-in ones.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub(super) struct ReplaceArgument {
     /// Replace a kernel with your own shader: `transport/blocks/gather/direct=my.comp`; `milkglass shader` prints the
     /// built-in one.
@@ -34,6 +34,11 @@ impl ReplaceArgument {
     /// The pairs of kernel and file, as given.
     pub(super) fn pairs(&self) -> &[String] {
         &self.replace
+    }
+
+    /// The same arguments, for a process to start.
+    pub(super) fn words(&self) -> impl Iterator<Item = &str> {
+        self.replace.iter().flat_map(|pair| ["--replace", pair])
     }
 
     /// The kernels' names and SPIR-V.

@@ -3,15 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde::{Deserialize, Serialize};
 
 use super::device::opened;
 use super::replace::ReplaceArgument;
+use super::watch::{itself, seconds, watched};
 use super::{print, size, table};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Adapter, Device, Instance};
 use milkglass::measure::folder::CASE;
 use milkglass::measure::repro::Case;
 use milkglass::measure::repro::minimize::minimize;
+use milkglass::measure::repro::run::Found;
+use milkglass::measure::results::Verdict;
 
 /// A Vulkan device.
 #[derive(Args)]
@@ -29,16 +33,29 @@ impl Chosen {
     pub(super) fn open(&self) -> Result<Device> {
         let instance = Instance::open(!self.no_validation)?;
         let adapters = instance.adapters()?;
+        opened(&instance, &adapters[self.index(&adapters)?])
+    }
+
+    /// Its number, name and driver.
+    fn look(&self) -> Result<(usize, String, String)> {
+        let adapters = Instance::open(!self.no_validation)?.adapters()?;
+        let index = self.index(&adapters)?;
+        let Adapter { name, driver, .. } = &adapters[index];
+        Ok((index, name.clone(), driver.clone()))
+    }
+
+    fn index(&self, adapters: &[Adapter]) -> Result<usize> {
         let found = match &self.device {
             Some(wish) if wish.eq_ignore_ascii_case("cpu") => {
                 let fault = Input::new("kernels run on a Vulkan device only").key("--device").found("cpu");
                 return Err(fault.expected("a device that `milkglass devices` lists").into());
             }
-            Some(wish) => Some(Adapter::find(&adapters, wish)?),
-            None => Adapter::best(&adapters),
+            Some(wish) => Some(Adapter::find(adapters, wish)?),
+            None => Adapter::best(adapters),
         };
         let none = || Error::device("looking for a device", "there is no usable Vulkan device");
-        opened(&instance, found.ok_or_else(none)?)
+        let found = found.ok_or_else(none)?;
+        Ok(adapters.iter().position(|adapter| std::ptr::eq(adapter, found)).unwrap_or_default())
     }
 }
 
@@ -56,9 +73,26 @@ pub struct Arguments {
     /// Run each case this many times: a race may show in one of them only.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     times: u32,
+    /// How long a case may take, in a process of its own, seconds [default: for two runs 600, or what the case took
+    /// too long for].
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    timeout: Option<f64>,
+    /// Run one case, and write lines of JSON: for the process that has started this one.
+    #[arg(long, hide = true)]
+    child: bool,
 }
 
-/// Replays the cases; fails if one of them is beyond tolerance.
+/// What a process says that runs a case.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Said {
+    /// The device is open.
+    Opened,
+    /// The case has been run.
+    Found(Found),
+}
+
+/// Replays the cases; fails if one of them is beyond tolerance, or does not end.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let kernels = arguments.replace.load()?;
     let mut cases = Vec::new();
@@ -69,34 +103,78 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
         cases.push((folder, case));
     }
-    let device = arguments.device.open()?;
+    if arguments.child {
+        let device = arguments.device.open()?;
+        say(&Said::Opened)?;
+        return cases
+            .iter()
+            .try_for_each(|(_, case)| say(&Said::Found(case.replay(&device, arguments.times as usize)?)));
+    }
+    let (index, device, driver) = arguments.device.look()?;
+    let mut words = vec!["--device".to_string(), index.to_string()];
+    words.extend(arguments.device.no_validation.then(|| "--no-validation".to_string()));
+    words.extend(arguments.replace.words().map(str::to_string));
     let (mut rows, mut failed) = (Vec::new(), 0);
     for (folder, case) in &cases {
-        let found = case.replay(&device, arguments.times as usize)?;
-        let passes = found.passes();
-        failed += usize::from(!passes);
-        let wrong: usize = found.wrong.iter().map(|(_, count, _)| count).sum();
-        rows.push(vec![
-            folder.display().to_string(),
-            case.about.stage.clone(),
-            case.dispatches.len().to_string(),
-            found.words.to_string(),
-            wrong.to_string(),
-            if passes { "passes".into() } else { "FAILS".into() },
-        ]);
-        for (_, count, first) in &found.wrong {
-            tell!("{}: {count} words beyond tolerance: {first}", folder.display());
-        }
-        for message in &found.messages {
-            tell!("{}: {message}", folder.display());
-        }
+        let two = case.about.seconds.unwrap_or(600.0);
+        let timeout = arguments.timeout.unwrap_or(two * f64::from(arguments.times.max(2)) / 2.0);
+        let (cells, verdict) = match played(folder, &words, (arguments.times, timeout))? {
+            Ok(found) => {
+                for (_, count, first) in &found.wrong {
+                    tell!("{}: {count} words beyond tolerance: {first}", folder.display());
+                }
+                for message in &found.messages {
+                    tell!("{}: {message}", folder.display());
+                }
+                let wrong: usize = found.wrong.iter().map(|(_, count, _)| count).sum();
+                ([found.words, wrong].map(|count| count.to_string()), if found.passes() { "passes" } else { "FAILS" })
+            }
+            Err((verdict, why)) => {
+                tell!("{}: {why}", folder.display());
+                (["-", "-"].map(str::to_string), verdict.name())
+            }
+        };
+        failed += usize::from(verdict != "passes");
+        let row = [folder.display().to_string(), case.about.stage.clone(), case.dispatches.len().to_string()];
+        rows.push(row.into_iter().chain(cells).chain([verdict.to_string()]).collect());
     }
     let header = ["case", "stage", "dispatches", "words", "wrong", "verdict"];
-    print(&format!("{}, {}\n{}", device.name(), device.driver(), table(&header, &[2, 3, 4], &rows)))?;
+    print(&format!("{device}, {driver}\n{}", table(&header, &[2, 3, 4], &rows)))?;
     match failed {
         0 => Ok(()),
         1 => Err(Error::Check("1 case fails on this device".into())),
         more => Err(Error::Check(format!("{more} cases fail on this device"))),
+    }
+}
+
+/// Tells the process that has started this one.
+fn say(said: &Said) -> Result<()> {
+    let text = serde_json::to_string(said).map_err(|error| Input::new(format!("could not be written: {error}")))?;
+    print(&format!("{text}\n"))
+}
+
+/// Runs a case in a process of its own, with these more arguments, so many times, within so many seconds: what it left,
+/// or why it has not ended.
+pub(super) fn played(
+    folder: &Path,
+    words: &[String],
+    (times, timeout): (u32, f64),
+) -> Result<std::result::Result<Found, (Verdict, String)>> {
+    let mut child = itself("replay")?;
+    child.arg(folder).args(["--times", &times.to_string()]).args(words);
+    let (mut opened, mut found) = (false, None);
+    let ended = watched(child, timeout, &mut |said: Said| {
+        match said {
+            Said::Opened => opened = true,
+            Said::Found(own) => found = Some(own),
+        }
+        Ok(())
+    })?;
+    match (ended, found) {
+        (Some((Verdict::DeviceFailed, why)), _) if !opened => Err(Error::device("opening the device", why)),
+        (Some(ended), _) => Ok(Err(ended)),
+        (None, Some(found)) => Ok(Ok(found)),
+        (None, None) => Ok(Err((Verdict::Crashed, "it ended without a word".into()))),
     }
 }
 
@@ -128,11 +206,15 @@ pub(super) fn written(case: &Case, device: &Device, folder: &Path, key: &str, le
 }
 
 /// Where a case comes from, and what it does.
-fn describe(folder: &Path, case: &Case) -> String {
+pub(super) fn describe(folder: &Path, case: &Case) -> String {
     let about = &case.about;
     let kernels: std::collections::BTreeSet<&str> = case.dispatches.iter().map(|d| d.kernel.as_str()).collect();
     let kernels: Vec<_> = kernels.into_iter().collect();
-    let fails = if about.fails { "fails" } else { "conforms" };
+    let fails = match (about.fails, about.seconds) {
+        (true, Some(_)) => "does not end well",
+        (true, None) => "fails",
+        (false, _) => "conforms",
+    };
     let dispatches = case.dispatches.len();
     format!(
         "{}: {} on {}, {fails}; {} ({}): {dispatches} dispatch{}, {} buffers",
@@ -147,7 +229,7 @@ fn describe(folder: &Path, case: &Case) -> String {
 }
 
 /// Its groups and bytes.
-fn amount(case: &Case) -> String {
+pub(super) fn amount(case: &Case) -> String {
     let groups = case.groups();
     format!("{groups} group{}, {}", if groups == 1 { "" } else { "s" }, size(case.bytes() as u64))
 }

@@ -102,6 +102,17 @@ impl Adapter {
         Err(Error::device(format!("looking for device {wish:?}"), what))
     }
 
+    /// Numbers those of the same name, `llvmpipe #1` and `llvmpipe #2`: results go by names.
+    pub(super) fn tell_apart(adapters: &mut [Self]) {
+        let names: Vec<String> = adapters.iter().map(|adapter| adapter.name.clone()).collect();
+        for (index, adapter) in adapters.iter_mut().enumerate() {
+            let same = |among: &[String]| among.iter().filter(|name| **name == names[index]).count();
+            if same(&names) > 1 {
+                adapter.name += &format!(" #{}", same(&names[..=index]));
+            }
+        }
+    }
+
     /// What an instance says of one of its physical devices.
     pub(super) fn query(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Self {
         // Properties and features, each with its 1.2 extension chain.
@@ -214,6 +225,10 @@ mod tests {
             assert!(error.to_string().contains(words) && error.exit_code() == 3, "{wish}: {error}");
             assert!(error.to_string().contains("2 (llvmpipe)"), "{error}");
         }
+        let mut apart = adapters.clone();
+        Adapter::tell_apart(&mut apart);
+        let names: Vec<&str> = apart.iter().map(|adapter| adapter.name.as_str()).collect();
+        assert_eq!(names, ["GeForce RTX 4090", "GeForce RTX 4090 Ti", "llvmpipe #1", "llvmpipe #2"]);
         assert!(
             at("").is_err()
                 && Adapter::find(&[], "x").unwrap_err().to_string().contains("no Vulkan device is installed")

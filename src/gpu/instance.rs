@@ -117,7 +117,10 @@ impl Instance {
             // SAFETY: the instance is alive.
             unsafe { self.0.raw.enumerate_physical_devices() }
         })?;
-        Ok(list.into_iter().map(|physical| altered(Adapter::query(&self.0.raw, physical))).collect())
+        let mut found: Vec<_> =
+            list.into_iter().map(|physical| altered(Adapter::query(&self.0.raw, physical))).collect();
+        Adapter::tell_apart(&mut found);
+        Ok(found)
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a stage records its dispatches with: a [`Pass`] sends them to a device or lists them.
 
 use super::device::{Call, DeviceState, Groups};
-use super::trace::Trace;
+use super::trace::{Trace, Traced, Way};
 use super::{Object, Scope, State, Step};
 use crate::error::Result;
 use crate::gpu::{Access, Recorder, Timing, accesses};
@@ -21,7 +21,7 @@ pub struct Pass<'a> {
 enum Sink<'a> {
     Device(&'a DeviceState, &'a mut Recorder),
     List(usize, &'a mut Vec<Dispatch>),
-    Trace(&'a DeviceState, &'a mut Trace),
+    Trace(&'a DeviceState, &'a mut Trace, Way<'a>),
 }
 
 /// A dispatch that a step requests.
@@ -83,10 +83,26 @@ pub fn dispatches(state: &State, steps: &[Step], subgroup: usize) -> Result<Vec<
 }
 
 impl DeviceState {
-    /// Runs a step's dispatches one at a time, and notes what each was given and what it left.
-    pub fn trace(&self, state: &State, step: Step) -> Result<Trace> {
+    /// Runs a step's dispatches one at a time, and notes what each was given and what it left. Before each runs,
+    /// `told` gets those that have, and it.
+    pub fn trace(
+        &self,
+        state: &State,
+        step: Step,
+        told: &mut dyn FnMut(&Trace, &Traced) -> Result<()>,
+    ) -> Result<Trace> {
         let mut trace = Trace::default();
-        (step.stage.gpu)(&mut Pass { state, at: step.at, step, sink: Sink::Trace(self, &mut trace) })?;
+        let mut told = |done: &Trace, next: &Traced| told(done, next);
+        let sink = Sink::Trace(self, &mut trace, Way::Run(&mut told));
+        (step.stage.gpu)(&mut Pass { state, at: step.at, step, sink })?;
+        Ok(trace)
+    }
+
+    /// Notes a step's dispatches, and runs none of them; `after` is the reference's state after the step.
+    pub fn list(&self, state: &State, step: Step, after: &State) -> Result<Trace> {
+        let mut trace = Trace::default();
+        let sink = Sink::Trace(self, &mut trace, Way::List(after));
+        (step.stage.gpu)(&mut Pass { state, at: step.at, step, sink })?;
         Ok(trace)
     }
 
@@ -120,7 +136,7 @@ impl<'s> Pass<'s> {
     /// The subgroup size of the device.
     pub fn subgroup(&self) -> usize {
         match &self.sink {
-            Sink::Device(device_state, _) | Sink::Trace(device_state, _) => {
+            Sink::Device(device_state, _) | Sink::Trace(device_state, ..) => {
                 device_state.device().limits().subgroup_size.max(1) as usize
             }
             Sink::List(size, _) => *size,
@@ -155,9 +171,9 @@ impl<'s> Pass<'s> {
                 let call = Call { kernel: &kernel, constants, push, at: self.at, groups };
                 device_state.submit(recorder, self.state, &call)?;
             }
-            Sink::Trace(device_state, trace) => {
+            Sink::Trace(device_state, trace, way) => {
                 let call = Call { kernel: &kernel, constants, push, at: self.at, groups };
-                device_state.run_traced(self.state, &call, trace)?;
+                device_state.traced(self.state, &call, (trace, way))?;
             }
             Sink::List(_, found) => {
                 let invocations = match groups {

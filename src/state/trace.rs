@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::gpu::{BufferRange, Recorder, Work, download};
 use crate::layout::BufferId;
 
-/// The dispatches of a step, run one at a time. All of them bind the same part of a buffer.
+/// The dispatches of a step, one at a time. All of them bind the same part of a buffer.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
     /// The first byte of each buffer's part, and the part's bytes before the first dispatch that binds it; those of
@@ -18,7 +18,7 @@ pub struct Trace {
     pub dispatches: Vec<Traced>,
 }
 
-/// A dispatch that was run.
+/// A dispatch.
 #[derive(Clone, Debug)]
 pub struct Traced {
     /// The kernel, `transport/blocks/gather/direct`.
@@ -27,11 +27,11 @@ pub struct Traced {
     pub constants: Vec<u32>,
     /// Its push constants.
     pub push: Vec<u8>,
-    /// Groups in each dimension; those of an indirect dispatch as the device read them.
+    /// Groups in each dimension; those of an indirect dispatch as the device, or the reference, counts them.
     pub groups: [u32; 3],
     /// What it binds.
     pub bindings: Vec<TracedBinding>,
-    /// The parts that it may write, as it left them.
+    /// The parts that it may write, as it left them if it was run.
     pub after: Vec<(BufferId, Vec<u8>)>,
 }
 
@@ -50,9 +50,22 @@ pub struct TracedBinding {
     pub writes: bool,
 }
 
+/// How dispatches are traced.
+pub(super) enum Way<'a> {
+    /// Each is run, after this is told of it and those before it.
+    Run(&'a mut dyn FnMut(&Trace, &Traced) -> Result<()>),
+    /// None is. Indirect ones have as many groups as this state says, of the reference after the step.
+    List(&'a State),
+}
+
 impl DeviceState {
-    /// Runs one dispatch, and adds it to the trace.
-    pub(super) fn run_traced(&self, state: &State, call: &Call<'_>, trace: &mut Trace) -> Result<()> {
+    /// Adds one dispatch to the trace.
+    pub(super) fn traced(
+        &self,
+        state: &State,
+        call: &Call<'_>,
+        (trace, way): (&mut Trace, &mut Way<'_>),
+    ) -> Result<()> {
         let kernel = self.kernels().get(call.kernel, call.constants)?;
         let bound: Vec<_> = self.bound(&kernel, state, call.at).collect();
         let read = |range: BufferRange<'_>| -> Result<Vec<u8>> {
@@ -65,7 +78,13 @@ impl DeviceState {
         let groups = match call.groups {
             Groups::Invocations(count) => kernel.grid(count as u64),
             Groups::Counted { slot, element } => match self.counted(state, call.at, (slot, element)) {
-                Some(range) => bytemuck::pod_read_unaligned(&read(range)?),
+                Some(range) => match way {
+                    Way::Run(_) => bytemuck::pod_read_unaligned(&read(range)?),
+                    Way::List(after) => {
+                        let bytes = after.data.bytes(slot).get(range.offset as usize..).unwrap_or_default();
+                        bytes.get(..12).map_or([0; 3], bytemuck::pod_read_unaligned)
+                    }
+                },
                 None => return Ok(()),
             },
         };
@@ -97,6 +116,11 @@ impl DeviceState {
                 writes,
             });
         }
+        let Way::Run(told) = way else {
+            trace.dispatches.push(dispatch);
+            return Ok(());
+        };
+        told(trace, &dispatch)?;
         let bindings: Vec<_> = bound.iter().map(|(_, binding)| *binding).collect();
         let mut recorder = Recorder::new(self.device(), 0)?;
         recorder.part(call.kernel, |recorder| recorder.dispatch(&kernel, &bindings, call.push, Work::Grid(groups)))?;

@@ -12,6 +12,8 @@ pub struct Script {
     pub runs: Vec<(String, [u32; 3])>,
     /// Comparisons.
     pub expectations: usize,
+    /// How long a run may take, milliseconds.
+    pub fence: Option<u32>,
 }
 
 /// Reads the script `case.amber` of a folder; panics at the first line that is not as the grammar has it.
@@ -145,6 +147,11 @@ pub fn check(text: &str, folder: &Path) -> Result<Script, String> {
                     script.pipelines.push(name(Some(&pipeline))?);
                     open = Some((false, Vec::new()));
                 }
+                ["SET", "ENGINE_DATA", "fence_timeout_ms", time] => {
+                    if script.fence.replace(number::<u32>(Some(&time))?).is_some() {
+                        return Err("set twice".into());
+                    }
+                }
                 ["RUN", pipeline, ref groups @ ..] if groups.len() == 3 => {
                     if !script.pipelines.iter().any(|known| known == pipeline) {
                         return Err("no such pipeline".into());
@@ -189,7 +196,9 @@ pub fn check(text: &str, folder: &Path) -> Result<Script, String> {
         };
         body().map_err(|fault| format!("line {}: {fault}: {line}", at + 1))?;
     }
-    match (data.is_none() && open.is_none(), script.runs.is_empty() || script.expectations == 0) {
+    // What is to end at all needs no comparison.
+    let nothing = script.expectations == 0 && script.fence.is_none();
+    match (data.is_none() && open.is_none(), script.runs.is_empty() || nothing) {
         (false, _) => Err("an END is missing".into()),
         (_, true) => Err("nothing is run, or nothing compared".into()),
         _ => Ok(script),
@@ -201,15 +210,21 @@ fn the_reader_is_strict() {
     let here = tempfile::tempdir().unwrap();
     std::fs::write(here.path().join("k.spv"), 0x0723_0203u32.to_le_bytes()).unwrap();
     std::fs::write(here.path().join("a.bin"), [0; 8]).unwrap();
-    let good = "#!amber\n# a comment\nSHADER compute k SPIRV-BIN FILE k.spv\n\
+    let good = "#!amber\n# a comment\nSET ENGINE_DATA fence_timeout_ms 9\nSHADER compute k SPIRV-BIN FILE k.spv\n\
                 BUFFER a DATA_TYPE uint32 SIZE 2 FILE BINARY a.bin\nBUFFER p DATA_TYPE uint32 DATA\n 1 2\nEND\n\
                 PIPELINE compute r\n  ATTACH k SPECIALIZE 0 AS uint32 7\n\
                   BIND BUFFER a AS storage DESCRIPTOR_SET 0 BINDING 3\n  BIND BUFFER p AS push_constant\nEND\n\
                 RUN r 1 2 3\nEXPECT a IDX 4 EQ 7\n";
     let script = check(good, here.path()).unwrap();
     assert_eq!((script.runs, script.expectations), (vec![("r".into(), [1, 2, 3])], 1));
+    assert_eq!(script.fence, Some(9));
+    let idle = good.replace("EXPECT a IDX 4 EQ 7\n", "");
+    assert!(check(&idle, here.path()).is_ok());
+    assert!(check(&idle.replace("SET ENGINE_DATA fence_timeout_ms 9\n", ""), here.path()).is_err());
     for (old, new) in [
         ("#!amber", "#amber"),
+        ("timeout_ms 9", "timeout_ms 9.5"),
+        ("ENGINE_DATA ", ""),
         ("SPIRV-BIN", "SPIRV-HEX"),
         ("k.spv", "a.bin"),
         ("SIZE 2", "SIZE 3"),
@@ -223,7 +238,7 @@ fn the_reader_is_strict() {
         ("IDX 4", "IDX 8"),
         ("EQ 7", "TOLERANCE 1.0 EQ 7.0"),
         ("EQ 7", "EQ_BUFFER p"),
-        ("EXPECT a IDX 4 EQ 7\n", ""),
+        ("RUN r 1 2 3\n", ""),
         ("push_constant\nEND", "push_constant\n"),
     ] {
         assert!(good.contains(old), "{old}");

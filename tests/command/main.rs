@@ -25,5 +25,6 @@ mod repro;
 mod stress;
 mod studio;
 mod textures;
+mod unfinished;
 mod validity;
 mod walk;

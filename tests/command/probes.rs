@@ -4,7 +4,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::conform::{keys, results};
-use crate::shell::{folder, good, program, read, said};
+use crate::shell::{bad, folder, good, program, read, said};
 
 /// The kernel of the probes with a replacement in its text.
 fn probes(here: &TempDir, old: &str, new: &str) {
@@ -48,7 +48,14 @@ fn probes_are_part_of_a_run() {
     }
     std::fs::write(here.path().join("known.toml"), "[[known]]\nfixture = \"probes\"\nwhy = \"bug 8\"\n").unwrap();
     good(&here, &format!("{own} --expect known.toml"));
-    // One that they avoid is not, and is named.
+    // Mended, it is no longer known to fail.
+    let line = format!("{line} --expect known.toml");
+    std::fs::write(here.path().join("c.xml"), "").unwrap();
+    for more in ["", " --isolate --junit c.xml"] {
+        bad(&here, &format!("{line}{more}"), 1, &["--expect: fixture probes (bug 8): it conforms now"]);
+    }
+    assert!(read(&here, "c.xml").contains("a known failure is gone"));
+    // One that they avoid is not a failure, and is named.
     probes(&here, "answer = pushed[number(0) % 32]", "answer = pushed[number(0) % 31]");
     let (out, _) = good(&here, &own);
     assert!(out.contains("avoided: ") && out.contains("push-constants"), "{out}");

@@ -9,24 +9,12 @@ use milkglass::internals::layout::BufferId;
 use milkglass::internals::pipeline::plan::{Change, Goal, Options};
 use milkglass::internals::session::run::Session;
 use milkglass::measure::norms::worst;
-use milkglass::measure::probe::probe;
+use milkglass::measure::probe::{probe, seeded};
 use milkglass::measure::reference::verify;
 use milkglass::scene::Scene;
 
 static SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-loops.spv"));
 const LANES: usize = 64;
-
-/// Rows of numbers, one column per lane; seeded so that lanes leave their loops at different times.
-fn numbers(rows: usize) -> Vec<u32> {
-    let mut state = 0x2545_f491u32;
-    let mut next = || {
-        state ^= state << 13;
-        state ^= state >> 17;
-        state ^= state << 5;
-        state >> 8
-    };
-    (0..rows * LANES).map(|_| next()).collect()
-}
 
 /// The sum of one column, as the shader's header comment defines it.
 fn expected(numbers: &[u32], lane: usize) -> u32 {
@@ -44,7 +32,7 @@ fn expected(numbers: &[u32], lane: usize) -> u32 {
 
 /// Number of the 64 lanes that a device gets wrong with this loop structure.
 fn wrong(device: &Device, shape: u32, rows: usize) -> usize {
-    let numbers = numbers(rows);
+    let numbers = seeded(rows * LANES);
     let input = [&[rows as u32], &numbers[..]].concat();
     let mut buffers = [bytes(&input), vec![0xA5; 4 * LANES]];
     let alone = SingleKernel { name: "loops", spirv: SPIRV, constants: &[shape] };
@@ -107,7 +95,7 @@ fn probes_agree_with_what_is_known() {
 /// The comparison can fail: other numbers have other sums.
 #[test]
 fn a_wrong_sum_is_seen() {
-    let numbers = numbers(300);
+    let numbers = seeded(300 * LANES);
     let mut other = numbers.clone();
     (0..LANES).for_each(|lane| other[lane] ^= 7);
     assert!((0..LANES).filter(|&lane| expected(&numbers, lane) != expected(&other, lane)).count() > LANES / 2);
@@ -119,7 +107,7 @@ fn a_wrong_sum_is_seen() {
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn long_lists_of_near_triangles_are_taken_to_the_end() {
     let library = tempfile::tempdir().unwrap();
-    let mut next = numbers(320).into_iter().map(|n| f64::from(n) / f64::from(1 << 24) - 0.5);
+    let mut next = seeded(320 * LANES).into_iter().map(|n| f64::from(n) / f64::from(1 << 24) - 0.5);
     let mut mesh = String::new();
     for triangle in 0..1600 {
         let middle: Vec<f64> = next.by_ref().take(3).collect();

@@ -2,14 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use super::arguments::{Arguments, again, repeating};
+use super::arguments::{Arguments, again, failure};
 use super::choose::Choice;
-use super::dumps;
 use super::sink::Sink;
+use super::{dumps, unfinished};
 use milkglass::error::{Input, Result};
-use milkglass::internals::gpu::{Adapter, Device};
+use milkglass::internals::gpu::Device;
 use milkglass::internals::state::dispatches;
-use milkglass::measure::conform::{Event, Row, conform_told};
+use milkglass::measure::conform::{Event, conform_told};
 use milkglass::measure::fixtures::Fixture;
 use milkglass::measure::leaning::blame;
 use milkglass::measure::results::{Outcome, Verdict};
@@ -32,7 +32,10 @@ pub(super) fn run(
             run.extend(dispatches(&fixture.state, &fixture.steps, lanes)?.into_iter().map(|found| found.kernel));
         }
         for device in open {
-            one(arguments, device, &fixture, sink)?;
+            match (arguments.unfinished, &arguments.dump) {
+                (Some(step), Some(folder)) => unfinished::steps(arguments, folder, (device, &fixture), step)?,
+                _ => one(arguments, device, &fixture, sink)?,
+            }
         }
     }
     // A child sees one fixture, and a part some of them: not every kernel is run there.
@@ -55,7 +58,6 @@ fn one(arguments: &Arguments, device: &Device, fixture: &Fixture, sink: &mut Sin
     stages.extend(arguments.stage.iter().cloned());
     let (adapter, mut now) = (device.adapter(), "");
     let mut failed = None;
-    let mut rows: Vec<Row> = Vec::new();
     let done = conform_told(device, fixture, &stages, &mut |event| {
         let told = match event {
             Event::Begins(stage) => {
@@ -64,8 +66,14 @@ fn one(arguments: &Arguments, device: &Device, fixture: &Fixture, sink: &mut Sin
             }
             Event::Ends(row) => {
                 blame(std::slice::from_mut(row));
-                rows.push(row.clone());
-                sink.add(Outcome::new(adapter, row, again(arguments, device.name(), &row.fixture, row.stage)))
+                let outcome = Outcome::new(adapter, row, again(arguments, device.name(), &row.fixture, row.stage));
+                // At once: a later stage may hang.
+                sink.add(outcome).and_then(|()| match &arguments.dump {
+                    Some(folder) if !row.faults.is_empty() => {
+                        dumps::write((folder, arguments.minimize), fixture, device, row)
+                    }
+                    _ => Ok(()),
+                })
             }
         };
         failed = failed.take().or(told.err());
@@ -79,30 +87,5 @@ fn one(arguments: &Arguments, device: &Device, fixture: &Fixture, sink: &mut Sin
         }
         return Err(error);
     }
-    if let Some(folder) = &arguments.dump {
-        let wrong = rows.iter().filter(|row| !row.faults.is_empty());
-        dumps::write((folder, arguments.minimize), fixture, device, wrong)?;
-    }
     Ok(())
-}
-
-/// The outcome of a comparison that did not come to its end.
-pub(super) fn failure(
-    arguments: &Arguments,
-    adapter: &Adapter,
-    (fixture, stage): (&str, &str),
-    verdict: Verdict,
-    why: &dyn std::fmt::Display,
-) -> Outcome {
-    let mut outcome = Outcome {
-        device: adapter.name.clone(),
-        driver: adapter.driver.clone(),
-        fixture: fixture.into(),
-        stage: stage.into(),
-        verdict,
-        faults: vec![why.to_string()],
-        ..Outcome::default()
-    };
-    outcome.repeat = repeating(arguments, &outcome);
-    outcome
 }

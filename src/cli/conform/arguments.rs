@@ -7,7 +7,8 @@ use clap::Args;
 use crate::cli::MemoryArgument;
 use crate::cli::replace::ReplaceArgument;
 use crate::cli::run_args::{OptionArguments, quoted, repeated};
-use milkglass::measure::results::Outcome;
+use milkglass::internals::gpu::Adapter;
+use milkglass::measure::results::{Outcome, Verdict};
 
 /// Arguments of `conform`.
 #[derive(Args)]
@@ -55,7 +56,8 @@ pub struct Arguments {
     pub(super) stage: Vec<String>,
     #[command(flatten)]
     pub(super) replace: ReplaceArgument,
-    /// For each stage and fixture that differs, write the dispatch to a folder of this folder: see `milkglass replay`.
+    /// For each stage and fixture that differs, and with --isolate for each that hangs or crashes, write the dispatch
+    /// to a folder of this folder: see `milkglass replay`.
     #[arg(long, value_name = "FOLDER")]
     pub(super) dump: Option<PathBuf>,
     /// In these folders leave out groups that do not fail, and the ends of buffers that nothing reaches.
@@ -74,7 +76,7 @@ pub struct Arguments {
     #[arg(long)]
     pub(super) isolate: bool,
     /// How long such a process may take, seconds.
-    #[arg(long, value_name = "SECONDS", default_value_t = 600.0, value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 600.0, value_parser = crate::cli::watch::seconds)]
     pub(super) timeout: f64,
     /// Failures that are known, as TOML; they do not fail the run, and those that are gone do.
     #[arg(long, value_name = "FILE")]
@@ -88,11 +90,17 @@ pub struct Arguments {
     /// Compare nothing, only probe the device: for such a process.
     #[arg(long, hide = true, requires = "child")]
     pub(super) probe_only: bool,
+    /// Compare nothing, only run this step of the stage, counted from 0, and write the case of each dispatch to a
+    /// folder of --dump before it runs: for such a process.
+    #[arg(long, hide = true, requires = "child")]
+    pub(super) unfinished: Option<usize>,
 }
 
-fn seconds(text: &str) -> std::result::Result<f64, String> {
-    let found = text.parse().ok().filter(|seconds| (0.001..=1e6).contains(seconds));
-    found.ok_or_else(|| "expected 0.001 to 1e6 seconds".into())
+impl Arguments {
+    /// Whether each fixture has a process of its own.
+    pub(super) fn isolated(&self) -> bool {
+        self.isolate || self.junit.is_some()
+    }
 }
 
 /// The command that repeats a comparison.
@@ -109,4 +117,28 @@ pub(super) fn again(arguments: &Arguments, device: &str, fixture: &str, stage: &
 /// The same of an outcome.
 pub(super) fn repeating(arguments: &Arguments, outcome: &Outcome) -> String {
     again(arguments, &outcome.device, &outcome.fixture, &outcome.stage)
+}
+
+/// The outcome of a comparison that did not come to its end.
+pub(super) fn failure(
+    arguments: &Arguments,
+    adapter: &Adapter,
+    (fixture, stage): (&str, &str),
+    verdict: Verdict,
+    why: &dyn std::fmt::Display,
+) -> Outcome {
+    let mut outcome = Outcome {
+        device: adapter.name.clone(),
+        driver: adapter.driver.clone(),
+        fixture: fixture.into(),
+        stage: stage.into(),
+        verdict,
+        faults: vec![why.to_string()],
+        ..Outcome::default()
+    };
+    outcome.repeat = repeating(arguments, &outcome);
+    if arguments.isolated() && arguments.scenes.is_empty() {
+        outcome.repeat += &format!(" --isolate --timeout {}", arguments.timeout);
+    }
+    outcome
 }

@@ -38,7 +38,7 @@ pub(super) fn end(arguments: &Arguments, mut sink: Sink, before: Option<&Results
         let lanes = facts.and_then(|facts| facts.limits.get("subgroup_size")).copied().unwrap_or(0);
         tell!("\n{}", verdict(outcome, lanes, &sink.replaced));
     }
-    let stale: Vec<String> = sink.known.iter().filter_map(|known| known.stale(outcomes)).collect();
+    let stale: Vec<String> = sink.known.iter().filter_map(|known| known.stale(&sink.all)).collect();
     stale.iter().for_each(|what| tell!("--expect: {what}"));
     if let Some(before) = before {
         print(&described(&changes(before, &sink.all, &Thresholds::default())?))?;

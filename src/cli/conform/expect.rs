@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use milkglass::error::{Input, Result};
-use milkglass::measure::results::Outcome;
+use milkglass::measure::results::{DeviceFacts, Outcome, Results};
 
 /// Most bytes of such a file.
 const MOST: u64 = 16 << 20;
@@ -80,9 +80,10 @@ impl Known {
         self.entry.why.clone()
     }
 
-    /// What is wrong with it, if a comparison that it names was made and none of those failed.
-    pub(super) fn stale(&self, outcomes: &[Outcome]) -> Option<String> {
-        let made = outcomes.iter().any(|outcome| self.names(outcome));
+    /// What is wrong with it, if a comparison or a probe that it names was made and none of those failed.
+    pub(super) fn stale(&self, all: &Results) -> Option<String> {
+        let probed = || all.run.devices.iter().flat_map(DeviceFacts::probed);
+        let made = all.results.iter().any(|outcome| self.names(outcome)) || probed().any(|probe| self.names(&probe));
         let Entry { fixture, stage, device, why, .. } = &self.entry;
         let part = |key: &str, value: &Option<String>| value.as_ref().map(|value| format!("{key} {value}"));
         let named: Vec<String> =

@@ -1,16 +1,14 @@
 //! Comparisons in processes of their own, one a fixture and device: a hang or a crash ends one of them.
 
-use std::io::{BufRead, BufReader, Read};
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::time::{Duration, Instant};
+use std::collections::BTreeMap;
 
-use super::alone::failure;
-use super::arguments::{Arguments, repeating};
+use super::arguments::{Arguments, failure, repeating};
+use super::child::{command, compares};
 use super::choose::Choice;
 use super::sink::Sink;
-use crate::cli::stop;
-use milkglass::error::{Error, Input, Result};
+use super::unfinished::write;
+use crate::cli::watch::watched;
+use milkglass::error::Result;
 use milkglass::internals::gpu::Adapter;
 use milkglass::measure::probe::{FIXTURE, REPEAT};
 use milkglass::measure::results::{DeviceFacts, Line, Outcome, Verdict};
@@ -30,58 +28,6 @@ pub(super) fn run(
     Ok(())
 }
 
-/// The command of a child on this device.
-fn command(arguments: &Arguments, device: usize) -> Result<Command> {
-    let exe = std::env::current_exe().map_err(|error| Error::device("starting a process for a fixture", error))?;
-    let mut command = Command::new(exe);
-    command.arg("conform").arg("--child").args(["--device", &device.to_string()]);
-    if arguments.no_validation {
-        command.arg("--no-validation");
-    }
-    command.args(arguments.replace.pairs().iter().flat_map(|pair| ["--replace", pair]));
-    Ok(command)
-}
-
-/// What is compared, as arguments.
-fn compares(command: &mut Command, arguments: &Arguments, choice: &Choice) {
-    match choice {
-        Choice::Fixture(name) => {
-            command.args(["--fixture", name]);
-        }
-        Choice::Scene(name) => {
-            command.arg(name).arg(format!("--frame={}", arguments.frame));
-            command.args(arguments.sets.iter().flat_map(|set| ["--set", set]));
-            command.args(arguments.option_args.words());
-        }
-    }
-    if !arguments.stage.is_empty() {
-        command.args(["--stage", &arguments.stage.join(",")]);
-    }
-    if let Some(folder) = &arguments.dump {
-        command.arg("--dump").arg(folder);
-        if arguments.minimize {
-            command.arg("--minimize");
-        }
-    }
-    command.args(arguments.memory.words());
-}
-
-/// What a child says on standard output, line by line; its end is the end of the channel.
-fn lines(child: &mut Child) -> Receiver<String> {
-    let (sender, receiver) = channel();
-    if let Some(out) = child.stdout.take() {
-        std::thread::spawn(move || {
-            // A line that can't be read is the last one.
-            for line in BufReader::new(out).lines().map_while(std::result::Result::ok) {
-                if sender.send(line).is_err() {
-                    break;
-                }
-            }
-        });
-    }
-    receiver
-}
-
 /// Probes a device in a process of its own; what came of it where it did not end.
 pub(super) fn probed(
     arguments: &Arguments,
@@ -90,7 +36,7 @@ pub(super) fn probed(
 ) -> Result<Option<Outcome>> {
     let mut child = command(arguments, index)?;
     child.arg("--probe-only");
-    let ended = watched(child, arguments.timeout, &mut |line| {
+    let ended = watched(child, arguments.timeout, &mut |line: Line| {
         if let Line::Run(run) = line {
             facts.probes = run.devices.into_iter().next().map(|device| device.probes).unwrap_or_default();
         }
@@ -105,11 +51,12 @@ pub(super) fn probed(
 
 fn one(arguments: &Arguments, choice: &Choice, (index, adapter): (usize, &Adapter), sink: &mut Sink) -> Result<()> {
     let mut child = command(arguments, index)?;
-    compares(&mut child, arguments, choice);
-    let mut stage = String::new();
+    compares(&mut child, arguments, choice, (&arguments.stage, arguments.dump.as_deref()));
+    let (mut stage, mut steps) = (String::new(), BTreeMap::<String, usize>::new());
     let ended = watched(child, arguments.timeout, &mut |line| match line {
         Line::Begins(_, begun) => {
             stage.clone_from(&begun);
+            *steps.entry(begun.clone()).or_default() += 1;
             sink.begins(choice.name(), &begun)
         }
         // What ended is over; a device that failed has said so itself.
@@ -123,83 +70,10 @@ fn one(arguments: &Arguments, choice: &Choice, (index, adapter): (usize, &Adapte
         }
         Line::Run(_) => Ok(()),
     })?;
-    match ended {
-        Some((verdict, why)) => sink.add(failure(arguments, adapter, (choice.name(), &stage), verdict, &why)),
-        None => Ok(()),
+    let Some((verdict, why)) = ended else { return Ok(()) };
+    sink.add(failure(arguments, adapter, (choice.name(), &stage), verdict, &why))?;
+    match (&arguments.dump, steps.get(&stage)) {
+        (Some(folder), Some(step)) => write(arguments, folder, choice, (index, adapter), (&stage, step - 1)),
+        _ => Ok(()),
     }
-}
-
-/// Runs a child to its end, or to that of its time; what came of it where it did not end well. `heard` takes each line
-/// as it comes.
-fn watched(
-    mut command: Command,
-    timeout: f64,
-    heard: &mut dyn FnMut(Line) -> Result<()>,
-) -> Result<Option<(Verdict, String)>> {
-    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = command.spawn().map_err(|error| Error::device("starting a process for a fixture", error))?;
-    let end = Instant::now() + Duration::from_secs_f64(timeout);
-    let out = lines(&mut child);
-    let err = child.stderr.take().map(|mut err| {
-        std::thread::spawn(move || {
-            let mut text = Vec::new();
-            let _ = err.read_to_end(&mut text);
-            String::from_utf8_lossy(&text).into_owned()
-        })
-    });
-    stop::guard(child);
-    let mut told = Ok(());
-    let hung = loop {
-        match out.recv_timeout(end.saturating_duration_since(Instant::now())) {
-            Ok(line) => match serde_json::from_str(&line) {
-                Ok(line) => told = heard(line),
-                Err(_) => tell!("{line}"),
-            },
-            Err(RecvTimeoutError::Disconnected) => break false,
-            Err(RecvTimeoutError::Timeout) => break true,
-        }
-        if told.is_err() {
-            break false;
-        }
-    };
-    if hung || told.is_err() {
-        stop::kill();
-    }
-    // One that has closed its output may still hang.
-    let status = stop::wait(end);
-    told?;
-    let said = match &err {
-        Some(thread) if !thread.is_finished() && status.is_none() => String::new(),
-        _ => err.and_then(|thread| thread.join().ok()).unwrap_or_default(),
-    };
-    let late = || (Verdict::Hung, format!("it did not end within {timeout} s and was killed"));
-    let Some(status) = status.filter(|_| !hung) else { return Ok(Some(late())) };
-    Ok(Some(match status.code() {
-        Some(0) => {
-            said.lines().for_each(|line| tell!("{line}"));
-            return Ok(None);
-        }
-        Some(2) => return Err(Input::new(message(&said)).into()),
-        Some(3) => (Verdict::DeviceFailed, message(&said)),
-        _ => (Verdict::Crashed, format!("{}{}", ended(status), after(&message(&said)))),
-    }))
-}
-
-/// The last error of a process, without its name.
-fn message(said: &str) -> String {
-    let start = said.rfind("milkglass: ").map_or(said, |at| &said[at + "milkglass: ".len()..]);
-    start.trim().to_string()
-}
-
-fn after(text: &str) -> String {
-    if text.is_empty() { String::new() } else { format!(": {text}") }
-}
-
-/// How a process ended.
-fn ended(status: ExitStatus) -> String {
-    #[cfg(unix)]
-    if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
-        return format!("signal {signal} ended it");
-    }
-    format!("it ended with {status}")
 }

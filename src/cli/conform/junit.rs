@@ -27,7 +27,7 @@ pub(super) fn report(all: &Results, known: &[Known]) -> Result<String, Serialize
         suite.add_test_cases(all.results.iter().filter(|outcome| outcome.device == facts.name).map(case));
         report.add_test_suite(suite);
     }
-    let stale: Vec<String> = known.iter().filter_map(|known| known.stale(&all.results)).collect();
+    let stale: Vec<String> = known.iter().filter_map(|known| known.stale(all)).collect();
     if !stale.is_empty() {
         let mut suite = TestSuite::new("expectations");
         suite.add_test_cases(stale.into_iter().map(|what| {

@@ -2,6 +2,7 @@
 
 mod alone;
 mod arguments;
+mod child;
 mod choose;
 mod drivers;
 mod dumps;
@@ -11,6 +12,7 @@ mod isolate;
 mod junit;
 mod sheet;
 mod sink;
+mod unfinished;
 
 pub use self::arguments::Arguments;
 use self::choose::chosen;
@@ -71,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             tell!("{}: rounding to nearest can't be requested; decisions rely on its default", adapter.name);
         }
     }
-    let isolated = arguments.isolate || arguments.junit.is_some();
+    let isolated = arguments.isolated();
     let (mut open, mut facts, mut failures) = (Vec::<Device>::new(), Vec::new(), Vec::<Outcome>::new());
     for (index, adapter) in &devices {
         let mut own = DeviceFacts::new(adapter);
@@ -84,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             }
             open.push(device);
         }
-        failures.extend(own.lacking());
+        failures.extend(own.probed().into_iter().filter(|outcome| !outcome.verdict.passes()));
         facts.push(own);
     }
     let mut sink = Sink::open(arguments, &choices, facts, &kernels, known)?;

@@ -20,12 +20,14 @@ pub(super) struct Probe {
 
 const NEAR: f32 = 1.0 + 1.0 / 4096.0;
 
+/// What most probes have in common; each has its own name and answer.
+const PLAIN: Probe = Probe { name: "", what: "", needed: true, terms: [0.0; 3], answer: |_, _| 0, other: |_| None };
+
 pub(super) const PROBES: [Probe; 11] = [
     Probe {
         name: "nested-loops",
         what: "nested loops, where a variable of the inner one indexes a buffer after it",
         needed: false,
-        terms: [0.0; 3],
         answer: |inputs, lane| {
             let column = |row: usize| inputs.numbers[row * LANES + lane];
             let (mut row, mut sum) = (0, 0u32);
@@ -38,33 +40,33 @@ pub(super) const PROBES: [Probe; 11] = [
             }
             sum
         },
-        other: |_| None,
+        ..PLAIN
     },
     Probe {
         name: "long-loops",
         what: "loops of 90,000 iterations are run to their end",
         needed: false,
-        terms: [0.0; 3],
         answer: |_, _| 300 * ROWS as u32,
         other: |found| (found < 300 * ROWS as u32).then_some("ended early"),
+        ..PLAIN
     },
     Probe {
         name: "rounding",
         what: "addition rounds to nearest",
-        needed: true,
         // 1 and three quarters of the step above it.
         terms: [1.0, 0.75 * f32::EPSILON, 0.0],
         answer: |_, _| (1.0 + f32::EPSILON).to_bits(),
         other: |found| (found == 1f32.to_bits()).then_some("towards zero"),
+        ..PLAIN
     },
     Probe {
         name: "no-contraction",
         what: "precise products and sums stay apart (NoContraction)",
-        needed: true,
         // The product is rounded, so the sum is 0; a fused operation leaves 2^-24.
         terms: [NEAR, NEAR, -(1.0 + 1.0 / 2048.0)],
         answer: |_, _| 0,
         other: |found| (found == (1.0f32 / 16_777_216.0).to_bits()).then_some("fused"),
+        ..PLAIN
     },
     Probe {
         name: "denormals",
@@ -77,59 +79,52 @@ pub(super) const PROBES: [Probe; 11] = [
     Probe {
         name: "scalar-layout",
         what: "scalar block layout",
-        needed: true,
-        terms: [0.0; 3],
         answer: |inputs, lane| {
             let [before, x, y, z, after] = inputs.uneven[lane];
             (before + 2.0 * x + 4.0 * y + 8.0 * z + 16.0 * after).to_bits()
         },
-        other: |_| None,
+        ..PLAIN
     },
     Probe {
         name: "shared-memory",
         what: "shared memory and barriers",
-        needed: true,
-        terms: [0.0; 3],
         answer: |inputs, lane| {
             let sum = inputs.numbers[..LANES].iter().fold(0u32, |sum, number| sum.wrapping_add(*number));
             sum.wrapping_add(inputs.numbers[LANES - 1 - lane])
         },
-        other: |_| None,
+        ..PLAIN
     },
     Probe {
         name: "shuffles",
         what: "shuffles among lanes that are left in a loop",
-        needed: true,
-        terms: [0.0; 3],
         answer: |inputs, lane| {
             let other = |row: usize| inputs.numbers[row * LANES + (lane ^ 1)];
             (0..=lane / 2 % 5).fold(0, |sum, row| sum.wrapping_add(other(row)))
         },
-        other: |_| None,
+        ..PLAIN
     },
     Probe {
         name: "inactive-shuffles",
         what: "shuffles read lanes that are not active",
         needed: false,
-        terms: [0.0; 3],
         answer: |inputs, lane| inputs.numbers[lane | 1],
         other: |found| (found == 0).then_some("zero"),
+        ..PLAIN
     },
     Probe {
         name: "push-constants",
         what: "128 bytes of push constants, indexed by a variable",
         needed: false,
-        terms: [0.0; 3],
         answer: |inputs, lane| PUSHED[inputs.numbers[lane] as usize % PUSHED.len()],
         other: |found| (found == 0).then_some("zero"),
+        ..PLAIN
     },
     Probe {
         name: "indirect-counts",
         what: "indirect dispatches of 3 groups and of none, as an earlier one writes",
-        needed: true,
-        terms: [0.0; 3],
         // The numbers of the groups, from 1 on.
         answer: |_, _| 1 + 2 + 3,
         other: |found| (found == 0).then_some("not run"),
+        ..PLAIN
     },
 ];

@@ -124,8 +124,14 @@ fn fact(probe: &Probe, inputs: &Inputs, found: &[u32]) -> Fact {
     Fact { name, what, found, right: wrong.is_empty(), needed: probe.needed }
 }
 
-/// Seeded, so that lanes leave their loops at different times.
 fn inputs() -> Inputs {
+    let uneven = (0..LANES).map(|lane| [0, 1, 2, 3, 4].map(|k| (5 * lane + k) as f32)).collect();
+    Inputs { numbers: seeded(ROWS * LANES), uneven }
+}
+
+/// So many numbers below 2^24, always the same; by them lanes leave their loops at different times.
+#[must_use]
+pub fn seeded(count: usize) -> Vec<u32> {
     let mut state = 0x2545_f491u32;
     let mut next = || {
         state ^= state << 13;
@@ -133,9 +139,7 @@ fn inputs() -> Inputs {
         state ^= state << 5;
         state >> 8
     };
-    let numbers = (0..ROWS * LANES).map(|_| next()).collect();
-    let uneven = (0..LANES).map(|lane| [0, 1, 2, 3, 4].map(|k| (5 * lane + k) as f32)).collect();
-    Inputs { numbers, uneven }
+    (0..count).map(|_| next()).collect()
 }
 
 #[cfg(test)]

@@ -45,6 +45,10 @@ pub fn script(case: &Case) -> String {
         let _ = writeln!(text, "# {key}: {}", value.replace(['\n', '\r'], " "));
     }
     text += "# The modules have scalar block layout, which Amber can't ask for: drivers take it, the validation layer (-d) does not.\n\n";
+    if let Some(seconds) = about.seconds {
+        let _ = writeln!(text, "# The device did not end this: a run may take half of what two of them may.");
+        let _ = writeln!(text, "SET ENGINE_DATA fence_timeout_ms {}\n", (500.0 * seconds).ceil());
+    }
     let names = modules(case);
     let mut declared: Vec<&String> = Vec::new();
     for name in &names {

@@ -71,7 +71,7 @@ impl Case {
                 expected: (writes || part.expected != part.before)
                     .then(|| put(format!("{name}.expected"), &part.expected)),
                 allowed: loose.then(|| put(format!("{name}.allowed"), &allowed)),
-                device: writes.then(|| put(format!("{name}.device"), &part.device)),
+                device: (writes && self.about.seconds.is_none()).then(|| put(format!("{name}.device"), &part.device)),
             });
         }
         let mut dispatches = Vec::new();
@@ -108,6 +108,7 @@ impl Case {
             tolerance: about.tolerance,
             chosen: about.dispatches,
             fails: about.fails,
+            seconds: about.seconds,
             buffers: parts,
             dispatches,
         };
@@ -130,6 +131,9 @@ impl Case {
         if file.milkglass_case != SCHEMA {
             let fault = fault("milkglass_case", "this version of the format is not known");
             return Err(fault.found(file.milkglass_case).expected(SCHEMA).into());
+        }
+        if let Some(seconds) = file.seconds.filter(|seconds| !(0.001..=1e6).contains(seconds)) {
+            return Err(fault("seconds", "not a time").found(seconds).expected("0.001 to 1e6").into());
         }
         let mut case = Self { about: about(&file), ..Self::default() };
         for part in file.buffers {
@@ -203,6 +207,7 @@ fn about(file: &CaseFile) -> About {
         tolerance: file.tolerance.clone(),
         dispatches: file.chosen.clone(),
         fails: file.fails,
+        seconds: file.seconds,
     }
 }
 

@@ -23,8 +23,11 @@ pub(super) struct CaseFile {
     pub(super) tolerance: String,
     /// Which dispatches of the step these are.
     pub(super) chosen: String,
-    /// Whether the device was beyond tolerance.
+    /// Whether the device was beyond tolerance, or did not end.
     pub(super) fails: bool,
+    /// Where it did not end: the seconds within which it should.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) seconds: Option<f64>,
     pub(super) buffers: Vec<PartFile>,
     pub(super) dispatches: Vec<DispatchFile>,
 }
@@ -48,7 +51,7 @@ pub(super) struct PartFile {
     /// not compared. Without it, all bits must agree.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) allowed: Option<String>,
-    /// The file of what the device left.
+    /// The file of what the device left, where it ended.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) device: Option<String>,
 }

@@ -31,33 +31,46 @@ fn shows(case: &Case, full: &[Vec<u32>], left: &[Vec<u32>]) -> bool {
 /// The only dispatch with the groups that fail: the first one that does, or all up to it.
 fn fewer_groups(case: &Case, full: &[Vec<u32>], device: &Device) -> Result<Case> {
     let [across, 1, 1] = case.dispatches[0].groups else { return Ok(case.clone()) };
-    let with = |count: u32, first: u32| -> Result<Option<Case>> {
-        let mut less = case.clone();
-        let dispatch = &mut less.dispatches[0];
-        (dispatch.groups, dispatch.first_group) = ([count, 1, 1], dispatch.first_group + first);
-        if first > 0 {
-            let Some(words) = shifted(&dispatch.spirv, first) else { return Ok(None) };
-            dispatch.spirv = words;
-        }
+    let found = searched(across, &mut |count, first| {
+        let Some(mut less) = grouped(case, count, first) else { return Ok(None) };
         let left = less.run(device)?;
         if !shows(case, full, &left) {
             return Ok(None);
         }
         less.buffers.iter_mut().zip(full.iter().zip(&left)).for_each(|(part, (full, left))| expect(part, full, left));
-        less.about.dispatches += &format!(", group {} of {across}", if count == 1 { first + 1 } else { count });
         Ok(Some(less))
-    };
-    // The fewest groups from the first one on.
+    })?;
+    Ok(found.unwrap_or_else(|| case.clone()))
+}
+
+/// The only dispatch of a case with `count` of its groups across, from `first` on; none where the kernel's groups can't
+/// be renumbered.
+pub(super) fn grouped(case: &Case, count: u32, first: u32) -> Option<Case> {
+    let mut less = case.clone();
+    let dispatch = &mut less.dispatches[0];
+    let across = dispatch.groups[0];
+    (dispatch.groups, dispatch.first_group) = ([count, 1, 1], dispatch.first_group + first);
+    if first > 0 {
+        dispatch.spirv = shifted(&dispatch.spirv, first)?;
+    }
+    less.about.dispatches += &format!(", group {} of {across}", if count == 1 { first + 1 } else { count });
+    Some(less)
+}
+
+/// The fewest of `across` groups from the first one on with which a fault shows, or the last of those alone. `with`
+/// tries a number of groups, from one on, and gives the case if it shows.
+pub(super) fn searched(across: u32, with: &mut dyn FnMut(u32, u32) -> Result<Option<Case>>) -> Result<Option<Case>> {
     let (mut none, mut some, mut best) = (0, across, None);
     while none + 1 < some {
-        let middle = none + (some - none) / 2;
+        // The first one alone is the likeliest.
+        let middle = if none == 0 { 1 } else { none + (some - none) / 2 };
         match with(middle, 0)? {
             Some(less) => (some, best) = (middle, Some(less)),
             None => none = middle,
         }
     }
     let alone = if some > 1 { with(1, some - 1)? } else { None };
-    Ok(alone.or(best).unwrap_or_else(|| case.clone()))
+    Ok(alone.or(best))
 }
 
 /// What to expect of fewer groups: what they leave as all of them did; what they leave untouched stays. A word that

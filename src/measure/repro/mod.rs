@@ -4,6 +4,7 @@
 //! - `trace`: runs a step of a fixture, and makes a [`Case`] of it;
 //! - `isolate`: leaves those dispatches out that have no part in a failure;
 //! - `together`: looks for failures that need the dispatches in one submission;
+//! - `unfinished`: cases of dispatches that do not end, made before they run;
 //! - `minimize`: leaves groups and ends of buffers out that have none;
 //! - `run`: runs a case on a device, and compares;
 //! - `files`, `json`: a case as a folder, and back;
@@ -17,6 +18,7 @@ pub mod minimize;
 pub mod run;
 mod together;
 pub mod trace;
+pub mod unfinished;
 
 /// The word need not agree with anything.
 pub const ANY: f32 = -2.0;
@@ -53,8 +55,11 @@ pub struct About {
     pub tolerance: String,
     /// Which dispatches of the step these are, and why.
     pub dispatches: String,
-    /// Whether that device was beyond tolerance.
+    /// Whether that device was beyond tolerance, or did not end.
     pub fails: bool,
+    /// Where it did not end, by a hang, a crash or the loss of the device: within how many seconds two runs in a
+    /// process of their own should.
+    pub seconds: Option<f64>,
 }
 
 /// The part of a buffer that dispatches bind, with guard bytes behind it where they bind those too. All of it is whole

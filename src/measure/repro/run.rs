@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
+use serde::{Deserialize, Serialize};
+
 use super::{Case, Part};
 use crate::error::{Error, Result};
 use crate::gpu::{Binding, Buffer, Device, Kernel, Recorder, Work, shifted};
 
 /// What a device made of a case.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Found {
     /// Wrong words of each buffer that has any: the buffer's name, their number, and the first of them in words.
     pub wrong: Vec<(String, usize, String)>,

@@ -12,25 +12,61 @@ use crate::layout::{BUFFER_IDS, BufferId, Number};
 use crate::measure::conform::poison;
 use crate::measure::fixtures::Fixture;
 use crate::measure::rules::Rules;
-use crate::state::{DeviceState, State, Step, Tolerance, Trace};
+use crate::state::{DeviceState, State, Step, Tolerance, Trace, Traced};
+
+/// A step of a fixture before anything runs.
+pub(super) struct Begun {
+    step: Step,
+    device_state: DeviceState,
+    /// The reference's state before the step, and after it.
+    before: State,
+    after: State,
+}
+
+/// The step of this index; none where the fixture has no such step.
+pub(super) fn begin(device: &Device, fixture: &Fixture, index: usize) -> Result<Option<Begun>> {
+    let mut before = fixture.state.clone();
+    let (done, rest) = fixture.steps.split_at(index.min(fixture.steps.len()));
+    let Some(&step) = rest.first() else { return Ok(None) };
+    done.iter().for_each(|step| step.reference(&mut before));
+    poison(&mut before, step);
+    let mut device_state = DeviceState::new(device, true)?;
+    device_state.upload(&before, BUFFER_IDS)?;
+    let mut after = before.clone();
+    step.reference(&mut after);
+    Ok(Some(Begun { step, device_state, before, after }))
+}
+
+impl Begun {
+    /// All dispatches of the step, none of them run: their case, and their trace; none where there are none.
+    pub(super) fn listed(&self, device: &Device, fixture: &Fixture) -> Result<Option<(Case, Trace)>> {
+        let list = self.device_state.list(&self.before, self.step, &self.after)?;
+        if list.dispatches.is_empty() {
+            return Ok(None);
+        }
+        Ok(Some((self.whole(device, fixture, &list)?, list)))
+    }
+
+    /// Runs them one at a time.
+    pub(super) fn trace(&self, told: &mut dyn FnMut(&Trace, &Traced) -> Result<()>) -> Result<Trace> {
+        self.device_state.trace(&self.before, self.step, told)
+    }
+
+    fn whole(&self, device: &Device, fixture: &Fixture, trace: &Trace) -> Result<Case> {
+        whole(device, fixture, (self.step, &self.after), trace)
+    }
+}
 
 /// The step of this index in a fixture, as the device runs it: those of its dispatches that a failure needs, or all of
 /// them where there is none. None where the step dispatches nothing.
 pub fn case(device: &Device, fixture: &Fixture, index: usize) -> Result<Option<Case>> {
-    let mut state = fixture.state.clone();
-    let (before, rest) = fixture.steps.split_at(index.min(fixture.steps.len()));
-    let Some(&step) = rest.first() else { return Ok(None) };
-    before.iter().for_each(|step| step.reference(&mut state));
-    poison(&mut state, step);
-    let mut device_state = DeviceState::new(device, true)?;
-    device_state.upload(&state, BUFFER_IDS)?;
-    let trace = device_state.trace(&state, step)?;
+    let Some(begun) = begin(device, fixture, index)? else { return Ok(None) };
+    let trace = begun.trace(&mut |_, _| Ok(()))?;
     if trace.dispatches.is_empty() {
         return Ok(None);
     }
-    step.reference(&mut state);
-    let whole = whole(device, fixture, (step, &state), &trace)?;
-    let left: Vec<_> = trace.dispatches.iter().map(|dispatch| left(&trace, &dispatch.after)).collect();
+    let whole = begun.whole(device, fixture, &trace)?;
+    let left: Vec<_> = trace.dispatches.iter().map(|dispatch| left(&trace, dispatch)).collect();
     let case = isolate(whole, &left);
     // Right one at a time: what is wrong may need them in one submission.
     if case.about.fails { Ok(Some(case)) } else { together(case, |case| case.run(device)).map(Some) }
@@ -46,10 +82,10 @@ pub fn first_step(fixture: &Fixture, stage: &str, lanes: usize) -> Result<Option
     Ok(None)
 }
 
-/// What a dispatch has left in the buffers that it may write, by their index.
-fn left(trace: &Trace, after: &[(BufferId, Vec<u8>)]) -> BTreeMap<usize, Vec<u32>> {
+/// What a dispatch has left in the buffers that it may write, by their index among the parts of a trace.
+pub(super) fn left(trace: &Trace, dispatch: &Traced) -> BTreeMap<usize, Vec<u32>> {
     let index = |slot: &BufferId| trace.parts.keys().position(|known| known == slot).unwrap_or_default();
-    after.iter().map(|(slot, bytes)| (index(slot), words(bytes))).collect()
+    dispatch.after.iter().map(|(slot, bytes)| (index(slot), words(bytes))).collect()
 }
 
 /// Whole words; buffers have no others.

@@ -65,20 +65,22 @@ impl DeviceFacts {
         }
     }
 
-    /// A failure for each probe that is wrong and that kernels rely on.
+    /// The outcome of each probe; one that is wrong fails if kernels rely on it.
     #[must_use]
-    pub fn lacking(&self) -> Vec<Outcome> {
-        let wrong = self.probes.iter().filter(|fact| fact.needed && !fact.right);
-        let outcome = |fact: &Fact| Outcome {
-            device: self.name.clone(),
-            driver: self.driver.clone(),
-            fixture: FIXTURE.into(),
-            stage: fact.name.clone(),
-            verdict: Verdict::Differs,
-            faults: vec![format!("{}: {}", fact.what, fact.found)],
-            repeat: REPEAT.into(),
-            ..Outcome::default()
+    pub fn probed(&self) -> Vec<Outcome> {
+        let outcome = |fact: &Fact| {
+            let fails = fact.needed && !fact.right;
+            Outcome {
+                device: self.name.clone(),
+                driver: self.driver.clone(),
+                fixture: FIXTURE.into(),
+                stage: fact.name.clone(),
+                verdict: if fails { Verdict::Differs } else { Verdict::Conforms },
+                faults: fails.then(|| format!("{}: {}", fact.what, fact.found)).into_iter().collect(),
+                repeat: REPEAT.into(),
+                ..Outcome::default()
+            }
         };
-        wrong.map(outcome).collect()
+        self.probes.iter().map(outcome).collect()
     }
 }
