@@ -21,8 +21,8 @@ const LARGE: f64 = 1e6;
 /// Pixels of the small one, about.
 const SMALL: f64 = 4096.0;
 
-/// Says before a large picture is made how long that takes, if it is long: from a small picture, which this renders. The
-/// session's light is found then. Returns the times of its steps; none if nothing was timed.
+/// Says before a large picture is made how long that takes, if it is long: from a small picture, which this renders.
+/// The session's light is found then. Returns the times of its steps; none if nothing was timed.
 pub fn foretell(session: &mut Session) -> Result<Option<Vec<Timing>>> {
     let camera = session.scene().camera.clone();
     let [width, height] = camera.size.map(f64::from);

@@ -9,10 +9,9 @@ buffers! {
     lights: Light, light;
     /// Whether each light reaches each triangle: a bit each, `object_params.shadow_words` words a triangle.
     lit: u32, shadow;
-    /// The lights as pixels see them: of an area or an environment as many points or rays as one sample of a pixel
-    /// takes. Empty where light is found for no pixel by itself.
+    /// The lights as pixels see them: as many points or rays of each as one sample of a pixel takes.
     pixel_lights: Light, light;
-    /// Whether each of those reaches the surface that a pixel shows: a bit each, `camera.shadow_words` words a pixel.
+    /// Whether each of those reaches the surface that a pixel shows: a bit each, `camera.shadow_words` a pixel.
     pixel_lit: u32, pixel;
     /// Not 0 if a driver ended a shadow ray's loop early; one element.
     cut_short: u32, scene;
@@ -22,7 +21,7 @@ buffers! {
     sky_rows: SkyRow, row;
     /// Integrals over its columns.
     sky_columns: SkyColumn, column;
-    /// Directions in which the environment is reflected: of microfacets, or about the mirror direction.
+    /// Directions in which the environment is reflected: of facets, or about the mirror direction.
     reflection_directions: [f32; 3], direction;
     /// Sums of image times harmonic, nine a block of pixels; the first nine are the environment's coefficients.
     harmonics: [f32; 3], patch;
@@ -99,8 +98,7 @@ buffers! {
     texel_hits: TexelHit, texel;
     /// Lengths that a texel spans along the rows and down the columns.
     stretch: [f32; 2], texel;
-    /// Each object's Gaussians, narrowest first: the weight of each channel, then the deviation, a length, by which the
-    /// sheet before is blurred.
+    /// Each object's Gaussians, narrowest first: weights of the channels, then the deviation that blurs the sheet before.
     gaussians: [f32; 4], gaussian;
     /// A sheet of the light that enters at each texel, and one for each Gaussian: light, and 1 on a surface.
     irradiance_maps: [f32; 4], texel;

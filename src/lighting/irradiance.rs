@@ -94,7 +94,8 @@ pub enum SkyRays {
     ByCosine,
 }
 
-/// E of equation 5 at a point with a unit normal (`place`), from those of the `lights` that reach it and the environment.
+/// E of equation 5 at a point with a unit normal (`place`), from those of the `lights` that reach it and the
+/// environment.
 pub fn entering(
     data: &Buffers,
     params: &ObjectParams,

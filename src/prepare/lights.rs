@@ -120,8 +120,8 @@ fn records(light: &Light, units: Units) -> Vec<Record> {
     }
 }
 
-/// The record of a light, or of one of so many samples of it, whose place is left out. `shadow` is 0 for now if it casts
-/// shadows (bits are numbered later), otherwise all ones.
+/// The record of a light, or of one of so many samples of it, whose place is left out. `shadow` is 0 for now if it
+/// casts shadows (bits are numbered later), otherwise all ones.
 pub fn record_of(light: &Light, units: Units, samples: usize) -> Record {
     let black = light.color() == [0.0; 3];
     let shadow = if light.shadows && !black { 0 } else { u32::MAX };

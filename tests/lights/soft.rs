@@ -1,5 +1,5 @@
-//! Soft light on opaque surfaces, pixel by pixel: it converges with the samples, each takes its share of a light's points,
-//! and no two neighbours take the same.
+//! Soft light on opaque surfaces, pixel by pixel: it converges with the samples, each takes its share of a light's
+//! points, and no two neighbours take the same.
 
 use glam::DVec3;
 use milkglass::internals::pipeline::plan::{Change, Options};
@@ -7,8 +7,8 @@ use milkglass::internals::session::run::Session;
 
 use super::scene;
 
-/// A ball over a sheet, seen from above, by a picture of 24 x 24 with so many samples; a panel of `panel` x `panel` points
-/// and a sky of `sky` rays.
+/// A ball over a sheet, seen from above, by a picture of 24 x 24 with so many samples; a panel of `panel` x `panel`
+/// points and a sky of `sky` rays.
 fn session(samples: u32, panel: u32, sky: u32) -> Session {
     let sets = [
         &format!(

@@ -114,8 +114,8 @@ pub const PRESETS: &[Preset] = &[
     },
 ];
 
-/// Liquids of Narasimhan et al. that scatter more than they absorb, so that diffusion describes them: sigma_s (1 - g) and
-/// sigma_a of their table.
+/// Liquids of Narasimhan et al. that scatter more than they absorb, so that diffusion describes them: sigma_s (1 - g)
+/// and sigma_a of their table.
 pub const LIQUIDS: &[Preset] = &[
     Preset {
         name: "Lowfat milk",
