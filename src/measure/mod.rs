@@ -31,14 +31,9 @@ pub mod repro;
 pub mod results;
 pub mod rules;
 pub mod sample;
+pub mod statistics;
 pub mod stress;
 pub mod tables;
 pub mod truth;
 pub mod validity;
 pub mod verdict;
-
-/// The median, the upper one of two; NaN for an empty list.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
-}
