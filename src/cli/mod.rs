@@ -138,6 +138,16 @@ impl SceneArguments {
         self.sets.iter().cloned().chain(name).chain(fps).collect()
     }
 
+    /// The same arguments, for a process to start.
+    fn words(&self) -> Vec<String> {
+        let sets = self.sets.iter().flat_map(|set| ["--set".to_string(), set.clone()]);
+        let frame = [format!("--frame={}", self.frame)];
+        let animation = self.animation.iter().map(|name| format!("--animation={name}"));
+        let fps = self.fps.iter().map(|fps| format!("--fps={fps}"));
+        let all = [self.scene.clone()].into_iter().chain(sets).chain(frame).chain(animation).chain(fps);
+        all.chain(self.memory.words()).collect()
+    }
+
     /// Loads the scene and reports repairs to it.
     fn load(&self) -> Result<Scene> {
         let scene = self.at(self.frame)?;

@@ -1,4 +1,4 @@
-//! Measurements: conformance, profiles, error norms, quality of the error estimate, reference solutions, error
+//! Measurements: conformance, profiles, times of variants and their statistics, error norms, quality of the error estimate, reference solutions, error
 //! against run time, extreme cases, the papers' tables, layers, shading by curvature, modes, numerical error beside
 //! the model's error; and a report of them all.
 
@@ -29,6 +29,7 @@ pub mod replace;
 pub mod report;
 pub mod repro;
 pub mod results;
+pub mod rounds;
 pub mod rules;
 pub mod sample;
 pub mod statistics;

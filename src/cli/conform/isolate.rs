@@ -10,6 +10,7 @@ use super::arguments::{Arguments, repeating};
 use super::choose::Choice;
 use super::sink::Sink;
 use crate::cli::stop;
+use crate::cli::text::last_error;
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Adapter;
 use milkglass::measure::probe::{FIXTURE, REPEAT};
@@ -179,16 +180,10 @@ fn watched(
             said.lines().for_each(|line| tell!("{line}"));
             return Ok(None);
         }
-        Some(2) => return Err(Input::new(message(&said)).into()),
-        Some(3) => (Verdict::DeviceFailed, message(&said)),
-        _ => (Verdict::Crashed, format!("{}{}", ended(status), after(&message(&said)))),
+        Some(2) => return Err(Input::new(last_error(&said)).into()),
+        Some(3) => (Verdict::DeviceFailed, last_error(&said)),
+        _ => (Verdict::Crashed, format!("{}{}", ended(status), after(&last_error(&said)))),
     }))
-}
-
-/// The last error of a process, without its name.
-fn message(said: &str) -> String {
-    let start = said.rfind("milkglass: ").map_or(said, |at| &said[at + "milkglass: ".len()..]);
-    start.trim().to_string()
 }
 
 fn after(text: &str) -> String {

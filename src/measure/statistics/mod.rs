@@ -14,13 +14,15 @@ mod series;
 #[cfg(test)]
 mod tests;
 
+use serde::Serialize;
+
 pub use bootstrap::{median_interval, ratio_of_medians};
 pub use paired::paired_ratio;
 pub use random::Random;
 pub use series::{drift, warm_up};
 
 /// A measured value and its confidence interval.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Interval {
     /// The value of the sample.
     pub value: f64,
