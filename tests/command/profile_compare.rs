@@ -66,13 +66,17 @@ fn another_build_is_timed_in_turn() {
     let own = env!("CARGO_BIN_EXE_milkglass");
     let line = format!("profile {SMALL} --device cpu --frames 12 --against {own} --save a.json");
     let (out, _) = good(&here, &line);
-    for words in ["both compute bit for bit the same result", "12 rounds", "other build against this build:", "seed 1"]
-    {
+    for words in [
+        "both compute bit for bit the same result",
+        "16 rounds in 2 starts",
+        "other build against this build:",
+        "seed 1",
+    ] {
         assert!(out.contains(words), "{words}: {out}");
     }
     let found = json(&here, "a.json");
     let variants = found["samples"]["variants"].as_array().unwrap();
-    assert_eq!((variants.len(), variants[1]["frame_ms"].as_array().unwrap().len()), (2, 12));
+    assert_eq!((variants.len(), variants[1]["frame_ms"].as_array().unwrap().len()), (2, 16));
     let rows = found["comparison"][0]["rows"].as_array().unwrap();
     assert!(rows.iter().any(|row| row["what"] == "gather") && rows.last().unwrap()["what"] == "frame", "{rows:?}");
 

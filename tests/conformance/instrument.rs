@@ -74,8 +74,10 @@ fn on_the_cpu_a_profile_has_times_only() {
 #[test]
 fn a_device_against_itself_takes_every_stage() {
     on_devices(|device| {
-        let both = [("first", Some(device)), ("second", Some(device))];
-        let found = against(&ball(&[]), &both, &Settings { frames: 3, ..Settings::default() }).unwrap();
+        let open = || Ok(Some(device.clone()));
+        let found =
+            against(&ball(&[]), &[("first", &open), ("second", &open)], &Settings { frames: 3, ..Settings::default() })
+                .unwrap();
         let rows = found.samples.ratios().remove(0);
         let names: Vec<_> = rows.iter().map(|row| row.what.as_str()).collect();
         assert!(names.contains(&"gather") && names.ends_with(&["stages", "frame"]), "{names:?}");

@@ -18,6 +18,8 @@ use milkglass::measure::rounds::{ROUNDS, Samples};
 
 /// Frames of a profile, where nothing else is asked for.
 const FRAMES: u32 = 11;
+/// Those that are compared with an earlier run.
+const COMPARED: u32 = 41;
 /// Most frames.
 const MOST: u32 = 10_000;
 
@@ -38,7 +40,7 @@ pub struct Arguments {
     option_args: OptionArguments,
     #[command(flatten)]
     pub(super) replace: ReplaceArgument,
-    /// Timed frames, after those that warm up [default: 11, and 41 of each where several are compared].
+    /// Timed frames, after those that warm up [default: 11; where several are compared 128 of each, in 16 starts].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)))]
     frames: Option<u32>,
     /// Time frames until the interval of each stage that takes 2 % or more of the frame is at most this wide on either
@@ -111,7 +113,13 @@ impl Arguments {
 
     /// What to measure and for how long.
     pub(super) fn settings(&self) -> Settings {
-        let usual = if self.several() { ROUNDS as u32 } else { FRAMES };
+        let usual = if self.several() {
+            ROUNDS as u32
+        } else if self.compare.is_empty() {
+            FRAMES
+        } else {
+            COMPARED
+        };
         let frames = self.frames.unwrap_or(if self.until.is_some() { MOST } else { usual });
         let budget = self.budget.or(self.until.map(|_| 60.0));
         Settings {

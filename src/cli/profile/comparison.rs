@@ -13,7 +13,8 @@ use milkglass::measure::statistics::Interval;
 pub(super) fn told(samples: &Samples, ratios: &[Vec<Ratio>], replaced: &[String]) -> String {
     let all = samples.variants.first().map_or(0, |first| first.frame_ms.len());
     let mut text = format!(
-        "{all} rounds in {:.1} s, in random order (seed {}), {}\n",
+        "{all} rounds in {} starts and {:.1} s, in random order (seed {}), {}\n",
+        all.div_ceil(samples.each.max(1)),
         samples.seconds,
         samples.seed,
         dropped(samples)
@@ -23,8 +24,10 @@ pub(super) fn told(samples: &Samples, ratios: &[Vec<Ratio>], replaced: &[String]
         text += &format!("\n{}", rows_told([&first.name, &other.name], rows, replaced));
         text += &unshared(&Samples::unshared(first, other));
     }
-    text +=
-        &format!("\n{}", meaning("paired by round (Hodges-Lehmann, signed ranks)", ratios.iter().map(Vec::len).sum()));
+    text += &format!(
+        "\n{}",
+        meaning("of each start's median ratio (Hodges-Lehmann, signed ranks)", ratios.iter().map(Vec::len).sum())
+    );
     samples.doubts().iter().for_each(|doubt| text += &format!("{doubt}\n"));
     text
 }
@@ -48,13 +51,13 @@ pub(super) fn files((first, a): (&Saved, &Path), (second, b): (&Saved, &Path)) -
             "{name}: {}: {}; {} rounds, {}\n",
             path.display(),
             saved.origin(),
-            samples.rounds() + samples.warm_up,
+            samples.orders.len(),
             dropped(samples)
         );
         samples.doubts().iter().for_each(|doubt| text += &format!("   {doubt}\n"));
     }
     text += "\nThese were timed at different times: what changed between the runs besides the program (load, clock, heat, \
-             memory) is in every ratio.\n--against and --replace time in turn, and leave that out.\n";
+             where memory and\ncode lie) is in every ratio. --against and --replace time in turn, and leave that out.\n";
     if first.device != second.device {
         text += "The devices differ.\n";
     }
@@ -70,8 +73,7 @@ pub(super) fn files((first, a): (&Saved, &Path), (second, b): (&Saved, &Path)) -
 fn dropped(samples: &Samples) -> String {
     match samples.warm_up {
         0 => "none of them warming up".into(),
-        1 => "the first dropped as warming up".into(),
-        count => format!("the first {count} dropped as warming up"),
+        count => format!("the first {count} of each start dropped as warming up"),
     }
 }
 

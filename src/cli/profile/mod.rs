@@ -14,15 +14,16 @@ pub use self::arguments::Arguments;
 use self::comparison::{files, told, unmet};
 use self::pipe::{Other, serve};
 use self::text::text;
+use super::replace::replaced;
 use super::{check_messages, print};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::internals::pipeline::plan::{Change, Mode};
 use milkglass::internals::view::atomic_file::{ready, write_atomically};
 use milkglass::measure::profile::file::{Saved, read};
-use milkglass::measure::profile::{Settings, against, agreement, profile, result, rounds, variant};
+use milkglass::measure::profile::{Open, Settings, against, agreement, profile, result, variant};
 use milkglass::measure::replace::stages;
-use milkglass::measure::rounds::{Measured, Samples, Variant, run as run_rounds};
+use milkglass::measure::rounds::{Measured, Samples, Starter, compare};
 use milkglass::scene::Scene;
 
 /// Measures, prints, and writes the requested files.
@@ -57,9 +58,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let own = arguments.replace.on(device.as_ref(), &[(&scene, settings.options)])?;
     let mut comparison = Value::Null;
-    if let (Some(_), Some(after)) = (&device, &own) {
-        let named = [("built-in", device.as_ref()), ("replaced", own.as_ref())];
-        let found = against(&scene, &named, &settings)?;
+    if let Some(after) = &own {
+        let kernels = arguments.replace.load()?;
+        let built_in = || arguments.open(arguments.device.first());
+        let with_own = || Ok(built_in()?.map(|device| replaced(&device, &kernels)));
+        let found = against(&scene, &[("built-in", &built_in), ("replaced", &with_own)], &settings)?;
         comparison = compared(&found.samples, &stages(after), &settings)?;
     }
     let device = own.or(device);
@@ -85,15 +88,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn builds(arguments: &Arguments, program: &Path, settings: &Settings) -> Result<()> {
     let tolerance = arguments.scene()?.load()?.transport.tolerance;
     let own = std::env::current_exe().map_err(|error| Error::device("starting this program again", error))?;
-    let mut first = Other::start(&own, "this build", arguments)?;
-    let mut second = Other::start(program, "other build", arguments)?;
+    let first = Other::start(&own, arguments)?;
+    let second = Other::start(program, arguments)?;
     print(&format!("this build:  {}\nother build: {}, {}\n", first.origin(), program.display(), second.origin()))?;
     let results = [first.result(), second.result()];
     let found = agreement(["this build", "the other"], results, tolerance)?;
     print(&format!("both compute {found}\n\n"))?;
     let (device, driver) = (first.hello.device.clone(), first.hello.driver.clone());
-    let mut variants: [&mut dyn Variant; 2] = [&mut first, &mut second];
-    let Measured { samples, .. } = run_rounds(&mut variants, &settings.schedule())?;
+    drop((first, second));
+    let starter = |name: &str, program: &Path| {
+        let program = program.to_path_buf();
+        let start = move || Ok(Box::new(Other::start(&program, arguments)?) as _);
+        Starter { name: name.into(), start: Box::new(start) }
+    };
+    let mut starters = [starter("this build", &own), starter("other build", program)];
+    let Measured { samples, .. } = compare(&mut starters, &settings.schedule())?;
     let comparison = compared(&samples, &[], settings)?;
     save(arguments, &arguments.saved(&device, &driver, samples), json!({}), comparison)
 }
@@ -101,15 +110,12 @@ fn builds(arguments: &Arguments, program: &Path, settings: &Settings) -> Result<
 /// Times several devices side by side.
 fn devices(arguments: &Arguments, names: &[String], scene: &Scene, settings: &Settings) -> Result<()> {
     let opened = names.iter().map(|name| arguments.open(Some(name))).collect::<Result<Vec<_>>>()?;
-    let mut variants = Vec::new();
+    let mut results = Vec::new();
     for (k, device) in opened.iter().enumerate() {
         let [name, driver] = described(device.as_ref());
         print(&format!("device {}: {name}, {driver}\n", k + 1))?;
-        variants.push(variant(scene, device.as_ref(), settings, &format!("device {}", k + 1))?);
-    }
-    let mut results = Vec::new();
-    for variant in &mut variants {
-        results.push(result(&mut variant.session)?);
+        results.push(result(&mut variant(scene, device.as_ref(), settings)?.session)?);
+        check_messages(device.as_ref())?;
     }
     for (k, other) in results.iter().enumerate().skip(1) {
         let names = ["device 1".to_string(), format!("device {}", k + 1)];
@@ -117,10 +123,11 @@ fn devices(arguments: &Arguments, names: &[String], scene: &Scene, settings: &Se
         print(&format!("{} and {} compute {found}\n", names[0], names[1]))?;
     }
     print("\n")?;
-    let Measured { samples, .. } = rounds(&mut variants, settings)?;
-    for device in &opened {
-        check_messages(device.as_ref())?;
-    }
+    let opens: Vec<_> = names.iter().map(|name| move || arguments.open(Some(name))).collect();
+    let called: Vec<String> = (1..=names.len()).map(|number| format!("device {number}")).collect();
+    let devices: Vec<(&str, Open<'_>)> =
+        called.iter().zip(&opens).map(|(name, open)| (name.as_str(), open as Open<'_>)).collect();
+    let Measured { samples, .. } = against(scene, &devices, settings)?;
     let comparison = compared(&samples, &[], settings)?;
     let [name, driver] = described(opened[0].as_ref());
     save(arguments, &arguments.saved(name, driver, samples), json!({}), comparison)

@@ -49,7 +49,7 @@ struct Answer {
 
 /// Runs frames until standard input ends.
 pub(super) fn serve(scene: &Scene, device: Option<&Device>, settings: &Settings) -> Result<()> {
-    let mut own = variant(scene, device, settings, "")?;
+    let mut own = variant(scene, device, settings)?;
     let [name, driver] = described(device);
     say(&Hello {
         rounds: SCHEMA,
@@ -79,7 +79,6 @@ fn say(what: &impl Serialize) -> Result<()> {
 
 /// Such a process.
 pub(super) struct Other {
-    name: String,
     program: String,
     child: Child,
     asks: Option<ChildStdin>,
@@ -91,7 +90,7 @@ pub(super) struct Other {
 
 impl Other {
     /// Starts a program and waits until it is ready.
-    pub(super) fn start(program: &Path, name: &str, arguments: &Arguments) -> Result<Self> {
+    pub(super) fn start(program: &Path, arguments: &Arguments) -> Result<Self> {
         let fault = |what: String| {
             let fault = Input::new(what).key("--against").found(program.display());
             Error::from(fault.expected("a milkglass that has `profile --against`"))
@@ -119,8 +118,7 @@ impl Other {
             result: String::new(),
         };
         let (program, answers) = (program.display().to_string(), BufReader::new(out));
-        let mut other =
-            Self { name: name.into(), program, child, asks, answers, errors: Some(errors), hello, result: Vec::new() };
+        let mut other = Self { program, child, asks, answers, errors: Some(errors), hello, result: Vec::new() };
         let Some(line) = other.line() else {
             let said = other.ended();
             return Err(fault(format!("this program takes no rounds{}", after(&said))));
@@ -165,10 +163,6 @@ fn after(said: &str) -> String {
 }
 
 impl Variant for Other {
-    fn name(&self) -> String {
-        self.name.clone()
-    }
-
     fn process(&self) -> u32 {
         self.child.id()
     }

@@ -126,7 +126,7 @@ mod tests {
 
     fn saved() -> Saved {
         let series = Series { frame_ms: vec![1.0, 2.0], ..Series::default() };
-        let samples = Samples { variants: vec![series], ..Samples::default() };
+        let samples = Samples { each: 2, variants: vec![series], ..Samples::default() };
         Saved { schema: SCHEMA, version: "1".into(), samples, ..Saved::default() }
     }
 

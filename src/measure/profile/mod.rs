@@ -20,7 +20,7 @@ pub use work::Work;
 use crate::error::Result;
 use crate::gpu::{Device, Timing};
 use crate::layout::BufferId;
-use crate::measure::rounds::{Frame, InProcess, Measured, Samples, Schedule, Variant, run};
+use crate::measure::rounds::{Frame, InProcess, Measured, Samples, Schedule, Starter, compare, run};
 use crate::measure::statistics::Interval;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::Scene;
@@ -138,8 +138,8 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
     if let Some(device) = device {
         device.forget_peak();
     }
-    let mut only = variant(scene, device, settings, "")?;
-    let Measured { samples, frames } = run(&mut [&mut only], &settings.schedule())?;
+    let mut only = variant(scene, device, settings)?;
+    let Measured { samples, frames } = run(&mut only, &settings.schedule())?;
     let (mut session, trace) = (only.session, frames.into_iter().next().unwrap_or_default());
     let peak = device.map_or(session.bytes(), |device| device.memory().peak);
     let later = device.map(rates).transpose()?.flatten();
@@ -191,27 +191,29 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
     })
 }
 
-/// Times frames on several devices in rounds, for example on one device with and without a replaced kernel. Each has a
-/// name.
-pub fn against(scene: &Scene, devices: &[(&str, Option<&Device>)], settings: &Settings) -> Result<Measured> {
-    let ready = devices.iter().map(|(name, device)| variant(scene, *device, settings, name));
-    rounds(&mut ready.collect::<Result<Vec<_>>>()?, settings)
-}
+/// Opens a device, with its own pipelines; `None` is the CPU.
+pub type Open<'a> = &'a dyn Fn() -> Result<Option<Device>>;
 
-/// Times frames of variants that are ready, in rounds.
-pub fn rounds(variants: &mut [InProcess], settings: &Settings) -> Result<Measured> {
-    let mut variants: Vec<&mut dyn Variant> = variants.iter_mut().map(|variant| variant as &mut dyn Variant).collect();
-    run(&mut variants, &settings.schedule())
+/// Times frames on several devices in rounds, for example on one device with and without a replaced kernel. Each has a
+/// name, and is opened anew for each start.
+pub fn against<'a>(scene: &'a Scene, devices: &[(&str, Open<'a>)], settings: &'a Settings) -> Result<Measured> {
+    let mut starters = Vec::new();
+    for (name, open) in devices {
+        let open: Open<'a> = *open;
+        let start = move || Ok(Box::new(variant(scene, open()?.as_ref(), settings)?) as _);
+        starters.push(Starter { name: (*name).to_string(), start: Box::new(start) });
+    }
+    compare(&mut starters, &settings.schedule())
 }
 
 /// A warmed-up session: lists have their capacity and pipelines exist, so all further frames are alike.
-pub fn variant(scene: &Scene, device: Option<&Device>, settings: &Settings, name: &str) -> Result<InProcess> {
+pub fn variant(scene: &Scene, device: Option<&Device>, settings: &Settings) -> Result<InProcess> {
     let mut session = Session::new(scene, device, settings.options)?;
     session.frame(Change::EVERYTHING)?;
     if device.is_some() {
         session.frame(settings.change)?;
     }
-    Ok(InProcess { name: name.into(), session, change: settings.change })
+    Ok(InProcess { session, change: settings.change })
 }
 
 /// Milliseconds of a stage in each frame.

@@ -2,8 +2,8 @@
 
 use std::fs::read_to_string;
 
-/// Counts of processor time in ticks since the machine started.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Counts of processor time in ticks: since the machine started, or over some time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Load {
     /// Of the processes that are timed.
     own: f64,
@@ -35,10 +35,21 @@ impl Load {
         Some(Self { own, busy, all: busy + idle + waiting, cores: (lines().count() - 1).max(1) as f64 })
     }
 
-    /// How many processors others kept busy on average since then.
-    pub(super) fn others(&self, then: &Self) -> f64 {
-        let others = (self.busy - then.busy) - (self.own - then.own);
-        (others * self.cores / (self.all - then.all).max(1.0)).max(0.0)
+    /// What was counted since then.
+    pub(super) fn since(&self, then: &Self) -> Self {
+        let Self { own, busy, all, .. } = then;
+        Self { own: self.own - own, busy: self.busy - busy, all: self.all - all, ..*self }
+    }
+
+    /// Both times together.
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        let Self { own, busy, all, cores } = other;
+        Self { own: self.own + own, busy: self.busy + busy, all: self.all + all, cores: *cores }
+    }
+
+    /// How many processors others kept busy on average over this time.
+    pub(super) fn others(&self) -> f64 {
+        ((self.busy - self.own) * self.cores / self.all.max(1.0)).max(0.0)
     }
 }
 
@@ -57,10 +68,12 @@ mod tests {
         let stat =
             |user: u32, idle: u32| format!("cpu  {user} 5 10 {idle} 3 0 1 0 0 0\ncpu0 1 0 0 0\ncpu1 1 0 0 0\nintr 7\n");
         let then = Load::parsed(&stat(100, 1000), 50.0).unwrap();
-        // 200 ticks of 2 processors in 100: 150 busy, 90 of them ours.
-        let now = Load::parsed(&stat(250, 1050), 140.0).unwrap();
-        assert!((now.others(&then) - 0.6).abs() < 1e-12, "{}", now.others(&then));
-        assert_eq!((now.others(&now), Load::parsed("cpu 1 2", 0.0), Load::parsed("", 0.0)), (0.0, None, None));
+        // 200 ticks of both processors: 150 busy, 30 of them ours.
+        let now = Load::parsed(&stat(250, 1050), 80.0).unwrap();
+        let passed = now.since(&then);
+        assert!((passed.others() - 1.2).abs() < 1e-12, "{}", passed.others());
+        assert_eq!(Load::default().plus(&passed).plus(&passed).others(), passed.others());
+        assert_eq!((now.since(&now).others(), Load::parsed("cpu 1 2", 0.0), Load::parsed("", 0.0)), (0.0, None, None));
         assert_eq!(ticks("7 (a b) c) R 1 2 3 4 5 6 7 8 9 10 11 12 13"), Some(23.0));
         assert_eq!(ticks("7 (a) R 1"), None);
     }
@@ -69,7 +82,7 @@ mod tests {
     #[test]
     fn linux_tells() {
         let then = Load::now(&[]).unwrap();
-        assert!(then.all > 0.0 && then.others(&then) == 0.0);
+        assert!(then.all > 0.0 && then.since(&then).others() == 0.0);
         assert!(Load::now(&[u32::MAX]).is_none());
     }
 }

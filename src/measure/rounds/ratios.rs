@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::samples::{Samples, Series};
-use crate::measure::statistics::{Interval, each_of, median_interval, paired_ratio, ratio_of_medians};
+use crate::measure::statistics::{Interval, each_of, median, median_interval, paired_ratio, ratio_of_medians};
 
 /// The confidence of a median's interval, and of all ratios of a comparison together.
 pub const CONFIDENCE: f64 = 0.95;
@@ -33,10 +33,18 @@ fn shared<'a>(first: &'a Series, other: &Series) -> Vec<&'a str> {
 }
 
 impl Samples {
-    /// The median of one of a variant's stages, of `stages` or `frame`, and its interval of 95 %.
+    /// The median of one of a variant's stages, of `stages` or `frame`, and its interval of 95 %; where the variants
+    /// were started several times, the median of the starts' medians.
     #[must_use]
     pub fn median(&self, variant: &Series, what: &str) -> Option<Interval> {
-        Some(median_interval(&self.kept(variant, what)?, CONFIDENCE, self.seed))
+        let times = variant.times(what)?;
+        Some(match self.starts(&times).as_slice() {
+            [only] => median_interval(only, CONFIDENCE, self.seed),
+            starts => {
+                let medians: Vec<f64> = starts.iter().map(|start| median(start.to_vec())).collect();
+                median_interval(&medians, CONFIDENCE, self.seed)
+            }
+        })
     }
 
     /// What only one of two has.
@@ -48,8 +56,8 @@ impl Samples {
         [only(first, other), only(other, first)].concat()
     }
 
-    /// Ratios of each variant but the first to the first one: of pairs of the same round. A stage without a time in any
-    /// round has none.
+    /// Ratios of each variant but the first to the first one: the median of a start's rounds is one piece of evidence.
+    /// A stage without a time in any round has none.
     #[must_use]
     pub fn ratios(&self) -> Vec<Vec<Ratio>> {
         let Some((first, others)) = self.variants.split_first() else { return Vec::new() };
@@ -66,8 +74,10 @@ impl Samples {
     }
 
     fn paired(&self, first: &Series, other: &Series, what: &str, confidence: f64) -> Option<Interval> {
-        let (before, after) = (self.kept(first, what)?, self.kept(other, what)?);
-        let pairs: Vec<[f64; 2]> = before.into_iter().zip(after).map(|(before, after)| [before, after]).collect();
+        let (before, after) = (first.times(what)?, other.times(what)?);
+        let logs: Vec<f64> = before.iter().zip(&after).map(|(before, after)| (after / before).ln()).collect();
+        let starts = self.starts(&logs).into_iter();
+        let pairs: Vec<[f64; 2]> = starts.map(|start| [1.0, median(start.to_vec()).exp()]).collect();
         Some(paired_ratio(&pairs, confidence)).filter(|ratio| ratio.value.is_finite())
     }
 

@@ -12,7 +12,9 @@ pub struct Samples {
     pub seed: u64,
     /// How long all rounds took.
     pub seconds: f64,
-    /// The first rounds, which belong to warming up: their times are listed, and not used.
+    /// Rounds after each start of the variants; all rounds where they were started once.
+    pub each: usize,
+    /// The first rounds after each start, which belong to warming up: their times are listed, and not used.
     pub warm_up: usize,
     /// The change of a frame's time from the first to the last third of the other rounds, as a share, where there is
     /// a trend.
@@ -98,30 +100,44 @@ impl Series {
 }
 
 impl Samples {
-    /// The times of these frames, a list for each variant.
-    pub(super) fn of(names: &[String], frames: &[Vec<Frame>], seed: u64) -> Self {
+    /// The times of these frames, a list for each variant, which were started anew after `each` rounds.
+    pub(super) fn of(names: &[String], frames: &[Vec<Frame>], each: usize, seed: u64) -> Self {
         let variants: Vec<Series> = names.iter().zip(frames).map(|(name, frames)| Series::of(name, frames)).collect();
         let rounds = frames.first().map_or(0, Vec::len);
+        let each = each.clamp(1, rounds.max(1));
         // A round's time is the product of its variants' times: all are dropped together, and none counts more.
         let known: Vec<Vec<f64>> =
             variants.iter().filter_map(|variant| variant.times(STAGES).or_else(|| variant.times(FRAME))).collect();
         let whole = |round: usize| known.iter().map(|times| times[round].ln()).sum::<f64>();
         let mean = |round: usize| (whole(round) / known.len() as f64).exp();
         let whole: Vec<f64> = (0..rounds).map(mean).collect();
-        let warm_up = warm_up(&whole);
-        let drift = drift(&whole[warm_up..]);
-        Self { seed, warm_up, drift, variants, ..Self::default() }
+        // The first, second and further rounds of all starts.
+        let places: Vec<f64> =
+            (0..each).map(|place| median(whole.iter().skip(place).step_by(each).copied().collect())).collect();
+        let mut found = Self { seed, each, warm_up: warm_up(&places), variants, ..Self::default() };
+        let starts = found.starts(&whole);
+        found.drift = if starts.len() > 1 {
+            drift(&starts.iter().map(|start| median(start.to_vec())).collect::<Vec<_>>())
+        } else {
+            drift(&whole[found.warm_up..])
+        };
+        found
     }
 
     /// Number of rounds that count.
     #[must_use]
     pub fn rounds(&self) -> usize {
-        self.variants.first().map_or(0, |variant| variant.frame_ms.len().saturating_sub(self.warm_up))
+        self.variants.first().map_or(0, |variant| self.starts(&variant.frame_ms).iter().map(|start| start.len()).sum())
+    }
+
+    /// The values of the rounds that count, a list for each start.
+    pub(super) fn starts<'a>(&self, values: &'a [f64]) -> Vec<&'a [f64]> {
+        values.chunks(self.each.max(1)).filter_map(|start| start.get(self.warm_up..)).collect()
     }
 
     /// The times of a variant in the rounds that count.
     pub(super) fn kept(&self, variant: &Series, what: &str) -> Option<Vec<f64>> {
-        Some(variant.times(what)?.split_off(self.warm_up))
+        Some(self.starts(&variant.times(what)?).concat())
     }
 
     /// What a reader must know of the run: other load, and drift.
@@ -158,6 +174,7 @@ impl Samples {
                 return Some(format!("{what} has a sample of {time} ms"));
             }
         }
-        (self.warm_up >= rounds).then(|| format!("warm_up is {}, of {rounds} rounds", self.warm_up))
+        let each = self.each.min(rounds);
+        (self.warm_up >= each).then(|| format!("warm_up is {}, of {each} rounds", self.warm_up))
     }
 }
