@@ -141,11 +141,9 @@ impl SceneArguments {
     /// The same arguments, for a process to start.
     fn words(&self) -> Vec<String> {
         let sets = self.sets.iter().flat_map(|set| ["--set".to_string(), set.clone()]);
-        let frame = [format!("--frame={}", self.frame)];
         let animation = self.animation.iter().map(|name| format!("--animation={name}"));
-        let fps = self.fps.iter().map(|fps| format!("--fps={fps}"));
-        let all = [self.scene.clone()].into_iter().chain(sets).chain(frame).chain(animation).chain(fps);
-        all.chain(self.memory.words()).collect()
+        let rest = animation.chain(self.fps.iter().map(|fps| format!("--fps={fps}"))).chain(self.memory.words());
+        [self.scene.clone(), format!("--frame={}", self.frame)].into_iter().chain(sets).chain(rest).collect()
     }
 
     /// Loads the scene and reports repairs to it.

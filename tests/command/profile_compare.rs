@@ -52,6 +52,8 @@ fn files_that_do_not_fit_are_refused() {
         ("profile sphere --until 5", &["--until", "0.01% to 50%"]),
         ("profile sphere --until 1% --frames 5", &["--frames", "--until"]),
         ("profile sphere --compare a.json --against b", &["--compare", "--against"]),
+        ("profile sphere --device cpu --device cpu --csv a.csv", &["--csv", "one device only", "2 of --device"]),
+        ("profile sphere --device cpu --device cpu --against b", &["--against", "one device only"]),
     ] {
         bad(&here, line, 2, words);
     }

@@ -144,6 +144,24 @@ impl Arguments {
         Settings { frames, until: settings.until.filter(|_| !replaced), ..*settings }
     }
 
+    /// Fails if there are several devices and something that goes with one only.
+    pub(super) fn check(&self) -> Result<()> {
+        let given = [
+            ("--csv", self.csv.is_some()),
+            ("--trace", self.trace.is_some()),
+            ("--replace", !self.replace.pairs().is_empty()),
+            ("--compare", !self.compare.is_empty()),
+            ("--against", self.against.is_some()),
+        ];
+        match given.iter().find(|(_, given)| *given && self.device.len() > 1) {
+            Some((key, _)) => {
+                let fault = Input::new("goes with one device only").key(*key);
+                Err(fault.found(format!("{} of --device", self.device.len())).into())
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Whether several are compared.
     fn several(&self) -> bool {
         self.against.is_some() || !self.compare.is_empty() || self.device.len() > 1 || !self.replace.pairs().is_empty()

@@ -28,6 +28,7 @@ use milkglass::scene::Scene;
 
 /// Measures, prints, and writes the requested files.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.check()?;
     ready([
         ("--csv", arguments.csv.as_ref()),
         ("--save", arguments.save.as_ref()),
