@@ -31,7 +31,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.check()?;
     ready([
         ("--csv", arguments.csv.as_ref()),
-        ("--save", arguments.save.as_ref()),
+        ("--json", arguments.save.as_ref()),
         ("--trace", arguments.trace.as_ref()),
     ])?;
     if let [first, second] = arguments.compare.as_slice() {
