@@ -1,9 +1,9 @@
 //! Medians and their ratios by the bootstrap: percentile intervals over resampled medians.
 //!
 //! A median's interval is also at least the one that ranks alone give, because resampling a dozen samples finds too few
-//! medians near the ends. What is resampled are blocks of neighbouring samples, as many as the cube root of all, from a circle: frames that
-//! follow one another share other load on the machine and the clock's frequency, and an interval that takes each for a
-//! new piece of evidence is too narrow (Politis and Romano 1992).
+//! medians near the ends. What is resampled are blocks of neighbouring samples, as long as the cube root of their
+//! number, from a circle: frames that follow one another share other load on the machine and the clock's frequency, and
+//! an interval that takes each for a new piece of evidence is too narrow (Politis and Romano 1992).
 
 use super::{Interval, Random, median};
 

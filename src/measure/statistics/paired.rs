@@ -1,11 +1,11 @@
 //! The ratio of two variants that were measured in the same rounds, or started together: the Hodges-Lehmann estimate of
 //! the logarithms of the pairs' ratios, with the interval that Wilcoxon's signed-rank test does not reject.
 //!
-//! Which variant comes first is drawn anew for each pair. So if both take the same time, swapping them in a pair
-//! is as likely as not, whatever the noise is: outliers, drift, and load that lasts for many rounds change the size of a
+//! Which variant comes first is drawn anew for each pair. So if both take the same time, swapping them in a pair is as
+//! likely as not, whatever the noise is: outliers, drift, and load that lasts for many rounds change the size of a
 //! pair's difference but not the chance of its sign. The test depends on nothing else, so that its interval holds at
-//! least as often as it says, from the first rounds on; and for Gaussian noise it is 5 % wider than that of a
-//! t-test, where one about the median would be 25 % wider.
+//! least as often as it says, from the first rounds on; and for Gaussian noise it is 5 % wider than that of a t-test,
+//! where one about the median would be 25 % wider.
 
 use super::Interval;
 
