@@ -11,8 +11,9 @@ use milkglass::internals::session::run::Session;
 use milkglass::measure::conform::conform;
 use milkglass::measure::fixtures::Fixture;
 use milkglass::measure::norms::worst;
-use milkglass::measure::profile::{Quantiles, Settings, profile};
+use milkglass::measure::profile::{Settings, profile};
 use milkglass::measure::reference::verify;
+use milkglass::measure::statistics::median;
 use milkglass::scene::Scene;
 
 /// Times each stage of a picture on the device and on the CPU, after checking that they agree.
@@ -38,7 +39,7 @@ fn time(session: &mut Session, change: Change, frames: usize) -> Result<f64> {
     for _ in 0..frames {
         times.push(session.frame(change)?.iter().map(|part| part.milliseconds).sum::<f64>());
     }
-    Ok(Quantiles::of(times).median)
+    Ok(median(times))
 }
 
 fn run() -> Result<()> {

@@ -16,6 +16,11 @@ pub(super) struct DeviceArgument {
 }
 
 impl DeviceArgument {
+    /// The argument with this name; `None` for the best device.
+    pub(super) fn named(device: Option<String>) -> Self {
+        Self { device }
+    }
+
     /// Opens the requested device, or the best one; `None` is the CPU.
     pub(super) fn open(&self, validation: bool) -> Result<Option<Device>> {
         let wish = self.device.as_deref();

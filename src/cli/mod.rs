@@ -139,6 +139,14 @@ impl SceneArguments {
         self.sets.iter().cloned().chain(name).chain(fps).collect()
     }
 
+    /// The same arguments, for a process to start.
+    fn words(&self) -> Vec<String> {
+        let sets = self.sets.iter().flat_map(|set| ["--set".to_string(), set.clone()]);
+        let animation = self.animation.iter().map(|name| format!("--animation={name}"));
+        let rest = animation.chain(self.fps.iter().map(|fps| format!("--fps={fps}"))).chain(self.memory.words());
+        [self.scene.clone(), format!("--frame={}", self.frame)].into_iter().chain(sets).chain(rest).collect()
+    }
+
     /// Loads the scene and reports repairs to it.
     fn load(&self) -> Result<Scene> {
         let scene = self.at(self.frame)?;

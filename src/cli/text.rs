@@ -50,3 +50,9 @@ pub(super) fn size(bytes: u64) -> String {
         _ => format!("{:.1} MiB", bytes as f64 / 1_048_576.0),
     }
 }
+
+/// The last error that a process of this program wrote, without the program's name.
+pub(super) fn last_error(said: &str) -> String {
+    let start = said.rfind("milkglass: ").map_or(said, |at| &said[at + "milkglass: ".len()..]);
+    start.trim().to_string()
+}

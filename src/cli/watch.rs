@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use serde::de::DeserializeOwned;
 
 use super::stop;
+use super::text::last_error;
 use milkglass::error::{Error, Input, Result};
 use milkglass::measure::results::Verdict;
 
@@ -93,16 +94,10 @@ pub(super) fn watched<L: DeserializeOwned>(
             said.lines().for_each(|line| tell!("{line}"));
             return Ok(None);
         }
-        Some(2) => return Err(Input::new(message(&said)).into()),
-        Some(3) => (Verdict::DeviceFailed, message(&said)),
-        _ => (Verdict::Crashed, format!("{}{}", ended(status), after(&message(&said)))),
+        Some(2) => return Err(Input::new(last_error(&said)).into()),
+        Some(3) => (Verdict::DeviceFailed, last_error(&said)),
+        _ => (Verdict::Crashed, format!("{}{}", ended(status), after(&last_error(&said)))),
     }))
-}
-
-/// The last error of a process, without its name.
-fn message(said: &str) -> String {
-    let start = said.rfind("milkglass: ").map_or(said, |at| &said[at + "milkglass: ".len()..]);
-    start.trim().to_string()
 }
 
 fn after(text: &str) -> String {

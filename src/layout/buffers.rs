@@ -98,7 +98,7 @@ buffers! {
     texel_hits: TexelHit, texel;
     /// Lengths that a texel spans along the rows and down the columns.
     stretch: [f32; 2], texel;
-    /// Each object's Gaussians, narrowest first: weights of the channels, then the deviation that blurs the sheet before.
+    /// Each object's Gaussians, narrowest first: weights of the channels, then how far the sheet before is blurred.
     gaussians: [f32; 4], gaussian;
     /// A sheet of the light that enters at each texel, and one for each Gaussian: light, and 1 on a surface.
     irradiance_maps: [f32; 4], texel;

@@ -1,23 +1,15 @@
 //! Relative errors of a sample of pixels, each with the interval in which it lies.
 
+pub use super::statistics::Interval;
+use super::statistics::Random;
+
 /// Resamples of the bootstrap.
 const RESAMPLES: usize = 1000;
 
-/// A relative L2 error of sampled pixels, and its 95 % confidence interval: both at least 0, without unit.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Interval {
-    /// The error of the sample.
-    pub value: f64,
-    /// The lower end of the interval.
-    pub low: f64,
-    /// The upper end of the interval.
-    pub high: f64,
-}
-
 impl Interval {
-    /// Root of the sum of squared differences over that of squares of the reference, all channels of all pixels
-    /// together. The interval is that of a seeded bootstrap over pixels: a few pixels with most of the error make it
-    /// wide.
+    /// A relative L2 error, without unit, and its 95 % interval: root of the sum of squared differences over that of
+    /// squares of the reference, all channels of all pixels together. The interval is that of a seeded bootstrap over
+    /// pixels: a few pixels with most of the error make it wide.
     #[must_use]
     pub fn l2(found: &[[f64; 3]], reference: &[[f64; 3]], seed: u64) -> Self {
         let square = |x: [f64; 3]| x.iter().map(|x| x * x).sum::<f64>();
@@ -27,7 +19,7 @@ impl Interval {
         let sum = |of: &mut dyn Iterator<Item = [f64; 2]>| of.fold([0.0; 2], |s, x| [s[0] + x[0], s[1] + x[1]]);
         let value = root(sum(&mut pixels.iter().copied()));
         let (mut random, count) = (Random::of(seed), pixels.len());
-        let pick = |random: &mut Random| pixels[((random.next() * count as f64) as usize).min(count - 1)];
+        let pick = |random: &mut Random| pixels[random.below(count)];
         let mut errors: Vec<f64> =
             (0..RESAMPLES).map(|_| root(sum(&mut (0..count).map(|_| pick(&mut random))))).collect();
         errors.sort_by(f64::total_cmp);
@@ -50,27 +42,6 @@ impl std::fmt::Display for Interval {
     }
 }
 
-/// Random number generator: splitmix64.
-struct Random(u64);
-
-impl Random {
-    /// The generator of a seed.
-    fn of(seed: u64) -> Self {
-        let mut random = Self(seed.wrapping_mul(0xd134_2543_de82_ef95));
-        random.next();
-        random
-    }
-
-    /// Uniform in (0, 1].
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (((z ^ (z >> 31)) >> 11) as f64 + 1.0) / (1u64 << 53) as f64
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -85,7 +56,7 @@ mod tests {
     fn the_interval_holds_the_error_of_all_pixels_nineteen_times_of_twenty() {
         // Errors of 0.1 to 0.5 of each pixel; many samples of 500 of the same population.
         let mut random = Random::of(5);
-        let mut pixel = || (1.0 + random.next(), 0.1 + 0.4 * random.next());
+        let mut pixel = || (1.0 + random.uniform(), 0.1 + 0.4 * random.uniform());
         let all: Vec<(f64, f64)> = (0..100_000).map(|_| pixel()).collect();
         let of = |pixels: &[(f64, f64)], seed| {
             let reference: Vec<[f64; 3]> = pixels.iter().map(|&(x, _)| [x, 0.0, 2.0 * x]).collect();

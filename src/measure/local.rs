@@ -6,7 +6,7 @@ use crate::error::{Error, Input, Result};
 use crate::gpu::Device;
 use crate::layers::{plane_fit, relief};
 use crate::layout::BufferId;
-use crate::measure::median;
+use crate::measure::statistics::median;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::prepare::shading::sigma_0;
 use crate::scene::{Cdrf, Receivers, Scene, Surface};

@@ -1,6 +1,6 @@
-//! Measurements: conformance, profiles, error norms, quality of the error estimate, reference solutions, error
-//! against run time, extreme cases, the papers' tables, layers, shading by curvature, modes, numerical error beside
-//! the model's error; and a report of them all.
+//! Measurements: conformance, profiles, times of variants and their statistics, error norms, quality of the error
+//! estimate, reference solutions, error against run time, extreme cases, the papers' tables, layers, shading by
+//! curvature, modes, numerical error beside the model's error; and a report of them all.
 
 pub mod accuracy;
 pub mod balls;
@@ -29,16 +29,12 @@ pub mod replace;
 pub mod report;
 pub mod repro;
 pub mod results;
+pub mod rounds;
 pub mod rules;
 pub mod sample;
+pub mod statistics;
 pub mod stress;
 pub mod tables;
 pub mod truth;
 pub mod validity;
 pub mod verdict;
-
-/// The median, the upper one of two; NaN for an empty list.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
-}

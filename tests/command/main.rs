@@ -20,6 +20,7 @@ mod long_work;
 mod pareto;
 mod probes;
 mod profile;
+mod profile_compare;
 mod report;
 mod repro;
 mod stress;

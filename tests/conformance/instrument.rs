@@ -74,10 +74,14 @@ fn on_the_cpu_a_profile_has_times_only() {
 #[test]
 fn a_device_against_itself_takes_every_stage() {
     on_devices(|device| {
-        let rows = against(&ball(&[]), [device, device], &Settings { frames: 3, ..Settings::default() }).unwrap();
+        let open = || Ok(Some(device.clone()));
+        let found =
+            against(&ball(&[]), &[("first", &open), ("second", &open)], &Settings { frames: 3, ..Settings::default() })
+                .unwrap();
+        let rows = found.samples.ratios().remove(0);
         let names: Vec<_> = rows.iter().map(|row| row.what.as_str()).collect();
         assert!(names.contains(&"gather") && names.ends_with(&["stages", "frame"]), "{names:?}");
-        assert!(rows.iter().all(|row| row.ratio > 0.0));
+        assert!(rows.iter().all(|row| row.ratio.value > 0.0 && row.finding().is_none()));
     });
 }
 

@@ -6,6 +6,7 @@ use super::pace::Pace;
 use super::{Bench, Equation, Leaves, Lighting, Method, Opened, Point, Run, Sweep, Yardstick};
 use crate::error::Result;
 use crate::measure::progress::Progress;
+use crate::measure::statistics::median;
 use crate::measure::truth::Truth;
 
 /// What is measured, and the time budget.
@@ -115,14 +116,13 @@ impl Course<'_> {
         }
         self.seconds.push((point.value, start.elapsed().as_secs_f64()));
         walls.sort_by(f64::total_cmp);
-        let mut devices: Vec<f64> = devices.into_iter().flatten().collect();
-        devices.sort_by(f64::total_cmp);
+        let devices: Vec<f64> = devices.into_iter().flatten().collect();
         let radiosity = solver.radiosity()?;
         let [own, total] = yardstick.errors(point.method, &radiosity);
         Ok(Ok(Run {
-            device_ms: (devices.len() == walls.len()).then(|| median(&devices)),
-            wall_ms: median(&walls),
+            device_ms: (devices.len() == walls.len()).then(|| median(devices)),
             range_ms: [walls[0], walls[walls.len() - 1]],
+            wall_ms: median(walls),
             busy: 1.0,
             own,
             total,
@@ -137,12 +137,6 @@ impl Course<'_> {
         self.beyond = seconds > budget;
         self.beyond.then(|| format!("would take {seconds:.0} s or so, beyond --budget {budget}"))
     }
-}
-
-/// The median of sorted numbers, at least one; the mean of the middle two for an even count.
-fn median(sorted: &[f64]) -> f64 {
-    let half = sorted.len() / 2;
-    if sorted.len().is_multiple_of(2) { 0.5 * (sorted[half - 1] + sorted[half]) } else { sorted[half] }
 }
 
 /// Predicted seconds at the next setting: a power law through the last two, or the last time.
@@ -160,12 +154,6 @@ fn foretold(seconds: &[(f64, f64)], value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_middle() {
-        assert_eq!(median(&[1.0, 2.0, 9.0]), 2.0);
-        assert_eq!(median(&[1.0, 2.0, 4.0, 9.0]), 3.0);
-    }
 
     #[test]
     fn the_next_time_follows_the_last_two() {

@@ -5,13 +5,14 @@
 //! frame runs with instrumented kernels that count how often each block runs (`gpu::count`), and must give the same
 //! bits.
 
+mod agreement;
+pub mod file;
 mod quantiles;
 mod rates;
 mod sheet;
 mod work;
 
-use std::time::Instant;
-
+pub use self::agreement::{Agreement, agreement};
 pub use self::quantiles::Quantiles;
 pub use rates::{Rates, rates};
 pub use work::Work;
@@ -19,6 +20,8 @@ pub use work::Work;
 use crate::error::Result;
 use crate::gpu::{Device, Timing};
 use crate::layout::BufferId;
+use crate::measure::rounds::{Frame, InProcess, Measured, Samples, Schedule, Starter, compare, run};
+use crate::measure::statistics::Interval;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::Scene;
 use crate::session::run::Session;
@@ -35,11 +38,24 @@ pub struct Settings {
     pub frames: usize,
     /// Timing stops after this many seconds, once three frames are timed.
     pub enough: f64,
+    /// Timing stops once every interval that matters is at most this share wide on either side.
+    pub until: Option<f64>,
+    /// The seed of the order of what is compared, and of the bootstrap.
+    pub seed: u64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { options: Options::default(), change: Change::EVERYTHING, frames: 11, enough: f64::INFINITY }
+        let options = Options::default();
+        Self { options, change: Change::EVERYTHING, frames: 11, enough: f64::INFINITY, until: None, seed: 1 }
+    }
+}
+
+impl Settings {
+    /// How many rounds there are.
+    #[must_use]
+    pub fn schedule(&self) -> Schedule {
+        Schedule { rounds: self.frames, until: self.until, budget: self.enough, seed: self.seed }
     }
 }
 
@@ -54,6 +70,9 @@ pub struct Row {
     pub dispatches: usize,
     /// Milliseconds per frame by device timestamps; `None` without timestamps, and for stages on the host.
     pub device: Option<Quantiles>,
+    /// The median of `device`, or on the CPU and without timestamps of `wall`, and its interval of 95 %; `None` where a
+    /// stage on a device has no timestamps.
+    pub interval: Option<Interval>,
     /// Milliseconds per frame by the host's clock; on a device, each step is submitted and waited for separately.
     pub wall: Quantiles,
     /// Operations and traffic per frame; `None` on the CPU, and if the device rejects the instrumented kernels.
@@ -69,7 +88,7 @@ pub struct Profile {
     pub device: String,
     /// The driver's name and version.
     pub driver: String,
-    /// Number of timed frames.
+    /// Number of timed frames, those that turned out to be warming up included.
     pub frames: usize,
     /// The device's peak rates; `None` on the CPU and without timestamps.
     pub rates: Option<Rates>,
@@ -83,8 +102,10 @@ pub struct Profile {
     pub peak: u64,
     /// Notes, such as why something was not measured.
     pub notes: Vec<String>,
-    /// Each timed frame: start and duration by the host's clock in milliseconds, and its steps.
-    pub trace: Vec<(f64, f64, Vec<Timing>)>,
+    /// The times of all frames.
+    pub samples: Samples,
+    /// Each timed frame.
+    pub trace: Vec<Frame>,
 }
 
 impl Row {
@@ -117,8 +138,9 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
     if let Some(device) = device {
         device.forget_peak();
     }
-    let mut session = ready(scene, device, settings)?;
-    let found = timed(&mut [&mut session], settings)?;
+    let mut only = variant(scene, device, settings)?;
+    let Measured { samples, frames } = run(&mut only, &settings.schedule())?;
+    let (mut session, trace) = (only.session, frames.into_iter().next().unwrap_or_default());
     let peak = device.map_or(session.bytes(), |device| device.memory().peak);
     let later = device.map(rates).transpose()?.flatten();
     let rates = earlier.zip(later).map(|(one, other)| one.best(other));
@@ -139,7 +161,7 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
     if settings.options.transport == ShadingMethod::Octree {
         notes.push("the octree runs on the host".into());
     }
-    let mut rows = rows(&mut session, &found[0], settings)?;
+    let mut rows = rows(&mut session, &trace, &samples, settings)?;
     if let Some(device) = device {
         match work::of(scene, &device.counting(), settings, &mut session) {
             Ok(tallies) => rows.iter_mut().for_each(|row| row.work = tallies.get(row.stage.as_str()).copied()),
@@ -147,116 +169,82 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
             Err(error) => return Err(error),
         }
     }
-    let stages = |times: &Vec<Timing>| {
-        times.iter().filter(|time| time.name != HOST.name).map(|time| time.milliseconds).sum::<f64>()
+    notes.extend(samples.doubts());
+    let kept = &trace[samples.warm_up..];
+    let stages = |frame: &Frame| {
+        frame.steps.iter().filter(|time| time.name != HOST.name).map(|time| time.milliseconds).sum::<f64>()
     };
-    let sums: Vec<f64> = found[0].iter().map(|(_, _, times)| stages(times)).collect();
+    let sums: Vec<f64> = kept.iter().map(stages).collect();
     Ok(Profile {
         scene: scene.name.clone(),
         device: device.map_or("cpu", Device::name).to_string(),
         driver: device.map_or("the f64 reference", Device::driver).to_string(),
-        frames: found[0].len(),
+        frames: trace.len(),
         rates,
         rows,
-        wall: Quantiles::of(found[0].iter().map(|frame| frame.1).collect()),
+        wall: Quantiles::of(kept.iter().map(|frame| frame.wall).collect()),
         on_device: device.is_some().then(|| Quantiles::of(sums)).filter(|spread| spread.median.is_finite()),
         peak,
         notes,
-        trace: found.into_iter().next().unwrap_or_default(),
+        samples,
+        trace,
     })
 }
 
-/// One stage, or the whole frame, on two devices.
-#[derive(Clone, Debug)]
-pub struct Against {
-    /// The stage's name, `stages` for the sum of all, or `frame` for the time from call to result.
-    pub what: String,
-    /// Milliseconds on the first and on the second device.
-    pub times: [Quantiles; 2],
-    /// Ratio of the medians, second to first.
-    pub ratio: f64,
-}
+/// Opens a device, with its own pipelines; `None` is the CPU.
+pub type Open<'a> = &'a dyn Fn() -> Result<Option<Device>>;
 
-/// Times frames on two devices alternately, for example one device with and without a replaced kernel.
-pub fn against(scene: &Scene, devices: [&Device; 2], settings: &Settings) -> Result<Vec<Against>> {
-    let [mut before, mut after] =
-        [ready(scene, Some(devices[0]), settings)?, ready(scene, Some(devices[1]), settings)?];
-    let found = timed(&mut [&mut before, &mut after], settings)?;
-    let row = |what: &str, values: [Vec<f64>; 2]| {
-        let times = values.map(Quantiles::of);
-        Against { what: what.to_string(), times, ratio: times[1].median / times[0].median }
-    };
-    let both = |of: &dyn Fn(&Frames) -> Vec<f64>| [of(&found[0]), of(&found[1])];
-    let mut rows: Vec<Against> = Vec::new();
-    for time in found[0].first().map_or(&Vec::new(), |frame| &frame.2) {
-        if !rows.iter().any(|row| row.what == time.name) {
-            rows.push(row(&time.name, both(&|frames| of_stage(frames, &time.name))));
-        }
+/// Times frames on several devices in rounds, for example on one device with and without a replaced kernel. Each has a
+/// name, and is opened anew for each start.
+pub fn against<'a>(scene: &'a Scene, devices: &[(&str, Open<'a>)], settings: &'a Settings) -> Result<Measured> {
+    let mut starters = Vec::new();
+    for (name, open) in devices {
+        let open: Open<'a> = *open;
+        let start = move || Ok(Box::new(variant(scene, open()?.as_ref(), settings)?) as _);
+        starters.push(Starter { name: (*name).to_string(), start: Box::new(start) });
     }
-    let all = |frames: &Frames| frames.iter().map(|frame| frame.2.iter().map(|time| time.milliseconds).sum()).collect();
-    rows.push(row("stages", both(&all)));
-    rows.retain(|row| row.ratio.is_finite());
-    rows.push(row("frame", both(&|frames| frames.iter().map(|frame| frame.1).collect())));
-    Ok(rows)
+    compare(&mut starters, &settings.schedule())
 }
 
 /// A warmed-up session: lists have their capacity and pipelines exist, so all further frames are alike.
-pub(super) fn ready(scene: &Scene, device: Option<&Device>, settings: &Settings) -> Result<Session> {
+pub fn variant(scene: &Scene, device: Option<&Device>, settings: &Settings) -> Result<InProcess> {
     let mut session = Session::new(scene, device, settings.options)?;
     session.frame(Change::EVERYTHING)?;
     if device.is_some() {
         session.frame(settings.change)?;
     }
-    Ok(session)
-}
-
-/// Start, duration and steps of each frame of a session; times in milliseconds.
-pub(super) type Frames = Vec<(f64, f64, Vec<Timing>)>;
-
-/// Times frames of several sessions alternately, so that other load on the machine affects all alike.
-pub(super) fn timed(sessions: &mut [&mut Session], settings: &Settings) -> Result<Vec<Frames>> {
-    let (begin, mut found) = (Instant::now(), vec![Vec::new(); sessions.len()]);
-    for turn in 0..settings.frames.max(1) {
-        if turn >= 3 && begin.elapsed().as_secs_f64() > settings.enough {
-            break;
-        }
-        for (session, frames) in sessions.iter_mut().zip(&mut found) {
-            let start = begin.elapsed().as_secs_f64() * 1e3;
-            let times = session.frame(settings.change)?;
-            frames.push((start, begin.elapsed().as_secs_f64() * 1e3 - start, times));
-        }
-    }
-    Ok(found)
+    Ok(InProcess { session, change: settings.change })
 }
 
 /// Milliseconds of a stage in each frame.
-pub(super) fn of_stage(frames: &Frames, stage: &str) -> Vec<f64> {
-    let sum = |times: &Vec<Timing>| times.iter().filter(|time| time.name == stage).map(|time| time.milliseconds).sum();
-    frames.iter().map(|(_, _, times)| sum(times)).collect()
+fn of_stage(frames: &[Frame], stage: &str) -> Vec<f64> {
+    let sum = |times: &[Timing]| times.iter().filter(|time| time.name == stage).map(|time| time.milliseconds).sum();
+    frames.iter().map(|frame| sum(&frame.steps)).collect()
 }
 
 /// The rows of all stages in the order of their first step; `work` is filled in later.
-fn rows(session: &mut Session, frames: &Frames, settings: &Settings) -> Result<Vec<Row>> {
+fn rows(session: &mut Session, frames: &[Frame], samples: &Samples, settings: &Settings) -> Result<Vec<Row>> {
     let on_device = session.device().is_some();
     let dispatches = if on_device { session.dispatches(settings.change)? } else { Vec::new() };
-    let mut apart: Frames = Vec::new();
+    let mut apart: Vec<Frame> = Vec::new();
     // Time half as many frames again, with each step submitted separately.
     for _ in 0..if on_device { frames.len().div_ceil(2) } else { 0 } {
-        apart.push((0.0, 0.0, session.apart(settings.change)?));
+        apart.push(Frame { steps: session.apart(settings.change)?, ..Frame::default() });
     }
     let mut rows: Vec<Row> = Vec::new();
-    for time in frames.first().map_or(&Vec::new(), |frame| &frame.2) {
+    for time in frames.first().map_or(&Vec::new(), |frame| &frame.steps) {
         if let Some(row) = rows.iter_mut().find(|row| row.stage == time.name) {
             row.steps += 1;
             continue;
         }
-        let own = Quantiles::of(of_stage(frames, &time.name));
+        let own = Quantiles::of(of_stage(&frames[samples.warm_up..], &time.name));
         let stage = on_device && time.name != HOST.name;
         rows.push(Row {
             stage: time.name.clone(),
             steps: 1,
             dispatches: dispatches.iter().filter(|dispatch| dispatch.stage == time.name).count(),
             device: (stage && own.median.is_finite()).then_some(own),
+            interval: samples.variants.first().and_then(|only| samples.median(only, &time.name)),
             wall: if stage { Quantiles::of(of_stage(&apart, &time.name)) } else { own },
             work: None,
         });
@@ -266,7 +254,7 @@ fn rows(session: &mut Session, frames: &Frames, settings: &Settings) -> Result<V
 
 /// The frame's result, bit for bit: the picture, or else the radiosity. With receivers at pixels, radiosity that no
 /// pixel shows is never written.
-pub(super) fn result(session: &mut Session) -> Result<Vec<u8>> {
+pub fn result(session: &mut Session) -> Result<Vec<u8>> {
     let pictured = !session.state().data.radiance.is_empty();
     let slot = if pictured { BufferId::radiance } else { BufferId::radiosity };
     session.fetch(&[slot])?;

@@ -1,9 +1,11 @@
 //! Median and 10th and 90th percentile of repeated measurements.
 
+use crate::measure::statistics::median;
+
 /// The median of some values, and their 10th and 90th percentile.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Quantiles {
-    /// The median, the lower one of two.
+    /// The median.
     pub median: f64,
     /// The 10th percentile.
     pub low: f64,
@@ -19,7 +21,7 @@ impl Quantiles {
             return Self { median: f64::NAN, low: f64::NAN, high: f64::NAN };
         }
         let at = |share: f64| values[((values.len() - 1) as f64 * share).round() as usize];
-        Self { median: values[(values.len() - 1) / 2], low: at(0.1), high: at(0.9) }
+        Self { low: at(0.1), high: at(0.9), median: median(values) }
     }
 }
 
@@ -31,7 +33,7 @@ mod tests {
     fn a_tenth_lies_on_either_side() {
         let spread = Quantiles::of((0..=10).rev().map(f64::from).collect());
         assert_eq!(spread, Quantiles { median: 5.0, low: 1.0, high: 9.0 });
-        assert_eq!(Quantiles::of(vec![2.0, 1.0]).median, 1.0);
+        assert_eq!(Quantiles::of(vec![2.0, 1.0]).median, 1.5);
         assert!(Quantiles::of(vec![1.0, f64::NAN]).median.is_nan() && Quantiles::of(Vec::new()).low.is_nan());
     }
 }

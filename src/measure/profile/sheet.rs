@@ -71,7 +71,7 @@ impl Profile {
         String::from_utf8(bytes).map_err(|error| fault(&error))
     }
 
-    /// The whole profile but for the trace; `null` where nothing was measured.
+    /// The whole profile with all samples, but for the trace; `null` where nothing was measured.
     pub fn json(&self) -> Value {
         let spread =
             |spread: Option<Quantiles>| spread.map(|s| json!({"median": s.median, "p10": s.low, "p90": s.high}));
@@ -82,6 +82,7 @@ impl Profile {
                        "bytes_read": w.read, "bytes_written": w.written, "bytes_loaded": w.loaded, "bytes_stored": w.stored})
             });
             json!({"stage": row.stage, "steps": row.steps, "dispatches": row.dispatches, "device_ms": spread(row.device),
+                   "interval_ms": row.interval,
                    "wall_ms": spread(Some(row.wall)), "work": work,
                    "share": {"copy": copy, "fma": fma, "exp": exp}})
         };
@@ -91,7 +92,7 @@ impl Profile {
             "peak_bytes": self.peak,
             "rates": self.rates.map(|r| json!({"copy_bytes_per_s": r.copy, "fma_per_s": r.fma, "exp_per_s": r.exp})),
             "stages": self.rows.iter().map(row).collect::<Vec<_>>(),
-            "notes": self.notes,
+            "notes": self.notes, "samples": self.samples,
         })
     }
 
@@ -104,12 +105,13 @@ impl Profile {
             track(1, "host"),
             track(2, &self.device),
         ];
-        for (number, (start, length, steps)) in self.trace.iter().enumerate() {
+        for (number, frame) in self.trace.iter().enumerate() {
+            let (start, length) = (frame.start, frame.wall);
             let event = |name: &str, id: u32, at: f64, length: f64| json!({"ph": "X", "name": name, "pid": 1, "tid": id, "ts": at * 1e3, "dur": length * 1e3, "args": {"frame": number}});
-            events.push(event("frame", 1, *start, *length));
+            events.push(event("frame", 1, start, length));
             // Steps without a start time follow one another.
             let (mut placed, mut next) = (Vec::new(), 0.0);
-            for step in steps.iter().filter(|step| step.milliseconds.is_finite()) {
+            for step in frame.steps.iter().filter(|step| step.milliseconds.is_finite()) {
                 let at = if step.start.is_finite() { f64::max(step.start, next) } else { next };
                 placed.push((step, at));
                 next = at + step.milliseconds;

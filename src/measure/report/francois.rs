@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::measure::layers::{
     Line as Measured, Looks, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules, uneven,
 };
-use crate::measure::median;
+use crate::measure::statistics::median;
 use crate::pipeline::plan::ShadingMethod;
 use crate::scene::Integration;
 

@@ -3,11 +3,11 @@
 use crate::error::{Error, Result};
 use crate::gpu::Device;
 use crate::layout::BufferId;
-use crate::measure::median;
 use crate::measure::modes::{What, moved};
 use crate::measure::norms::{Norms, norms, worst};
 use crate::measure::reference::{radiosity, receivers};
 use crate::measure::sample::Sample;
+use crate::measure::statistics::median;
 use crate::pipeline::plan::{Change, Goal, Mode, Options};
 use crate::scene::Scene;
 use crate::session::run::Session;

@@ -7,10 +7,11 @@ pub use coefficients::{LIQUIDS, LOOKS, PRESETS};
 /// Where a material's coefficients are from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Provenance {
-    /// Measured: Jensen, Marschner, Levoy, Hanrahan 2001, "A practical model for subsurface light transport", figure 5.
+    /// Measured: Jensen, Marschner, Levoy, Hanrahan 2001, "A practical model for subsurface light transport",
+    /// figure 5.
     Jensen2001,
-    /// Measured in dilution: Narasimhan, Gupta, Donner, Ramamoorthi, Nayar, Jensen 2006, "Acquiring scattering properties
-    /// of participating media by dilution"; the index is water's.
+    /// Measured in dilution: Narasimhan, Gupta, Donner, Ramamoorthi, Nayar, Jensen 2006, "Acquiring scattering
+    /// properties of participating media by dilution"; the index is water's.
     Narasimhan2006,
     /// Chosen by eye, not measured.
     Look,

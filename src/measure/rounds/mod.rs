@@ -1,0 +1,201 @@
+//! Times variants of a program against each other: rounds of one frame of each, in an order that is drawn anew in each
+//! round, until there are enough of them.
+//!
+//! A [`Variant`] runs a frame and says what its stages took: a session in this process, or another process. The same
+//! program started twice has times that differ by a percent for as long as both run, because memory and code lie
+//! elsewhere. So [`compare`] starts all variants anew after a few rounds, and a start counts as one piece of evidence.
+//! What comes of it are [`Samples`], which know their medians and ratios, and are what a file holds.
+
+mod load;
+mod ratios;
+mod samples;
+#[cfg(test)]
+mod tests;
+
+use std::time::Instant;
+
+pub use self::ratios::{CONFIDENCE, Ratio};
+pub use self::samples::{Samples, Series, StageTimes};
+
+use self::load::Load;
+use super::statistics::Random;
+use crate::error::Result;
+use crate::gpu::Timing;
+use crate::pipeline::plan::Change;
+use crate::session::run::Session;
+
+/// Rounds of a comparison, where nothing else is asked for.
+pub const ROUNDS: usize = 16 * EACH;
+/// Rounds after each start of what is compared.
+pub const EACH: usize = 8;
+/// Rounds, or starts, after which the intervals are looked at first.
+const FIRST: usize = 11;
+/// Rounds that are measured however long they take.
+const FEWEST: usize = 3;
+
+/// A timed frame.
+#[derive(Clone, Debug, Default)]
+pub struct Frame {
+    /// When it began, milliseconds after the first one.
+    pub start: f64,
+    /// Milliseconds from call to result, by the host's clock.
+    pub wall: f64,
+    /// Its steps.
+    pub steps: Vec<Timing>,
+}
+
+/// One of those that are compared, warmed up.
+pub trait Variant {
+    /// Runs a frame.
+    fn frame(&mut self) -> Result<Frame>;
+
+    /// The process that it runs in.
+    fn process(&self) -> u32 {
+        std::process::id()
+    }
+}
+
+/// A session of this process as a variant.
+pub struct InProcess {
+    /// The session, warmed up.
+    pub session: Session,
+    /// What changes before each frame.
+    pub change: Change,
+}
+
+impl Variant for InProcess {
+    fn frame(&mut self) -> Result<Frame> {
+        let begin = Instant::now();
+        let steps = self.session.frame(self.change)?;
+        Ok(Frame { start: 0.0, wall: begin.elapsed().as_secs_f64() * 1e3, steps })
+    }
+}
+
+/// How many rounds there are.
+#[derive(Clone, Copy, Debug)]
+pub struct Schedule {
+    /// At most so many; at least 1.
+    pub rounds: usize,
+    /// Ends once every interval that matters ([`Samples::widest`]) is at most this share wide on either side.
+    pub until: Option<f64>,
+    /// Ends after this many seconds, once three rounds are measured.
+    pub budget: f64,
+    /// The seed of the order and of the bootstrap.
+    pub seed: u64,
+}
+
+/// One of those that are compared, and how it is started.
+pub struct Starter<'a> {
+    /// Its name in tables.
+    pub name: String,
+    /// Starts it and warms it up.
+    pub start: Box<dyn FnMut() -> Result<Box<dyn Variant>> + 'a>,
+}
+
+/// What rounds gave.
+#[derive(Clone, Debug, Default)]
+pub struct Measured {
+    /// The times.
+    pub samples: Samples,
+    /// All frames of each variant, those of warming up included.
+    pub frames: Vec<Vec<Frame>>,
+}
+
+/// Rounds under way.
+struct Rounds {
+    schedule: Schedule,
+    begin: Instant,
+    names: Vec<String>,
+    each: usize,
+    look: usize,
+    random: Random,
+    load: Option<Load>,
+    orders: Vec<Vec<usize>>,
+    frames: Vec<Vec<Frame>>,
+}
+
+impl Rounds {
+    fn new(names: Vec<String>, each: usize, schedule: &Schedule) -> Self {
+        Self {
+            schedule: *schedule,
+            begin: Instant::now(),
+            each,
+            look: FIRST,
+            random: Random::of(schedule.seed),
+            load: Some(Load::default()),
+            orders: Vec::new(),
+            frames: vec![Vec::new(); names.len()],
+            names,
+        }
+    }
+
+    /// Runs rounds of these variants until they have had enough of them.
+    fn run(&mut self, variants: &mut [&mut dyn Variant], enough: &mut dyn FnMut(&mut Self) -> bool) -> Result<()> {
+        let processes: Vec<u32> = variants.iter().map(|variant| variant.process()).collect();
+        let before = Load::now(&processes);
+        loop {
+            let order = self.random.order(variants.len());
+            for &which in &order {
+                let start = self.begin.elapsed().as_secs_f64() * 1e3;
+                self.frames[which].push(Frame { start, ..variants[which].frame()? });
+            }
+            self.orders.push(order);
+            if enough(self) {
+                let passed = before.zip(Load::now(&processes)).map(|(before, now)| now.since(&before));
+                self.load = self.load.zip(passed).map(|(all, passed)| all.plus(&passed));
+                return Ok(());
+            }
+        }
+    }
+
+    /// Whether this is the end, after `done` rounds or starts of at most `most`, but not before `fewest`.
+    fn ends(&mut self, done: usize, most: usize, fewest: usize) -> bool {
+        let spent = self.begin.elapsed().as_secs_f64() > self.schedule.budget;
+        if done >= most || (done >= fewest && spent) {
+            return true;
+        }
+        let Some(until) = self.schedule.until.filter(|_| done >= self.look) else { return false };
+        self.look = done + done.div_ceil(10);
+        self.samples().widest().is_none_or(|(_, width)| width <= until)
+    }
+
+    fn samples(&self) -> Samples {
+        Samples {
+            orders: self.orders.clone(),
+            seconds: self.begin.elapsed().as_secs_f64(),
+            other_load: self.load.as_ref().map(Load::others),
+            ..Samples::of(&self.names, &self.frames, self.each, self.schedule.seed)
+        }
+    }
+
+    fn measured(self) -> Measured {
+        Measured { samples: self.samples(), frames: self.frames }
+    }
+}
+
+/// Runs frames of a single variant that is ready: rounds without a comparison.
+pub fn run(variant: &mut dyn Variant, schedule: &Schedule) -> Result<Measured> {
+    let mut rounds = Rounds::new(vec![String::new()], usize::MAX, schedule);
+    rounds.run(&mut [variant], &mut |rounds| rounds.ends(rounds.orders.len(), rounds.schedule.rounds, FEWEST))?;
+    Ok(rounds.measured())
+}
+
+/// Runs rounds of variants that are started anew, in random order, after every [`EACH`] of them.
+pub fn compare(starters: &mut [Starter<'_>], schedule: &Schedule) -> Result<Measured> {
+    let names = starters.iter().map(|starter| starter.name.clone()).collect();
+    let each = EACH.min(schedule.rounds.max(1));
+    let mut rounds = Rounds::new(names, each, schedule);
+    for starts in 1.. {
+        let mut variants = Vec::new();
+        for which in rounds.random.order(starters.len()) {
+            variants.push((which, (starters[which].start)()?));
+        }
+        variants.sort_by_key(|(which, _)| *which);
+        let mut ready: Vec<&mut dyn Variant> = variants.iter_mut().map(|(_, variant)| &mut **variant as _).collect();
+        rounds.run(&mut ready, &mut |rounds| rounds.orders.len() == starts * each)?;
+        if rounds.ends(starts, schedule.rounds.div_ceil(each), 1) {
+            break;
+        }
+    }
+    Ok(rounds.measured())
+}

@@ -1,0 +1,117 @@
+//! Medians and ratios of samples, with their intervals.
+
+use serde::Serialize;
+
+use super::samples::{Samples, Series};
+use crate::measure::statistics::{Interval, each_of, median, median_interval, paired_ratio, ratio_of_medians};
+
+/// The confidence of a median's interval, and of all ratios of a comparison together.
+pub const CONFIDENCE: f64 = 0.95;
+
+/// One stage, the sum of all, or the whole frame, of two variants.
+#[derive(Clone, Debug, Serialize)]
+pub struct Ratio {
+    /// The stage's name, `stages` for the sum of all, or `frame` for the time from call to result.
+    pub what: String,
+    /// Median milliseconds of the first and of the second; each interval of 95 %.
+    pub ms: [Interval; 2],
+    /// The second to the first; all intervals of a comparison together hold with 95 %.
+    pub ratio: Interval,
+}
+
+impl Ratio {
+    /// What it shows: `slower` or `faster`, or nothing where the interval holds 1.
+    #[must_use]
+    pub fn finding(&self) -> Option<&'static str> {
+        self.ratio.excludes(1.0).then_some(if self.ratio.value > 1.0 { "slower" } else { "faster" })
+    }
+}
+
+/// What both have, in the order of the first.
+fn shared<'a>(first: &'a Series, other: &Series) -> Vec<&'a str> {
+    first.names().filter(|name| other.names().any(|known| known == *name)).collect()
+}
+
+impl Samples {
+    /// The median of one of a variant's stages, of `stages` or `frame`, and its interval of 95 %; where the variants
+    /// were started several times, the median of the starts' medians.
+    #[must_use]
+    pub fn median(&self, variant: &Series, what: &str) -> Option<Interval> {
+        let times = variant.times(what)?;
+        Some(match self.starts(&times).as_slice() {
+            [only] => median_interval(only, CONFIDENCE, self.seed),
+            starts => {
+                let medians: Vec<f64> = starts.iter().map(|start| median(start.to_vec())).collect();
+                median_interval(&medians, CONFIDENCE, self.seed)
+            }
+        })
+    }
+
+    /// What only one of two has.
+    #[must_use]
+    pub fn unshared(first: &Series, other: &Series) -> Vec<String> {
+        let only = |one: &Series, two: &Series| -> Vec<String> {
+            one.names().filter(|name| two.names().all(|known| known != *name)).map(String::from).collect()
+        };
+        [only(first, other), only(other, first)].concat()
+    }
+
+    /// Ratios of each variant but the first to the first one: the median of a start's rounds is one piece of evidence.
+    /// A stage without a time in any round has none.
+    #[must_use]
+    pub fn ratios(&self) -> Vec<Vec<Ratio>> {
+        let Some((first, others)) = self.variants.split_first() else { return Vec::new() };
+        let count = others.iter().map(|other| shared(first, other).len()).sum();
+        let one = |other: &Series, what: &str| {
+            Some(Ratio {
+                what: what.to_string(),
+                ms: [self.median(first, what)?, self.median(other, what)?],
+                ratio: self.paired(first, other, what, each_of(CONFIDENCE, count))?,
+            })
+        };
+        let all = |other| shared(first, other).into_iter().filter_map(|what| one(other, what)).collect();
+        others.iter().map(all).collect()
+    }
+
+    fn paired(&self, first: &Series, other: &Series, what: &str, confidence: f64) -> Option<Interval> {
+        let (before, after) = (first.times(what)?, other.times(what)?);
+        let logs: Vec<f64> = before.iter().zip(&after).map(|(before, after)| (after / before).ln()).collect();
+        let starts = self.starts(&logs).into_iter();
+        let pairs: Vec<[f64; 2]> = starts.map(|start| [1.0, median(start.to_vec()).exp()]).collect();
+        Some(paired_ratio(&pairs, confidence)).filter(|ratio| ratio.value.is_finite())
+    }
+
+    /// Ratios of another run's first variant to this one's: nothing pairs them, so that a difference between the two
+    /// runs is one between the variants, too.
+    #[must_use]
+    pub fn against(&self, other: &Self) -> Vec<Ratio> {
+        let (Some(one), Some(two)) = (self.variants.first(), other.variants.first()) else { return Vec::new() };
+        let names = shared(one, two);
+        let each = each_of(CONFIDENCE, names.len());
+        let row = |what: &str| {
+            let (before, after) = (self.kept(one, what)?, other.kept(two, what)?);
+            let ratio = ratio_of_medians(&before, &after, each, self.seed);
+            let ms = [self.median(one, what)?, other.median(two, what)?];
+            Some(Ratio { what: what.to_string(), ms, ratio }).filter(|row| row.ratio.value.is_finite())
+        };
+        names.into_iter().filter_map(row).collect()
+    }
+
+    /// The widest interval that matters, and half its width as a share of the value: of the ratios of several variants,
+    /// of the medians of a single one. What matters is every stage that takes at least 2 % of the first variant's
+    /// stages, and their sum; the frame where no stage has a time. `None` without samples.
+    #[must_use]
+    pub fn widest(&self) -> Option<(String, f64)> {
+        let (first, others) = self.variants.split_first()?;
+        let count = others.iter().map(|other| shared(first, other).len()).sum();
+        let mut widths = Vec::new();
+        for what in first.that_matter() {
+            let found = match others {
+                [] => vec![self.median(first, &what)],
+                _ => others.iter().map(|other| self.paired(first, other, &what, each_of(CONFIDENCE, count))).collect(),
+            };
+            widths.extend(found.into_iter().flatten().map(|found| (what.clone(), found.half_width())));
+        }
+        widths.into_iter().filter(|(_, width)| !width.is_nan()).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}

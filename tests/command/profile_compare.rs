@@ -1,0 +1,122 @@
+//! `profile` with intervals, and its comparisons: with a file, with another build, of several devices.
+
+use serde_json::Value;
+
+use crate::shell::{bad, folder, good, read};
+
+const SMALL: &str = "sphere --set object.0.detail=1 --set camera.size=[16,12]";
+
+fn json(here: &tempfile::TempDir, name: &str) -> Value {
+    serde_json::from_str(&read(here, name)).unwrap()
+}
+
+#[test]
+fn a_run_is_saved_and_compared() {
+    let here = folder(&[]);
+    let (out, _) = good(&here, &format!("profile {SMALL} --device cpu --frames 20 --save a.json"));
+    assert!(out.contains("+-") && out.contains("half its 95 % interval"), "{out}");
+    let saved = json(&here, "a.json");
+    let samples = &saved["samples"];
+    let warm_up = samples["warm_up"].as_u64().unwrap();
+    assert!(warm_up <= 10 && samples["seed"] == 1 && samples["orders"].as_array().unwrap().len() == 20, "{samples}");
+    let stages = samples["variants"][0]["stages"].as_array().unwrap();
+    assert!(stages.iter().any(|stage| stage["stage"] == "gather"));
+    assert!(stages.iter().all(|stage| stage["ms"].as_array().unwrap().len() == 20), "{stages:?}");
+    for row in saved["stages"].as_array().unwrap() {
+        let [low, value, high] = ["low", "value", "high"].map(|key| row["interval_ms"][key].as_f64().unwrap());
+        assert!(low <= value && value <= high, "{row}");
+    }
+    // Files alone, then a file with a run of now.
+    let (out, _) = good(&here, "profile --compare a.json a.json");
+    if warm_up == 0 {
+        assert!(out.contains("B against A: no difference shows"), "{out}");
+    }
+    assert!(out.contains("timed at different times") && out.contains("1.000"), "{out}");
+    let (out, _) = good(&here, &format!("profile {SMALL} --device cpu --frames 20 --compare a.json"));
+    assert!(out.contains("this run") && out.contains("B ms") && out.contains("bootstrap"), "{out}");
+}
+
+#[test]
+fn files_that_do_not_fit_are_refused() {
+    let here =
+        folder(&[("b.json", "{\"schema\": 1, \"results\": []}"), ("c.json", "{\"schema\": 7}"), ("d.json", "[")]);
+    good(&here, &format!("profile {SMALL} --device cpu --frames 1 --save a.json"));
+    for (line, words) in [
+        ("profile --compare a.json b.json", &["b.json", "missing field", "profile --save"][..]),
+        ("profile --compare c.json a.json", &["c.json: schema", "found 7"]),
+        ("profile --compare a.json d.json", &["d.json:1", "not JSON"]),
+        ("profile --compare a.json nowhere.json", &["nowhere.json", "could not be read"]),
+        ("profile --compare a.json", &["SCENE", "no scene is given"]),
+        ("profile", &["SCENE", "no scene is given"]),
+        ("profile lotus --device cpu --compare nowhere.json", &["nowhere.json"]),
+        ("profile sphere --until 5", &["--until", "0.01% to 50%"]),
+        ("profile sphere --until 1% --frames 5", &["--frames", "--until"]),
+        ("profile sphere --compare a.json --against b", &["--compare", "--against"]),
+        ("profile sphere --device cpu --device cpu --csv a.csv", &["--csv", "one device only", "2 of --device"]),
+        ("profile sphere --device cpu --device cpu --against b", &["--against", "one device only"]),
+    ] {
+        bad(&here, line, 2, words);
+    }
+    let other = "profile sphere --set object.0.detail=1 --set camera.size=[16,16] --device cpu --frames 1";
+    bad(&here, &format!("{other} --compare a.json"), 2, &["--set", "different things", "[16,12]", "[16,16]"]);
+    bad(&here, &format!("profile {SMALL} --change light --device cpu --compare a.json"), 2, &["--change", "light"]);
+}
+
+#[test]
+fn another_build_is_timed_in_turn() {
+    let here = folder(&[("not.sh", "#!/bin/sh\necho hello\n"), ("text", "hello")]);
+    let own = env!("CARGO_BIN_EXE_milkglass");
+    let line = format!("profile {SMALL} --device cpu --frames 12 --against {own} --save a.json");
+    let (out, _) = good(&here, &line);
+    for words in [
+        "both compute bit for bit the same result",
+        "16 rounds in 2 starts",
+        "other build against this build:",
+        "seed 1",
+    ] {
+        assert!(out.contains(words), "{words}: {out}");
+    }
+    let found = json(&here, "a.json");
+    let variants = found["samples"]["variants"].as_array().unwrap();
+    assert_eq!((variants.len(), variants[1]["frame_ms"].as_array().unwrap().len()), (2, 16));
+    let rows = found["comparison"][0]["rows"].as_array().unwrap();
+    assert!(rows.iter().any(|row| row["what"] == "gather") && rows.last().unwrap()["what"] == "frame", "{rows:?}");
+
+    for program in ["./nowhere", "./text"] {
+        let line = format!("profile {SMALL} --device cpu --against {program}");
+        bad(&here, &line, 2, &["--against", "could not be started", program]);
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let path = here.path().join("not.sh");
+        std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o755)).unwrap();
+        for program in ["./not.sh", "/bin/true"] {
+            let line = format!("profile {SMALL} --device cpu --against {program}");
+            bad(&here, &line, 2, &["--against", "takes no rounds", program]);
+        }
+    }
+    // What both builds refuse is said once, in their words.
+    let wrong = format!("profile sphere --set object.0.detale=1 --against {own}");
+    bad(&here, &wrong, 2, &["detale"]);
+}
+
+#[test]
+fn devices_stand_side_by_side() {
+    let here = folder(&[]);
+    let (out, _) = good(&here, &format!("profile {SMALL} --device cpu --device cpu --device cpu --frames 11"));
+    for words in ["device 3: cpu", "device 1 and device 2 compute bit for bit the same", "device 3 against device 1"] {
+        assert!(out.contains(words), "{words}: {out}");
+    }
+    assert!(out.contains("hold together with 95 %"), "{out}");
+}
+
+#[test]
+fn frames_are_timed_until_the_interval_is_narrow() {
+    let here = folder(&[]);
+    let (out, _) = good(&here, &format!("profile {SMALL} --device cpu --until 50% --save a.json"));
+    assert!(!out.contains("time ran out"), "{out}");
+    assert!(json(&here, "a.json")["frames"].as_u64().unwrap() >= 11);
+    let (out, _) = good(&here, &format!("profile {SMALL} --device cpu --until 0.01% --budget 0"));
+    assert!(out.contains("time ran out before --until: the interval of") && out.contains("without bound"), "{out}");
+}
