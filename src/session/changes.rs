@@ -291,8 +291,7 @@ impl Session {
     pub(crate) fn shift(&mut self, place: [f64; 2], k: u32) -> Result<()> {
         if let Some(camera) = self.prepared.state.data.camera.first_mut() {
             [camera.shift_x, camera.shift_y] = place.map(|x| 2.0 * x as f32);
-            camera.weight = 1.0 / (k + 1) as f32;
-            camera.sample_number = k;
+            (camera.weight, camera.sample_number) = (1.0 / (k + 1) as f32, k);
         }
         self.shifted = place != [0.0; 2];
         self.pending.add(Change::VIEW);
