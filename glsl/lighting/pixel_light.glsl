@@ -6,20 +6,14 @@
 Light pixel_light(uint number, uint pixel, vec3 normal) {
     Light light = pixel_lights[number];
     bool area = light.kind == LIGHT_AREA || light.kind == LIGHT_AREA_BOTH;
-    bool sky = light.kind == LIGHT_SKY_RAY || light.kind == LIGHT_SKY_RAY_BACK;
-    if (area || sky) {
+    if (area || light.kind == LIGHT_SKY_RAY) {
         uint point = camera[0].sample_number * light.of + light.number;
         uvec4 shift = random4(pixel, light.kind, 0, 0);
         float u = unit_random(shift.x + point * SQUARE_STEPS[0]), v = unit_random(shift.y + point * SQUARE_STEPS[1]);
         precise float across = u - 0.5, along = v - 0.5;
         precise vec3 place = light.place + (across * light.edge_u + along * light.edge_v);
-        if (sky) {
-            precise float left = 1.0 - u;
-            vec3 up = unit_of(normal);
-            if (light.kind == LIGHT_SKY_RAY_BACK) up = -up;
-            place = about(up, root_of(left), v);
-            light.kind = LIGHT_SKY_RAY;
-        }
+        precise float left = 1.0 - u;
+        if (!area) place = about(unit_of(normal), root_of(left), v);
         light.place = place;
     }
     return light;

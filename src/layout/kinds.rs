@@ -18,8 +18,6 @@ constants! {
     LIGHT_AREA_BOTH: u32 = 4;
     /// A ray to the environment.
     LIGHT_SKY_RAY: u32 = 5;
-    /// A ray to the environment from the back of a surface, as pixels see it.
-    LIGHT_SKY_RAY_BACK: u32 = 6;
 
     /// `Deform.kind`: a twist about an axis.
     DEFORM_TWIST: u32 = 1;

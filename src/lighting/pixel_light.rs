@@ -8,13 +8,13 @@
 
 use crate::geometry::exact::{root, unit};
 use crate::geometry::random::{about, random4, unit_random};
-use crate::layout::{Buffers, LIGHT_AREA, LIGHT_AREA_BOTH, LIGHT_SKY_RAY, LIGHT_SKY_RAY_BACK, Light, SQUARE_STEPS};
+use crate::layout::{Buffers, LIGHT_AREA, LIGHT_AREA_BOTH, LIGHT_SKY_RAY, Light, SQUARE_STEPS};
 
 /// Light `number` of `pixel_lights` as a pixel sees it, at a surface with this normal of any length.
 #[must_use]
 pub fn pixel_light(data: &Buffers, number: usize, pixel: usize, normal: [f32; 3]) -> Light {
     let light = data.pixel_lights[number];
-    let sky = [LIGHT_SKY_RAY, LIGHT_SKY_RAY_BACK].contains(&light.kind);
+    let sky = light.kind == LIGHT_SKY_RAY;
     if !sky && ![LIGHT_AREA, LIGHT_AREA_BOTH].contains(&light.kind) {
         return light;
     }
@@ -23,8 +23,7 @@ pub fn pixel_light(data: &Buffers, number: usize, pixel: usize, normal: [f32; 3]
     let at = |k: usize| unit_random(shift[k].wrapping_add(point.wrapping_mul(SQUARE_STEPS[k])));
     let (u, v) = (at(0), at(1));
     if sky {
-        let up = unit(normal).map(|x| if light.kind == LIGHT_SKY_RAY_BACK { -x } else { x });
-        return Light { kind: LIGHT_SKY_RAY, place: about(up, root(1.0 - u), v), ..light };
+        return Light { place: about(unit(normal), root(1.0 - u), v), ..light };
     }
     let (across, along) = (u - 0.5, v - 0.5);
     let place = std::array::from_fn(|k| light.place[k] + (across * light.edge_u[k] + along * light.edge_v[k]));

@@ -5,9 +5,9 @@
 
 use super::lights::record_of;
 use super::units::Units;
-use crate::layout::{LIGHT_SKY_RAY, LIGHT_SKY_RAY_BACK, Light as Record, NONE, REFLECTION_NONE};
+use crate::layout::{LIGHT_SKY_RAY, Light as Record, NONE, REFLECTION_NONE};
 use crate::scene::{Light, Source};
-use crate::state::{Local, State, narrow};
+use crate::state::{Local, Object, State, narrow};
 
 /// Fewest rays to an environment in one sample: what is hidden of it is a ratio of two of their sums.
 const FEWEST_RAYS: usize = 4;
@@ -16,12 +16,8 @@ const FEWEST_RAYS: usize = 4;
 pub fn pixel_lights(state: &mut State, lights: &[Light], units: Units) {
     state.data.pixel_lights.clear();
     let Some(samples) = state.data.camera.first().map(|camera| camera.samples as usize) else { return };
-    let params = state.objects.iter().zip(&state.data.object_params);
-    let (plain, both) = params
-        .clone()
-        .filter(|(object, _)| object.plain())
-        .fold((false, false), |(_, both), (_, p)| (true, both || p.two_sided != 0));
-    let reflects = params.clone().any(|(_, params)| params.reflection != REFLECTION_NONE);
+    let plain = state.objects.iter().any(Object::plain);
+    let reflects = state.data.object_params.iter().any(|params| params.reflection != REFLECTION_NONE);
     if !plain && !reflects {
         count(state, 0);
         return;
@@ -35,11 +31,8 @@ pub fn pixel_lights(state: &mut State, lights: &[Light], units: Units) {
             Source::Environment { .. } if !plain || share == 0 || light.color() == [0.0; 3] => {}
             Source::Environment { .. } => {
                 let of = share.max(FEWEST_RAYS);
-                let kinds = [LIGHT_SKY_RAY, LIGHT_SKY_RAY_BACK];
-                for kind in kinds.into_iter().take(if both { 2 } else { 1 }) {
-                    let ray = Record { kind, of: of as u32, ..Record::default() };
-                    records.extend((0..of as u32).map(|number| Record { number, ..ray }));
-                }
+                let ray = Record { kind: LIGHT_SKY_RAY, of: of as u32, ..Record::default() };
+                records.extend((0..of as u32).map(|number| Record { number, ..ray }));
             }
             Source::Area { position, edge_u, edge_v, .. } => {
                 let record = Record {

@@ -13,8 +13,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{
-    BufferId, Hit, LIGHT_SKY_RAY, LIGHT_SKY_RAY_BACK, Light, ObjectParams, REFLECTION_GGX, REFLECTION_NONE,
-    REFLECTION_PHONG,
+    BufferId, Hit, LIGHT_SKY_RAY, Light, ObjectParams, REFLECTION_GGX, REFLECTION_NONE, REFLECTION_PHONG,
 };
 use crate::lighting::irradiance::{arrival, reaches_pixel};
 use crate::lighting::pixel_light::pixel_light;
@@ -81,7 +80,7 @@ fn facets(alpha: f64, cosine: f64) -> f64 {
 }
 
 fn sky_ray(light: &Light) -> bool {
-    [LIGHT_SKY_RAY, LIGHT_SKY_RAY_BACK].contains(&light.kind)
+    light.kind == LIGHT_SKY_RAY
 }
 
 /// Reflected radiance of one pixel, internal units.
