@@ -9,7 +9,7 @@ float seen_cosine(vec3 normal, vec3 eye, vec3 a, vec3 b, vec3 c) {
     float size = max(abs(plain.x), max(abs(plain.y), abs(plain.z)));
     plain /= max(size, 1e-30);
     float whole = abs(dot(plain, eye)) / sqrt(max(dot(plain, plain) * square, 1e-30));
-    return max(own, min(whole, LEAST_SEEN));
+    return dot(normal, normal) > 0.0 ? max(own, min(whole, LEAST_SEEN)) : 0.0;
 }
 
 #define SEEN_COSINE(normal, eye, corner) \

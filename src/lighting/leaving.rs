@@ -11,13 +11,13 @@ use crate::layout::LEAST_SEEN;
 use crate::state::wide;
 
 /// The cosine at a point of a triangle with these corners; `normal` is the interpolated one, `eye` the way to the eye,
-/// both of any length.
+/// both of any length. 0 where no normal is.
 #[must_use]
 pub fn seen_cosine(normal: DVec3, eye: DVec3, [a, b, c]: [[f32; 3]; 3]) -> f64 {
     let eye = eye.normalize_or_zero();
     let plain = wide(cross(minus(b, a), minus(c, a))).normalize_or_zero();
     let own = normal.normalize_or_zero().dot(eye).abs();
-    own.max(plain.dot(eye).abs().min(LEAST_SEEN.into()))
+    if normal == DVec3::ZERO { 0.0 } else { own.max(plain.dot(eye).abs().min(LEAST_SEEN.into())) }
 }
 
 #[cfg(test)]
@@ -40,5 +40,6 @@ mod tests {
         near(cosine(95.0, 89.0), 5f64.to_radians().sin());
         near(cosine(90.0, 89.0), 1f64.to_radians().sin());
         near(seen_cosine(DVec3::Z, DVec3::Z, [[0.0; 3]; 3]), 1.0);
+        near(seen_cosine(DVec3::ZERO, DVec3::Z, turned(60.0)), 0.0);
     }
 }
