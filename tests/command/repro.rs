@@ -135,7 +135,7 @@ fn a_broken_case_is_named() {
         ("radiosity.before", "../radiosity.before", &["not the name of a file"]),
         ("radiosity.before", "nowhere", &["nowhere", "could not be read"]),
         ("radiosity.before", "received.before", &["received.before", "it has 48 bytes", "expected 112 bytes"]),
-        ("\"binding\": 51", "\"binding\": 50", &["bindings", "found 51"]),
+        ("\"binding\": 52", "\"binding\": 51", &["bindings", "found 52"]),
         ("transport-blocks-push.spv", "radiosity.before", &["radiosity.before", "no SPIR-V"]),
         ("\"name\": \"blocks\"", "\"name\": \"received\"", &["two have the same name", "found received"]),
         ("\"constants\": [", "\"constants\": [1,", &["constants", "found 3", "expected 2"]),
