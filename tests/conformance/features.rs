@@ -109,11 +109,12 @@ pub fn features() -> Vec<Feature> {
         ),
         (&["reflect"], &[], reflects(Reflection::Phong { shininess: 9 }), reflects(Reflection::None)),
         (&["opaque_faces"], &[], with(on_a_table("faces")), alone(on_a_table("faces"))),
+        (&["shade_opaque"], &[], with(on_a_table("pixels")), alone(on_a_table("pixels"))),
         (
-            &["shade_opaque", "pixel_shadow"],
-            &[BufferId::pixel_lit],
-            with(on_a_table("pixels")),
-            alone(on_a_table("pixels")),
+            &["pixel_shadow"],
+            &[BufferId::pixel_lights, BufferId::pixel_lit],
+            reflects(Reflection::Phong { shininess: 9 }),
+            reflects(Reflection::None),
         ),
         (&[], &[BufferId::estimate], options(Options { estimate: true, ..Options::default() }), with(ball(&[]))),
         (

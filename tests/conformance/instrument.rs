@@ -68,7 +68,9 @@ fn on_the_cpu_a_profile_has_times_only() {
     let found = profile(&ball(&[]), None, &Settings { frames: 2, ..Settings::default() }).unwrap();
     assert!(found.rates.is_none() && found.on_device.is_none() && found.wall.median > 0.0);
     assert!(found.rows.iter().all(|row| row.work.is_none() && row.device.is_none() && row.wall.median >= 0.0));
-    assert!(found.rows.iter().any(|row| row.stage == "gather") && found.notes.len() == 1);
+    assert!(found.rows.iter().any(|row| row.stage == "gather"));
+    // Other notes may be of drift and of other load.
+    assert!(found.notes[0].starts_with("on the CPU"), "{:?}", found.notes);
 }
 
 #[test]
