@@ -8,8 +8,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::run_frame;
 use milkglass::Result;
 use milkglass::internals::gpu::Timing;
+use milkglass::internals::pipeline::frame::stage;
 use milkglass::internals::pipeline::plan::Change;
 use milkglass::internals::session::run::Session;
+use milkglass::internals::state::Need;
 use milkglass::internals::view::pixel_shadow;
 use milkglass::scene::{Light, Source};
 
@@ -35,7 +37,12 @@ pub fn foretell(session: &mut Session) -> Result<Option<Vec<Timing>>> {
     session.set_camera(&camera.clone().sized(size)?)?;
     let times = run_frame(session, Change::EVERYTHING)?;
     // Once more: the first time a driver may still compile kernels.
-    let steps = session.frame(Change::VIEW)?;
+    let mut steps = session.frame(Change::VIEW)?;
+    // Only what depends on the picture grows with it.
+    steps.retain(|step| {
+        let name = step.name.split(' ').next().unwrap_or_default();
+        stage(name).is_some_and(|stage| stage.needs.contains(&Need::Picture))
+    });
     let each: f64 = steps.iter().map(|step| step.milliseconds).filter(|ms| ms.is_finite()).sum();
     let pixels = f64::from(size[0]) * f64::from(size[1]);
     let seconds = 1e-3 * each * samples * width * height / pixels;
