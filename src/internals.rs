@@ -14,9 +14,9 @@
 //!    estimates the object's brightness; `acceptance_radii` turns the tolerance into a distance per cluster; `link`
 //!    lists the emitters of each block; `gather` sums over the lists; `push` hands the sums to the receivers. Transport
 //!    by links, as published, by brute force, by an octree or by a random walk replaces these stages.
-//! 4. Light that leaves (equation 3): `shade`, for opaque objects `pixel_shadow` and `shade_opaque`, `texture_out`;
-//!    `relief` adds single scattering in layers (Francois et al. 2006); `reflect` adds reflections, `backdrop` the
-//!    environment.
+//! 4. Light that leaves (equation 3): `shade`; `pixel_shadow`, for opaque objects and reflections, and `shade_opaque`;
+//!    `texture_out`; `relief` adds single scattering in layers (Francois et al. 2006); `reflect` adds reflections,
+//!    `backdrop` the environment.
 //!
 //! With `--transport cdrf`, `lambert` or `texture-blur` there is no transport: stages of [`shading`] replace step 3.
 //!

@@ -29,10 +29,3 @@ pub fn pixel_light(data: &Buffers, number: usize, pixel: usize, normal: [f32; 3]
     let place = std::array::from_fn(|k| light.place[k] + (across * light.edge_u[k] + along * light.edge_v[k]));
     Light { place, ..light }
 }
-
-/// The interpolated normal where a pixel shows a triangle with these normals at its corners, exactly as in the shaders.
-#[must_use]
-pub fn blended(weights: [f32; 2], [a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
-    let [u, v] = weights;
-    std::array::from_fn(|k| (1.0 - u - v) * a[k] + u * b[k] + v * c[k])
-}

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::pixel_receivers::place;
 use crate::error::Result;
 use crate::layout::{BufferId, LIGHT_SKY_RAY, NONE, OPAQUE_BY_PIXEL, ObjectParams, REFLECTION_NONE, Rays};
-use crate::lighting::pixel_light::{blended, pixel_light};
+use crate::lighting::pixel_light::pixel_light;
 use crate::lighting::shadow::{RAYS, free};
 use crate::state::{
     Carrier, Granularity, Local, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update,
@@ -61,11 +61,11 @@ fn cpu(state: &mut State, _at: Scope) {
     reached.par_chunks_mut(words.max(1)).zip(&data.hits).enumerate().for_each(|(pixel, (bits, hit))| {
         let Some(&corners) = data.triangles.get(hit.face as usize) else { return };
         let params = &data.object_params[state.object_of(hit.face as usize)];
-        let place = place(hit, corners.map(|v| data.in_scene()[v as usize]));
-        let normal = blended([hit.u, hit.v], corners.map(|v| data.normals_in_scene()[v as usize]));
+        let origin = place(hit, corners.map(|v| data.in_scene()[v as usize]));
+        let normal = place(hit, corners.map(|v| data.normals_in_scene()[v as usize]));
         for &number in &casting {
             let light = pixel_light(data, number, pixel, normal);
-            let free = asked(params, light.kind) && free(state, hit.face, place, &light);
+            let free = asked(params, light.kind) && free(state, hit.face, origin, &light);
             bits[light.shadow as usize / 32] |= u32::from(free) << (light.shadow % 32);
         }
     });

@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::layout::{BufferId, Hit, Light};
 use crate::lighting::fresnel;
 use crate::lighting::irradiance::{SkyRays, entering, reaches_pixel};
-use crate::lighting::pixel_light::{blended, pixel_light};
+use crate::lighting::pixel_light::pixel_light;
 use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
 };
@@ -50,7 +50,7 @@ fn radiance(state: &State, pixel: usize, hit: &Hit) -> Option<[f32; 3]> {
     let normal: DVec3 =
         corners.iter().zip(weight).map(|(&v, weight)| weight * wide(data.normals_in_scene()[v as usize])).sum();
     let normal = normal.normalize_or_zero();
-    let blended = blended([hit.u, hit.v], corners.map(|v| data.normals_in_scene()[v as usize]));
+    let blended = place(hit, corners.map(|v| data.normals_in_scene()[v as usize]));
     let lights: Vec<Light> =
         (0..data.pixel_lights.len()).map(|number| pixel_light(data, number, pixel, blended)).collect();
     let reaches = |light: &Light| reaches_pixel(data, light, pixel);
