@@ -1,6 +1,6 @@
 //! The Vulkan instance, its validation messages, and the list of its adapters.
 
-use std::ffi::{CStr, c_void};
+use std::ffi::{CStr, c_char, c_void};
 use std::sync::{Arc, Mutex};
 
 use ash::{ext, vk};
@@ -19,7 +19,10 @@ pub(super) struct Inner {
     pub(super) debug: Option<ext::debug_utils::Instance>,
     messenger: vk::DebugUtilsMessengerEXT,
     messages: Box<Mutex<Vec<String>>>,
-    _entry: ash::Entry,
+    /// Whether its devices can show pictures in windows.
+    pub(super) presents: bool,
+    #[cfg_attr(not(feature = "window"), expect(dead_code, reason = "it keeps the library loaded"))]
+    pub(super) entry: ash::Entry,
 }
 
 /// Keeps a message of the validation layer.
@@ -45,6 +48,11 @@ unsafe extern "system" fn on_message(
 impl Instance {
     /// Loads Vulkan; with `validation`, the Khronos layer with synchronization validation, whose messages are kept.
     pub fn open(validation: bool) -> Result<Self> {
+        Self::with_extensions(validation, &[])
+    }
+
+    /// The same, with the extensions that surfaces of windows need; its devices then have swapchains.
+    pub(super) fn with_extensions(validation: bool, surface: &[*const c_char]) -> Result<Self> {
         let doing = "loading Vulkan";
         // SAFETY: the library that is loaded is the system's Vulkan loader.
         let entry = unsafe { ash::Entry::load() }.map_err(|e| {
@@ -57,7 +65,7 @@ impl Instance {
         })?;
         let application =
             vk::ApplicationInfo::default().application_name(c"milkglass").api_version(vk::API_VERSION_1_2);
-        let mut extensions = Vec::new();
+        let mut extensions = surface.to_vec();
         let mut layers = Vec::new();
         // Loaders fail here where no driver can be loaded; the error of the next call explains that better.
         let offered = vk_call("vkEnumerateInstanceExtensionProperties", doing, || {
@@ -89,7 +97,8 @@ impl Instance {
             debug,
             messenger: vk::DebugUtilsMessengerEXT::null(),
             messages: Box::default(),
-            _entry: entry,
+            presents: !surface.is_empty(),
+            entry,
         };
         if validation && let Some(debug) = &inner.debug {
             use vk::{DebugUtilsMessageSeverityFlagsEXT as Severity, DebugUtilsMessageTypeFlagsEXT as Kind};

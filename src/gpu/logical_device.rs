@@ -6,7 +6,7 @@ use std::ffi::CString;
 use std::rc::Rc;
 use std::time::Duration;
 
-use ash::{ext, vk};
+use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::AllocatorCreateDesc;
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 
@@ -55,7 +55,12 @@ impl LogicalDevice {
             .queue_family_index(adapter.queue_family)
             .queue_priorities(&priorities)];
         let mut features = vk::PhysicalDeviceVulkan12Features::default().scalar_block_layout(true);
-        let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut features);
+        let swapchain = [khr::swapchain::NAME.as_ptr()];
+        let extensions = if instance.0.presents { &swapchain[..] } else { &[] };
+        let info = vk::DeviceCreateInfo::default()
+            .queue_create_infos(&queues)
+            .enabled_extension_names(extensions)
+            .push_next(&mut features);
         let raw = vk_call("vkCreateDevice", &doing, || {
             // SAFETY: `info` and all it points to live through the call; the adapter is this instance's.
             unsafe { instance.0.raw.create_device(adapter.physical, &info, None) }
@@ -149,6 +154,16 @@ impl LogicalDevice {
         &self.0.raw
     }
 
+    #[cfg(feature = "window")]
+    pub(super) fn instance(&self) -> &Instance {
+        &self.0.instance
+    }
+
+    #[cfg(feature = "window")]
+    pub(super) fn queue(&self) -> vk::Queue {
+        self.0.queue
+    }
+
     pub(super) fn pipeline_cache(&self) -> vk::PipelineCache {
         self.0.pipeline_cache
     }
@@ -165,11 +180,16 @@ impl LogicalDevice {
 
     /// Submits one recorded command buffer and waits for it.
     pub(super) fn submit(&self, commands: vk::CommandBuffer, doing: &str) -> Result<()> {
+        self.submit_info(vk::SubmitInfo::default(), commands, doing)
+    }
+
+    /// The same, with the semaphores that `info` waits for and signals.
+    pub(super) fn submit_info(&self, info: vk::SubmitInfo<'_>, commands: vk::CommandBuffer, doing: &str) -> Result<()> {
         let (raw, buffers) = (&self.0.raw, [commands]);
         if !self.finished() {
             return Err(Error::device(doing, "the device is still busy with what it did not finish in time"));
         }
-        let info = [vk::SubmitInfo::default().command_buffers(&buffers)];
+        let info = [info.command_buffers(&buffers)];
         let patience = nanoseconds(self.0.patience.get());
         // SAFETY: the command buffer is complete and of this device; the fence is destroyed once it is not in use.
         unsafe {

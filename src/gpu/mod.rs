@@ -9,7 +9,8 @@
 //! - `spirv_module`, `reflect`, `replace`, `compile`, [`count`]: SPIR-V, what a kernel binds, and kernels that count;
 //! - `kernel`, `bind`, `record`: pipelines, descriptor sets, and a frame's dispatches and barriers;
 //! - `interface`, `shift`: SPIR-V from files, and kernels whose groups count from another one;
-//! - `kernel_cache`, `device`, `kernels`, `single_kernel`: what the rest of the program asks for.
+//! - `kernel_cache`, `device`, `kernels`, `single_kernel`: what the rest of the program asks for;
+//! - `window`: pictures in a window (feature `window`).
 
 mod adapter;
 mod allocator;
@@ -38,6 +39,8 @@ mod single_kernel;
 mod spirv_module;
 mod transfer;
 mod vk_error;
+#[cfg(feature = "window")]
+pub mod window;
 
 pub use adapter::{Adapter, Ids, Limits};
 pub use allocator::MemoryUse;

@@ -30,13 +30,23 @@ impl Session {
             return Ok(times);
         }
         for k in 0..samples {
-            self.shift(place(k, samples), k)?;
-            let steps = self.frame_as_it_is(Change::VIEW)?;
+            let steps = self.sample_one(k)?;
             tell(k + 1, samples, &steps);
             times.extend(steps);
         }
-        (self.sampled, self.shifted) = (true, true);
         Ok(times)
+    }
+
+    /// Runs the frame of sample `k`, after those of the samples before it; what is shown then is the mean of these. The
+    /// camera has several samples.
+    pub fn sample_one(&mut self, k: u32) -> Result<Vec<Timing>> {
+        let samples = self.scene().camera.samples;
+        self.shift(place(k, samples), k)?;
+        let steps = self.frame_as_it_is(Change::VIEW)?;
+        if k + 1 == samples {
+            (self.sampled, self.shifted) = (true, true);
+        }
+        Ok(steps)
     }
 }
 

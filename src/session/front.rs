@@ -2,10 +2,10 @@
 
 use super::antialiasing::picture;
 use super::capacity::CapacityHints;
-use super::run::{Session, unfinished};
+use super::run::{Backend, Session, unfinished};
 use crate::error::Result;
 use crate::geometry::trace::UNFINISHED;
-use crate::gpu::Device;
+use crate::gpu::{Buffer, Device};
 use crate::layout::BufferId;
 use crate::pipeline::plan::{Change, Changes, Options};
 use crate::scene::Scene;
@@ -65,15 +65,36 @@ impl Session {
     /// The same picture as sRGB, 8 bits a channel, row by row from the top: [`Picture::bytes`], found where the stages
     /// run.
     pub fn shown(&mut self) -> Result<Vec<u8>> {
-        let steps = self.plan.steps(&self.prepared.state, Change::TONE);
-        self.run(&steps)?;
+        self.tone()?;
         self.fetch(&[BufferId::hits, BufferId::shown])?;
         self.check_rays()?;
         let rgb = |pixel: &u32| (0..3).map(move |c| (pixel >> (8 * c)) as u8).collect::<Vec<_>>();
         Ok(self.prepared.state.data.shown.iter().flat_map(rgb).collect())
     }
 
-    /// An error if a driver has ended a pixel's ray early.
+    /// The same picture left on the device, four bytes a pixel, the last of them 0; none on the CPU. Nothing is checked:
+    /// see [`Session::finished_rays`].
+    pub fn shown_on_device(&mut self) -> Result<Option<&Buffer>> {
+        self.tone()?;
+        Ok(match &self.backend {
+            Backend::Gpu(gpu) => gpu.buffer(BufferId::shown),
+            Backend::Cpu => None,
+        })
+    }
+
+    /// Exposes the picture of the last frame.
+    fn tone(&mut self) -> Result<()> {
+        let steps = self.plan.steps(&self.prepared.state, Change::TONE);
+        self.run(&steps).map(drop)
+    }
+
+    /// An error if a driver has ended a pixel's ray of the last frame early.
+    pub fn finished_rays(&mut self) -> Result<()> {
+        self.fetch(&[BufferId::hits])?;
+        self.check_rays()
+    }
+
+    /// The same for hits that have been fetched.
     fn check_rays(&self) -> Result<()> {
         if self.prepared.state.data.hits.iter().any(|hit| hit.face == UNFINISHED) {
             return Err(unfinished("tracing a ray through the tree", "use a mesh with fewer overlapping parts"));

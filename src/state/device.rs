@@ -114,6 +114,11 @@ impl DeviceState {
         self.buffers.iter().map(|(slot, buffer)| (*slot, buffer.size()))
     }
 
+    /// A buffer, if it is allocated.
+    pub fn buffer(&self, slot: BufferId) -> Option<&Buffer> {
+        self.buffers.get(&slot)
+    }
+
     /// Records one dispatch of a kernel; each buffer is bound to its part for the scope of the call.
     pub(super) fn submit(&self, recorder: &mut Recorder, state: &State, call: &Call<'_>) -> Result<()> {
         let kernel = self.kernels.get(call.kernel, call.constants)?;
