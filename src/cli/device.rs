@@ -23,11 +23,27 @@ impl DeviceArgument {
 
     /// Opens the requested device, or the best one; `None` is the CPU.
     pub(super) fn open(&self, validation: bool) -> Result<Option<Device>> {
-        let wish = self.device.as_deref();
-        if wish.is_some_and(|wish| wish.eq_ignore_ascii_case("cpu")) {
+        if self.is_cpu() {
             return Ok(None);
         }
-        let found = Instance::open(validation).and_then(|instance| Ok((instance.adapters()?, instance)));
+        self.open_among(Instance::open(validation), validation)
+    }
+
+    /// The same argument, for a command on the same device.
+    #[cfg(feature = "window")]
+    pub(super) fn words(&self) -> Option<String> {
+        self.device.as_ref().map(|device| format!("--device={device}"))
+    }
+
+    /// Whether it is the CPU.
+    pub(super) fn is_cpu(&self) -> bool {
+        self.device.as_deref().is_some_and(|wish| wish.eq_ignore_ascii_case("cpu"))
+    }
+
+    /// The same among the devices of this instance; the CPU is none of them.
+    pub(super) fn open_among(&self, instance: Result<Instance>, validation: bool) -> Result<Option<Device>> {
+        let wish = self.device.as_deref();
+        let found = instance.and_then(|instance| Ok((instance.adapters()?, instance)));
         match (wish, found) {
             (None, Ok((adapters, instance))) => match Adapter::best(&adapters) {
                 Some(adapter) => opened(&instance, adapter).map(Some),

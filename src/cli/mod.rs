@@ -34,6 +34,8 @@ mod solve;
 mod stop;
 mod stress;
 mod validity;
+#[cfg(feature = "window")]
+mod view;
 mod walk;
 mod watch;
 
@@ -66,6 +68,9 @@ struct Cli {
 enum Command {
     /// Render a picture of a scene.
     Render(render::Arguments),
+    /// Show a scene in a window: turn it, light it, change its material.
+    #[cfg(feature = "window")]
+    View(view::Arguments),
     /// Render meshes in materials, and write a page of the pictures with the commands that make them.
     Gallery(gallery::Arguments),
     /// Solve light transport only: irradiance and radiosity of every face.
@@ -276,6 +281,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
     observe(Box::<progress::Bar>::default());
     match cli.command {
         Command::Render(arguments) => render::run(&arguments),
+        #[cfg(feature = "window")]
+        Command::View(arguments) => view::run(&arguments),
         Command::Gallery(arguments) => gallery::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),

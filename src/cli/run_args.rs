@@ -5,18 +5,18 @@ use clap::{Args, ValueEnum};
 use milkglass::internals::pipeline::plan::{Mode, Options, ShadingMethod};
 
 /// Transport and mode.
-#[derive(Args)]
+#[derive(Args, Clone, Copy)]
 pub(super) struct OptionArguments {
     /// What is kept between frames; a single frame gains nothing from it.
     #[arg(long, value_enum, default_value_t)]
-    mode: ModeArgument,
+    pub(super) mode: ModeArgument,
     /// How light is transported through the material.
     #[arg(long, value_enum, default_value_t)]
-    transport: TransportArgument,
+    pub(super) transport: TransportArgument,
 }
 
 #[derive(Clone, Copy, Default, ValueEnum)]
-enum ModeArgument {
+pub(super) enum ModeArgument {
     /// Everything from scratch in each frame.
     #[default]
     OnTheFly,
@@ -26,8 +26,8 @@ enum ModeArgument {
     Incremental,
 }
 
-#[derive(Clone, Copy, Default, ValueEnum)]
-enum TransportArgument {
+#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum TransportArgument {
     /// The hierarchical method of Mertens et al. 2003.
     #[default]
     Hierarchy,

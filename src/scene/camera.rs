@@ -76,6 +76,15 @@ impl Camera {
         Ok(camera)
     }
 
+    /// The camera that looks the same way, at the middle of the box `low..high`, from where every corner of it is in the
+    /// picture.
+    #[must_use]
+    pub fn fitted(&self, low: DVec3, high: DVec3) -> Self {
+        let (_, _, forward) = self.basis();
+        let target = (low + high) / 2.0;
+        Self { position: target - forward * distance(self, target, forward, low, high), target, ..self.clone() }
+    }
+
     /// Checks the angle of a pixel: rays and positions are `f32`, and those of neighbours must differ by more than
     /// rounding.
     fn wide_enough(&self) -> Checked<()> {
@@ -240,6 +249,9 @@ mod tests {
                 assert!(depth > 0.0 && seen.dot(right).abs() <= depth * wide, "{text}");
                 assert!(seen.dot(up).abs() <= depth * tall, "{text}");
             }
+            let again = camera.fitted(DVec3::splat(-1.0), DVec3::new(1.0, 3.0, 1.0));
+            assert!(again.basis().2.distance(forward) < 1e-12 && again.target == DVec3::Y, "{text}");
+            assert!(text.contains("target") || again.position.distance(camera.position) < 1e-9, "{text}");
         }
     }
 

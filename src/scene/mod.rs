@@ -247,6 +247,12 @@ impl Scene {
     pub fn bounds(&self) -> (DVec3, DVec3) {
         bounds(&self.objects)
     }
+
+    /// Fails if a light lies where the scene's file may have none: within a medium.
+    pub fn check_lights(&self) -> Result<()> {
+        let mut all = self.lights.iter().enumerate();
+        all.try_for_each(|(index, light)| light.check_outside(&self.objects, index)).map_err(Into::into)
+    }
 }
 
 fn bounds(objects: &[Object]) -> (DVec3, DVec3) {

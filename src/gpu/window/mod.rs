@@ -89,12 +89,15 @@ impl Presenter {
         window: &Window,
         size: [u32; 2],
         shown: Option<Shown<'_>>,
-        overlay: &Overlay,
+        mut overlay: Overlay,
     ) -> Result<bool> {
-        self.painter.set_textures(&overlay.textures)?;
-        let done = if size.contains(&0) { Ok(false) } else { self.draw(window, size, shown, overlay) };
-        self.painter.free_textures(&overlay.textures)?;
-        done
+        let done = self
+            .painter
+            .set_textures(&overlay.textures)
+            .and_then(|()| if size.contains(&0) { Ok(false) } else { self.draw(window, size, shown, &overlay) });
+        let freed = self.painter.free_textures(&overlay.textures);
+        overlay.textures.clear();
+        done.and_then(|visible| freed.map(|()| visible))
     }
 
     fn draw(&mut self, window: &Window, size: [u32; 2], shown: Option<Shown<'_>>, overlay: &Overlay) -> Result<bool> {
@@ -166,26 +169,26 @@ impl Presenter {
         use vk::{AccessFlags as Access, ImageLayout as Layout};
         let (Some(canvas), Some(swapchain)) = (&self.canvas, &self.swapchain) else { return Ok(()) };
         let (raw, target) = (self.device.raw(), canvas.image.raw);
-        let copying = vk::PipelineStageFlags::TRANSFER;
+        let (copying, none) = (vk::PipelineStageFlags::TRANSFER, vk::DependencyFlags::empty());
         let fresh = [Layout::UNDEFINED, Layout::TRANSFER_DST_OPTIMAL];
         // SAFETY: the command buffer is recording; all images and the buffer live until it has been waited for, and
         // every region lies within its image.
         unsafe {
-            let ordered = |from, images: &[vk::ImageMemoryBarrier<'_>]| {
+            let before = vk::PipelineStageFlags::COMPUTE_SHADER | copying;
+            let ordered = |images: &[vk::ImageMemoryBarrier<'_>]| {
                 let written = [vk::MemoryBarrier::default()
                     .src_access_mask(Access::SHADER_WRITE)
                     .dst_access_mask(Access::TRANSFER_READ)];
-                raw.cmd_pipeline_barrier(commands, from, copying, vk::DependencyFlags::empty(), &written, &[], images);
+                raw.cmd_pipeline_barrier(commands, before, copying, none, &written, &[], images);
             };
 
             // The picture on a black canvas.
-            let compute = vk::PipelineStageFlags::COMPUTE_SHADER | copying;
             let write = [Access::TRANSFER_READ, Access::TRANSFER_WRITE];
-            ordered(compute, &[barrier(target, fresh, write)]);
+            ordered(&[barrier(target, fresh, write)]);
             let black = vk::ClearColorValue::default();
             raw.cmd_clear_color_image(commands, target, fresh[1], &black, &[RANGE]);
             if let (Some(shown), Some(picture)) = (shown, &self.picture) {
-                ordered(compute, &[barrier(picture.raw, fresh, write)]);
+                ordered(&[barrier(picture.raw, fresh, write)]);
                 let [width, height] = shown.size;
                 let whole = vk::BufferImageCopy::default().image_subresource(LAYER).image_extent(vk::Extent3D {
                     width,
@@ -195,13 +198,10 @@ impl Presenter {
                 raw.cmd_copy_buffer_to_image(commands, shown.buffer.raw, picture.raw, fresh[1], &[whole]);
                 let source = [Layout::TRANSFER_DST_OPTIMAL, Layout::TRANSFER_SRC_OPTIMAL];
                 let again = [Access::TRANSFER_WRITE; 2];
-                ordered(
-                    copying,
-                    &[
-                        barrier(picture.raw, source, [Access::TRANSFER_WRITE, Access::TRANSFER_READ]),
-                        barrier(target, [fresh[1]; 2], again),
-                    ],
-                );
+                ordered(&[
+                    barrier(picture.raw, source, [Access::TRANSFER_WRITE, Access::TRANSFER_READ]),
+                    barrier(target, [fresh[1]; 2], again),
+                ]);
                 let to = corners(within(shown.area, canvas.image.size));
                 blit(raw, commands, (picture.raw, picture.corners()), (target, to));
             }
@@ -214,7 +214,7 @@ impl Presenter {
         unsafe {
             let changed = |from, to, layouts, access| {
                 let images = [barrier(image, layouts, access)];
-                raw.cmd_pipeline_barrier(commands, from, to, vk::DependencyFlags::empty(), &[], &[], &images);
+                raw.cmd_pipeline_barrier(commands, from, to, none, &[], &[], &images);
             };
             changed(copying, copying, fresh, [Access::empty(), Access::TRANSFER_WRITE]);
             // While the window is being resized the two may differ.

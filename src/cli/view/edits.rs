@@ -1,0 +1,180 @@
+//! What the user has changed: settings on top of the scene's file, as `--set` makes them.
+
+use std::path::PathBuf;
+use std::time::SystemTime;
+
+use glam::DVec3;
+use milkglass::error::Result;
+use milkglass::scene::{Camera, Scene};
+
+use super::turn::{moves, turn_light};
+use crate::cli::bare::Subject;
+
+/// A scene and the settings that were made in the window.
+pub(super) struct Edits {
+    subject: Subject,
+    /// The settings of the command line, before those of the window.
+    given: Vec<String>,
+    /// Key and value, in the order in which they were made.
+    made: Vec<(String, String)>,
+    /// Those before each change, and those that were taken back.
+    undo: Vec<Vec<(String, String)>>,
+    redo: Vec<Vec<(String, String)>>,
+    /// The scene as it is now; its camera has the size of the file.
+    pub(super) scene: Scene,
+    /// The light that drags and keys move.
+    pub(super) light: usize,
+    /// The scene's file, and its state when it was read last.
+    file: Option<(PathBuf, State)>,
+}
+
+/// When a file was changed, and its bytes.
+type State = (Option<SystemTime>, u64);
+
+impl Edits {
+    /// A scene without changes.
+    pub(super) fn of(subject: Subject) -> Result<Self> {
+        let file = PathBuf::from(&subject.scenes.scene);
+        let file = state(&file).map(|state| (file, state));
+        let scene = subject.load()?;
+        let light = scene.lights.iter().position(moves).unwrap_or(0);
+        let given = subject.scenes.sets.clone();
+        Ok(Self { subject, given, made: Vec::new(), undo: Vec::new(), redo: Vec::new(), scene, light, file })
+    }
+
+    /// Begins a change that one [`Self::undo`] takes back.
+    pub(super) fn begin(&mut self) {
+        if self.undo.last() != Some(&self.made) {
+            self.undo.push(self.made.clone());
+        }
+        self.redo.clear();
+    }
+
+    /// The scene with a setting, read anew; an error leaves everything as it was.
+    pub(super) fn set(&mut self, key: &str, value: String) -> Result<()> {
+        self.begin();
+        let before = self.made.clone();
+        self.note(key, value);
+        self.read().inspect_err(|_| self.made = before)
+    }
+
+    /// The settings before the last change; whether there are any.
+    pub(super) fn undo(&mut self) -> Result<bool> {
+        while let Some(before) = self.undo.pop() {
+            if before != self.made {
+                self.redo.push(std::mem::replace(&mut self.made, before));
+                return self.read().map(|()| true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// The settings that the last undo took back; whether there are any.
+    pub(super) fn redo(&mut self) -> Result<bool> {
+        let Some(after) = self.redo.pop() else { return Ok(false) };
+        self.undo.push(std::mem::replace(&mut self.made, after));
+        self.read().map(|()| true)
+    }
+
+    /// Takes all settings of the window back.
+    pub(super) fn reset(&mut self) -> Result<()> {
+        self.begin();
+        self.made.clear();
+        self.read()
+    }
+
+    /// Adopts another view.
+    pub(super) fn look(&mut self, camera: Camera) {
+        for (key, value) in [("camera.position", camera.position), ("camera.target", camera.target)] {
+            self.note(key, list(value));
+        }
+        self.scene.camera = Camera { position: camera.position, target: camera.target, ..self.scene.camera.clone() };
+    }
+
+    /// Turns the light about the middle of the scene, by degrees as the camera sees it. A light that would get into an
+    /// object stays where it is.
+    pub(super) fn turn_light(&mut self, right: f64, up: f64) -> Result<()> {
+        let (low, high) = self.scene.bounds();
+        let Some(light) = self.scene.lights.get_mut(self.light) else { return Ok(()) };
+        let before = light.clone();
+        let keys = turn_light(light, &self.scene.camera, (low + high) / 2.0, right, up);
+        if let Err(error) = self.scene.check_lights() {
+            self.scene.lights[self.light] = before;
+            return Err(error);
+        }
+        for (key, value) in keys {
+            self.note(&format!("light.{}.{key}", self.light), list(value));
+        }
+        Ok(())
+    }
+
+    /// The next light that can be moved.
+    pub(super) fn next_light(&mut self) {
+        let count = self.scene.lights.len();
+        let next = (1..=count).map(|step| (self.light + step) % count).find(|&index| moves(&self.scene.lights[index]));
+        self.light = next.unwrap_or(self.light);
+    }
+
+    /// The value of a setting, of the window or else of the command line or the scene's text, where it is a number.
+    pub(super) fn number(&self, key: &str) -> Option<f64> {
+        let given = |set: &String| set.split_once('=').map(|(key, value)| (key.trim().to_owned(), value.to_owned()));
+        let sets = self.given.iter().filter_map(given).chain(self.made.iter().cloned());
+        let set = sets.filter(|(known, _)| known == key).last();
+        if let Some((_, value)) = set {
+            return value.trim().parse().ok();
+        }
+        let (text, _) = Scene::text(&self.subject.scenes.scene, &self.subject.scenes.memory.files()).ok()?;
+        let table: toml::Table = toml::from_str(&text).ok()?;
+        let mut place = &toml::Value::Table(table);
+        for part in key.split('.') {
+            place = match place {
+                toml::Value::Table(table) => table.get(part)?,
+                toml::Value::Array(list) => list.get(part.parse::<usize>().ok()?)?,
+                _ => return None,
+            };
+        }
+        place.as_float().or_else(|| place.as_integer().map(|whole| whole as f64))
+    }
+
+    /// Reads the scene again if its file has changed; whether it has.
+    pub(super) fn reload(&mut self) -> Result<bool> {
+        let Some((path, known)) = &mut self.file else { return Ok(false) };
+        // A file that is being replaced may be missing for a moment.
+        let Some(now) = state(path).filter(|now| now != known) else { return Ok(false) };
+        *known = now;
+        self.read().map(|()| true)
+    }
+
+    /// The settings of the window as arguments.
+    pub(super) fn arguments(&self) -> Vec<String> {
+        self.made.iter().flat_map(|(key, value)| ["--set".to_owned(), format!("{key}={value}")]).collect()
+    }
+
+    /// Makes a setting without reading the scene.
+    fn note(&mut self, key: &str, value: String) {
+        self.made.retain(|(known, _)| known != key);
+        self.made.push((key.to_owned(), value));
+    }
+
+    /// Reads the scene with all settings.
+    fn read(&mut self) -> Result<()> {
+        let made = self.made.iter().map(|(key, value)| format!("{key}={value}"));
+        self.subject.scenes.sets = self.given.iter().cloned().chain(made).collect();
+        self.scene = self.subject.at(self.subject.scenes.frame)?;
+        if !self.scene.lights.get(self.light).is_some_and(moves) {
+            self.light = self.scene.lights.iter().position(moves).unwrap_or(0);
+        }
+        Ok(())
+    }
+}
+
+/// A vector as scene files have it.
+fn list(v: DVec3) -> String {
+    format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z)
+}
+
+/// When a plain file was changed, and its bytes; none for anything else.
+fn state(path: &PathBuf) -> Option<State> {
+    let known = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
+    Some((known.modified().ok(), known.len()))
+}

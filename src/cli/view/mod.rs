@@ -1,0 +1,110 @@
+//! `milkglass view`: a scene in a window.
+
+mod app;
+mod edits;
+mod frames;
+mod keys;
+mod panel;
+mod play;
+mod turn;
+mod viewer;
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use winit::event_loop::EventLoop;
+
+use self::app::App;
+use self::play::Play;
+use self::viewer::Viewer;
+use super::bare::BareArguments;
+use super::render::parse_size;
+use super::{RunArguments, SceneArguments, check_messages, validation};
+use milkglass::error::{Error, Input, Result};
+use milkglass::internals::gpu::Instance;
+use milkglass::internals::gpu::window::PresentMode;
+use milkglass::internals::view::picture::is_png;
+
+/// Arguments of `view`.
+#[derive(Args)]
+#[command(after_help = "Example: milkglass view lotus --size 800x600
+The key ? shows what mouse and keys do.")]
+pub struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    #[command(flatten)]
+    bare: BareArguments,
+    #[command(flatten)]
+    run: RunArguments,
+    /// Width and height of the picture in pixels; overrides the scene's.
+    #[arg(long, value_name = "WxH")]
+    size: Option<String>,
+    /// How frames reach the screen.
+    #[arg(long, value_enum, default_value_t)]
+    present: PresentArgument,
+    /// Close the window after so many frames.
+    #[arg(long, value_name = "N")]
+    frames_limit: Option<u64>,
+    /// Write what the window shows when it closes, the panel included: `.png`.
+    #[arg(long, value_name = "FILE")]
+    screenshot: Option<PathBuf>,
+    /// Play the events of this file: keys, drags, sizes, screenshots.
+    #[arg(long, value_name = "EVENTS.toml")]
+    play: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+enum PresentArgument {
+    /// Each frame is shown, at the screen's pace.
+    #[default]
+    Fifo,
+    /// The latest frame is shown; `fifo` where the window system does not offer it.
+    Mailbox,
+}
+
+/// Opens the window, and returns once it is closed.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let size = arguments.size.as_deref().map(parse_size).transpose()?;
+    if arguments.bare.turns().is_some() {
+        let fault = Input::new("a window has no frames around the mesh").key("--turntable");
+        return Err(fault.expected("`render --turntable`").into());
+    }
+    if let Some(file) = arguments.screenshot.as_ref().filter(|file| !is_png(file)) {
+        let fault = Input::new("a screenshot has 8 bits a channel").key("--screenshot").found(file.display());
+        return Err(fault.expected("a name that ends in .png").into());
+    }
+    if arguments.run.device.is_cpu() {
+        let fault = Input::new("a window shows what a Vulkan device renders").key("--device").found("cpu");
+        return Err(fault.expected("a device of `milkglass devices`; lavapipe is one").into());
+    }
+    let play = arguments.play.as_deref().map(Play::read).transpose()?;
+    let events = EventLoop::new().map_err(|error| {
+        // The message of the operating system, without the place in the source where it arose.
+        let text = error.to_string();
+        let what = text.rsplit(".rs:").next().and_then(|rest| rest.split_once(": ")).map_or(&*text, |(_, what)| what);
+        Error::device("opening a window", format!("there is no display; set DISPLAY: {}", what.replace('\n', " ")))
+    })?;
+    let device = arguments.run.device.open_among(Instance::for_windows(validation(), &events), validation())?;
+    let Some(device) = device else {
+        return Err(Error::device(
+            "opening a window",
+            "a window needs a Vulkan device; `milkglass devices` lists them",
+        ));
+    };
+    let subject = arguments.bare.subject(arguments.run.of(&arguments.scene), size)?;
+    let scene = arguments.run.of(&arguments.scene).words().into_iter();
+    let words = scene.chain(arguments.bare.words()).chain(arguments.run.device.words()).collect();
+    let viewer = Viewer::new(subject, size, &device, arguments.run.option_args, words)?;
+    let present = match arguments.present {
+        PresentArgument::Fifo => PresentMode::Fifo,
+        PresentArgument::Mailbox => PresentMode::Mailbox,
+    };
+    let mut app = App::new(viewer, device.clone(), play);
+    app.present = present;
+    app.limit = arguments.frames_limit;
+    app.screenshot.clone_from(&arguments.screenshot);
+    let ended = events.run_app(&mut app).map_err(|error| Error::device("showing a window", error));
+    app.end()?;
+    ended?;
+    check_messages(Some(&device))
+}

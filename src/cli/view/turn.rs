@@ -1,0 +1,130 @@
+//! How drags and keys move the camera and the lights.
+
+use glam::{DQuat, DVec3};
+use milkglass::scene::{Camera, Light, Source};
+
+/// The least angle between the view and the camera's up direction, degrees.
+const POLE: f64 = 1.0;
+
+/// The camera that is moved around its target, by degrees to the right and upwards.
+pub(super) fn orbit(camera: &Camera, right: f64, up: f64) -> Camera {
+    let (axis, ..) = camera.basis();
+    let offset = camera.position - camera.target;
+    let height = offset.angle_between(camera.up).to_degrees();
+    let raised = (height - up).clamp(POLE.min(height), (180.0 - POLE).max(height)) - height;
+    let offset = DQuat::from_axis_angle(axis, raised.to_radians()) * offset;
+    let offset = DQuat::from_axis_angle(camera.up, right.to_radians()) * offset;
+    Camera { position: camera.target + offset, ..camera.clone() }
+}
+
+/// The camera that is shifted, with its target, by parts of the picture's height.
+pub(super) fn pan(camera: &Camera, right: f64, up: f64) -> Camera {
+    let (across, upwards, _) = camera.basis();
+    let height = 2.0 * camera.position.distance(camera.target) * (camera.fov.to_radians() / 2.0).tan();
+    let shift = height * (across * right + upwards * up);
+    Camera { position: camera.position + shift, target: camera.target + shift, ..camera.clone() }
+}
+
+/// The camera whose distance from its target is multiplied by `factor`; never beyond what a scene may have.
+pub(super) fn zoom(camera: &Camera, factor: f64) -> Camera {
+    let offset = (camera.position - camera.target) * factor;
+    let length = offset.length();
+    if !(1e-6..=1e8).contains(&length) {
+        return camera.clone();
+    }
+    Camera { position: camera.target + offset, ..camera.clone() }
+}
+
+/// Whether a light can be moved.
+pub(super) fn moves(light: &Light) -> bool {
+    !matches!(light.source, Source::Environment { .. })
+}
+
+/// The keys of a light in a scene file that change when it is turned about `middle`, by degrees to the right and
+/// upwards as the camera sees it, and their new values. The light itself becomes what a scene file with them has.
+pub(super) fn turn_light(
+    light: &mut Light,
+    camera: &Camera,
+    middle: DVec3,
+    right: f64,
+    up: f64,
+) -> Vec<(&'static str, DVec3)> {
+    let (across, upwards, _) = camera.basis();
+    let turn = DQuat::from_axis_angle(upwards, right.to_radians()) * DQuat::from_axis_angle(across, -up.to_radians());
+    let about = |point: DVec3| middle + turn * (point - middle);
+    // As scene files are read.
+    let unit = |vector: DVec3| (vector / vector.abs().max_element()).normalize();
+    match &mut light.source {
+        Source::Directional { direction, .. } => {
+            let new = turn * *direction;
+            *direction = unit(new);
+            vec![("direction", new)]
+        }
+        Source::Point { position, .. } => {
+            *position = about(*position);
+            vec![("position", *position)]
+        }
+        Source::Spot { position, direction, .. } => {
+            let new = turn * *direction;
+            (*position, *direction) = (about(*position), unit(new));
+            vec![("position", *position), ("direction", new)]
+        }
+        Source::Area { position, edge_u, edge_v, .. } => {
+            (*position, *edge_u, *edge_v) = (about(*position), turn * *edge_u, turn * *edge_v);
+            vec![("position", *position), ("edge_u", *edge_u), ("edge_v", *edge_v)]
+        }
+        Source::Environment { .. } => Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use milkglass::scene::Scene;
+
+    fn camera() -> Camera {
+        let camera = Scene::load("sphere").unwrap().camera;
+        Camera { position: DVec3::new(0.0, 0.0, 5.0), target: DVec3::ZERO, up: DVec3::Y, ..camera }
+    }
+
+    #[test]
+    fn an_orbit_keeps_the_distance_and_stops_at_the_poles() {
+        let side = orbit(&camera(), 90.0, 0.0);
+        assert!(side.position.distance(DVec3::new(5.0, 0.0, 0.0)) < 1e-12, "{}", side.position);
+        let above = orbit(&camera(), 0.0, 30.0);
+        assert!((above.position.y - 2.5).abs() < 1e-12 && above.position.z > 0.0, "{}", above.position);
+        for up in [500.0, -500.0] {
+            let pole = orbit(&camera(), 0.0, up).position;
+            assert!((pole.length() - 5.0).abs() < 1e-12 && pole.z > 0.0 && pole.y * up > 0.0, "{pole}");
+        }
+        // A view along the up direction is left alone.
+        let along = Camera { position: DVec3::new(0.0, 5.0, 0.0), ..camera() };
+        assert!(orbit(&along, 10.0, 0.0).position.distance(along.position) < 1e-12);
+    }
+
+    #[test]
+    fn a_pan_shifts_by_parts_of_the_picture_and_a_zoom_keeps_the_target() {
+        let camera = camera();
+        let height = 10.0 * (camera.fov.to_radians() / 2.0).tan();
+        let shifted = pan(&camera, 1.0, -0.5);
+        assert!(shifted.target.distance(DVec3::new(height, -0.5 * height, 0.0)) < 1e-12);
+        assert!((shifted.position - shifted.target).distance(camera.position) < 1e-12);
+        assert!(zoom(&camera, 0.5).position.distance(DVec3::new(0.0, 0.0, 2.5)) < 1e-12);
+        assert_eq!(zoom(&camera, 1e300), camera);
+    }
+
+    #[test]
+    fn a_turned_light_is_that_of_a_scene_file_with_the_new_values() {
+        for name in ["sphere", "slab", "lotus", "candle", "bust"] {
+            let scene = Scene::load(name).unwrap();
+            let (low, high) = scene.bounds();
+            let Some(index) = scene.lights.iter().position(moves) else { continue };
+            let mut light = scene.lights[index].clone();
+            let keys = turn_light(&mut light, &scene.camera, (low + high) / 2.0, 12.3, -4.5);
+            let set = |(key, v): (&str, DVec3)| format!("light.{index}.{key}=[{:?}, {:?}, {:?}]", v.x, v.y, v.z);
+            let sets: Vec<String> = keys.into_iter().map(set).collect();
+            assert!(!sets.is_empty() && light != scene.lights[index], "{name}");
+            assert_eq!(Scene::load_with(name, &sets).unwrap().lights[index], light, "{name}");
+        }
+    }
+}
