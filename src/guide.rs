@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [Getting started](start) | installing, first pictures, devices, commands, exit codes |
 //! | [Pictures of meshes](pictures) | what `render` does with a mesh alone: studio, size, material; the gallery |
+//! | [A window](window) | `view`: keys and drags, drafts, scripts |
 //! | [Scenes](scenes) | scene files: objects, materials, textures, every key |
 //! | [Meshes](meshes) | mesh files: formats, what is read and what not, animated characters |
 //! | [Lights and looks](lights) | light types, shadows, environments, reflection, tone, layers of a picture |
@@ -37,5 +38,5 @@ macro_rules! pages {
 }
 
 pages! {
-    start pictures scenes meshes lights motion layers curvature how diffusion walk measuring conformance drivers performance robustness library contributing
+    start pictures window scenes meshes lights motion layers curvature how diffusion walk measuring conformance drivers performance robustness library contributing
 }

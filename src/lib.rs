@@ -30,6 +30,7 @@
 //! | `cli` | yes | the program `milkglass`; a library does without: `default-features = false` |
 //! | `measure` | with `cli` | the module [`measure`] |
 //! | `shaderc` | yes | kernels of your own in place of built-in ones, compiled at run time |
+//! | `window` | no | the command `view`, a window that shows a scene; needs Rust 1.95 |
 //! | `build-from-source` | no | builds shaderc from source, where neither `glslc` nor shaderc is installed |
 //!
 //! A published package contains its kernels as SPIR-V. In a checkout the build compiles them with `glslc`.

@@ -25,11 +25,11 @@ pub(super) struct Edits {
     /// The light that drags and keys move.
     pub(super) light: usize,
     /// The scene's file, and its state when it was read last.
-    file: Option<(PathBuf, State)>,
+    file: Option<(PathBuf, FileState)>,
 }
 
 /// When a file was changed, and its bytes.
-type State = (Option<SystemTime>, u64);
+type FileState = (Option<SystemTime>, u64);
 
 impl Edits {
     /// A scene without changes.
@@ -52,7 +52,6 @@ impl Edits {
 
     /// The scene with a setting, read anew; an error leaves everything as it was.
     pub(super) fn set(&mut self, key: &str, value: String) -> Result<()> {
-        self.begin();
         let before = self.made.clone();
         self.note(key, value);
         self.read().inspect_err(|_| self.made = before)
@@ -78,7 +77,6 @@ impl Edits {
 
     /// Takes all settings of the window back.
     pub(super) fn reset(&mut self) -> Result<()> {
-        self.begin();
         self.made.clear();
         self.read()
     }
@@ -174,7 +172,7 @@ fn list(v: DVec3) -> String {
 }
 
 /// When a plain file was changed, and its bytes; none for anything else.
-fn state(path: &PathBuf) -> Option<State> {
+fn state(path: &PathBuf) -> Option<FileState> {
     let known = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
     Some((known.modified().ok(), known.len()))
 }

@@ -7,18 +7,25 @@ use std::time::{Duration, Instant};
 
 use milkglass::error::Result;
 use milkglass::internals::gpu::{Buffer, Device, Timing};
+use milkglass::internals::pipeline::frame::stage;
 use milkglass::internals::pipeline::plan::{Change, Options, ShadingMethod};
 use milkglass::internals::session::run::Session;
-use milkglass::scene::Scene;
+use milkglass::internals::state::Need;
+use milkglass::internals::view::pixel_receivers;
+use milkglass::scene::{Scene, Source};
 
-/// A draft that takes longer makes the next one coarser.
-const SLOW: Duration = Duration::from_millis(150);
-/// A draft that takes less makes the next one finer.
-const FAST: Duration = Duration::from_millis(50);
+/// What the pixels of a draft may take, ms; otherwise the next one is coarser.
+const PIXELS: f64 = 120.0;
+/// What the pixels of a finer draft may be expected to take, ms.
+const FINER: f64 = 90.0;
+/// If the first frame of a picture takes less, there are no drafts.
+const QUICK: Duration = Duration::from_millis(50);
 /// For how long everything must rest before the picture is made.
 const REST: Duration = Duration::from_millis(250);
 /// The tolerance of drafts, if the scene's is not coarser.
 const COARSE: f64 = 0.1;
+/// Rays to the sky of a draft's face, and samples along each side of an area light.
+const SAMPLES: [u32; 2] = [4, 2];
 /// Pixels of the window along each side of a draft's pixel.
 const FACTORS: [u32; 6] = [1, 2, 3, 4, 6, 8];
 
@@ -51,6 +58,8 @@ pub(super) struct Frames {
     pub(super) times: Vec<(String, f64)>,
     /// How long the last frame took on the host, ms.
     pub(super) wall: f64,
+    /// How long each draft took, ms.
+    drafts: Vec<f64>,
 }
 
 impl Frames {
@@ -66,6 +75,7 @@ impl Frames {
             progress: Progress::Changed,
             times: Vec::new(),
             wall: 0.0,
+            drafts: Vec::new(),
         }
     }
 
@@ -105,7 +115,7 @@ impl Frames {
                 self.full.show(scene).map_err(|error| scene.placed(error))?;
                 let times = self.full.frame(Change::default())?;
                 self.full.finished_rays()?;
-                self.quick = start.elapsed() < FAST;
+                self.quick = start.elapsed() < QUICK;
                 self.progress = if scene.camera.samples == 1 { Progress::Whole } else { Progress::Sample(0) };
                 times
             }
@@ -119,6 +129,9 @@ impl Frames {
         };
         self.wall = start.elapsed().as_secs_f64() * 1e3;
         self.times = by_stage(times);
+        if matches!(self.progress, Progress::Draft(_)) {
+            self.drafts.push(self.wall);
+        }
         Ok(())
     }
 
@@ -130,6 +143,13 @@ impl Frames {
         coarse.camera.samples = 1;
         coarse.transport.tolerance = coarse.transport.tolerance.max(COARSE);
         coarse.transport.subdivide = 0;
+        for light in &mut coarse.lights {
+            match &mut light.source {
+                Source::Environment { occlusion, .. } => *occlusion = SAMPLES[0].min(*occlusion),
+                Source::Area { samples, .. } => *samples = SAMPLES[1].min(*samples),
+                _ => {}
+            }
+        }
         let transport = match self.options.transport {
             ShadingMethod::Octree
             | ShadingMethod::Brute
@@ -139,6 +159,7 @@ impl Frames {
             other => other,
         };
         let placed = |error| coarse.placed(error);
+        let known = self.draft_size() == size;
         let session = match &mut self.draft {
             Some(session) => {
                 session.show(&coarse).map_err(placed)?;
@@ -151,10 +172,9 @@ impl Frames {
         };
         let start = Instant::now();
         let times = session.frame(Change::default())?;
-        match start.elapsed() {
-            time if time > SLOW => self.coarseness = (self.coarseness + 1).min(FACTORS.len() - 1),
-            time if time < FAST => self.coarseness = self.coarseness.saturating_sub(1),
-            _ => {}
+        // The first of a size may have to compile kernels.
+        if known {
+            self.coarseness = next(self.coarseness, of_pixels(&times, start.elapsed().as_secs_f64() * 1e3));
         }
         self.progress = Progress::Draft(Instant::now());
         Ok(times)
@@ -171,6 +191,13 @@ impl Frames {
         Ok(session.shown_on_device()?.map(|buffer| (size, buffer)))
     }
 
+    /// How long drafts took, ms: the median and the most; none without a draft.
+    pub(super) fn draft_times(&self) -> Option<[f64; 2]> {
+        let mut sorted = self.drafts.clone();
+        sorted.sort_by(f64::total_cmp);
+        Some([*sorted.get(sorted.len() / 2)?, *sorted.last()?])
+    }
+
     /// Width and height of the last draft in pixels.
     pub(super) fn draft_size(&self) -> [u32; 2] {
         self.draft.as_ref().map_or([0; 2], |draft| draft.scene().camera.size)
@@ -180,6 +207,31 @@ impl Frames {
     pub(super) fn full(&mut self) -> &mut Session {
         &mut self.full
     }
+}
+
+/// The coarseness after a draft whose pixels took so many milliseconds.
+fn next(coarseness: usize, pixels: f64) -> usize {
+    let finer = coarseness.saturating_sub(1);
+    let more = f64::from(FACTORS[coarseness]) / f64::from(FACTORS[finer]);
+    match pixels {
+        slow if slow > PIXELS => (coarseness + 1).min(FACTORS.len() - 1),
+        fast if fast * more * more < FINER => finer,
+        _ => coarseness,
+    }
+}
+
+/// What depends on the number of pixels in a frame that took `all` milliseconds: all but the stages that do not.
+fn of_pixels(times: &[Timing], all: f64) -> f64 {
+    let mut pixels = false;
+    let fixed = times.iter().filter(|time| {
+        let name = time.name.split(' ').next().unwrap_or_default();
+        // Where pixels are the receivers, so are all stages after this one.
+        pixels |= name == pixel_receivers::STAGE.name;
+        !pixels
+            && time.milliseconds.is_finite()
+            && stage(name).is_none_or(|stage| !stage.needs.contains(&Need::Picture))
+    });
+    (all - fixed.map(|time| time.milliseconds).sum::<f64>()).max(0.0)
 }
 
 /// The times of steps, by stage.
@@ -193,4 +245,28 @@ fn by_stage(times: Vec<Timing>) -> Vec<(String, f64)> {
         }
     }
     sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drafts_get_coarser_where_pixels_take_long_and_finer_where_they_do_not() {
+        // A cost of 1 ms per thousand pixels of a window of 640 x 480, and one of a hundredth.
+        for (thousand, wanted) in [(1.0, 2), (0.01, 1), (100.0, 8)] {
+            let mut coarseness = 3;
+            for _ in 0..10 {
+                let pixels = 640.0 * 480.0 / f64::from(FACTORS[coarseness].pow(2));
+                coarseness = next(coarseness, 1e-3 * pixels * thousand);
+            }
+            assert_eq!(FACTORS[coarseness], wanted, "{thousand}");
+        }
+        let step = |name: &str, milliseconds| Timing { name: name.into(), milliseconds, start: 0.0 };
+        let receivers = pixel_receivers::STAGE.name;
+        let picture = milkglass::internals::view::visibility::STAGE.name;
+        let fixed = milkglass::internals::geometry::refit::STAGE.name;
+        let times = [step(fixed, 10.0), step(picture, 20.0), step(receivers, 1.0), step(fixed, 5.0)];
+        assert_eq!(of_pixels(&times, 40.0), 30.0);
+    }
 }

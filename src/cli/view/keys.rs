@@ -47,6 +47,24 @@ pub(super) enum Action {
     Quit,
 }
 
+impl Action {
+    /// Whether an undo takes it back.
+    pub(super) fn is_change(&self) -> bool {
+        let other = [
+            Self::NextLight,
+            Self::NextObject,
+            Self::Save,
+            Self::Tell,
+            Self::Undo,
+            Self::Redo,
+            Self::Panel,
+            Self::Keys,
+            Self::Quit,
+        ];
+        !other.contains(self) && !matches!(self, Self::Method(_))
+    }
+}
+
 /// A line of the table of keys.
 pub(super) struct Row {
     /// Keys and drags as they are shown.

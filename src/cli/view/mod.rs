@@ -82,7 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         // The message of the operating system, without the place in the source where it arose.
         let text = error.to_string();
         let what = text.rsplit(".rs:").next().and_then(|rest| rest.split_once(": ")).map_or(&*text, |(_, what)| what);
-        Error::device("opening a window", format!("there is no display; set DISPLAY: {}", what.replace('\n', " ")))
+        Error::device("opening a window", format!("there is no display to open it on: {}", what.replace('\n', " ")))
     })?;
     let device = arguments.run.device.open_among(Instance::for_windows(validation(), &events), validation())?;
     let Some(device) = device else {

@@ -158,8 +158,7 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>) {
 /// How far the picture is, in words.
 fn state(facts: &Facts<'_>) -> String {
     match facts.progress {
-        Progress::Changed => "waiting".into(),
-        Progress::Draft(_) => format!("draft, {} x {}", facts.shown[0], facts.shown[1]),
+        Progress::Changed | Progress::Draft(_) => format!("draft, {} x {}", facts.shown[0], facts.shown[1]),
         Progress::Sample(done) => format!("sample {done} of {}", facts.samples),
         Progress::Whole => "whole".into(),
     }

@@ -45,6 +45,8 @@ enum Event {
     Frames(u32),
     /// Wait until the picture is whole.
     Whole(bool),
+    /// Wait until a message is shown, or until none is.
+    Message(bool),
     /// Write what the window shows as `.png`.
     Screenshot(PathBuf),
     /// Close the window, as its frame's button does.
@@ -101,8 +103,8 @@ impl Play {
         self.now.is_none() && self.events.as_slice().is_empty()
     }
 
-    /// What is done after a frame: `whole` says whether its picture is, `size` is the window's.
-    pub(super) fn next(&mut self, whole: bool, size: [u32; 2]) -> Vec<Deed> {
+    /// What is done after a frame: whether its picture is `whole`, whether a `message` is shown, the window's `size`.
+    pub(super) fn next(&mut self, whole: bool, message: bool, size: [u32; 2]) -> Vec<Deed> {
         if self.now.is_none() {
             self.since = Instant::now();
             self.now = self.events.next().map(|event| (event, 0));
@@ -132,6 +134,7 @@ impl Play {
                 (start.into_iter().collect(), size == *wanted || self.since.elapsed() > RESIZE)
             }
             Event::Frames(count) => (Vec::new(), *frame >= *count),
+            Event::Message(wanted) => (Vec::new(), message == *wanted),
             Event::Whole(wait) => (Vec::new(), whole || !*wait),
             Event::Screenshot(file) => (vec![Deed::Screenshot(file.clone())], true),
             Event::Close(close) => (close.then_some(Deed::Close).into_iter().collect(), true),
@@ -158,21 +161,21 @@ mod tests {
         let text = "event = [{ key = 'f' }, { whole = true }, { drag = { from = [0, 0], to = [6, 12] } }, \
                     { resize = [9, 9] }, { close = true }]";
         let mut play = play(text).unwrap();
-        assert_eq!(play.next(false, [8, 8]), [Deed::Key("f".into())]);
-        assert_eq!(play.next(false, [8, 8]), []);
-        assert_eq!(play.next(true, [8, 8]), []);
+        assert_eq!(play.next(false, false, [8, 8]), [Deed::Key("f".into())]);
+        assert_eq!(play.next(false, false, [8, 8]), []);
+        assert_eq!(play.next(true, false, [8, 8]), []);
         let begin = [Deed::Move([0.0; 2]), Deed::Press(Button::Left, true), Deed::Move([1.0, 2.0])];
-        assert_eq!(play.next(true, [8, 8]), begin);
+        assert_eq!(play.next(true, false, [8, 8]), begin);
         for step in 2..6 {
-            assert_eq!(play.next(true, [8, 8]), [Deed::Move([f64::from(step), 2.0 * f64::from(step)])]);
+            assert_eq!(play.next(true, false, [8, 8]), [Deed::Move([f64::from(step), 2.0 * f64::from(step)])]);
         }
-        assert_eq!(play.next(true, [8, 8]), [Deed::Move([6.0, 12.0]), Deed::Press(Button::Left, false)]);
-        assert_eq!(play.next(true, [8, 8]), [Deed::Resize([9, 9])]);
-        assert_eq!(play.next(true, [8, 8]), []);
-        assert_eq!(play.next(true, [9, 9]), []);
+        assert_eq!(play.next(true, false, [8, 8]), [Deed::Move([6.0, 12.0]), Deed::Press(Button::Left, false)]);
+        assert_eq!(play.next(true, false, [8, 8]), [Deed::Resize([9, 9])]);
+        assert_eq!(play.next(true, false, [8, 8]), []);
+        assert_eq!(play.next(true, false, [9, 9]), []);
         assert!(!play.is_over());
-        assert_eq!(play.next(true, [9, 9]), [Deed::Close]);
-        assert!(play.is_over() && play.next(true, [9, 9]).is_empty());
+        assert_eq!(play.next(true, false, [9, 9]), [Deed::Close]);
+        assert!(play.is_over() && play.next(true, false, [9, 9]).is_empty());
     }
 
     #[test]

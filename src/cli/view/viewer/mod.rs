@@ -1,5 +1,7 @@
 //! The scene in the window and what the user does with it, apart from the window itself.
 
+mod change;
+
 use std::path::PathBuf;
 
 use clap::ValueEnum;
@@ -7,13 +9,13 @@ use clap::ValueEnum;
 use milkglass::error::{Error, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::internals::view::picture::save_png;
-use milkglass::scene::{Preset, Scene};
+use milkglass::scene::Scene;
 
+use self::change::Changed;
 use super::edits::Edits;
 use super::frames::{Frames, Progress};
 use super::keys::Action;
 use super::panel::Facts;
-use super::turn::{orbit, pan, zoom};
 use crate::cli::bare::Subject;
 use crate::cli::open_session;
 use crate::cli::run_args::{OptionArguments, TransportArgument, quoted};
@@ -118,8 +120,11 @@ impl Viewer {
         Ok(())
     }
 
-    /// Does what the user asks for.
-    pub(super) fn perform(&mut self, action: Action) -> Result<()> {
+    /// Does what the user asks for. The first of several actions that one undo takes back is `fresh`.
+    pub(super) fn perform(&mut self, action: Action, fresh: bool) -> Result<()> {
+        if fresh && action.is_change() {
+            self.edits.begin();
+        }
         let before = self.edits.scene.clone();
         match self.change(action) {
             Ok(Changed::Nothing) => Ok(()),
@@ -135,85 +140,10 @@ impl Viewer {
         }
     }
 
-    fn change(&mut self, action: Action) -> Result<Changed> {
-        let camera = &self.edits.scene.camera;
-        let view = match &action {
-            Action::Orbit(right, up) => Some(orbit(camera, *right, *up)),
-            Action::Pan(right, up) => Some(pan(camera, *right, *up)),
-            Action::Zoom(factor) => Some(zoom(camera, *factor)),
-            Action::Fit => {
-                let (low, high) = self.edits.scene.bounds();
-                Some(camera.fitted(low, high))
-            }
-            _ => None,
-        };
-        if let Some(camera) = view {
-            self.edits.look(camera);
-            return Ok(Changed::View);
-        }
-        let material = |key: &str| format!("object.{}.material.{key}", self.object);
-        match action {
-            Action::Light(right, up) => self.edits.turn_light(right, up).map(|()| Changed::View),
-            Action::NextLight => {
-                self.edits.next_light();
-                Ok(Changed::Nothing)
-            }
-            Action::NextObject => {
-                self.object = (self.object + 1) % self.edits.scene.objects.len();
-                self.measure();
-                Ok(Changed::Nothing)
-            }
-            Action::Material(step) => {
-                let names = Preset::names();
-                let own = &self.edits.scene.objects[self.object].material.name;
-                let now = names.iter().position(|name| name == own);
-                let next = now.map_or(0, |now| (now as isize + step).rem_euclid(names.len() as isize) as usize);
-                self.set(&material("preset"), names[next].to_owned())
-            }
-            Action::Preset(name) => self.set(&material("preset"), name),
-            Action::Size(factor) => self.set(&material("scale"), format!("{:?}", self.scale * factor)),
-            Action::Scale(scale) => self.set(&material("scale"), format!("{scale:?}")),
-            Action::Tolerance(factor) => {
-                let tolerance = (self.edits.scene.transport.tolerance * factor).clamp(1e-6, 0.5);
-                self.set("transport.tolerance", format!("{tolerance:?}"))
-            }
-            Action::ToleranceTo(tolerance) => self.set("transport.tolerance", format!("{tolerance:?}")),
-            Action::Method(step) => self.method(step),
-            Action::Save => {
-                self.saves = true;
-                Ok(Changed::Nothing)
-            }
-            Action::Tell => {
-                crate::cli::print(&format!("{}\n", self.command()))?;
-                Ok(Changed::Nothing)
-            }
-            Action::Undo => self.edits.undo().map(|done| if done { Changed::Scene } else { Changed::Nothing }),
-            Action::Redo => self.edits.redo().map(|done| if done { Changed::Scene } else { Changed::Nothing }),
-            Action::Reset => self.edits.reset().map(|()| Changed::Scene),
-            Action::Panel => {
-                self.panel = !self.panel;
-                Ok(Changed::Nothing)
-            }
-            Action::Keys => {
-                self.keys = !self.keys;
-                Ok(Changed::Nothing)
-            }
-            Action::Quit => {
-                self.quits = true;
-                Ok(Changed::Nothing)
-            }
-            Action::Orbit(..) | Action::Pan(..) | Action::Zoom(_) | Action::Fit => Ok(Changed::Nothing),
-        }
-    }
-
-    /// Makes a setting.
-    fn set(&mut self, key: &str, value: String) -> Result<Changed> {
-        self.edits.set(key, value).map(|()| Changed::Scene)
-    }
-
     /// Makes a setting, `key=value`.
     pub(super) fn setting(&mut self, set: &str) -> Result<()> {
         let (key, value) = set.split_once('=').unwrap_or((set, ""));
+        self.edits.begin();
         let before = self.edits.scene.clone();
         match self.edits.set(key.trim(), value.to_owned()) {
             Ok(()) => {
@@ -222,18 +152,6 @@ impl Viewer {
             }
             Err(error) => self.tell(error),
         }
-    }
-
-    /// Goes over to another method of the list; those that can't serve the scene are told.
-    fn method(&mut self, step: isize) -> Result<Changed> {
-        let all = TransportArgument::value_variants();
-        let now = all.iter().position(|method| *method == self.options.transport).unwrap_or(0);
-        let next = (now as isize + step).rem_euclid(all.len() as isize) as usize;
-        let options = OptionArguments { transport: all[next], ..self.options };
-        self.frames.set_options(&self.edits.scene, options.options())?;
-        self.options = options;
-        self.message = None;
-        Ok(Changed::View)
     }
 
     /// Gives the picture a size in pixels.
@@ -327,14 +245,4 @@ impl Viewer {
             keys: self.keys,
         }
     }
-}
-
-/// What an action has changed.
-enum Changed {
-    /// Nothing that is rendered.
-    Nothing,
-    /// Camera or lights.
-    View,
-    /// The scene was read again.
-    Scene,
 }

@@ -1,6 +1,8 @@
 //! The window: events of the window system, and frames.
 
-use std::path::{Path, PathBuf};
+mod deeds;
+
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use egui::ViewportId;
@@ -13,12 +15,10 @@ use winit::window::{Window, WindowId};
 use milkglass::error::{Error, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::internals::gpu::window::{Overlay, PresentMode, Presenter, Shown};
-use milkglass::internals::view::picture::save_png;
 
-use super::frames::Progress;
 use super::keys::{self, Drag};
 use super::panel::{WIDTH, lay_out};
-use super::play::{Button, Deed, Play};
+use super::play::Play;
 use super::viewer::Viewer;
 
 /// How often the scene's file is looked at.
@@ -42,6 +42,8 @@ pub(super) struct App {
     repaint: Option<Instant>,
     pointer: [f64; 2],
     drag: Option<Drag>,
+    /// Whether a control of the panel is being dragged.
+    sliding: bool,
     modifiers: Modifiers,
     egui: egui::Context,
     shell: Option<Shell>,
@@ -69,6 +71,7 @@ impl App {
             repaint: None,
             pointer: [0.0; 2],
             drag: None,
+            sliding: false,
             modifiers: Modifiers::default(),
             egui: egui::Context::default(),
             shell: None,
@@ -97,12 +100,18 @@ impl App {
         Ok(())
     }
 
+    /// Looks at the scene's file, now and then.
+    fn poll(&mut self) -> Result<()> {
+        if self.polled.elapsed() < POLL {
+            return Ok(());
+        }
+        self.polled = Instant::now();
+        self.viewer.reload()
+    }
+
     /// One frame: the panel, what was asked for there, a step of rendering, and the result in the window.
     fn frame(&mut self) -> Result<()> {
-        if self.polled.elapsed() >= POLL {
-            self.polled = Instant::now();
-            self.viewer.reload()?;
-        }
+        self.poll()?;
         let Some(shell) = &mut self.shell else { return Ok(()) };
         let size = <[u32; 2]>::from(shell.window.inner_size());
 
@@ -141,68 +150,15 @@ impl App {
     /// Does what was asked for, and a step of rendering.
     fn render(&mut self, actions: Vec<keys::Action>, area: [u32; 2], window: [u32; 2]) -> Result<()> {
         for action in actions {
-            if self.drag.is_none() {
-                self.viewer.edits.begin();
-            }
-            self.viewer.perform(action)?;
+            self.viewer.perform(action, !self.sliding)?;
+            self.sliding = self.egui.egui_is_using_pointer();
         }
+        self.sliding &= self.egui.egui_is_using_pointer();
         if window.contains(&0) {
             return Ok(());
         }
         self.viewer.resize(area)?;
         self.viewer.advance(self.drag.is_some())
-    }
-
-    /// Does what is to be played next.
-    fn play(&mut self, size: [u32; 2]) -> Result<()> {
-        let whole = self.viewer.frames.progress == Progress::Whole;
-        let Some(play) = &mut self.play else { return Ok(()) };
-        for deed in play.next(whole, size) {
-            match deed {
-                Deed::Key(name) => self.key(&name)?,
-                Deed::Move(to) => {
-                    let scale = f64::from(self.egui.pixels_per_point());
-                    self.feed(egui::Event::PointerMoved(egui::pos2((to[0] / scale) as f32, (to[1] / scale) as f32)));
-                    self.moved(to)?;
-                }
-                Deed::Press(button, pressed) => {
-                    let (egui, winit) = match button {
-                        Button::Left => (egui::PointerButton::Primary, MouseButton::Left),
-                        Button::Middle => (egui::PointerButton::Middle, MouseButton::Middle),
-                        Button::Right => (egui::PointerButton::Secondary, MouseButton::Right),
-                    };
-                    let scale = f64::from(self.egui.pixels_per_point());
-                    let [x, y] = self.pointer.map(|x| (x / scale) as f32);
-                    let (pos, modifiers) = (egui::pos2(x, y), egui::Modifiers::NONE);
-                    self.feed(egui::Event::PointerButton { pos, button: egui, pressed, modifiers });
-                    self.pressed(winit, pressed);
-                }
-                Deed::Wheel(lines) => self.perform(keys::wheel(lines))?,
-                Deed::Set(set) => self.viewer.setting(&set)?,
-                Deed::Resize([width, height]) => {
-                    if let Some(shell) = &self.shell {
-                        let _ = shell.window.request_inner_size(PhysicalSize::new(width, height));
-                    }
-                }
-                Deed::Screenshot(file) => self.shoot(&file)?,
-                Deed::Close => self.viewer.quits = true,
-            }
-        }
-        Ok(())
-    }
-
-    /// An event of the panel's.
-    fn feed(&mut self, event: egui::Event) {
-        if let Some(shell) = &mut self.shell {
-            shell.input.egui_input_mut().events.push(event);
-        }
-    }
-
-    /// Writes what the window shows.
-    fn shoot(&self, file: &Path) -> Result<()> {
-        let shot = self.shell.as_ref().map_or(Ok(None), |shell| shell.presenter.screenshot())?;
-        let Some((size, bytes)) = shot else { return Ok(()) };
-        save_png(file, size.map(|side| side as usize), &bytes)
     }
 
     fn key(&mut self, name: &str) -> Result<()> {
@@ -211,8 +167,7 @@ impl App {
 
     /// Does something that one undo takes back.
     fn perform(&mut self, action: keys::Action) -> Result<()> {
-        self.viewer.edits.begin();
-        self.viewer.perform(action)
+        self.viewer.perform(action, true)
     }
 
     fn moved(&mut self, to: [f64; 2]) -> Result<()> {
@@ -220,16 +175,23 @@ impl App {
         self.pointer = to;
         let height = self.viewer.edits.scene.camera.size[1];
         match self.drag {
-            Some(drag) if right != 0.0 || down != 0.0 => self.viewer.perform(drag.moved(right, down, height)),
+            Some(drag) if right != 0.0 || down != 0.0 => self.viewer.perform(drag.moved(right, down, height), false),
             _ => Ok(()),
         }
     }
 
-    fn pressed(&mut self, button: MouseButton, pressed: bool) {
+    /// Whether the pointer is over the picture, and over no panel.
+    fn over_picture(&self) -> bool {
         let picture = self.viewer.edits.scene.camera.size;
+        let scale = f64::from(self.egui.pixels_per_point());
+        let [x, y] = self.pointer.map(|x| (x / scale) as f32);
+        let layer = self.egui.layer_id_at(egui::pos2(x, y));
         let inside = [0, 1].iter().all(|&k| (0.0..f64::from(picture[k])).contains(&self.pointer[k]));
-        let free = inside && !self.egui.is_pointer_over_egui();
-        self.drag = if pressed && free { Drag::of(button, self.modifiers) } else { None };
+        inside && layer.is_none_or(|layer| layer.order == egui::Order::Background)
+    }
+
+    fn pressed(&mut self, button: MouseButton, pressed: bool) {
+        self.drag = if pressed && self.over_picture() { Drag::of(button, self.modifiers) } else { None };
         if self.drag.is_some() {
             self.viewer.edits.begin();
         }
@@ -237,14 +199,14 @@ impl App {
 
     fn on(&mut self, event: &WindowEvent) -> Result<()> {
         let Some(shell) = &mut self.shell else { return Ok(()) };
-        let taken = shell.input.on_window_event(&shell.window, event).consumed;
+        let _ = shell.input.on_window_event(&shell.window, event);
         match event {
             WindowEvent::RedrawRequested => return self.frame(),
             WindowEvent::CloseRequested => self.viewer.quits = true,
             WindowEvent::ModifiersChanged(modifiers) => self.modifiers = *modifiers,
             WindowEvent::CursorMoved { position, .. } => self.moved([position.x, position.y])?,
             WindowEvent::MouseInput { state, button, .. } => self.pressed(*button, *state == ElementState::Pressed),
-            WindowEvent::MouseWheel { delta, .. } if !taken && !self.egui.is_pointer_over_egui() => {
+            WindowEvent::MouseWheel { delta, .. } if self.over_picture() => {
                 self.perform(keys::wheel(match delta {
                     MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
                     MouseScrollDelta::PixelDelta(pixels) => pixels.y / LINE,
@@ -265,13 +227,12 @@ impl App {
     }
 
     /// When the next frame is due: at once while something is to be done.
-    fn due(&self) -> Instant {
-        let now = Instant::now();
+    fn due(&self) -> Option<Instant> {
         if self.limit.is_some() || self.play.as_ref().is_some_and(|play| !play.is_over()) {
-            return now;
+            return Some(Instant::now());
         }
-        let waits = [self.viewer.frames.due(self.drag.is_some()), self.repaint, Some(self.polled + POLL)];
-        waits.into_iter().flatten().min().unwrap_or(now)
+        let rendering = self.viewer.frames.due(self.drag.is_some());
+        rendering.into_iter().chain(self.repaint).min()
     }
 
     /// Closes the window where that is due.
@@ -292,8 +253,15 @@ impl App {
 }
 
 impl ApplicationHandler for App {
-    fn new_events(&mut self, _events: &ActiveEventLoop, cause: StartCause) {
-        if let (StartCause::ResumeTimeReached { .. }, Some(shell)) = (cause, &self.shell) {
+    fn new_events(&mut self, events: &ActiveEventLoop, cause: StartCause) {
+        if !matches!(cause, StartCause::ResumeTimeReached { .. }) {
+            return;
+        }
+        let message = self.viewer.message.clone();
+        let polled = self.poll();
+        self.leave(polled, events);
+        let due = self.due().is_some_and(|due| due <= Instant::now()) || self.viewer.message != message;
+        if let Some(shell) = self.shell.as_ref().filter(|_| due) {
             shell.window.request_redraw();
         }
     }
@@ -313,6 +281,15 @@ impl ApplicationHandler for App {
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        events.set_control_flow(ControlFlow::WaitUntil(self.due()));
+        let poll = self.polled + POLL;
+        events.set_control_flow(ControlFlow::WaitUntil(self.due().map_or(poll, |due| due.min(poll))));
+    }
+
+    fn exiting(&mut self, _events: &ActiveEventLoop) {
+        // Before the connection to the window system is closed.
+        self.shell = None;
+        if let Some([middle, most]) = self.viewer.frames.draft_times() {
+            tell!("{} frames; a draft took {middle:.0} ms in the middle, {most:.0} ms at most", self.frames);
+        }
     }
 }
