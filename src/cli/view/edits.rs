@@ -20,7 +20,7 @@ pub(super) struct Edits {
     /// Those before each change, and those that were taken back.
     undo: Vec<Vec<(String, String)>>,
     redo: Vec<Vec<(String, String)>>,
-    /// The scene as it is now; its camera has the size of the file.
+    /// The scene as it is now; its camera has the size of the picture in the window.
     pub(super) scene: Scene,
     /// The light that drags and keys move.
     pub(super) light: usize,
@@ -158,7 +158,10 @@ impl Edits {
     fn read(&mut self) -> Result<()> {
         let made = self.made.iter().map(|(key, value)| format!("{key}={value}"));
         self.subject.scenes.sets = self.given.iter().cloned().chain(made).collect();
-        self.scene = self.subject.at(self.subject.scenes.frame)?;
+        let scene = self.subject.at(self.subject.scenes.frame)?;
+        // The window gives the picture its size.
+        let camera = scene.camera.clone().sized(self.scene.camera.size)?;
+        self.scene = Scene { camera, ..scene };
         if !self.scene.lights.get(self.light).is_some_and(moves) {
             self.light = self.scene.lights.iter().position(moves).unwrap_or(0);
         }
