@@ -117,8 +117,7 @@ impl Edits {
     pub(super) fn number(&self, key: &str) -> Option<f64> {
         let given = |set: &String| set.split_once('=').map(|(key, value)| (key.trim().to_owned(), value.to_owned()));
         let sets = self.given.iter().filter_map(given).chain(self.made.iter().cloned());
-        let set = sets.filter(|(known, _)| known == key).last();
-        if let Some((_, value)) = set {
+        if let Some((_, value)) = sets.rev().find(|(known, _)| known == key) {
             return value.trim().parse().ok();
         }
         let (text, _) = Scene::text(&self.subject.scenes.scene, &self.subject.scenes.memory.files()).ok()?;

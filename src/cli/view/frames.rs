@@ -105,7 +105,7 @@ impl Frames {
     /// Does the next step, if it is due: a draft of the scene, or a part of its picture. The scene's camera has the
     /// window's size. After an error that is not the device's the picture shows an earlier scene.
     pub(super) fn advance(&mut self, scene: &Scene, held: bool) -> Result<()> {
-        if !self.due(held).is_some_and(|due| due <= Instant::now()) {
+        if self.due(held).is_none_or(|due| due > Instant::now()) {
             return Ok(());
         }
         let start = Instant::now();

@@ -117,7 +117,7 @@ impl Play {
             Event::Drag { button, from, to } => {
                 let part = f64::from(*frame) / f64::from(STEPS);
                 let place = [0, 1].map(|k| from[k] + (to[k] - from[k]) * part);
-                let start = first.then(|| [Deed::Move(*from), Deed::Press(*button, true)]).into_iter().flatten();
+                let start = first.then_some([Deed::Move(*from), Deed::Press(*button, true)]).into_iter().flatten();
                 let end = (*frame == STEPS).then_some(Deed::Press(*button, false));
                 (start.chain([Deed::Move(place)]).chain(end).collect(), *frame == STEPS)
             }
