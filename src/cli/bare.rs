@@ -58,14 +58,14 @@ impl BareArguments {
     /// The same arguments, for a command that makes the same scene.
     #[cfg(feature = "window")]
     pub fn words(&self) -> Vec<String> {
-        let value = |flag: &str, value: Option<String>| value.map(|value| format!("--{flag}={value}"));
+        let value = |flag: &str, value: Option<String>| value.map(|value| format!("{flag}={value}"));
         let words = [
-            value("preset", self.preset.clone()),
-            value("size-mm", self.size_mm.map(|size| format!("{size:?}"))),
-            value("samples", self.samples.map(|samples| samples.to_string())),
-            value("up", self.up.map(|up| if matches!(up, UpArgument::Y) { "y" } else { "z" }.to_string())),
+            value("--preset", self.preset.clone()),
+            value("--size-mm", self.size_mm.map(|size| format!("{size:?}"))),
+            value("--samples", self.samples.map(|samples| samples.to_string())),
+            value("--up", self.up.map(|up| if matches!(up, UpArgument::Y) { "y" } else { "z" }.to_string())),
             self.ground.then(|| "--ground".to_string()),
-            value("environment", self.environment.clone()),
+            value("--environment", self.environment.clone()),
         ];
         words.into_iter().flatten().collect()
     }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use clap::Args;
 
-use milkglass::error::{Input, Result};
+use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Adapter, Device, Instance};
 
 /// The device argument.
@@ -74,4 +74,21 @@ pub(super) fn opened(instance: &Instance, adapter: &Adapter) -> Result<Device> {
         device.wait_at_most(Duration::from_secs_f64(seconds.ok_or_else(fault)?));
     }
     Ok(device)
+}
+
+/// Whether the environment asks for the validation layer.
+pub(super) fn validation() -> bool {
+    std::env::var_os("MILKGLASS_VALIDATION").is_some_and(|value| value != "0")
+}
+
+/// Reports validation messages; any message is a failure.
+pub(super) fn check_messages(device: Option<&Device>) -> Result<()> {
+    let messages = device.map(Device::take_messages).unwrap_or_default();
+    for message in &messages {
+        tell!("{message}");
+    }
+    if messages.is_empty() {
+        return Ok(());
+    }
+    Err(Error::Check(format!("the validation layer has {} messages", messages.len())))
 }

@@ -44,12 +44,12 @@ use std::path::Path;
 
 use clap::{Args, Parser, Subcommand};
 
-use self::device::DeviceArgument;
+use self::device::{DeviceArgument, check_messages, validation};
 use self::memory::MemoryArgument;
 use self::run_args::OptionArguments;
 pub use self::stop::{leave, remove_when_stopped};
 use self::text::{print, size, table};
-use milkglass::error::{Error, Input, Result};
+use milkglass::error::{Input, Result};
 use milkglass::internals::gpu::{Device, Timing};
 use milkglass::internals::hierarchy::face_cluster::Method;
 use milkglass::internals::pipeline::plan::{Change, Options};
@@ -246,23 +246,6 @@ fn run_frame(session: &mut Session, change: Change) -> Result<Vec<Timing>> {
     }
     walk::tell_walks(session);
     Ok(times)
-}
-
-/// Whether the environment asks for the validation layer.
-fn validation() -> bool {
-    std::env::var_os("MILKGLASS_VALIDATION").is_some_and(|value| value != "0")
-}
-
-/// Reports validation messages; any message is a failure.
-fn check_messages(device: Option<&Device>) -> Result<()> {
-    let messages = device.map(Device::take_messages).unwrap_or_default();
-    for message in &messages {
-        tell!("{message}");
-    }
-    if messages.is_empty() {
-        return Ok(());
-    }
-    Err(Error::Check(format!("the validation layer has {} messages", messages.len())))
 }
 
 /// Parses the arguments and runs the command they name.

@@ -15,9 +15,9 @@ use milkglass::internals::view::pixel_receivers;
 use milkglass::scene::{Scene, Source};
 
 /// What the pixels of a draft may take, ms; otherwise the next one is coarser.
-const PIXELS: f64 = 120.0;
+const PIXELS: f64 = 80.0;
 /// What the pixels of a finer draft may be expected to take, ms.
-const FINER: f64 = 90.0;
+const FINER: f64 = 60.0;
 /// If the first frame of a picture takes less, there are no drafts.
 const QUICK: Duration = Duration::from_millis(50);
 /// For how long everything must rest before the picture is made.
@@ -254,7 +254,7 @@ mod tests {
     #[test]
     fn drafts_get_coarser_where_pixels_take_long_and_finer_where_they_do_not() {
         // A cost of 1 ms per thousand pixels of a window of 640 x 480, and one of a hundredth.
-        for (thousand, wanted) in [(1.0, 2), (0.01, 1), (100.0, 8)] {
+        for (thousand, wanted) in [(1.0, 3), (0.01, 1), (100.0, 8)] {
             let mut coarseness = 3;
             for _ in 0..10 {
                 let pixels = 640.0 * 480.0 / f64::from(FACTORS[coarseness].pow(2));

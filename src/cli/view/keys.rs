@@ -235,7 +235,7 @@ mod tests {
         }
         let guide = include_str!("../../guide/window.md");
         for row in ROWS {
-            assert!(guide.contains(&format!("| {} | {} |", row.shown, row.does)), "the guide lacks {:?}", row.shown);
+            assert!(guide.contains(&format!("| `{}` | {} |", row.shown, row.does)), "the guide lacks {:?}", row.shown);
         }
     }
 }

@@ -15,6 +15,7 @@ use winit::window::Window;
 use self::image::{Image, LAYER, RANGE, barrier, corners};
 pub use self::overlay::Overlay;
 use self::overlay::{Canvas, Painter};
+pub use self::surface::PresentMode;
 use self::surface::{SHOWING, Surface, Swapchain, Turn};
 use super::call::vk_call;
 use super::instance::Instance;
@@ -22,16 +23,6 @@ use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
 use super::vk_error::vk_error;
 use crate::error::{Error, Result};
-
-/// How finished frames reach the screen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum PresentMode {
-    /// Each is shown, at the screen's pace.
-    #[default]
-    Fifo,
-    /// The latest is shown, the others are dropped; [`Self::Fifo`] where the window system does not offer it.
-    Mailbox,
-}
 
 /// A picture on the device.
 #[derive(Clone, Copy)]

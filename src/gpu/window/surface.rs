@@ -6,7 +6,6 @@ use winit::window::Window;
 
 use super::super::call::vk_call;
 use super::super::logical_device::LogicalDevice;
-use super::PresentMode;
 use crate::error::{Error, Result};
 
 /// What a failure here was about.
@@ -14,6 +13,16 @@ pub(super) const SHOWING: &str = "showing a picture in the window";
 
 /// How long the window system may take to return an image, ns; after that the frame is not shown.
 const TURN: u64 = 1_000_000_000;
+
+/// How finished frames reach the screen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PresentMode {
+    /// Each is shown, at the screen's pace.
+    #[default]
+    Fifo,
+    /// The latest is shown, the others are dropped; [`Self::Fifo`] where the window system does not offer it.
+    Mailbox,
+}
 
 /// A window's surface. Freed when dropped.
 pub(super) struct Surface {
