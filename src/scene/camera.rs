@@ -76,8 +76,8 @@ impl Camera {
         Ok(camera)
     }
 
-    /// The camera that looks the same way at the middle of the box `low..high`, from where every corner of the box is in
-    /// the picture.
+    /// The camera that looks the same way at the middle of the box `low..high`, from where every corner is in the
+    /// picture.
     #[must_use]
     pub fn fitted(&self, low: DVec3, high: DVec3) -> Self {
         let (_, _, forward) = self.basis();

@@ -72,8 +72,8 @@ impl Session {
         Ok(self.prepared.state.data.shown.iter().flat_map(rgb).collect())
     }
 
-    /// The same picture left on the device, four bytes a pixel, the last of them 0; none on the CPU. Nothing is checked:
-    /// see [`Session::finished_rays`].
+    /// The same picture left on the device, four bytes a pixel, the last of them 0; none on the CPU. Nothing is
+    /// checked: see [`Session::finished_rays`].
     pub fn shown_on_device(&mut self) -> Result<Option<&Buffer>> {
         self.tone()?;
         Ok(match &self.backend {
