@@ -4,6 +4,8 @@ use std::ops::Deref;
 use std::rc::Rc;
 
 use super::adapter::{Adapter, Limits};
+use super::extras::Extras;
+use super::driver_facts::STATISTICS;
 use super::instance::Instance;
 use super::kernel::{Kernel, KernelKey, as_given};
 use super::kernel_cache::KernelCache;
@@ -30,7 +32,7 @@ pub struct Device {
 impl Device {
     /// Opens an adapter, or says why it can't be used.
     pub fn open(instance: &Instance, adapter: &Adapter) -> Result<Self> {
-        Ok(Self { logical: LogicalDevice::open(instance, adapter)?, kernels: Rc::default() })
+        Ok(Self { logical: LogicalDevice::open(instance, adapter, &Extras::default())?, kernels: Rc::default() })
     }
 
     /// The best usable device: discrete, then integrated, then virtual, then software, each in the loader's order.
@@ -61,6 +63,13 @@ impl Device {
     #[must_use]
     pub fn counting(&self) -> Self {
         Self { logical: self.logical.clone(), kernels: Rc::new(self.kernels.counting()) }
+    }
+
+    /// The same adapter opened once more, with the same kernels replaced and none made so far. Pipelines keep what the
+    /// driver's compiler says of them, where it offers that: see [`super::Kernels::facts`].
+    pub fn with_statistics(&self) -> Result<Self> {
+        let extras = Extras { statistics: self.offers(STATISTICS)? };
+        Ok(Self { logical: self.logical.again(&extras)?, kernels: Rc::new(self.kernels.anew()) })
     }
 
     /// The kernels that do not come from the build.

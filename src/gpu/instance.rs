@@ -19,7 +19,7 @@ pub(super) struct Inner {
     pub(super) debug: Option<ext::debug_utils::Instance>,
     messenger: vk::DebugUtilsMessengerEXT,
     messages: Box<Mutex<Vec<String>>>,
-    _entry: ash::Entry,
+    pub(super) entry: ash::Entry,
 }
 
 /// Keeps a message of the validation layer.
@@ -89,7 +89,7 @@ impl Instance {
             debug,
             messenger: vk::DebugUtilsMessengerEXT::null(),
             messages: Box::default(),
-            _entry: entry,
+            entry,
         };
         if validation && let Some(debug) = &inner.debug {
             use vk::{DebugUtilsMessageSeverityFlagsEXT as Severity, DebugUtilsMessageTypeFlagsEXT as Kind};

@@ -1,5 +1,7 @@
 //! A compute kernel: a pipeline made from SPIR-V, and what it binds.
 
+use std::time::{Duration, Instant};
+
 use ash::vk;
 
 use super::call::vk_call;
@@ -33,9 +35,11 @@ pub struct Kernel {
     pub push_bytes: u32,
     /// Invocations of a group.
     pub group: u32,
+    /// How long the driver took to create the pipeline.
+    pub creation: Duration,
     /// Its counters, if it counts what it does.
     pub(super) meter: Option<Meter>,
-    device: LogicalDevice,
+    pub(super) device: LogicalDevice,
 }
 
 /// The counters of a kernel.
@@ -88,6 +92,7 @@ impl Kernel {
             accesses: found.accesses,
             push_bytes: found.push_bytes,
             group: found.group,
+            creation: Duration::ZERO,
             meter: None,
             device: device.clone(),
         };
@@ -130,10 +135,16 @@ impl Kernel {
                 .module(module)
                 .name(c"main")
                 .specialization_info(&special);
-            let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(kernel.layout)];
+            let flags = match device.extras().statistics {
+                true => vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR,
+                false => vk::PipelineCreateFlags::empty(),
+            };
+            let info = [vk::ComputePipelineCreateInfo::default().flags(flags).stage(stage).layout(kernel.layout)];
+            let begin = Instant::now();
             let made = vk_call("vkCreateComputePipelines", &doing, || {
                 raw.create_compute_pipelines(device.pipeline_cache(), &info, None).map_err(|(_, code)| code)
             });
+            kernel.creation = begin.elapsed();
             raw.destroy_shader_module(module, None);
             kernel.pipeline = made?[0];
         }

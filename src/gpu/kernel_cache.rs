@@ -29,6 +29,11 @@ impl KernelCache {
         Self { replaced, counts: self.counts, made: RefCell::default() }
     }
 
+    /// An empty cache with the same kernels replaced.
+    pub(super) fn anew(&self) -> Self {
+        Self { replaced: self.replaced.clone(), counts: self.counts, made: RefCell::default() }
+    }
+
     /// An empty cache whose kernels count what they do.
     pub(super) fn counting(&self) -> Self {
         Self { replaced: self.replaced.clone(), counts: true, made: RefCell::default() }

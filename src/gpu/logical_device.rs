@@ -13,6 +13,7 @@ use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 use super::adapter::{Adapter, Limits};
 use super::allocator::{Memory, MemoryUse};
 use super::call::vk_call;
+use super::extras::Extras;
 use super::instance::Instance;
 use crate::error::{Error, Result};
 
@@ -33,9 +34,12 @@ struct Inner {
     pool: vk::CommandPool,
     pipeline_cache: vk::PipelineCache,
     adapter: Adapter,
+    extras: Extras,
     memory: Memory,
     /// How long a submission may take.
     patience: Cell<Duration>,
+    /// Submissions so far.
+    submissions: Cell<u64>,
     /// The fence of a submission that exceeded its limit and may still be running; null where there is none.
     late: Cell<vk::Fence>,
     /// How much longer to wait for that submission; what it uses is leaked if it takes longer still.
@@ -45,7 +49,7 @@ struct Inner {
 
 impl LogicalDevice {
     /// Opens an adapter, or says why it can't be used.
-    pub(super) fn open(instance: &Instance, adapter: &Adapter) -> Result<Self> {
+    pub(super) fn open(instance: &Instance, adapter: &Adapter, extras: &Extras) -> Result<Self> {
         let doing = format!("opening {}", adapter.name);
         if let Some(why) = &adapter.unusable {
             return Err(Error::device(doing, why));
@@ -54,8 +58,14 @@ impl LogicalDevice {
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(adapter.queue_family)
             .queue_priorities(&priorities)];
-        let mut features = vk::PhysicalDeviceVulkan12Features::default().scalar_block_layout(true);
-        let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut features);
+        let (mut features, extensions) = (extras.features(), extras.extensions());
+        let mut info = vk::DeviceCreateInfo::default()
+            .queue_create_infos(&queues)
+            .enabled_extension_names(&extensions)
+            .push_next(&mut features.twelve);
+        if extras.statistics {
+            info = info.push_next(&mut features.statistics);
+        }
         let raw = vk_call("vkCreateDevice", &doing, || {
             // SAFETY: `info` and all it points to live through the call; the adapter is this instance's.
             unsafe { instance.0.raw.create_device(adapter.physical, &info, None) }
@@ -70,8 +80,10 @@ impl LogicalDevice {
             pool: vk::CommandPool::null(),
             pipeline_cache: vk::PipelineCache::null(),
             adapter: adapter.clone(),
+            extras: extras.clone(),
             memory: Memory::default(),
             patience: Cell::new(PATIENCE),
+            submissions: Cell::default(),
             late: Cell::default(),
             grace: Cell::new(GRACE),
             instance: instance.clone(),
@@ -100,6 +112,26 @@ impl LogicalDevice {
         Ok(Self(Rc::new(inner)))
     }
 
+    /// The same adapter opened once more, with other extras; submissions may take as long.
+    pub(super) fn again(&self, extras: &Extras) -> Result<Self> {
+        let device = Self::open(&self.0.instance, &self.0.adapter, extras)?;
+        device.wait_at_most(self.0.patience.get());
+        Ok(device)
+    }
+
+    /// What it was opened with on request.
+    pub(super) fn extras(&self) -> &Extras {
+        &self.0.extras
+    }
+
+    pub(super) fn instance(&self) -> &ash::Instance {
+        &self.0.instance.0.raw
+    }
+
+    pub(super) fn entry(&self) -> &ash::Entry {
+        &self.0.instance.0.entry
+    }
+
     /// Bytes of device memory allocated now and at the peak.
     pub fn memory(&self) -> MemoryUse {
         self.0.memory.used()
@@ -118,6 +150,11 @@ impl LogicalDevice {
     /// Sets how long a submission may take before the device counts as hung; the default is ten minutes.
     pub fn wait_at_most(&self, patience: Duration) {
         self.0.patience.set(patience);
+    }
+
+    /// Submissions since the device was opened, those of copies included.
+    pub fn submissions(&self) -> u64 {
+        self.0.submissions.get()
     }
 
     /// The adapter.
@@ -171,6 +208,7 @@ impl LogicalDevice {
         }
         let info = [vk::SubmitInfo::default().command_buffers(&buffers)];
         let patience = nanoseconds(self.0.patience.get());
+        self.0.submissions.set(self.0.submissions.get() + 1);
         // SAFETY: the command buffer is complete and of this device; the fence is destroyed once it is not in use.
         unsafe {
             let fence = vk_call("vkCreateFence", doing, || raw.create_fence(&vk::FenceCreateInfo::default(), None))?;

@@ -4,12 +4,12 @@
 //! that is above it; from the bottom up:
 //!
 //! - `adapter`, `vk_error`, `faults`, `call`: what a machine offers, and calls that can fail;
-//! - `instance`, `allocator`, `logical_device`: Vulkan, a device's memory, its queue and submissions;
+//! - `instance`, `allocator`, `extras`, `logical_device`: Vulkan, a device's memory, its queue and submissions;
 //! - `memory`, `transfer`: buffers, and copies between host and device;
 //! - `spirv_module`, `reflect`, `replace`, `compile`, [`count`]: SPIR-V, what a kernel binds, and kernels that count;
 //! - `kernel`, `bind`, `record`: pipelines, descriptor sets, and a frame's dispatches and barriers;
 //! - `interface`, `shift`: SPIR-V from files, and kernels whose groups count from another one;
-//! - `kernel_cache`, `device`, `kernels`, `single_kernel`: what the rest of the program asks for.
+//! - `kernel_cache`, `device`, `driver_facts`, `kernels`, `single_kernel`: what the rest of the program asks for.
 
 mod adapter;
 mod allocator;
@@ -19,6 +19,8 @@ mod call;
 mod compile;
 pub mod count;
 mod device;
+mod driver_facts;
+mod extras;
 #[doc(hidden)]
 pub mod faults;
 mod instance;
@@ -43,6 +45,7 @@ pub use adapter::{Adapter, Ids, Limits};
 pub use allocator::MemoryUse;
 pub(crate) use bind::Binding;
 pub use device::Device;
+pub use driver_facts::{COUNTERS, STATISTICS, Statistic};
 pub use instance::Instance;
 #[cfg(feature = "measure")]
 pub(crate) use interface::{disassembled, interface};

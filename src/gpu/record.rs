@@ -16,7 +16,7 @@ use super::memory::Buffer;
 use crate::error::{Error, Result};
 
 /// How long one labelled part of a frame took.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Timing {
     /// The label.
     pub name: String,
@@ -25,6 +25,10 @@ pub struct Timing {
     /// When it began, milliseconds after the first part of its submission; not a number where the device has no
     /// timestamps.
     pub start: f64,
+    /// Its dispatches; 0 for what the host does.
+    pub dispatches: usize,
+    /// The barriers recorded before them.
+    pub barriers: usize,
 }
 
 /// How large a dispatch is.
@@ -51,6 +55,8 @@ pub struct Recorder {
     queries: vk::QueryPool,
     /// The names of the parts begun so far.
     names: Vec<String>,
+    /// The dispatches and barriers of each.
+    counts: Vec<[usize; 2]>,
     /// How many parts the queries suffice for.
     timed_parts: usize,
     /// What has to live until the submission has been waited for.
@@ -73,6 +79,7 @@ impl Recorder {
             sets: Sets::new(device),
             queries: vk::QueryPool::null(),
             names: Vec::new(),
+            counts: Vec::new(),
             timed_parts: 0,
             kernels: Vec::new(),
             read: BTreeSet::new(),
@@ -98,6 +105,7 @@ impl Recorder {
         let index = self.names.len();
         let timed = index < self.timed_parts;
         self.names.push(name.to_string());
+        self.counts.push([0; 2]);
         let debug = self.device.debug().cloned();
         // SAFETY: the command buffer is recording; both queries lie within the pool.
         unsafe {
@@ -193,6 +201,9 @@ impl Recorder {
         }
         self.kernels.push(kernel.clone());
         self.dispatches += 1;
+        if let Some([dispatches, _]) = self.counts.last_mut() {
+            *dispatches += 1;
+        }
         Ok(())
     }
 
@@ -232,6 +243,9 @@ impl Recorder {
                     &[],
                     &[],
                 );
+            }
+            if let Some([_, barriers]) = self.counts.last_mut() {
+                *barriers += 1;
             }
             self.read.clear();
             self.written.clear();
@@ -276,6 +290,8 @@ impl Recorder {
             name: name.clone(),
             milliseconds: between(ticks.get(2 * k), ticks.get(2 * k + 1)),
             start: between(ticks.first(), ticks.get(2 * k)),
+            dispatches: self.counts[k][0],
+            barriers: self.counts[k][1],
         };
         Ok(self.names.iter().enumerate().map(timing).collect())
     }

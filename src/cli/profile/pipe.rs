@@ -176,7 +176,7 @@ impl Variant for Other {
             return Err(Error::device("timing another build", format!("{} ended{}", self.program, after(&said))));
         };
         let step =
-            |(name, ms): (String, Option<f64>)| Timing { name, milliseconds: ms.unwrap_or(f64::NAN), start: f64::NAN };
+            |(name, ms): (String, Option<f64>)| Timing { name, milliseconds: ms.unwrap_or(f64::NAN), start: f64::NAN, ..Timing::default() };
         Ok(Frame { start: 0.0, wall: answer.wall, steps: answer.steps.into_iter().map(step).collect() })
     }
 }
