@@ -4,8 +4,8 @@ use std::ops::Deref;
 use std::rc::Rc;
 
 use super::adapter::{Adapter, Limits};
-use super::extras::Extras;
 use super::driver_facts::STATISTICS;
+use super::extras::Extras;
 use super::instance::Instance;
 use super::kernel::{Kernel, KernelKey, as_given};
 use super::kernel_cache::KernelCache;

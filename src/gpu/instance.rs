@@ -84,13 +84,8 @@ impl Instance {
             unsafe { entry.create_instance(&info, None) }
         })?;
         let debug = (labels || validation).then(|| ext::debug_utils::Instance::new(&entry, &raw));
-        let mut inner = Inner {
-            raw,
-            debug,
-            messenger: vk::DebugUtilsMessengerEXT::null(),
-            messages: Box::default(),
-            entry,
-        };
+        let mut inner =
+            Inner { raw, debug, messenger: vk::DebugUtilsMessengerEXT::null(), messages: Box::default(), entry };
         if validation && let Some(debug) = &inner.debug {
             use vk::{DebugUtilsMessageSeverityFlagsEXT as Severity, DebugUtilsMessageTypeFlagsEXT as Kind};
             let info = vk::DebugUtilsMessengerCreateInfoEXT::default()

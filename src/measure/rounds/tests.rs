@@ -30,7 +30,7 @@ impl Variant for Made {
         };
         let steps = vec![step("large", 5.0 * self.factor), step("small", 0.1), step("large", 5.0 * self.factor)];
         let wall = steps.iter().map(|step| step.milliseconds).sum();
-        Ok(Frame { start: 0.0, wall, steps })
+        Ok(Frame { wall, steps, ..Frame::default() })
     }
 }
 
@@ -130,7 +130,7 @@ fn a_stage_without_timestamps_has_no_samples() {
     impl Variant for Blind {
         fn frame(&mut self) -> Result<Frame> {
             let step = Timing { name: "x".into(), milliseconds: f64::NAN, ..Timing::default() };
-            Ok(Frame { start: 0.0, wall: 1.0, steps: vec![step] })
+            Ok(Frame { wall: 1.0, steps: vec![step], ..Frame::default() })
         }
     }
     let blind = || Starter { name: "blind".into(), start: Box::new(|| Ok(Box::new(Blind) as _)) };
