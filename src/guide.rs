@@ -17,6 +17,7 @@
 //! | [Conformance](conformance) | for driver people: what is compared, and how to reduce a failure |
 //! | [For driver engineers](drivers) | failures as files that run elsewhere, results for build servers |
 //! | [Performance](performance) | profiles, your own kernels, tuning |
+//! | [Why it is slow](bottlenecks) | what bounds each stage; the cost of dispatches, barriers, submissions, compiling |
 //! | [Robustness](robustness) | limits, promises and the tests that verify them |
 //! | [As a library](library) | the Rust API |
 //! | [Contributing](contributing) | structure, rules, tests; recipes for a stage, a light, a format, a measurement |
@@ -37,5 +38,5 @@ macro_rules! pages {
 }
 
 pages! {
-    start pictures scenes meshes lights motion layers curvature how diffusion walk measuring conformance drivers performance robustness library contributing
+    start pictures scenes meshes lights motion layers curvature how diffusion walk measuring conformance drivers performance bottlenecks robustness library contributing
 }

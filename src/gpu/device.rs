@@ -5,12 +5,12 @@ use std::rc::Rc;
 
 use super::adapter::{Adapter, Limits};
 use super::driver_facts::STATISTICS;
-use super::extras::Extras;
+use super::extras::{Extras, Features, needed};
 use super::instance::Instance;
 use super::kernel::{Kernel, KernelKey, as_given};
 use super::kernel_cache::KernelCache;
 use super::logical_device::LogicalDevice;
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 /// A Vulkan device with one compute queue, and its kernels. Clones share both.
 ///
@@ -52,11 +52,23 @@ impl Device {
         Self::open(&instance, Adapter::find(&adapters, wish)?)
     }
 
-    /// The same device, with this SPIR-V in place of a kernel of the build. Nothing is checked: see
+    /// The same device, with this SPIR-V in place of a kernel of the build; opened once more if its capabilities need
+    /// features that it was not opened with. Fails if the device lacks one. Nothing else is checked: see
     /// [`super::replacement`].
-    #[must_use]
-    pub fn replacing(&self, kernel: &str, words: Vec<u32>) -> Self {
-        Self { logical: self.logical.clone(), kernels: Rc::new(self.kernels.replacing(kernel, words)) }
+    pub fn replacing(&self, kernel: &str, words: Vec<u32>) -> Result<Self> {
+        let doing = || format!("replacing kernel {kernel}");
+        let needed = needed(&words).map_err(|name| Error::device(doing(), format!("it has the capability {name}")))?;
+        let mut extras = self.extras().clone();
+        let mut offered = Features::query(self.instance(), self.adapter().physical);
+        if let Some((capability, feature)) = offered.lacking(&needed) {
+            let what =
+                format!("its capability {capability:?} needs the feature {feature}, which {} lacks", self.name());
+            return Err(Error::device(doing(), what));
+        }
+        extras.features.extend(needed.iter().map(|(_, feature)| feature));
+        let same = extras == *self.extras();
+        let logical = if same { self.logical.clone() } else { self.logical.again(&extras)? };
+        Ok(Self { logical, kernels: Rc::new(self.kernels.replacing(kernel, words)) })
     }
 
     /// The same device, with kernels that count what they do, and are slower for it: see [`super::Kernels::tallies`].
@@ -68,7 +80,7 @@ impl Device {
     /// The same adapter opened once more, with the same kernels replaced and none made so far. Pipelines keep what the
     /// driver's compiler says of them, where it offers that: see [`super::Kernels::facts`].
     pub fn with_statistics(&self) -> Result<Self> {
-        let extras = Extras { statistics: self.offers(STATISTICS)? };
+        let extras = Extras { statistics: self.offers(STATISTICS)?, ..self.extras().clone() };
         Ok(Self { logical: self.logical.again(&extras)?, kernels: Rc::new(self.kernels.anew()) })
     }
 

@@ -62,6 +62,8 @@ impl LogicalDevice {
         let mut info = vk::DeviceCreateInfo::default()
             .queue_create_infos(&queues)
             .enabled_extension_names(&extensions)
+            .enabled_features(&features.core)
+            .push_next(&mut features.eleven)
             .push_next(&mut features.twelve);
         if extras.statistics {
             info = info.push_next(&mut features.statistics);

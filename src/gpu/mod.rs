@@ -4,9 +4,10 @@
 //! that is above it; from the bottom up:
 //!
 //! - `adapter`, `vk_error`, `faults`, `call`: what a machine offers, and calls that can fail;
-//! - `instance`, `allocator`, `extras`, `logical_device`: Vulkan, a device's memory, its queue and submissions;
+//! - `instance`, `allocator`, `spirv_module`, `extras`, `logical_device`: Vulkan, a device's memory, what it is opened
+//!   with, its queue and submissions;
 //! - `memory`, `transfer`: buffers, and copies between host and device;
-//! - `spirv_module`, `reflect`, `replace`, `compile`, [`count`]: SPIR-V, what a kernel binds, and kernels that count;
+//! - `reflect`, `replace`, `compile`, [`count`]: SPIR-V, what a kernel binds, and kernels that count;
 //! - `kernel`, `bind`, `record`: pipelines, descriptor sets, and a frame's dispatches and barriers;
 //! - `interface`, `shift`: SPIR-V from files, and kernels whose groups count from another one;
 //! - `kernel_cache`, `device`, `driver_facts`, `kernels`, `single_kernel`: what the rest of the program asks for.

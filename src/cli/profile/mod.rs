@@ -68,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(after) = &own {
         let kernels = arguments.replace.load()?;
         let built_in = || arguments.open(arguments.device.first());
-        let with_own = || Ok(built_in()?.map(|device| replaced(&device, &kernels)));
+        let with_own = || built_in()?.map(|device| replaced(&device, &kernels)).transpose();
         let found = against(&scene, &[("built-in", &built_in), ("replaced", &with_own)], &settings)?;
         comparison = compared(&found.samples, &stages(after), &settings)?;
     }
