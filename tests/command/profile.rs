@@ -236,7 +236,7 @@ fn a_page_says_why_a_frame_takes_so_long() {
         assert!(out.contains(words), "{words}: {out}");
     }
     let widest = out.lines().map(|line| line.chars().count()).max().unwrap();
-    assert!(out.lines().count() <= 40 && widest <= 120, "{widest} columns\n{out}");
+    assert!(out.lines().count() <= 40 && widest <= 100, "{widest} columns\n{out}");
     let json: serde_json::Value = serde_json::from_str(&read(&here, "a.json")).unwrap();
     let why = &json["why"];
     for cost in ["dispatch", "dispatch_host", "submission"] {

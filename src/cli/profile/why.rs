@@ -1,6 +1,5 @@
 //! Why a frame takes as long as it does, as a page of one screen.
 
-use super::comparison::half;
 use crate::cli::table;
 use milkglass::measure::profile::Profile;
 use milkglass::measure::profile::why::{Stage, Why};
@@ -26,7 +25,7 @@ pub(super) fn text(found: &Profile, why: &Why) -> String {
         share(parts.host)
     );
     let cost = why.overheads_us;
-    let us = |interval: Interval| format!("{:.2} us (+-{})", interval.value, half(&interval));
+    let us = |interval: Interval| format!("{:.2} us [{:.2}, {:.2}]", interval.value, interval.low, interval.high);
     text += &format!("on the device: dispatch {}, barrier {}\n", us(cost.dispatch), us(cost.barrier));
     text += &format!(
         "by the host:   dispatch {}, barrier {},\n               submission and wait {}\n\n",
@@ -55,7 +54,7 @@ pub(super) fn text(found: &Profile, why: &Why) -> String {
     let first: f64 = why.stages.iter().filter_map(|stage| stage.first_run_ms).sum();
     let pipelines: usize = why.stages.iter().map(|stage| stage.pipelines).sum();
     text += &format!(
-        "\ncreate, first: ms to create {pipelines} pipelines ({created:.1} in all), and by which first runs take longer ({first:.1})\n"
+        "\ncreate: ms to create {pipelines} pipelines, {created:.1} in all; first: ms that first runs take longer, {first:.1} in all\n"
     );
     let known = why.stages.iter().flat_map(|stage| &stage.statistics).take(STATISTICS);
     for (kernel, statistics) in known {
