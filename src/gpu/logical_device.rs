@@ -1,6 +1,8 @@
 //! The logical device: its queue, its memory, its command buffers and its pipeline cache. Buffers, kernels and
 //! recordings hold a clone of it.
 
+mod again;
+
 use std::cell::Cell;
 use std::ffi::CString;
 use std::rc::Rc;
@@ -114,26 +116,6 @@ impl LogicalDevice {
         Ok(Self(Rc::new(inner)))
     }
 
-    /// The same adapter opened once more, with other extras; submissions may take as long.
-    pub(super) fn again(&self, extras: &Extras) -> Result<Self> {
-        let device = Self::open(&self.0.instance, &self.0.adapter, extras)?;
-        device.wait_at_most(self.0.patience.get());
-        Ok(device)
-    }
-
-    /// What it was opened with on request.
-    pub(super) fn extras(&self) -> &Extras {
-        &self.0.extras
-    }
-
-    pub(super) fn instance(&self) -> &ash::Instance {
-        &self.0.instance.0.raw
-    }
-
-    pub(super) fn entry(&self) -> &ash::Entry {
-        &self.0.instance.0.entry
-    }
-
     /// Bytes of device memory allocated now and at the peak.
     pub fn memory(&self) -> MemoryUse {
         self.0.memory.used()
@@ -152,11 +134,6 @@ impl LogicalDevice {
     /// Sets how long a submission may take before the device counts as hung; the default is ten minutes.
     pub fn wait_at_most(&self, patience: Duration) {
         self.0.patience.set(patience);
-    }
-
-    /// Submissions since the device was opened, those of copies included.
-    pub fn submissions(&self) -> u64 {
-        self.0.submissions.get()
     }
 
     /// The adapter.

@@ -65,7 +65,6 @@ pub struct Recorder {
     read: BTreeSet<u64>,
     /// Buffers written since the last barrier, by handle.
     written: BTreeSet<u64>,
-    dispatches: usize,
 }
 
 impl Recorder {
@@ -84,7 +83,6 @@ impl Recorder {
             kernels: Vec::new(),
             read: BTreeSet::new(),
             written: BTreeSet::new(),
-            dispatches: 0,
         };
         if device.limits().timestamp_period > 0.0 && parts > 0 {
             let count = u32::try_from(2 * parts).unwrap_or(u32::MAX);
@@ -200,7 +198,6 @@ impl Recorder {
             }
         }
         self.kernels.push(kernel.clone());
-        self.dispatches += 1;
         if let Some([dispatches, _]) = self.counts.last_mut() {
             *dispatches += 1;
         }
@@ -232,18 +229,9 @@ impl Recorder {
             let barrier =
                 [vk::MemoryBarrier::default().src_access_mask(vk::AccessFlags::SHADER_WRITE).dst_access_mask(all)];
             let stage = vk::PipelineStageFlags::COMPUTE_SHADER | vk::PipelineStageFlags::DRAW_INDIRECT;
+            let (raw, flags) = (self.device.raw(), vk::DependencyFlags::empty());
             // SAFETY: the command buffer is recording.
-            unsafe {
-                self.device.raw().cmd_pipeline_barrier(
-                    self.commands,
-                    stage,
-                    stage,
-                    vk::DependencyFlags::empty(),
-                    &barrier,
-                    &[],
-                    &[],
-                );
-            }
+            unsafe { raw.cmd_pipeline_barrier(self.commands, stage, stage, flags, &barrier, &[], &[]) };
             if let Some([_, barriers]) = self.counts.last_mut() {
                 *barriers += 1;
             }
@@ -265,7 +253,8 @@ impl Recorder {
     pub fn submit(self) -> Result<Vec<Timing>> {
         let mut stages = self.names.clone();
         stages.dedup();
-        let doing = format!("running a frame ({}; {} dispatches)", stages.join(", "), self.dispatches);
+        let dispatches: usize = self.counts.iter().map(|[dispatches, _]| dispatches).sum();
+        let doing = format!("running a frame ({}; {dispatches} dispatches)", stages.join(", "));
         let raw = self.device.raw();
         vk_call("vkEndCommandBuffer", &doing, || {
             // SAFETY: the command buffer is complete; what it uses is owned by `self` or borrowed by the caller.
