@@ -41,7 +41,10 @@ fn a_profile_hangs_together() {
         let found = profile(&scene, Some(device), &Settings { frames: 3, ..Settings::default() }).unwrap();
         let rates = found.rates.expect("every driver of these tests has timestamps");
         assert!(rates.copy > 1e6 && rates.fma > 1e6 && rates.exp > 1e6, "{rates:?}");
-        assert!(found.notes.is_empty() && found.peak > 100_000, "{:?}", found.notes);
+        // What other programs do meanwhile is not the profile's.
+        let outside = |note: &&String| note.starts_with("other programs kept") || note.starts_with("drift: ");
+        let own: Vec<_> = found.notes.iter().filter(|note| !outside(note)).collect();
+        assert!(own.is_empty() && found.peak > 100_000, "{own:?}");
         let row = |name: &str| found.rows.iter().find(|row| row.stage == name).unwrap();
         // One value of 12 bytes per face, and invocations in groups of 64.
         for name in ["irradiance", "push"] {
