@@ -4,6 +4,7 @@ use std::ops::Deref;
 use std::rc::Rc;
 
 use super::adapter::{Adapter, Limits};
+use super::choices::Choices;
 use super::instance::Instance;
 use super::kernel::{Kernel, KernelKey, as_given};
 use super::kernel_cache::KernelCache;
@@ -30,7 +31,12 @@ pub struct Device {
 impl Device {
     /// Opens an adapter, or says why it can't be used.
     pub fn open(instance: &Instance, adapter: &Adapter) -> Result<Self> {
-        Ok(Self { logical: LogicalDevice::open(instance, adapter)?, kernels: Rc::default() })
+        Self::open_as(instance, adapter, &Choices::default())
+    }
+
+    /// The same, used as chosen; fails where the device lacks something for that.
+    pub fn open_as(instance: &Instance, adapter: &Adapter, choices: &Choices) -> Result<Self> {
+        Ok(Self { logical: LogicalDevice::open(instance, adapter, choices)?, kernels: Rc::default() })
     }
 
     /// The best usable device: discrete, then integrated, then virtual, then software, each in the loader's order.

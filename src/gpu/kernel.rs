@@ -1,15 +1,21 @@
 //! A compute kernel: a pipeline made from SPIR-V, and what it binds.
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
 use ash::vk;
 
 use super::call::vk_call;
+use super::choices::{Constants, Descriptors, Optimization};
 use super::count::{self, Tally};
 use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
+use super::pushed::{BAKED_ID, as_specialization, as_uniform};
 use super::reflect::{Access, Reflected, reflect};
 use super::spirv_module::{round_to_nearest, without_rounding};
 use crate::error::{Error, Result};
-use crate::layout::GROUPS_A_ROW;
+use crate::layout::{BUFFER_IDS, GROUP_ID, GROUPS_A_ROW, SHUFFLE_ID};
 
 /// What identifies a kernel.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -33,9 +39,22 @@ pub struct Kernel {
     pub push_bytes: u32,
     /// Invocations of a group.
     pub group: u32,
+    /// The same, if it was chosen.
+    pub(super) chosen_group: Option<u32>,
     /// Its counters, if it counts what it does.
     pub(super) meter: Option<Meter>,
+    /// The layout of the set of its push constants, where these are a uniform buffer.
+    pub(super) uniform_layout: vk::DescriptorSetLayout,
+    /// What it was made from, and the kernels that were made from it for some values of its push constants.
+    source: Option<Box<Source>>,
     device: LogicalDevice,
+}
+
+/// What a kernel whose push constants become specialization constants was made from.
+struct Source {
+    words: Vec<u32>,
+    constants: Vec<u32>,
+    baked: RefCell<BTreeMap<Vec<u8>, Rc<Kernel>>>,
 }
 
 /// The counters of a kernel.
@@ -75,61 +94,84 @@ impl Kernel {
 
     /// The kernel of this SPIR-V with these specialization constants (0, 1, ...), or what the device lacks for it.
     pub(crate) fn new(device: &LogicalDevice, name: &str, words: Vec<u32>, constants: &[u32]) -> Result<Self> {
+        let special = constants.iter().zip(0..).map(|(value, id)| (id, *value)).collect();
+        let kept = device.choices().constants == Constants::Specialization;
+        let source =
+            kept.then(|| Source { words: words.clone(), constants: constants.to_vec(), baked: RefCell::default() });
+        let mut kernel = Self::made(device, name, words, special)?;
+        kernel.source = source.filter(|_| kernel.push_bytes > 0).map(Box::new);
+        Ok(kernel)
+    }
+
+    /// The kernel for these push constants, which takes none.
+    pub(super) fn baked(self: &Rc<Self>, push: &[u8]) -> Result<Rc<Self>> {
+        let Some(source) = &self.source else { return Ok(self.clone()) };
+        if let Some(known) = source.baked.borrow().get(push) {
+            return Ok(known.clone());
+        }
+        let words = as_specialization(&source.words).ok_or_else(|| {
+            Error::device(format!("preparing kernel {}", self.name), "it takes push constants by an index")
+        })?;
+        let mut special: Vec<(u32, u32)> = (0..).zip(source.constants.iter().copied()).collect();
+        let pushed = push.chunks_exact(4).map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]]));
+        special.extend((BAKED_ID..).zip(pushed));
+        let made = Rc::new(Self::made(&self.device, &self.name, words, special)?);
+        source.baked.borrow_mut().insert(push.to_vec(), made.clone());
+        Ok(made)
+    }
+
+    /// The kernel with these specialization constants, by their ids.
+    fn made(device: &LogicalDevice, name: &str, words: Vec<u32>, mut special: Vec<(u32, u32)>) -> Result<Self> {
         let doing = format!("preparing kernel {name}");
+        let choices = device.choices();
+        let uniform = choices.constants == Constants::Uniform;
         let found = reflect(name, &words)?;
-        check(device, &found, constants, &doing)?;
-        let words = as_given(device, words);
+        let given = special.iter().filter(|(id, _)| *id < GROUP_ID).count();
+        let open = |id: u32| found.open.contains(&id);
+        let chosen_group = choices.group(name).filter(|_| open(GROUP_ID));
+        let group = chosen_group.unwrap_or(found.group);
+        check(device, &found, group, given, &doing)?;
+        special.extend(chosen_group.map(|size| (GROUP_ID, size)));
+        special.extend((choices.no_shuffles && open(SHUFFLE_ID)).then_some((SHUFFLE_ID, 0)));
+        let words = as_given(device, if uniform { as_uniform(&words) } else { words });
 
         let mut kernel = Self {
             pipeline: vk::Pipeline::null(),
             layout: vk::PipelineLayout::null(),
             set_layout: vk::DescriptorSetLayout::null(),
+            uniform_layout: vk::DescriptorSetLayout::null(),
             name: name.to_string(),
             accesses: found.accesses,
             push_bytes: found.push_bytes,
-            group: found.group,
+            group,
+            chosen_group,
             meter: None,
+            source: None,
             device: device.clone(),
         };
-        let bindings: Vec<_> = kernel
-            .accesses
+        kernel.make_layouts(&doing)?;
+        let entries: Vec<_> = special
             .iter()
-            .map(|access| {
-                vk::DescriptorSetLayoutBinding::default()
-                    .binding(access.binding)
-                    .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
-                    .descriptor_count(1)
-                    .stage_flags(vk::ShaderStageFlags::COMPUTE)
-            })
+            .zip(0..)
+            .map(|((id, _), at)| vk::SpecializationMapEntry { constant_id: *id, offset: 4 * at, size: 4 })
             .collect();
-        let entries: Vec<_> = (0..constants.len())
-            .map(|i| vk::SpecializationMapEntry { constant_id: i as u32, offset: 4 * i as u32, size: 4 })
-            .collect();
-        let special = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
+        let values: Vec<u32> = special.iter().map(|(_, value)| *value).collect();
+        let special = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&values));
         let raw = device.raw();
         // SAFETY: every handle is this device's and is stored in `kernel` at once, which frees it after a failure.
         unsafe {
-            let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-            kernel.set_layout =
-                vk_call("vkCreateDescriptorSetLayout", &doing, || raw.create_descriptor_set_layout(&info, None))?;
-            let sets = [kernel.set_layout];
-            let push = [vk::PushConstantRange {
-                stage_flags: vk::ShaderStageFlags::COMPUTE,
-                offset: 0,
-                size: kernel.push_bytes,
-            }];
-            let mut info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
-            if kernel.push_bytes > 0 {
-                info = info.push_constant_ranges(&push);
-            }
-            kernel.layout = vk_call("vkCreatePipelineLayout", &doing, || raw.create_pipeline_layout(&info, None))?;
             let info = vk::ShaderModuleCreateInfo::default().code(&words);
             let module = vk_call("vkCreateShaderModule", &doing, || raw.create_shader_module(&info, None))?;
-            let stage = vk::PipelineShaderStageCreateInfo::default()
+            let mut size = vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo::default();
+            let mut stage = vk::PipelineShaderStageCreateInfo::default()
                 .stage(vk::ShaderStageFlags::COMPUTE)
                 .module(module)
                 .name(c"main")
                 .specialization_info(&special);
+            if let Some(subgroup) = choices.subgroup {
+                size = size.required_subgroup_size(subgroup);
+                stage = stage.push_next(&mut size);
+            }
             let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(kernel.layout)];
             let made = vk_call("vkCreateComputePipelines", &doing, || {
                 raw.create_compute_pipelines(device.pipeline_cache(), &info, None).map_err(|(_, code)| code)
@@ -140,6 +182,63 @@ impl Kernel {
         device.label(kernel.pipeline, name);
         Ok(kernel)
     }
+
+    /// Makes the layouts of its sets and of its pipeline.
+    fn make_layouts(&mut self, doing: &str) -> Result<()> {
+        let (raw, choices) = (self.device.raw(), self.device.choices());
+        let numbers: Vec<u32> = match choices.descriptors {
+            Descriptors::Frame => (0..BUFFER_IDS.len() as u32).chain([count::BINDING]).collect(),
+            _ => self.accesses.iter().map(|access| access.binding).collect(),
+        };
+        let binding = |number: u32, kind: vk::DescriptorType| {
+            vk::DescriptorSetLayoutBinding::default()
+                .binding(number)
+                .descriptor_type(kind)
+                .descriptor_count(1)
+                .stage_flags(vk::ShaderStageFlags::COMPUTE)
+        };
+        let bindings: Vec<_> =
+            numbers.into_iter().map(|number| binding(number, vk::DescriptorType::STORAGE_BUFFER)).collect();
+        let unused = vk::DescriptorBindingFlags::PARTIALLY_BOUND | vk::DescriptorBindingFlags::UPDATE_AFTER_BIND;
+        let flags = vec![unused; bindings.len()];
+        let mut flags = vk::DescriptorSetLayoutBindingFlagsCreateInfo::default().binding_flags(&flags);
+        let mut info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+        match choices.descriptors {
+            Descriptors::Frame => {
+                let whole = vk::DescriptorSetLayoutCreateFlags::UPDATE_AFTER_BIND_POOL;
+                info = info.flags(whole).push_next(&mut flags);
+            }
+            Descriptors::Push => info = info.flags(vk::DescriptorSetLayoutCreateFlags::PUSH_DESCRIPTOR_KHR),
+            Descriptors::Shared | Descriptors::Dispatch => {}
+        }
+        // SAFETY: every handle is this device's and is stored in `self` at once, which frees it after a failure.
+        unsafe {
+            self.set_layout =
+                vk_call("vkCreateDescriptorSetLayout", doing, || raw.create_descriptor_set_layout(&info, None))?;
+            let mut sets = vec![self.set_layout];
+            if choices.constants == Constants::Uniform && self.push_bytes > 0 {
+                let constants = [binding(0, vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC)];
+                let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&constants);
+                self.uniform_layout =
+                    vk_call("vkCreateDescriptorSetLayout", doing, || raw.create_descriptor_set_layout(&info, None))?;
+                sets.push(self.uniform_layout);
+            }
+            // Sets stay bound from one kernel to the next only where the layouts have the same push constants.
+            let size = match (choices.constants, choices.descriptors) {
+                (Constants::Push, Descriptors::Frame) => self.device.limits().push_bytes,
+                (Constants::Push, _) => self.push_bytes,
+                _ => 0,
+            };
+            let push =
+                [vk::PushConstantRange { stage_flags: vk::ShaderStageFlags::COMPUTE, offset: 0, size: size.max(4) }];
+            let mut info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
+            if size > 0 {
+                info = info.push_constant_ranges(&push);
+            }
+            self.layout = vk_call("vkCreatePipelineLayout", doing, || raw.create_pipeline_layout(&info, None))?;
+        }
+        Ok(())
+    }
 }
 
 /// A module as the driver is given it: with a request to round to nearest, where the device takes one.
@@ -149,20 +248,22 @@ pub(super) fn as_given(device: &LogicalDevice, words: Vec<u32>) -> Vec<u32> {
 }
 
 /// Fails where the device allows less than a kernel needs, or where the number of constants is not the kernel's.
-fn check(device: &LogicalDevice, found: &Reflected, constants: &[u32], doing: &str) -> Result<()> {
+fn check(device: &LogicalDevice, found: &Reflected, group: u32, given: usize, doing: &str) -> Result<()> {
     let limits = device.limits();
     let count = u32::try_from(found.accesses.len()).unwrap_or(u32::MAX);
     for (what, needed, allowed) in [
         ("storage buffers", count, limits.storage_buffers),
         ("bytes of push constants", found.push_bytes, limits.push_bytes),
-        ("invocations in a group", found.group, limits.group_invocations),
+        ("invocations in a group", group, limits.group_invocations),
     ] {
         if needed > allowed {
             return Err(Error::device(doing, format!("it needs {needed} {what}, the device allows {allowed}")));
         }
     }
-    if found.constants != constants.len() {
-        let (has, given) = (found.constants, constants.len());
+    // SPIR-V that was not optimised has constants that nothing uses.
+    let unused = device.choices().optimization != Optimization::Performance;
+    if found.constants != given && !unused {
+        let has = found.constants;
         return Err(Error::device(doing, format!("it has {has} specialization constants, {given} were given")));
     }
     Ok(())
@@ -179,6 +280,7 @@ impl Drop for Kernel {
             raw.destroy_pipeline(self.pipeline, None);
             raw.destroy_pipeline_layout(self.layout, None);
             raw.destroy_descriptor_set_layout(self.set_layout, None);
+            raw.destroy_descriptor_set_layout(self.uniform_layout, None);
         }
     }
 }

@@ -4,9 +4,11 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
+use super::choices::Optimization;
 use super::kernel::{Kernel, KernelKey};
 use super::logical_device::LogicalDevice;
 use super::reflect::words_of;
+use super::replace::compiled;
 use crate::error::Result;
 
 /// Kernels by name and specialization constants. Drivers take up to a tenth of a second to compile a pipeline, so all
@@ -50,7 +52,10 @@ impl KernelCache {
             return Ok(kernel.clone());
         }
         let KernelKey { name, constants } = key;
-        let words = self.words(name)?;
+        let words = match device.choices().optimization {
+            Optimization::Performance => self.words(name)?,
+            other => compiled(name, other)?,
+        };
         if self.counts {
             return Ok(Rc::new(Kernel::counting(device, name, words, constants)?));
         }

@@ -3,23 +3,28 @@
 //! Nothing here knows what a stage or a triangle is. Handles own what they need and free themselves. No file uses one
 //! that is above it; from the bottom up:
 //!
-//! - `adapter`, `vk_error`, `faults`, `call`: what a machine offers, and calls that can fail;
+//! - `choices`, `axes`: how the API is used, and how else it could be;
+//! - `offers`, `adapter`, `vk_error`, `faults`, `call`: what a machine offers, and calls that can fail;
 //! - `instance`, `allocator`, `logical_device`: Vulkan, a device's memory, its queue and submissions;
 //! - `memory`, `transfer`: buffers, and copies between host and device;
 //! - `spirv_module`, `reflect`, `replace`, `compile`, [`count`]: SPIR-V, what a kernel binds, and kernels that count;
-//! - `kernel`, `bind`, `record`: pipelines, descriptor sets, and a frame's dispatches and barriers;
+//! - `pushed`, `kernel`, `bind`, `record`: pipelines, and a frame as a list of dispatches;
+//! - `order`, `sets`, `encode`: the list's barriers and descriptor sets, and the list in command buffers;
 //! - `interface`, `shift`: SPIR-V from files, and kernels whose groups count from another one;
 //! - `kernel_cache`, `device`, `kernels`, `single_kernel`: what the rest of the program asks for;
 //! - `window`: pictures in a window (feature `window`).
 
 mod adapter;
 mod allocator;
+mod axes;
 mod bind;
 mod call;
+mod choices;
 #[cfg(feature = "shaderc")]
 mod compile;
 pub mod count;
 mod device;
+mod encode;
 #[doc(hidden)]
 pub mod faults;
 mod instance;
@@ -30,9 +35,13 @@ mod kernel_cache;
 mod kernels;
 mod logical_device;
 mod memory;
+mod offers;
+mod order;
+mod pushed;
 mod record;
 mod reflect;
 mod replace;
+mod sets;
 #[cfg(feature = "measure")]
 mod shift;
 mod single_kernel;
@@ -44,7 +53,9 @@ pub mod window;
 
 pub use adapter::{Adapter, Ids, Limits};
 pub use allocator::MemoryUse;
+pub use axes::{AXES, Axis, Value};
 pub(crate) use bind::Binding;
+pub use choices::{Cache, Choices, Constants, Optimization};
 pub use device::Device;
 pub use instance::Instance;
 #[cfg(feature = "measure")]
@@ -53,8 +64,9 @@ pub use kernel::{Kernel, KernelKey};
 pub use kernels::Kernels;
 pub use logical_device::LogicalDevice;
 pub use memory::Buffer;
+pub use offers::Offers;
 pub use record::Timing;
-pub(crate) use record::{Recorder, Work};
+pub(crate) use record::{Recorder, Recordings, Work};
 pub use reflect::{Access, accesses, constants, kernel_names, reflect_records, spirv};
 pub use replace::{replacement, source, sources};
 #[cfg(feature = "measure")]

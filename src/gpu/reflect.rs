@@ -10,6 +10,7 @@ use spirq::ty::{AccessType, DescriptorType, Type};
 
 use super::spirv_module::instructions;
 use crate::error::{Error, Result};
+use crate::layout::GROUP_ID;
 
 include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
 
@@ -72,8 +73,10 @@ pub(super) struct Reflected {
     pub(super) push_bytes: u32,
     /// Invocations of a group.
     pub(super) group: u32,
-    /// How many specialization constants it has.
+    /// How many specialization constants it has, without those of `open`.
     pub(super) constants: usize,
+    /// Its specialization constants from [`GROUP_ID`] on, by which it leaves a choice open.
+    pub(super) open: BTreeSet<u32>,
     /// Their names, by id.
     names: BTreeMap<u32, String>,
 }
@@ -119,6 +122,7 @@ pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
         push_bytes: 0,
         group: 0,
         constants: 0,
+        open: BTreeSet::new(),
         names: BTreeMap::new(),
     };
     let asked = asked_lengths(words);
@@ -141,6 +145,7 @@ pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
                 found.push_bytes = u32::try_from(ty.nbyte().unwrap_or(0)).unwrap_or(u32::MAX);
                 found.types.push(ty.clone());
             }
+            Variable::SpecConstant { spec_id, .. } if *spec_id >= GROUP_ID => drop(found.open.insert(*spec_id)),
             Variable::SpecConstant { name, spec_id, .. } => {
                 found.constants += 1;
                 found.names.insert(*spec_id, name.clone().unwrap_or_default());

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::io::Read as _;
 use std::path::Path;
 
+use super::choices::Optimization;
 use super::reflect::{Reflected, SOURCES, kernel_names, reflect, words_of};
 use super::spirv_module::{MAGIC, whole};
 use crate::error::{Error, Input, Result};
@@ -164,7 +165,8 @@ fn compile(file: &Path, text: &str) -> Result<Vec<u32>> {
         })?;
         Ok((name.to_string(), content.into_owned()))
     };
-    super::compile::compile(&compiler, text, &file.display().to_string(), include)
+    let level = shaderc::OptimizationLevel::Performance;
+    super::compile::compile(&compiler, text, &file.display().to_string(), level, include)
         .map(|artifact| artifact.as_binary().to_vec())
         .map_err(|text| Input::new(format!("the shader does not compile\n{}", shortened(&text))).file(file).into())
 }
@@ -187,4 +189,29 @@ fn shortened(text: &str) -> String {
 fn compile(file: &Path, _: &str) -> Result<Vec<u32>> {
     let what = "this build can't compile shaders: build milkglass with `--features shaderc` for --replace";
     Err(Input::new(what).file(file).into())
+}
+
+/// The SPIR-V of a kernel of the program, compiled anew with other aims.
+#[cfg(feature = "shaderc")]
+pub(super) fn compiled(kernel: &str, aim: Optimization) -> Result<Vec<u32>> {
+    let fault = |what: String| Error::device(format!("compiling kernel {kernel}"), what);
+    let level = match aim {
+        Optimization::Performance => shaderc::OptimizationLevel::Performance,
+        Optimization::Size => shaderc::OptimizationLevel::Size,
+        Optimization::Without => shaderc::OptimizationLevel::Zero,
+    };
+    let compiler = shaderc::Compiler::new().map_err(|error| fault(error.to_string()))?;
+    let text = source(kernel).ok_or_else(|| fault("its source is not known".into()))?;
+    let include = |name: &str| {
+        let content = source(name).ok_or_else(|| format!("{name} is not built in"))?;
+        Ok((name.to_string(), content.into_owned()))
+    };
+    let made = super::compile::compile(&compiler, &text, kernel, level, include);
+    made.map(|artifact| artifact.as_binary().to_vec()).map_err(fault)
+}
+
+#[cfg(not(feature = "shaderc"))]
+pub(super) fn compiled(kernel: &str, _: Optimization) -> Result<Vec<u32>> {
+    let what = "this build can't compile shaders: build milkglass with `--features shaderc`";
+    Err(Error::device(format!("compiling kernel {kernel}"), what))
 }
