@@ -39,6 +39,17 @@ impl Device {
         Ok(Self { logical: LogicalDevice::open(instance, adapter, choices)?, kernels: Rc::default() })
     }
 
+    /// The same device opened once more, used as chosen.
+    pub fn opened_as(&self, choices: &Choices) -> Result<Self> {
+        Ok(Self { logical: self.logical.opened_as(choices)?, kernels: Rc::new(self.kernels.forgetting()) })
+    }
+
+    /// The same device, with kernels made anew when they are needed.
+    #[must_use]
+    pub fn forgetting_kernels(&self) -> Self {
+        Self { logical: self.logical.clone(), kernels: Rc::new(self.kernels.forgetting()) }
+    }
+
     /// The best usable device: discrete, then integrated, then virtual, then software, each in the loader's order.
     /// None where the machine has no Vulkan device that milkglass can use.
     pub fn best() -> Result<Option<Self>> {

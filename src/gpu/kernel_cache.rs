@@ -31,9 +31,14 @@ impl KernelCache {
         Self { replaced, counts: self.counts, made: RefCell::default() }
     }
 
+    /// An empty cache of the same kernels.
+    pub(super) fn forgetting(&self) -> Self {
+        Self { replaced: self.replaced.clone(), counts: self.counts, made: RefCell::default() }
+    }
+
     /// An empty cache whose kernels count what they do.
     pub(super) fn counting(&self) -> Self {
-        Self { replaced: self.replaced.clone(), counts: true, made: RefCell::default() }
+        Self { counts: true, ..self.forgetting() }
     }
 
     /// The kernels that do not come from the build.

@@ -130,6 +130,13 @@ impl LogicalDevice {
         Ok(device)
     }
 
+    /// Opens the same adapter once more, as chosen.
+    pub(super) fn opened_as(&self, choices: &Choices) -> Result<Self> {
+        let opened = Self::open(&self.0.instance, self.adapter(), choices)?;
+        opened.wait_at_most(self.0.patience.get());
+        Ok(opened)
+    }
+
     /// Replaces the pipeline cache by one with this content, which a driver ignores if it is not its own.
     pub(crate) fn renew_pipeline_cache(&self, content: &[u8]) -> Result<()> {
         if self.0.choices.cache == Cache::Without {

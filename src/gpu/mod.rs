@@ -67,7 +67,7 @@ pub use memory::Buffer;
 pub use offers::Offers;
 pub use record::Timing;
 pub(crate) use record::{Recorder, Recordings, Work};
-pub use reflect::{Access, accesses, constants, kernel_names, reflect_records, spirv};
+pub use reflect::{Access, accesses, constants, group_is_open, kernel_names, reflect_records, spirv};
 pub use replace::{replacement, source, sources};
 #[cfg(feature = "measure")]
 pub(crate) use shift::shifted;

@@ -42,6 +42,12 @@ pub fn constants(name: &str) -> Result<Vec<String>> {
     Ok(reflect(name, &words_of(name)?)?.names.into_values().collect())
 }
 
+/// Whether a kernel of the program leaves the size of its groups open.
+pub fn group_is_open(name: &str) -> bool {
+    let found = words_of(name).and_then(|words| reflect(name, &words));
+    found.is_ok_and(|found| found.open.contains(&GROUP_ID))
+}
+
 /// How a kernel of the program uses its buffers.
 pub fn accesses(name: &str) -> Result<Vec<Access>> {
     /// Those reflected so far: a frame asks for the same kernel hundreds of times.

@@ -37,4 +37,5 @@ pub mod stress;
 pub mod tables;
 pub mod truth;
 pub mod validity;
+pub mod vary;
 pub mod verdict;

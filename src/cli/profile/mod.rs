@@ -135,7 +135,7 @@ fn devices(arguments: &Arguments, names: &[String], scene: &Scene, settings: &Se
 }
 
 /// Prints the ratios of samples of several variants; returns them.
-fn compared(samples: &Samples, replaced: &[String], settings: &Settings) -> Result<Value> {
+pub(super) fn compared(samples: &Samples, replaced: &[String], settings: &Settings) -> Result<Value> {
     let ratios = samples.ratios();
     print(&format!("{}{}\n", told(samples, &ratios, replaced), unmet(samples, settings)))?;
     let names = samples.variants.iter().skip(1).map(|variant| &variant.name);
@@ -153,7 +153,7 @@ fn save(arguments: &Arguments, saved: &Saved, mut value: Value, comparison: Valu
     write(path, format!("{value:#}\n"))
 }
 
-fn write(path: &Path, text: String) -> Result<()> {
+pub(super) fn write(path: &Path, text: String) -> Result<()> {
     write_atomically(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))
 }
 

@@ -89,7 +89,7 @@ pub struct Starter<'a> {
     /// Its name in tables.
     pub name: String,
     /// Starts it and warms it up.
-    pub start: Box<dyn FnMut() -> Result<Box<dyn Variant>> + 'a>,
+    pub start: Box<dyn FnMut() -> Result<Box<dyn Variant + 'a>> + 'a>,
 }
 
 /// What rounds gave.
@@ -182,8 +182,12 @@ pub fn run(variant: &mut dyn Variant, schedule: &Schedule) -> Result<Measured> {
 
 /// Runs rounds of variants that are started anew, in random order, after every [`EACH`] of them.
 pub fn compare(starters: &mut [Starter<'_>], schedule: &Schedule) -> Result<Measured> {
+    compare_each(starters, schedule, EACH.min(schedule.rounds.max(1)))
+}
+
+/// The same, starting anew after so many rounds.
+pub fn compare_each(starters: &mut [Starter<'_>], schedule: &Schedule, each: usize) -> Result<Measured> {
     let names = starters.iter().map(|starter| starter.name.clone()).collect();
-    let each = EACH.min(schedule.rounds.max(1));
     let mut rounds = Rounds::new(names, each, schedule);
     for starts in 1.. {
         let mut variants = Vec::new();

@@ -1,0 +1,75 @@
+//! What `vary` prints.
+
+use super::Outcome;
+use crate::cli::{size, table};
+use milkglass::internals::gpu::{Choices, Device};
+use milkglass::measure::rounds::Ratio;
+use milkglass::measure::vary::{Asked, Proof, lack};
+
+/// All axes with their values, and what the device lacks for each.
+pub(super) fn list(axes: &[Asked], device: Option<&Device>) -> String {
+    let mut text = device.map_or_else(String::new, |device| format!("{}, {}\n", device.name(), device.driver()));
+    for asked in axes {
+        text += &format!("\n{}: {}\n", asked.name, asked.axis.about);
+        let row = |value: &milkglass::internals::gpu::Value| {
+            let mut choices = Choices::default();
+            (value.set)(&mut choices);
+            let lacks = device.and_then(|device| lack(device.adapter(), &choices)).unwrap_or_default();
+            let mark = if value.name == asked.default { " (default)" } else { "" };
+            vec![format!("  {}", value.name), format!("{}{mark}", value.about), lacks]
+        };
+        let rows: Vec<Vec<String>> = asked.axis.values.iter().map(row).collect();
+        text += &table(&["  value", "what it means", "lacks"], &[], &rows);
+    }
+    text
+}
+
+/// What was proved, in a line.
+pub(super) fn proved(proof: &Proof) -> String {
+    match proof {
+        Proof::Same { buffers, bytes } => {
+            format!("bit for bit the default's, {buffers} buffers of {} after 3 frames", size(*bytes as u64))
+        }
+        Proof::Conforms { differ, used } => {
+            let most = used.iter().max_by(|one, two| one.1.total_cmp(&two.1));
+            let most = most.map_or_else(String::new, |(stage, used)| {
+                format!("; at most {:.0} % of what is allowed ({stage})", 100.0 * used)
+            });
+            format!("other bits in {}; every stage conforms{most}", differ.join(", "))
+        }
+    }
+}
+
+/// A row for each variant: the whole frame, and the stages that show a difference.
+pub(super) fn summary(outcomes: &[Outcome]) -> String {
+    let mut rows = Vec::new();
+    for outcome in outcomes {
+        for (variant, ratios) in outcome.timed.iter().zip(&outcome.ratios) {
+            let whole = ratios.iter().rfind(|row| row.what == "frame").or_else(|| ratios.last());
+            let cells = whole.map_or_else(|| ["-".into(), "-".into()], cells);
+            let stages: Vec<String> = ratios
+                .iter()
+                .filter(|row| row.what != "frame")
+                .filter_map(|row| Some(format!("{} {:.3} {}", row.what, row.ratio.value, row.finding()?)))
+                .collect();
+            let finding = whole.and_then(Ratio::finding).unwrap_or_default();
+            let [ratio, interval] = cells;
+            rows.push(vec![variant.name.clone(), ratio, interval, finding.into(), stages.join(", ")]);
+        }
+    }
+    if rows.is_empty() {
+        return "\nnothing was timed\n".into();
+    }
+    let header = ["variant", "frame", "interval", "shows", "parts of it that differ"];
+    format!("\nall variants against the default, the intervals of an axis together with 95 %\n{}", {
+        table(&header, &[1, 2], &rows)
+    })
+}
+
+fn cells(row: &Ratio) -> [String; 2] {
+    let interval = match row.ratio.high.is_finite() {
+        true => format!("{:.3}..{:.3}", row.ratio.low, row.ratio.high),
+        false => "too few".into(),
+    };
+    [format!("{:.3}", row.ratio.value), interval]
+}
