@@ -37,6 +37,8 @@ pub struct Kernel {
     pub accesses: Vec<Access>,
     /// Bytes of push constants it takes.
     pub push_bytes: u32,
+    /// Whether it has shuffles that it can do without.
+    shuffles: bool,
     /// Invocations of a group.
     pub group: u32,
     /// The same, if it was chosen.
@@ -94,13 +96,17 @@ impl Kernel {
 
     /// The kernel of this SPIR-V with these specialization constants (0, 1, ...), or what the device lacks for it.
     pub(crate) fn new(device: &LogicalDevice, name: &str, words: Vec<u32>, constants: &[u32]) -> Result<Self> {
-        let special = constants.iter().zip(0..).map(|(value, id)| (id, *value)).collect();
+        let special: Vec<(u32, u32)> = (0..).zip(constants.iter().copied()).collect();
         let kept = device.choices().constants == Constants::Specialization;
         let source =
             kept.then(|| Source { words: words.clone(), constants: constants.to_vec(), baked: RefCell::default() });
-        let mut kernel = Self::made(device, name, words, special)?;
+        let mut kernel = Self::described(device, name, &words, special.len())?;
         kernel.source = source.filter(|_| kernel.push_bytes > 0).map(Box::new);
-        Ok(kernel)
+        // Where push constants become specialization constants, only the kernels of their values have pipelines.
+        match kernel.source {
+            Some(_) => Ok(kernel),
+            None => kernel.with_pipeline(words, special),
+        }
     }
 
     /// The kernel for these push constants, which takes none.
@@ -115,32 +121,25 @@ impl Kernel {
         let mut special: Vec<(u32, u32)> = (0..).zip(source.constants.iter().copied()).collect();
         let pushed = push.chunks_exact(4).map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]]));
         special.extend((BAKED_ID..).zip(pushed));
-        let made = Rc::new(Self::made(&self.device, &self.name, words, special)?);
+        let made = Self::described(&self.device, &self.name, &words, source.constants.len())?;
+        let made = Rc::new(made.with_pipeline(words, special)?);
         source.baked.borrow_mut().insert(push.to_vec(), made.clone());
         Ok(made)
     }
 
-    /// The kernel with these specialization constants, by their ids.
-    fn made(device: &LogicalDevice, name: &str, words: Vec<u32>, mut special: Vec<(u32, u32)>) -> Result<Self> {
-        let doing = format!("preparing kernel {name}");
-        let choices = device.choices();
-        let uniform = choices.constants == Constants::Uniform;
-        let found = reflect(name, &words)?;
-        let given = special.iter().filter(|(id, _)| *id < GROUP_ID).count();
-        let open = |id: u32| found.open.contains(&id);
-        let chosen_group = choices.group(name).filter(|_| open(GROUP_ID));
+    /// What this SPIR-V says of itself, for so many specialization constants; it has no pipeline yet.
+    fn described(device: &LogicalDevice, name: &str, words: &[u32], given: usize) -> Result<Self> {
+        let found = reflect(name, words)?;
+        let chosen_group = device.choices().group(name).filter(|_| found.open.contains(&GROUP_ID));
         let group = chosen_group.unwrap_or(found.group);
-        check(device, &found, group, given, &doing)?;
-        special.extend(chosen_group.map(|size| (GROUP_ID, size)));
-        special.extend((choices.no_shuffles && open(SHUFFLE_ID)).then_some((SHUFFLE_ID, 0)));
-        let words = as_given(device, if uniform { as_uniform(&words) } else { words });
-
-        let mut kernel = Self {
+        check(device, &found, group, given, &format!("preparing kernel {name}"))?;
+        Ok(Self {
             pipeline: vk::Pipeline::null(),
             layout: vk::PipelineLayout::null(),
             set_layout: vk::DescriptorSetLayout::null(),
             uniform_layout: vk::DescriptorSetLayout::null(),
             name: name.to_string(),
+            shuffles: found.open.contains(&SHUFFLE_ID),
             accesses: found.accesses,
             push_bytes: found.push_bytes,
             group,
@@ -148,8 +147,19 @@ impl Kernel {
             meter: None,
             source: None,
             device: device.clone(),
-        };
-        kernel.make_layouts(&doing)?;
+        })
+    }
+
+    /// The same with a pipeline, with these specialization constants by their ids.
+    fn with_pipeline(mut self, words: Vec<u32>, mut special: Vec<(u32, u32)>) -> Result<Self> {
+        let doing = format!("preparing kernel {}", self.name);
+        let device = self.device.clone();
+        let choices = device.choices();
+        special.extend(self.chosen_group.map(|size| (GROUP_ID, size)));
+        special.extend((choices.no_shuffles && self.shuffles).then_some((SHUFFLE_ID, 0)));
+        let uniform = choices.constants == Constants::Uniform;
+        let words = as_given(&device, if uniform { as_uniform(&words) } else { words });
+        self.make_layouts(&doing)?;
         let entries: Vec<_> = special
             .iter()
             .zip(0..)
@@ -158,7 +168,7 @@ impl Kernel {
         let values: Vec<u32> = special.iter().map(|(_, value)| *value).collect();
         let special = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&values));
         let raw = device.raw();
-        // SAFETY: every handle is this device's and is stored in `kernel` at once, which frees it after a failure.
+        // SAFETY: every handle is this device's and is stored in `self` at once, which frees it after a failure.
         unsafe {
             let info = vk::ShaderModuleCreateInfo::default().code(&words);
             let module = vk_call("vkCreateShaderModule", &doing, || raw.create_shader_module(&info, None))?;
@@ -172,15 +182,15 @@ impl Kernel {
                 size = size.required_subgroup_size(subgroup);
                 stage = stage.push_next(&mut size);
             }
-            let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(kernel.layout)];
+            let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.layout)];
             let made = vk_call("vkCreateComputePipelines", &doing, || {
                 raw.create_compute_pipelines(device.pipeline_cache(), &info, None).map_err(|(_, code)| code)
             });
             raw.destroy_shader_module(module, None);
-            kernel.pipeline = made?[0];
+            self.pipeline = made?[0];
         }
-        device.label(kernel.pipeline, name);
-        Ok(kernel)
+        device.label(self.pipeline, &self.name);
+        Ok(self)
     }
 
     /// Makes the layouts of its sets and of its pipeline.

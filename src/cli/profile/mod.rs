@@ -11,7 +11,8 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 pub use self::arguments::Arguments;
-use self::comparison::{files, told, unmet};
+use self::comparison::{files, told};
+pub(super) use self::comparison::{half, rounds, unmet};
 use self::pipe::{Other, serve};
 use self::text::text;
 use super::replace::replaced;
@@ -135,7 +136,7 @@ fn devices(arguments: &Arguments, names: &[String], scene: &Scene, settings: &Se
 }
 
 /// Prints the ratios of samples of several variants; returns them.
-pub(super) fn compared(samples: &Samples, replaced: &[String], settings: &Settings) -> Result<Value> {
+fn compared(samples: &Samples, replaced: &[String], settings: &Settings) -> Result<Value> {
     let ratios = samples.ratios();
     print(&format!("{}{}\n", told(samples, &ratios, replaced), unmet(samples, settings)))?;
     let names = samples.variants.iter().skip(1).map(|variant| &variant.name);

@@ -7,9 +7,9 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
-use self::text::{list, proved, summary};
+use self::text::{list, proved, stages, summary};
 use super::device::DeviceArgument;
-use super::profile::{compared, write};
+use super::profile::{unmet, write};
 use super::run_args::OptionArguments;
 use super::timing::{MOST, TimingArguments};
 use super::{SceneArguments, check_messages, print, validation};
@@ -142,10 +142,10 @@ impl Arguments {
             _ => compare_frames(scene, &timed, &open, settings)?,
         };
         check_messages(Some(device))?;
-        print("\n")?;
-        compared(&found.samples, &[], settings)?;
         let ratios = found.samples.ratios();
-        Ok(Outcome { asked, proofs, timed, samples: found.samples, ratios })
+        let outcome = Outcome { asked, proofs, timed, samples: found.samples, ratios };
+        print(&format!("{}{}", stages(&outcome), unmet(&outcome.samples, settings)))?;
+        Ok(outcome)
     }
 
     /// What `--json` holds.

@@ -1,6 +1,7 @@
 //! What `vary` prints.
 
 use super::Outcome;
+use crate::cli::profile::{half, rounds};
 use crate::cli::{size, table};
 use milkglass::internals::gpu::{Choices, Device};
 use milkglass::measure::rounds::Ratio;
@@ -61,9 +62,11 @@ pub(super) fn summary(outcomes: &[Outcome]) -> String {
         return "\nnothing was timed\n".into();
     }
     let header = ["variant", "frame", "interval", "shows", "parts of it that differ"];
-    format!("\nall variants against the default, the intervals of an axis together with 95 %\n{}", {
+    format!(
+        "\nEach variant against the default: the ratio of a frame's time, and its interval. All intervals of an axis hold \
+         together\nwith 95 % (Hodges-Lehmann, signed ranks, over each start's median ratio); * excludes 1.\n\n{}",
         table(&header, &[1, 2], &rows)
-    })
+    )
 }
 
 fn cells(row: &Ratio) -> [String; 2] {
@@ -72,4 +75,31 @@ fn cells(row: &Ratio) -> [String; 2] {
         false => "too few".into(),
     };
     [format!("{:.3}", row.ratio.value), interval]
+}
+
+/// The stages of an axis: the default's times, and each variant's ratio to them.
+pub(super) fn stages(outcome: &Outcome) -> String {
+    let Outcome { samples, ratios, timed, asked, .. } = outcome;
+    let Some(first) = ratios.first() else { return String::new() };
+    let values: Vec<&str> = timed.iter().map(|variant| variant.name.rsplit('=').next().unwrap_or_default()).collect();
+    let default = format!("{} ms", asked.default);
+    let header: Vec<&str> =
+        ["stage", &default, "+-"].into_iter().chain(values.iter().flat_map(|name| [*name, ""])).collect();
+    let row = |(k, row): (usize, &Ratio)| {
+        let own = [row.what.clone(), format!("{:.3}", row.ms[0].value), half(&row.ms[0])];
+        let others = ratios.iter().flat_map(|rows| match rows.get(k).filter(|other| other.what == row.what) {
+            Some(other) => {
+                let mark = if other.finding().is_some() { " *" } else { "" };
+                let [ratio, interval] = cells(other);
+                [ratio, format!("{interval}{mark}")]
+            }
+            None => ["-".into(), String::new()],
+        });
+        own.into_iter().chain(others).collect()
+    };
+    let rows: Vec<Vec<String>> = first.iter().enumerate().map(row).collect();
+    let right: Vec<usize> = (1..3).chain((0..values.len()).map(|k| 3 + 2 * k)).collect();
+    let mut text = format!("\n{}\n{}", rounds(samples), table(&header, &right, &rows));
+    samples.doubts().iter().for_each(|doubt| text += &format!("{doubt}\n"));
+    text
 }
