@@ -26,6 +26,8 @@ pub struct Choices {
     pub cache: Cache,
     /// What the compiler of GLSL optimises for.
     pub optimization: Optimization,
+    /// Whether the buffers of a scene hold zeros at first, so that what no kernel writes can be compared.
+    pub cleared: bool,
 }
 
 /// How buffers are bound.

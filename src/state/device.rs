@@ -62,6 +62,15 @@ impl DeviceState {
             self.buffers.insert(slot, Buffer::new(&self.device, slot.spec().name, whole)?);
             made.push(slot);
         }
+        if self.device.choices().cleared {
+            let sizes = made.iter().map(|slot| self.buffers[slot].size() as usize);
+            let zeros = vec![0; sizes.max().unwrap_or(0)];
+            let clear = |slot: &BufferId| {
+                let buffer = &self.buffers[slot];
+                Upload { buffer, offset: 0, bytes: &zeros[..buffer.size() as usize] }
+            };
+            upload(&self.device, &made.iter().map(clear).collect::<Vec<_>>())?;
+        }
         let guards = self.guards(state, &made);
         let bytes = [GUARD_BYTE; GUARD as usize + 4];
         let fill: Vec<_> = guards

@@ -15,7 +15,9 @@ use super::timing::{MOST, TimingArguments};
 use super::{SceneArguments, check_messages, print, validation};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{AXES, Choices, Device};
+use milkglass::internals::session::run::CapacityHints;
 use milkglass::internals::view::atomic_file::ready;
+use milkglass::measure::fixtures::Fixture;
 use milkglass::measure::profile::Settings;
 use milkglass::measure::rounds::{ROUNDS, Ratio, Samples};
 use milkglass::measure::vary::{Asked, Variant, asked, compare_first_frames, compare_frames, computed, lack, proof};
@@ -84,8 +86,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let scene = SceneArguments { sets, ..arguments.scene.clone() }.load()?;
     let settings = arguments.settings();
     print(&format!("{}: {}, {}\n", scene.name, device.name(), device.driver()))?;
-    let default = computed(&scene, &device, &settings)?;
+    let cleared = |choices: &Choices| device.opened_as(&Choices { cleared: true, ..choices.clone() });
+    let default = computed(&scene, &cleared(&Choices::default())?, &settings)?;
     check_messages(Some(&device))?;
+    let fixture = || Fixture::new(&scene.name, &scene, settings.options, CapacityHints::default());
     let mut outcomes = Vec::new();
     for asked in axes {
         print(&format!("\n{}: {}\n", asked.name, asked.axis.about))?;
@@ -96,9 +100,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 proofs.push(json!({"variant": variant.name, "lacks": lack}));
                 continue;
             }
-            let opened = device.opened_as(&variant.choices)?;
+            let opened = cleared(&variant.choices)?;
             let own = computed(&scene, &opened, &settings)?;
-            let found = proof(&variant.name, [&default, &own], &scene, &opened, &settings)?;
+            let found = proof(&variant.name, [&default, &own], &opened, &fixture)?;
             check_messages(Some(&opened))?;
             let told = proved(&found);
             print(&format!("  {}: {told}\n", variant.name))?;

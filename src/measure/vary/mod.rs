@@ -8,7 +8,7 @@ mod first_frames;
 mod proof;
 
 pub use self::first_frames::compare_first_frames;
-pub use self::proof::{Computed, Proof, computed, proof};
+pub use self::proof::{Computed, Proof, computed, computed_steps, proof};
 
 use crate::error::{Error, Input, Result};
 use crate::gpu::{AXES, Adapter, Axis, Choices, group_is_open, kernel_names};

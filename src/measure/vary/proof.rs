@@ -7,7 +7,8 @@ use crate::measure::conform::conform;
 use crate::measure::fixtures::Fixture;
 use crate::measure::profile::Settings;
 use crate::scene::Scene;
-use crate::session::run::{CapacityHints, Session};
+use crate::session::run::Session;
+use crate::state::DeviceState;
 
 /// The buffers after a first frame and two more.
 pub struct Computed(Vec<(BufferId, Vec<u8>)>);
@@ -43,6 +44,18 @@ pub fn computed(scene: &Scene, device: &Device, settings: &Settings) -> Result<C
     Ok(Computed(BUFFER_IDS.iter().map(|slot| (*slot, data.bytes(*slot).to_vec())).collect()))
 }
 
+/// Runs the steps of a fixture twice on a device, all in one frame, and reads all buffers.
+pub fn computed_steps(device: &Device, fixture: &Fixture) -> Result<Computed> {
+    let mut state = fixture.state.clone();
+    let mut copy = DeviceState::new(device, false)?;
+    copy.upload(&state, BUFFER_IDS)?;
+    for _ in 0..2 {
+        copy.run(&state, &fixture.steps)?;
+    }
+    copy.download(&mut state, BUFFER_IDS)?;
+    Ok(Computed(BUFFER_IDS.iter().map(|slot| (*slot, state.data.bytes(*slot).to_vec())).collect()))
+}
+
 impl Computed {
     /// The buffers that hold something else.
     fn differ(&self, other: &Self) -> Vec<BufferId> {
@@ -71,13 +84,12 @@ impl Computed {
 }
 
 /// Compares what a variant computed with what the default did. Fails where they differ, unless other arithmetic was
-/// chosen and every stage conforms on the variant's device.
+/// chosen and every stage of the fixture conforms on the variant's device.
 pub fn proof(
     name: &str,
     [default, variant]: [&Computed; 2],
-    scene: &Scene,
     device: &Device,
-    settings: &Settings,
+    fixture: &dyn Fn() -> Result<Fixture>,
 ) -> Result<Proof> {
     let differ = default.differ(variant);
     let Some(first) = differ.first() else {
@@ -89,8 +101,7 @@ pub fn proof(
     if device.choices().optimization == crate::gpu::Optimization::default() {
         return Err(fault(default.first(variant, *first)));
     }
-    let fixture = Fixture::new(&scene.name, scene, settings.options, CapacityHints::default())?;
-    let rows = conform(device, &fixture, &[])?;
+    let rows = conform(device, &fixture()?, &[])?;
     if let Some((stage, what)) = rows.iter().find_map(|row| Some((row.stage, row.faults.first()?))) {
         return Err(fault(format!("stage {stage}: {what}")));
     }

@@ -1,0 +1,81 @@
+//! However the API is used, every buffer holds what it holds by default.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex};
+
+use milkglass::internals::gpu::{AXES, Choices, Device};
+use milkglass::measure::fixtures::{Fixture, fixtures};
+use milkglass::measure::vary::{Computed, Proof, Variant, asked, computed_steps, lack, proof};
+
+use crate::devices::on_devices_each;
+
+/// The smallest fixtures that together run every stage that any runs.
+fn covering() -> Vec<Fixture> {
+    let mut all = fixtures("").unwrap();
+    all.sort_by_key(|fixture| fixture.state.data.triangles.len() * fixture.steps.len());
+    let mut covered = BTreeSet::new();
+    all.retain(|fixture| {
+        let before = covered.len();
+        covered.extend(fixture.steps.iter().map(|step| step.stage.name));
+        covered.len() > before
+    });
+    all
+}
+
+/// A device used as chosen whose buffers are defined everywhere.
+fn cleared(device: &Device, choices: &Choices) -> Device {
+    device.opened_as(&Choices { cleared: true, ..choices.clone() }).unwrap()
+}
+
+/// Compares every variant that a device can run with the default, on these fixtures.
+fn compare(fixtures: &[Fixture]) {
+    let variants: Vec<Variant> = AXES.iter().flat_map(|axis| asked(axis.name).unwrap().variants).collect();
+    let defaults: Mutex<BTreeMap<String, Arc<Vec<Computed>>>> = Mutex::default();
+    let tally: Mutex<BTreeMap<String, [usize; 2]>> = Mutex::default();
+    on_devices_each(&variants, |device, variant| {
+        let ran = lack(device.adapter(), &variant.choices).is_none();
+        tally.lock().unwrap().entry(device.name().into()).or_default()[usize::from(ran)] += 1;
+        if !ran {
+            return;
+        }
+        let run = |choices: &Choices| -> (Device, Vec<Computed>) {
+            let device = cleared(device, choices);
+            let all = fixtures.iter().map(|fixture| computed_steps(&device, fixture).unwrap()).collect();
+            (device, all)
+        };
+        let default = {
+            let mut known = defaults.lock().unwrap();
+            known.entry(device.name().into()).or_insert_with(|| Arc::new(run(&Choices::default()).1)).clone()
+        };
+        let (opened, own) = run(&variant.choices);
+        for ((fixture, default), own) in fixtures.iter().zip(default.iter()).zip(&own) {
+            let again = || {
+                Ok(Fixture { name: fixture.name.clone(), state: fixture.state.clone(), steps: fixture.steps.clone() })
+            };
+            match proof(&variant.name, [default, own], &opened, &again) {
+                Ok(Proof::Same { buffers, .. }) => assert!(buffers > 5),
+                Ok(Proof::Conforms { differ, .. }) => {
+                    println!("{}: {}: other bits in {differ:?}", variant.name, fixture.name)
+                }
+                Err(error) => panic!("{}: {}: {}: {error}", device.name(), variant.name, fixture.name),
+            }
+        }
+    });
+    for (device, [lacks, ran]) in tally.into_inner().unwrap() {
+        println!("{device}: {ran} variants, {lacks} that it lacks something for");
+        assert!(ran >= 20 && ran + lacks == variants.len(), "{device}: {ran} of {}", variants.len());
+    }
+}
+
+#[test]
+fn every_use_of_the_api_computes_the_same() {
+    let fixtures = covering();
+    assert!(fixtures.len() < 30 && fixtures.iter().any(|fixture| fixture.steps.len() > 20), "{}", fixtures.len());
+    compare(&fixtures);
+}
+
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn every_use_of_the_api_computes_the_same_on_all_fixtures() {
+    compare(&fixtures("").unwrap());
+}
