@@ -207,7 +207,7 @@ impl Adapter {
                 timestamp_period: if timed { base.limits.timestamp_period } else { 0.0 },
                 round_to_nearest: more.shader_rounding_mode_rte_float32 == vk::TRUE,
             },
-            offers: Offers::query(instance, physical),
+            offers: Offers::query(instance, physical, queue_family),
             unusable,
             physical,
             queue_family,

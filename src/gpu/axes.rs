@@ -1,6 +1,6 @@
 //! The axes along which the use of the API can be varied: each lists what one choice could be.
 
-use super::choices::{Barriers, Cache, Choices, Constants, Descriptors, MemoryKind, Optimization, Submissions};
+use super::choices::{Barriers, Cache, Choices, Constants, Descriptors, MemoryKind, Optimization, Queues, Submissions};
 use crate::layout::GROUP_SIZE;
 
 /// One choice, and what it could be.
@@ -115,6 +115,15 @@ pub static AXES: &[Axis] = &[
             value!("visible", "visible to the host, written through", memory = MemoryKind::Visible),
             value!("cached", "visible to the host, cached", memory = MemoryKind::Cached),
             value!("dedicated", "the device's own, an allocation a buffer", memory = MemoryKind::Dedicated),
+        ],
+    },
+    Axis {
+        name: "queues",
+        about: "queues that the steps of a frame are submitted to",
+        values: &[
+            value!("one", "one, in the order of the frame", queues = Queues::One),
+            value!("apart", "one, a submission a step, ordered by timeline semaphores", queues = Queues::Apart),
+            value!("two", "two of a family, for steps that do not depend on each other", queues = Queues::Two),
         ],
     },
     Axis {

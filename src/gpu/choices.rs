@@ -22,6 +22,8 @@ pub struct Choices {
     pub barriers: Barriers,
     /// The memory of buffers.
     pub memory: MemoryKind,
+    /// The queues of a frame.
+    pub queues: Queues,
     /// What pipelines are made from, where a device has made them before.
     pub cache: Cache,
     /// What the compiler of GLSL optimises for.
@@ -98,6 +100,18 @@ pub enum MemoryKind {
     Cached,
     /// The device's own, an allocation a buffer.
     Dedicated,
+}
+
+/// The queues of a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Queues {
+    /// One.
+    #[default]
+    One,
+    /// One, to which each step is submitted apart as if there were two, in an order that semaphores keep.
+    Apart,
+    /// Two of one family: steps that do not depend on each other may run at the same time.
+    Two,
 }
 
 /// What pipelines are made from, where a device has made them before.

@@ -6,15 +6,17 @@ use std::ffi::CString;
 use ash::vk;
 
 use super::call::vk_call;
-use super::choices::Submissions;
+use super::choices::{Queues, Submissions};
 use super::logical_device::LogicalDevice;
 use super::order::waits;
 use super::record::{Entry, Groups, Listed, Timing};
 use super::sets::Sets;
 use crate::error::Result;
 use barriers::STAGES;
+use batches::Batches;
 
 mod barriers;
+mod batches;
 
 /// A frame in command buffers. What it uses lives as long as it does; buffers are the caller's.
 pub(super) struct Encoded {
@@ -27,6 +29,8 @@ pub(super) struct Encoded {
     sets: Sets,
     /// The event that follows a dispatch, by its index.
     events: Vec<vk::Event>,
+    /// Where each command buffer is submitted, if not one after the other to one queue.
+    batches: Option<Batches>,
     queries: vk::QueryPool,
     /// The command buffer being recorded.
     now: vk::CommandBuffer,
@@ -44,6 +48,7 @@ impl Encoded {
             secondaries: Vec::new(),
             sets: Sets::new(device),
             events: Vec::new(),
+            batches: None,
             queries: vk::QueryPool::null(),
             now: vk::CommandBuffer::null(),
         };
@@ -54,7 +59,9 @@ impl Encoded {
             // SAFETY: the device is alive; the pool is freed with the recording.
             unsafe {
                 encoded.queries = vk_call("vkCreateQueryPool", doing, || device.raw().create_query_pool(&info, None))?;
-                device.raw().cmd_reset_query_pool(encoded.now, encoded.queries, 0, count);
+                if device.choices().queues == Queues::One {
+                    device.raw().cmd_reset_query_pool(encoded.now, encoded.queries, 0, count);
+                }
             }
         }
         let list = std::mem::take(&mut encoded.list);
@@ -99,15 +106,28 @@ impl Encoded {
             })
             .collect();
         self.sets.prepare(&dispatches)?;
-        let waits = waits(&dispatches, choices.barriers);
+        let waits = match choices.queues {
+            Queues::One => waits(&dispatches, choices.barriers),
+            Queues::Apart | Queues::Two => {
+                let batches = Batches::new(&device, list)?;
+                let waits = batches.waits(&dispatches, choices.barriers);
+                self.batches = Some(batches);
+                waits
+            }
+        };
         self.make_events(&waits, dispatches.len())?;
+        let apart = choices.submissions == Submissions::Step || choices.queues != Queues::One;
+        let parts = list.iter().filter(|entry| matches!(entry, Entry::Begin(_))).count();
         let (mut part, mut index) = (0, 0);
         let mut open: Vec<usize> = Vec::new();
-        for entry in list {
+        for (at, entry) in list.iter().enumerate() {
             match entry {
                 Entry::Begin(name) => {
                     if choices.submissions == Submissions::Secondary && open.is_empty() {
                         self.begin(vk::CommandBufferLevel::SECONDARY)?;
+                    }
+                    if choices.queues != Queues::One && open.is_empty() {
+                        self.reset_queries(part, 1 + inner_parts(&list[at + 1..]));
                     }
                     self.begin_part(name, part);
                     open.push(part);
@@ -118,7 +138,7 @@ impl Encoded {
                     self.end_part(ended.unwrap_or(usize::MAX));
                     match choices.submissions {
                         _ if !open.is_empty() => {}
-                        Submissions::Step if part < parts(list) => {
+                        _ if apart && part < parts => {
                             self.end()?;
                             self.begin(vk::CommandBufferLevel::PRIMARY)?;
                         }
@@ -146,6 +166,16 @@ impl Encoded {
         // SAFETY: the primary command buffer is recording; the secondary one is complete.
         unsafe { self.device.raw().cmd_execute_commands(self.now, &secondary) };
         Ok(())
+    }
+
+    /// Records that these parts have no timestamps yet; on another queue than the first this can't be done for all.
+    fn reset_queries(&self, part: usize, count: usize) {
+        let end = (part + count).min(self.timed_parts);
+        if part < end {
+            let [first, count] = [2 * part, 2 * (end - part)].map(|number| number as u32);
+            // SAFETY: the command buffer is recording; the queries lie within the pool.
+            unsafe { self.device.raw().cmd_reset_query_pool(self.now, self.queries, first, count) };
+        }
     }
 
     fn begin_part(&self, name: &str, part: usize) {
@@ -213,7 +243,10 @@ impl Encoded {
             // SAFETY: the event is alive, and nothing is running that uses it.
             vk_call("vkResetEvent", &doing, || unsafe { raw.reset_event(*event) })?;
         }
-        self.device.submit_all(&self.primaries, &doing)?;
+        match &self.batches {
+            Some(batches) => batches.submit(&self.primaries, &doing)?,
+            None => self.device.submit_all(&self.primaries, &doing)?,
+        }
         let mut ticks = vec![0u64; 2 * names.len().min(self.timed_parts)];
         if !ticks.is_empty() {
             let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
@@ -236,9 +269,20 @@ impl Encoded {
     }
 }
 
-/// How many parts a list has.
-fn parts(list: &[Entry]) -> usize {
-    list.iter().filter(|entry| matches!(entry, Entry::Begin(_))).count()
+/// How many parts begin before the one ends that has begun.
+fn inner_parts(list: &[Entry]) -> usize {
+    let (mut open, mut count) = (1, 0);
+    for entry in list {
+        match entry {
+            Entry::Begin(_) => (open, count) = (open + 1, count + 1),
+            Entry::End => open -= 1,
+            Entry::Dispatch(_) => {}
+        }
+        if open == 0 {
+            break;
+        }
+    }
+    count
 }
 
 impl Drop for Encoded {

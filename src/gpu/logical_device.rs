@@ -13,7 +13,7 @@ use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 use super::adapter::{Adapter, Limits};
 use super::allocator::{Memory, MemoryUse};
 use super::call::vk_call;
-use super::choices::{Barriers, Cache, Choices, Descriptors};
+use super::choices::{Barriers, Cache, Choices, Descriptors, Queues};
 use super::instance::Instance;
 use crate::error::{Error, Result};
 use submission::GRACE;
@@ -33,7 +33,8 @@ struct Inner {
     debug: Option<ext::debug_utils::Device>,
     push_descriptors: khr::push_descriptor::Device,
     synchronization2: khr::synchronization2::Device,
-    queue: vk::Queue,
+    /// The queue, and the second one if the choices need it; else the same.
+    queues: [vk::Queue; 2],
     pool: vk::CommandPool,
     pipeline_cache: Cell<vk::PipelineCache>,
     adapter: Adapter,
@@ -55,14 +56,17 @@ impl LogicalDevice {
         if let Some(why) = adapter.unusable.clone().or_else(|| adapter.offers.lack(choices)) {
             return Err(Error::device(doing, why));
         }
-        let priorities = [1.0];
+        let priorities = [1.0; 2];
+        let count = if choices.queues == Queues::Two { 2 } else { 1 };
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(adapter.queue_family)
-            .queue_priorities(&priorities)];
+            .queue_priorities(&priorities[..count])];
 
         // What the choices need, and nothing else.
         let mut extensions = Vec::new();
-        let mut features = vk::PhysicalDeviceVulkan12Features::default().scalar_block_layout(true);
+        let mut features = vk::PhysicalDeviceVulkan12Features::default()
+            .scalar_block_layout(true)
+            .timeline_semaphore(choices.queues != Queues::One);
         let mut second = vk::PhysicalDeviceSynchronization2Features::default().synchronization2(true);
         let mut sizes = vk::PhysicalDeviceSubgroupSizeControlFeatures::default().subgroup_size_control(true);
         if choices.descriptors == Descriptors::Frame {
@@ -90,15 +94,15 @@ impl LogicalDevice {
             // SAFETY: `info` and all it points to live through the call; the adapter is this instance's.
             unsafe { instance.0.raw.create_device(adapter.physical, &info, None) }
         })?;
-        // SAFETY: the family was named in `info`, with one queue.
-        let queue = unsafe { raw.get_device_queue(adapter.queue_family, 0) };
+        // SAFETY: the family was named in `info`, with so many queues.
+        let queues = [0, count as u32 - 1].map(|index| unsafe { raw.get_device_queue(adapter.queue_family, index) });
         let debug = instance.0.debug.as_ref().map(|_| ext::debug_utils::Device::new(&instance.0.raw, &raw));
         let mut inner = Inner {
             push_descriptors: khr::push_descriptor::Device::new(&instance.0.raw, &raw),
             synchronization2: khr::synchronization2::Device::new(&instance.0.raw, &raw),
             raw,
             debug,
-            queue,
+            queues,
             pool: vk::CommandPool::null(),
             pipeline_cache: Cell::default(),
             adapter: adapter.clone(),
@@ -226,7 +230,7 @@ impl LogicalDevice {
 
     #[cfg(feature = "window")]
     pub(super) fn queue(&self) -> vk::Queue {
-        self.0.queue
+        self.0.queues[0]
     }
 
     pub(super) fn pipeline_cache(&self) -> vk::PipelineCache {

@@ -4,7 +4,7 @@ use std::ffi::CStr;
 
 use ash::{ext, khr, vk};
 
-use super::choices::{Barriers, Choices, Descriptors, MemoryKind};
+use super::choices::{Barriers, Choices, Descriptors, MemoryKind, Queues};
 use crate::layout::BUFFER_IDS;
 
 /// What a device offers for [`Choices`].
@@ -19,13 +19,17 @@ pub struct Offers {
     subgroups: Option<[u32; 2]>,
     /// Storage buffers in a set that is bound once for all kernels; 0 where it can't have unused ones.
     set_buffers: u32,
+    /// How many queues the family of its compute queue has.
+    queues: u32,
+    /// Whether it has timeline semaphores.
+    timelines: bool,
     /// The memory types of buffers that are local, visible, and cached.
     memory_types: [Option<usize>; 3],
 }
 
 impl Offers {
-    /// What an instance says of one of its physical devices.
-    pub(super) fn query(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Self {
+    /// What an instance says of one of its physical devices, whose compute queue is of this family.
+    pub(super) fn query(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -> Self {
         // SAFETY: a plain query on a device of this instance.
         let extensions = unsafe { instance.enumerate_device_extension_properties(physical) }.unwrap_or_default();
         let has = |name: &CStr| extensions.iter().any(|e| e.extension_name_as_c_str().is_ok_and(|own| own == name));
@@ -33,10 +37,11 @@ impl Offers {
         let mut sizes = vk::PhysicalDeviceSubgroupSizeControlFeatures::default();
         let mut pushes = vk::PhysicalDevicePushDescriptorPropertiesKHR::default();
         let mut indexing = vk::PhysicalDeviceDescriptorIndexingProperties::default();
+        let mut timeline = vk::PhysicalDeviceTimelineSemaphoreFeatures::default();
         let mut binding = vk::PhysicalDeviceDescriptorIndexingFeatures::default();
         let mut second = vk::PhysicalDeviceSynchronization2Features::default();
         let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut indexing);
-        let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut binding);
+        let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut binding).push_next(&mut timeline);
         if has(ext::subgroup_size_control::NAME) {
             properties = properties.push_next(&mut subgroups);
             features = features.push_next(&mut sizes);
@@ -48,10 +53,13 @@ impl Offers {
             features = features.push_next(&mut second);
         }
         // SAFETY: the chains live through the calls, and the device knows each structure.
-        let memory = unsafe {
+        let (memory, families) = unsafe {
             instance.get_physical_device_properties2(physical, &mut properties);
             instance.get_physical_device_features2(physical, &mut features);
-            instance.get_physical_device_memory_properties(physical)
+            (
+                instance.get_physical_device_memory_properties(physical),
+                instance.get_physical_device_queue_family_properties(physical),
+            )
         };
         let stages = subgroups.required_subgroup_size_stages.contains(vk::ShaderStageFlags::COMPUTE);
         let sized = sizes.subgroup_size_control == vk::TRUE && stages;
@@ -67,6 +75,8 @@ impl Offers {
                     .min(indexing.max_descriptor_set_update_after_bind_storage_buffers),
                 false => 0,
             },
+            queues: families.get(family as usize).map_or(0, |family| family.queue_count),
+            timelines: timeline.timeline_semaphore == vk::TRUE,
             memory_types: memory_types(memory.memory_types_as_slice()),
         }
     }
@@ -96,6 +106,8 @@ impl Offers {
                 "it lacks descriptorBindingPartiallyBound with descriptorBindingStorageBufferUpdateAfterBind"
             }
             (_, Barriers::Synchronization2) if !self.synchronization2 => "it lacks VK_KHR_synchronization2",
+            _ if choices.queues != Queues::One && !self.timelines => "it lacks timelineSemaphore",
+            _ if choices.queues == Queues::Two && self.queues < 2 => "the family of its compute queue has one queue",
             _ if wanted.is_none() => "it has no such memory type",
             _ if wanted == local => "it is the memory type of local",
             _ => return None,

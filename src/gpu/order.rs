@@ -66,7 +66,7 @@ pub(super) fn waits(list: &[&Listed], barriers: Barriers) -> Vec<Option<Wait>> {
 }
 
 /// The buffers of a dispatch, and whether it reads and writes them.
-fn uses(dispatch: &Listed) -> impl Iterator<Item = (vk::Buffer, bool, bool)> + '_ {
+pub(super) fn uses(dispatch: &Listed) -> impl Iterator<Item = (vk::Buffer, bool, bool)> + '_ {
     let bound = dispatch.kernel.accesses.iter().zip(&dispatch.ranges);
     let counted = match dispatch.groups {
         Groups::Counted { range, .. } => Some((range.buffer, true, false)),

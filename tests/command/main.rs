@@ -28,4 +28,5 @@ mod studio;
 mod textures;
 mod unfinished;
 mod validity;
+mod vary;
 mod walk;

@@ -7,24 +7,21 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
-use self::text::{list, proved, stages, summary};
+use self::text::{list, stages, summary};
 use super::device::DeviceArgument;
 use super::profile::{unmet, write};
 use super::run_args::OptionArguments;
 use super::timing::{MOST, TimingArguments};
 use super::{SceneArguments, check_messages, print, validation};
 use milkglass::error::{Error, Input, Result};
-use milkglass::internals::gpu::{AXES, Choices, Device};
-use milkglass::internals::session::run::CapacityHints;
+use milkglass::internals::gpu::{AXES, Device};
 use milkglass::internals::view::atomic_file::ready;
-use milkglass::measure::fixtures::Fixture;
 use milkglass::measure::profile::Settings;
-use milkglass::measure::rounds::{ROUNDS, Ratio, Samples};
-use milkglass::measure::vary::{Asked, Variant, asked, compare_first_frames, compare_frames, computed, lack, proof};
-use milkglass::scene::Scene;
+use milkglass::measure::rounds::{ROUNDS, Ratio};
+use milkglass::measure::vary::{Outcome, Subject, Tried, Variant, asked, strips};
 
 /// Seconds that an axis is timed for, where nothing else is asked for.
-const BUDGET: f64 = 30.0;
+const BUDGET: f64 = 60.0;
 
 /// Arguments of `vary`.
 #[derive(Args)]
@@ -51,22 +48,14 @@ pub struct Arguments {
     /// Also write what was proved, all samples and ratios to this JSON file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-}
-
-/// What came of one axis.
-pub(super) struct Outcome {
-    asked: Asked,
-    /// Of each variant, what it lacks or what was proved.
-    proofs: Vec<Value>,
-    /// The variants that were timed, in the order of `ratios`.
-    timed: Vec<Variant>,
-    samples: Samples,
-    ratios: Vec<Vec<Ratio>>,
+    /// Also draw the ratios and their intervals, a strip for each stage, as this SVG file.
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
 }
 
 /// Proves, times, prints, and writes the requested files.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    ready([("--json", arguments.json.as_ref())])?;
+    ready([("--json", arguments.json.as_ref()), ("--svg", arguments.svg.as_ref())])?;
     let axes = match arguments.axis.as_slice() {
         [] => AXES.iter().map(|axis| asked(axis.name)).collect::<Result<Vec<_>>>()?,
         given => given.iter().map(|text| asked(text)).collect::<Result<Vec<_>>>()?,
@@ -86,32 +75,25 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let scene = SceneArguments { sets, ..arguments.scene.clone() }.load()?;
     let settings = arguments.settings();
     print(&format!("{}: {}, {}\n", scene.name, device.name(), device.driver()))?;
-    let cleared = |choices: &Choices| device.opened_as(&Choices { cleared: true, ..choices.clone() });
-    let default = computed(&scene, &cleared(&Choices::default())?, &settings)?;
+    let subject = Subject::new(&scene, &device, &settings)?;
     check_messages(Some(&device))?;
-    let fixture = || Fixture::new(&scene.name, &scene, settings.options, CapacityHints::default());
     let mut outcomes = Vec::new();
     for asked in axes {
         print(&format!("\n{}: {}\n", asked.name, asked.axis.about))?;
-        let (mut timed, mut proofs) = (Vec::new(), Vec::new());
-        for variant in &asked.variants {
-            if let Some(lack) = lack(device.adapter(), &variant.choices) {
-                print(&format!("  {}: not run: {lack}\n", variant.name))?;
-                proofs.push(json!({"variant": variant.name, "lacks": lack}));
-                continue;
-            }
-            let opened = cleared(&variant.choices)?;
-            let own = computed(&scene, &opened, &settings)?;
-            let found = proof(&variant.name, [&default, &own], &opened, &fixture)?;
-            check_messages(Some(&opened))?;
-            let told = proved(&found);
-            print(&format!("  {}: {told}\n", variant.name))?;
-            proofs.push(json!({"variant": variant.name, "proof": told}));
-            timed.push(variant.clone());
-        }
-        outcomes.push(arguments.time(&scene, &device, &settings, (asked, timed, proofs))?);
+        let outcome = subject.vary(asked, &mut |variant, tried| {
+            print(&match tried {
+                Tried::Lacks(lack) => format!("  {}: not run: {lack}\n", variant.name),
+                Tried::Proved(proof) => format!("  {}: {proof}\n", variant.name),
+            })
+        })?;
+        check_messages(Some(&device))?;
+        print(&format!("{}{}", stages(&outcome), unmet(&outcome.samples, &settings)))?;
+        outcomes.push(outcome);
     }
     print(&summary(&outcomes))?;
+    if let Some(path) = &arguments.svg {
+        write(path, strips(&scene.name, &outcomes)?)?;
+    }
     let Some(path) = &arguments.json else { return Ok(()) };
     write(path, format!("{:#}\n", arguments.result(&device, &outcomes)))
 }
@@ -123,47 +105,27 @@ impl Arguments {
             options: self.option_args.options(),
             change: self.timing.change(),
             frames: frames.unwrap_or(if until.is_some() { MOST } else { ROUNDS as u32 }) as usize,
-            enough: budget.unwrap_or(if until.is_some() { 2.0 * BUDGET } else { BUDGET }),
+            enough: budget.unwrap_or(BUDGET),
             until,
             seed,
         }
     }
 
-    /// Times the variants of an axis against the default.
-    fn time(
-        &self,
-        scene: &Scene,
-        device: &Device,
-        settings: &Settings,
-        (asked, timed, proofs): (Asked, Vec<Variant>, Vec<Value>),
-    ) -> Result<Outcome> {
-        if timed.is_empty() {
-            return Ok(Outcome { asked, proofs, timed, samples: Samples::default(), ratios: Vec::new() });
-        }
-        let open = |choices: &Choices| device.opened_as(choices);
-        let found = match asked.axis.name {
-            "cache" => compare_first_frames(scene, &timed, &open, settings)?,
-            _ => compare_frames(scene, &timed, &open, settings)?,
-        };
-        check_messages(Some(device))?;
-        let ratios = found.samples.ratios();
-        let outcome = Outcome { asked, proofs, timed, samples: found.samples, ratios };
-        print(&format!("{}{}", stages(&outcome), unmet(&outcome.samples, settings)))?;
-        Ok(outcome)
-    }
-
     /// What `--json` holds.
     fn result(&self, device: &Device, outcomes: &[Outcome]) -> Value {
         let axis = |outcome: &Outcome| {
-            let ratios = outcome.timed.iter().zip(&outcome.ratios);
+            let tried = |(variant, tried): (&Variant, &Tried)| match tried {
+                Tried::Lacks(lack) => json!({"variant": variant.name, "lacks": lack}),
+                Tried::Proved(proof) => json!({"variant": variant.name, "proof": proof.to_string()}),
+            };
+            let tried: Vec<Value> = outcome.asked.variants.iter().zip(&outcome.tried).map(tried).collect();
+            let rows = |(variant, rows): (&Variant, &[Ratio])| json!({"variant": variant.name, "rows": rows});
             json!({
                 "axis": outcome.asked.name,
                 "default": outcome.asked.default,
-                "variants": outcome.proofs,
+                "variants": tried,
                 "samples": outcome.samples,
-                "comparison": ratios
-                    .map(|(variant, rows)| json!({"variant": variant.name, "rows": rows}))
-                    .collect::<Vec<_>>(),
+                "comparison": outcome.timed().map(rows).collect::<Vec<_>>(),
             })
         };
         json!({
@@ -173,6 +135,7 @@ impl Arguments {
             "scene": self.scene.scene,
             "sets": self.option_args.of(&self.scene.sets),
             "frame": self.scene.frame,
+            "seed": self.timing.seed,
             "change": self.timing.change_name(),
             "device": device.name(),
             "driver": device.driver(),

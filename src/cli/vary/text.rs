@@ -1,11 +1,10 @@
 //! What `vary` prints.
 
-use super::Outcome;
 use crate::cli::profile::{half, rounds};
-use crate::cli::{size, table};
+use crate::cli::table;
 use milkglass::internals::gpu::{Choices, Device};
 use milkglass::measure::rounds::Ratio;
-use milkglass::measure::vary::{Asked, Proof, lack};
+use milkglass::measure::vary::{Asked, Outcome, lack};
 
 /// All axes with their values, and what the device lacks for each.
 pub(super) fn list(axes: &[Asked], device: Option<&Device>) -> String {
@@ -25,27 +24,11 @@ pub(super) fn list(axes: &[Asked], device: Option<&Device>) -> String {
     text
 }
 
-/// What was proved, in a line.
-pub(super) fn proved(proof: &Proof) -> String {
-    match proof {
-        Proof::Same { buffers, bytes } => {
-            format!("bit for bit the default's, {buffers} buffers of {} after 3 frames", size(*bytes as u64))
-        }
-        Proof::Conforms { differ, used } => {
-            let most = used.iter().max_by(|one, two| one.1.total_cmp(&two.1));
-            let most = most.map_or_else(String::new, |(stage, used)| {
-                format!("; at most {:.0} % of what is allowed ({stage})", 100.0 * used)
-            });
-            format!("other bits in {}; every stage conforms{most}", differ.join(", "))
-        }
-    }
-}
-
 /// A row for each variant: the whole frame, and the stages that show a difference.
 pub(super) fn summary(outcomes: &[Outcome]) -> String {
     let mut rows = Vec::new();
     for outcome in outcomes {
-        for (variant, ratios) in outcome.timed.iter().zip(&outcome.ratios) {
+        for (variant, ratios) in outcome.timed() {
             let whole = ratios.iter().rfind(|row| row.what == "frame").or_else(|| ratios.last());
             let cells = whole.map_or_else(|| ["-".into(), "-".into()], cells);
             let stages: Vec<String> = ratios
@@ -79,9 +62,9 @@ fn cells(row: &Ratio) -> [String; 2] {
 
 /// The stages of an axis: the default's times, and each variant's ratio to them.
 pub(super) fn stages(outcome: &Outcome) -> String {
-    let Outcome { samples, ratios, timed, asked, .. } = outcome;
+    let Outcome { samples, ratios, asked, .. } = outcome;
     let Some(first) = ratios.first() else { return String::new() };
-    let values: Vec<&str> = timed.iter().map(|variant| variant.name.rsplit('=').next().unwrap_or_default()).collect();
+    let values: Vec<&str> = outcome.timed().filter_map(|(variant, _)| variant.name.rsplit('=').next()).collect();
     let default = format!("{} ms", asked.default);
     let header: Vec<&str> =
         ["stage", &default, "+-"].into_iter().chain(values.iter().flat_map(|name| [*name, ""])).collect();

@@ -24,17 +24,23 @@ impl LogicalDevice {
         self.submit_each(&infos, doing)
     }
 
-    /// Makes these submissions, and waits for the last.
+    /// Makes these submissions to the first queue, and waits for the last.
     pub(in super::super) fn submit_each(&self, infos: &[vk::SubmitInfo<'_>], doing: &str) -> Result<()> {
+        self.submit_to(&infos.iter().map(|info| (0, *info)).collect::<Vec<_>>(), doing)
+    }
+
+    /// Makes submissions to the queue of each number, and waits for the last.
+    pub(in super::super) fn submit_to(&self, infos: &[(usize, vk::SubmitInfo<'_>)], doing: &str) -> Result<()> {
         let raw = &self.0.raw;
         let Some((last, others)) = infos.split_last() else { return Ok(()) };
         if !self.finished() {
             return Err(Error::device(doing, "the device is still busy with what it did not finish in time"));
         }
         let patience = nanoseconds(self.0.patience.get());
-        let submit = |info: &vk::SubmitInfo<'_>, fence: vk::Fence| {
+        let submit = |(queue, info): &(usize, vk::SubmitInfo<'_>), fence: vk::Fence| {
+            let queue = self.0.queues[*queue];
             // SAFETY: the command buffers are complete and of this device, and so is the fence.
-            vk_call("vkQueueSubmit", doing, || unsafe { raw.queue_submit(self.0.queue, &[*info], fence) })
+            vk_call("vkQueueSubmit", doing, || unsafe { raw.queue_submit(queue, &[*info], fence) })
         };
         // SAFETY: the fence is destroyed once it is not in use.
         unsafe {
@@ -45,7 +51,7 @@ impl LogicalDevice {
                 .and_then(|()| submit(last, fence))
                 // Those before the one that was refused may be running.
                 .inspect_err(|_| {
-                    let _ = raw.queue_wait_idle(self.0.queue);
+                    let _ = raw.device_wait_idle();
                 });
             let running = submitted.is_ok();
             let done = submitted

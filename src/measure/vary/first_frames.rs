@@ -54,9 +54,9 @@ impl Timed for Start<'_> {
 
 /// Times the making of all pipelines of a scene, and its first two frames, with the pipeline cache that each variant
 /// starts from. A driver's own cache on disk is not switched off.
-pub fn compare_first_frames(
+pub(super) fn compare_first_frames(
     scene: &Scene,
-    variants: &[Variant],
+    variants: &[&Variant],
     open: &dyn Fn(&Choices) -> Result<Device>,
     settings: &Settings,
 ) -> Result<Measured> {
@@ -66,8 +66,7 @@ pub fn compare_first_frames(
     session.frame(settings.change)?;
     let (pipelines, content) = (session.pipelines(), device.pipeline_cache_content()?);
     drop(session);
-    let default = Variant { name: "default".into(), choices: Choices::default() };
-    let starter = |variant: &Variant| {
+    let starter = |variant: &&Variant| {
         let (name, choices) = (variant.name.clone(), variant.choices.clone());
         let (pipelines, content) = (pipelines.as_slice(), content.as_slice());
         let warm = (choices.cache == Cache::Warm).then_some(&device);
@@ -77,7 +76,7 @@ pub fn compare_first_frames(
         };
         Starter { name, start: Box::new(start) }
     };
-    let mut starters: Vec<Starter<'_>> = std::iter::once(&default).chain(variants).map(starter).collect();
+    let mut starters: Vec<Starter<'_>> = variants.iter().map(starter).collect();
     // A round is a start already.
     let rounds = settings.frames.min(MOST_ROUNDS);
     compare_each(&mut starters, &Schedule { rounds, ..settings.schedule() }, 1)

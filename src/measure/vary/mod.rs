@@ -6,15 +6,15 @@
 
 mod first_frames;
 mod proof;
+mod strips;
+mod subject;
 
-pub use self::first_frames::compare_first_frames;
-pub use self::proof::{Computed, Proof, computed, computed_steps, proof};
+pub use self::proof::{Computed, Proof, computed_steps, proof};
+pub use self::strips::strips;
+pub use self::subject::{Outcome, Subject, Tried};
 
 use crate::error::{Error, Input, Result};
 use crate::gpu::{AXES, Adapter, Axis, Choices, group_is_open, kernel_names};
-use crate::measure::profile::{Open, Settings, against};
-use crate::measure::rounds::Measured;
-use crate::scene::Scene;
 
 /// One way to use the API.
 #[derive(Clone, Debug)]
@@ -86,21 +86,6 @@ pub fn lack(adapter: &Adapter, choices: &Choices) -> Option<String> {
     let most = adapter.limits.group_invocations;
     let large = choices.groups.values().find(|size| **size > most);
     large.map(|_| format!("its groups have at most {most} invocations")).or_else(|| adapter.offers.lack(choices))
-}
-
-/// Times frames of the default and of variants of it in turn; `open` opens the device for each start.
-pub fn compare_frames(
-    scene: &Scene,
-    variants: &[Variant],
-    open: &dyn Fn(&Choices) -> Result<crate::gpu::Device>,
-    settings: &Settings,
-) -> Result<Measured> {
-    let default = Variant { name: "default".into(), choices: Choices::default() };
-    let all: Vec<&Variant> = std::iter::once(&default).chain(variants).collect();
-    let opens: Vec<_> = all.iter().map(|variant| move || open(&variant.choices).map(Some)).collect();
-    let named: Vec<(&str, Open<'_>)> =
-        all.iter().zip(&opens).map(|(variant, open)| (variant.name.as_str(), open as Open<'_>)).collect();
-    against(scene, &named, settings)
 }
 
 #[cfg(test)]

@@ -32,8 +32,26 @@ pub enum Proof {
     },
 }
 
+impl std::fmt::Display for Proof {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Same { buffers, bytes } => {
+                let size = *bytes as f64 / 1_048_576.0;
+                write!(out, "bit for bit the default's: {buffers} buffers of {size:.1} MiB after 3 frames")
+            }
+            Self::Conforms { differ, used } => {
+                write!(out, "other bits in {} buffers ({}); every stage conforms", differ.len(), differ.join(", "))?;
+                match used.iter().max_by(|one, two| one.1.total_cmp(&two.1)) {
+                    Some((stage, used)) => write!(out, ", {stage} with {:.0} % of what is allowed", 100.0 * used),
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+}
+
 /// Runs frames of a scene on a device, and reads all buffers.
-pub fn computed(scene: &Scene, device: &Device, settings: &Settings) -> Result<Computed> {
+pub(super) fn computed(scene: &Scene, device: &Device, settings: &Settings) -> Result<Computed> {
     let mut session = Session::new(scene, Some(device), settings.options)?;
     session.frame(crate::pipeline::plan::Change::EVERYTHING)?;
     for _ in 0..2 {
@@ -107,4 +125,24 @@ pub fn proof(
     }
     let used = rows.iter().map(|row| (row.stage, row.used)).collect();
     Ok(Proof::Conforms { differ: differ.iter().map(|slot| slot.spec().name).collect(), used })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_word_that_differs_is_named() {
+        let of = |radiosity: [u32; 3]| {
+            let bytes = radiosity.iter().flat_map(|word| word.to_le_bytes()).collect();
+            Computed(vec![(BufferId::irradiance, vec![1, 2, 3, 4]), (BufferId::radiosity, bytes)])
+        };
+        let (one, two) = (of([1, 2, 3]), of([1, 7, 9]));
+        assert!(one.differ(&of([1, 2, 3])).is_empty());
+        assert_eq!(one.differ(&two), [BufferId::radiosity]);
+        let told = one.first(&two, BufferId::radiosity);
+        assert_eq!(told, "buffer radiosity differs in 2 words; the first is word 1, 0x00000007 instead of 0x00000002");
+        let shorter = Computed(vec![(BufferId::irradiance, vec![1, 2, 3, 4]), (BufferId::radiosity, vec![0; 8])]);
+        assert_eq!(one.first(&shorter, BufferId::radiosity), "buffer radiosity has 8 bytes instead of 12");
+    }
 }
