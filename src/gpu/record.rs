@@ -6,7 +6,7 @@ use std::rc::Rc;
 use ash::vk;
 
 use super::bind::Binding;
-use super::choices::{Constants, Submissions};
+use super::choices::{Constants, Optimization, Submissions};
 use super::count;
 use super::encode::Encoded;
 use super::kernel::Kernel;
@@ -124,6 +124,9 @@ impl Recorder {
         if matches!(work, Work::Invocations(0)) || matches!(work, Work::Grid(groups) if groups.contains(&0)) {
             return Ok(());
         }
+        // An optimiser for size leaves out the last members of a block if nothing uses them.
+        let shortened = self.device.choices().optimization != Optimization::Performance;
+        let push = if shortened { push.get(..kernel.push_bytes as usize).unwrap_or(push) } else { push };
         if push.len() != kernel.push_bytes as usize {
             let (given, takes) = (push.len(), kernel.push_bytes);
             return Err(Error::device(doing(), format!("{given} bytes of push constants given, it takes {takes}")));
