@@ -68,7 +68,7 @@ impl ReplaceArgument {
             let fault = Input::new("shaders run on a Vulkan device only").key("--replace").found("the CPU");
             return Err(fault.expected("a device that `milkglass devices` lists").into());
         };
-        let device = replaced(device, &loaded);
+        let device = replaced(device, &loaded)?;
         let mut fixtures = Vec::new();
         for (scene, options) in setups {
             fixtures.push(Fixture::new(&scene.name, scene, *options, CapacityHints::default())?);
@@ -95,7 +95,7 @@ impl ReplaceArgument {
     }
 }
 
-/// The device with these kernels replaced.
-pub(super) fn replaced(device: &Device, kernels: &[(String, Vec<u32>)]) -> Device {
-    kernels.iter().fold(device.clone(), |device, (name, words)| device.replacing(name, words.clone()))
+/// The device with these kernels replaced, and with the features that they need.
+pub(super) fn replaced(device: &Device, kernels: &[(String, Vec<u32>)]) -> Result<Device> {
+    kernels.iter().try_fold(device.clone(), |device, (name, words)| device.replacing(name, words.clone()))
 }

@@ -23,6 +23,8 @@ pub(super) struct Encoded {
     device: LogicalDevice,
     list: Vec<Entry>,
     timed_parts: usize,
+    /// The dispatches of each part, and the waits before them.
+    counts: Vec<[usize; 2]>,
     /// In the order of submission.
     primaries: Vec<vk::CommandBuffer>,
     secondaries: Vec<vk::CommandBuffer>,
@@ -44,6 +46,7 @@ impl Encoded {
             device: device.clone(),
             list,
             timed_parts,
+            counts: Vec::new(),
             primaries: Vec::new(),
             secondaries: Vec::new(),
             sets: Sets::new(device),
@@ -131,6 +134,7 @@ impl Encoded {
                     }
                     self.begin_part(name, part);
                     open.push(part);
+                    self.counts.push([0; 2]);
                     part += 1;
                 }
                 Entry::End => {
@@ -149,6 +153,10 @@ impl Encoded {
                 Entry::Dispatch(listed) => {
                     if let Some(wait) = &waits[index] {
                         self.wait(wait);
+                    }
+                    if let Some(part) = open.last() {
+                        self.counts[*part][0] += 1;
+                        self.counts[*part][1] += usize::from(waits[index].is_some());
                     }
                     self.dispatch(listed, index);
                     index += 1;
@@ -264,6 +272,8 @@ impl Encoded {
             name: name.clone(),
             milliseconds: between(ticks.get(2 * k), ticks.get(2 * k + 1)),
             start: between(ticks.first(), ticks.get(2 * k)),
+            dispatches: self.counts[k][0],
+            barriers: self.counts[k][1],
         };
         Ok(names.iter().enumerate().map(timing).collect())
     }

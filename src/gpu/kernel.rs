@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::time::{Duration, Instant};
 
 use ash::vk;
 
@@ -41,6 +42,8 @@ pub struct Kernel {
     shuffles: bool,
     /// Invocations of a group.
     pub group: u32,
+    /// How long the driver took to create the pipeline.
+    pub creation: Duration,
     /// The same, if it was chosen.
     pub(super) chosen_group: Option<u32>,
     /// Its counters, if it counts what it does.
@@ -49,7 +52,7 @@ pub struct Kernel {
     pub(super) uniform_layout: vk::DescriptorSetLayout,
     /// What it was made from, and the kernels that were made from it for some values of its push constants.
     source: Option<Box<Source>>,
-    device: LogicalDevice,
+    pub(super) device: LogicalDevice,
 }
 
 /// What a kernel whose push constants become specialization constants was made from.
@@ -144,6 +147,7 @@ impl Kernel {
             push_bytes: found.push_bytes,
             group,
             chosen_group,
+            creation: Duration::ZERO,
             meter: None,
             source: None,
             device: device.clone(),
@@ -182,10 +186,16 @@ impl Kernel {
                 size = size.required_subgroup_size(subgroup);
                 stage = stage.push_next(&mut size);
             }
-            let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.layout)];
+            let flags = match device.extras().statistics {
+                true => vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR,
+                false => vk::PipelineCreateFlags::empty(),
+            };
+            let info = [vk::ComputePipelineCreateInfo::default().flags(flags).stage(stage).layout(self.layout)];
+            let begin = Instant::now();
             let made = vk_call("vkCreateComputePipelines", &doing, || {
                 raw.create_compute_pipelines(device.pipeline_cache(), &info, None).map_err(|(_, code)| code)
             });
+            self.creation = begin.elapsed();
             raw.destroy_shader_module(module, None);
             self.pipeline = made?[0];
         }

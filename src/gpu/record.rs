@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::layout::GROUP_SIZE;
 
 /// How long one labelled part of a frame took.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Timing {
     /// The label.
     pub name: String,
@@ -25,6 +25,10 @@ pub struct Timing {
     /// When it began, milliseconds after the first part of its submission; not a number where the device has no
     /// timestamps.
     pub start: f64,
+    /// Its dispatches; 0 for what the host does.
+    pub dispatches: usize,
+    /// The barriers recorded before them.
+    pub barriers: usize,
 }
 
 /// How large a dispatch is.

@@ -8,7 +8,7 @@ use spirq::prelude::*;
 use spirq::spirv::{Decoration, ExecutionMode, Op};
 use spirq::ty::{AccessType, DescriptorType, Type};
 
-use super::spirv_module::instructions;
+use super::spirv_module::{HEADER_WORDS, Instruction, append, instructions};
 use crate::error::{Error, Result};
 use crate::layout::GROUP_ID;
 
@@ -113,10 +113,34 @@ fn asked_lengths(words: &[u32]) -> BTreeSet<u32> {
     asked
 }
 
+/// The module with a plain constant in place of each part of a composite specialization constant, such as
+/// `gl_WorkGroupSize.x`: `spirq` does not know those. The constant has the default value.
+fn without_extracts(words: &[u32]) -> Vec<u32> {
+    let (mut values, mut composites) = (BTreeMap::new(), BTreeMap::new());
+    let mut out = words.get(..HEADER_WORDS).unwrap_or(words).to_vec();
+    for Instruction { op, operands, words, .. } in instructions(words) {
+        match (op, operands) {
+            (Some(Op::Constant | Op::SpecConstant), [_, id, value]) => drop(values.insert(*id, *value)),
+            (Some(Op::SpecConstantComposite), [_, id, parts @ ..]) => drop(composites.insert(*id, parts)),
+            (Some(Op::SpecConstantOp), [ty, id, what, of, index]) if *what == Op::CompositeExtract as u32 => {
+                let part = composites.get(of).and_then(|parts| parts.get(*index as usize));
+                if let Some(value) = part.and_then(|part| values.get(part)).copied() {
+                    values.insert(*id, value);
+                    append(&mut out, Op::Constant, &[*ty, *id, value]);
+                    continue;
+                }
+            }
+            _ => {}
+        }
+        out.extend(words);
+    }
+    out
+}
+
 pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
     let doing = || format!("reading kernel {name}");
     let entries = ReflectConfig::new()
-        .spv(words)
+        .spv(without_extracts(words))
         .ref_all_rscs(false)
         .reflect()
         .map_err(|error| Error::device(doing(), format!("{error:?}")))?;

@@ -5,6 +5,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 use super::choices::Optimization;
+use super::extras::needed;
 use super::reflect::{Reflected, SOURCES, kernel_names, reflect, words_of};
 use super::spirv_module::{MAGIC, whole};
 use crate::error::{Error, Input, Result};
@@ -46,6 +47,16 @@ pub fn replacement(kernel: &str, file: &Path) -> Result<Vec<u32>> {
         false => compile(file, &read(file).map_err(unread)?)?,
     };
     let fault = |what: String| Error::from(Input::new(what).file(file));
+    if let Err(capability) = needed(&words) {
+        let known = "features that `milkglass` opens devices with: 8, 16 and 64-bit numbers, the Vulkan memory model";
+        return Err(Input::new(format!(
+            "it can't take the place of {kernel}: milkglass has no feature for its capability"
+        ))
+        .file(file)
+        .found(capability)
+        .expected(known)
+        .into());
+    }
     let own =
         reflect(kernel, &words).map_err(|error| fault(format!("it can't take the place of {kernel}: {error}")))?;
     match differs(&own, &reflect(kernel, &words_of(kernel)?)?) {

@@ -19,6 +19,7 @@ pub mod leaning;
 pub mod local;
 pub mod modes;
 pub mod norms;
+pub mod overheads;
 pub mod pareto;
 pub mod pattern;
 pub mod probe;

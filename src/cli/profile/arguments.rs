@@ -55,6 +55,10 @@ pub struct Arguments {
     /// Also write the timed frames for chrome://tracing or ui.perfetto.dev.
     #[arg(long, value_name = "FILE", conflicts_with = "against")]
     pub(super) trace: Option<PathBuf>,
+    /// Print a page on why a frame takes as long as it does, in place of the table: what bounds each stage, what
+    /// dispatches, barriers and submissions cost, how long pipelines took to compile.
+    #[arg(long, conflicts_with_all = ["against", "compare"])]
+    pub(super) why: bool,
     /// Run frames as standard input asks for them.
     #[arg(long, hide = true)]
     pub(super) serve: bool,
@@ -104,6 +108,7 @@ impl Arguments {
         let given = [
             ("--csv", self.csv.is_some()),
             ("--trace", self.trace.is_some()),
+            ("--why", self.why),
             ("--replace", !self.replace.pairs().is_empty()),
             ("--compare", !self.compare.is_empty()),
             ("--against", self.against.is_some()),

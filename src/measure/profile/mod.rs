@@ -10,6 +10,8 @@ pub mod file;
 mod quantiles;
 mod rates;
 mod sheet;
+mod trace;
+pub mod why;
 mod work;
 
 pub use self::agreement::{Agreement, agreement};

@@ -42,6 +42,8 @@ pub struct Frame {
     pub wall: f64,
     /// Its steps.
     pub steps: Vec<Timing>,
+    /// Bytes of device memory after it, on the CPU of all buffers; 0 where it is not known.
+    pub memory: u64,
 }
 
 /// One of those that are compared, warmed up.
@@ -67,7 +69,9 @@ impl Variant for InProcess {
     fn frame(&mut self) -> Result<Frame> {
         let begin = Instant::now();
         let steps = self.session.frame(self.change)?;
-        Ok(Frame { start: 0.0, wall: begin.elapsed().as_secs_f64() * 1e3, steps })
+        let wall = begin.elapsed().as_secs_f64() * 1e3;
+        let memory = self.session.device().map_or_else(|| self.session.bytes(), |device| device.memory().allocated);
+        Ok(Frame { start: 0.0, wall, steps, memory })
     }
 }
 
