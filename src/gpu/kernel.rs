@@ -8,12 +8,12 @@ use std::time::{Duration, Instant};
 use ash::vk;
 
 use super::call::vk_call;
-use super::choices::{Constants, Descriptors, Optimization};
+use super::choices::{Constants, Descriptors};
 use super::count::{self, Tally};
 use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
 use super::pushed::{BAKED_ID, as_specialization, as_uniform};
-use super::reflect::{Access, Reflected, reflect};
+use super::reflect::{Access, Reflected, reflect, words_of};
 use super::spirv_module::{round_to_nearest, without_rounding};
 use crate::error::{Error, Result};
 use crate::layout::{BUFFER_IDS, GROUP_ID, GROUPS_A_ROW, SHUFFLE_ID};
@@ -40,10 +40,12 @@ pub struct Kernel {
     pub push_bytes: u32,
     /// Whether it has shuffles that it can do without.
     shuffles: bool,
-    /// Invocations of a group.
-    pub group: u32,
+    /// Whether its SPIR-V is the build's; others may take less than they are given.
+    pub(super) built: bool,
     /// How long the driver took to create the pipeline.
     pub creation: Duration,
+    /// Invocations of a group.
+    pub group: u32,
     /// The same, if it was chosen.
     pub(super) chosen_group: Option<u32>,
     /// Its counters, if it counts what it does.
@@ -118,7 +120,7 @@ impl Kernel {
         if let Some(known) = source.baked.borrow().get(push) {
             return Ok(known.clone());
         }
-        let words = as_specialization(&source.words).ok_or_else(|| {
+        let words = as_specialization(&source.words, 0).ok_or_else(|| {
             Error::device(format!("preparing kernel {}", self.name), "it takes push constants by an index")
         })?;
         let mut special: Vec<(u32, u32)> = (0..).zip(source.constants.iter().copied()).collect();
@@ -135,7 +137,8 @@ impl Kernel {
         let found = reflect(name, words)?;
         let chosen_group = device.choices().group(name).filter(|_| found.open.contains(&GROUP_ID));
         let group = chosen_group.unwrap_or(found.group);
-        check(device, &found, group, given, &format!("preparing kernel {name}"))?;
+        let built = words_of(name).is_ok_and(|own| own == words);
+        check(device, &found, group, (given, built), &format!("preparing kernel {name}"))?;
         Ok(Self {
             pipeline: vk::Pipeline::null(),
             layout: vk::PipelineLayout::null(),
@@ -145,6 +148,7 @@ impl Kernel {
             shuffles: found.open.contains(&SHUFFLE_ID),
             accesses: found.accesses,
             push_bytes: found.push_bytes,
+            built,
             group,
             chosen_group,
             creation: Duration::ZERO,
@@ -268,7 +272,13 @@ pub(super) fn as_given(device: &LogicalDevice, words: Vec<u32>) -> Vec<u32> {
 }
 
 /// Fails where the device allows less than a kernel needs, or where the number of constants is not the kernel's.
-fn check(device: &LogicalDevice, found: &Reflected, group: u32, given: usize, doing: &str) -> Result<()> {
+fn check(
+    device: &LogicalDevice,
+    found: &Reflected,
+    group: u32,
+    (given, built): (usize, bool),
+    doing: &str,
+) -> Result<()> {
     let limits = device.limits();
     let count = u32::try_from(found.accesses.len()).unwrap_or(u32::MAX);
     for (what, needed, allowed) in [
@@ -280,9 +290,8 @@ fn check(device: &LogicalDevice, found: &Reflected, group: u32, given: usize, do
             return Err(Error::device(doing, format!("it needs {needed} {what}, the device allows {allowed}")));
         }
     }
-    // SPIR-V that was not optimised has constants that nothing uses.
-    let unused = device.choices().optimization != Optimization::Performance;
-    if found.constants != given && !unused {
+    // SPIR-V that was not optimised has constants that nothing uses; a user's may leave out some.
+    if found.constants != given && built {
         let has = found.constants;
         return Err(Error::device(doing, format!("it has {has} specialization constants, {given} were given")));
     }

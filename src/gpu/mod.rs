@@ -72,7 +72,7 @@ pub use offers::Offers;
 pub use record::Timing;
 pub(crate) use record::{Recorder, Recordings, Work};
 pub use reflect::{Access, accesses, constants, group_is_open, kernel_names, reflect_records, spirv};
-pub use replace::{replacement, source, sources};
+pub use replace::{Given, replacement, source, sources};
 #[cfg(feature = "measure")]
 pub(crate) use shift::shifted;
 pub use single_kernel::SingleKernel;

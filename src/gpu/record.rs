@@ -128,10 +128,10 @@ impl Recorder {
         if matches!(work, Work::Invocations(0)) || matches!(work, Work::Grid(groups) if groups.contains(&0)) {
             return Ok(());
         }
-        if push.len() != kernel.push_bytes as usize {
-            let (given, takes) = (push.len(), kernel.push_bytes);
+        let (given, takes) = (push.len(), kernel.push_bytes as usize);
+        let Some(push) = push.get(..takes).filter(|_| given == takes || !kernel.built) else {
             return Err(Error::device(doing(), format!("{given} bytes of push constants given, it takes {takes}")));
-        }
+        };
         let limit = self.device.limits().binding_bytes;
         for binding in bindings {
             if binding.size > limit {

@@ -83,8 +83,8 @@ pub(super) struct Reflected {
     pub(super) constants: usize,
     /// Its specialization constants from [`GROUP_ID`] on, by which it leaves a choice open.
     pub(super) open: BTreeSet<u32>,
-    /// Their names, by id.
-    names: BTreeMap<u32, String>,
+    /// The names of the others, by id.
+    pub(super) names: BTreeMap<u32, String>,
 }
 
 /// Bytes from one element of a buffer to the next.

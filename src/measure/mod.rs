@@ -8,6 +8,7 @@ pub mod bias;
 pub mod bodies;
 pub mod compare;
 pub mod conform;
+pub mod constants;
 pub mod estimate;
 pub mod eval;
 pub mod fixtures;
