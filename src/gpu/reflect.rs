@@ -113,22 +113,34 @@ fn asked_lengths(words: &[u32]) -> BTreeSet<u32> {
     asked
 }
 
-/// The module with a plain constant in place of each part of a composite specialization constant, such as
-/// `gl_WorkGroupSize.x`: `spirq` does not know those. The constant has the default value.
-fn without_extracts(words: &[u32]) -> Vec<u32> {
+/// The module with a plain constant in place of each one that is computed from others, such as `gl_WorkGroupSize.x`:
+/// `spirq` knows few of those. It has the default value where that is a 32-bit integer that lengths are computed by,
+/// else 0.
+fn computed(words: &[u32]) -> Vec<u32> {
     let (mut values, mut composites) = (BTreeMap::new(), BTreeMap::new());
     let mut out = words.get(..HEADER_WORDS).unwrap_or(words).to_vec();
     for Instruction { op, operands, words, .. } in instructions(words) {
         match (op, operands) {
             (Some(Op::Constant | Op::SpecConstant), [_, id, value]) => drop(values.insert(*id, *value)),
             (Some(Op::SpecConstantComposite), [_, id, parts @ ..]) => drop(composites.insert(*id, parts)),
-            (Some(Op::SpecConstantOp), [ty, id, what, of, index]) if *what == Op::CompositeExtract as u32 => {
-                let part = composites.get(of).and_then(|parts| parts.get(*index as usize));
-                if let Some(value) = part.and_then(|part| values.get(part)).copied() {
-                    values.insert(*id, value);
-                    append(&mut out, Op::Constant, &[*ty, *id, value]);
-                    continue;
+            (Some(Op::SpecConstantOp), [ty, id, what, of @ ..]) => {
+                let value = |k: usize| values.get(of.get(k)?).copied();
+                let both = value(0).zip(value(1));
+                let part = || values.get(composites.get(of.first()?)?.get(*of.get(1)? as usize)?).copied();
+                let found = match Op::from_u32(*what) {
+                    Some(Op::CompositeExtract) => part(),
+                    Some(Op::IAdd) => both.map(|(a, b)| a.wrapping_add(b)),
+                    Some(Op::ISub) => both.map(|(a, b)| a.wrapping_sub(b)),
+                    Some(Op::IMul) => both.map(|(a, b)| a.wrapping_mul(b)),
+                    Some(Op::UDiv) => both.and_then(|(a, b)| a.checked_div(b)),
+                    _ => None,
+                };
+                match found {
+                    Some(value) => append(&mut out, Op::Constant, &[*ty, *id, value]),
+                    None => append(&mut out, Op::ConstantNull, &[*ty, *id]),
                 }
+                values.extend(found.map(|value| (*id, value)));
+                continue;
             }
             _ => {}
         }
@@ -140,7 +152,7 @@ fn without_extracts(words: &[u32]) -> Vec<u32> {
 pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
     let doing = || format!("reading kernel {name}");
     let entries = ReflectConfig::new()
-        .spv(without_extracts(words))
+        .spv(computed(words))
         .ref_all_rscs(false)
         .reflect()
         .map_err(|error| Error::device(doing(), format!("{error:?}")))?;

@@ -17,6 +17,7 @@ pub mod folder;
 pub mod interval;
 pub mod layers;
 pub mod leaning;
+pub mod links;
 pub mod local;
 pub mod modes;
 pub mod norms;

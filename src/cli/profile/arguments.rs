@@ -93,14 +93,16 @@ impl Arguments {
             enough: budget.unwrap_or(f64::INFINITY),
             until,
             seed,
+            counts_links: false,
         }
     }
 
-    /// The settings of the profile that follows a comparison of kernels, which has taken the time it may.
+    /// The settings of the profile itself; one that follows a comparison of kernels has taken the time it may.
     pub(super) fn alone(&self, settings: &Settings) -> Settings {
         let replaced = !self.replace.pairs().is_empty();
         let frames = if replaced { settings.frames.min(FRAMES as usize) } else { settings.frames };
-        Settings { frames, until: settings.until.filter(|_| !replaced), ..*settings }
+        let (until, counts_links) = (settings.until.filter(|_| !replaced), self.trace.is_some());
+        Settings { frames, until, counts_links, ..*settings }
     }
 
     /// Fails if there are several devices and something that goes with one only.

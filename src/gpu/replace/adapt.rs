@@ -98,14 +98,15 @@ impl Given {
                 };
                 let what = match set.contains(&key) {
                     true => "the program sets this constant",
-                    false => "the kernel has no such constant",
+                    false => "no such constant",
                 };
                 return Err(fault(what).expected(expected).into());
             };
             let mut leaves = Vec::new();
             flatten(value, &mut leaves);
             if leaves.len() != place.parts.len() {
-                let expected = format!("{} values", place.parts.len());
+                let count = place.parts.len();
+                let expected = format!("{count} value{}", if count == 1 { "" } else { "s" });
                 return Err(fault("too few or too many values").found(leaves.len()).expected(expected).into());
             }
             for (leaf, (id, kind)) in leaves.into_iter().zip(&place.parts) {

@@ -5,9 +5,9 @@ use serde_json::{Value, json};
 use super::Profile;
 
 impl Profile {
-    /// The timed frames as trace events, in microseconds: frames on one track, steps on another, and
-    /// counters: memory, and the rates that each step reaches. The clocks of host
-    /// and device are not aligned, so the steps are shifted such that the last one ends with its frame.
+    /// The timed frames as trace events, in microseconds: frames on one track, steps on another, and counters: memory
+    /// and links, and the rates that each step reaches. The clocks of host and device are not aligned, so the steps are
+    /// shifted such that the last one ends with its frame.
     pub fn trace(&self) -> Value {
         let track = |id: u32, name: &str| json!({"ph": "M", "name": "thread_name", "pid": 1, "tid": id, "args": {"name": name}});
         let mut events = vec![
@@ -27,15 +27,15 @@ impl Profile {
                 next = at + step.milliseconds;
             }
             let late = (length - next).max(0.0);
-            events.push(json!({"ph": "C", "name": "memory, MB", "pid": 1, "ts": start * 1e3,
-                               "args": {"MB": frame.memory as f64 * 1e-6}}));
+            let counter = |name: &str, key: &str, at: f64, value: f64| json!({"ph": "C", "name": name, "pid": 1, "ts": at * 1e3, "args": json!({ key: value })});
+            events.push(counter("memory, MB", "MB", start, frame.memory as f64 * 1e-6));
+            events.extend(frame.links.map(|links| counter("links", "links", start, links as f64)));
             for (step, at) in placed {
                 let begin = start + late + at;
                 events.push(event(&step.name, 2, begin, step.milliseconds));
                 for (name, rate) in self.rates_of(&step.name) {
                     for (at, rate) in [(begin, rate), (begin + step.milliseconds, 0.0)] {
-                        let rate = json!({ name: rate });
-                        events.push(json!({"ph": "C", "name": name, "pid": 1, "ts": at * 1e3, "args": rate}));
+                        events.push(counter(name, name, at, rate));
                     }
                 }
             }
@@ -43,6 +43,7 @@ impl Profile {
         json!({"displayTimeUnit": "ms", "traceEvents": events,
                "otherData": {"device": self.device, "driver": self.driver}})
     }
+
     /// What a stage reaches on average: billions of additions and multiplications per second, and of bytes read and
     /// written; none where its work was not counted.
     fn rates_of(&self, stage: &str) -> Vec<(&'static str, f64)> {

@@ -18,6 +18,7 @@ pub use self::ratios::{CONFIDENCE, Ratio};
 pub use self::samples::{Samples, Series, StageTimes};
 
 use self::load::Load;
+use super::links::links;
 use super::statistics::Random;
 use crate::error::Result;
 use crate::gpu::Timing;
@@ -44,6 +45,8 @@ pub struct Frame {
     pub steps: Vec<Timing>,
     /// Bytes of device memory after it, on the CPU of all buffers; 0 where it is not known.
     pub memory: u64,
+    /// The links of light that it used, if they were counted.
+    pub links: Option<u64>,
 }
 
 /// One of those that are compared, warmed up.
@@ -63,6 +66,8 @@ pub struct InProcess {
     pub session: Session,
     /// What changes before each frame.
     pub change: Change,
+    /// Whether links are counted after each frame, which takes a copy from the device.
+    pub counts_links: bool,
 }
 
 impl Variant for InProcess {
@@ -71,7 +76,8 @@ impl Variant for InProcess {
         let steps = self.session.frame(self.change)?;
         let wall = begin.elapsed().as_secs_f64() * 1e3;
         let memory = self.session.device().map_or_else(|| self.session.bytes(), |device| device.memory().allocated);
-        Ok(Frame { start: 0.0, wall, steps, memory })
+        let links = if self.counts_links { links(&mut self.session)? } else { None };
+        Ok(Frame { start: 0.0, wall, steps, memory, links })
     }
 }
 
