@@ -67,7 +67,7 @@ impl Kernel {
     /// What the driver's compiler says of its pipeline: see [`Device::with_statistics`].
     pub(crate) fn statistics(&self) -> Result<Vec<Statistic>> {
         let device: &LogicalDevice = &self.device;
-        if !device.extras().statistics {
+        if !device.extras().statistics || self.pipeline == vk::Pipeline::null() {
             return Ok(Vec::new());
         }
         let functions = khr::pipeline_executable_properties::Device::new(&device.instance().0.raw, device.raw());
