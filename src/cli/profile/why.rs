@@ -82,6 +82,7 @@ fn cells(stage: &Stage) -> Vec<String> {
         None => cells.extend(["-"; 7].map(String::from)),
     }
     cells.push(format!("{:.1}", stage.creation_ms));
-    cells.push(stage.first_run_ms.map_or("-".into(), |ms| format!("{ms:.1}")));
+    // Without the sign of a difference that rounds to 0.
+    cells.push(stage.first_run_ms.map_or("-".into(), |ms| format!("{:.1}", (10.0 * ms).round() / 10.0 + 0.0)));
     cells
 }

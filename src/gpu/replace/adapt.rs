@@ -157,7 +157,8 @@ impl Kind {
                 let range = within(bits, signed);
                 format!("a whole number from {} to {}", range.start(), range.end())
             }
-            Self::Float { bits: 32 | 64 } => "a number".into(),
+            Self::Float { bits: 32 } => "a number up to 3.4e38".into(),
+            Self::Float { bits: 64 } => "a number".into(),
             Self::Float { bits } => format!("no value: a constant of {bits} bits has its default"),
         }
     }
