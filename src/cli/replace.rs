@@ -41,6 +41,12 @@ impl ReplaceArgument {
         &self.replace
     }
 
+    /// The same in words, with the file of constants.
+    pub(super) fn told(&self) -> Vec<String> {
+        let constants = self.constants.iter().map(|file| format!("constants of {file}"));
+        self.replace.iter().cloned().chain(constants).collect()
+    }
+
     /// The same arguments, for a process to start.
     pub(super) fn words(&self) -> impl Iterator<Item = &str> {
         self.given().flat_map(|(option, value)| [option, value])

@@ -129,7 +129,7 @@ pub(super) fn as_specialization(words: &[u32], from: u32) -> Option<Vec<u32>> {
     let mut added = Added { types: &types, decorations: Vec::new(), constants: Vec::new(), bound };
     let members = types.structs.get(&block)?;
     let offset = |k: u32| types.offsets.get(&(block, k)).copied();
-    let kept = (0..).take_while(|k| offset(*k).is_some_and(|offset| offset < from)).count() as u32;
+    let kept = (0..members.len() as u32).take_while(|k| offset(*k).is_some_and(|at| at < from)).count() as u32;
     let mut parts = Vec::new();
     for (k, of) in (0..).zip(members).skip(kept as usize) {
         parts.push(added.constant(*of, offset(k)?)?);

@@ -163,7 +163,7 @@ impl Arguments {
             subject: self.subject(),
             device: device.into(),
             driver: driver.into(),
-            replaced: self.replace.pairs().to_vec(),
+            replaced: self.replace.told(),
             samples,
         }
     }

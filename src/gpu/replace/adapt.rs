@@ -12,6 +12,9 @@ use crate::gpu::pushed::{BAKED_ID, as_specialization};
 use crate::gpu::reflect::Reflected;
 use crate::gpu::spirv_module::{HEADER_WORDS, Instruction, append, instructions};
 
+/// Most bytes of push constants, those included that the program does not set.
+const MOST_PUSHED: u32 = 4096;
+
 /// Values for constants of a user's kernel, from a file.
 #[derive(Clone, Debug, Default)]
 pub struct Given {
@@ -60,9 +63,11 @@ pub(super) fn adapted(
     }
     let (members, pushed) = (members(&words), right.push_bytes);
     let words = if own.push_bytes > pushed {
-        as_specialization(&words, pushed).ok_or_else(|| {
+        let some = Some(&words).filter(|_| own.push_bytes <= MOST_PUSHED);
+        some.and_then(|words| as_specialization(words, pushed)).ok_or_else(|| {
             let found = format!("takes {} bytes of push constants, and the program sets {pushed}", own.push_bytes);
-            fault(found).expected("members of 32-bit numbers beyond those, with constants for indices")
+            let most = format!("at most {MOST_PUSHED} bytes");
+            fault(found).expected(format!("members of 32-bit numbers beyond those, with constants for indices; {most}"))
         })?
     } else {
         words
@@ -73,8 +78,9 @@ pub(super) fn adapted(
         places.push(Place { name: name.clone(), id: Some(*id), parts: vec![(*id, *kind)] });
     }
     for (at, (name, offset)) in members.iter().enumerate().filter(|(_, (_, offset))| *offset >= pushed) {
-        let end = members.get(at + 1).map_or(u32::MAX, |(_, next)| BAKED_ID + next / 4);
-        let parts = scalars.range(BAKED_ID + offset / 4..end).map(|(id, scalar)| (*id, scalar.kind));
+        let first = |offset: u32| BAKED_ID + offset / 4;
+        let own = first(*offset)..members.get(at + 1).map_or(u32::MAX, |(_, next)| first(*next));
+        let parts = scalars.iter().filter(|(id, _)| own.contains(id)).map(|(id, scalar)| (*id, scalar.kind));
         places.push(Place { name: name.clone(), id: None, parts: parts.collect() });
     }
     let set: Vec<&String> =
