@@ -72,12 +72,18 @@ impl Device {
         Self::open(&instance, Adapter::find(&adapters, wish)?)
     }
 
-    /// The same device, with this SPIR-V in place of a kernel of the build; opened once more if its capabilities need
-    /// features that it was not opened with. Fails if the device lacks one. Nothing else is checked: see
-    /// [`super::replacement`].
+    /// The same device, with this SPIR-V in place of a kernel of the build, and able to run it: see [`Self::able`].
+    /// Nothing else is checked: see [`super::replacement`].
     pub fn replacing(&self, kernel: &str, words: Vec<u32>) -> Result<Self> {
-        let doing = || format!("replacing kernel {kernel}");
-        let needed = needed(&words).map_err(|name| Error::device(doing(), format!("it has the capability {name}")))?;
+        let able = self.able(kernel, &words)?;
+        Ok(Self { kernels: Rc::new(able.kernels.replacing(kernel, words)), ..able })
+    }
+
+    /// The same device, opened once more if the capabilities of this SPIR-V need features that it was not opened with.
+    /// Fails if the device lacks one.
+    pub(crate) fn able(&self, kernel: &str, words: &[u32]) -> Result<Self> {
+        let doing = || format!("preparing kernel {kernel}");
+        let needed = needed(words).map_err(|name| Error::device(doing(), format!("it has the capability {name}")))?;
         let mut extras = self.extras().clone();
         let mut offered = Features::query(&self.instance().0.raw, self.adapter().physical);
         if let Some((capability, feature)) = offered.lacking(&needed) {
@@ -86,9 +92,10 @@ impl Device {
             return Err(Error::device(doing(), what));
         }
         extras.features.extend(needed.iter().map(|(_, feature)| feature));
-        let same = extras == *self.extras();
-        let logical = if same { self.logical.clone() } else { self.logical.again(self.choices(), &extras)? };
-        Ok(Self { logical, kernels: Rc::new(self.kernels.replacing(kernel, words)) })
+        if extras == *self.extras() {
+            return Ok(self.clone());
+        }
+        Ok(Self { logical: self.logical.again(self.choices(), &extras)?, kernels: Rc::new(self.kernels.forgetting()) })
     }
 
     /// The same device, with kernels that count what they do, and are slower for it: see [`super::Kernels::tallies`].

@@ -203,6 +203,11 @@ fn a_kernel_may_declare_what_the_device_has() {
     ]);
     let (out, err) = good(&here, &format!("profile a.toml --frames 2 --replace {KERNEL}=wide.comp"));
     assert!(out.contains("ratio") && err.contains("conform to the reference"), "{out}{err}");
+    // A case has the device opened so, too: the validation layer, where there is one, has nothing to say.
+    good(&here, &format!("dump push --fixture sliver -o case --no-validation --replace {KERNEL}=wide.comp"));
+    let output = program(&here, "replay case").output().unwrap();
+    let (out, err) = said(&output);
+    assert!(output.status.success() || err.contains("layer is not"), "{out}{err}");
     bad(&here, &line("add.comp", ""), 2, &["add.comp", "no feature for its capability", "found AtomicFloat32Add"]);
     let output = program(&here, &line("half.comp", "")).output().unwrap();
     let (out, err) = said(&output);
