@@ -31,8 +31,8 @@ pub fn sources() -> impl Iterator<Item = &'static str> {
     SOURCES.iter().map(|(name, _)| name.strip_suffix(".comp").unwrap_or(name)).chain(["layout.glsl"])
 }
 
-/// The SPIR-V of a file that is to replace a kernel, its interface checked against the kernel's and made to fit it, with
-/// these values for constants of its own.
+/// The SPIR-V of a file that is to replace a kernel, its interface checked against the kernel's and made to fit it,
+/// with these values for constants of its own.
 ///
 /// Includes are searched for beside the file, then among the program's own sources. Errors are the user's: they name
 /// the file, and the line where the compiler names it.

@@ -29,8 +29,8 @@ pub fn links(session: &mut Session) -> Result<Option<u64>> {
     }))
 }
 
-/// Entries of the lists of all blocks: expanded entries count once, the others once per face of the block. Each group of
-/// channels has its own lists, all of which count.
+/// Entries of the lists of all blocks: expanded entries count once, the others once per face of the block. Each group
+/// of channels has its own lists, all of which count.
 fn entries(state: &State) -> u64 {
     let mut sum = 0;
     for (at, batch) in state.batches() {

@@ -5,8 +5,9 @@ use tempfile::TempDir;
 use crate::shell::{bad, folder, good, program, said};
 
 /// A ball small enough to compare quickly.
-const BALL: &str = "[camera]\nsize = [16, 12]\n[[object]]\nshape = 'sphere'\ndetail = 1\nsize = 10\nmaterial = { preset = 'marble' }\n\
-                    [[light]]\ntype = 'directional'\ndirection = [1, 1, 1]\nirradiance = 3\n[transport]\nreceivers = 'faces'\n";
+const BALL: &str = "[camera]\nsize = [16, 12]\n[[object]]\nshape = 'sphere'\ndetail = 1\nsize = 10\n\
+                    material = { preset = 'marble' }\n[[light]]\ntype = 'directional'\ndirection = [1, 1, 1]\n\
+                    irradiance = 3\n[transport]\nreceivers = 'faces'\n";
 const KERNEL: &str = "transport/blocks/push";
 /// What the built-in kernel writes.
 const VALUE: &str = "max(sum, vec3(0))";
@@ -158,7 +159,7 @@ fn a_file_of_constants_is_checked() {
         ("SCALE 1", &["c.toml:2: "]),
         (
             "[\"transport/blocks/pull\"]",
-            &["c.toml:3: transport/blocks/pull: no shader replaces this kernel", "expected transport/blocks/push"],
+            &["c.toml:2: transport/blocks/pull: no shader replaces this kernel", "expected transport/blocks/push"],
         ),
     ] {
         constants(&here, text);

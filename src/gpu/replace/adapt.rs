@@ -1,5 +1,5 @@
-//! A module that is to replace a kernel, made to fit what the program gives that kernel: specialization constants of its
-//! own, and push constants beyond those that the program sets, become plain constants.
+//! A module that is to replace a kernel, made to fit what the program gives that kernel: specialization constants of
+//! its own, and push constants beyond those that the program sets, become plain constants.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
