@@ -9,7 +9,7 @@ use super::call::vk_call;
 use super::choices::{Queues, Submissions};
 use super::logical_device::LogicalDevice;
 use super::order::waits;
-use super::record::{Entry, Groups, Listed, Timing};
+use super::record::{Entry, Groups, Listed};
 use super::sets::Sets;
 use crate::error::Result;
 use barriers::STAGES;
@@ -17,12 +17,15 @@ use batches::Batches;
 
 mod barriers;
 mod batches;
+mod run;
 
 /// A frame in command buffers. What it uses lives as long as it does; buffers are the caller's.
 pub(super) struct Encoded {
     device: LogicalDevice,
     list: Vec<Entry>,
     timed_parts: usize,
+    /// The dispatches of each part, and the waits before them.
+    counts: Vec<[usize; 2]>,
     /// In the order of submission.
     primaries: Vec<vk::CommandBuffer>,
     secondaries: Vec<vk::CommandBuffer>,
@@ -44,6 +47,7 @@ impl Encoded {
             device: device.clone(),
             list,
             timed_parts,
+            counts: Vec::new(),
             primaries: Vec::new(),
             secondaries: Vec::new(),
             sets: Sets::new(device),
@@ -131,6 +135,7 @@ impl Encoded {
                     }
                     self.begin_part(name, part);
                     open.push(part);
+                    self.counts.push([0; 2]);
                     part += 1;
                 }
                 Entry::End => {
@@ -149,6 +154,10 @@ impl Encoded {
                 Entry::Dispatch(listed) => {
                     if let Some(wait) = &waits[index] {
                         self.wait(wait);
+                    }
+                    if let Some(part) = open.last() {
+                        self.counts[*part][0] += 1;
+                        self.counts[*part][1] += usize::from(waits[index].is_some());
                     }
                     self.dispatch(listed, index);
                     index += 1;
@@ -223,50 +232,6 @@ impl Encoded {
             }
         }
     }
-
-    /// Submits it, waits for it, and returns the time of each part on the device.
-    pub(super) fn run(&self) -> Result<Vec<Timing>> {
-        let (raw, limits) = (self.device.raw(), self.device.limits());
-        let mut stages: Vec<String> = Vec::new();
-        let mut dispatches = 0;
-        for entry in &self.list {
-            match entry {
-                Entry::Begin(name) => stages.push(name.clone()),
-                Entry::Dispatch(_) => dispatches += 1,
-                Entry::End => {}
-            }
-        }
-        let names = stages.clone();
-        stages.dedup();
-        let doing = format!("running a frame ({}; {dispatches} dispatches)", stages.join(", "));
-        for event in self.events.iter().filter(|event| **event != vk::Event::null()) {
-            // SAFETY: the event is alive, and nothing is running that uses it.
-            vk_call("vkResetEvent", &doing, || unsafe { raw.reset_event(*event) })?;
-        }
-        match &self.batches {
-            Some(batches) => batches.submit(&self.primaries, &doing)?,
-            None => self.device.submit_all(&self.primaries, &doing)?,
-        }
-        let mut ticks = vec![0u64; 2 * names.len().min(self.timed_parts)];
-        if !ticks.is_empty() {
-            let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
-            vk_call("vkGetQueryPoolResults", &doing, || {
-                // SAFETY: every query of the range was written by the submission.
-                unsafe { raw.get_query_pool_results(self.queries, 0, &mut ticks, flags) }
-            })?;
-        }
-        let (period, mask) = (f64::from(limits.timestamp_period), limits.timestamp_mask);
-        let between = |from: Option<&u64>, to: Option<&u64>| match (from, to) {
-            (Some(from), Some(to)) => (to.wrapping_sub(*from) & mask) as f64 * period * 1e-6,
-            _ => f64::NAN,
-        };
-        let timing = |(k, name): (usize, &String)| Timing {
-            name: name.clone(),
-            milliseconds: between(ticks.get(2 * k), ticks.get(2 * k + 1)),
-            start: between(ticks.first(), ticks.get(2 * k)),
-        };
-        Ok(names.iter().enumerate().map(timing).collect())
-    }
 }
 
 /// How many parts begin before the one ends that has begun.
@@ -283,18 +248,4 @@ fn inner_parts(list: &[Entry]) -> usize {
         }
     }
     count
-}
-
-impl Drop for Encoded {
-    fn drop(&mut self) {
-        if !self.device.finished() {
-            return;
-        }
-        self.primaries.iter().chain(&self.secondaries).for_each(|commands| self.device.discard(*commands));
-        // SAFETY: a submitted frame has been waited for; one that was not submitted is not in use.
-        unsafe {
-            self.device.raw().destroy_query_pool(self.queries, None);
-            self.events.iter().for_each(|event| self.device.raw().destroy_event(*event, None));
-        }
-    }
 }

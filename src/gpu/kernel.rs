@@ -1,21 +1,24 @@
 //! A compute kernel: a pipeline made from SPIR-V, and what it binds.
 
+mod layouts;
+
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::time::{Duration, Instant};
 
 use ash::vk;
 
 use super::call::vk_call;
-use super::choices::{Constants, Descriptors, Optimization};
+use super::choices::Constants;
 use super::count::{self, Tally};
 use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
 use super::pushed::{BAKED_ID, as_specialization, as_uniform};
-use super::reflect::{Access, Reflected, reflect};
+use super::reflect::{Access, Reflected, reflect, words_of};
 use super::spirv_module::{round_to_nearest, without_rounding};
 use crate::error::{Error, Result};
-use crate::layout::{BUFFER_IDS, GROUP_ID, GROUPS_A_ROW, SHUFFLE_ID};
+use crate::layout::{GROUP_ID, GROUPS_A_ROW, SHUFFLE_ID};
 
 /// What identifies a kernel.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -39,6 +42,10 @@ pub struct Kernel {
     pub push_bytes: u32,
     /// Whether it has shuffles that it can do without.
     shuffles: bool,
+    /// Whether its SPIR-V is the build's; others may take less than they are given.
+    pub(super) built: bool,
+    /// How long the driver took to create the pipeline.
+    pub creation: Duration,
     /// Invocations of a group.
     pub group: u32,
     /// The same, if it was chosen.
@@ -49,7 +56,7 @@ pub struct Kernel {
     pub(super) uniform_layout: vk::DescriptorSetLayout,
     /// What it was made from, and the kernels that were made from it for some values of its push constants.
     source: Option<Box<Source>>,
-    device: LogicalDevice,
+    pub(super) device: LogicalDevice,
 }
 
 /// What a kernel whose push constants become specialization constants was made from.
@@ -115,7 +122,7 @@ impl Kernel {
         if let Some(known) = source.baked.borrow().get(push) {
             return Ok(known.clone());
         }
-        let words = as_specialization(&source.words).ok_or_else(|| {
+        let words = as_specialization(&source.words, 0).ok_or_else(|| {
             Error::device(format!("preparing kernel {}", self.name), "it takes push constants by an index")
         })?;
         let mut special: Vec<(u32, u32)> = (0..).zip(source.constants.iter().copied()).collect();
@@ -132,7 +139,8 @@ impl Kernel {
         let found = reflect(name, words)?;
         let chosen_group = device.choices().group(name).filter(|_| found.open.contains(&GROUP_ID));
         let group = chosen_group.unwrap_or(found.group);
-        check(device, &found, group, given, &format!("preparing kernel {name}"))?;
+        let built = words_of(name).is_ok_and(|own| own == words);
+        check(device, &found, group, (given, built), &format!("preparing kernel {name}"))?;
         Ok(Self {
             pipeline: vk::Pipeline::null(),
             layout: vk::PipelineLayout::null(),
@@ -142,8 +150,10 @@ impl Kernel {
             shuffles: found.open.contains(&SHUFFLE_ID),
             accesses: found.accesses,
             push_bytes: found.push_bytes,
+            built,
             group,
             chosen_group,
+            creation: Duration::ZERO,
             meter: None,
             source: None,
             device: device.clone(),
@@ -182,72 +192,21 @@ impl Kernel {
                 size = size.required_subgroup_size(subgroup);
                 stage = stage.push_next(&mut size);
             }
-            let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(self.layout)];
+            let flags = match device.extras().statistics {
+                true => vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR,
+                false => vk::PipelineCreateFlags::empty(),
+            };
+            let info = [vk::ComputePipelineCreateInfo::default().flags(flags).stage(stage).layout(self.layout)];
+            let begin = Instant::now();
             let made = vk_call("vkCreateComputePipelines", &doing, || {
                 raw.create_compute_pipelines(device.pipeline_cache(), &info, None).map_err(|(_, code)| code)
             });
+            self.creation = begin.elapsed();
             raw.destroy_shader_module(module, None);
             self.pipeline = made?[0];
         }
         device.label(self.pipeline, &self.name);
         Ok(self)
-    }
-
-    /// Makes the layouts of its sets and of its pipeline.
-    fn make_layouts(&mut self, doing: &str) -> Result<()> {
-        let (raw, choices) = (self.device.raw(), self.device.choices());
-        let numbers: Vec<u32> = match choices.descriptors {
-            Descriptors::Frame => (0..BUFFER_IDS.len() as u32).chain([count::BINDING]).collect(),
-            _ => self.accesses.iter().map(|access| access.binding).collect(),
-        };
-        let binding = |number: u32, kind: vk::DescriptorType| {
-            vk::DescriptorSetLayoutBinding::default()
-                .binding(number)
-                .descriptor_type(kind)
-                .descriptor_count(1)
-                .stage_flags(vk::ShaderStageFlags::COMPUTE)
-        };
-        let bindings: Vec<_> =
-            numbers.into_iter().map(|number| binding(number, vk::DescriptorType::STORAGE_BUFFER)).collect();
-        let unused = vk::DescriptorBindingFlags::PARTIALLY_BOUND | vk::DescriptorBindingFlags::UPDATE_AFTER_BIND;
-        let flags = vec![unused; bindings.len()];
-        let mut flags = vk::DescriptorSetLayoutBindingFlagsCreateInfo::default().binding_flags(&flags);
-        let mut info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-        match choices.descriptors {
-            Descriptors::Frame => {
-                let whole = vk::DescriptorSetLayoutCreateFlags::UPDATE_AFTER_BIND_POOL;
-                info = info.flags(whole).push_next(&mut flags);
-            }
-            Descriptors::Push => info = info.flags(vk::DescriptorSetLayoutCreateFlags::PUSH_DESCRIPTOR_KHR),
-            Descriptors::Shared | Descriptors::Dispatch => {}
-        }
-        // SAFETY: every handle is this device's and is stored in `self` at once, which frees it after a failure.
-        unsafe {
-            self.set_layout =
-                vk_call("vkCreateDescriptorSetLayout", doing, || raw.create_descriptor_set_layout(&info, None))?;
-            let mut sets = vec![self.set_layout];
-            if choices.constants == Constants::Uniform && self.push_bytes > 0 {
-                let constants = [binding(0, vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC)];
-                let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&constants);
-                self.uniform_layout =
-                    vk_call("vkCreateDescriptorSetLayout", doing, || raw.create_descriptor_set_layout(&info, None))?;
-                sets.push(self.uniform_layout);
-            }
-            // Sets stay bound from one kernel to the next only where the layouts have the same push constants.
-            let size = match (choices.constants, choices.descriptors) {
-                (Constants::Push, Descriptors::Frame) => self.device.limits().push_bytes,
-                (Constants::Push, _) => self.push_bytes,
-                _ => 0,
-            };
-            let push =
-                [vk::PushConstantRange { stage_flags: vk::ShaderStageFlags::COMPUTE, offset: 0, size: size.max(4) }];
-            let mut info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
-            if size > 0 {
-                info = info.push_constant_ranges(&push);
-            }
-            self.layout = vk_call("vkCreatePipelineLayout", doing, || raw.create_pipeline_layout(&info, None))?;
-        }
-        Ok(())
     }
 }
 
@@ -258,7 +217,13 @@ pub(super) fn as_given(device: &LogicalDevice, words: Vec<u32>) -> Vec<u32> {
 }
 
 /// Fails where the device allows less than a kernel needs, or where the number of constants is not the kernel's.
-fn check(device: &LogicalDevice, found: &Reflected, group: u32, given: usize, doing: &str) -> Result<()> {
+fn check(
+    device: &LogicalDevice,
+    found: &Reflected,
+    group: u32,
+    (given, built): (usize, bool),
+    doing: &str,
+) -> Result<()> {
     let limits = device.limits();
     let count = u32::try_from(found.accesses.len()).unwrap_or(u32::MAX);
     for (what, needed, allowed) in [
@@ -270,9 +235,8 @@ fn check(device: &LogicalDevice, found: &Reflected, group: u32, given: usize, do
             return Err(Error::device(doing, format!("it needs {needed} {what}, the device allows {allowed}")));
         }
     }
-    // SPIR-V that was not optimised has constants that nothing uses.
-    let unused = device.choices().optimization != Optimization::Performance;
-    if found.constants != given && !unused {
+    // SPIR-V that was not optimised has constants that nothing uses; a user's may leave out some.
+    if found.constants != given && built {
         let has = found.constants;
         return Err(Error::device(doing, format!("it has {has} specialization constants, {given} were given")));
     }

@@ -1,6 +1,8 @@
 //! The logical device: its queue, its memory, its command buffers and its pipeline cache. Buffers, kernels and
 //! recordings hold a clone of it.
 
+mod again;
+
 use std::cell::Cell;
 use std::ffi::CString;
 use std::rc::Rc;
@@ -14,6 +16,7 @@ use super::adapter::{Adapter, Limits};
 use super::allocator::{Memory, MemoryUse};
 use super::call::vk_call;
 use super::choices::{Barriers, Cache, Choices, Descriptors, Queues};
+use super::extras::Extras;
 use super::instance::Instance;
 use crate::error::{Error, Result};
 use submission::GRACE;
@@ -39,9 +42,12 @@ struct Inner {
     pipeline_cache: Cell<vk::PipelineCache>,
     adapter: Adapter,
     choices: Choices,
+    extras: Extras,
     memory: Memory,
     /// How long a submission may take.
     patience: Cell<Duration>,
+    /// Submissions so far.
+    submissions: Cell<u64>,
     /// The fence of a submission that exceeded its limit and may still be running; null where there is none.
     late: Cell<vk::Fence>,
     /// How much longer to wait for that submission; what it uses is leaked if it takes longer still.
@@ -50,8 +56,8 @@ struct Inner {
 }
 
 impl LogicalDevice {
-    /// Opens an adapter to use it as chosen, or says why that can't be done.
-    pub(super) fn open(instance: &Instance, adapter: &Adapter, choices: &Choices) -> Result<Self> {
+    /// Opens an adapter to use it as chosen and with these extras, or says why that can't be done.
+    pub(super) fn open(instance: &Instance, adapter: &Adapter, choices: &Choices, extras: &Extras) -> Result<Self> {
         let doing = format!("opening {}", adapter.name);
         if let Some(why) = adapter.unusable.clone().or_else(|| adapter.offers.lack(choices)) {
             return Err(Error::device(doing, why));
@@ -62,19 +68,20 @@ impl LogicalDevice {
             .queue_family_index(adapter.queue_family)
             .queue_priorities(&priorities[..count])];
 
-        // What the choices need, and nothing else.
-        let mut extensions = Vec::new();
-        let mut features = vk::PhysicalDeviceVulkan12Features::default()
-            .scalar_block_layout(true)
-            .timeline_semaphore(choices.queues != Queues::One);
+        // What the choices and the extras need, and nothing else.
+        let (mut features, mut extensions) = (extras.features(), extras.extensions());
+        features.twelve.timeline_semaphore = (choices.queues != Queues::One).into();
         let mut second = vk::PhysicalDeviceSynchronization2Features::default().synchronization2(true);
         let mut sizes = vk::PhysicalDeviceSubgroupSizeControlFeatures::default().subgroup_size_control(true);
         if choices.descriptors == Descriptors::Frame {
-            features = features
-                .descriptor_binding_partially_bound(true)
-                .descriptor_binding_storage_buffer_update_after_bind(true);
+            features.twelve.descriptor_binding_partially_bound = vk::TRUE;
+            features.twelve.descriptor_binding_storage_buffer_update_after_bind = vk::TRUE;
         }
-        let mut info = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut features);
+        let mut info = vk::DeviceCreateInfo::default()
+            .queue_create_infos(&queues)
+            .enabled_features(&features.core)
+            .push_next(&mut features.eleven)
+            .push_next(&mut features.twelve);
         if instance.0.presents {
             extensions.push(khr::swapchain::NAME.as_ptr());
         }
@@ -88,6 +95,9 @@ impl LogicalDevice {
         if choices.subgroup.is_some() {
             extensions.push(ext::subgroup_size_control::NAME.as_ptr());
             info = info.push_next(&mut sizes);
+        }
+        if extras.statistics {
+            info = info.push_next(&mut features.statistics);
         }
         let info = info.enabled_extension_names(&extensions);
         let raw = vk_call("vkCreateDevice", &doing, || {
@@ -107,8 +117,10 @@ impl LogicalDevice {
             pipeline_cache: Cell::default(),
             adapter: adapter.clone(),
             choices: choices.clone(),
+            extras: extras.clone(),
             memory: Memory::default(),
             patience: Cell::new(PATIENCE),
+            submissions: Cell::default(),
             late: Cell::default(),
             grace: Cell::new(GRACE),
             instance: instance.clone(),
@@ -132,13 +144,6 @@ impl LogicalDevice {
         let device = Self(Rc::new(inner));
         device.renew_pipeline_cache(&[])?;
         Ok(device)
-    }
-
-    /// Opens the same adapter once more, as chosen.
-    pub(super) fn opened_as(&self, choices: &Choices) -> Result<Self> {
-        let opened = Self::open(&self.0.instance, self.adapter(), choices)?;
-        opened.wait_at_most(self.0.patience.get());
-        Ok(opened)
     }
 
     /// Replaces the pipeline cache by one with this content, which a driver ignores if it is not its own.
@@ -221,11 +226,6 @@ impl LogicalDevice {
 
     pub(super) fn raw(&self) -> &ash::Device {
         &self.0.raw
-    }
-
-    #[cfg(feature = "window")]
-    pub(super) fn instance(&self) -> &Instance {
-        &self.0.instance
     }
 
     #[cfg(feature = "window")]

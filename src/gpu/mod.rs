@@ -5,13 +5,14 @@
 //!
 //! - `choices`, `axes`: how the API is used, and how else it could be;
 //! - `offers`, `adapter`, `vk_error`, `faults`, `call`: what a machine offers, and calls that can fail;
-//! - `instance`, `allocator`, `logical_device`: Vulkan, a device's memory, its queue and submissions;
+//! - `instance`, `allocator`, `spirv_module`, `extras`, `logical_device`: Vulkan, a device's memory, what it is opened
+//!   with, its queue and submissions;
 //! - `memory`, `transfer`: buffers, and copies between host and device;
-//! - `spirv_module`, `reflect`, `replace`, `compile`, [`count`]: SPIR-V, what a kernel binds, and kernels that count;
+//! - `reflect`, `replace`, `compile`, [`count`]: SPIR-V, what a kernel binds, and kernels that count;
 //! - `pushed`, `kernel`, `bind`, `record`: pipelines, and a frame as a list of dispatches;
 //! - `order`, `sets`, `encode`: the list's barriers and descriptor sets, and the list in command buffers;
 //! - `interface`, `shift`: SPIR-V from files, and kernels whose groups count from another one;
-//! - `kernel_cache`, `device`, `kernels`, `single_kernel`: what the rest of the program asks for;
+//! - `kernel_cache`, `device`, `driver_facts`, `kernels`, `single_kernel`: what the rest of the program asks for;
 //! - `window`: pictures in a window (feature `window`).
 
 mod adapter;
@@ -24,7 +25,9 @@ mod choices;
 mod compile;
 pub mod count;
 mod device;
+mod driver_facts;
 mod encode;
+mod extras;
 #[doc(hidden)]
 pub mod faults;
 mod instance;
@@ -57,6 +60,7 @@ pub use axes::{AXES, Axis, Value};
 pub(crate) use bind::Binding;
 pub use choices::{Cache, Choices, Constants, Optimization};
 pub use device::Device;
+pub use driver_facts::{COUNTERS, STATISTICS, Statistic};
 pub use instance::Instance;
 #[cfg(feature = "measure")]
 pub(crate) use interface::{disassembled, interface};
@@ -68,7 +72,7 @@ pub use offers::Offers;
 pub use record::Timing;
 pub(crate) use record::{Recorder, Recordings, Work};
 pub use reflect::{Access, accesses, constants, group_is_open, kernel_names, reflect_records, spirv};
-pub use replace::{replacement, source, sources};
+pub use replace::{Given, replacement, source, sources};
 #[cfg(feature = "measure")]
 pub(crate) use shift::shifted;
 pub use single_kernel::SingleKernel;

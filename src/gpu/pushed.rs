@@ -98,9 +98,10 @@ impl Added<'_> {
     }
 }
 
-/// The module with a specialization constant, from [`BAKED_ID`] on, in place of each word of its push constants; none
-/// where it takes them in a way that kernels of the build do not.
-pub(super) fn as_specialization(words: &[u32]) -> Option<Vec<u32>> {
+/// The module with a specialization constant in place of each word of its push constants from the first member on that
+/// begins at byte `from` or later; that of the first byte would be [`BAKED_ID`]. None where it takes them in a way that
+/// kernels of the build do not.
+pub(super) fn as_specialization(words: &[u32], from: u32) -> Option<Vec<u32>> {
     let mut types = Types::default();
     let (mut variable, mut pointers, mut constants) = (None, BTreeMap::new(), BTreeMap::new());
     for Instruction { op, operands, .. } in instructions(words) {
@@ -126,20 +127,46 @@ pub(super) fn as_specialization(words: &[u32]) -> Option<Vec<u32>> {
     let (block, variable) = variable?;
     let bound = *words.get(BOUND)?;
     let mut added = Added { types: &types, decorations: Vec::new(), constants: Vec::new(), bound };
-    let whole = added.constant(block, 0)?;
+    let members = types.structs.get(&block)?;
+    let offset = |k: u32| types.offsets.get(&(block, k)).copied();
+    let kept = (0..members.len() as u32).take_while(|k| offset(*k).is_some_and(|at| at < from)).count() as u32;
+    let mut parts = Vec::new();
+    for (k, of) in (0..).zip(members).skip(kept as usize) {
+        parts.push(added.constant(*of, offset(k)?)?);
+    }
+    let whole = added.next();
+    if kept == 0 {
+        append(&mut added.constants, Op::SpecConstantComposite, &[&[block, whole], parts.as_slice()].concat());
+    }
 
     // Each pointer into the block is a path of members.
     let mut paths = BTreeMap::from([(variable, Vec::new())]);
     let mut out = words.get(..HEADER_WORDS)?.to_vec();
     let mut decorated = false;
     for Instruction { op, operands, words, .. } in instructions(words) {
+        if let (Some(Op::Decorate | Op::MemberDecorate), false) = (op, decorated) {
+            decorated = true;
+            out.extend(&added.decorations);
+        }
         match (op, operands) {
-            (Some(Op::EntryPoint), _) => {
+            (Some(Op::EntryPoint), _) if kept == 0 => {
                 let kept: Vec<u32> = operands.iter().copied().filter(|id| *id != variable).collect();
                 append(&mut out, Op::EntryPoint, &kept);
             }
-            (Some(Op::Name | Op::Decorate), [id, ..]) if *id == variable => {}
-            (Some(Op::Variable), [_, id, ..]) if *id == variable => out.extend(&added.constants),
+            (Some(Op::Name | Op::Decorate), [id, ..]) if *id == variable && kept == 0 => {}
+            (Some(Op::MemberName | Op::MemberDecorate), [id, k, ..]) if *id == block && kept > 0 && *k >= kept => {}
+            (Some(Op::TypeStruct), [id, ..]) if *id == block && kept > 0 => {
+                append(&mut out, Op::TypeStruct, &operands[..=kept as usize]);
+            }
+            (Some(Op::Variable), [_, id, ..]) if *id == variable => {
+                out.extend(&added.constants);
+                out.extend(words.iter().filter(|_| kept > 0));
+            }
+            (Some(Op::AccessChain | Op::InBoundsAccessChain), [_, _, base, first, ..])
+                if *base == variable && constants.get(first).is_some_and(|k| *k < kept) =>
+            {
+                out.extend(words);
+            }
             (Some(Op::AccessChain | Op::InBoundsAccessChain), [_, id, base, indices @ ..])
                 if paths.contains_key(base) =>
             {
@@ -147,14 +174,14 @@ pub(super) fn as_specialization(words: &[u32]) -> Option<Vec<u32>> {
                 paths.insert(*id, [paths[base].as_slice(), steps.as_slice()].concat());
             }
             (Some(Op::Load), [ty, id, pointer, ..]) if paths.contains_key(pointer) => match paths[pointer].as_slice() {
-                [] => append(&mut out, Op::CopyObject, &[*ty, *id, whole]),
-                path => append(&mut out, Op::CompositeExtract, &[&[*ty, *id, whole], path].concat()),
+                [] if kept == 0 => append(&mut out, Op::CopyObject, &[*ty, *id, whole]),
+                [] => return None,
+                [k] => append(&mut out, Op::CopyObject, &[*ty, *id, *parts.get((k - kept) as usize)?]),
+                [k, path @ ..] => {
+                    let part = *parts.get((k - kept) as usize)?;
+                    append(&mut out, Op::CompositeExtract, &[&[*ty, *id, part], path].concat());
+                }
             },
-            (Some(Op::Decorate | Op::MemberDecorate), _) if !decorated => {
-                decorated = true;
-                out.extend(&added.decorations);
-                out.extend(words);
-            }
             _ => out.extend(words),
         }
     }

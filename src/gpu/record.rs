@@ -6,7 +6,7 @@ use std::rc::Rc;
 use ash::vk;
 
 use super::bind::Binding;
-use super::choices::{Constants, Optimization, Submissions};
+use super::choices::{Constants, Submissions};
 use super::count;
 use super::encode::Encoded;
 use super::kernel::Kernel;
@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::layout::GROUP_SIZE;
 
 /// How long one labelled part of a frame took.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Timing {
     /// The label.
     pub name: String,
@@ -25,6 +25,10 @@ pub struct Timing {
     /// When it began, milliseconds after the first part of its submission; not a number where the device has no
     /// timestamps.
     pub start: f64,
+    /// Its dispatches; 0 for what the host does.
+    pub dispatches: usize,
+    /// The barriers recorded before them.
+    pub barriers: usize,
 }
 
 /// How large a dispatch is.
@@ -124,13 +128,10 @@ impl Recorder {
         if matches!(work, Work::Invocations(0)) || matches!(work, Work::Grid(groups) if groups.contains(&0)) {
             return Ok(());
         }
-        // An optimiser for size leaves out the last members of a block if nothing uses them.
-        let shortened = self.device.choices().optimization != Optimization::Performance;
-        let push = if shortened { push.get(..kernel.push_bytes as usize).unwrap_or(push) } else { push };
-        if push.len() != kernel.push_bytes as usize {
-            let (given, takes) = (push.len(), kernel.push_bytes);
+        let (given, takes) = (push.len(), kernel.push_bytes as usize);
+        let Some(push) = push.get(..takes).filter(|_| given == takes || !kernel.built) else {
             return Err(Error::device(doing(), format!("{given} bytes of push constants given, it takes {takes}")));
-        }
+        };
         let limit = self.device.limits().binding_bytes;
         for binding in bindings {
             if binding.size > limit {

@@ -41,6 +41,8 @@ pub use files::{Files, Memory, was_read};
 pub use layers::{DepthMap, Integration, Layer, Layers, Phase};
 pub use light::{Light, Sky, Source};
 pub use local::{Cdrf, Kappa};
+#[cfg(feature = "measure")]
+pub(crate) use locate::{from_toml, line_of};
 pub use material::{Fresnel, Material};
 pub use mesh::{Mesh, Shape};
 pub use object::Object;

@@ -55,6 +55,10 @@ pub struct Arguments {
     /// Also write the timed frames for chrome://tracing or ui.perfetto.dev.
     #[arg(long, value_name = "FILE", conflicts_with = "against")]
     pub(super) trace: Option<PathBuf>,
+    /// Print a page on why a frame takes as long as it does, in place of the table: what bounds each stage, what
+    /// dispatches, barriers and submissions cost, how long pipelines took to compile.
+    #[arg(long, conflicts_with_all = ["against", "compare"])]
+    pub(super) why: bool,
     /// Run frames as standard input asks for them.
     #[arg(long, hide = true)]
     pub(super) serve: bool,
@@ -89,14 +93,16 @@ impl Arguments {
             enough: budget.unwrap_or(f64::INFINITY),
             until,
             seed,
+            counts_links: false,
         }
     }
 
-    /// The settings of the profile that follows a comparison of kernels, which has taken the time it may.
+    /// The settings of the profile itself; one that follows a comparison of kernels has taken the time it may.
     pub(super) fn alone(&self, settings: &Settings) -> Settings {
         let replaced = !self.replace.pairs().is_empty();
         let frames = if replaced { settings.frames.min(FRAMES as usize) } else { settings.frames };
-        Settings { frames, until: settings.until.filter(|_| !replaced), ..*settings }
+        let (until, counts_links) = (settings.until.filter(|_| !replaced), self.trace.is_some());
+        Settings { frames, until, counts_links, ..*settings }
     }
 
     /// Fails if there are several devices and something that goes with one only.
@@ -104,6 +110,7 @@ impl Arguments {
         let given = [
             ("--csv", self.csv.is_some()),
             ("--trace", self.trace.is_some()),
+            ("--why", self.why),
             ("--replace", !self.replace.pairs().is_empty()),
             ("--compare", !self.compare.is_empty()),
             ("--against", self.against.is_some()),
@@ -156,7 +163,7 @@ impl Arguments {
             subject: self.subject(),
             device: device.into(),
             driver: driver.into(),
-            replaced: self.replace.pairs().to_vec(),
+            replaced: self.replace.told(),
             samples,
         }
     }

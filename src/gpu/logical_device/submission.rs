@@ -37,6 +37,7 @@ impl LogicalDevice {
             return Err(Error::device(doing, "the device is still busy with what it did not finish in time"));
         }
         let patience = nanoseconds(self.0.patience.get());
+        self.0.submissions.set(self.0.submissions.get() + infos.len() as u64);
         let submit = |(queue, info): &(usize, vk::SubmitInfo<'_>), fence: vk::Fence| {
             let queue = self.0.queues[*queue];
             // SAFETY: the command buffers are complete and of this device, and so is the fence.

@@ -47,8 +47,13 @@ impl Timed for Start<'_> {
             steps.push((name, begin.elapsed().as_secs_f64() * 1e3));
         }
         let wall = steps.iter().map(|(_, milliseconds)| milliseconds).sum();
-        let timing = |(name, milliseconds): (&str, f64)| Timing { name: name.into(), milliseconds, start: f64::NAN };
-        Ok(Frame { start: 0.0, wall, steps: steps.into_iter().map(timing).collect() })
+        let timing = |(name, milliseconds): (&str, f64)| Timing {
+            name: name.into(),
+            milliseconds,
+            start: f64::NAN,
+            ..Timing::default()
+        };
+        Ok(Frame { wall, steps: steps.into_iter().map(timing).collect(), ..Frame::default() })
     }
 }
 
