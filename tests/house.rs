@@ -140,6 +140,7 @@ const ORDINARY: &[(&str, &str, &str)] = &[
     ("environment", "src/view/reflect.rs", "a kernel of another stage"),
     ("irradiance", "src/measure/stress/solve.rs", "a value in the table of cases"),
     ("push", "src/cli/devices.rs", "bytes of push constants"),
+    ("push", "src/gpu/axes.rs", "push descriptors and push constants"),
 ];
 
 #[test]

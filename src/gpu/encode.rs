@@ -7,9 +7,9 @@ use ash::vk;
 
 use super::call::vk_call;
 use super::choices::{Queues, Submissions};
+use super::list::{Entry, Groups, Listed};
 use super::logical_device::LogicalDevice;
 use super::order::waits;
-use super::record::{Entry, Groups, Listed};
 use super::sets::Sets;
 use crate::error::Result;
 use barriers::STAGES;

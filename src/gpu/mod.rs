@@ -9,8 +9,9 @@
 //!   with, its queue and submissions;
 //! - `memory`, `transfer`: buffers, and copies between host and device;
 //! - `reflect`, `replace`, `compile`, [`count`]: SPIR-V, what a kernel binds, and kernels that count;
-//! - `pushed`, `kernel`, `bind`, `record`: pipelines, and a frame as a list of dispatches;
-//! - `order`, `sets`, `encode`: the list's barriers and descriptor sets, and the list in command buffers;
+//! - `pushed`, `kernel`, `bind`, `list`: pipelines, and a frame as a list of dispatches;
+//! - `order`, `sets`, `encode`, `record`: the list's barriers and descriptor sets, the list in command buffers, and what
+//!   lists;
 //! - `interface`, `shift`: SPIR-V from files, and kernels whose groups count from another one;
 //! - `kernel_cache`, `device`, `driver_facts`, `kernels`, `single_kernel`: what the rest of the program asks for;
 //! - `window`: pictures in a window (feature `window`).
@@ -36,6 +37,7 @@ mod interface;
 mod kernel;
 mod kernel_cache;
 mod kernels;
+mod list;
 mod logical_device;
 mod memory;
 mod offers;
@@ -66,10 +68,10 @@ pub use instance::Instance;
 pub(crate) use interface::{disassembled, interface};
 pub use kernel::{Kernel, KernelKey};
 pub use kernels::Kernels;
+pub use list::Timing;
 pub use logical_device::LogicalDevice;
 pub use memory::Buffer;
 pub use offers::Offers;
-pub use record::Timing;
 pub(crate) use record::{Recorder, Recordings, Work};
 pub use reflect::{Access, accesses, constants, group_is_open, kernel_names, reflect_records, spirv};
 pub use replace::{Given, replacement, source, sources};

@@ -6,7 +6,7 @@ use ash::vk;
 use ash::vk::Handle as _;
 
 use super::choices::Barriers;
-use super::record::{Groups, Listed};
+use super::list::{Groups, Listed};
 
 /// What a dispatch waits for.
 #[derive(Clone, Debug, Default, PartialEq)]

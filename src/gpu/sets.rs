@@ -1,5 +1,5 @@
-//! Descriptor sets of a recording: which range of which buffer each kernel finds at its bindings, and the uniform buffer
-//! of its constants.
+//! Descriptor sets of a recording: which range of which buffer each kernel finds at its bindings, and the uniform
+//! buffer of its constants.
 
 use std::collections::BTreeMap;
 
@@ -9,10 +9,10 @@ use gpu_allocator::MemoryLocation;
 
 use super::call::vk_call;
 use super::choices::{Constants, Descriptors};
+use super::list::{BoundRange, Listed};
 use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
 use super::pushed::UNIFORM_SET;
-use super::record::{BoundRange, Listed};
 use crate::error::Result;
 use crate::layout::BUFFER_IDS;
 

@@ -9,11 +9,12 @@ use ash::vk::Handle as _;
 use crate::error::Result;
 use crate::gpu::call::vk_call;
 use crate::gpu::choices::Barriers;
+use crate::gpu::list::{Entry, Listed};
 use crate::gpu::logical_device::LogicalDevice;
 use crate::gpu::order::{Wait, uses, waits};
-use crate::gpu::record::{Entry, Listed};
 
-/// The command buffers of a frame on two queues. Each signals a number on its queue's timeline: how many have run there.
+/// The command buffers of a frame on two queues. Each signals a number on its queue's timeline: how many have run
+/// there.
 pub(super) struct Batches {
     device: LogicalDevice,
     batches: Vec<Batch>,

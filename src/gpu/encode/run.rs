@@ -5,7 +5,7 @@ use ash::vk;
 use super::Encoded;
 use crate::error::Result;
 use crate::gpu::call::vk_call;
-use crate::gpu::record::{Entry, Timing};
+use crate::gpu::list::{Entry, Timing};
 
 impl Encoded {
     /// Submits it, waits for it, and returns the time of each part on the device.

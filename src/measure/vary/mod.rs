@@ -1,8 +1,8 @@
 //! Choices of how the Vulkan API is used ([`AXES`]), each against the default: first what it computes, then its time.
 //!
 //! A choice changes no result, so a variant has to leave every buffer of the scene bit for bit as the default does,
-//! after a first frame and two more. Where another optimisation of the shaders changes the arithmetic, each stage has to
-//! conform to the reference instead.
+//! after a first frame and two more. Where another optimisation of the shaders changes the arithmetic, each stage has
+//! to conform to the reference instead.
 
 mod first_frames;
 mod proof;
@@ -37,8 +37,8 @@ pub struct Asked {
     pub variants: Vec<Variant>,
 }
 
-/// The variants that `NAME` or `NAME=V1,V2` mean: every value but the default where none is given. The axis `group` also
-/// takes the name of a stage, `group.link=128`.
+/// The variants that `NAME` or `NAME=V1,V2` mean: every value but the default where none is given. The axis `group`
+/// also takes the name of a stage, `group.link=128`.
 pub fn asked(text: &str) -> Result<Asked> {
     let (name, values) = text.split_once('=').map_or((text, None), |(name, values)| (name, Some(values)));
     let fault = |what: &str, found: &str, expected: String| -> Error {
