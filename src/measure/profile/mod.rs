@@ -15,6 +15,7 @@ mod work;
 pub use self::agreement::{Agreement, agreement};
 pub use self::quantiles::Quantiles;
 pub use rates::{Rates, rates};
+pub use sheet::trace;
 pub use work::Work;
 
 use crate::error::Result;

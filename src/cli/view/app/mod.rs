@@ -16,7 +16,8 @@ use milkglass::error::{Error, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::internals::gpu::window::{Overlay, PresentMode, Presenter, Shown};
 
-use super::keys::{self, Drag};
+use super::drag::{self, Drag, handle_at};
+use super::keys;
 use super::panel::{WIDTH, lay_out};
 use super::play::Play;
 use super::viewer::Viewer;
@@ -158,7 +159,8 @@ impl App {
             return Ok(());
         }
         self.viewer.resize(area)?;
-        self.viewer.advance(self.drag.is_some())
+        self.viewer.tick()?;
+        self.viewer.advance(self.drag.is_some() || self.sliding)
     }
 
     fn key(&mut self, name: &str) -> Result<()> {
@@ -173,6 +175,7 @@ impl App {
     fn moved(&mut self, to: [f64; 2]) -> Result<()> {
         let [right, down] = [0, 1].map(|k| to[k] - self.pointer[k]);
         self.pointer = to;
+        self.viewer.pointer = self.over_picture().then_some(to);
         let height = self.viewer.edits.scene.camera.size[1];
         match self.drag {
             Some(drag) if right != 0.0 || down != 0.0 => self.viewer.perform(drag.moved(right, down, height), false),
@@ -192,6 +195,13 @@ impl App {
 
     fn pressed(&mut self, button: MouseButton, pressed: bool) {
         self.drag = if pressed && self.over_picture() { Drag::of(button, self.modifiers) } else { None };
+        if self.drag == Some(Drag::Orbit)
+            && self.viewer.handles
+            && let Some(light) = handle_at(&self.viewer.edits.handles(), self.pointer)
+        {
+            self.viewer.edits.light = light;
+            self.drag = Some(Drag::Handle);
+        }
         if self.drag.is_some() {
             self.viewer.edits.begin();
         }
@@ -207,7 +217,7 @@ impl App {
             WindowEvent::CursorMoved { position, .. } => self.moved([position.x, position.y])?,
             WindowEvent::MouseInput { state, button, .. } => self.pressed(*button, *state == ElementState::Pressed),
             WindowEvent::MouseWheel { delta, .. } if self.over_picture() => {
-                self.perform(keys::wheel(match delta {
+                self.perform(drag::wheel(match delta {
                     MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
                     MouseScrollDelta::PixelDelta(pixels) => pixels.y / LINE,
                 }))?;
@@ -231,7 +241,10 @@ impl App {
         if self.limit.is_some() || self.play.as_ref().is_some_and(|play| !play.is_over()) {
             return Some(Instant::now());
         }
-        let rendering = self.viewer.frames.due(self.drag.is_some());
+        if self.viewer.plays() {
+            return Some(Instant::now());
+        }
+        let rendering = self.viewer.frames.due(self.drag.is_some() || self.sliding);
         rendering.into_iter().chain(self.repaint).min()
     }
 
