@@ -32,6 +32,17 @@ pub(super) fn amounts(object: &Object, extent: f64) -> Vec<Amount> {
     object.deforms.iter().filter_map(one).collect()
 }
 
+/// Sets the amount of a deformation, by its place among [`amounts`].
+pub(super) fn set_amount(object: &mut Object, index: usize, to: f64) {
+    let mut all = object.deforms.iter_mut().filter(|deform| !matches!(deform, Deform::Skin { .. }));
+    match all.nth(index) {
+        Some(Deform::Twist { angle, .. } | Deform::Bend { angle, .. }) => *angle = to.to_radians(),
+        Some(Deform::Bump { height: amount, .. } | Deform::Noise { amplitude: amount, .. }) => *amount = to,
+        Some(Deform::Morph { weight, .. }) => *weight = to,
+        Some(Deform::Skin { .. }) | None => {}
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -48,6 +59,10 @@ mod tests {
                 let again = Scene::load_at(name, &[set], 30.0).unwrap();
                 let found = &amounts(&again.objects[0], 80.0)[index];
                 assert!(found.kind == known.kind && (found.value - known.value).abs() < 1e-9, "{name}: {found:?}");
+                let set = format!("object.0.deform.{index}.{}=1.25", known.key);
+                let mut changed = scene.objects[0].clone();
+                set_amount(&mut changed, index, 1.25);
+                assert_eq!(changed.deforms, Scene::load_at(name, &[set], 30.0).unwrap().objects[0].deforms, "{name}");
             }
         }
     }

@@ -5,7 +5,7 @@ use std::time::SystemTime;
 
 use glam::DVec3;
 use milkglass::error::Result;
-use milkglass::scene::{Camera, Light, Scene};
+use milkglass::scene::{Camera, Light, Material, Scene};
 
 use super::turn::{move_light, moves, place_of, project, turn_light};
 use crate::cli::SceneArguments;
@@ -25,6 +25,8 @@ pub(super) struct Edits {
     pub(super) scene: Scene,
     /// The light that drags and keys move.
     pub(super) light: usize,
+    /// Whether it differs from what its file gives with all settings.
+    adjusted: bool,
     /// The scene's file, and its state when it was read last.
     file: Option<(PathBuf, FileState)>,
 }
@@ -40,7 +42,17 @@ impl Edits {
         let scene = subject.load()?;
         let light = scene.lights.iter().position(moves).unwrap_or(0);
         let given = subject.scenes.sets.clone();
-        Ok(Self { subject, given, made: Vec::new(), undo: Vec::new(), redo: Vec::new(), scene, light, file })
+        Ok(Self {
+            subject,
+            given,
+            made: Vec::new(),
+            undo: Vec::new(),
+            redo: Vec::new(),
+            scene,
+            light,
+            adjusted: false,
+            file,
+        })
     }
 
     /// Begins a change that one [`Self::undo`] takes back.
@@ -56,6 +68,25 @@ impl Edits {
         let before = self.made.clone();
         self.note(key, value);
         self.read().inspect_err(|_| self.made = before)
+    }
+
+    /// Makes a setting whose effect on the scene is known: without reading the scene, until [`Self::settle`].
+    pub(super) fn adjust(&mut self, key: &str, value: String, change: impl FnOnce(&mut Scene)) {
+        self.note(key, value);
+        change(&mut self.scene);
+        self.adjusted = true;
+    }
+
+    /// Reads the scene if it was adjusted since it was read; if that fails, the last change is taken back.
+    pub(super) fn settle(&mut self) -> Result<()> {
+        if !self.adjusted {
+            return Ok(());
+        }
+        self.read().or_else(|error| {
+            self.made = self.undo.pop().unwrap_or_default();
+            self.read()?;
+            Err(error)
+        })
     }
 
     /// The settings before the last change; whether there are any.
@@ -167,6 +198,28 @@ impl Edits {
         self.light = next.unwrap_or(self.light);
     }
 
+    /// The material that an object has with all settings and another one; none where only the scene can tell, for what
+    /// it has from files.
+    pub(super) fn material(&self, object: usize, key: &str, value: &str) -> Option<Material> {
+        let known = &self.scene.objects[object].material;
+        if known.texture.is_some() || known.sigma_0_texture.is_some() || known.layers.is_some() {
+            return None;
+        }
+        let path = |key: &str| format!("object.{object}.material.{key}");
+        let text =
+            self.scene.written(&self.sets().into_iter().chain([format!("{}={value}", path(key))]).collect::<Vec<_>>());
+        let mut table: toml::Table = toml::from_str(&text.ok()?).ok()?;
+        let mut own = table.remove("object")?.as_array_mut()?.get_mut(object)?.as_table_mut()?.remove("material")?;
+        let (own, unit) = (own.as_table_mut()?, table.remove("unit"));
+        let plane = [("shape", "plane".into()), ("detail", 1.into()), ("material", std::mem::take(own).into())];
+        let plane: toml::Table =
+            plane.into_iter().map(|(key, value): (_, toml::Value)| (key.to_owned(), value)).collect();
+        let all =
+            [("object".to_owned(), vec![plane].into())].into_iter().chain(unit.map(|unit| ("unit".to_owned(), unit)));
+        let text = toml::to_string(&all.collect::<toml::Table>()).ok()?;
+        Some(Scene::parse("material", &text, &[]).ok()?.objects.swap_remove(0).material)
+    }
+
     /// The value of a key of the scene with all settings, where it is a number.
     pub(super) fn number(&self, key: &str) -> Option<f64> {
         let mut place = &toml::Value::Table(toml::from_str(&self.written().ok()?).ok()?);
@@ -212,7 +265,7 @@ impl Edits {
         let scene = self.subject.at(self.subject.scenes.frame)?;
         // The window gives the picture its size.
         let camera = scene.camera.clone().sized(self.scene.camera.size)?;
-        self.scene = Scene { camera, ..scene };
+        (self.scene, self.adjusted) = (Scene { camera, ..scene }, false);
         if !self.scene.lights.get(self.light).is_some_and(moves) {
             self.light = self.scene.lights.iter().position(moves).unwrap_or(0);
         }

@@ -115,6 +115,16 @@ impl Frames {
         }
     }
 
+    /// Whether the next step is the first one of a whole picture.
+    pub(super) fn begins(&self, held: bool) -> bool {
+        let rests = match self.progress {
+            Progress::Changed => self.quick && !(held && self.layer != Layer::Light),
+            Progress::Draft(_) => true,
+            _ => false,
+        };
+        rests && self.due(held).is_some_and(|due| due <= Instant::now())
+    }
+
     /// Does the next step, if it is due: a draft of the scene, or a part of its picture. The scene's camera has the
     /// window's size. `before` is what was spent on the change itself. After an error that is not the device's the
     /// picture shows an earlier scene.
@@ -122,9 +132,10 @@ impl Frames {
         if self.due(held).is_none_or(|due| due > Instant::now()) {
             return Ok(());
         }
-        let start = Instant::now();
+        // With what the change took.
+        let start = Instant::now().checked_sub(before).unwrap_or_else(Instant::now);
         let steps = match self.progress {
-            Progress::Changed if !self.quick || (held && self.layer != Layer::Light) => self.draft(scene, before)?,
+            Progress::Changed if !self.begins(held) => self.draft(scene)?,
             Progress::Changed | Progress::Draft(_) if self.layer != Layer::Light => self.inspect(scene)?,
             Progress::Changed | Progress::Draft(_) => {
                 self.full.show(scene).map_err(|error| scene.placed(error))?;
@@ -145,13 +156,13 @@ impl Frames {
         };
         self.history.add(start, steps);
         if matches!(self.progress, Progress::Draft(_)) {
-            self.drafted.push((start.elapsed() + before).as_secs_f64() * 1e3);
+            self.drafted.push(start.elapsed().as_secs_f64() * 1e3);
         }
         Ok(())
     }
 
-    /// Renders a draft, and chooses the next one by how long it took.
-    fn draft(&mut self, scene: &Scene, before: Duration) -> Result<Vec<Timing>> {
+    /// Renders a draft; the next one is chosen by how long it took.
+    fn draft(&mut self, scene: &Scene) -> Result<Vec<Timing>> {
         let start = Instant::now();
         self.policy.choose(scene, self.all);
         let level = &LEVELS[self.policy.level];
@@ -182,7 +193,7 @@ impl Frames {
                     Err(_) => {
                         // Without transport the scene is none.
                         self.policy.coarsest -= 1;
-                        return self.draft(scene, before);
+                        return self.draft(scene);
                     }
                 }
             }
@@ -190,7 +201,7 @@ impl Frames {
         let steps = session.frame(Change::default())?;
         // The first of a size may have to compile kernels.
         if known {
-            self.policy.learn(scene, &steps, (start.elapsed() + before).as_secs_f64() * 1e3);
+            self.policy.learn(scene, &steps, start.elapsed().as_secs_f64() * 1e3);
         }
         (self.all, self.progress) = (false, Progress::Draft(Instant::now()));
         Ok(steps)

@@ -88,11 +88,11 @@ impl Inspector {
         (self.picture, self.legend) = match layer {
             Layer::Curvature => {
                 let (picture, view) = curvature_view(&mut session)?;
-                (picture, curvature_rows(&view, scene.unit_mm))
+                (picture, headed(["kappa, 1/mm", "1 / kappa, mm"], curvature_rows(&view, scene.unit_mm)))
             }
             Layer::Clusters => {
                 let (picture, emitters) = clusters(&mut session, pick)?;
-                (picture, level_rows(&emitters))
+                (picture, headed(["level", "emitters", "triangles in them"], level_rows(&emitters)))
             }
             Layer::Light | Layer::Values(_) => {
                 let all = layers(&mut session)?;
@@ -122,6 +122,11 @@ impl Inspector {
             _ => self.picture.save(file),
         }
     }
+}
+
+/// Rows under a head.
+fn headed<const N: usize>(head: [&str; N], rows: Vec<Vec<String>>) -> Vec<Vec<String>> {
+    std::iter::once(head.map(str::to_owned).to_vec()).chain(rows).collect()
 }
 
 /// A layer as a picture: colours and directions as they are, numbers by a scale of colours between their 5th and 95th

@@ -16,7 +16,7 @@ use crate::cli::view::play::{Button, Deed};
 impl App {
     /// Does what is to be played next.
     pub(super) fn play(&mut self, size: [u32; 2]) -> Result<()> {
-        let whole = self.viewer.frames.progress == Progress::Whole;
+        let whole = self.viewer.frames.progress == Progress::Whole && !self.viewer.plays();
         let Some(play) = &mut self.play else { return Ok(()) };
         for deed in play.next(whole, self.viewer.message.is_some(), size) {
             match deed {

@@ -85,13 +85,11 @@ pub(super) fn lay_out(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>)
             egui::Window::new("Keys").collapsible(false).resizable(false).anchor(Align2::LEFT_BOTTOM, [8.0, -8.0]);
         window.show(ui.ctx(), |ui| {
             ui.style_mut().override_font_id = Some(egui::FontId::proportional(11.0));
-            ScrollArea::both().max_height(ui.ctx().content_rect().height() - 70.0).show(ui, |ui| {
-                Grid::new("keys").striped(true).spacing([10.0, 2.0]).show(ui, |ui| {
-                    for pair in ROWS.chunks(2) {
-                        for row in pair {
-                            ui.label(RichText::new(row.shown).strong());
-                            ui.label(row.does);
-                        }
+            ScrollArea::vertical().max_height(ui.ctx().content_rect().height() - 70.0).show(ui, |ui| {
+                Grid::new("keys").striped(true).spacing([10.0, 1.0]).min_row_height(12.0).show(ui, |ui| {
+                    for row in ROWS {
+                        ui.label(RichText::new(row.shown).strong());
+                        ui.label(row.does);
                         ui.end_row();
                     }
                 });

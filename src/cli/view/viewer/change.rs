@@ -8,7 +8,7 @@ use milkglass::scene::{Preset, Scheme};
 use super::save::Output;
 use super::{Viewer, place};
 use crate::cli::run_args::OptionArguments;
-use crate::cli::view::amounts::{Amount, amounts};
+use crate::cli::view::amounts::{Amount, amounts, set_amount};
 use crate::cli::view::inspect::{LAYERS, Layer};
 use crate::cli::view::keys::Action;
 use crate::cli::view::turn::{orbit, pan, zoom};
@@ -46,7 +46,6 @@ impl Viewer {
             self.edits.look(camera);
             return Ok(Changed::View);
         }
-        let material = |key: &str| format!("object.{}.material.{key}", self.object);
         match action {
             Action::Light(right, up) => self.edits.turn_light(right, up).map(|()| Changed::Light),
             Action::Shift(right, up) => self.edits.shift_light(right, up).map(|()| Changed::Light),
@@ -64,16 +63,15 @@ impl Viewer {
                 let own = &self.edits.scene.objects[self.object].material.name;
                 let now = names.iter().position(|name| name == own);
                 let next = now.map_or(0, |now| (now as isize + step).rem_euclid(names.len() as isize) as usize);
-                self.set(&material("preset"), names[next].to_owned())
+                self.set_material("preset", names[next].to_owned())
             }
-            Action::Preset(name) => self.set(&material("preset"), name),
-            Action::Size(factor) => self.set(&material("scale"), format!("{:?}", self.scale * factor)),
-            Action::Scale(scale) => self.set(&material("scale"), format!("{scale:?}")),
+            Action::Preset(name) => self.set_material("preset", name),
+            Action::Size(factor) => self.set_material("scale", format!("{:?}", self.scale * factor)),
+            Action::Scale(scale) => self.set_material("scale", format!("{scale:?}")),
             Action::Tolerance(factor) => {
-                let tolerance = (self.edits.scene.transport.tolerance * factor).clamp(1e-6, 0.5);
-                self.set("transport.tolerance", format!("{tolerance:?}"))
+                self.set_tolerance((self.edits.scene.transport.tolerance * factor).clamp(1e-6, 0.5))
             }
-            Action::ToleranceTo(tolerance) => self.set("transport.tolerance", format!("{tolerance:?}")),
+            Action::ToleranceTo(tolerance) => self.set_tolerance(tolerance),
             Action::NextDeform => {
                 self.deform += 1;
                 self.measure();
@@ -168,12 +166,35 @@ impl Viewer {
 
     /// Sets the amount of a deformation.
     fn deform_to(&mut self, index: usize, to: f64) -> Result<Changed> {
-        match self.amounts().get(index) {
-            Some(amount) => {
-                self.set(&format!("object.{}.deform.{index}.{}", self.object, amount.key), format!("{to:?}"))
-            }
-            None => Ok(Changed::Nothing),
+        let (object, all) = (self.object, self.amounts());
+        let Some(amount) = all.get(index) else { return Ok(Changed::Nothing) };
+        let key = format!("object.{object}.deform.{index}.{}", amount.key);
+        // What a scene may have; one without an effect may be left out of it.
+        let to = if amount.kind == "morph" { to.clamp(-10.0, 10.0) } else { to.clamp(-36_000.0, 36_000.0) };
+        if to == 0.0 || amount.value == 0.0 {
+            return self.set(&key, format!("{to:?}"));
         }
+        self.edits.adjust(&key, format!("{to:?}"), |scene| set_amount(&mut scene.objects[object], index, to));
+        Ok(Changed::Scene)
+    }
+
+    /// Changes the object's material.
+    fn set_material(&mut self, key: &str, value: String) -> Result<Changed> {
+        let (object, full) = (self.object, format!("object.{}.material.{key}", self.object));
+        match self.edits.material(object, key, &value) {
+            Some(material) => {
+                self.edits.adjust(&full, value, |scene| scene.objects[object].material = material);
+                Ok(Changed::Scene)
+            }
+            None => self.set(&full, value),
+        }
+    }
+
+    /// Sets the tolerance.
+    fn set_tolerance(&mut self, tolerance: f64) -> Result<Changed> {
+        let value = format!("{tolerance:?}");
+        self.edits.adjust("transport.tolerance", value, |scene| scene.transport.tolerance = tolerance);
+        Ok(Changed::Scene)
     }
 
     /// Shows a layer, for the pixel at the pointer or else the middle one.

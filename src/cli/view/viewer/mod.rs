@@ -201,8 +201,15 @@ impl Viewer {
 
     /// Renders the next step, if it is due. A scene that can't be rendered is told, and the last good one comes back.
     pub(super) fn advance(&mut self, held: bool) -> Result<()> {
+        let held = held || self.plays();
+        if self.frames.begins(held)
+            && let Err(error) = self.edits.settle()
+        {
+            self.tell(error)?;
+            self.frames.change(true);
+        }
         let spent = std::mem::take(&mut self.spent);
-        match self.frames.advance(&self.edits.scene, held || self.plays(), spent) {
+        match self.frames.advance(&self.edits.scene, held, spent) {
             Ok(()) => {
                 if self.frames.progress != Progress::Changed {
                     self.good = None;
