@@ -14,6 +14,8 @@ use super::history::stage_of;
 const AIM: f64 = 170.0;
 /// A finer draft may be predicted to take this share of that, so that drafts do not alternate.
 const FINER: f64 = 0.8;
+/// What of the host's time counts, ms: more is that of a single change, as when trees are built again.
+const HOST: f64 = 50.0;
 /// The tolerance of drafts, if the scene's is not coarser.
 const TOLERANCE: f64 = 0.1;
 /// Pixels of the window along each side of a draft's pixel.
@@ -105,7 +107,7 @@ impl Policy {
         }
         self.picture = picture * f64::from(FACTORS[self.coarseness].pow(2));
         let known: f64 = steps.iter().map(|step| step.milliseconds).filter(|ms| ms.is_finite()).sum();
-        self.host = (all - known).max(0.0);
+        self.host = (all - known).clamp(0.0, HOST);
     }
 
     /// Adopts what a whole frame took where that is less: it does no less than a draft.

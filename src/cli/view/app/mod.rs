@@ -121,8 +121,7 @@ impl App {
         let input = shell.input.take_egui_input(&shell.window);
         let mut output = self.egui.run_ui(input, |ui| {
             actions.clear();
-            lay_out(ui, &self.viewer.facts(), &mut actions);
-            free = ui.available_rect_before_wrap();
+            free = lay_out(ui, &self.viewer.facts(), &mut actions);
         });
         shell.input.handle_platform_output(&shell.window, std::mem::take(&mut output.platform_output));
         let delay = output.viewport_output.get(&ViewportId::ROOT).map(|viewport| viewport.repaint_delay);

@@ -2,7 +2,7 @@
 
 mod strip;
 
-use egui::{Align2, Color32, ComboBox, Frame, Grid, Margin, Panel, RichText, ScrollArea, Slider, Stroke, Ui};
+use egui::{Align2, Color32, ComboBox, Frame, Grid, Margin, Panel, Rect, RichText, ScrollArea, Slider, Stroke, Ui};
 
 use milkglass::scene::Preset;
 
@@ -63,14 +63,17 @@ pub(super) struct Facts<'a> {
     pub(super) keys: bool,
 }
 
-/// Lays everything out; what the user asks for goes to `actions`.
-pub(super) fn lay_out(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>) {
+/// Lays everything out; what the user asks for goes to `actions`. Returns what is left for the picture.
+pub(super) fn lay_out(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>) -> Rect {
+    let mut free = ui.available_rect_before_wrap();
     if facts.panel {
+        // Exactly, whatever the width of the contents.
+        free.max.x = (free.max.x - WIDTH).max(free.min.x);
         let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::same(10));
         let panel = Panel::right("panel").exact_size(WIDTH).resizable(false).show_separator_line(false).frame(frame);
-        panel.show(ui, |ui| ScrollArea::vertical().show(ui, |ui| contents(ui, facts, actions)));
+        panel.show(ui, |ui| ScrollArea::vertical().auto_shrink(false).show(ui, |ui| contents(ui, facts, actions)));
     }
-    draw_handles(ui, facts);
+    draw_handles(ui, facts, free);
     if let Some(message) = facts.message {
         egui::Area::new("message".into()).anchor(Align2::LEFT_TOP, [8.0, 8.0]).show(ui.ctx(), |ui| {
             let frame = Frame::popup(ui.style()).fill(Color32::from_rgb(90, 20, 20));
@@ -96,11 +99,12 @@ pub(super) fn lay_out(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>)
             });
         });
     }
+    free
 }
 
 /// Draws the lights' handles over the picture; the light that is moved is filled.
-fn draw_handles(ui: &Ui, facts: &Facts<'_>) {
-    let painter = ui.painter().with_clip_rect(ui.available_rect_before_wrap());
+fn draw_handles(ui: &Ui, facts: &Facts<'_>, picture: Rect) {
+    let painter = ui.painter().with_clip_rect(picture);
     let points = ui.ctx().pixels_per_point();
     for (light, handle) in facts.handles.iter().enumerate() {
         let Some([x, y]) = handle else { continue };
@@ -219,6 +223,7 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>) {
     ];
     for row in rows {
         ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
             for (name, action) in row {
                 if ui.button(name).clicked() {
                     actions.push(action);
@@ -239,7 +244,7 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>) {
 /// A list to choose from; the index of what was chosen.
 fn choice(ui: &mut Ui, id: &str, now: &str, all: &[&str]) -> Option<usize> {
     let mut chosen = None;
-    ComboBox::from_id_salt(id).selected_text(now).width(130.0).show_ui(ui, |ui| {
+    ComboBox::from_id_salt(id).selected_text(now).width(120.0).show_ui(ui, |ui| {
         for (index, name) in all.iter().enumerate() {
             if ui.selectable_label(*name == now, *name).clicked() {
                 chosen = Some(index);
