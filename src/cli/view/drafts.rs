@@ -6,7 +6,7 @@ use milkglass::internals::lighting::shadow;
 use milkglass::internals::pipeline::frame::stage;
 use milkglass::internals::state::Need;
 use milkglass::internals::view::pixel_receivers;
-use milkglass::scene::{Light, Scene, Source};
+use milkglass::scene::{Light, Receivers, Scene, Source};
 
 use super::history::stage_of;
 
@@ -14,8 +14,6 @@ use super::history::stage_of;
 const AIM: f64 = 170.0;
 /// A finer draft may be predicted to take this share of that, so that drafts do not alternate.
 const FINER: f64 = 0.8;
-/// What of the host's time counts, ms: more is that of a single change, as when trees are built again.
-const HOST: f64 = 50.0;
 /// The tolerance of drafts, if the scene's is not coarser.
 const TOLERANCE: f64 = 0.1;
 /// Pixels of the window along each side of a draft's pixel.
@@ -49,6 +47,8 @@ impl Level {
         coarse.camera.samples = 1;
         coarse.transport.tolerance = coarse.transport.tolerance.max(TOLERANCE);
         coarse.transport.subdivide = 0;
+        // With pixels as receivers, each size of a picture has buffers of its own, and each view links of its own.
+        coarse.transport.receivers = Receivers::Faces;
         for light in &mut coarse.lights {
             light.shadows &= self.shadows;
             match &mut light.source {
@@ -77,8 +77,6 @@ impl Level {
 pub(super) struct Policy {
     /// What each stage took, ms, but for those of the picture; that of shadows for one ray of a face.
     stages: Vec<(String, f64)>,
-    /// What the host took besides, ms.
-    host: f64,
     /// What the stages of the picture took, ms for a draft of the window's pixels.
     picture: f64,
     /// The draft: of [`LEVELS`] and of [`FACTORS`].
@@ -91,14 +89,14 @@ pub(super) struct Policy {
 impl Default for Policy {
     fn default() -> Self {
         let coarsest = LEVELS.len() - 1;
-        Self { stages: Vec::new(), host: 0.0, picture: 0.0, level: 0, coarseness: 3, coarsest }
+        Self { stages: Vec::new(), picture: 0.0, level: 0, coarseness: 3, coarsest }
     }
 }
 
 impl Policy {
     /// Adopts what a draft took: its steps on the device, and all of it, ms.
     pub(super) fn learn(&mut self, scene: &Scene, steps: &[Timing], all: f64) {
-        let (stages, picture) = costs(steps, LEVELS[self.level].rays(scene));
+        let (stages, picture) = costs(steps, all, LEVELS[self.level].rays(scene));
         for (name, cost) in stages {
             match self.stages.iter_mut().find(|(stage, _)| *stage == name) {
                 Some((_, before)) => *before = cost,
@@ -106,14 +104,12 @@ impl Policy {
             }
         }
         self.picture = picture * f64::from(FACTORS[self.coarseness].pow(2));
-        let known: f64 = steps.iter().map(|step| step.milliseconds).filter(|ms| ms.is_finite()).sum();
-        self.host = (all - known).clamp(0.0, HOST);
     }
 
     /// Adopts what a whole frame took where that is less: it does no less than a draft.
-    pub(super) fn relearn(&mut self, scene: &Scene, steps: &[Timing]) {
+    pub(super) fn relearn(&mut self, scene: &Scene, steps: &[Timing], all: f64) {
         let rays = scene.lights.iter().filter(|light| light.shadows).map(Light::samples).sum::<usize>();
-        for (name, cost) in costs(steps, rays as f64).0 {
+        for (name, cost) in costs(steps, all, rays as f64).0 {
             if let Some((_, before)) = self.stages.iter_mut().find(|(stage, _)| *stage == name) {
                 *before = before.min(cost);
             }
@@ -129,7 +125,7 @@ impl Policy {
             let fits = |level: &usize| self.predicted(scene, *level) + least <= share(*level < self.level);
             self.level = (0..self.coarsest).find(fits).unwrap_or(self.coarsest);
         }
-        let rest = if all { self.predicted(scene, self.level) } else { self.host };
+        let rest = if all { self.predicted(scene, self.level) } else { 0.0 };
         let fits = |coarseness: &usize| rest + picture(*coarseness) <= share(*coarseness < self.coarseness);
         self.coarseness = (0..FACTORS.len()).find(fits).unwrap_or(FACTORS.len() - 1);
     }
@@ -142,21 +138,24 @@ impl Policy {
             Some(known) if known.module.starts_with("transport") && !level.transport => 0.0,
             _ => *cost,
         };
-        self.host + self.stages.iter().map(cost).sum::<f64>()
+        self.stages.iter().map(cost).sum()
     }
 }
 
-/// What each stage took, ms, but for those of the picture, which come last; that of shadows for one of `rays`.
-fn costs(steps: &[Timing], rays: f64) -> (Vec<(String, f64)>, f64) {
+/// What each stage took, ms, but for those of the picture, which come last; that of shadows for one of `rays`. What of
+/// `all` the steps do not have is the first one's: with a window, lavapipe starts the clock of a frame too late.
+fn costs(steps: &[Timing], all: f64, rays: f64) -> (Vec<(String, f64)>, f64) {
     let (mut of_picture, mut picture) = (false, 0.0);
     let mut sums: Vec<(String, f64)> = Vec::new();
+    let mut late = all - steps.iter().map(|step| step.milliseconds).filter(|ms| ms.is_finite()).sum::<f64>();
     for step in steps.iter().filter(|step| step.milliseconds.is_finite()) {
         let name = stage_of(step);
         // Where pixels are the receivers, so are all stages after this one.
         of_picture |= name == pixel_receivers::STAGE.name;
-        let cost = step.milliseconds / if name == shadow::STAGE.name { rays.max(1.0) } else { 1.0 };
+        let milliseconds = step.milliseconds + std::mem::take(&mut late).max(0.0);
+        let cost = milliseconds / if name == shadow::STAGE.name { rays.max(1.0) } else { 1.0 };
         if of_picture || stage(name).is_some_and(|stage| stage.needs.contains(&Need::Picture)) {
-            picture += step.milliseconds;
+            picture += milliseconds;
         } else if let Some((_, sum)) = sums.iter_mut().find(|(stage, _)| stage == name) {
             *sum += cost;
         } else {
@@ -219,7 +218,7 @@ mod tests {
         policy.learn(&scene, &[step(link::STAGE.name, 900.0), step(refit::STAGE.name, 10.0)], 920.0);
         policy.choose(&scene, true);
         assert_eq!(policy.level, 3);
-        policy.relearn(&scene, &[step(link::STAGE.name, 50.0), step(refit::STAGE.name, 20.0)]);
+        policy.relearn(&scene, &[step(link::STAGE.name, 50.0), step(refit::STAGE.name, 20.0)], 70.0);
         policy.choose(&scene, true);
         assert_eq!(policy.level, 0);
     }
@@ -228,6 +227,7 @@ mod tests {
     fn where_pixels_are_the_receivers_all_that_follows_is_of_the_picture() {
         let (fixed, receivers) = (refit::STAGE.name, pixel_receivers::STAGE.name);
         let steps = [step(fixed, 10.0), step(visibility::STAGE.name, 20.0), step(receivers, 1.0), step(fixed, 5.0)];
-        assert_eq!(costs(&steps, 1.0), (vec![(fixed.to_owned(), 10.0)], 26.0));
+        assert_eq!(costs(&steps, 36.0, 1.0), (vec![(fixed.to_owned(), 10.0)], 26.0));
+        assert_eq!(costs(&steps, 40.0, 1.0), (vec![(fixed.to_owned(), 14.0)], 26.0));
     }
 }

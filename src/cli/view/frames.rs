@@ -142,7 +142,7 @@ impl Frames {
                 let steps = self.full.frame(Change::default())?;
                 self.full.finished_rays()?;
                 self.quick = start.elapsed() < QUICK;
-                self.policy.relearn(scene, &steps);
+                self.policy.relearn(scene, &steps, start.elapsed().as_secs_f64() * 1e3);
                 self.progress = if scene.camera.samples == 1 { Progress::Whole } else { Progress::Sample(0) };
                 steps
             }
