@@ -92,7 +92,7 @@ impl Inspector {
             }
             Layer::Clusters => {
                 let (picture, emitters) = clusters(&mut session, pick)?;
-                (picture, headed(["level", "emitters", "triangles in them"], level_rows(&emitters)))
+                (picture, headed(["level", "emitters", "triangles"], level_rows(&emitters)))
             }
             Layer::Light | Layer::Values(_) => {
                 let all = layers(&mut session)?;

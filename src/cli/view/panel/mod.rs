@@ -128,6 +128,7 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>) {
     ui.separator();
 
     // What can be changed.
+    ui.spacing_mut().slider_width = 90.0;
     Grid::new("changes").num_columns(2).show(ui, |ui| {
         let [object, objects] = facts.object;
         if objects > 1 && ui.button(format!("object {object} of {objects}")).clicked() {
