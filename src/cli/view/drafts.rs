@@ -203,7 +203,7 @@ mod tests {
         assert!(rays[0] > rays[1] && rays[1] > 0.0 && rays[2] == 0.0, "{rays:?}");
         assert_eq!(settled(&scene, [1.0, 10.0, 50.0], true), (0, 1));
         assert_eq!(settled(&scene, [1.0, 10.0, 1000.0], true), (0, 3));
-        assert_eq!(settled(&scene, [100.0 / rays[1], 10.0, 50.0], true).0, 1);
+        assert_eq!(settled(&scene, [130.0 / rays[1], 10.0, 50.0], true).0, 1);
         assert_eq!(settled(&scene, [300.0, 50.0, 50.0], true).0, 2);
         assert_eq!(settled(&scene, [300.0, 500.0, 50.0], true), (3, 1));
         assert_eq!(settled(&scene, [300.0, 500.0, 1e6], true), (3, 8));
