@@ -140,6 +140,8 @@ const ORDINARY: &[(&str, &str, &str)] = &[
     ("environment", "src/view/reflect.rs", "a kernel of another stage"),
     ("irradiance", "src/measure/stress/solve.rs", "a value in the table of cases"),
     ("push", "src/cli/devices.rs", "bytes of push constants"),
+    ("irradiance", "src/cli/view/inspect.rs", "a layer of an OpenEXR picture"),
+    ("curvature", "src/cli/view/inspect.rs", "a picture in place of light"),
 ];
 
 #[test]

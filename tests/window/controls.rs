@@ -113,8 +113,7 @@ fn layers_are_those_of_render() {
 fn a_layer_that_cannot_be_shown_is_told_and_the_light_comes_back() {
     let folder = tempfile::tempdir().unwrap();
     let dark = [&SMALL[..], &["--set", "light=[]"]].concat();
-    let events =
-        format!("{}, {{ message = true }}, {{ key = 'c' }}, {{ key = 'q' }}", vec!["{ key = 'v' }"; 7].join(", "));
+    let events = format!("{}, {{ message = true }}, {{ key = 'c' }}, {{ key = 'q' }}", ["{ key = 'v' }"; 7].join(", "));
     let out = view(folder.path(), &dark, &events);
     assert!(!printed(&out).contains("--view"), "{}", printed(&out));
 }

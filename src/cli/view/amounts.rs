@@ -15,8 +15,8 @@ pub(super) struct Amount {
     pub(super) ends: [f64; 2],
 }
 
-/// The amounts of an object's deformations, in the order of its file; `extent` is its largest extent, scene units. Joints
-/// have none.
+/// The amounts of an object's deformations, in the order of its file; `extent` is its largest extent, scene units.
+/// Joints have none.
 pub(super) fn amounts(object: &Object, extent: f64) -> Vec<Amount> {
     let amount = |kind, key, value, most: f64| Amount { kind, key, value, ends: [-most, most] };
     let one = |deform: &Deform| {

@@ -5,7 +5,7 @@ use clap::ValueEnum;
 use milkglass::error::Result;
 use milkglass::scene::{Preset, Scheme};
 
-use super::save::Output;
+use super::outcome::{Changed, Output};
 use super::{Viewer, place};
 use crate::cli::run_args::OptionArguments;
 use crate::cli::view::amounts::{Amount, amounts, set_amount};
@@ -15,18 +15,6 @@ use crate::cli::view::turn::{orbit, pan, zoom};
 
 /// What is added to an object's deformations.
 const TWIST: &str = "{ type = \"twist\", angle = 45 }";
-
-/// What an action has changed.
-pub(super) enum Changed {
-    /// Nothing that is rendered.
-    Nothing,
-    /// The camera, or what is shown.
-    View,
-    /// Lights or options.
-    Light,
-    /// The scene was read again.
-    Scene,
-}
 
 impl Viewer {
     /// Does what the user asks for.

@@ -1,6 +1,7 @@
 //! The scene in the window and what the user does with it, apart from the window itself.
 
 mod change;
+mod outcome;
 mod save;
 mod timeline;
 
@@ -12,8 +13,7 @@ use milkglass::error::{Error, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::scene::{Scene, Scheme};
 
-use self::change::Changed;
-use self::save::Output;
+use self::outcome::{Changed, Output};
 use self::timeline::Timeline;
 use super::amounts::amounts;
 use super::edits::Edits;

@@ -7,39 +7,11 @@ use milkglass::internals::view::picture::save_png;
 use milkglass::measure::profile::trace;
 
 use super::Viewer;
+use super::outcome::Output;
 use crate::cli::profile::write;
 use crate::cli::run_args::quoted;
 use crate::cli::view::frames::Progress;
 use crate::cli::view::inspect::Layer;
-
-/// What is to be written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Output {
-    /// What is shown, `.png`.
-    Png,
-    /// The picture in linear radiance, or the layers, `.exr`.
-    Exr,
-    /// The scene, `.toml`.
-    Scene,
-    /// The last frames, `.json`.
-    Trace,
-}
-
-impl Output {
-    fn ending(self) -> &'static str {
-        match self {
-            Self::Png => "png",
-            Self::Exr => "exr",
-            Self::Scene => "toml",
-            Self::Trace => "json",
-        }
-    }
-
-    /// Whether it waits for the whole picture.
-    fn waits(self) -> bool {
-        matches!(self, Self::Png | Self::Exr)
-    }
-}
 
 impl Viewer {
     /// Writes what is to be written, if it is there, and tells the file.

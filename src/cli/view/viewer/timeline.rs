@@ -5,7 +5,7 @@ use std::time::Instant;
 use milkglass::error::Result;
 
 use super::Viewer;
-use super::change::Changed;
+use super::outcome::Changed;
 
 /// Frames per second where the scene does not give them.
 const FPS: f64 = 24.0;
