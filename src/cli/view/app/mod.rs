@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use egui::ViewportId;
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
-use winit::event::{ElementState, Modifiers, MouseButton, MouseScrollDelta, StartCause, WindowEvent};
+use winit::event::{ElementState, Modifiers, MouseScrollDelta, StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::window::{Window, WindowId};
 
