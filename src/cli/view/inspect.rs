@@ -38,7 +38,7 @@ pub(super) const LAYERS: [(&str, Layer); 9] = [
     ("error_estimate", Layer::Values("error_estimate")),
     ("depth", Layer::Values("depth")),
     ("links", Layer::Values("links")),
-    ("curvature", Layer::Curvature),
+    ("curvature, kappa", Layer::Curvature),
     ("clusters", Layer::Clusters),
 ];
 
