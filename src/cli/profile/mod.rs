@@ -169,6 +169,7 @@ fn save(arguments: &Arguments, saved: &Saved, mut value: Value, comparison: Valu
     write(path, format!("{value:#}\n"))
 }
 
+/// Writes a text. The file appears whole or not at all.
 pub(super) fn write(path: &Path, text: String) -> Result<()> {
     write_atomically(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))
 }

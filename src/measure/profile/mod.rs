@@ -17,6 +17,7 @@ mod work;
 pub use self::agreement::{Agreement, agreement};
 pub use self::quantiles::Quantiles;
 pub use rates::{Rates, rates};
+pub use trace::trace;
 pub use work::Work;
 
 use crate::error::Result;

@@ -1,47 +1,59 @@
-//! A profile's timed frames as a trace for Chrome or Perfetto.
+//! Timed frames as a trace for Chrome or Perfetto.
 
 use serde_json::{Value, json};
 
-use super::Profile;
+use super::{Frame, Profile};
 
-impl Profile {
-    /// The timed frames as trace events, in microseconds: frames on one track, steps on another, and counters: memory
-    /// and links, and the rates that each step reaches. The clocks of host and device are not aligned, so the steps are
-    /// shifted such that the last one ends with its frame.
-    pub fn trace(&self) -> Value {
-        let track = |id: u32, name: &str| json!({"ph": "M", "name": "thread_name", "pid": 1, "tid": id, "args": {"name": name}});
-        let mut events = vec![
-            json!({"ph": "M", "name": "process_name", "pid": 1, "args": {"name": format!("milkglass {}", self.scene)}}),
-            track(1, "host"),
-            track(2, &self.device),
-        ];
-        for (number, frame) in self.trace.iter().enumerate() {
-            let (start, length) = (frame.start, frame.wall);
-            let event = |name: &str, id: u32, at: f64, length: f64| json!({"ph": "X", "name": name, "pid": 1, "tid": id, "ts": at * 1e3, "dur": length * 1e3, "args": {"frame": number}});
-            events.push(event("frame", 1, start, length));
-            // Steps without a start time follow one another.
-            let (mut placed, mut next) = (Vec::new(), 0.0);
-            for step in frame.steps.iter().filter(|step| step.milliseconds.is_finite()) {
-                let at = if step.start.is_finite() { f64::max(step.start, next) } else { next };
-                placed.push((step, at));
-                next = at + step.milliseconds;
-            }
-            let late = (length - next).max(0.0);
-            let counter = |name: &str, key: &str, at: f64, value: f64| json!({"ph": "C", "name": name, "pid": 1, "ts": at * 1e3, "args": json!({ key: value })});
+/// Frames of a scene as trace events, in microseconds: frames on one track, steps on another, and counters: memory and
+/// links, and the rates that a stage of this name reaches. The clocks of host and device are not aligned, so the steps
+/// are shifted such that the last one ends with its frame.
+pub fn trace<'a>(
+    [scene, device, driver]: [&str; 3],
+    frames: impl IntoIterator<Item = &'a Frame>,
+    rates: &dyn Fn(&str) -> Vec<(&'static str, f64)>,
+) -> Value {
+    let track =
+        |id: u32, name: &str| json!({"ph": "M", "name": "thread_name", "pid": 1, "tid": id, "args": {"name": name}});
+    let mut events = vec![
+        json!({"ph": "M", "name": "process_name", "pid": 1, "args": {"name": format!("milkglass {scene}")}}),
+        track(1, "host"),
+        track(2, device),
+    ];
+    for (number, frame) in frames.into_iter().enumerate() {
+        let (start, length) = (frame.start, frame.wall);
+        let event = |name: &str, id: u32, at: f64, length: f64| json!({"ph": "X", "name": name, "pid": 1, "tid": id, "ts": at * 1e3, "dur": length * 1e3, "args": {"frame": number}});
+        events.push(event("frame", 1, start, length));
+        // Steps without a start time follow one another.
+        let (mut placed, mut next) = (Vec::new(), 0.0);
+        for step in frame.steps.iter().filter(|step| step.milliseconds.is_finite()) {
+            let at = if step.start.is_finite() { f64::max(step.start, next) } else { next };
+            placed.push((step, at));
+            next = at + step.milliseconds;
+        }
+        let late = (length - next).max(0.0);
+        let counter = |name: &str, key: &str, at: f64, value: f64| json!({"ph": "C", "name": name, "pid": 1, "ts": at * 1e3, "args": json!({ key: value })});
+        if frame.memory > 0 {
             events.push(counter("memory, MB", "MB", start, frame.memory as f64 * 1e-6));
-            events.extend(frame.links.map(|links| counter("links", "links", start, links as f64)));
-            for (step, at) in placed {
-                let begin = start + late + at;
-                events.push(event(&step.name, 2, begin, step.milliseconds));
-                for (name, rate) in self.rates_of(&step.name) {
-                    for (at, rate) in [(begin, rate), (begin + step.milliseconds, 0.0)] {
-                        events.push(counter(name, name, at, rate));
-                    }
+        }
+        events.extend(frame.links.map(|links| counter("links", "links", start, links as f64)));
+        for (step, at) in placed {
+            let begin = start + late + at;
+            events.push(event(&step.name, 2, begin, step.milliseconds));
+            for (name, rate) in rates(&step.name) {
+                for (at, rate) in [(begin, rate), (begin + step.milliseconds, 0.0)] {
+                    events.push(counter(name, name, at, rate));
                 }
             }
         }
-        json!({"displayTimeUnit": "ms", "traceEvents": events,
-               "otherData": {"device": self.device, "driver": self.driver}})
+    }
+    json!({"displayTimeUnit": "ms", "traceEvents": events,
+           "otherData": {"device": device, "driver": driver}})
+}
+
+impl Profile {
+    /// The timed frames as [`trace`] events.
+    pub fn trace(&self) -> Value {
+        trace([&self.scene, &self.device, &self.driver], &self.trace, &|stage| self.rates_of(stage))
     }
 
     /// What a stage reaches on average: billions of additions and multiplications per second, and of bytes read and
