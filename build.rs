@@ -202,7 +202,8 @@ fn compile_one(job: &Job, _: &Path, header: &str) -> Result<(), String> {
         let file = Path::new("glsl").join(name);
         read(&file).map(|content| (file.display().to_string(), content))
     };
-    let words = compile::compile(&compiler, &read(&job.source)?, &job.source.display().to_string(), include)?;
+    let (name, level) = (job.source.display().to_string(), shaderc::OptimizationLevel::Performance);
+    let words = compile::compile(&compiler, &read(&job.source)?, &name, level, include)?;
     fs::write(&job.target, words.as_binary_u8()).map_err(|e| format!("{}: {e}", job.target.display()))
 }
 

@@ -44,7 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     let kernels = arguments.replace.load()?;
     let fixture: Fixture = fixture(&arguments.fixture)?;
-    let device = replaced(&arguments.device.open()?, &kernels);
+    let device = replaced(&arguments.device.open()?, &kernels)?;
     let lanes = device.limits().subgroup_size.max(1) as usize;
     let index = first_step(&fixture, stage.name, lanes)?;
     let made = index.map(|index| case(&device, &fixture, index)).transpose()?.flatten();

@@ -33,7 +33,9 @@ mod shader;
 mod solve;
 mod stop;
 mod stress;
+mod timing;
 mod validity;
+mod vary;
 #[cfg(feature = "window")]
 mod view;
 mod walk;
@@ -79,6 +81,8 @@ enum Command {
     Plan(plan::Arguments),
     /// Time each stage, count its work, and compare that with what the device can do.
     Profile(profile::Arguments),
+    /// Vary how the Vulkan API is used: time each variant against the default, once it computes the same.
+    Vary(vary::Arguments),
     /// Compare every stage on a device with the CPU reference.
     Conform(conform::Arguments),
     /// Show what differs between two results of `conform`: of drivers, devices or commits.
@@ -269,6 +273,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
         Command::Gallery(arguments) => gallery::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
+        Command::Vary(arguments) => vary::run(&arguments),
         Command::Profile(arguments) => profile::run(&arguments),
         Command::Conform(arguments) => conform::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),

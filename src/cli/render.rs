@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 
-use super::bare::BareArguments;
+use super::bare::{BareArguments, Subject};
 use super::long_work::tell_long_work;
 use super::samples::{Samples, foretell};
 use super::{
@@ -23,19 +23,12 @@ use milkglass::internals::view::picture::{check, encode};
 #[command(after_help = "Example: milkglass render lotus -o lotus.png --size 800x600 --set camera.exposure=1.5")]
 pub struct Arguments {
     #[command(flatten)]
-    scene: SceneArguments,
-    #[command(flatten)]
-    bare: BareArguments,
-    #[command(flatten)]
-    run: RunArguments,
+    picture: PictureArguments,
     #[command(flatten)]
     limit: super::walk::LimitArgument,
     /// The picture: `.png` (exposed, toned, sRGB) or `.exr` (linear).
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Width and height in pixels; overrides the scene's.
-    #[arg(long, value_name = "WxH")]
-    size: Option<String>,
     /// Add layers to an `.exr`: irradiance, radiosity, normal, error_estimate, depth, object, triangle, links.
     #[arg(long)]
     aov: bool,
@@ -55,6 +48,32 @@ pub struct Arguments {
     /// Print each stage's time.
     #[arg(long)]
     times: bool,
+}
+
+/// What a picture is made of, and its size.
+#[derive(Args)]
+pub struct PictureArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    #[command(flatten)]
+    pub bare: BareArguments,
+    #[command(flatten)]
+    pub run: RunArguments,
+    /// Width and height in pixels; overrides the scene's.
+    #[arg(long, value_name = "WxH")]
+    size: Option<String>,
+}
+
+impl PictureArguments {
+    /// Width and height in pixels, if given.
+    pub fn size(&self) -> Result<Option<[u32; 2]>> {
+        self.size.as_deref().map(parse_size).transpose()
+    }
+
+    /// The scene of each frame.
+    pub fn subject(&self) -> Result<Subject> {
+        self.bare.subject(self.run.of(&self.scene), self.size()?)
+    }
 }
 
 /// What can be shown instead of light.
@@ -78,18 +97,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(Input::new("only OpenEXR has layers").key("--aov").found(found).expected("-o FILE.exr").into());
     }
     if aov {
-        arguments.run.options().carries("--aov")?;
+        arguments.picture.run.options().carries("--aov")?;
     }
-    let around = arguments.bare.turns().map(|turns| format!("0..{}", turns - 1));
+    let around = arguments.picture.bare.turns().map(|turns| format!("0..{}", turns - 1));
     let range = arguments.frames.clone().or(around);
     if range.is_none() {
         ready([("-o", Some(&arguments.output))])?;
     }
     let frames = range.as_deref().map(|text| sequence::parse(text, &arguments.output)).transpose()?;
-    let size = arguments.size.as_deref().map(parse_size).transpose()?;
+    let size = arguments.picture.size()?;
     let pick = arguments.pick.as_deref().map(parse_pick).transpose()?;
-    let device = arguments.run.device.open(validation())?;
-    let mut options = arguments.run.options();
+    let device = arguments.picture.run.device.open(validation())?;
+    let mut options = arguments.picture.run.options();
     if aov {
         options = options.with_layers();
     }
@@ -108,7 +127,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
         options.mode = Mode::Keep;
     }
-    let subject = arguments.bare.subject(arguments.run.of(&arguments.scene), size)?;
+    let subject = arguments.picture.subject()?;
     if let Some(frames) = frames {
         let (scenes, output, skip) = (&subject, &arguments.output, arguments.skip_existing);
         let job = sequence::Job { scenes, frames, size, options, output, aov, skip };
@@ -160,24 +179,45 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// Prints the number of emitters per level.
 fn print_levels(emitters: &Emitters) -> Result<()> {
+    print(&table(&["level", "emitters", "triangles in them", "colour"], &[0, 1, 2], &level_rows(emitters)))
+}
+
+/// The level, its emitters, the triangles in them and its colour, by level.
+pub fn level_rows(emitters: &Emitters) -> Vec<Vec<String>> {
     let row = |(&level, &(clusters, triangles)): (&usize, &(usize, usize))| {
-        let [r, g, b] = color(emitters, level).map(|x| (encode(x.into()) * 255.0).round() as u8);
-        vec![level.to_string(), clusters.to_string(), triangles.to_string(), format!("#{r:02x}{g:02x}{b:02x}")]
+        vec![level.to_string(), clusters.to_string(), triangles.to_string(), hex(color(emitters, level))]
     };
-    let rows: Vec<_> = emitters.levels.iter().map(row).collect();
-    print(&table(&["level", "emitters", "triangles in them", "colour"], &[0, 1, 2], &rows))
+    emitters.levels.iter().map(row).collect()
+}
+
+/// A linear colour as `#rrggbb`.
+fn hex(color: [f32; 3]) -> String {
+    let [r, g, b] = color.map(|x| (encode(x.into()) * 255.0).round() as u8);
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// Five values from the low to the high end of a scale of colours, with their colours.
+pub fn ramp_rows(ramp: &CurvatureView) -> Vec<(f64, String)> {
+    let [low, high] = ramp.ends;
+    let row = |k: i32| {
+        let value = if low > 0.0 { low * (high / low).powf(f64::from(k) / 4.0) } else { high * f64::from(k) / 4.0 };
+        (value, hex(ramp.color(value)))
+    };
+    (0..5).map(row).collect()
+}
+
+/// kappa in 1/mm, the radius in mm, and the colour.
+pub fn curvature_rows(view: &CurvatureView, unit_mm: f64) -> Vec<Vec<String>> {
+    let row = |(kappa, color): (f64, String)| {
+        let radius = if kappa > 0.0 { format!("{:.3e}", unit_mm / kappa) } else { "flat".into() };
+        vec![format!("{:.3e}", kappa / unit_mm), radius, color]
+    };
+    ramp_rows(view).into_iter().map(row).collect()
 }
 
 /// Prints the colour scale of a curvature picture.
 fn print_curvature(curvature_view: &CurvatureView, unit_mm: f64) -> Result<()> {
-    let [low, high] = curvature_view.ends;
-    let row = |k: i32| {
-        let kappa = if low > 0.0 { low * (high / low).powf(f64::from(k) / 4.0) } else { high * f64::from(k) / 4.0 };
-        let [r, g, b] = curvature_view.color(kappa).map(|x| (encode(x.into()) * 255.0).round() as u8);
-        let radius = if kappa > 0.0 { format!("{:.3e}", unit_mm / kappa) } else { "flat".into() };
-        vec![format!("{:.3e}", kappa / unit_mm), radius, format!("#{r:02x}{g:02x}{b:02x}")]
-    };
-    let rows: Vec<_> = (0..5).map(row).collect();
+    let rows = curvature_rows(curvature_view, unit_mm);
     print(&table(&["kappa, 1/mm", "1 / kappa, mm", "colour"], &[0, 1], &rows))?;
     let [median, most] = curvature_view.apart.map(|share| 100.0 * share);
     print(&format!("a cubic fit differs by {median:.1} % of the sum of both (median), {most:.0} % (95th percentile)\n"))

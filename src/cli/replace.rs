@@ -10,6 +10,7 @@ use milkglass::internals::gpu::{Device, replacement};
 use milkglass::internals::pipeline::plan::Options;
 use milkglass::internals::session::run::CapacityHints;
 use milkglass::measure::conform::Row;
+use milkglass::measure::constants::read;
 use milkglass::measure::fixtures::Fixture;
 use milkglass::measure::replace::{check, unused};
 use milkglass::measure::results::Outcome;
@@ -23,12 +24,16 @@ pub(super) struct ReplaceArgument {
     /// built-in one.
     #[arg(long, value_name = "KERNEL=FILE")]
     replace: Vec<String>,
+    /// Values for constants of your own in those shaders: TOML, `["transport/blocks/push"]`, then `NAME = value`.
+    #[arg(long, value_name = "FILE", requires = "replace")]
+    constants: Option<String>,
 }
 
 impl ReplaceArgument {
     /// The same arguments, for a command to repeat.
     pub(super) fn again(&self) -> String {
-        self.replace.iter().map(|pair| format!(" --replace {}", quoted(pair))).collect()
+        let one = |(option, value): (&str, &String)| format!(" {option} {}", quoted(value));
+        self.given().map(one).collect()
     }
 
     /// The pairs of kernel and file, as given.
@@ -36,14 +41,27 @@ impl ReplaceArgument {
         &self.replace
     }
 
+    /// The same in words, with the file of constants.
+    pub(super) fn told(&self) -> Vec<String> {
+        let constants = self.constants.iter().map(|file| format!("constants of {file}"));
+        self.replace.iter().cloned().chain(constants).collect()
+    }
+
     /// The same arguments, for a process to start.
     pub(super) fn words(&self) -> impl Iterator<Item = &str> {
-        self.replace.iter().flat_map(|pair| ["--replace", pair])
+        self.given().flat_map(|(option, value)| [option, value])
+    }
+
+    /// The options that are given, with their values.
+    fn given(&self) -> impl Iterator<Item = (&str, &String)> {
+        let pairs = self.replace.iter().map(|pair| ("--replace", pair));
+        pairs.chain(self.constants.iter().map(|file| ("--constants", file)))
     }
 
     /// The kernels' names and SPIR-V.
     pub(super) fn load(&self) -> Result<Vec<(String, Vec<u32>)>> {
         let mut loaded: Vec<(String, Vec<u32>)> = Vec::new();
+        let mut constants = self.constants.as_ref().map(|file| read(Path::new(file))).transpose()?.unwrap_or_default();
         for pair in &self.replace {
             let Some((kernel, file)) = pair.split_once('=').filter(|(_, file)| !file.is_empty()) else {
                 let fault = Input::new("not a kernel and a file").key("--replace").found(pair);
@@ -52,7 +70,13 @@ impl ReplaceArgument {
             if loaded.iter().any(|(known, _)| known == kernel) {
                 return Err(Input::new("this kernel is replaced twice").key("--replace").found(kernel).into());
             }
-            loaded.push((kernel.to_string(), replacement(kernel, Path::new(file))?));
+            let own = constants.iter().position(|(known, ..)| known == kernel).map(|at| constants.swap_remove(at).2);
+            loaded.push((kernel.to_string(), replacement(kernel, Path::new(file), &own.unwrap_or_default())?));
+        }
+        if let Some((kernel, line, given)) = constants.into_iter().next() {
+            let names: Vec<&str> = loaded.iter().map(|(name, _)| name.as_str()).collect();
+            let fault = Input::new("no shader replaces this kernel").file(&given.file).key(kernel);
+            return Err(Input { line, ..fault.expected(names.join(", ")) }.into());
         }
         Ok(loaded)
     }
@@ -68,7 +92,7 @@ impl ReplaceArgument {
             let fault = Input::new("shaders run on a Vulkan device only").key("--replace").found("the CPU");
             return Err(fault.expected("a device that `milkglass devices` lists").into());
         };
-        let device = replaced(device, &loaded);
+        let device = replaced(device, &loaded)?;
         let mut fixtures = Vec::new();
         for (scene, options) in setups {
             fixtures.push(Fixture::new(&scene.name, scene, *options, CapacityHints::default())?);
@@ -95,7 +119,7 @@ impl ReplaceArgument {
     }
 }
 
-/// The device with these kernels replaced.
-pub(super) fn replaced(device: &Device, kernels: &[(String, Vec<u32>)]) -> Device {
-    kernels.iter().fold(device.clone(), |device, (name, words)| device.replacing(name, words.clone()))
+/// The device with these kernels replaced, and with the features that they need.
+pub(super) fn replaced(device: &Device, kernels: &[(String, Vec<u32>)]) -> Result<Device> {
+    kernels.iter().try_fold(device.clone(), |device, (name, words)| device.replacing(name, words.clone()))
 }

@@ -15,7 +15,7 @@ pub(super) struct OptionArguments {
     pub(super) transport: TransportArgument,
 }
 
-#[derive(Clone, Copy, Default, ValueEnum)]
+#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum ModeArgument {
     /// Everything from scratch in each frame.
     #[default]

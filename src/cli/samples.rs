@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn long_samples_are_announced() {
-        let step = |name: &str, milliseconds| Timing { name: name.into(), milliseconds, start: 0.0 };
+        let step = |name: &str, milliseconds| Timing { name: name.into(), milliseconds, ..Timing::default() };
         let shadows = pixel_shadow::STAGE.name;
         let steps = [step(shadows, 600.0), step("other", 100.0), step(shadows, 300.0)];
         assert_eq!(long(4.9, "it takes", &steps, None), None);

@@ -4,6 +4,7 @@ use std::ffi::CStr;
 
 use ash::vk;
 
+use super::offers::Offers;
 use crate::error::{Error, Result};
 
 /// What a device can do, as far as milkglass cares.
@@ -13,6 +14,8 @@ pub struct Limits {
     pub binding_bytes: u64,
     /// Alignment of a bound range's offset, bytes.
     pub offset_alignment: u64,
+    /// Alignment of the offset of bound constants, bytes.
+    pub uniform_alignment: u64,
     /// Largest single allocation, bytes.
     pub allocation_bytes: u64,
     /// Storage buffers one kernel can bind.
@@ -63,6 +66,8 @@ pub struct Adapter {
     pub kind: &'static str,
     /// Its limits.
     pub limits: Limits,
+    /// What it offers beyond what it has to.
+    pub offers: Offers,
     /// Why it can't be used, if it can't.
     pub unusable: Option<String>,
     pub(super) physical: vk::PhysicalDevice,
@@ -166,6 +171,7 @@ impl Adapter {
         };
         let bits = family.map_or(0, |f| queues[f].timestamp_valid_bits);
         let timed = bits > 0;
+        let queue_family = u32::try_from(family.unwrap_or(0)).unwrap_or(0);
         Adapter {
             name: text(&base.device_name),
             driver: format!("{} {}", text(&more.driver_name), text(&more.driver_info)).trim().to_string(),
@@ -186,6 +192,7 @@ impl Adapter {
             limits: Limits {
                 binding_bytes: base.limits.max_storage_buffer_range.into(),
                 offset_alignment: base.limits.min_storage_buffer_offset_alignment,
+                uniform_alignment: base.limits.min_uniform_buffer_offset_alignment,
                 allocation_bytes: third.max_memory_allocation_size,
                 storage_buffers: base
                     .limits
@@ -200,9 +207,10 @@ impl Adapter {
                 timestamp_period: if timed { base.limits.timestamp_period } else { 0.0 },
                 round_to_nearest: more.shader_rounding_mode_rte_float32 == vk::TRUE,
             },
+            offers: Offers::query(instance, physical, queue_family),
             unusable,
             physical,
-            queue_family: u32::try_from(family.unwrap_or(0)).unwrap_or(0),
+            queue_family,
         }
     }
 }

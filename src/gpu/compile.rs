@@ -7,12 +7,13 @@ pub fn compile(
     compiler: &shaderc::Compiler,
     source: &str,
     name: &str,
+    level: shaderc::OptimizationLevel,
     include: impl Fn(&str) -> Result<(String, String), String>,
 ) -> Result<shaderc::CompilationArtifact, String> {
     let mut options = shaderc::CompileOptions::new().map_err(|e| e.to_string())?;
     options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_2 as u32);
     options.set_target_spirv(shaderc::SpirvVersion::V1_5);
-    options.set_optimization_level(shaderc::OptimizationLevel::Performance);
+    options.set_optimization_level(level);
     options.set_generate_debug_info();
     options.set_warnings_as_errors();
     options.set_include_callback(|name, _, _, _| {

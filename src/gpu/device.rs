@@ -4,11 +4,14 @@ use std::ops::Deref;
 use std::rc::Rc;
 
 use super::adapter::{Adapter, Limits};
+use super::choices::Choices;
+use super::driver_facts::STATISTICS;
+use super::extras::{Extras, Features, needed};
 use super::instance::Instance;
 use super::kernel::{Kernel, KernelKey, as_given};
 use super::kernel_cache::KernelCache;
 use super::logical_device::LogicalDevice;
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 /// A Vulkan device with one compute queue, and its kernels. Clones share both.
 ///
@@ -30,7 +33,26 @@ pub struct Device {
 impl Device {
     /// Opens an adapter, or says why it can't be used.
     pub fn open(instance: &Instance, adapter: &Adapter) -> Result<Self> {
-        Ok(Self { logical: LogicalDevice::open(instance, adapter)?, kernels: Rc::default() })
+        Self::open_as(instance, adapter, &Choices::default())
+    }
+
+    /// The same, used as chosen; fails where the device lacks something for that.
+    pub fn open_as(instance: &Instance, adapter: &Adapter, choices: &Choices) -> Result<Self> {
+        Ok(Self {
+            logical: LogicalDevice::open(instance, adapter, choices, &Extras::default())?,
+            kernels: Rc::default(),
+        })
+    }
+
+    /// The same device opened once more, used as chosen.
+    pub fn opened_as(&self, choices: &Choices) -> Result<Self> {
+        Ok(Self { logical: self.logical.again(choices, self.extras())?, kernels: Rc::new(self.kernels.forgetting()) })
+    }
+
+    /// The same device, with kernels made anew when they are needed.
+    #[must_use]
+    pub fn forgetting_kernels(&self) -> Self {
+        Self { logical: self.logical.clone(), kernels: Rc::new(self.kernels.forgetting()) }
     }
 
     /// The best usable device: discrete, then integrated, then virtual, then software, each in the loader's order.
@@ -50,17 +72,43 @@ impl Device {
         Self::open(&instance, Adapter::find(&adapters, wish)?)
     }
 
-    /// The same device, with this SPIR-V in place of a kernel of the build. Nothing is checked: see
-    /// [`super::replacement`].
-    #[must_use]
-    pub fn replacing(&self, kernel: &str, words: Vec<u32>) -> Self {
-        Self { logical: self.logical.clone(), kernels: Rc::new(self.kernels.replacing(kernel, words)) }
+    /// The same device, with this SPIR-V in place of a kernel of the build, and able to run it: see [`Self::able`].
+    /// Nothing else is checked: see [`super::replacement`].
+    pub fn replacing(&self, kernel: &str, words: Vec<u32>) -> Result<Self> {
+        let able = self.able(kernel, &words)?;
+        Ok(Self { kernels: Rc::new(able.kernels.replacing(kernel, words)), ..able })
+    }
+
+    /// The same device, opened once more if the capabilities of this SPIR-V need features that it was not opened with.
+    /// Fails if the device lacks one.
+    pub(crate) fn able(&self, kernel: &str, words: &[u32]) -> Result<Self> {
+        let doing = || format!("preparing kernel {kernel}");
+        let needed = needed(words).map_err(|name| Error::device(doing(), format!("it has the capability {name}")))?;
+        let mut extras = self.extras().clone();
+        let mut offered = Features::query(&self.instance().0.raw, self.adapter().physical);
+        if let Some((capability, feature)) = offered.lacking(&needed) {
+            let what =
+                format!("its capability {capability:?} needs the feature {feature}, which {} lacks", self.name());
+            return Err(Error::device(doing(), what));
+        }
+        extras.features.extend(needed.iter().map(|(_, feature)| feature));
+        if extras == *self.extras() {
+            return Ok(self.clone());
+        }
+        Ok(Self { logical: self.logical.again(self.choices(), &extras)?, kernels: Rc::new(self.kernels.forgetting()) })
     }
 
     /// The same device, with kernels that count what they do, and are slower for it: see [`super::Kernels::tallies`].
     #[must_use]
     pub fn counting(&self) -> Self {
         Self { logical: self.logical.clone(), kernels: Rc::new(self.kernels.counting()) }
+    }
+
+    /// The same adapter opened once more, with the same kernels replaced and none made so far. Pipelines keep what the
+    /// driver's compiler says of them, where it offers that: see [`super::Kernels::facts`].
+    pub fn with_statistics(&self) -> Result<Self> {
+        let extras = Extras { statistics: self.offers(STATISTICS)?, ..self.extras().clone() };
+        Ok(Self { logical: self.logical.again(self.choices(), &extras)?, kernels: Rc::new(self.kernels.forgetting()) })
     }
 
     /// The kernels that do not come from the build.

@@ -21,7 +21,6 @@ pub(super) struct Inner {
     messages: Box<Mutex<Vec<String>>>,
     /// Whether its devices can show pictures in windows.
     pub(super) presents: bool,
-    #[cfg_attr(not(feature = "window"), expect(dead_code, reason = "it keeps the library loaded"))]
     pub(super) entry: ash::Entry,
 }
 

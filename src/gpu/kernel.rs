@@ -1,15 +1,24 @@
 //! A compute kernel: a pipeline made from SPIR-V, and what it binds.
 
+mod layouts;
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+
 use ash::vk;
 
 use super::call::vk_call;
+use super::choices::Constants;
 use super::count::{self, Tally};
 use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
-use super::reflect::{Access, Reflected, reflect};
+use super::pushed::{BAKED_ID, as_specialization, as_uniform};
+use super::reflect::{Access, Reflected, reflect, words_of};
 use super::spirv_module::{round_to_nearest, without_rounding};
 use crate::error::{Error, Result};
-use crate::layout::GROUPS_A_ROW;
+use crate::layout::{GROUP_ID, GROUPS_A_ROW, SHUFFLE_ID};
 
 /// What identifies a kernel.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,11 +40,30 @@ pub struct Kernel {
     pub accesses: Vec<Access>,
     /// Bytes of push constants it takes.
     pub push_bytes: u32,
+    /// Whether it has shuffles that it can do without.
+    shuffles: bool,
+    /// Whether its SPIR-V is the build's; others may take less than they are given.
+    pub(super) built: bool,
+    /// How long the driver took to create the pipeline.
+    pub creation: Duration,
     /// Invocations of a group.
     pub group: u32,
+    /// The same, if it was chosen.
+    pub(super) chosen_group: Option<u32>,
     /// Its counters, if it counts what it does.
     pub(super) meter: Option<Meter>,
-    device: LogicalDevice,
+    /// The layout of the set of its push constants, where these are a uniform buffer.
+    pub(super) uniform_layout: vk::DescriptorSetLayout,
+    /// What it was made from, and the kernels that were made from it for some values of its push constants.
+    source: Option<Box<Source>>,
+    pub(super) device: LogicalDevice,
+}
+
+/// What a kernel whose push constants become specialization constants was made from.
+struct Source {
+    words: Vec<u32>,
+    constants: Vec<u32>,
+    baked: RefCell<BTreeMap<Vec<u8>, Rc<Kernel>>>,
 }
 
 /// The counters of a kernel.
@@ -75,70 +103,110 @@ impl Kernel {
 
     /// The kernel of this SPIR-V with these specialization constants (0, 1, ...), or what the device lacks for it.
     pub(crate) fn new(device: &LogicalDevice, name: &str, words: Vec<u32>, constants: &[u32]) -> Result<Self> {
-        let doing = format!("preparing kernel {name}");
-        let found = reflect(name, &words)?;
-        check(device, &found, constants, &doing)?;
-        let words = as_given(device, words);
+        let special: Vec<(u32, u32)> = (0..).zip(constants.iter().copied()).collect();
+        let kept = device.choices().constants == Constants::Specialization;
+        let source =
+            kept.then(|| Source { words: words.clone(), constants: constants.to_vec(), baked: RefCell::default() });
+        let mut kernel = Self::described(device, name, &words, special.len())?;
+        kernel.source = source.filter(|_| kernel.push_bytes > 0).map(Box::new);
+        // Where push constants become specialization constants, only the kernels of their values have pipelines.
+        match kernel.source {
+            Some(_) => Ok(kernel),
+            None => kernel.with_pipeline(words, special),
+        }
+    }
 
-        let mut kernel = Self {
+    /// The kernel for these push constants, which takes none.
+    pub(super) fn baked(self: &Rc<Self>, push: &[u8]) -> Result<Rc<Self>> {
+        let Some(source) = &self.source else { return Ok(self.clone()) };
+        if let Some(known) = source.baked.borrow().get(push) {
+            return Ok(known.clone());
+        }
+        let words = as_specialization(&source.words, 0).ok_or_else(|| {
+            Error::device(format!("preparing kernel {}", self.name), "it takes push constants by an index")
+        })?;
+        let mut special: Vec<(u32, u32)> = (0..).zip(source.constants.iter().copied()).collect();
+        let pushed = push.chunks_exact(4).map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]]));
+        special.extend((BAKED_ID..).zip(pushed));
+        let made = Self::described(&self.device, &self.name, &words, source.constants.len())?;
+        let made = Rc::new(made.with_pipeline(words, special)?);
+        source.baked.borrow_mut().insert(push.to_vec(), made.clone());
+        Ok(made)
+    }
+
+    /// What this SPIR-V says of itself, for so many specialization constants; it has no pipeline yet.
+    fn described(device: &LogicalDevice, name: &str, words: &[u32], given: usize) -> Result<Self> {
+        let found = reflect(name, words)?;
+        let chosen_group = device.choices().group(name).filter(|_| found.open.contains(&GROUP_ID));
+        let group = chosen_group.unwrap_or(found.group);
+        let built = words_of(name).is_ok_and(|own| own == words);
+        check(device, &found, group, (given, built), &format!("preparing kernel {name}"))?;
+        Ok(Self {
             pipeline: vk::Pipeline::null(),
             layout: vk::PipelineLayout::null(),
             set_layout: vk::DescriptorSetLayout::null(),
+            uniform_layout: vk::DescriptorSetLayout::null(),
             name: name.to_string(),
+            shuffles: found.open.contains(&SHUFFLE_ID),
             accesses: found.accesses,
             push_bytes: found.push_bytes,
-            group: found.group,
+            built,
+            group,
+            chosen_group,
+            creation: Duration::ZERO,
             meter: None,
+            source: None,
             device: device.clone(),
-        };
-        let bindings: Vec<_> = kernel
-            .accesses
+        })
+    }
+
+    /// The same with a pipeline, with these specialization constants by their ids.
+    fn with_pipeline(mut self, words: Vec<u32>, mut special: Vec<(u32, u32)>) -> Result<Self> {
+        let doing = format!("preparing kernel {}", self.name);
+        let device = self.device.clone();
+        let choices = device.choices();
+        special.extend(self.chosen_group.map(|size| (GROUP_ID, size)));
+        special.extend((choices.no_shuffles && self.shuffles).then_some((SHUFFLE_ID, 0)));
+        let uniform = choices.constants == Constants::Uniform;
+        let words = as_given(&device, if uniform { as_uniform(&words) } else { words });
+        self.make_layouts(&doing)?;
+        let entries: Vec<_> = special
             .iter()
-            .map(|access| {
-                vk::DescriptorSetLayoutBinding::default()
-                    .binding(access.binding)
-                    .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
-                    .descriptor_count(1)
-                    .stage_flags(vk::ShaderStageFlags::COMPUTE)
-            })
+            .zip(0..)
+            .map(|((id, _), at)| vk::SpecializationMapEntry { constant_id: *id, offset: 4 * at, size: 4 })
             .collect();
-        let entries: Vec<_> = (0..constants.len())
-            .map(|i| vk::SpecializationMapEntry { constant_id: i as u32, offset: 4 * i as u32, size: 4 })
-            .collect();
-        let special = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
+        let values: Vec<u32> = special.iter().map(|(_, value)| *value).collect();
+        let special = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&values));
         let raw = device.raw();
-        // SAFETY: every handle is this device's and is stored in `kernel` at once, which frees it after a failure.
+        // SAFETY: every handle is this device's and is stored in `self` at once, which frees it after a failure.
         unsafe {
-            let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-            kernel.set_layout =
-                vk_call("vkCreateDescriptorSetLayout", &doing, || raw.create_descriptor_set_layout(&info, None))?;
-            let sets = [kernel.set_layout];
-            let push = [vk::PushConstantRange {
-                stage_flags: vk::ShaderStageFlags::COMPUTE,
-                offset: 0,
-                size: kernel.push_bytes,
-            }];
-            let mut info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
-            if kernel.push_bytes > 0 {
-                info = info.push_constant_ranges(&push);
-            }
-            kernel.layout = vk_call("vkCreatePipelineLayout", &doing, || raw.create_pipeline_layout(&info, None))?;
             let info = vk::ShaderModuleCreateInfo::default().code(&words);
             let module = vk_call("vkCreateShaderModule", &doing, || raw.create_shader_module(&info, None))?;
-            let stage = vk::PipelineShaderStageCreateInfo::default()
+            let mut size = vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo::default();
+            let mut stage = vk::PipelineShaderStageCreateInfo::default()
                 .stage(vk::ShaderStageFlags::COMPUTE)
                 .module(module)
                 .name(c"main")
                 .specialization_info(&special);
-            let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(kernel.layout)];
+            if let Some(subgroup) = choices.subgroup {
+                size = size.required_subgroup_size(subgroup);
+                stage = stage.push_next(&mut size);
+            }
+            let flags = match device.extras().statistics {
+                true => vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR,
+                false => vk::PipelineCreateFlags::empty(),
+            };
+            let info = [vk::ComputePipelineCreateInfo::default().flags(flags).stage(stage).layout(self.layout)];
+            let begin = Instant::now();
             let made = vk_call("vkCreateComputePipelines", &doing, || {
                 raw.create_compute_pipelines(device.pipeline_cache(), &info, None).map_err(|(_, code)| code)
             });
+            self.creation = begin.elapsed();
             raw.destroy_shader_module(module, None);
-            kernel.pipeline = made?[0];
+            self.pipeline = made?[0];
         }
-        device.label(kernel.pipeline, name);
-        Ok(kernel)
+        device.label(self.pipeline, &self.name);
+        Ok(self)
     }
 }
 
@@ -149,20 +217,27 @@ pub(super) fn as_given(device: &LogicalDevice, words: Vec<u32>) -> Vec<u32> {
 }
 
 /// Fails where the device allows less than a kernel needs, or where the number of constants is not the kernel's.
-fn check(device: &LogicalDevice, found: &Reflected, constants: &[u32], doing: &str) -> Result<()> {
+fn check(
+    device: &LogicalDevice,
+    found: &Reflected,
+    group: u32,
+    (given, built): (usize, bool),
+    doing: &str,
+) -> Result<()> {
     let limits = device.limits();
     let count = u32::try_from(found.accesses.len()).unwrap_or(u32::MAX);
     for (what, needed, allowed) in [
         ("storage buffers", count, limits.storage_buffers),
         ("bytes of push constants", found.push_bytes, limits.push_bytes),
-        ("invocations in a group", found.group, limits.group_invocations),
+        ("invocations in a group", group, limits.group_invocations),
     ] {
         if needed > allowed {
             return Err(Error::device(doing, format!("it needs {needed} {what}, the device allows {allowed}")));
         }
     }
-    if found.constants != constants.len() {
-        let (has, given) = (found.constants, constants.len());
+    // SPIR-V that was not optimised has constants that nothing uses; a user's may leave out some.
+    if found.constants != given && built {
+        let has = found.constants;
         return Err(Error::device(doing, format!("it has {has} specialization constants, {given} were given")));
     }
     Ok(())
@@ -179,6 +254,7 @@ impl Drop for Kernel {
             raw.destroy_pipeline(self.pipeline, None);
             raw.destroy_pipeline_layout(self.layout, None);
             raw.destroy_descriptor_set_layout(self.set_layout, None);
+            raw.destroy_descriptor_set_layout(self.uniform_layout, None);
         }
     }
 }

@@ -4,9 +4,11 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
+use super::choices::Optimization;
 use super::kernel::{Kernel, KernelKey};
 use super::logical_device::LogicalDevice;
 use super::reflect::words_of;
+use super::replace::compiled;
 use crate::error::Result;
 
 /// Kernels by name and specialization constants. Drivers take up to a tenth of a second to compile a pipeline, so all
@@ -29,9 +31,14 @@ impl KernelCache {
         Self { replaced, counts: self.counts, made: RefCell::default() }
     }
 
+    /// An empty cache of the same kernels.
+    pub(super) fn forgetting(&self) -> Self {
+        Self { replaced: self.replaced.clone(), counts: self.counts, made: RefCell::default() }
+    }
+
     /// An empty cache whose kernels count what they do.
     pub(super) fn counting(&self) -> Self {
-        Self { replaced: self.replaced.clone(), counts: true, made: RefCell::default() }
+        Self { counts: true, ..self.forgetting() }
     }
 
     /// The kernels that do not come from the build.
@@ -50,7 +57,10 @@ impl KernelCache {
             return Ok(kernel.clone());
         }
         let KernelKey { name, constants } = key;
-        let words = self.words(name)?;
+        let words = match device.choices().optimization {
+            Optimization::Performance => self.words(name)?,
+            other => compiled(name, other)?,
+        };
         if self.counts {
             return Ok(Rc::new(Kernel::counting(device, name, words, constants)?));
         }

@@ -3,9 +3,11 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::time::Duration;
 
 use super::count::Tally;
 use super::device::Device;
+use super::driver_facts::Statistic;
 use super::kernel::{Kernel, KernelKey};
 use crate::error::Result;
 
@@ -36,6 +38,12 @@ impl Kernels {
     /// The kernels made so far.
     pub fn made(&self) -> Vec<KernelKey> {
         self.made.borrow().keys().cloned().collect()
+    }
+
+    /// How long the driver took to create each kernel's pipeline, and what its compiler says of it.
+    pub fn facts(&self) -> Result<Vec<(KernelKey, Duration, Vec<Statistic>)>> {
+        let made = self.made.borrow();
+        made.iter().map(|(key, kernel)| Ok((key.clone(), kernel.creation, kernel.statistics()?))).collect()
     }
 
     /// What each kernel has done since the last call, by name; nothing where kernels do not count.

@@ -1,6 +1,8 @@
 //! The logical device: its queue, its memory, its command buffers and its pipeline cache. Buffers, kernels and
 //! recordings hold a clone of it.
 
+mod again;
+
 use std::cell::Cell;
 use std::ffi::CString;
 use std::rc::Rc;
@@ -13,13 +15,16 @@ use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 use super::adapter::{Adapter, Limits};
 use super::allocator::{Memory, MemoryUse};
 use super::call::vk_call;
+use super::choices::{Barriers, Cache, Choices, Descriptors, Queues};
+use super::extras::Extras;
 use super::instance::Instance;
 use crate::error::{Error, Result};
+use submission::GRACE;
+
+mod submission;
 
 /// How long a submission may take, unless [`LogicalDevice::wait_at_most`] sets another limit.
 const PATIENCE: Duration = Duration::from_secs(600);
-/// How much longer to wait for a submission that exceeded its limit, before what it uses is freed.
-const GRACE: Duration = Duration::from_secs(1);
 
 /// An opened device with one compute queue, without kernels: see [`super::Device`]. Clones share it; it stays on its
 /// thread, because its queue and command pool do.
@@ -29,13 +34,20 @@ pub struct LogicalDevice(Rc<Inner>);
 struct Inner {
     raw: ash::Device,
     debug: Option<ext::debug_utils::Device>,
-    queue: vk::Queue,
+    push_descriptors: khr::push_descriptor::Device,
+    synchronization2: khr::synchronization2::Device,
+    /// The queue, and the second one if the choices need it; else the same.
+    queues: [vk::Queue; 2],
     pool: vk::CommandPool,
-    pipeline_cache: vk::PipelineCache,
+    pipeline_cache: Cell<vk::PipelineCache>,
     adapter: Adapter,
+    choices: Choices,
+    extras: Extras,
     memory: Memory,
     /// How long a submission may take.
     patience: Cell<Duration>,
+    /// Submissions so far.
+    submissions: Cell<u64>,
     /// The fence of a submission that exceeded its limit and may still be running; null where there is none.
     late: Cell<vk::Fence>,
     /// How much longer to wait for that submission; what it uses is leaked if it takes longer still.
@@ -44,39 +56,71 @@ struct Inner {
 }
 
 impl LogicalDevice {
-    /// Opens an adapter, or says why it can't be used.
-    pub(super) fn open(instance: &Instance, adapter: &Adapter) -> Result<Self> {
+    /// Opens an adapter to use it as chosen and with these extras, or says why that can't be done.
+    pub(super) fn open(instance: &Instance, adapter: &Adapter, choices: &Choices, extras: &Extras) -> Result<Self> {
         let doing = format!("opening {}", adapter.name);
-        if let Some(why) = &adapter.unusable {
+        if let Some(why) = adapter.unusable.clone().or_else(|| adapter.offers.lack(choices)) {
             return Err(Error::device(doing, why));
         }
-        let priorities = [1.0];
+        let priorities = [1.0; 2];
+        let count = if choices.queues == Queues::Two { 2 } else { 1 };
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(adapter.queue_family)
-            .queue_priorities(&priorities)];
-        let mut features = vk::PhysicalDeviceVulkan12Features::default().scalar_block_layout(true);
-        let swapchain = [khr::swapchain::NAME.as_ptr()];
-        let extensions = if instance.0.presents { &swapchain[..] } else { &[] };
-        let info = vk::DeviceCreateInfo::default()
+            .queue_priorities(&priorities[..count])];
+
+        // What the choices and the extras need, and nothing else.
+        let (mut features, mut extensions) = (extras.features(), extras.extensions());
+        features.twelve.timeline_semaphore = (choices.queues != Queues::One).into();
+        let mut second = vk::PhysicalDeviceSynchronization2Features::default().synchronization2(true);
+        let mut sizes = vk::PhysicalDeviceSubgroupSizeControlFeatures::default().subgroup_size_control(true);
+        if choices.descriptors == Descriptors::Frame {
+            features.twelve.descriptor_binding_partially_bound = vk::TRUE;
+            features.twelve.descriptor_binding_storage_buffer_update_after_bind = vk::TRUE;
+        }
+        let mut info = vk::DeviceCreateInfo::default()
             .queue_create_infos(&queues)
-            .enabled_extension_names(extensions)
-            .push_next(&mut features);
+            .enabled_features(&features.core)
+            .push_next(&mut features.eleven)
+            .push_next(&mut features.twelve);
+        if instance.0.presents {
+            extensions.push(khr::swapchain::NAME.as_ptr());
+        }
+        if choices.descriptors == Descriptors::Push {
+            extensions.push(khr::push_descriptor::NAME.as_ptr());
+        }
+        if choices.barriers == Barriers::Synchronization2 {
+            extensions.push(khr::synchronization2::NAME.as_ptr());
+            info = info.push_next(&mut second);
+        }
+        if choices.subgroup.is_some() {
+            extensions.push(ext::subgroup_size_control::NAME.as_ptr());
+            info = info.push_next(&mut sizes);
+        }
+        if extras.statistics {
+            info = info.push_next(&mut features.statistics);
+        }
+        let info = info.enabled_extension_names(&extensions);
         let raw = vk_call("vkCreateDevice", &doing, || {
             // SAFETY: `info` and all it points to live through the call; the adapter is this instance's.
             unsafe { instance.0.raw.create_device(adapter.physical, &info, None) }
         })?;
-        // SAFETY: the family was named in `info`, with one queue.
-        let queue = unsafe { raw.get_device_queue(adapter.queue_family, 0) };
+        // SAFETY: the family was named in `info`, with so many queues.
+        let queues = [0, count as u32 - 1].map(|index| unsafe { raw.get_device_queue(adapter.queue_family, index) });
         let debug = instance.0.debug.as_ref().map(|_| ext::debug_utils::Device::new(&instance.0.raw, &raw));
         let mut inner = Inner {
+            push_descriptors: khr::push_descriptor::Device::new(&instance.0.raw, &raw),
+            synchronization2: khr::synchronization2::Device::new(&instance.0.raw, &raw),
             raw,
             debug,
-            queue,
+            queues,
             pool: vk::CommandPool::null(),
-            pipeline_cache: vk::PipelineCache::null(),
+            pipeline_cache: Cell::default(),
             adapter: adapter.clone(),
+            choices: choices.clone(),
+            extras: extras.clone(),
             memory: Memory::default(),
             patience: Cell::new(PATIENCE),
+            submissions: Cell::default(),
             late: Cell::default(),
             grace: Cell::new(GRACE),
             instance: instance.clone(),
@@ -95,14 +139,44 @@ impl LogicalDevice {
         let pool = vk::CommandPoolCreateInfo::default()
             .flags(vk::CommandPoolCreateFlags::TRANSIENT)
             .queue_family_index(adapter.queue_family);
-        let cache = vk::PipelineCacheCreateInfo::default();
         // SAFETY: the device is alive.
-        unsafe {
-            inner.pool = vk_call("vkCreateCommandPool", &doing, || inner.raw.create_command_pool(&pool, None))?;
-            inner.pipeline_cache =
-                vk_call("vkCreatePipelineCache", &doing, || inner.raw.create_pipeline_cache(&cache, None))?;
+        inner.pool = vk_call("vkCreateCommandPool", &doing, || unsafe { inner.raw.create_command_pool(&pool, None) })?;
+        let device = Self(Rc::new(inner));
+        device.renew_pipeline_cache(&[])?;
+        Ok(device)
+    }
+
+    /// Replaces the pipeline cache by one with this content, which a driver ignores if it is not its own.
+    pub(crate) fn renew_pipeline_cache(&self, content: &[u8]) -> Result<()> {
+        if self.0.choices.cache == Cache::Without {
+            return Ok(());
         }
-        Ok(Self(Rc::new(inner)))
+        let info = vk::PipelineCacheCreateInfo::default().initial_data(content);
+        // SAFETY: the device is alive; no pipeline is being made from the old cache.
+        let new = vk_call("vkCreatePipelineCache", "making a pipeline cache", || unsafe {
+            self.0.raw.create_pipeline_cache(&info, None)
+        })?;
+        let old = self.0.pipeline_cache.replace(new);
+        // SAFETY: pipelines do not need the cache that they were made from.
+        unsafe { self.0.raw.destroy_pipeline_cache(old, None) };
+        Ok(())
+    }
+
+    /// The content of the pipeline cache.
+    #[cfg(feature = "measure")]
+    pub(crate) fn pipeline_cache_content(&self) -> Result<Vec<u8>> {
+        // SAFETY: the cache is alive, or there is none.
+        vk_call("vkGetPipelineCacheData", "reading the pipeline cache", || unsafe {
+            match self.pipeline_cache() {
+                cache if cache == vk::PipelineCache::null() => Ok(Vec::new()),
+                cache => self.0.raw.get_pipeline_cache_data(cache),
+            }
+        })
+    }
+
+    /// How it is used.
+    pub fn choices(&self) -> &Choices {
+        &self.0.choices
     }
 
     /// Bytes of device memory allocated now and at the peak.
@@ -155,17 +229,22 @@ impl LogicalDevice {
     }
 
     #[cfg(feature = "window")]
-    pub(super) fn instance(&self) -> &Instance {
-        &self.0.instance
-    }
-
-    #[cfg(feature = "window")]
     pub(super) fn queue(&self) -> vk::Queue {
-        self.0.queue
+        self.0.queues[0]
     }
 
     pub(super) fn pipeline_cache(&self) -> vk::PipelineCache {
-        self.0.pipeline_cache
+        self.0.pipeline_cache.get()
+    }
+
+    /// The functions of `VK_KHR_push_descriptor`, if the choices need it.
+    pub(super) fn push_descriptors(&self) -> &khr::push_descriptor::Device {
+        &self.0.push_descriptors
+    }
+
+    /// The functions of `VK_KHR_synchronization2`, if the choices need it.
+    pub(super) fn synchronization2(&self) -> &khr::synchronization2::Device {
+        &self.0.synchronization2
     }
 
     /// The functions for debug labels, where the loader offers them.
@@ -176,63 +255,6 @@ impl LogicalDevice {
     /// The device's memory.
     pub(super) fn heap(&self) -> &Memory {
         &self.0.memory
-    }
-
-    /// Submits one recorded command buffer and waits for it.
-    pub(super) fn submit(&self, commands: vk::CommandBuffer, doing: &str) -> Result<()> {
-        self.submit_info(vk::SubmitInfo::default(), commands, doing)
-    }
-
-    /// The same, with the semaphores that `info` waits for and signals.
-    pub(super) fn submit_info(&self, info: vk::SubmitInfo<'_>, commands: vk::CommandBuffer, doing: &str) -> Result<()> {
-        let (raw, buffers) = (&self.0.raw, [commands]);
-        if !self.finished() {
-            return Err(Error::device(doing, "the device is still busy with what it did not finish in time"));
-        }
-        let info = [info.command_buffers(&buffers)];
-        let patience = nanoseconds(self.0.patience.get());
-        // SAFETY: the command buffer is complete and of this device; the fence is destroyed once it is not in use.
-        unsafe {
-            let fence = vk_call("vkCreateFence", doing, || raw.create_fence(&vk::FenceCreateInfo::default(), None))?;
-            let submitted = vk_call("vkQueueSubmit", doing, || raw.queue_submit(self.0.queue, &info, fence));
-            let running = submitted.is_ok();
-            let done = submitted
-                .and_then(|()| vk_call("vkWaitForFences", doing, || raw.wait_for_fences(&[fence], true, patience)));
-            if running && done.is_err() {
-                self.0.late.set(fence);
-            } else {
-                raw.destroy_fence(fence, None);
-            }
-            done
-        }
-    }
-
-    /// Whether nothing runs on the device, so that what it used may be freed. After a wait that failed, a submission
-    /// may still run: then this waits once more, for [`GRACE`], and what the submission uses is leaked if it takes
-    /// longer.
-    pub(super) fn finished(&self) -> bool {
-        self.0.finished()
-    }
-
-    /// A command buffer ready to record.
-    pub(super) fn begin(&self, doing: &str) -> Result<vk::CommandBuffer> {
-        let raw = &self.0.raw;
-        let info = vk::CommandBufferAllocateInfo::default().command_pool(self.0.pool).command_buffer_count(1);
-        let once = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: the pool is this device's and used by one thread at a time.
-        unsafe {
-            let commands = vk_call("vkAllocateCommandBuffers", doing, || raw.allocate_command_buffers(&info))?[0];
-            let begun = vk_call("vkBeginCommandBuffer", doing, || raw.begin_command_buffer(commands, &once));
-            begun.inspect_err(|_| self.discard(commands)).map(|()| commands)
-        }
-    }
-
-    /// Frees a command buffer, unless it may still be running.
-    pub(super) fn discard(&self, commands: vk::CommandBuffer) {
-        if self.finished() {
-            // SAFETY: it is of this device's pool, and nothing is running.
-            unsafe { self.0.raw.free_command_buffers(self.0.pool, &[commands]) };
-        }
     }
 
     /// Gives a handle the name that tools and validation messages show.
@@ -248,32 +270,6 @@ impl LogicalDevice {
     }
 }
 
-/// As Vulkan counts time.
-fn nanoseconds(time: Duration) -> u64 {
-    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
-}
-
-impl Inner {
-    /// See [`LogicalDevice::finished`].
-    fn finished(&self) -> bool {
-        let fence = self.late.get();
-        if fence == vk::Fence::null() {
-            return true;
-        }
-        // SAFETY: the fence is alive; it is destroyed once it is signalled or its device lost.
-        unsafe {
-            let wait = self.raw.wait_for_fences(&[fence], true, nanoseconds(self.grace.take()));
-            if wait == Err(vk::Result::TIMEOUT) {
-                return false;
-            }
-            self.raw.destroy_fence(fence, None);
-        }
-        self.late.set(vk::Fence::null());
-        self.grace.set(GRACE);
-        true
-    }
-}
-
 impl Drop for Inner {
     fn drop(&mut self) {
         let allocator = self.memory.take();
@@ -286,7 +282,7 @@ impl Drop for Inner {
         unsafe {
             let _ = vk_call("vkDeviceWaitIdle", "closing the device", || self.raw.device_wait_idle());
             drop(allocator);
-            self.raw.destroy_pipeline_cache(self.pipeline_cache, None);
+            self.raw.destroy_pipeline_cache(self.pipeline_cache.get(), None);
             self.raw.destroy_command_pool(self.pool, None);
             self.raw.destroy_device(None);
         }

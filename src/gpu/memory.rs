@@ -1,16 +1,24 @@
 //! Named buffers on a device, and their memory.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
 use super::call::vk_call;
+use super::choices::MemoryKind;
 use super::logical_device::LogicalDevice;
 use crate::error::{Error, Result};
+
+/// The number of the next buffer.
+static NEXT: AtomicU64 = AtomicU64::new(0);
 
 /// A storage buffer on the device. Freed when dropped.
 pub struct Buffer {
     pub(super) raw: vk::Buffer,
+    /// A number that no other buffer has or had.
+    pub(super) number: u64,
     name: String,
     size: u64,
     allocation: Option<Allocation>,
@@ -20,7 +28,12 @@ pub struct Buffer {
 impl Buffer {
     /// Allocates `size` bytes of device memory under this name (at least 4 bytes, so that an empty list can be bound).
     pub fn new(device: &LogicalDevice, name: &str, size: u64) -> Result<Self> {
-        Self::in_memory(device, name, size, MemoryLocation::GpuOnly)
+        let location = match device.choices().memory {
+            MemoryKind::Local | MemoryKind::Dedicated => MemoryLocation::GpuOnly,
+            MemoryKind::Visible => MemoryLocation::CpuToGpu,
+            MemoryKind::Cached => MemoryLocation::GpuToCpu,
+        };
+        Self::in_memory(device, name, size, location)
     }
 
     /// The same in memory of another kind.
@@ -33,6 +46,7 @@ impl Buffer {
         }
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::INDIRECT_BUFFER
+            | vk::BufferUsageFlags::UNIFORM_BUFFER
             | vk::BufferUsageFlags::TRANSFER_SRC
             | vk::BufferUsageFlags::TRANSFER_DST;
         let info = vk::BufferCreateInfo::default().size(size).usage(usage);
@@ -40,7 +54,8 @@ impl Buffer {
             // SAFETY: the device is alive.
             unsafe { device.raw().create_buffer(&info, None) }
         })?;
-        let mut buffer = Self { raw, name: name.to_string(), size, allocation: None, device: device.clone() };
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        let mut buffer = Self { raw, number, name: name.to_string(), size, allocation: None, device: device.clone() };
         device.label(raw, name);
         // SAFETY: the buffer was just created.
         let requirements = unsafe { device.raw().get_buffer_memory_requirements(raw) };
@@ -49,7 +64,10 @@ impl Buffer {
             requirements,
             location,
             linear: true,
-            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
+            allocation_scheme: match device.choices().memory {
+                MemoryKind::Dedicated => AllocationScheme::DedicatedBuffer(raw),
+                _ => AllocationScheme::GpuAllocatorManaged,
+            },
         };
         let allocation = buffer.allocation.insert(device.heap().allocate(&description, &doing)?);
         vk_call("vkBindBufferMemory", &doing, || {

@@ -3,23 +3,32 @@
 //! Nothing here knows what a stage or a triangle is. Handles own what they need and free themselves. No file uses one
 //! that is above it; from the bottom up:
 //!
-//! - `adapter`, `vk_error`, `faults`, `call`: what a machine offers, and calls that can fail;
-//! - `instance`, `allocator`, `logical_device`: Vulkan, a device's memory, its queue and submissions;
+//! - `choices`, `axes`: how the API is used, and how else it could be;
+//! - `offers`, `adapter`, `vk_error`, `faults`, `call`: what a machine offers, and calls that can fail;
+//! - `instance`, `allocator`, `spirv_module`, `extras`, `logical_device`: Vulkan, a device's memory, what it is opened
+//!   with, its queue and submissions;
 //! - `memory`, `transfer`: buffers, and copies between host and device;
-//! - `spirv_module`, `reflect`, `replace`, `compile`, [`count`]: SPIR-V, what a kernel binds, and kernels that count;
-//! - `kernel`, `bind`, `record`: pipelines, descriptor sets, and a frame's dispatches and barriers;
+//! - `reflect`, `replace`, `compile`, [`count`]: SPIR-V, what a kernel binds, and kernels that count;
+//! - `pushed`, `kernel`, `bind`, `list`: pipelines, and a frame as a list of dispatches;
+//! - `order`, `sets`, `encode`, `record`: the list's barriers and descriptor sets, the list in command buffers, and what
+//!   lists;
 //! - `interface`, `shift`: SPIR-V from files, and kernels whose groups count from another one;
-//! - `kernel_cache`, `device`, `kernels`, `single_kernel`: what the rest of the program asks for;
+//! - `kernel_cache`, `device`, `driver_facts`, `kernels`, `single_kernel`: what the rest of the program asks for;
 //! - `window`: pictures in a window (feature `window`).
 
 mod adapter;
 mod allocator;
+mod axes;
 mod bind;
 mod call;
+mod choices;
 #[cfg(feature = "shaderc")]
 mod compile;
 pub mod count;
 mod device;
+mod driver_facts;
+mod encode;
+mod extras;
 #[doc(hidden)]
 pub mod faults;
 mod instance;
@@ -28,11 +37,16 @@ mod interface;
 mod kernel;
 mod kernel_cache;
 mod kernels;
+mod list;
 mod logical_device;
 mod memory;
+mod offers;
+mod order;
+mod pushed;
 mod record;
 mod reflect;
 mod replace;
+mod sets;
 #[cfg(feature = "measure")]
 mod shift;
 mod single_kernel;
@@ -44,19 +58,23 @@ pub mod window;
 
 pub use adapter::{Adapter, Ids, Limits};
 pub use allocator::MemoryUse;
+pub use axes::{AXES, Axis, Value};
 pub(crate) use bind::Binding;
+pub use choices::{Cache, Choices, Constants, Optimization};
 pub use device::Device;
+pub use driver_facts::{COUNTERS, STATISTICS, Statistic};
 pub use instance::Instance;
 #[cfg(feature = "measure")]
 pub(crate) use interface::{disassembled, interface};
 pub use kernel::{Kernel, KernelKey};
 pub use kernels::Kernels;
+pub use list::Timing;
 pub use logical_device::LogicalDevice;
 pub use memory::Buffer;
-pub use record::Timing;
-pub(crate) use record::{Recorder, Work};
-pub use reflect::{Access, accesses, constants, kernel_names, reflect_records, spirv};
-pub use replace::{replacement, source, sources};
+pub use offers::Offers;
+pub(crate) use record::{Recorder, Recordings, Work};
+pub use reflect::{Access, accesses, constants, group_is_open, kernel_names, reflect_records, spirv};
+pub use replace::{Given, replacement, source, sources};
 #[cfg(feature = "measure")]
 pub(crate) use shift::shifted;
 pub use single_kernel::SingleKernel;

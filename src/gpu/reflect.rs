@@ -8,8 +8,9 @@ use spirq::prelude::*;
 use spirq::spirv::{Decoration, ExecutionMode, Op};
 use spirq::ty::{AccessType, DescriptorType, Type};
 
-use super::spirv_module::instructions;
+use super::spirv_module::{HEADER_WORDS, Instruction, append, instructions};
 use crate::error::{Error, Result};
+use crate::layout::GROUP_ID;
 
 include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
 
@@ -39,6 +40,12 @@ pub fn spirv(name: &str) -> Option<&'static [u8]> {
 /// The names of the specialization constants of a kernel of the program, by their ids.
 pub fn constants(name: &str) -> Result<Vec<String>> {
     Ok(reflect(name, &words_of(name)?)?.names.into_values().collect())
+}
+
+/// Whether a kernel of the program leaves the size of its groups open.
+pub fn group_is_open(name: &str) -> bool {
+    let found = words_of(name).and_then(|words| reflect(name, &words));
+    found.is_ok_and(|found| found.open.contains(&GROUP_ID))
 }
 
 /// How a kernel of the program uses its buffers.
@@ -72,10 +79,12 @@ pub(super) struct Reflected {
     pub(super) push_bytes: u32,
     /// Invocations of a group.
     pub(super) group: u32,
-    /// How many specialization constants it has.
+    /// How many specialization constants it has, without those of `open`.
     pub(super) constants: usize,
-    /// Their names, by id.
-    names: BTreeMap<u32, String>,
+    /// Its specialization constants from [`GROUP_ID`] on, by which it leaves a choice open.
+    pub(super) open: BTreeSet<u32>,
+    /// The names of the others, by id.
+    pub(super) names: BTreeMap<u32, String>,
 }
 
 /// Bytes from one element of a buffer to the next.
@@ -104,10 +113,46 @@ fn asked_lengths(words: &[u32]) -> BTreeSet<u32> {
     asked
 }
 
+/// The module with a plain constant in place of each one that is computed from others, such as `gl_WorkGroupSize.x`:
+/// `spirq` knows few of those. It has the default value where that is a 32-bit integer that lengths are computed by,
+/// else 0.
+fn computed(words: &[u32]) -> Vec<u32> {
+    let (mut values, mut composites) = (BTreeMap::new(), BTreeMap::new());
+    let mut out = words.get(..HEADER_WORDS).unwrap_or(words).to_vec();
+    for Instruction { op, operands, words, .. } in instructions(words) {
+        match (op, operands) {
+            (Some(Op::Constant | Op::SpecConstant), [_, id, value]) => drop(values.insert(*id, *value)),
+            (Some(Op::SpecConstantComposite), [_, id, parts @ ..]) => drop(composites.insert(*id, parts)),
+            (Some(Op::SpecConstantOp), [ty, id, what, of @ ..]) => {
+                let value = |k: usize| values.get(of.get(k)?).copied();
+                let both = value(0).zip(value(1));
+                let part = || values.get(composites.get(of.first()?)?.get(*of.get(1)? as usize)?).copied();
+                let found = match Op::from_u32(*what) {
+                    Some(Op::CompositeExtract) => part(),
+                    Some(Op::IAdd) => both.map(|(a, b)| a.wrapping_add(b)),
+                    Some(Op::ISub) => both.map(|(a, b)| a.wrapping_sub(b)),
+                    Some(Op::IMul) => both.map(|(a, b)| a.wrapping_mul(b)),
+                    Some(Op::UDiv) => both.and_then(|(a, b)| a.checked_div(b)),
+                    _ => None,
+                };
+                match found {
+                    Some(value) => append(&mut out, Op::Constant, &[*ty, *id, value]),
+                    None => append(&mut out, Op::ConstantNull, &[*ty, *id]),
+                }
+                values.extend(found.map(|value| (*id, value)));
+                continue;
+            }
+            _ => {}
+        }
+        out.extend(words);
+    }
+    out
+}
+
 pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
     let doing = || format!("reading kernel {name}");
     let entries = ReflectConfig::new()
-        .spv(words)
+        .spv(computed(words))
         .ref_all_rscs(false)
         .reflect()
         .map_err(|error| Error::device(doing(), format!("{error:?}")))?;
@@ -119,6 +164,7 @@ pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
         push_bytes: 0,
         group: 0,
         constants: 0,
+        open: BTreeSet::new(),
         names: BTreeMap::new(),
     };
     let asked = asked_lengths(words);
@@ -141,6 +187,7 @@ pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
                 found.push_bytes = u32::try_from(ty.nbyte().unwrap_or(0)).unwrap_or(u32::MAX);
                 found.types.push(ty.clone());
             }
+            Variable::SpecConstant { spec_id, .. } if *spec_id >= GROUP_ID => drop(found.open.insert(*spec_id)),
             Variable::SpecConstant { name, spec_id, .. } => {
                 found.constants += 1;
                 found.names.insert(*spec_id, name.clone().unwrap_or_default());

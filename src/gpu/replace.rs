@@ -1,13 +1,20 @@
 //! The sources of the program's kernels, and kernels given at run time that replace one of them.
 
+mod adapt;
+
 use std::borrow::Cow;
 use std::io::Read as _;
 use std::path::Path;
 
+use super::choices::Optimization;
+use super::extras::needed;
 use super::reflect::{Reflected, SOURCES, kernel_names, reflect, words_of};
 use super::spirv_module::{MAGIC, whole};
 use crate::error::{Error, Input, Result};
 use crate::layout::{BUFFER_IDS, declarations};
+use adapt::adapted;
+
+pub use adapt::Given;
 
 /// The GLSL of a kernel, `transport/blocks/push`, or of a file that kernels include, `dipole/derivatives.glsl`;
 /// `layout.glsl` declares the records and buffers. None where there is no such source.
@@ -24,11 +31,12 @@ pub fn sources() -> impl Iterator<Item = &'static str> {
     SOURCES.iter().map(|(name, _)| name.strip_suffix(".comp").unwrap_or(name)).chain(["layout.glsl"])
 }
 
-/// The SPIR-V of a file that is to replace a kernel, its interface checked against the kernel's.
+/// The SPIR-V of a file that is to replace a kernel, its interface checked against the kernel's and made to fit it,
+/// with these values for constants of its own.
 ///
 /// Includes are searched for beside the file, then among the program's own sources. Errors are the user's: they name
 /// the file, and the line where the compiler names it.
-pub fn replacement(kernel: &str, file: &Path) -> Result<Vec<u32>> {
+pub fn replacement(kernel: &str, file: &Path, given: &Given) -> Result<Vec<u32>> {
     if !kernel_names().any(|known| known == kernel) {
         let names: Vec<_> = kernel_names().filter(|known| !known.starts_with("measure/")).collect();
         // A stage's name alone stands for its first kernel.
@@ -45,11 +53,30 @@ pub fn replacement(kernel: &str, file: &Path) -> Result<Vec<u32>> {
         false => compile(file, &read(file).map_err(unread)?)?,
     };
     let fault = |what: String| Error::from(Input::new(what).file(file));
+    if let Err(capability) = needed(&words) {
+        let known = "features that `milkglass` opens devices with: 8, 16 and 64-bit numbers, the Vulkan memory model";
+        return Err(Input::new(format!(
+            "it can't take the place of {kernel}: milkglass has no feature for its capability"
+        ))
+        .file(file)
+        .found(capability)
+        .expected(known)
+        .into());
+    }
     let own =
         reflect(kernel, &words).map_err(|error| fault(format!("it can't take the place of {kernel}: {error}")))?;
-    match differs(&own, &reflect(kernel, &words_of(kernel)?)?) {
-        Some(what) => Err(fault(format!("it can't take the place of {kernel}: it {what}"))),
-        None => Ok(words),
+    let right = reflect(kernel, &words_of(kernel)?)?;
+    let misfit = |what: String| Input::new(format!("it can't take the place of {kernel}: it {what}")).file(file);
+    if let Some(what) = differs(&own, &right) {
+        return Err(misfit(what).into());
+    }
+    let words = adapted(words, [&own, &right], given, &misfit)?;
+    match reflect(kernel, &words)?.push_bytes {
+        own if own > right.push_bytes => {
+            let what = "has a push constant of which the program sets the first bytes only";
+            Err(misfit(what.into()).expected(format!("members that end or begin at byte {}", right.push_bytes)).into())
+        }
+        _ => Ok(words),
     }
 }
 
@@ -78,16 +105,6 @@ fn differs(own: &Reflected, right: &Reflected) -> Option<String> {
         {
             return Some(format!("takes elements of {name} to have {own} bytes; they have {right}"));
         }
-    }
-    if own.push_bytes != right.push_bytes {
-        let (own, right) = (own.push_bytes, right.push_bytes);
-        return Some(format!("takes {own} bytes of push constants, the built-in one {right}"));
-    }
-    if own.constants != right.constants {
-        let (own, right) = (own.constants, right.constants);
-        return Some(format!(
-            "has {own} specialization constants, the built-in one {right} (the compiler drops those that nothing uses)"
-        ));
     }
     None
 }
@@ -164,7 +181,8 @@ fn compile(file: &Path, text: &str) -> Result<Vec<u32>> {
         })?;
         Ok((name.to_string(), content.into_owned()))
     };
-    super::compile::compile(&compiler, text, &file.display().to_string(), include)
+    let level = shaderc::OptimizationLevel::Performance;
+    super::compile::compile(&compiler, text, &file.display().to_string(), level, include)
         .map(|artifact| artifact.as_binary().to_vec())
         .map_err(|text| Input::new(format!("the shader does not compile\n{}", shortened(&text))).file(file).into())
 }
@@ -187,4 +205,29 @@ fn shortened(text: &str) -> String {
 fn compile(file: &Path, _: &str) -> Result<Vec<u32>> {
     let what = "this build can't compile shaders: build milkglass with `--features shaderc` for --replace";
     Err(Input::new(what).file(file).into())
+}
+
+/// The SPIR-V of a kernel of the program, compiled anew with other aims.
+#[cfg(feature = "shaderc")]
+pub(super) fn compiled(kernel: &str, aim: Optimization) -> Result<Vec<u32>> {
+    let fault = |what: String| Error::device(format!("compiling kernel {kernel}"), what);
+    let level = match aim {
+        Optimization::Performance => shaderc::OptimizationLevel::Performance,
+        Optimization::Size => shaderc::OptimizationLevel::Size,
+        Optimization::Without => shaderc::OptimizationLevel::Zero,
+    };
+    let compiler = shaderc::Compiler::new().map_err(|error| fault(error.to_string()))?;
+    let text = source(kernel).ok_or_else(|| fault("its source is not known".into()))?;
+    let include = |name: &str| {
+        let content = source(name).ok_or_else(|| format!("{name} is not built in"))?;
+        Ok((name.to_string(), content.into_owned()))
+    };
+    let made = super::compile::compile(&compiler, &text, kernel, level, include);
+    made.map(|artifact| artifact.as_binary().to_vec()).map_err(fault)
+}
+
+#[cfg(not(feature = "shaderc"))]
+pub(super) fn compiled(kernel: &str, _: Optimization) -> Result<Vec<u32>> {
+    let what = "this build can't compile shaders: build milkglass with `--features shaderc`";
+    Err(Error::device(format!("compiling kernel {kernel}"), what))
 }

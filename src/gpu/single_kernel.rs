@@ -7,8 +7,9 @@ use super::bind::Binding;
 use super::count::Tally;
 use super::device::Device;
 use super::kernel::Kernel;
+use super::list::Timing;
 use super::memory::Buffer;
-use super::record::{Recorder, Timing, Work};
+use super::record::{Recorder, Work};
 use crate::error::{Error, Result};
 
 /// A kernel that belongs to no stage.

@@ -23,6 +23,28 @@ pub(super) fn at(table: &Table, frame: f64) -> Checked<(Table, bool)> {
     Ok((still, moves))
 }
 
+/// The first and the last frame of all keyframes of a value that was read; none without keyframes.
+pub(super) fn frames(value: &Value) -> Option<[f64; 2]> {
+    let all = |values: &mut dyn Iterator<Item = &Value>| values.map(frames).reduce(both).flatten();
+    match value {
+        Value::Table(table) => match table.get("keyframes").and_then(Value::as_array) {
+            Some(list) => {
+                let at = |pair: Option<&Value>| number(pair?.as_array()?.first()?);
+                Some([at(list.first())?, at(list.last())?])
+            }
+            None => all(&mut table.values()),
+        },
+        Value::Array(list) => all(&mut list.iter()),
+        _ => None,
+    }
+}
+
+/// The frames of either range and those between them.
+pub(super) fn both(one: Option<[f64; 2]>, other: Option<[f64; 2]>) -> Option<[f64; 2]> {
+    let (Some(a), Some(b)) = (one, other) else { return one.or(other) };
+    Some([a[0].min(b[0]), a[1].max(b[1])])
+}
+
 /// A value at a frame. `key` is extended and truncated in place, since names and lists may be long.
 fn value_at(value: &Value, key: &mut String, frame: f64, moves: &mut bool) -> Checked<Value> {
     match value {
@@ -180,6 +202,16 @@ mod tests {
         assert_eq!(value("{ keyframes = [[3, 2]] }", 1.0).unwrap(), Value::Integer(2));
         let still: Table = toml::from_str("a = 1").unwrap();
         assert_eq!(at(&still, 3.0).unwrap(), (still, false));
+    }
+
+    #[test]
+    fn the_range_of_frames_is_that_of_all_keyframes() {
+        let text = "a = { b = [{ keyframes = [[3, 0], [9.5, 1]] }, 1] }\nc = { keyframes = [[-2, 0], [4, 1]] }";
+        let range = |text: &str| frames(&Value::Table(toml::from_str(text).unwrap()));
+        assert_eq!(range(text), Some([-2.0, 9.5]));
+        assert_eq!(range("a = [1, 2]"), None);
+        let scene = crate::Scene::load("twist").unwrap();
+        assert_eq!((scene.frames, crate::Scene::load("slab").unwrap().frames), (Some([0.0, 59.0]), None));
     }
 
     #[test]

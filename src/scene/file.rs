@@ -209,6 +209,8 @@ pub(super) struct Draft {
     pub objects: Vec<object::Draft>,
     /// Light transport.
     pub transport: Transport,
+    /// The first and the last frame of the keyframes.
+    pub frames: Option<[f64; 2]>,
 }
 
 impl SceneFile {
@@ -232,6 +234,7 @@ impl SceneFile {
             lights,
             objects: object::check_all(&self.object, unit_mm)?,
             transport: Transport::check(&self.transport)?,
+            frames: None,
         })
     }
 }

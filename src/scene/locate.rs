@@ -8,7 +8,7 @@ use std::path::Path;
 use toml::de::{DeTable, DeValue};
 
 /// Converts a TOML error in `text` to an input error with file, line and key.
-pub(super) fn from_toml(error: &toml::de::Error, text: &str, file: &Path) -> Input {
+pub(crate) fn from_toml(error: &toml::de::Error, text: &str, file: &Path) -> Input {
     let mut input = in_words(error.message()).file(file);
     if let Some(span) = error.span() {
         input = input.line(line_at(text, span.start));
@@ -85,7 +85,7 @@ fn line_at(text: &str, byte: usize) -> usize {
 }
 
 /// The line of a dotted key, or of its nearest parent in the text.
-fn line_of(text: &str, key: &str) -> Option<usize> {
+pub(crate) fn line_of(text: &str, key: &str) -> Option<usize> {
     let root = DeTable::parse(text).ok()?;
     let mut parts = key.split('.');
     let (name, value) = root.get_ref().get_key_value(parts.next()?)?;

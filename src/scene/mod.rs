@@ -31,6 +31,7 @@ mod text;
 mod texture;
 mod transport;
 mod vector;
+mod written;
 
 pub use animate::numbered;
 pub use builtin::BUILTIN;
@@ -41,6 +42,8 @@ pub use files::{Files, Memory, was_read};
 pub use layers::{DepthMap, Integration, Layer, Layers, Phase};
 pub use light::{Light, Sky, Source};
 pub use local::{Cdrf, Kappa};
+#[cfg(feature = "measure")]
+pub(crate) use locate::{from_toml, line_of};
 pub use material::{Fresnel, Material};
 pub use mesh::{Mesh, Shape};
 pub use object::Object;
@@ -86,6 +89,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// Settings of light transport.
     pub transport: Transport,
+    /// The first and the last frame of keyframes and animation; none where nothing has them.
+    pub frames: Option<[f64; 2]>,
     /// Repairs and warnings for the user, one per entry.
     pub report: Vec<String>,
     /// The memory limit, and the memory taken so far.
@@ -99,6 +104,7 @@ pub struct Scene {
 pub struct Origin {
     toml: String,
     file: PathBuf,
+    folder: PathBuf,
     sets: Vec<String>,
 }
 
@@ -193,6 +199,7 @@ impl Scene {
             let fault = fault.found(format!("up to {most} triangles: {error}")).expected("a smaller `detail`");
             read::place(fault, &text.toml, &text.file, sets)
         })?;
+        let mut frames = draft.frames;
         let mut play = draft.animation.map(|animation| Play::at(animation, frame));
         let mut objects = Vec::with_capacity(draft.objects.len());
         for (index, mut object) in draft.objects.into_iter().enumerate() {
@@ -210,6 +217,7 @@ impl Scene {
 
         if let Some(play) = play {
             play.check_played().map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
+            frames = animate::both(frames, Some([0.0, play.last]));
         }
         extent::check(&objects).map_err(|fault| read::place(fault, &text.toml, &text.file, sets))?;
 
@@ -227,7 +235,7 @@ impl Scene {
         if lights.is_empty() {
             report.push("dark: the scene has no [[light]]".to_owned());
         }
-        let origin = Arc::new(Origin { toml: text.toml, file: text.file, sets: sets.to_vec() });
+        let origin = Arc::new(Origin { toml: text.toml, file: text.file, folder: text.folder, sets: sets.to_vec() });
         Ok(Self {
             origin,
             name: text.name,
@@ -236,6 +244,7 @@ impl Scene {
             lights,
             objects,
             transport: draft.transport,
+            frames,
             report,
             memory: files.memory(),
         })

@@ -13,6 +13,9 @@ pub(super) struct Play {
     name: String,
     /// Seconds from its start.
     pub time: f64,
+    /// The frame at which it ends, in the longest of the meshes that have it.
+    pub last: f64,
+    fps: f64,
     /// Whether a mesh has it.
     played: bool,
     /// Names of the animations that the meshes have.
@@ -38,13 +41,14 @@ impl Play {
 
     /// At a frame.
     pub fn at((name, fps): (String, f64), frame: f64) -> Self {
-        Self { name, time: frame / fps, played: false, known: Vec::new() }
+        Self { name, time: frame / fps, last: 0.0, fps, played: false, known: Vec::new() }
     }
 
     /// The number of the animation among those of a mesh, with their lengths in seconds.
     pub fn find(&mut self, animations: Vec<(String, f64)>) -> Option<usize> {
         let found = animations.iter().position(|(name, _)| name.eq_ignore_ascii_case(&self.name));
         self.played |= found.is_some();
+        self.last = found.map_or(self.last, |number| self.last.max(animations[number].1 * self.fps));
         for (name, _) in animations {
             if !self.known.contains(&name) {
                 self.known.push(name);

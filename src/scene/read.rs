@@ -6,7 +6,7 @@ use super::{animate, locate, overrides};
 use crate::error::Input;
 use serde::Deserialize;
 use std::path::Path;
-use toml::Table;
+use toml::{Table, Value};
 
 /// Reads `text` of `file`, applies `sets` in order, evaluates keyframes at `frame`, and checks the result. An error in
 /// the file itself carries file and line; an error caused by a setting names that setting.
@@ -39,7 +39,7 @@ fn changed(original: &Table, sets: &[String], frame: f64) -> Checked<Draft> {
     }
     let (still, _) = animate::at(&table, frame)?;
     let scene = SceneFile::deserialize(still).map_err(|error| locate::in_words(error.message()))?;
-    scene.check()
+    Ok(Draft { frames: animate::frames(&Value::Table(table)), ..scene.check()? })
 }
 
 /// The draft of the text alone; errors carry file and line.

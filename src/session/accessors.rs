@@ -1,10 +1,12 @@
 //! Read access to a session: scene, state, plan, device, and retry counts.
 
+use std::time::Duration;
+
 use super::run::{Backend, Session};
 use super::subdivide::Parts;
 use crate::error::Result;
 use crate::gpu::count::Tally;
-use crate::gpu::{Device, KernelKey, Limits};
+use crate::gpu::{Device, KernelKey, Limits, Statistic};
 use crate::layout::BufferId;
 use crate::pipeline::plan::Plan;
 use crate::prepare::scene::Prepared;
@@ -81,6 +83,14 @@ impl Session {
         match &self.backend {
             Backend::Gpu(gpu) => gpu.kernels().made(),
             Backend::Cpu => Vec::new(),
+        }
+    }
+
+    /// The same with the time in which the driver created each pipeline, and what its compiler says of it.
+    pub fn pipeline_facts(&self) -> Result<Vec<(KernelKey, Duration, Vec<Statistic>)>> {
+        match &self.backend {
+            Backend::Gpu(gpu) => gpu.kernels().facts(),
+            Backend::Cpu => Ok(Vec::new()),
         }
     }
 

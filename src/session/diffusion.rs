@@ -142,7 +142,11 @@ fn add(times: &mut Vec<Timing>, more: Vec<Timing>) {
     let end = times.last().map_or(0.0, |last| last.start + last.milliseconds);
     for one in more {
         match times.iter_mut().find(|known| known.name == one.name) {
-            Some(known) => known.milliseconds += one.milliseconds,
+            Some(known) => {
+                known.milliseconds += one.milliseconds;
+                known.dispatches += one.dispatches;
+                known.barriers += one.barriers;
+            }
             None => times.push(Timing { start: end + one.start, ..one }),
         }
     }

@@ -82,6 +82,17 @@ impl Session {
         })
     }
 
+    /// Puts another picture of its size, four bytes a pixel, in the place of what [`Session::shown_on_device`] returns,
+    /// until that is called again; none on the CPU.
+    pub fn show_instead(&mut self, bytes: &[u32]) -> Result<Option<&Buffer>> {
+        self.prepared.state.data.shown = bytes.to_vec();
+        self.send(&[BufferId::shown])?;
+        Ok(match &self.backend {
+            Backend::Gpu(gpu) => gpu.buffer(BufferId::shown),
+            Backend::Cpu => None,
+        })
+    }
+
     /// Exposes the picture of the last frame.
     fn tone(&mut self) -> Result<()> {
         let steps = self.plan.steps(&self.prepared.state, Change::TONE);

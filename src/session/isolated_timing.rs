@@ -30,7 +30,7 @@ impl Session {
             let start = begin.elapsed().as_secs_f64() * 1e3;
             self.run(&[step])?;
             let milliseconds = begin.elapsed().as_secs_f64() * 1e3 - start;
-            times.push(Timing { name: step.stage.name.to_string(), milliseconds, start });
+            times.push(Timing { name: step.stage.name.to_string(), milliseconds, start, ..Timing::default() });
         }
         Ok(times)
     }

@@ -49,7 +49,12 @@ impl OctreeTransport {
             let sums = tree.gather(&dipoles, self.angle, centers);
             state.data.radiosity[object.first.receivers..][..sums.len()].copy_from_slice(&sums);
         }
-        Timing { name: HOST.name.into(), milliseconds: start.elapsed().as_secs_f64() * 1e3, start: f64::NAN }
+        Timing {
+            name: HOST.name.into(),
+            milliseconds: start.elapsed().as_secs_f64() * 1e3,
+            start: f64::NAN,
+            ..Timing::default()
+        }
     }
 }
 

@@ -201,7 +201,7 @@ impl Session {
                     let start = begin.elapsed().as_secs_f64() * 1e3;
                     step.reference(state);
                     let milliseconds = begin.elapsed().as_secs_f64() * 1e3 - start;
-                    Timing { name: step.stage.name.to_string(), milliseconds, start }
+                    Timing { name: step.stage.name.to_string(), milliseconds, start, ..Timing::default() }
                 };
                 Ok(steps.iter().map(&mut time).collect())
             }

@@ -142,7 +142,12 @@ impl Session {
             times.extend(self.run(&rest[..at])?);
             let start = times.last().map_or(0.0, |time: &Timing| time.start + time.milliseconds);
             let seconds = self.walk_object(rest[at])?;
-            times.push(Timing { name: random_walk::STAGE.name.into(), milliseconds: 1e3 * seconds, start });
+            times.push(Timing {
+                name: random_walk::STAGE.name.into(),
+                milliseconds: 1e3 * seconds,
+                start,
+                ..Timing::default()
+            });
             rest = &rest[at + 1..];
         }
         times.extend(self.run(rest)?);

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use super::{Scope, State};
 use crate::error::Result;
-use crate::gpu::{Binding, Buffer, BufferRange, Device, Kernel, Kernels, Recorder, Upload, Work, download, upload};
+use crate::gpu::{
+    Binding, Buffer, BufferRange, Device, Kernel, Kernels, Recorder, Recordings, Upload, Work, download, upload,
+};
 use crate::layout::{BUFFER_IDS, BufferId};
 
 /// Guard bytes after the end of each buffer of a guarded state, which no kernel may touch. As many bytes after a part
@@ -20,6 +22,7 @@ pub struct DeviceState {
     buffers: BTreeMap<BufferId, Buffer>,
     /// Bound where a kernel names a buffer that has no elements in this scene.
     nothing: Box<Buffer>,
+    recordings: Recordings,
     guarded: bool,
 }
 
@@ -27,12 +30,18 @@ impl DeviceState {
     /// No buffers yet. With `guarded`, every buffer is followed by bytes that [`Self::trespasses`] checks.
     pub fn new(device: &Device, guarded: bool) -> Result<Self> {
         let nothing = Box::new(Buffer::new(device, "nothing", 4)?);
-        Ok(Self { device: device.clone(), kernels: Kernels::new(device), buffers: BTreeMap::new(), nothing, guarded })
+        let (kernels, recordings) = (Kernels::new(device), Recordings::default());
+        Ok(Self { device: device.clone(), kernels, buffers: BTreeMap::new(), nothing, recordings, guarded })
     }
 
     /// The device.
     pub fn device(&self) -> &Device {
         &self.device
+    }
+
+    /// Recordings of earlier frames.
+    pub(super) fn recordings(&self) -> &Recordings {
+        &self.recordings
     }
 
     /// Makes every buffer as large as the state's; contents survive only where the size is unchanged. An empty buffer
@@ -52,6 +61,15 @@ impl DeviceState {
             self.buffers.remove(&slot);
             self.buffers.insert(slot, Buffer::new(&self.device, slot.spec().name, whole)?);
             made.push(slot);
+        }
+        if self.device.choices().cleared {
+            let sizes = made.iter().map(|slot| self.buffers[slot].size() as usize);
+            let zeros = vec![0; sizes.max().unwrap_or(0)];
+            let clear = |slot: &BufferId| {
+                let buffer = &self.buffers[slot];
+                Upload { buffer, offset: 0, bytes: &zeros[..buffer.size() as usize] }
+            };
+            upload(&self.device, &made.iter().map(clear).collect::<Vec<_>>())?;
         }
         let guards = self.guards(state, &made);
         let bytes = [GUARD_BYTE; GUARD as usize + 4];

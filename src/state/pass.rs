@@ -113,7 +113,7 @@ impl DeviceState {
             recorder
                 .part(step.stage.name, |recorder| (step.stage.gpu)(&mut Pass::record(state, *step, self, recorder)))?;
         }
-        recorder.submit()
+        recorder.submit_again(self.recordings())
     }
 }
 

@@ -66,5 +66,5 @@ pub fn save(picture: &Picture, layers: &[Layer], path: &Path) -> Result<()> {
     };
     let all: Vec<_> = std::iter::once(&first).chain(layers).map(layer).collect();
     let image = Image::from_layers(ImageAttributes::with_size(size), all);
-    encode_atomically(path, |file| image.write().to_buffered(file).map_err(|e| e.to_string()))
+    encode_atomically(path, |file| image.write().non_parallel().to_buffered(file).map_err(|e| e.to_string()))
 }

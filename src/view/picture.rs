@@ -89,7 +89,7 @@ impl Picture {
                     (r, g, b)
                 };
                 let image = Image::from_channels((self.width, self.height), SpecificChannels::rgb(pixel));
-                image.write().to_buffered(file).map_err(|e| e.to_string())
+                image.write().non_parallel().to_buffered(file).map_err(|e| e.to_string())
             }),
         }
     }

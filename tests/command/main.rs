@@ -21,6 +21,8 @@ mod pareto;
 mod probes;
 mod profile;
 mod profile_compare;
+#[cfg(feature = "shaderc")]
+mod replaced;
 mod report;
 mod repro;
 mod stress;
@@ -28,4 +30,5 @@ mod studio;
 mod textures;
 mod unfinished;
 mod validity;
+mod vary;
 mod walk;

@@ -225,3 +225,46 @@ fn a_plan_tells_what_another_scene_needs_otherwise() {
     bad(&here, "plan a.toml --device cpu --diff nowhere.toml", 2, &["nowhere.toml"]);
     bad(&here, "plan a.toml --device cpu --diff a.toml --json b.json", 2, &["--json"]);
 }
+
+#[test]
+fn a_page_says_why_a_frame_takes_so_long() {
+    let here = folder(&[]);
+    let (out, _) = good(&here, &format!("profile {SMALL} --frames 5 --why --save a.json --trace t.json"));
+    for words in
+        ["bound by", "on the device: dispatch", "submission and wait", "ms to create", "the driver lacks VK_KHR"]
+    {
+        assert!(out.contains(words), "{words}: {out}");
+    }
+    let widest = out.lines().map(|line| line.chars().count()).max().unwrap();
+    assert!(out.lines().count() <= 40 && widest <= 100, "{widest} columns\n{out}");
+    let json: serde_json::Value = serde_json::from_str(&read(&here, "a.json")).unwrap();
+    let why = &json["why"];
+    for cost in ["dispatch", "dispatch_host", "submission"] {
+        let interval = &why["overheads_us"][cost];
+        let [value, low, high] = ["value", "low", "high"].map(|key| interval[key].as_f64().unwrap());
+        assert!(0.0 < value && low <= value && value <= high, "{cost}: {interval}");
+    }
+    let sum = |of: &serde_json::Value| of.as_object().unwrap().values().map(|v| v.as_f64().unwrap()).sum::<f64>();
+    let (parts, wall) = (&why["frame_ms"], why["frame_ms"]["wall"].as_f64().unwrap());
+    assert!((sum(parts) - 2.0 * wall).abs() < 1e-6 * wall, "{parts}");
+    let stages = why["stages"].as_array().unwrap();
+    assert_eq!(stages.len(), json["stages"].as_array().unwrap().len());
+    for stage in stages {
+        assert!((sum(&stage["bounds"]) - 1.0).abs() < 1e-9, "{stage}");
+        assert!(stage["pipelines"].as_u64().unwrap() > 0 && stage["creation_ms"].as_f64().unwrap() > 0.0, "{stage}");
+        let row = json["stages"].as_array().unwrap().iter().find(|row| row["stage"] == stage["stage"]).unwrap();
+        assert_eq!(stage["dispatches"], row["dispatches"]);
+    }
+    assert!(stages.iter().map(|stage| stage["barriers"].as_u64().unwrap()).sum::<u64>() > 0);
+
+    // Counters go up with each step and down again after it.
+    let trace: serde_json::Value = serde_json::from_str(&read(&here, "t.json")).unwrap();
+    let events = trace["traceEvents"].as_array().unwrap();
+    for (track, key) in [("memory, MB", "MB"), ("links", "links"), ("Gflop/s", "Gflop/s"), ("GB/s", "GB/s")] {
+        let of_track = |event: &&serde_json::Value| event["ph"] == "C" && event["name"] == track;
+        let values: Vec<f64> =
+            events.iter().filter(of_track).map(|event| event["args"][key].as_f64().unwrap()).collect();
+        assert!(values.len() >= 5 && values.iter().any(|value| *value > 0.0), "{track}: {values:?}");
+    }
+    bad(&here, &format!("profile {SMALL} --frames 1 --device cpu --why"), 2, &["--why", "found the CPU"]);
+}

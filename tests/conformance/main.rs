@@ -19,3 +19,4 @@ mod pictures;
 mod repro;
 mod stages;
 mod systematic;
+mod variants;

@@ -114,7 +114,7 @@ fn a_kernel_that_does_nothing_is_reported() {
     }
     let unseen = Mutex::new(Vec::new());
     on_devices_each(&kernels.into_iter().collect::<Vec<_>>(), |device, (kernel, fixtures)| {
-        let device = device.replacing(kernel, idle(kernel));
+        let device = device.replacing(kernel, idle(kernel)).unwrap();
         let stage = [owner(kernel).unwrap().name.to_string()];
         let seen = |&k: &usize| {
             let rows = conform_stages(&device, &list[k], &stage).unwrap();

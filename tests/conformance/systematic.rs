@@ -3,7 +3,7 @@
 
 use crate::devices::on_devices_each;
 use crate::shell::folder;
-use milkglass::internals::gpu::{replacement, source, sources};
+use milkglass::internals::gpu::{Given, replacement, source, sources};
 use milkglass::internals::layout::{BUFFER_IDS, Number};
 use milkglass::measure::fixtures::fixtures;
 use milkglass::measure::replace::check;
@@ -51,7 +51,7 @@ fn a_systematic_factor_is_reported() {
     on_devices_each(&kernels, |device, (kernel, text)| {
         let file = here.path().join(format!("{}.comp", kernel.replace('/', "-")));
         std::fs::write(&file, text).unwrap();
-        let device = device.replacing(kernel, replacement(kernel, &file).unwrap());
+        let device = device.replacing(kernel, replacement(kernel, &file, &Given::default()).unwrap()).unwrap();
         let rows = check(&device, &small).unwrap();
         let seen = rows.iter().any(|row| !row.faults.is_empty());
         if seen == HIDDEN.iter().any(|(name, _)| name == kernel) {

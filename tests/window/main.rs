@@ -1,4 +1,8 @@
-//! The command `view` under an X server without a screen. Debian: xvfb, xauth, xdotool.
+//! The command `view` under an X server without a screen. Debian: xvfb, xauth, xdotool; weston for Wayland.
+
+mod controls;
+mod long;
+mod wayland;
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -31,8 +35,13 @@ fn view(folder: &Path, arguments: &[&str], events: &str) -> Output {
 }
 
 fn opened(folder: &Path, arguments: &[&str], events: &str) -> Child {
-    std::fs::write(folder.join("events.toml"), format!("event = [{events}]")).unwrap();
+    write_events(folder, events);
     under_x(folder, Command::new(PROGRAM).arg("view").args(arguments).args(["--play", "events.toml"]))
+}
+
+/// The events of a window that shows no handles over its picture.
+fn write_events(folder: &Path, events: &str) {
+    std::fs::write(folder.join("events.toml"), format!("event = [{{ key = 'h' }}, {events}]")).unwrap();
 }
 
 fn good(out: &Output) {
@@ -61,12 +70,17 @@ fn rendered(folder: &Path, arguments: &[&str]) -> Pixels {
     read(file)
 }
 
-/// The picture of the command that the window printed last.
-fn repeated(folder: &Path, out: &Output) -> Pixels {
+/// Runs the command that the window printed last, which writes `slab` with some ending.
+fn repeat(folder: &Path, out: &Output) {
     let text = String::from_utf8_lossy(&out.stdout).into_owned();
     let command = text.lines().rfind(|line| line.starts_with("milkglass render ")).expect("a command");
     let command = command.replacen("milkglass", PROGRAM, 1);
     good(&Command::new("sh").args(["-c", &command]).current_dir(folder).output().unwrap());
+}
+
+/// The picture of that command.
+fn repeated(folder: &Path, out: &Output) -> Pixels {
+    repeat(folder, out);
     read(folder.join("slab.png"))
 }
 

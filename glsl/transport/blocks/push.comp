@@ -4,7 +4,7 @@
 
 // B of a receiver: what it received itself, and its block's expansion at its position. A negative sum is clamped, and
 // counts as error. Channels of no group are black.
-layout(local_size_x = GROUP_SIZE) in;
+layout(local_size_x = GROUP_SIZE, local_size_x_id = GROUP_ID) in;
 layout(constant_id = 0) const uint ALIVE = 7;
 layout(constant_id = 1) const uint ESTIMATE = 0;
 layout(push_constant, scalar) uniform push_block { Range range; };

@@ -80,7 +80,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         if isolated {
             failures.extend(isolate::probed(arguments, (*index, adapter), &mut own)?);
         } else {
-            let device = replaced(&opened(&instance, adapter)?, &kernels);
+            let device = replaced(&opened(&instance, adapter)?, &kernels)?;
             if !arguments.child || arguments.probe_only {
                 own.probes = probe(&device)?;
             }

@@ -11,14 +11,7 @@ use milkglass::measure::statistics::Interval;
 
 /// The ratios of variants of the same rounds; stages in `replaced` are marked.
 pub(super) fn told(samples: &Samples, ratios: &[Vec<Ratio>], replaced: &[String]) -> String {
-    let all = samples.variants.first().map_or(0, |first| first.frame_ms.len());
-    let mut text = format!(
-        "{all} rounds in {} starts and {:.1} s, in random order (seed {}), {}\n",
-        all.div_ceil(samples.each.max(1)),
-        samples.seconds,
-        samples.seed,
-        dropped(samples)
-    );
+    let mut text = rounds(samples);
     let Some((first, others)) = samples.variants.split_first() else { return text };
     for (other, rows) in others.iter().zip(ratios) {
         text += &format!("\n{}", rows_told([&first.name, &other.name], rows, replaced));
@@ -32,8 +25,20 @@ pub(super) fn told(samples: &Samples, ratios: &[Vec<Ratio>], replaced: &[String]
     text
 }
 
+/// How many rounds there were, in a line.
+pub(in crate::cli) fn rounds(samples: &Samples) -> String {
+    let all = samples.variants.first().map_or(0, |first| first.frame_ms.len());
+    format!(
+        "{all} rounds in {} starts and {:.1} s, in random order (seed {}), {}\n",
+        all.div_ceil(samples.each.max(1)),
+        samples.seconds,
+        samples.seed,
+        dropped(samples)
+    )
+}
+
 /// A line if the budget ended before `--until` was reached.
-pub(super) fn unmet(samples: &Samples, settings: &Settings) -> String {
+pub(in crate::cli) fn unmet(samples: &Samples, settings: &Settings) -> String {
     let wide = settings.until.and_then(|until| samples.widest().filter(|(_, width)| *width > until));
     wide.map_or_else(String::new, |(what, width)| {
         let width = if width.is_finite() { format!("{:.1} %", 100.0 * width) } else { "without bound".into() };
@@ -124,7 +129,7 @@ fn cells(row: &Ratio, replaced: &[String]) -> Vec<String> {
 }
 
 /// Half the width of an interval, in percent of the value.
-pub(super) fn half(interval: &Interval) -> String {
+pub(in crate::cli) fn half(interval: &Interval) -> String {
     let width = interval.half_width();
     if width.is_finite() { format!("{:.1} %", 100.0 * width) } else { "-".into() }
 }

@@ -5,13 +5,15 @@ mod arguments;
 mod comparison;
 mod pipe;
 mod text;
+mod why;
 
 use std::path::Path;
 
 use serde_json::{Value, json};
 
 pub use self::arguments::Arguments;
-use self::comparison::{files, told, unmet};
+use self::comparison::{files, told};
+pub(super) use self::comparison::{half, rounds, unmet};
 use self::pipe::{Other, serve};
 use self::text::text;
 use super::replace::replaced;
@@ -21,6 +23,7 @@ use milkglass::internals::gpu::Device;
 use milkglass::internals::pipeline::plan::{Change, Mode};
 use milkglass::internals::view::atomic_file::{ready, write_atomically};
 use milkglass::measure::profile::file::{Saved, read};
+use milkglass::measure::profile::why::why;
 use milkglass::measure::profile::{Open, Settings, against, agreement, profile, result, variant};
 use milkglass::measure::replace::stages;
 use milkglass::measure::rounds::{Measured, Samples, Starter, compare};
@@ -57,19 +60,28 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.serve {
         return serve(&scene, device.as_ref(), &settings);
     }
+    if arguments.why && device.is_none() {
+        let fault = Input::new("measures a Vulkan device").key("--why").found("the CPU");
+        return Err(fault.expected("a device that `milkglass devices` lists").into());
+    }
     let own = arguments.replace.on(device.as_ref(), &[(&scene, settings.options)])?;
     let mut comparison = Value::Null;
     if let Some(after) = &own {
         let kernels = arguments.replace.load()?;
         let built_in = || arguments.open(arguments.device.first());
-        let with_own = || Ok(built_in()?.map(|device| replaced(&device, &kernels)));
+        let with_own = || built_in()?.map(|device| replaced(&device, &kernels)).transpose();
         let found = against(&scene, &[("built-in", &built_in), ("replaced", &with_own)], &settings)?;
         comparison = compared(&found.samples, &stages(after), &settings)?;
     }
     let device = own.or(device);
     let found = profile(&scene, device.as_ref(), &arguments.alone(&settings))?;
+    let reasons = match &device {
+        Some(device) if arguments.why => Some(why(&scene, device, &arguments.alone(&settings), &found)?),
+        _ => None,
+    };
     check_messages(device.as_ref())?;
-    print(&format!("{}{}", text(&found), unmet(&found.samples, &arguments.alone(&settings))))?;
+    let page = reasons.as_ref().map_or_else(|| text(&found), |why| why::text(&found, why));
+    print(&format!("{page}{}", unmet(&found.samples, &arguments.alone(&settings))))?;
     let saved = arguments.saved(&found.device, &found.driver, found.samples.clone());
     if let Some((earlier, path)) = &earlier {
         earlier.same_subject(&saved, path)?;
@@ -82,7 +94,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.trace {
         write(path, format!("{}\n", found.trace()))?;
     }
-    save(arguments, &saved, found.json(), comparison)
+    let mut json = found.json();
+    if let Some(why) = &reasons {
+        json["why"] = json!(why);
+    }
+    save(arguments, &saved, json, comparison)
 }
 
 /// Times this program's build against another one, each in a process of its own.
@@ -153,7 +169,8 @@ fn save(arguments: &Arguments, saved: &Saved, mut value: Value, comparison: Valu
     write(path, format!("{value:#}\n"))
 }
 
-fn write(path: &Path, text: String) -> Result<()> {
+/// Writes a text. The file appears whole or not at all.
+pub(super) fn write(path: &Path, text: String) -> Result<()> {
     write_atomically(path, |beside| std::fs::write(beside, text).map_err(|e| e.to_string()))
 }
 

@@ -175,9 +175,14 @@ impl Variant for Other {
             let said = self.ended();
             return Err(Error::device("timing another build", format!("{} ended{}", self.program, after(&said))));
         };
-        let step =
-            |(name, ms): (String, Option<f64>)| Timing { name, milliseconds: ms.unwrap_or(f64::NAN), start: f64::NAN };
-        Ok(Frame { start: 0.0, wall: answer.wall, steps: answer.steps.into_iter().map(step).collect() })
+        let step = |(name, ms): (String, Option<f64>)| Timing {
+            name,
+            milliseconds: ms.unwrap_or(f64::NAN),
+            start: f64::NAN,
+            ..Timing::default()
+        };
+        let steps = answer.steps.into_iter().map(step).collect();
+        Ok(Frame { wall: answer.wall, steps, ..Frame::default() })
     }
 }
 

@@ -5,9 +5,10 @@ use std::time::SystemTime;
 
 use glam::DVec3;
 use milkglass::error::Result;
-use milkglass::scene::{Camera, Scene};
+use milkglass::scene::{Camera, Light, Material, Scene};
 
-use super::turn::{moves, turn_light};
+use super::turn::{move_light, moves, place_of, project, turn_light};
+use crate::cli::SceneArguments;
 use crate::cli::bare::Subject;
 
 /// A scene and the settings that were made in the window.
@@ -24,6 +25,8 @@ pub(super) struct Edits {
     pub(super) scene: Scene,
     /// The light that drags and keys move.
     pub(super) light: usize,
+    /// Whether it differs from what its file gives with all settings.
+    adjusted: bool,
     /// The scene's file, and its state when it was read last.
     file: Option<(PathBuf, FileState)>,
 }
@@ -39,7 +42,17 @@ impl Edits {
         let scene = subject.load()?;
         let light = scene.lights.iter().position(moves).unwrap_or(0);
         let given = subject.scenes.sets.clone();
-        Ok(Self { subject, given, made: Vec::new(), undo: Vec::new(), redo: Vec::new(), scene, light, file })
+        Ok(Self {
+            subject,
+            given,
+            made: Vec::new(),
+            undo: Vec::new(),
+            redo: Vec::new(),
+            scene,
+            light,
+            adjusted: false,
+            file,
+        })
     }
 
     /// Begins a change that one [`Self::undo`] takes back.
@@ -55,6 +68,25 @@ impl Edits {
         let before = self.made.clone();
         self.note(key, value);
         self.read().inspect_err(|_| self.made = before)
+    }
+
+    /// Makes a setting whose effect on the scene is known: without reading the scene, until [`Self::settle`].
+    pub(super) fn adjust(&mut self, key: &str, value: String, change: impl FnOnce(&mut Scene)) {
+        self.note(key, value);
+        change(&mut self.scene);
+        self.adjusted = true;
+    }
+
+    /// Reads the scene if it was adjusted since it was read; if that fails, the last change is taken back.
+    pub(super) fn settle(&mut self) -> Result<()> {
+        if !self.adjusted {
+            return Ok(());
+        }
+        self.read().or_else(|error| {
+            self.made = self.undo.pop().unwrap_or_default();
+            self.read()?;
+            Err(error)
+        })
     }
 
     /// The settings before the last change; whether there are any.
@@ -75,6 +107,30 @@ impl Edits {
         self.read().map(|()| true)
     }
 
+    /// The scene's frame.
+    pub(super) fn frame(&self) -> f64 {
+        self.subject.scenes.frame
+    }
+
+    /// The scene at another frame; an error leaves everything as it was.
+    pub(super) fn set_frame(&mut self, frame: f64) -> Result<()> {
+        let before = std::mem::replace(&mut self.subject.scenes.frame, frame);
+        self.read().inspect_err(|_| self.subject.scenes.frame = before)
+    }
+
+    /// The scene's file with all settings, and the picture's size.
+    pub(super) fn written(&self) -> Result<String> {
+        let camera = &self.scene.camera;
+        let mut sets = SceneArguments { sets: self.sets(), ..self.subject.scenes.clone() }.sets();
+        sets.push(format!("camera.size=[{}, {}]", camera.size[0], camera.size[1]));
+        if self.scene.frames.is_none() {
+            // What was fitted to another size stays.
+            sets.push(format!("camera.position={}", list(camera.position)));
+            sets.push(format!("camera.target={}", list(camera.target)));
+        }
+        self.scene.written(&sets)
+    }
+
     /// Takes all settings of the window back.
     pub(super) fn reset(&mut self) -> Result<()> {
         self.made.clear();
@@ -89,13 +145,42 @@ impl Edits {
         self.scene.camera = Camera { position: camera.position, target: camera.target, ..self.scene.camera.clone() };
     }
 
-    /// Turns the light about the middle of the scene, by degrees as the camera sees it. A light that would get into an
-    /// object stays where it is.
+    /// Turns the light about the middle of the scene, by degrees as the camera sees it.
     pub(super) fn turn_light(&mut self, right: f64, up: f64) -> Result<()> {
+        let (middle, _) = self.middle();
+        self.change_light(|light, camera| turn_light(light, camera, middle, right, up))
+    }
+
+    /// Shifts the light, by parts of the picture's height as the camera sees it where the light is.
+    pub(super) fn shift_light(&mut self, right: f64, up: f64) -> Result<()> {
+        let (middle, extent) = self.middle();
+        self.change_light(|light, camera| {
+            let Some(place) = place_of(light, middle, extent) else { return Vec::new() };
+            let depth = project(camera, place).map_or(extent, |(_, depth)| depth);
+            let (across, upwards, _) = camera.basis();
+            let height = 2.0 * depth * (camera.fov.to_radians() / 2.0).tan();
+            move_light(light, middle, place + height * (across * right + upwards * up))
+        })
+    }
+
+    /// Where each light is seen, in pixels from the upper left; none for one that is not, or can't be moved.
+    pub(super) fn handles(&self) -> Vec<Option<[f64; 2]>> {
+        let (middle, extent) = self.middle();
+        let seen = |light| project(&self.scene.camera, place_of(light, middle, extent)?).map(|(at, _)| at);
+        self.scene.lights.iter().map(seen).collect()
+    }
+
+    /// The middle of the scene, and half its diagonal.
+    fn middle(&self) -> (DVec3, f64) {
         let (low, high) = self.scene.bounds();
+        ((low + high) / 2.0, (high - low).length() / 2.0)
+    }
+
+    /// Changes the light, unless it would get into an object; `change` returns the keys it changes.
+    fn change_light(&mut self, change: impl FnOnce(&mut Light, &Camera) -> Vec<(&'static str, DVec3)>) -> Result<()> {
         let Some(light) = self.scene.lights.get_mut(self.light) else { return Ok(()) };
         let before = light.clone();
-        let keys = turn_light(light, &self.scene.camera, (low + high) / 2.0, right, up);
+        let keys = change(light, &self.scene.camera);
         if let Err(error) = self.scene.check_lights() {
             self.scene.lights[self.light] = before;
             return Err(error);
@@ -113,16 +198,31 @@ impl Edits {
         self.light = next.unwrap_or(self.light);
     }
 
-    /// The value of a setting, of the window or else of the command line or the scene's text, where it is a number.
-    pub(super) fn number(&self, key: &str) -> Option<f64> {
-        let given = |set: &String| set.split_once('=').map(|(key, value)| (key.trim().to_owned(), value.to_owned()));
-        let sets = self.given.iter().filter_map(given).chain(self.made.iter().cloned());
-        if let Some((_, value)) = sets.rev().find(|(known, _)| known == key) {
-            return value.trim().parse().ok();
+    /// The material that an object has with all settings and another one; none where only the scene can tell, for what
+    /// it has from files.
+    pub(super) fn material(&self, object: usize, key: &str, value: &str) -> Option<Material> {
+        let known = &self.scene.objects[object].material;
+        if known.texture.is_some() || known.sigma_0_texture.is_some() || known.layers.is_some() {
+            return None;
         }
-        let (text, _) = Scene::text(&self.subject.scenes.scene, &self.subject.scenes.memory.files()).ok()?;
-        let table: toml::Table = toml::from_str(&text).ok()?;
-        let mut place = &toml::Value::Table(table);
+        let path = |key: &str| format!("object.{object}.material.{key}");
+        let text =
+            self.scene.written(&self.sets().into_iter().chain([format!("{}={value}", path(key))]).collect::<Vec<_>>());
+        let mut table: toml::Table = toml::from_str(&text.ok()?).ok()?;
+        let mut own = table.remove("object")?.as_array_mut()?.get_mut(object)?.as_table_mut()?.remove("material")?;
+        let (own, unit) = (own.as_table_mut()?, table.remove("unit"));
+        let plane = [("shape", "plane".into()), ("detail", 1.into()), ("material", std::mem::take(own).into())];
+        let plane: toml::Table =
+            plane.into_iter().map(|(key, value): (_, toml::Value)| (key.to_owned(), value)).collect();
+        let all =
+            [("object".to_owned(), vec![plane].into())].into_iter().chain(unit.map(|unit| ("unit".to_owned(), unit)));
+        let text = toml::to_string(&all.collect::<toml::Table>()).ok()?;
+        Some(Scene::parse("material", &text, &[]).ok()?.objects.swap_remove(0).material)
+    }
+
+    /// The value of a key of the scene with all settings, where it is a number.
+    pub(super) fn number(&self, key: &str) -> Option<f64> {
+        let mut place = &toml::Value::Table(toml::from_str(&self.written().ok()?).ok()?);
         for part in key.split('.') {
             place = match place {
                 toml::Value::Table(table) => table.get(part)?,
@@ -147,6 +247,12 @@ impl Edits {
         self.made.iter().flat_map(|(key, value)| ["--set".to_owned(), format!("{key}={value}")]).collect()
     }
 
+    /// The settings of the command line, then those of the window.
+    fn sets(&self) -> Vec<String> {
+        let made = self.made.iter().map(|(key, value)| format!("{key}={value}"));
+        self.given.iter().cloned().chain(made).collect()
+    }
+
     /// Makes a setting without reading the scene.
     fn note(&mut self, key: &str, value: String) {
         self.made.retain(|(known, _)| known != key);
@@ -155,12 +261,11 @@ impl Edits {
 
     /// Reads the scene with all settings.
     fn read(&mut self) -> Result<()> {
-        let made = self.made.iter().map(|(key, value)| format!("{key}={value}"));
-        self.subject.scenes.sets = self.given.iter().cloned().chain(made).collect();
+        self.subject.scenes.sets = self.sets();
         let scene = self.subject.at(self.subject.scenes.frame)?;
         // The window gives the picture its size.
         let camera = scene.camera.clone().sized(self.scene.camera.size)?;
-        self.scene = Scene { camera, ..scene };
+        (self.scene, self.adjusted) = (Scene { camera, ..scene }, false);
         if !self.scene.lights.get(self.light).is_some_and(moves) {
             self.light = self.scene.lights.iter().position(moves).unwrap_or(0);
         }

@@ -1,33 +1,25 @@
 //! The pictures of the window: fast drafts while something moves, and the picture of `render` once everything rests.
 //!
-//! Drafts have a session of their own: coarse pixels, one sample of each, and a coarse tolerance. The picture that
-//! replaces them is made step by step: a frame through the pixels' centres, then a frame for each sample.
+//! Drafts have sessions of their own: see [`super::drafts`]. The picture that replaces them is made step by step: a
+//! frame through the pixels' centres, then a frame for each sample. A layer is made in one step.
 
 use std::time::{Duration, Instant};
 
-use milkglass::error::Result;
+use milkglass::error::{Error, Result};
 use milkglass::internals::gpu::{Buffer, Device, Timing};
-use milkglass::internals::pipeline::frame::stage;
+use milkglass::internals::layout::ListCounters;
 use milkglass::internals::pipeline::plan::{Change, Options, ShadingMethod};
 use milkglass::internals::session::run::Session;
-use milkglass::internals::state::Need;
-use milkglass::internals::view::pixel_receivers;
-use milkglass::scene::{Scene, Source};
+use milkglass::scene::Scene;
 
-/// What the pixels of a draft may take, ms; otherwise the next one is coarser.
-const PIXELS: f64 = 80.0;
-/// What the pixels of a finer draft may be expected to take, ms.
-const FINER: f64 = 60.0;
+use super::drafts::{FACTORS, LEVELS, Policy};
+use super::history::History;
+use super::inspect::{Inspector, Layer};
+
 /// If the first frame of a picture takes less, there are no drafts.
 const QUICK: Duration = Duration::from_millis(50);
 /// For how long everything must rest before the picture is made.
 const REST: Duration = Duration::from_millis(250);
-/// The tolerance of drafts, if the scene's is not coarser.
-const COARSE: f64 = 0.1;
-/// Rays to the sky of a draft's face, and samples along each side of an area light.
-const SAMPLES: [u32; 2] = [4, 2];
-/// Pixels of the window along each side of a draft's pixel.
-const FACTORS: [u32; 6] = [1, 2, 3, 4, 6, 8];
 
 /// What is shown, and what is to be done for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,19 +39,23 @@ pub(super) struct Frames {
     device: Device,
     options: Options,
     full: Session,
-    /// Made when it is first needed.
-    draft: Option<Session>,
-    /// The index among [`FACTORS`] of the next draft.
-    coarseness: usize,
+    /// Those of drafts with transport, and without; made when they are first needed.
+    drafts: [Option<Session>; 2],
+    pub(super) policy: Policy,
+    /// Whether more than the camera has changed since the last draft.
+    all: bool,
     /// Whether the last picture was fast enough to do without drafts.
     quick: bool,
     pub(super) progress: Progress,
-    /// Each stage of the last frame with its time on the device, ms.
-    pub(super) times: Vec<(String, f64)>,
-    /// How long the last frame took on the host, ms.
-    pub(super) wall: f64,
+    /// What is shown of the scene, and of which pixel.
+    layer: Layer,
+    pick: [u32; 2],
+    pub(super) inspector: Inspector,
+    /// Why a layer could not be shown, until it is told.
+    pub(super) refused: Option<Error>,
+    pub(super) history: History,
     /// How long each draft took, ms.
-    drafts: Vec<f64>,
+    drafted: Vec<f64>,
 }
 
 impl Frames {
@@ -69,30 +65,47 @@ impl Frames {
             device: device.clone(),
             options,
             full,
-            draft: None,
-            coarseness: 3,
+            drafts: [None, None],
+            policy: Policy::default(),
+            all: true,
             quick: false,
             progress: Progress::Changed,
-            times: Vec::new(),
-            wall: 0.0,
-            drafts: Vec::new(),
+            layer: Layer::Light,
+            pick: [0; 2],
+            inspector: Inspector::new(device),
+            refused: None,
+            history: History::new(),
+            drafted: Vec::new(),
         }
     }
 
     /// Goes over to other options; what was shown stays if that fails.
     pub(super) fn set_options(&mut self, scene: &Scene, options: Options) -> Result<()> {
         self.full = Session::new(scene, Some(&self.device), options)?;
-        (self.options, self.draft, self.quick) = (options, None, false);
-        self.progress = Progress::Changed;
+        (self.options, self.drafts, self.quick) = (options, [None, None], false);
+        self.policy = Policy::default();
+        self.change(true);
         Ok(())
     }
 
-    /// Says that the scene has changed.
-    pub(super) fn change(&mut self) {
+    /// Says that the scene has changed: `all` of it, or the camera alone.
+    pub(super) fn change(&mut self, all: bool) {
         self.progress = Progress::Changed;
+        self.all |= all;
     }
 
-    /// When there is something to do next; none if the picture is whole. While a button is `held`, drafts stay.
+    /// What is shown.
+    pub(super) fn layer(&self) -> Layer {
+        self.layer
+    }
+
+    /// Goes over to another layer; a pixel is picked for one of them.
+    pub(super) fn set_layer(&mut self, layer: Layer, pick: [u32; 2]) {
+        (self.layer, self.pick) = (layer, pick);
+        self.change(false);
+    }
+
+    /// When there is something to do next; none if the picture is whole. While something is `held`, drafts stay.
     pub(super) fn due(&self, held: bool) -> Option<Instant> {
         match self.progress {
             Progress::Changed | Progress::Sample(_) => Some(Instant::now()),
@@ -102,55 +115,62 @@ impl Frames {
         }
     }
 
+    /// Whether the next step is the first one of a whole picture.
+    pub(super) fn begins(&self, held: bool) -> bool {
+        let rests = match self.progress {
+            Progress::Changed => self.quick && !(held && self.layer != Layer::Light),
+            Progress::Draft(_) => true,
+            _ => false,
+        };
+        rests && self.due(held).is_some_and(|due| due <= Instant::now())
+    }
+
     /// Does the next step, if it is due: a draft of the scene, or a part of its picture. The scene's camera has the
-    /// window's size. After an error that is not the device's the picture shows an earlier scene.
-    pub(super) fn advance(&mut self, scene: &Scene, held: bool) -> Result<()> {
+    /// window's size. `before` is what was spent on the change itself. After an error that is not the device's the
+    /// picture shows an earlier scene.
+    pub(super) fn advance(&mut self, scene: &Scene, held: bool, before: Duration) -> Result<()> {
         if self.due(held).is_none_or(|due| due > Instant::now()) {
             return Ok(());
         }
-        let start = Instant::now();
-        let times = match self.progress {
-            Progress::Changed if !self.quick => self.draft(scene)?,
+        // With what the change took.
+        let start = Instant::now().checked_sub(before).unwrap_or_else(Instant::now);
+        let steps = match self.progress {
+            Progress::Changed if !self.begins(held) => self.draft(scene)?,
+            Progress::Changed | Progress::Draft(_) if self.layer != Layer::Light => self.inspect(scene)?,
             Progress::Changed | Progress::Draft(_) => {
                 self.full.show(scene).map_err(|error| scene.placed(error))?;
-                let times = self.full.frame(Change::default())?;
+                let steps = self.full.frame(Change::default())?;
                 self.full.finished_rays()?;
                 self.quick = start.elapsed() < QUICK;
+                self.policy.relearn(scene, &steps, start.elapsed().as_secs_f64() * 1e3);
                 self.progress = if scene.camera.samples == 1 { Progress::Whole } else { Progress::Sample(0) };
-                times
+                steps
             }
             Progress::Sample(done) => {
-                let times = self.full.sample_one(done)?;
+                let steps = self.full.sample_one(done)?;
                 let whole = done + 1 == scene.camera.samples;
                 self.progress = if whole { Progress::Whole } else { Progress::Sample(done + 1) };
-                times
+                steps
             }
             Progress::Whole => return Ok(()),
         };
-        self.wall = start.elapsed().as_secs_f64() * 1e3;
-        self.times = by_stage(times);
+        self.history.add(start, steps);
         if matches!(self.progress, Progress::Draft(_)) {
-            self.drafts.push(self.wall);
+            self.drafted.push(start.elapsed().as_secs_f64() * 1e3);
         }
         Ok(())
     }
 
-    /// Renders a draft, and chooses the next one's pixels by how long it took.
+    /// Renders a draft; the next one is chosen by how long it took.
     fn draft(&mut self, scene: &Scene) -> Result<Vec<Timing>> {
-        let mut coarse = scene.clone();
-        let size = scene.camera.size.map(|side| side.div_ceil(FACTORS[self.coarseness]));
+        let start = Instant::now();
+        self.policy.choose(scene, self.all);
+        let level = &LEVELS[self.policy.level];
+        let mut coarse = level.of(scene);
+        let size = scene.camera.size.map(|side| side.div_ceil(FACTORS[self.policy.coarseness]));
         coarse.camera = coarse.camera.sized(size)?;
-        coarse.camera.samples = 1;
-        coarse.transport.tolerance = coarse.transport.tolerance.max(COARSE);
-        coarse.transport.subdivide = 0;
-        for light in &mut coarse.lights {
-            match &mut light.source {
-                Source::Environment { occlusion, .. } => *occlusion = SAMPLES[0].min(*occlusion),
-                Source::Area { samples, .. } => *samples = SAMPLES[1].min(*samples),
-                _ => {}
-            }
-        }
         let transport = match self.options.transport {
+            _ if !level.transport => ShadingMethod::Lambert,
             ShadingMethod::Octree
             | ShadingMethod::Brute
             | ShadingMethod::Walk
@@ -158,33 +178,59 @@ impl Frames {
             | ShadingMethod::Auto => ShadingMethod::Hierarchy,
             other => other,
         };
-        let placed = |error| coarse.placed(error);
-        let known = self.draft_size() == size;
-        let session = match &mut self.draft {
+        let session = &mut self.drafts[usize::from(!level.transport)];
+        let known = session.as_ref().is_some_and(|session| session.scene().camera.size == size);
+        let session = match session {
             Some(session) => {
-                session.show(&coarse).map_err(placed)?;
+                session.show(&coarse).map_err(|error| coarse.placed(error))?;
                 session
             }
             none => {
                 let options = Options { transport, ..self.options };
-                none.insert(Session::new(&coarse, Some(&self.device), options)?)
+                match Session::new(&coarse, Some(&self.device), options) {
+                    Ok(session) => none.insert(session),
+                    Err(error) if level.transport || error.is_device_fault() => return Err(error),
+                    Err(_) => {
+                        // Without transport the scene is none.
+                        self.policy.coarsest -= 1;
+                        return self.draft(scene);
+                    }
+                }
             }
         };
-        let start = Instant::now();
-        let times = session.frame(Change::default())?;
+        let steps = session.frame(Change::default())?;
         // The first of a size may have to compile kernels.
         if known {
-            self.coarseness = next(self.coarseness, of_pixels(&times, start.elapsed().as_secs_f64() * 1e3));
+            self.policy.learn(scene, &steps, start.elapsed().as_secs_f64() * 1e3);
         }
-        self.progress = Progress::Draft(Instant::now());
-        Ok(times)
+        (self.all, self.progress) = (false, Progress::Draft(Instant::now()));
+        Ok(steps)
+    }
+
+    /// Renders the layer; one that can't be shown is left for the light.
+    fn inspect(&mut self, scene: &Scene) -> Result<Vec<Timing>> {
+        match self.inspector.render(scene, self.options, self.layer, self.pick) {
+            Ok(steps) => {
+                self.progress = Progress::Whole;
+                Ok(steps)
+            }
+            Err(error) if error.is_device_fault() => Err(error),
+            Err(error) => {
+                self.refused = Some(error);
+                self.set_layer(Layer::Light, self.pick);
+                Ok(Vec::new())
+            }
+        }
     }
 
     /// The picture to show, with its size; none before the first one.
     pub(super) fn shown(&mut self) -> Result<Option<([u32; 2], &Buffer)>> {
-        let session = match (self.progress, &mut self.draft) {
+        let [transported, local] = &mut self.drafts;
+        let draft = if LEVELS[self.policy.level].transport { transported } else { local };
+        let session = match (self.progress, draft) {
             (Progress::Draft(_), Some(draft)) => draft,
             (Progress::Changed, _) => return Ok(None),
+            (Progress::Whole, _) if self.layer != Layer::Light => return self.inspector.shown(),
             _ => &mut self.full,
         };
         let size = session.scene().camera.size;
@@ -193,80 +239,30 @@ impl Frames {
 
     /// How long drafts took, ms: the median and the most; none without a draft.
     pub(super) fn draft_times(&self) -> Option<[f64; 2]> {
-        let mut sorted = self.drafts.clone();
+        let mut sorted = self.drafted.clone();
         sorted.sort_by(f64::total_cmp);
         Some([*sorted.get(sorted.len() / 2)?, *sorted.last()?])
     }
 
-    /// Width and height of the last draft in pixels.
-    pub(super) fn draft_size(&self) -> [u32; 2] {
-        self.draft.as_ref().map_or([0; 2], |draft| draft.scene().camera.size)
+    /// Entries of the longest lists of links in the session that is shown, and how often frames of all were repeated
+    /// because a list did not fit.
+    pub(super) fn counts(&self) -> [u64; 2] {
+        let [transported, local] = &self.drafts;
+        let draft = if LEVELS[self.policy.level].transport { transported } else { local };
+        let shown = draft.as_ref().filter(|_| matches!(self.progress, Progress::Draft(_))).unwrap_or(&self.full);
+        let longest = |counters: &ListCounters| counters.required_links.max(counters.required_entries);
+        let links = shown.state().data.counters.iter().map(|counters| u64::from(longest(counters))).sum();
+        let sessions = self.drafts.iter().flatten().chain([&self.full]);
+        [links, sessions.map(|session| session.retries() as u64).sum()]
+    }
+
+    /// Width and height of a draft of the picture of a scene, in pixels.
+    pub(super) fn draft_size(&self, scene: &Scene) -> [u32; 2] {
+        scene.camera.size.map(|side| side.div_ceil(FACTORS[self.policy.coarseness]))
     }
 
     /// The session of whole pictures.
     pub(super) fn full(&mut self) -> &mut Session {
         &mut self.full
-    }
-}
-
-/// The coarseness after a draft whose pixels took so many milliseconds.
-fn next(coarseness: usize, pixels: f64) -> usize {
-    let finer = coarseness.saturating_sub(1);
-    let more = f64::from(FACTORS[coarseness]) / f64::from(FACTORS[finer]);
-    match pixels {
-        slow if slow > PIXELS => (coarseness + 1).min(FACTORS.len() - 1),
-        fast if fast * more * more < FINER => finer,
-        _ => coarseness,
-    }
-}
-
-/// What depends on the number of pixels in a frame that took `all` milliseconds: all but the stages that do not.
-fn of_pixels(times: &[Timing], all: f64) -> f64 {
-    let mut pixels = false;
-    let fixed = times.iter().filter(|time| {
-        let name = time.name.split(' ').next().unwrap_or_default();
-        // Where pixels are the receivers, so are all stages after this one.
-        pixels |= name == pixel_receivers::STAGE.name;
-        !pixels
-            && time.milliseconds.is_finite()
-            && stage(name).is_none_or(|stage| !stage.needs.contains(&Need::Picture))
-    });
-    (all - fixed.map(|time| time.milliseconds).sum::<f64>()).max(0.0)
-}
-
-/// The times of steps, by stage.
-fn by_stage(times: Vec<Timing>) -> Vec<(String, f64)> {
-    let mut sums: Vec<(String, f64)> = Vec::new();
-    for time in times {
-        let name = time.name.split(' ').next().unwrap_or_default();
-        match sums.iter_mut().find(|(known, _)| known == name) {
-            Some((_, sum)) => *sum += time.milliseconds,
-            None => sums.push((name.to_owned(), time.milliseconds)),
-        }
-    }
-    sums
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn drafts_get_coarser_where_pixels_take_long_and_finer_where_they_do_not() {
-        // A cost of 1 ms per thousand pixels of a window of 640 x 480, and one of a hundredth.
-        for (thousand, wanted) in [(1.0, 3), (0.01, 1), (100.0, 8)] {
-            let mut coarseness = 3;
-            for _ in 0..10 {
-                let pixels = 640.0 * 480.0 / f64::from(FACTORS[coarseness].pow(2));
-                coarseness = next(coarseness, 1e-3 * pixels * thousand);
-            }
-            assert_eq!(FACTORS[coarseness], wanted, "{thousand}");
-        }
-        let step = |name: &str, milliseconds| Timing { name: name.into(), milliseconds, start: 0.0 };
-        let receivers = pixel_receivers::STAGE.name;
-        let picture = milkglass::internals::view::visibility::STAGE.name;
-        let fixed = milkglass::internals::geometry::refit::STAGE.name;
-        let times = [step(fixed, 10.0), step(picture, 20.0), step(receivers, 1.0), step(fixed, 5.0)];
-        assert_eq!(of_pixels(&times, 40.0), 30.0);
     }
 }

@@ -1,6 +1,6 @@
 //! What keys and drags do.
 
-use winit::event::{KeyEvent, Modifiers, MouseButton};
+use winit::event::{KeyEvent, Modifiers};
 use winit::keyboard::{Key, NamedKey};
 
 /// What the user asks for.
@@ -14,6 +14,8 @@ pub(super) enum Action {
     Zoom(f64),
     /// Turn the light, by degrees to the right and upwards.
     Light(f64, f64),
+    /// Shift the light, by parts of the picture's height to the right and upwards.
+    Shift(f64, f64),
     /// Look at all objects.
     Fit,
     /// Move another light.
@@ -28,18 +30,50 @@ pub(super) enum Action {
     Size(f64),
     /// Set the factor on the object's coefficients.
     Scale(f64),
+    /// Change another deformation.
+    NextDeform,
+    /// Add a twist to the object.
+    Twist,
+    /// Deform the object further: by parts of what its slider offers.
+    Deform(f64),
+    /// Set the amount of the deformation of this number.
+    DeformTo(usize, f64),
+    /// Go on by so many frames.
+    Frame(f64),
+    /// Go to a frame.
+    FrameTo(f64),
+    /// Play the animation, or stop it.
+    Play,
+    /// Begin again after the last frame, or stop there.
+    Loop,
     /// Take another method: steps through the list.
     Method(isize),
+    /// Take the other scheme.
+    Scheme,
+    /// Keep other things between frames: the next mode.
+    Mode,
+    /// Show another layer: steps through the list.
+    Layer(isize),
+    /// Show the clusters that light the point under the pointer.
+    Pick,
     /// Multiply the tolerance.
     Tolerance(f64),
     /// Set the tolerance.
     ToleranceTo(f64),
     Save,
+    /// Save the picture, or the layers, as OpenEXR.
+    SaveExr,
+    /// Save the scene.
+    SaveScene,
+    /// Save the times of the last frames.
+    Trace,
     /// Print the command that renders this picture.
     Tell,
     Undo,
     Redo,
     Reset,
+    /// Show the lights' handles, or hide them.
+    Handles,
     /// Show the panel, or hide it.
     Panel,
     /// Show the keys, or hide them.
@@ -50,18 +84,26 @@ pub(super) enum Action {
 impl Action {
     /// Whether an undo takes it back.
     pub(super) fn is_change(&self) -> bool {
-        let other = [
-            Self::NextLight,
-            Self::NextObject,
-            Self::Save,
-            Self::Tell,
-            Self::Undo,
-            Self::Redo,
-            Self::Panel,
-            Self::Keys,
-            Self::Quit,
-        ];
-        !other.contains(self) && !matches!(self, Self::Method(_))
+        matches!(
+            self,
+            Self::Orbit(..)
+                | Self::Pan(..)
+                | Self::Zoom(_)
+                | Self::Light(..)
+                | Self::Shift(..)
+                | Self::Fit
+                | Self::Material(_)
+                | Self::Preset(_)
+                | Self::Size(_)
+                | Self::Scale(_)
+                | Self::Twist
+                | Self::Deform(_)
+                | Self::DeformTo(..)
+                | Self::Scheme
+                | Self::Tolerance(_)
+                | Self::ToleranceTo(_)
+                | Self::Reset
+        )
     }
 }
 
@@ -78,10 +120,8 @@ pub(super) struct Row {
 const TURN: f64 = 5.0;
 /// Part of the picture's height of a key.
 const SHIFT: f64 = 0.05;
-/// Degrees of a pixel of a drag.
-const DRAG: f64 = 0.4;
 /// Factor of a line of the wheel, and of a key.
-const ZOOM: f64 = 0.9;
+pub(super) const ZOOM: f64 = 0.9;
 
 /// Every key and drag.
 pub(super) const ROWS: &[Row] = &[
@@ -120,6 +160,17 @@ pub(super) const ROWS: &[Row] = &[
             ("ctrl+down", Action::Light(0.0, -TURN)),
         ],
     },
+    Row {
+        shown: "drag of a handle, alt arrows",
+        does: "shift the light",
+        keys: &[
+            ("alt+left", Action::Shift(-SHIFT, 0.0)),
+            ("alt+right", Action::Shift(SHIFT, 0.0)),
+            ("alt+up", Action::Shift(0.0, SHIFT)),
+            ("alt+down", Action::Shift(0.0, -SHIFT)),
+        ],
+    },
+    Row { shown: "h", does: "hide or show the lights' handles", keys: &[("h", Action::Handles)] },
     Row { shown: "f", does: "look at everything", keys: &[("f", Action::Fit)] },
     Row { shown: "l", does: "move the next light", keys: &[("l", Action::NextLight)] },
     Row { shown: "o", does: "change the next object", keys: &[("o", Action::NextObject)] },
@@ -133,6 +184,20 @@ pub(super) const ROWS: &[Row] = &[
         does: "a tenth smaller and larger",
         keys: &[("[", Action::Size(1.0 / 1.1)), ("]", Action::Size(1.1))],
     },
+    Row { shown: "d", does: "change the next deformation", keys: &[("d", Action::NextDeform)] },
+    Row { shown: "w", does: "add a twist", keys: &[("w", Action::Twist)] },
+    Row {
+        shown: "< and >",
+        does: "deform less and more",
+        keys: &[("<", Action::Deform(-0.05)), (">", Action::Deform(0.05))],
+    },
+    Row { shown: "space", does: "play or stop", keys: &[("space", Action::Play)] },
+    Row {
+        shown: "n and N",
+        does: "next and previous frame",
+        keys: &[("n", Action::Frame(1.0)), ("N", Action::Frame(-1.0))],
+    },
+    Row { shown: "b", does: "begin again at the end, or not", keys: &[("b", Action::Loop)] },
     Row {
         shown: "t and T",
         does: "next and previous method",
@@ -143,7 +208,18 @@ pub(super) const ROWS: &[Row] = &[
         does: "half and twice the tolerance",
         keys: &[(",", Action::Tolerance(0.5)), (".", Action::Tolerance(2.0))],
     },
+    Row { shown: "y", does: "the other scheme", keys: &[("y", Action::Scheme)] },
+    Row { shown: "k", does: "the next mode", keys: &[("k", Action::Mode)] },
+    Row {
+        shown: "v and V",
+        does: "next and previous layer",
+        keys: &[("v", Action::Layer(1)), ("V", Action::Layer(-1))],
+    },
+    Row { shown: "x", does: "clusters that light the point at the pointer", keys: &[("x", Action::Pick)] },
     Row { shown: "s", does: "save the picture", keys: &[("s", Action::Save)] },
+    Row { shown: "e", does: "save it as OpenEXR", keys: &[("e", Action::SaveExr)] },
+    Row { shown: "S", does: "save the scene", keys: &[("S", Action::SaveScene)] },
+    Row { shown: "g", does: "save a trace of the last frames", keys: &[("g", Action::Trace)] },
     Row { shown: "c", does: "print the command that renders it", keys: &[("c", Action::Tell)] },
     Row { shown: "u and U", does: "undo and redo", keys: &[("u", Action::Undo), ("U", Action::Redo)] },
     Row { shown: "r", does: "back to the file", keys: &[("r", Action::Reset)] },
@@ -167,54 +243,17 @@ pub(super) fn name(event: &KeyEvent, modifiers: Modifiers) -> Option<String> {
         Key::Named(NamedKey::ArrowUp) => "up",
         Key::Named(NamedKey::ArrowDown) => "down",
         Key::Named(NamedKey::Escape) => "escape",
+        Key::Named(NamedKey::Space) => return Some("space".into()),
         _ => return None,
     };
     let state = modifiers.state();
     let prefix = match () {
         () if state.control_key() => "ctrl+",
+        () if state.alt_key() => "alt+",
         () if state.shift_key() => "shift+",
         () => "",
     };
     Some(format!("{prefix}{named}"))
-}
-
-/// What a drag does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Drag {
-    Orbit,
-    Pan,
-    Light,
-}
-
-impl Drag {
-    /// The drag that begins with this button.
-    pub(super) fn of(button: MouseButton, modifiers: Modifiers) -> Option<Self> {
-        let state = modifiers.state();
-        match button {
-            MouseButton::Left if state.control_key() => Some(Self::Light),
-            MouseButton::Left if state.shift_key() => Some(Self::Pan),
-            MouseButton::Left => Some(Self::Orbit),
-            MouseButton::Middle => Some(Self::Pan),
-            MouseButton::Right => Some(Self::Light),
-            _ => None,
-        }
-    }
-
-    /// What a movement by pixels to the right and downwards does in a picture of this height: things follow the
-    /// pointer.
-    pub(super) fn moved(self, right: f64, down: f64, height: u32) -> Action {
-        let height = f64::from(height.max(1));
-        match self {
-            Self::Orbit => Action::Orbit(-DRAG * right, DRAG * down),
-            Self::Pan => Action::Pan(-right / height, down / height),
-            Self::Light => Action::Light(DRAG * right, -DRAG * down),
-        }
-    }
-}
-
-/// What lines of the wheel do, upwards above 0.
-pub(super) fn wheel(lines: f64) -> Action {
-    Action::Zoom(ZOOM.powf(lines))
 }
 
 #[cfg(test)]

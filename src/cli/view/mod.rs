@@ -1,8 +1,13 @@
 //! `milkglass view`: a scene in a window.
 
+mod amounts;
 mod app;
+mod drafts;
+mod drag;
 mod edits;
 mod frames;
+mod history;
+mod inspect;
 mod keys;
 mod panel;
 mod play;
@@ -17,9 +22,8 @@ use winit::event_loop::EventLoop;
 use self::app::App;
 use self::play::Play;
 use self::viewer::Viewer;
-use super::bare::BareArguments;
-use super::render::parse_size;
-use super::{RunArguments, SceneArguments, check_messages, validation};
+use super::render::PictureArguments;
+use super::{check_messages, validation};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Instance;
 use milkglass::internals::gpu::window::PresentMode;
@@ -31,14 +35,7 @@ use milkglass::internals::view::picture::is_png;
 The key ? shows what mouse and keys do.")]
 pub struct Arguments {
     #[command(flatten)]
-    scene: SceneArguments,
-    #[command(flatten)]
-    bare: BareArguments,
-    #[command(flatten)]
-    run: RunArguments,
-    /// Width and height of the picture in pixels; overrides the scene's.
-    #[arg(long, value_name = "WxH")]
-    size: Option<String>,
+    picture: PictureArguments,
     /// How frames reach the screen.
     #[arg(long, value_enum, default_value_t)]
     present: PresentArgument,
@@ -64,8 +61,9 @@ enum PresentArgument {
 
 /// Opens the window, and returns once it is closed.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let size = arguments.size.as_deref().map(parse_size).transpose()?;
-    if arguments.bare.turns().is_some() {
+    let PictureArguments { scene, bare, run, .. } = &arguments.picture;
+    let size = arguments.picture.size()?;
+    if bare.turns().is_some() {
         let fault = Input::new("a window has no frames around the mesh").key("--turntable");
         return Err(fault.expected("`render --turntable`").into());
     }
@@ -73,7 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let fault = Input::new("a screenshot has 8 bits a channel").key("--screenshot").found(file.display());
         return Err(fault.expected("a name that ends in .png").into());
     }
-    if arguments.run.device.is_cpu() {
+    if run.device.is_cpu() {
         let fault = Input::new("a window shows what a Vulkan device renders").key("--device").found("cpu");
         return Err(fault.expected("a device of `milkglass devices`; lavapipe is one").into());
     }
@@ -84,17 +82,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let what = text.rsplit(".rs:").next().and_then(|rest| rest.split_once(": ")).map_or(&*text, |(_, what)| what);
         Error::device("opening a window", format!("there is no display to open it on: {}", what.replace('\n', " ")))
     })?;
-    let device = arguments.run.device.open_among(Instance::for_windows(validation(), &events), validation())?;
+    let device = run.device.open_among(Instance::for_windows(validation(), &events), validation())?;
     let Some(device) = device else {
         return Err(Error::device(
             "opening a window",
             "a window needs a Vulkan device; `milkglass devices` lists them",
         ));
     };
-    let subject = arguments.bare.subject(arguments.run.of(&arguments.scene), size)?;
-    let scene = arguments.run.of(&arguments.scene).words().into_iter();
-    let words = scene.chain(arguments.bare.words()).chain(arguments.run.device.words()).collect();
-    let viewer = Viewer::new(subject, size, &device, arguments.run.option_args, words)?;
+    let subject = arguments.picture.subject()?;
+    let scene = run.of(scene).words().into_iter().filter(|word| !word.starts_with("--frame="));
+    let words = scene.chain(bare.words()).chain(run.device.words()).collect();
+    let viewer = Viewer::new(subject, size, &device, run.option_args, words)?;
     let present = match arguments.present {
         PresentArgument::Fifo => PresentMode::Fifo,
         PresentArgument::Mailbox => PresentMode::Mailbox,

@@ -77,6 +77,48 @@ pub(super) fn turn_light(
     }
 }
 
+/// Where a light is in a scene whose middle and extent (half the diagonal) these are: one infinitely far away is shown
+/// at that distance. None for an environment.
+pub(super) fn place_of(light: &Light, middle: DVec3, extent: f64) -> Option<DVec3> {
+    match &light.source {
+        Source::Directional { direction, .. } => Some(middle + *direction * extent),
+        Source::Point { position, .. } | Source::Spot { position, .. } | Source::Area { position, .. } => {
+            Some(*position)
+        }
+        Source::Environment { .. } => None,
+    }
+}
+
+/// The pixel where a point is seen, from the upper left, and its distance along the view; none behind the camera.
+pub(super) fn project(camera: &Camera, point: DVec3) -> Option<([f64; 2], f64)> {
+    let (across, upwards, forward) = camera.basis();
+    let offset = point - camera.position;
+    let depth = offset.dot(forward);
+    let [width, height] = camera.size.map(f64::from);
+    let scale = height / (2.0 * depth * (camera.fov.to_radians() / 2.0).tan());
+    (depth > 0.0)
+        .then(|| ([width / 2.0 + offset.dot(across) * scale, height / 2.0 - offset.dot(upwards) * scale], depth))
+}
+
+/// Moves a light to `place`, where [`place_of`] then has it: a light infinitely far away turns. Otherwise as
+/// [`turn_light`].
+pub(super) fn move_light(light: &mut Light, middle: DVec3, place: DVec3) -> Vec<(&'static str, DVec3)> {
+    match &mut light.source {
+        Source::Directional { direction, .. } => {
+            let new = place - middle;
+            if new.length() > 0.0 {
+                *direction = (new / new.abs().max_element()).normalize();
+            }
+            vec![("direction", new)]
+        }
+        Source::Point { position, .. } | Source::Spot { position, .. } | Source::Area { position, .. } => {
+            *position = place;
+            vec![("position", place)]
+        }
+        Source::Environment { .. } => Vec::new(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -126,5 +168,31 @@ mod tests {
             assert!(!sets.is_empty() && light != scene.lights[index], "{name}");
             assert_eq!(Scene::load_with(name, &sets).unwrap().lights[index], light, "{name}");
         }
+    }
+
+    #[test]
+    fn a_moved_light_is_seen_where_it_was_moved_to() {
+        let scene = Scene::load("sphere").unwrap();
+        let (low, high) = scene.bounds();
+        let (middle, extent) = ((low + high) / 2.0, (high - low).length() / 2.0);
+        let mut seen = 0;
+        for light in &scene.lights {
+            let Some(start) = place_of(light, middle, extent) else { continue };
+            let (across, ..) = scene.camera.basis();
+            let mut moved = light.clone();
+            let keys = move_light(&mut moved, middle, start + across);
+            let now = place_of(&moved, middle, extent).unwrap();
+            let far = matches!(light.source, Source::Directional { .. });
+            assert!(keys.len() == 1 && moved != *light && now.distance(start) < 1.0 + 1e-9);
+            assert!(far || now.distance(start + across) < 1e-12);
+            seen += 1;
+        }
+        assert!(seen > 0);
+        let camera = camera();
+        let ([x, y], depth) = project(&camera, DVec3::ZERO).unwrap();
+        let [width, height] = camera.size.map(f64::from);
+        assert!((x - width / 2.0).abs() < 1e-9 && (y - height / 2.0).abs() < 1e-9 && (depth - 5.0).abs() < 1e-12);
+        let top = DVec3::new(0.0, 5.0 * (camera.fov.to_radians() / 2.0).tan(), 0.0);
+        assert!(project(&camera, top).unwrap().0[1].abs() < 1e-9 && project(&camera, DVec3::Z * 6.0).is_none());
     }
 }

@@ -140,11 +140,13 @@ impl Presenter {
         let done = self.record(commands, index, shown, overlay).and_then(|()| {
             let Some(swapchain) = &self.swapchain else { return Ok(()) };
             let (wait, signal) = ([swapchain.acquired], [swapchain.drawn[index as usize]]);
+            let buffers = [commands];
             let info = vk::SubmitInfo::default()
+                .command_buffers(&buffers)
                 .wait_semaphores(&wait)
                 .wait_dst_stage_mask(&[vk::PipelineStageFlags::TRANSFER])
                 .signal_semaphores(&signal);
-            self.device.submit_info(info, commands, SHOWING)
+            self.device.submit_each(&[info], SHOWING)
         });
         self.device.discard(commands);
         done

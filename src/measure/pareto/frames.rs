@@ -7,11 +7,11 @@ use super::{Bench, Lighting, Opened, Solver, diffusion_at};
 use crate::error::{Error, Result};
 use crate::gpu::Device;
 use crate::layout::BufferId;
+use crate::measure::links::links;
 use crate::pipeline::plan::{Change, Mode, Options, ShadingMethod};
-use crate::scene::{Light, Scene, Scheme, Source};
+use crate::scene::{Light, Scene, Source};
 use crate::session::choice::closed;
 use crate::session::run::Session;
-use crate::state::State;
 
 /// A session, and the change before each frame.
 pub(super) struct Frames {
@@ -56,32 +56,9 @@ impl Solver for Frames {
     }
 
     fn links_per_face(&mut self) -> Result<Option<f64>> {
-        if !matches!(self.session.plan().options().transport, ShadingMethod::Hierarchy | ShadingMethod::Diffusion) {
-            return Ok(None);
-        }
-        self.session.fetch(&[BufferId::spans, BufferId::runs])?;
-        let state = self.session.state();
-        let links: u64 = match state.method.scheme {
-            Scheme::Blocks => entries(state),
-            Scheme::Links => state.data.spans.iter().map(|span| u64::from(span.links)).sum(),
-        };
-        Ok(Some(links as f64 / state.sum(|object| object.count.faces) as f64))
+        let faces = self.session.state().sum(|object| object.count.faces) as f64;
+        Ok(links(&mut self.session)?.map(|links| links as f64 / faces))
     }
-}
-
-/// Entries of the kept lists of all blocks: expanded entries count once, the others once per face of the block. Each
-/// group of channels has its own lists, all of which count.
-fn entries(state: &State) -> u64 {
-    let mut sum = 0;
-    for (at, batch) in state.batches() {
-        let (first, _) = state.part(BufferId::runs, at);
-        let blocks = &state.data.blocks[state.object(at).first.blocks..][batch.start as usize..batch.end as usize];
-        for (block, run) in blocks.iter().zip(&state.data.runs[first..]) {
-            let each = [run.direct, run.area, run.edge].map(u64::from).iter().sum::<u64>();
-            sum += u64::from(run.expanded) + u64::from(block.count) * each;
-        }
-    }
-    sum
 }
 
 /// From 0 in each frame.

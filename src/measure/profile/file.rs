@@ -44,7 +44,7 @@ pub struct Saved {
     pub device: String,
     /// The driver's name and version.
     pub driver: String,
-    /// Kernels that were replaced: `KERNEL=FILE`.
+    /// Kernels that were replaced, `KERNEL=FILE`, and the file of their constants.
     pub replaced: Vec<String>,
     /// All times.
     pub samples: Samples,

@@ -10,11 +10,14 @@ pub mod file;
 mod quantiles;
 mod rates;
 mod sheet;
+mod trace;
+pub mod why;
 mod work;
 
 pub use self::agreement::{Agreement, agreement};
 pub use self::quantiles::Quantiles;
 pub use rates::{Rates, rates};
+pub use trace::trace;
 pub use work::Work;
 
 use crate::error::Result;
@@ -42,12 +45,15 @@ pub struct Settings {
     pub until: Option<f64>,
     /// The seed of the order of what is compared, and of the bootstrap.
     pub seed: u64,
+    /// Whether the links of each frame are counted, for [`Profile::trace`].
+    pub counts_links: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
         let options = Options::default();
-        Self { options, change: Change::EVERYTHING, frames: 11, enough: f64::INFINITY, until: None, seed: 1 }
+        let (enough, change) = (f64::INFINITY, Change::EVERYTHING);
+        Self { options, change, frames: 11, enough, until: None, seed: 1, counts_links: false }
     }
 }
 
@@ -213,7 +219,7 @@ pub fn variant(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
     if device.is_some() {
         session.frame(settings.change)?;
     }
-    Ok(InProcess { session, change: settings.change })
+    Ok(InProcess { session, change: settings.change, counts_links: settings.counts_links })
 }
 
 /// Milliseconds of a stage in each frame.

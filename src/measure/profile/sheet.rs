@@ -1,4 +1,4 @@
-//! A profile as CSV, as JSON, and as a trace for Chrome or Perfetto.
+//! A profile as CSV and as JSON.
 
 use serde_json::{Value, json};
 
@@ -94,32 +94,5 @@ impl Profile {
             "stages": self.rows.iter().map(row).collect::<Vec<_>>(),
             "notes": self.notes, "samples": self.samples,
         })
-    }
-
-    /// The timed frames as trace events, in microseconds: frames on one track, steps on another. The clocks of host
-    /// and device are not aligned, so the steps are shifted such that the last one ends with its frame.
-    pub fn trace(&self) -> Value {
-        let track = |id: u32, name: &str| json!({"ph": "M", "name": "thread_name", "pid": 1, "tid": id, "args": {"name": name}});
-        let mut events = vec![
-            json!({"ph": "M", "name": "process_name", "pid": 1, "args": {"name": format!("milkglass {}", self.scene)}}),
-            track(1, "host"),
-            track(2, &self.device),
-        ];
-        for (number, frame) in self.trace.iter().enumerate() {
-            let (start, length) = (frame.start, frame.wall);
-            let event = |name: &str, id: u32, at: f64, length: f64| json!({"ph": "X", "name": name, "pid": 1, "tid": id, "ts": at * 1e3, "dur": length * 1e3, "args": {"frame": number}});
-            events.push(event("frame", 1, start, length));
-            // Steps without a start time follow one another.
-            let (mut placed, mut next) = (Vec::new(), 0.0);
-            for step in frame.steps.iter().filter(|step| step.milliseconds.is_finite()) {
-                let at = if step.start.is_finite() { f64::max(step.start, next) } else { next };
-                placed.push((step, at));
-                next = at + step.milliseconds;
-            }
-            let late = (length - next).max(0.0);
-            events.extend(placed.iter().map(|(step, at)| event(&step.name, 2, start + late + at, step.milliseconds)));
-        }
-        json!({"displayTimeUnit": "ms", "traceEvents": events,
-               "otherData": {"device": self.device, "driver": self.driver}})
     }
 }

@@ -14,6 +14,7 @@ mod pictures;
 mod setting;
 mod speed;
 mod truth;
+mod vary;
 mod whole;
 
 use std::time::Instant;
@@ -56,6 +57,7 @@ pub static SECTIONS: &[Section] = &[
     Section { name: "devices", title: "Devices", write: setting::devices },
     Section { name: "plan", title: "Plan: what each scene needs", write: setting::plans },
     Section { name: "profile", title: "Profile: time and work of each stage", write: speed::profile },
+    Section { name: "vary", title: "Varying the API: what other choices of Vulkan cost", write: vary::vary },
     Section {
         name: "conform",
         title: "Conformance: does the device compute what the CPU does?",

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Case, Part};
+use super::{Case, Dispatch, Part};
 use crate::error::{Error, Result};
 use crate::gpu::{Binding, Buffer, Device, Kernel, Recorder, Work, shifted};
 
@@ -79,6 +79,8 @@ impl Case {
     /// Runs it this many times, and compares each time; stops at the first run with a difference.
     pub fn replay(&self, device: &Device, times: usize) -> Result<Found> {
         let mut found = Found::default();
+        let able = |device: Device, dispatch: &Dispatch| device.able(&dispatch.kernel, &dispatch.spirv);
+        let device = &self.dispatches.iter().try_fold(device.clone(), able)?;
         for time in 0..times.max(1) {
             let left = self.run(device)?;
             found = self.compare(&left);

@@ -18,6 +18,7 @@ pub use self::ratios::{CONFIDENCE, Ratio};
 pub use self::samples::{Samples, Series, StageTimes};
 
 use self::load::Load;
+use super::links::links;
 use super::statistics::Random;
 use crate::error::Result;
 use crate::gpu::Timing;
@@ -42,6 +43,10 @@ pub struct Frame {
     pub wall: f64,
     /// Its steps.
     pub steps: Vec<Timing>,
+    /// Bytes of device memory after it, on the CPU of all buffers; 0 where it is not known.
+    pub memory: u64,
+    /// The links of light that it used, if they were counted.
+    pub links: Option<u64>,
 }
 
 /// One of those that are compared, warmed up.
@@ -61,13 +66,18 @@ pub struct InProcess {
     pub session: Session,
     /// What changes before each frame.
     pub change: Change,
+    /// Whether links are counted after each frame, which takes a copy from the device.
+    pub counts_links: bool,
 }
 
 impl Variant for InProcess {
     fn frame(&mut self) -> Result<Frame> {
         let begin = Instant::now();
         let steps = self.session.frame(self.change)?;
-        Ok(Frame { start: 0.0, wall: begin.elapsed().as_secs_f64() * 1e3, steps })
+        let wall = begin.elapsed().as_secs_f64() * 1e3;
+        let memory = self.session.device().map_or_else(|| self.session.bytes(), |device| device.memory().allocated);
+        let links = if self.counts_links { links(&mut self.session)? } else { None };
+        Ok(Frame { start: 0.0, wall, steps, memory, links })
     }
 }
 
@@ -89,7 +99,7 @@ pub struct Starter<'a> {
     /// Its name in tables.
     pub name: String,
     /// Starts it and warms it up.
-    pub start: Box<dyn FnMut() -> Result<Box<dyn Variant>> + 'a>,
+    pub start: Box<dyn FnMut() -> Result<Box<dyn Variant + 'a>> + 'a>,
 }
 
 /// What rounds gave.
@@ -182,8 +192,12 @@ pub fn run(variant: &mut dyn Variant, schedule: &Schedule) -> Result<Measured> {
 
 /// Runs rounds of variants that are started anew, in random order, after every [`EACH`] of them.
 pub fn compare(starters: &mut [Starter<'_>], schedule: &Schedule) -> Result<Measured> {
+    compare_each(starters, schedule, EACH.min(schedule.rounds.max(1)))
+}
+
+/// The same, starting anew after so many rounds.
+pub fn compare_each(starters: &mut [Starter<'_>], schedule: &Schedule, each: usize) -> Result<Measured> {
     let names = starters.iter().map(|starter| starter.name.clone()).collect();
-    let each = EACH.min(schedule.rounds.max(1));
     let mut rounds = Rounds::new(names, each, schedule);
     for starts in 1.. {
         let mut variants = Vec::new();

@@ -26,11 +26,11 @@ impl Variant for Made {
         let mut step = |name: &str, ms: f64| Timing {
             name: name.into(),
             milliseconds: ms * cold * (1.0 + self.noise * self.random.uniform()),
-            start: 0.0,
+            ..Timing::default()
         };
         let steps = vec![step("large", 5.0 * self.factor), step("small", 0.1), step("large", 5.0 * self.factor)];
         let wall = steps.iter().map(|step| step.milliseconds).sum();
-        Ok(Frame { start: 0.0, wall, steps })
+        Ok(Frame { wall, steps, ..Frame::default() })
     }
 }
 
@@ -129,8 +129,8 @@ fn a_stage_without_timestamps_has_no_samples() {
     struct Blind;
     impl Variant for Blind {
         fn frame(&mut self) -> Result<Frame> {
-            let step = Timing { name: "x".into(), milliseconds: f64::NAN, start: f64::NAN };
-            Ok(Frame { start: 0.0, wall: 1.0, steps: vec![step] })
+            let step = Timing { name: "x".into(), milliseconds: f64::NAN, ..Timing::default() };
+            Ok(Frame { wall: 1.0, steps: vec![step], ..Frame::default() })
         }
     }
     let blind = || Starter { name: "blind".into(), start: Box::new(|| Ok(Box::new(Blind) as _)) };

@@ -2,10 +2,11 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "layout.glsl"
+#include "shuffle.glsl"
 
 // Emitters too near to be expanded, each at every receiver of the block. One invocation a receiver; as many emitters
 // are loaded at once as invocations share a block, one each, and shuffled.
-layout(local_size_x = GROUP_SIZE) in;
+layout(local_size_x = GROUP_SIZE, local_size_x_id = GROUP_ID) in;
 layout(constant_id = 0) const uint CHANNELS = 7;
 layout(constant_id = 1) const uint ORDER = 2;
 layout(constant_id = 2) const uint ESTIMATE = 0;
@@ -30,7 +31,7 @@ void main() {
     Dipole dipoles[3] = Dipole[3](dipole_of(0), dipole_of(1), dipole_of(2));
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     Receiver self = receiver_at((group * gl_NumSubgroups + gl_SubgroupID) * gl_SubgroupSize + gl_SubgroupInvocationID);
-    uint width = min(gl_SubgroupSize, BLOCK_RECEIVERS);
+    uint width = sharing();
     uint mine = gl_SubgroupInvocationID % width, base = gl_SubgroupInvocationID - mine;
     Runs run = runs[self.run];
     uint first = run.first + run.expanded, count = run.direct;
@@ -40,15 +41,11 @@ void main() {
         uint last = min(width, count - at);
         for (uint k = 0; k < last; ++k) {
             uint from = base + k;
-            float weight = subgroupShuffle(load.weight, from);
+            float weight = shuffled(load.weight, from);
             // Lists that serve any light contain dark emitters.
             if (ANY_LIGHT != 0 && weight == 0.0) continue;
-            vec3 center = vec3(subgroupShuffle(load.center.x, from), subgroupShuffle(load.center.y, from),
-                               subgroupShuffle(load.center.z, from));
-            vec3 diagonal = vec3(subgroupShuffle(load.diagonal.x, from), subgroupShuffle(load.diagonal.y, from),
-                                 subgroupShuffle(load.diagonal.z, from));
-            vec3 mixed = vec3(subgroupShuffle(load.mixed.x, from), subgroupShuffle(load.mixed.y, from),
-                              subgroupShuffle(load.mixed.z, from));
+            vec3 center = shuffled(load.center, from);
+            vec3 diagonal = shuffled(load.diagonal, from), mixed = shuffled(load.mixed, from);
             vec3 d = self.x - center;
             float d2 = dot(d, d);
             float half_tau = ORDER == 2 ? 0.5 * (diagonal.x + diagonal.y + diagonal.z) : 0.0;

@@ -5,7 +5,7 @@
 // Each receiver's sum: what it received itself, its block's expansion, and half of its own value. The source term is
 // the first vector; with a solution to start from, its product is taken off, and the second vector keeps the term
 // itself until its norm is known.
-layout(local_size_x = GROUP_SIZE) in;
+layout(local_size_x = GROUP_SIZE, local_size_x_id = GROUP_ID) in;
 layout(constant_id = 0) const uint SOURCE = 0;
 layout(constant_id = 1) const uint SOLUTION = 0;
 layout(push_constant, scalar) uniform push_block { Range range; uint step; };

@@ -2,10 +2,11 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "layout.glsl"
+#include "shuffle.glsl"
 
 // Clusters too near to be expanded, each at every receiver of the block. One invocation a receiver; as many clusters
 // are loaded at once as invocations share a block, one each, and shuffled.
-layout(local_size_x = GROUP_SIZE) in;
+layout(local_size_x = GROUP_SIZE, local_size_x_id = GROUP_ID) in;
 layout(constant_id = 0) const uint SOURCE = 0;
 layout(push_constant, scalar) uniform push_block { Range range; };
 READS(object_params)
@@ -22,14 +23,10 @@ WRITES(received)
 #include "transport/diffusion/layers.glsl"
 #include "transport/blocks/gather/receiver.glsl"
 
-vec3 shuffled(vec3 v, uint from) {
-    return vec3(subgroupShuffle(v.x, from), subgroupShuffle(v.y, from), subgroupShuffle(v.z, from));
-}
-
 void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     Receiver self = receiver_at((group * gl_NumSubgroups + gl_SubgroupID) * gl_SubgroupSize + gl_SubgroupInvocationID);
-    uint width = min(gl_SubgroupSize, BLOCK_RECEIVERS);
+    uint width = sharing();
     uint mine = gl_SubgroupInvocationID % width, base = gl_SubgroupInvocationID - mine;
     Runs run = runs[self.run];
     uint first = run.first + run.expanded, count = run.direct;
@@ -44,8 +41,7 @@ void main() {
             // About the middle of the source term's charge, which each channel has at its own place, there is no
             // first moment, and nothing that its product with the area's would correct.
             bool source = SOURCE != 0;
-            vec3 place = vec3(subgroupShuffle(load.x.x, from), subgroupShuffle(load.y.x, from),
-                              subgroupShuffle(load.z.x, from));
+            vec3 place = shuffled(vec3(load.x.x, load.y.x, load.z.x), from);
             vec3 px = source ? shuffled(load.x, from) : vec3(place.x), py = source ? shuffled(load.y, from) : vec3(place.y);
             vec3 pz = source ? shuffled(load.z, from) : vec3(place.z);
             Layers m = Layers(px, py, pz, shuffled(load.w, from), source ? none : shuffled(load.ux, from),

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
+#define COUNTED_GROUPS
 #include "invocation.glsl"
 
 // The sum of `sum_links`, for the receivers in `busy` only.

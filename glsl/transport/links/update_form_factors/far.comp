@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
+#define COUNTED_GROUPS
 #include "invocation.glsl"
 #include "transport/links/form_factor/far.glsl"
 

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
+#define COUNTED_GROUPS
 #include "invocation.glsl"
 
 // Merges a receiver's new links into its list and takes the removed ones out, in the order of the emitters. Links whose

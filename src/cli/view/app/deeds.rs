@@ -9,14 +9,14 @@ use milkglass::error::Result;
 use milkglass::internals::view::picture::save_png;
 
 use super::App;
+use crate::cli::view::drag;
 use crate::cli::view::frames::Progress;
-use crate::cli::view::keys;
 use crate::cli::view::play::{Button, Deed};
 
 impl App {
     /// Does what is to be played next.
     pub(super) fn play(&mut self, size: [u32; 2]) -> Result<()> {
-        let whole = self.viewer.frames.progress == Progress::Whole;
+        let whole = self.viewer.frames.progress == Progress::Whole && !self.viewer.plays();
         let Some(play) = &mut self.play else { return Ok(()) };
         for deed in play.next(whole, self.viewer.message.is_some(), size) {
             match deed {
@@ -38,7 +38,7 @@ impl App {
                     self.feed(egui::Event::PointerButton { pos, button: egui, pressed, modifiers });
                     self.pressed(winit, pressed);
                 }
-                Deed::Wheel(lines) => self.perform(keys::wheel(lines))?,
+                Deed::Wheel(lines) => self.perform(drag::wheel(lines))?,
                 Deed::Set(set) => self.viewer.setting(&set)?,
                 Deed::Resize([width, height]) => {
                     if let Some(shell) = &self.shell {

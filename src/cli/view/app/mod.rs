@@ -1,6 +1,7 @@
 //! The window: events of the window system, and frames.
 
 mod deeds;
+mod pointer;
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -8,7 +9,7 @@ use std::time::{Duration, Instant};
 use egui::ViewportId;
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
-use winit::event::{ElementState, Modifiers, MouseButton, MouseScrollDelta, StartCause, WindowEvent};
+use winit::event::{ElementState, Modifiers, MouseScrollDelta, StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::window::{Window, WindowId};
 
@@ -16,7 +17,8 @@ use milkglass::error::{Error, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::internals::gpu::window::{Overlay, PresentMode, Presenter, Shown};
 
-use super::keys::{self, Drag};
+use super::drag::{self, Drag};
+use super::keys;
 use super::panel::{WIDTH, lay_out};
 use super::play::Play;
 use super::viewer::Viewer;
@@ -120,8 +122,7 @@ impl App {
         let input = shell.input.take_egui_input(&shell.window);
         let mut output = self.egui.run_ui(input, |ui| {
             actions.clear();
-            lay_out(ui, &self.viewer.facts(), &mut actions);
-            free = ui.available_rect_before_wrap();
+            free = lay_out(ui, &self.viewer.facts(), &mut actions);
         });
         shell.input.handle_platform_output(&shell.window, std::mem::take(&mut output.platform_output));
         let delay = output.viewport_output.get(&ViewportId::ROOT).map(|viewport| viewport.repaint_delay);
@@ -158,7 +159,8 @@ impl App {
             return Ok(());
         }
         self.viewer.resize(area)?;
-        self.viewer.advance(self.drag.is_some())
+        self.viewer.tick()?;
+        self.viewer.advance(self.drag.is_some() || self.sliding)
     }
 
     fn key(&mut self, name: &str) -> Result<()> {
@@ -168,33 +170,6 @@ impl App {
     /// Does something that one undo takes back.
     fn perform(&mut self, action: keys::Action) -> Result<()> {
         self.viewer.perform(action, true)
-    }
-
-    fn moved(&mut self, to: [f64; 2]) -> Result<()> {
-        let [right, down] = [0, 1].map(|k| to[k] - self.pointer[k]);
-        self.pointer = to;
-        let height = self.viewer.edits.scene.camera.size[1];
-        match self.drag {
-            Some(drag) if right != 0.0 || down != 0.0 => self.viewer.perform(drag.moved(right, down, height), false),
-            _ => Ok(()),
-        }
-    }
-
-    /// Whether the pointer is over the picture, and over no panel.
-    fn over_picture(&self) -> bool {
-        let picture = self.viewer.edits.scene.camera.size;
-        let scale = f64::from(self.egui.pixels_per_point());
-        let [x, y] = self.pointer.map(|x| (x / scale) as f32);
-        let layer = self.egui.layer_id_at(egui::pos2(x, y));
-        let inside = [0, 1].iter().all(|&k| (0.0..f64::from(picture[k])).contains(&self.pointer[k]));
-        inside && layer.is_none_or(|layer| layer.order == egui::Order::Background)
-    }
-
-    fn pressed(&mut self, button: MouseButton, pressed: bool) {
-        self.drag = if pressed && self.over_picture() { Drag::of(button, self.modifiers) } else { None };
-        if self.drag.is_some() {
-            self.viewer.edits.begin();
-        }
     }
 
     fn on(&mut self, event: &WindowEvent) -> Result<()> {
@@ -207,7 +182,7 @@ impl App {
             WindowEvent::CursorMoved { position, .. } => self.moved([position.x, position.y])?,
             WindowEvent::MouseInput { state, button, .. } => self.pressed(*button, *state == ElementState::Pressed),
             WindowEvent::MouseWheel { delta, .. } if self.over_picture() => {
-                self.perform(keys::wheel(match delta {
+                self.perform(drag::wheel(match delta {
                     MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
                     MouseScrollDelta::PixelDelta(pixels) => pixels.y / LINE,
                 }))?;
@@ -231,7 +206,10 @@ impl App {
         if self.limit.is_some() || self.play.as_ref().is_some_and(|play| !play.is_over()) {
             return Some(Instant::now());
         }
-        let rendering = self.viewer.frames.due(self.drag.is_some());
+        if self.viewer.plays() {
+            return Some(Instant::now());
+        }
+        let rendering = self.viewer.frames.due(self.drag.is_some() || self.sliding);
         rendering.into_iter().chain(self.repaint).min()
     }
 

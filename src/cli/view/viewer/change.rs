@@ -3,22 +3,18 @@
 use clap::ValueEnum;
 
 use milkglass::error::Result;
-use milkglass::scene::Preset;
+use milkglass::scene::{Preset, Scheme};
 
-use super::Viewer;
-use crate::cli::run_args::{OptionArguments, TransportArgument};
+use super::outcome::{Changed, Output};
+use super::{Viewer, place};
+use crate::cli::run_args::OptionArguments;
+use crate::cli::view::amounts::{Amount, amounts, set_amount};
+use crate::cli::view::inspect::{LAYERS, Layer};
 use crate::cli::view::keys::Action;
 use crate::cli::view::turn::{orbit, pan, zoom};
 
-/// What an action has changed.
-pub(super) enum Changed {
-    /// Nothing that is rendered.
-    Nothing,
-    /// Camera or lights.
-    View,
-    /// The scene was read again.
-    Scene,
-}
+/// What is added to an object's deformations.
+const TWIST: &str = "{ type = \"twist\", angle = 45 }";
 
 impl Viewer {
     /// Does what the user asks for.
@@ -38,9 +34,9 @@ impl Viewer {
             self.edits.look(camera);
             return Ok(Changed::View);
         }
-        let material = |key: &str| format!("object.{}.material.{key}", self.object);
         match action {
-            Action::Light(right, up) => self.edits.turn_light(right, up).map(|()| Changed::View),
+            Action::Light(right, up) => self.edits.turn_light(right, up).map(|()| Changed::Light),
+            Action::Shift(right, up) => self.edits.shift_light(right, up).map(|()| Changed::Light),
             Action::NextLight => {
                 self.edits.next_light();
                 Ok(Changed::Nothing)
@@ -55,21 +51,69 @@ impl Viewer {
                 let own = &self.edits.scene.objects[self.object].material.name;
                 let now = names.iter().position(|name| name == own);
                 let next = now.map_or(0, |now| (now as isize + step).rem_euclid(names.len() as isize) as usize);
-                self.set(&material("preset"), names[next].to_owned())
+                self.set_material("preset", names[next].to_owned())
             }
-            Action::Preset(name) => self.set(&material("preset"), name),
-            Action::Size(factor) => self.set(&material("scale"), format!("{:?}", self.scale * factor)),
-            Action::Scale(scale) => self.set(&material("scale"), format!("{scale:?}")),
+            Action::Preset(name) => self.set_material("preset", name),
+            Action::Size(factor) => self.set_material("scale", format!("{:?}", self.scale * factor)),
+            Action::Scale(scale) => self.set_material("scale", format!("{scale:?}")),
             Action::Tolerance(factor) => {
-                let tolerance = (self.edits.scene.transport.tolerance * factor).clamp(1e-6, 0.5);
-                self.set("transport.tolerance", format!("{tolerance:?}"))
+                self.set_tolerance((self.edits.scene.transport.tolerance * factor).clamp(1e-6, 0.5))
             }
-            Action::ToleranceTo(tolerance) => self.set("transport.tolerance", format!("{tolerance:?}")),
-            Action::Method(step) => self.method(step),
-            Action::Save => {
-                self.saves = true;
+            Action::ToleranceTo(tolerance) => self.set_tolerance(tolerance),
+            Action::NextDeform => {
+                self.deform += 1;
+                self.measure();
                 Ok(Changed::Nothing)
             }
+            Action::Twist => {
+                let next = self.amounts().len();
+                let twist = self.set(&format!("object.{}.deform.{next}", self.object), TWIST.to_owned())?;
+                self.deform = next;
+                Ok(twist)
+            }
+            Action::Deform(part) => match self.amounts().get(self.deform) {
+                Some(amount) => {
+                    let to = amount.value + part * (amount.ends[1] - amount.ends[0]);
+                    self.deform_to(self.deform, to)
+                }
+                None => Ok(Changed::Nothing),
+            },
+            Action::DeformTo(index, to) => {
+                self.deform = index;
+                self.deform_to(index, to)
+            }
+            Action::Frame(step) => self.go_to(self.edits.frame() + step),
+            Action::FrameTo(frame) => self.go_to(frame),
+            Action::Play => {
+                self.play();
+                Ok(Changed::Nothing)
+            }
+            Action::Loop => {
+                self.timeline.loops = !self.timeline.loops;
+                Ok(Changed::Nothing)
+            }
+            Action::Method(step) => {
+                let transport = stepped(&self.options.transport, step);
+                self.set_options(OptionArguments { transport, ..self.options })
+            }
+            Action::Mode => {
+                let mode = stepped(&self.options.mode, 1);
+                self.set_options(OptionArguments { mode, ..self.options })
+            }
+            Action::Scheme => {
+                let links = self.edits.scene.transport.scheme == Scheme::Links;
+                self.set("transport.scheme", if links { "blocks" } else { "links" }.to_owned())
+            }
+            Action::Layer(step) => {
+                let now = LAYERS.iter().position(|(_, layer)| *layer == self.frames.layer()).unwrap_or(0);
+                let next = (now as isize + step).rem_euclid(LAYERS.len() as isize) as usize;
+                self.show(LAYERS[next].1)
+            }
+            Action::Pick => self.show(Layer::Clusters),
+            Action::Save => self.put_out(Output::Png),
+            Action::SaveExr => self.put_out(Output::Exr),
+            Action::SaveScene => self.put_out(Output::Scene),
+            Action::Trace => self.put_out(Output::Trace),
             Action::Tell => {
                 crate::cli::print(&format!("{}\n", self.command()))?;
                 Ok(Changed::Nothing)
@@ -77,6 +121,10 @@ impl Viewer {
             Action::Undo => self.edits.undo().map(|done| if done { Changed::Scene } else { Changed::Nothing }),
             Action::Redo => self.edits.redo().map(|done| if done { Changed::Scene } else { Changed::Nothing }),
             Action::Reset => self.edits.reset().map(|()| Changed::Scene),
+            Action::Handles => {
+                self.handles = !self.handles;
+                Ok(Changed::Nothing)
+            }
             Action::Panel => {
                 self.panel = !self.panel;
                 Ok(Changed::Nothing)
@@ -98,15 +146,73 @@ impl Viewer {
         self.edits.set(key, value).map(|()| Changed::Scene)
     }
 
-    /// Goes over to another method of the list; those that can't serve the scene are told.
-    fn method(&mut self, step: isize) -> Result<Changed> {
-        let all = TransportArgument::value_variants();
-        let now = all.iter().position(|method| *method == self.options.transport).unwrap_or(0);
-        let next = (now as isize + step).rem_euclid(all.len() as isize) as usize;
-        let options = OptionArguments { transport: all[next], ..self.options };
-        self.frames.set_options(&self.edits.scene, options.options())?;
-        self.options = options;
+    /// The amounts of the object's deformations.
+    fn amounts(&self) -> Vec<Amount> {
+        let scene = &self.edits.scene;
+        amounts(&scene.objects[self.object], self.extent / scene.unit_mm)
+    }
+
+    /// Sets the amount of a deformation.
+    fn deform_to(&mut self, index: usize, to: f64) -> Result<Changed> {
+        let (object, all) = (self.object, self.amounts());
+        let Some(amount) = all.get(index) else { return Ok(Changed::Nothing) };
+        let key = format!("object.{object}.deform.{index}.{}", amount.key);
+        // What a scene may have; one without an effect may be left out of it.
+        let to = if amount.kind == "morph" { to.clamp(-10.0, 10.0) } else { to.clamp(-36_000.0, 36_000.0) };
+        if to == 0.0 || amount.value == 0.0 {
+            return self.set(&key, format!("{to:?}"));
+        }
+        self.edits.adjust(&key, format!("{to:?}"), |scene| set_amount(&mut scene.objects[object], index, to));
+        Ok(Changed::Scene)
+    }
+
+    /// Changes the object's material.
+    fn set_material(&mut self, key: &str, value: String) -> Result<Changed> {
+        let (object, full) = (self.object, format!("object.{}.material.{key}", self.object));
+        match self.edits.material(object, key, &value) {
+            Some(material) => {
+                self.edits.adjust(&full, value, |scene| scene.objects[object].material = material);
+                Ok(Changed::Scene)
+            }
+            None => self.set(&full, value),
+        }
+    }
+
+    /// Sets the tolerance.
+    fn set_tolerance(&mut self, tolerance: f64) -> Result<Changed> {
+        let value = format!("{tolerance:?}");
+        self.edits.adjust("transport.tolerance", value, |scene| scene.transport.tolerance = tolerance);
+        Ok(Changed::Scene)
+    }
+
+    /// Shows a layer, for the pixel at the pointer or else the middle one.
+    fn show(&mut self, layer: Layer) -> Result<Changed> {
+        let size = self.edits.scene.camera.size;
+        let middle = size.map(|side| f64::from(side) / 2.0);
+        let at = self.pointer.unwrap_or(middle);
+        self.pick = [0, 1].map(|k| (at[k].max(0.0) as u32).min(size[k] - 1));
+        self.frames.set_layer(layer, self.pick);
         self.message = None;
         Ok(Changed::View)
     }
+
+    /// Asks for a file.
+    fn put_out(&mut self, output: Output) -> Result<Changed> {
+        self.output = Some(output);
+        Ok(Changed::Nothing)
+    }
+
+    /// Goes over to other options; those that can't serve the scene are told.
+    fn set_options(&mut self, options: OptionArguments) -> Result<Changed> {
+        self.frames.set_options(&self.edits.scene, options.options())?;
+        self.options = options;
+        self.message = None;
+        Ok(Changed::Light)
+    }
+}
+
+/// The value so many places on in the list of its argument.
+fn stepped<T: ValueEnum + Copy + PartialEq>(value: &T, step: isize) -> T {
+    let all = T::value_variants();
+    all[(place(value) as isize + step).rem_euclid(all.len() as isize) as usize]
 }

@@ -1,24 +1,28 @@
 //! The scene in the window and what the user does with it, apart from the window itself.
 
 mod change;
+mod outcome;
+mod save;
+mod timeline;
 
-use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
 
 use milkglass::error::{Error, Result};
 use milkglass::internals::gpu::Device;
-use milkglass::internals::view::picture::save_png;
-use milkglass::scene::Scene;
+use milkglass::scene::{Scene, Scheme};
 
-use self::change::Changed;
+use self::outcome::{Changed, Output};
+use self::timeline::Timeline;
+use super::amounts::amounts;
 use super::edits::Edits;
 use super::frames::{Frames, Progress};
 use super::keys::Action;
 use super::panel::Facts;
 use crate::cli::bare::Subject;
 use crate::cli::open_session;
-use crate::cli::run_args::{OptionArguments, TransportArgument, quoted};
+use crate::cli::run_args::{ModeArgument, OptionArguments, TransportArgument};
 
 /// A scene that is looked at and changed.
 pub(super) struct Viewer {
@@ -26,7 +30,9 @@ pub(super) struct Viewer {
     pub(super) frames: Frames,
     device: Device,
     options: OptionArguments,
+    /// Names of the methods and modes.
     methods: Vec<String>,
+    modes: Vec<String>,
     /// The arguments of `render` besides those of the window.
     words: Vec<String>,
     /// The object that is changed.
@@ -39,8 +45,18 @@ pub(super) struct Viewer {
     pub(super) message: Option<String>,
     pub(super) panel: bool,
     keys: bool,
-    /// Whether the picture is to be saved once it is whole.
-    saves: bool,
+    /// The deformation of the object that is changed.
+    deform: usize,
+    timeline: Timeline,
+    /// The pixel that is picked for the layer of clusters.
+    pick: [u32; 2],
+    /// Where the pointer is, if it is over the picture.
+    pub(super) pointer: Option<[f64; 2]>,
+    pub(super) handles: bool,
+    /// What is to be written, once it is there.
+    output: Option<Output>,
+    /// What was spent on changes since the last frame.
+    spent: Duration,
     pub(super) quits: bool,
 }
 
@@ -59,13 +75,13 @@ impl Viewer {
         }
         let session = open_session(&edits.scene, Some(device), options.options())?;
         let frames = Frames::new(session, device, options.options());
-        let names = TransportArgument::value_variants().iter().filter_map(ValueEnum::to_possible_value);
         let mut viewer = Self {
             edits,
             frames,
             device: device.clone(),
             options,
-            methods: names.map(|name| name.get_name().to_owned()).collect(),
+            methods: names::<TransportArgument>(),
+            modes: names::<ModeArgument>(),
             words,
             object: 0,
             extent: 0.0,
@@ -74,7 +90,13 @@ impl Viewer {
             message: None,
             panel: true,
             keys: false,
-            saves: false,
+            deform: 0,
+            timeline: Timeline::new(),
+            pick: [0; 2],
+            pointer: None,
+            handles: true,
+            output: None,
+            spent: Duration::ZERO,
             quits: false,
         };
         viewer.measure();
@@ -88,6 +110,7 @@ impl Viewer {
         let (low, high) = scene.objects[self.object].bounds();
         self.extent = (high - low).max_element() * scene.unit_mm;
         self.scale = self.edits.number(&format!("object.{}.material.scale", self.object)).unwrap_or(1.0);
+        self.deform %= amounts(&self.edits.scene.objects[self.object], 1.0).len().max(1);
     }
 
     /// Reads the scene's file again if it has changed.
@@ -107,7 +130,7 @@ impl Viewer {
     fn adopt(&mut self, before: Scene) {
         self.good.get_or_insert(before);
         self.message = None;
-        self.frames.change();
+        self.frames.change(true);
         self.measure();
     }
 
@@ -125,11 +148,17 @@ impl Viewer {
         if fresh && action.is_change() {
             self.edits.begin();
         }
-        let before = self.edits.scene.clone();
-        match self.change(action) {
+        let (before, start) = (self.edits.scene.clone(), Instant::now());
+        let changed = self.change(action);
+        self.spent += start.elapsed();
+        match changed {
             Ok(Changed::Nothing) => Ok(()),
             Ok(Changed::View) => {
-                self.frames.change();
+                self.frames.change(false);
+                Ok(())
+            }
+            Ok(Changed::Light) => {
+                self.frames.change(true);
                 Ok(())
             }
             Ok(Changed::Scene) => {
@@ -163,7 +192,7 @@ impl Viewer {
         match self.edits.scene.camera.clone().sized(size) {
             Ok(camera) => {
                 self.edits.scene.camera = camera;
-                self.frames.change();
+                self.frames.change(false);
                 Ok(())
             }
             Err(error) => self.tell(error),
@@ -172,7 +201,15 @@ impl Viewer {
 
     /// Renders the next step, if it is due. A scene that can't be rendered is told, and the last good one comes back.
     pub(super) fn advance(&mut self, held: bool) -> Result<()> {
-        match self.frames.advance(&self.edits.scene, held) {
+        let held = held || self.plays();
+        if self.frames.begins(held)
+            && let Err(error) = self.edits.settle()
+        {
+            self.tell(error)?;
+            self.frames.change(true);
+        }
+        let spent = std::mem::take(&mut self.spent);
+        match self.frames.advance(&self.edits.scene, held, spent) {
             Ok(()) => {
                 if self.frames.progress != Progress::Changed {
                     self.good = None;
@@ -183,66 +220,64 @@ impl Viewer {
                     let camera = good.camera.clone().sized(self.edits.scene.camera.size)?;
                     self.edits.scene = Scene { camera, ..good };
                     self.message = Some(error.to_string());
-                    self.frames.change();
+                    self.frames.change(true);
                 }
                 _ => return Err(error),
             },
         }
-        if self.saves && self.frames.progress == Progress::Whole {
-            self.saves = false;
-            self.message = Some(match self.save() {
-                Ok(file) => format!("saved {}", file.display()),
-                Err(error) if error.is_device_fault() => return Err(error),
-                Err(error) => error.to_string(),
-            });
+        if let Some(error) = self.frames.refused.take() {
+            self.tell(error)?;
         }
-        Ok(())
-    }
-
-    /// Writes the picture as `SCENE-N.png`, with the first number that is free.
-    fn save(&mut self) -> Result<PathBuf> {
-        let name = &self.edits.scene.name;
-        let files = (1..).map(|number| PathBuf::from(format!("{name}-{number}.png")));
-        let file = files.into_iter().find(|file| !file.exists()).unwrap_or_default();
-        let size = self.edits.scene.camera.size.map(|side| side as usize);
-        save_png(&file, size, &self.frames.full().shown()?)?;
-        Ok(file)
-    }
-
-    /// The command that renders the picture.
-    fn command(&self) -> String {
-        let [width, height] = self.edits.scene.camera.size;
-        let output = ["-o".to_owned(), format!("{}.png", self.edits.scene.name), format!("--size={width}x{height}")];
-        let words = self.words.iter().cloned().chain(self.options.words()).chain(self.edits.arguments());
-        let all: Vec<String> = words.chain(output).map(|word| quoted(&word)).collect();
-        format!("milkglass render {}", all.join(" "))
+        self.write()
     }
 
     /// What the panel shows.
     pub(super) fn facts(&self) -> Facts<'_> {
         let scene = &self.edits.scene;
-        let method = TransportArgument::value_variants().iter().position(|method| *method == self.options.transport);
+        let object = &scene.objects[self.object];
         Facts {
             scene: &scene.name,
             device: self.device.name(),
             size: scene.camera.size,
             progress: self.frames.progress,
             samples: scene.camera.samples,
-            shown: self.frames.draft_size(),
+            shown: self.frames.draft_size(scene),
             object: [self.object + 1, scene.objects.len()],
-            material: &scene.objects[self.object].material.name,
+            material: &object.material.name,
             extent: self.extent,
             scale: self.scale,
+            amounts: amounts(object, self.extent / scene.unit_mm),
+            deform: self.deform,
             light: [self.edits.light + 1, scene.lights.len()],
-            method: method.and_then(|method| self.methods.get(method)).map_or("", String::as_str),
+            handles: if self.handles { self.edits.handles() } else { Vec::new() },
+            method: &self.methods[place(&self.options.transport)],
             methods: &self.methods,
+            mode: &self.modes[place(&self.options.mode)],
+            scheme: if scene.transport.scheme == Scheme::Links { "links" } else { "blocks" },
             tolerance: scene.transport.tolerance,
-            times: &self.frames.times,
-            wall: self.frames.wall,
+            layer: self.frames.layer(),
+            legend: &self.frames.inspector.legend,
+            frames: scene.frames,
+            frame: self.edits.frame(),
+            plays: self.timeline.plays(),
+            loops: self.timeline.loops,
+            history: &self.frames.history,
+            counts: self.frames.counts(),
             memory: self.device.memory().allocated,
             message: self.message.as_deref(),
             panel: self.panel,
             keys: self.keys,
         }
     }
+}
+
+/// The names of an argument's values.
+fn names<T: ValueEnum>() -> Vec<String> {
+    let names = T::value_variants().iter().filter_map(ValueEnum::to_possible_value);
+    names.map(|name| name.get_name().to_owned()).collect()
+}
+
+/// The place of a value among those of its argument.
+fn place<T: ValueEnum + PartialEq>(value: &T) -> usize {
+    T::value_variants().iter().position(|other| other == value).unwrap_or(0)
 }

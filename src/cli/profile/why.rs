@@ -1,0 +1,88 @@
+//! Why a frame takes as long as it does, as a page of one screen.
+
+use crate::cli::table;
+use milkglass::measure::profile::Profile;
+use milkglass::measure::profile::why::{Stage, Why};
+use milkglass::measure::statistics::Interval;
+
+/// Rows of the table; the other stages share the last one.
+const ROWS: usize = 16;
+/// Lines of the driver's own statistics.
+const STATISTICS: usize = 6;
+
+pub(super) fn text(found: &Profile, why: &Why) -> String {
+    let mut text = format!("{}, on {}, {}\n", found.scene, found.device, found.driver);
+    let parts = why.frame_ms;
+    let share = |ms: f64| percent(ms / parts.wall);
+    text += &format!(
+        "a frame: {:.3} ms = stages' own work {} + launches {} + barriers {}\n         + {} submissions {} + rest of the host {}\n",
+        parts.wall,
+        share(parts.work),
+        share(parts.launches),
+        share(parts.barriers),
+        why.submissions,
+        share(parts.submissions),
+        share(parts.host)
+    );
+    let cost = why.overheads_us;
+    let us = |interval: Interval| format!("{:.2} us [{:.2}, {:.2}]", interval.value, interval.low, interval.high);
+    text += &format!("on the device: dispatch {}, barrier {}\n", us(cost.dispatch), us(cost.barrier));
+    text += &format!(
+        "by the host:   dispatch {}, barrier {},\n               submission and wait {}\n\n",
+        us(cost.dispatch_host),
+        us(cost.barrier_host),
+        us(cost.submission)
+    );
+
+    let mut stages: Vec<&Stage> = why.stages.iter().collect();
+    stages.sort_by(|a, b| b.ms.total_cmp(&a.ms));
+    let rest = stages.split_off(stages.len().min(ROWS));
+    let mut rows: Vec<Vec<String>> = stages.iter().map(|stage| cells(stage)).collect();
+    if !rest.is_empty() {
+        let sum = |of: fn(&Stage) -> f64| rest.iter().map(|stage| of(stage)).sum::<f64>();
+        let mut row =
+            vec![format!("{} others", rest.len()), format!("{:.3}", sum(|s| s.ms)), percent(sum(|s| s.share))];
+        row.extend(["", "", "", "", "", "", ""].map(String::from));
+        row.push(format!("{:.1}", sum(|s| s.creation_ms)));
+        row.push(format!("{:.1}", sum(|s| s.first_run_ms.unwrap_or(0.0))));
+        rows.push(row);
+    }
+    let header =
+        ["stage", "ms", "share", "bound by", "copy", "FMA", "exp", "launch", "barrier", "waits", "create", "first"];
+    text += &table(&header, &[1, 2, 4, 5, 6, 7, 8, 9, 10, 11], &rows);
+    let created: f64 = why.stages.iter().map(|stage| stage.creation_ms).sum();
+    let first: f64 = why.stages.iter().filter_map(|stage| stage.first_run_ms).sum();
+    let pipelines: usize = why.stages.iter().map(|stage| stage.pipelines).sum();
+    text += &format!(
+        "\ncreate: ms to create {pipelines} pipelines, {created:.1} in all; first: ms that first runs take longer, {first:.1} in all\n"
+    );
+    let known = why.stages.iter().flat_map(|stage| &stage.statistics).take(STATISTICS);
+    for (kernel, statistics) in known {
+        let values: Vec<String> = statistics.iter().take(4).map(|(name, value)| format!("{name} {value}")).collect();
+        text += &format!("{kernel}: {}\n", values.join(", "));
+    }
+    if !why.counters.is_empty() {
+        text += &format!("{} hardware counters: --save lists their names\n", why.counters.len());
+    }
+    why.lacks.iter().for_each(|lack| text += &format!("the driver lacks {lack}\n"));
+    text
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+fn cells(stage: &Stage) -> Vec<String> {
+    let mut cells = vec![stage.stage.clone(), format!("{:.3}", stage.ms), percent(stage.share)];
+    match stage.bounds {
+        Some(bounds) => {
+            cells.push(bounds.largest().into());
+            cells.extend(bounds.parts().map(|(_, share)| format!("{:.0} %", 100.0 * share)));
+        }
+        None => cells.extend(["-"; 7].map(String::from)),
+    }
+    cells.push(format!("{:.1}", stage.creation_ms));
+    // Without the sign of a difference that rounds to 0.
+    cells.push(stage.first_run_ms.map_or("-".into(), |ms| format!("{:.1}", (10.0 * ms).round() / 10.0 + 0.0)));
+    cells
+}

@@ -1,0 +1,233 @@
+//! What drafts leave out, so that a frame stays short. The rule: a draft's time is predicted from what each stage took
+//! when it ran last, and the draft is the finest one that is predicted to take at most [`AIM`].
+
+use milkglass::internals::gpu::Timing;
+use milkglass::internals::lighting::shadow;
+use milkglass::internals::pipeline::frame::stage;
+use milkglass::internals::state::Need;
+use milkglass::internals::view::pixel_receivers;
+use milkglass::scene::{Light, Receivers, Scene, Source};
+
+use super::history::stage_of;
+
+/// What a draft may be predicted to take, ms: what it takes varies, and the window has to be drawn, too.
+const AIM: f64 = 170.0;
+/// A finer draft may be predicted to take this share of that, so that drafts do not alternate.
+const FINER: f64 = 0.8;
+/// The tolerance of drafts, if the scene's is not coarser.
+const TOLERANCE: f64 = 0.1;
+/// Pixels of the window along each side of a draft's pixel.
+pub(super) const FACTORS: [u32; 6] = [1, 2, 3, 4, 6, 8];
+
+/// What of a draft does not depend on its pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Level {
+    /// Rays to the sky from a face, at most.
+    sky: u32,
+    /// Samples along each side of an area light, at most.
+    area: u32,
+    /// Whether there are shadows.
+    shadows: bool,
+    /// Whether light is transported through objects.
+    pub(super) transport: bool,
+}
+
+/// From the finest to the coarsest.
+pub(super) const LEVELS: [Level; 4] = [
+    Level { sky: 4, area: 2, shadows: true, transport: true },
+    Level { sky: 1, area: 1, shadows: true, transport: true },
+    Level { sky: 0, area: 1, shadows: false, transport: true },
+    Level { sky: 0, area: 1, shadows: false, transport: false },
+];
+
+impl Level {
+    /// The scene as a draft shows it; its camera is left alone.
+    pub(super) fn of(&self, scene: &Scene) -> Scene {
+        let mut coarse = scene.clone();
+        coarse.camera.samples = 1;
+        coarse.transport.tolerance = coarse.transport.tolerance.max(TOLERANCE);
+        coarse.transport.subdivide = 0;
+        // With pixels as receivers, each size of a picture has buffers of its own, and each view links of its own.
+        coarse.transport.receivers = Receivers::Faces;
+        for light in &mut coarse.lights {
+            light.shadows &= self.shadows;
+            match &mut light.source {
+                Source::Environment { occlusion, .. } => *occlusion = self.sky.min(*occlusion),
+                Source::Area { samples, .. } => *samples = self.area.min(*samples),
+                _ => {}
+            }
+        }
+        coarse
+    }
+
+    /// Rays of a face to the lights of a scene.
+    fn rays(&self, scene: &Scene) -> f64 {
+        let of = |light: &Light| match light.source {
+            Source::Environment { occlusion, .. } => self.sky.min(occlusion),
+            _ if !(light.shadows && self.shadows) => 0,
+            Source::Area { samples, .. } => self.area.min(samples).pow(2),
+            _ => 1,
+        };
+        f64::from(scene.lights.iter().map(of).sum::<u32>())
+    }
+}
+
+/// Chooses drafts.
+#[derive(Clone, Debug)]
+pub(super) struct Policy {
+    /// What each stage took, ms, but for those of the picture; that of shadows for one ray of a face.
+    stages: Vec<(String, f64)>,
+    /// What the stages of the picture took, ms for a draft of the window's pixels.
+    picture: f64,
+    /// The draft: of [`LEVELS`] and of [`FACTORS`].
+    pub(super) level: usize,
+    pub(super) coarseness: usize,
+    /// The coarsest level that can serve the scene.
+    pub(super) coarsest: usize,
+}
+
+impl Default for Policy {
+    fn default() -> Self {
+        let coarsest = LEVELS.len() - 1;
+        Self { stages: Vec::new(), picture: 0.0, level: 0, coarseness: 3, coarsest }
+    }
+}
+
+impl Policy {
+    /// Adopts what a draft took: its steps on the device, and all of it, ms.
+    pub(super) fn learn(&mut self, scene: &Scene, steps: &[Timing], all: f64) {
+        let (stages, picture) = costs(steps, all, LEVELS[self.level].rays(scene));
+        for (name, cost) in stages {
+            match self.stages.iter_mut().find(|(stage, _)| *stage == name) {
+                Some((_, before)) => *before = cost,
+                None => self.stages.push((name, cost)),
+            }
+        }
+        self.picture = picture * f64::from(FACTORS[self.coarseness].pow(2));
+    }
+
+    /// Adopts what a whole frame took where that is less: it does no less than a draft.
+    pub(super) fn relearn(&mut self, scene: &Scene, steps: &[Timing], all: f64) {
+        let rays = scene.lights.iter().filter(|light| light.shadows).map(Light::samples).sum::<usize>();
+        for (name, cost) in costs(steps, all, rays as f64).0 {
+            if let Some((_, before)) = self.stages.iter_mut().find(|(stage, _)| *stage == name) {
+                *before = before.min(cost);
+            }
+        }
+    }
+
+    /// Chooses the next draft of a scene; the stages before the picture run only if `all` is to be done.
+    pub(super) fn choose(&mut self, scene: &Scene, all: bool) {
+        let picture = |coarseness: usize| self.picture / f64::from(FACTORS[coarseness].pow(2));
+        let share = |finer: bool| if finer { AIM * FINER } else { AIM };
+        if all {
+            let least = picture(FACTORS.len() - 1);
+            let fits = |level: &usize| self.predicted(scene, *level) + least <= share(*level < self.level);
+            self.level = (0..self.coarsest).find(fits).unwrap_or(self.coarsest);
+        }
+        let rest = if all { self.predicted(scene, self.level) } else { 0.0 };
+        let fits = |coarseness: &usize| rest + picture(*coarseness) <= share(*coarseness < self.coarseness);
+        self.coarseness = (0..FACTORS.len()).find(fits).unwrap_or(FACTORS.len() - 1);
+    }
+
+    /// What a draft takes besides its picture, ms.
+    fn predicted(&self, scene: &Scene, level: usize) -> f64 {
+        let level = &LEVELS[level];
+        let cost = |(name, cost): &(String, f64)| match stage(name) {
+            Some(known) if known.is(&shadow::STAGE) => cost * level.rays(scene),
+            Some(known) if known.module.starts_with("transport") && !level.transport => 0.0,
+            _ => *cost,
+        };
+        self.stages.iter().map(cost).sum()
+    }
+}
+
+/// What each stage took, ms, but for those of the picture, which come last; that of shadows for one of `rays`. What of
+/// `all` the steps do not have is the first one's: with a window, lavapipe starts the clock of a frame too late.
+fn costs(steps: &[Timing], all: f64, rays: f64) -> (Vec<(String, f64)>, f64) {
+    let (mut of_picture, mut picture) = (false, 0.0);
+    let mut sums: Vec<(String, f64)> = Vec::new();
+    let mut late = all - steps.iter().map(|step| step.milliseconds).filter(|ms| ms.is_finite()).sum::<f64>();
+    for step in steps.iter().filter(|step| step.milliseconds.is_finite()) {
+        let name = stage_of(step);
+        // Where pixels are the receivers, so are all stages after this one.
+        of_picture |= name == pixel_receivers::STAGE.name;
+        let milliseconds = step.milliseconds + std::mem::take(&mut late).max(0.0);
+        let cost = milliseconds / if name == shadow::STAGE.name { rays.max(1.0) } else { 1.0 };
+        if of_picture || stage(name).is_some_and(|stage| stage.needs.contains(&Need::Picture)) {
+            picture += milliseconds;
+        } else if let Some((_, sum)) = sums.iter_mut().find(|(stage, _)| stage == name) {
+            *sum += cost;
+        } else {
+            sums.push((name.to_owned(), cost));
+        }
+    }
+    (sums, picture)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use milkglass::internals::geometry::refit;
+    use milkglass::internals::transport::blocks::link;
+    use milkglass::internals::view::visibility;
+
+    fn step(name: &str, milliseconds: f64) -> Timing {
+        Timing { name: name.into(), milliseconds, ..Timing::default() }
+    }
+
+    /// The level and the factor that drafts come to where a ray of each face, the other stages before the picture, and
+    /// the picture at the window's pixels take so many ms.
+    fn settled(scene: &Scene, [ray, others, picture]: [f64; 3], all: bool) -> (usize, u32) {
+        let mut policy = Policy::default();
+        for _ in 0..10 {
+            let level = &LEVELS[policy.level];
+            let transport = if level.transport { others } else { 0.0 };
+            let picture = picture / f64::from(FACTORS[policy.coarseness].pow(2));
+            let mut steps = vec![step(visibility::STAGE.name, picture)];
+            if all {
+                steps.extend([step(shadow::STAGE.name, ray * level.rays(scene)), step(link::STAGE.name, transport)]);
+            }
+            let sum: f64 = steps.iter().map(|step| step.milliseconds).sum();
+            policy.learn(scene, &steps, sum + 5.0);
+            policy.choose(scene, all);
+        }
+        (policy.level, FACTORS[policy.coarseness])
+    }
+
+    #[test]
+    fn drafts_are_as_fine_as_the_time_allows() {
+        // A sky and two lamps: at the finest level six rays of a face.
+        let scene = Scene::load("bust").unwrap();
+        let rays = LEVELS.map(|level| level.rays(&scene));
+        assert!(rays[0] > rays[1] && rays[1] > 0.0 && rays[2] == 0.0, "{rays:?}");
+        assert_eq!(settled(&scene, [1.0, 10.0, 50.0], true), (0, 1));
+        assert_eq!(settled(&scene, [1.0, 10.0, 1000.0], true), (0, 3));
+        assert_eq!(settled(&scene, [130.0 / rays[1], 10.0, 50.0], true).0, 1);
+        assert_eq!(settled(&scene, [300.0, 50.0, 50.0], true).0, 2);
+        assert_eq!(settled(&scene, [300.0, 500.0, 50.0], true), (3, 1));
+        assert_eq!(settled(&scene, [300.0, 500.0, 1e6], true), (3, 8));
+        // A camera alone: only the picture counts.
+        assert_eq!(settled(&scene, [300.0, 500.0, 400.0], false), (0, 2));
+    }
+
+    #[test]
+    fn drafts_get_finer_again_when_a_whole_frame_was_fast() {
+        let scene = Scene::load("lotus").unwrap();
+        let mut policy = Policy::default();
+        policy.learn(&scene, &[step(link::STAGE.name, 900.0), step(refit::STAGE.name, 10.0)], 920.0);
+        policy.choose(&scene, true);
+        assert_eq!(policy.level, 3);
+        policy.relearn(&scene, &[step(link::STAGE.name, 50.0), step(refit::STAGE.name, 20.0)], 70.0);
+        policy.choose(&scene, true);
+        assert_eq!(policy.level, 0);
+    }
+
+    #[test]
+    fn where_pixels_are_the_receivers_all_that_follows_is_of_the_picture() {
+        let (fixed, receivers) = (refit::STAGE.name, pixel_receivers::STAGE.name);
+        let steps = [step(fixed, 10.0), step(visibility::STAGE.name, 20.0), step(receivers, 1.0), step(fixed, 5.0)];
+        assert_eq!(costs(&steps, 36.0, 1.0), (vec![(fixed.to_owned(), 10.0)], 26.0));
+        assert_eq!(costs(&steps, 40.0, 1.0), (vec![(fixed.to_owned(), 14.0)], 26.0));
+    }
+}

@@ -1,0 +1,251 @@
+//! A listed frame as command buffers: which commands there are, and how they are submitted, is [`super::Choices`]'
+//! business.
+
+use std::ffi::CString;
+
+use ash::vk;
+
+use super::call::vk_call;
+use super::choices::{Queues, Submissions};
+use super::list::{Entry, Groups, Listed};
+use super::logical_device::LogicalDevice;
+use super::order::waits;
+use super::sets::Sets;
+use crate::error::Result;
+use barriers::STAGES;
+use batches::Batches;
+
+mod barriers;
+mod batches;
+mod run;
+
+/// A frame in command buffers. What it uses lives as long as it does; buffers are the caller's.
+pub(super) struct Encoded {
+    device: LogicalDevice,
+    list: Vec<Entry>,
+    timed_parts: usize,
+    /// The dispatches of each part, and the waits before them.
+    counts: Vec<[usize; 2]>,
+    /// In the order of submission.
+    primaries: Vec<vk::CommandBuffer>,
+    secondaries: Vec<vk::CommandBuffer>,
+    sets: Sets,
+    /// The event that follows a dispatch, by its index.
+    events: Vec<vk::Event>,
+    /// Where each command buffer is submitted, if not one after the other to one queue.
+    batches: Option<Batches>,
+    queries: vk::QueryPool,
+    /// The command buffer being recorded.
+    now: vk::CommandBuffer,
+}
+
+impl Encoded {
+    /// Records a list, with timestamps round so many parts.
+    pub(super) fn new(device: &LogicalDevice, list: Vec<Entry>, timed_parts: usize) -> Result<Self> {
+        let doing = "recording a frame";
+        let mut encoded = Self {
+            device: device.clone(),
+            list,
+            timed_parts,
+            counts: Vec::new(),
+            primaries: Vec::new(),
+            secondaries: Vec::new(),
+            sets: Sets::new(device),
+            events: Vec::new(),
+            batches: None,
+            queries: vk::QueryPool::null(),
+            now: vk::CommandBuffer::null(),
+        };
+        encoded.begin(vk::CommandBufferLevel::PRIMARY)?;
+        if timed_parts > 0 {
+            let count = u32::try_from(2 * timed_parts).unwrap_or(u32::MAX);
+            let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(count);
+            // SAFETY: the device is alive; the pool is freed with the recording.
+            unsafe {
+                encoded.queries = vk_call("vkCreateQueryPool", doing, || device.raw().create_query_pool(&info, None))?;
+                if device.choices().queues == Queues::One {
+                    device.raw().cmd_reset_query_pool(encoded.now, encoded.queries, 0, count);
+                }
+            }
+        }
+        let list = std::mem::take(&mut encoded.list);
+        let done = encoded.record(&list);
+        encoded.list = list;
+        done.map(|()| encoded)
+    }
+
+    /// Whether it is the recording of this list.
+    pub(super) fn is_of(&self, list: &[Entry], timed_parts: usize) -> bool {
+        self.timed_parts == timed_parts && self.list == list
+    }
+
+    /// Begins another command buffer.
+    fn begin(&mut self, level: vk::CommandBufferLevel) -> Result<()> {
+        let usage = match self.device.choices().submissions {
+            Submissions::Reused => vk::CommandBufferUsageFlags::empty(),
+            _ => vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT,
+        };
+        self.now = self.device.begin_as(level, usage, "recording a frame")?;
+        let all = if level == vk::CommandBufferLevel::PRIMARY { &mut self.primaries } else { &mut self.secondaries };
+        all.push(self.now);
+        Ok(())
+    }
+
+    /// Ends the command buffer being recorded.
+    fn end(&self) -> Result<()> {
+        vk_call("vkEndCommandBuffer", "recording a frame", || {
+            // SAFETY: the command buffer is complete; what it uses is owned by `self` or borrowed by the caller.
+            unsafe { self.device.raw().end_command_buffer(self.now) }
+        })
+    }
+
+    fn record(&mut self, list: &[Entry]) -> Result<()> {
+        let device = self.device.clone();
+        let choices = device.choices();
+        let dispatches: Vec<&Listed> = list
+            .iter()
+            .filter_map(|entry| match entry {
+                Entry::Dispatch(listed) => Some(listed),
+                Entry::Begin(_) | Entry::End => None,
+            })
+            .collect();
+        self.sets.prepare(&dispatches)?;
+        let waits = match choices.queues {
+            Queues::One => waits(&dispatches, choices.barriers),
+            Queues::Apart | Queues::Two => {
+                let batches = Batches::new(&device, list)?;
+                let waits = batches.waits(&dispatches, choices.barriers);
+                self.batches = Some(batches);
+                waits
+            }
+        };
+        self.make_events(&waits, dispatches.len())?;
+        let apart = choices.submissions == Submissions::Step || choices.queues != Queues::One;
+        let parts = list.iter().filter(|entry| matches!(entry, Entry::Begin(_))).count();
+        let (mut part, mut index) = (0, 0);
+        let mut open: Vec<usize> = Vec::new();
+        for (at, entry) in list.iter().enumerate() {
+            match entry {
+                Entry::Begin(name) => {
+                    if choices.submissions == Submissions::Secondary && open.is_empty() {
+                        self.begin(vk::CommandBufferLevel::SECONDARY)?;
+                    }
+                    if choices.queues != Queues::One && open.is_empty() {
+                        self.reset_queries(part, 1 + inner_parts(&list[at + 1..]));
+                    }
+                    self.begin_part(name, part);
+                    open.push(part);
+                    self.counts.push([0; 2]);
+                    part += 1;
+                }
+                Entry::End => {
+                    let ended = open.pop();
+                    self.end_part(ended.unwrap_or(usize::MAX));
+                    match choices.submissions {
+                        _ if !open.is_empty() => {}
+                        _ if apart && part < parts => {
+                            self.end()?;
+                            self.begin(vk::CommandBufferLevel::PRIMARY)?;
+                        }
+                        Submissions::Secondary => self.execute()?,
+                        Submissions::Frame | Submissions::Step | Submissions::Reused => {}
+                    }
+                }
+                Entry::Dispatch(listed) => {
+                    if let Some(wait) = &waits[index] {
+                        self.wait(wait);
+                    }
+                    if let Some(part) = open.last() {
+                        self.counts[*part][0] += 1;
+                        self.counts[*part][1] += usize::from(waits[index].is_some());
+                    }
+                    self.dispatch(listed, index);
+                    index += 1;
+                }
+            }
+        }
+        self.end()
+    }
+
+    /// Ends a secondary command buffer, and has the primary one execute it.
+    fn execute(&mut self) -> Result<()> {
+        self.end()?;
+        let secondary = [self.now];
+        self.now = self.primaries.last().copied().unwrap_or_default();
+        // SAFETY: the primary command buffer is recording; the secondary one is complete.
+        unsafe { self.device.raw().cmd_execute_commands(self.now, &secondary) };
+        Ok(())
+    }
+
+    /// Records that these parts have no timestamps yet; on another queue than the first this can't be done for all.
+    fn reset_queries(&self, part: usize, count: usize) {
+        let end = (part + count).min(self.timed_parts);
+        if part < end {
+            let [first, count] = [2 * part, 2 * (end - part)].map(|number| number as u32);
+            // SAFETY: the command buffer is recording; the queries lie within the pool.
+            unsafe { self.device.raw().cmd_reset_query_pool(self.now, self.queries, first, count) };
+        }
+    }
+
+    fn begin_part(&self, name: &str, part: usize) {
+        // SAFETY: the command buffer is recording; the query lies within the pool.
+        unsafe {
+            if let (Some(debug), Ok(name)) = (self.device.debug(), CString::new(name)) {
+                let label = vk::DebugUtilsLabelEXT::default().label_name(&name);
+                debug.cmd_begin_debug_utils_label(self.now, &label);
+            }
+            self.timestamp(part, 0);
+        }
+    }
+
+    fn end_part(&self, part: usize) {
+        // SAFETY: as above.
+        unsafe {
+            self.timestamp(part, 1);
+            if let Some(debug) = self.device.debug() {
+                debug.cmd_end_debug_utils_label(self.now);
+            }
+        }
+    }
+
+    /// SAFETY: the command buffer has to be recording.
+    unsafe fn timestamp(&self, part: usize, end: u32) {
+        if part < self.timed_parts {
+            let stage = vk::PipelineStageFlags::COMPUTE_SHADER;
+            // SAFETY: the caller's; the query lies within the pool.
+            unsafe { self.device.raw().cmd_write_timestamp(self.now, stage, self.queries, 2 * part as u32 + end) };
+        }
+    }
+
+    fn dispatch(&mut self, listed: &Listed, index: usize) {
+        let (raw, kernel) = (self.device.raw(), &listed.kernel);
+        // SAFETY: kernel, set and buffers live until the submission has been waited for.
+        unsafe {
+            raw.cmd_bind_pipeline(self.now, vk::PipelineBindPoint::COMPUTE, kernel.pipeline);
+            self.sets.bind(self.now, listed, index);
+            match listed.groups {
+                Groups::Direct([x, y, z]) => raw.cmd_dispatch(self.now, x, y, z),
+                Groups::Counted { range } => raw.cmd_dispatch_indirect(self.now, range.buffer, range.offset),
+            }
+            if let Some(event) = self.events.get(index).filter(|event| **event != vk::Event::null()) {
+                raw.cmd_set_event(self.now, *event, STAGES);
+            }
+        }
+    }
+}
+
+/// How many parts begin before the one ends that has begun.
+fn inner_parts(list: &[Entry]) -> usize {
+    let (mut open, mut count) = (1, 0);
+    for entry in list {
+        match entry {
+            Entry::Begin(_) => (open, count) = (open + 1, count + 1),
+            Entry::End => open -= 1,
+            Entry::Dispatch(_) => {}
+        }
+        if open == 0 {
+            break;
+        }
+    }
+    count
+}

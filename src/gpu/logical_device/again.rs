@@ -1,0 +1,30 @@
+//! A device opened once more, and what that needs to be known of it.
+
+use super::LogicalDevice;
+use crate::error::Result;
+use crate::gpu::choices::Choices;
+use crate::gpu::extras::Extras;
+use crate::gpu::instance::Instance;
+
+impl LogicalDevice {
+    /// The same adapter opened once more; submissions may take as long.
+    pub(in super::super) fn again(&self, choices: &Choices, extras: &Extras) -> Result<Self> {
+        let device = Self::open(&self.0.instance, &self.0.adapter, choices, extras)?;
+        device.wait_at_most(self.0.patience.get());
+        Ok(device)
+    }
+
+    /// What it was opened with on request.
+    pub(in super::super) fn extras(&self) -> &Extras {
+        &self.0.extras
+    }
+
+    pub(in super::super) fn instance(&self) -> &Instance {
+        &self.0.instance
+    }
+
+    /// Submissions since the device was opened, those of copies included.
+    pub fn submissions(&self) -> u64 {
+        self.0.submissions.get()
+    }
+}

@@ -1,0 +1,134 @@
+//! Command buffers of a device, and what happens when one is submitted: a wait of limited length.
+
+use std::time::Duration;
+
+use ash::vk;
+
+use super::{Inner, LogicalDevice};
+use crate::error::{Error, Result};
+use crate::gpu::call::vk_call;
+
+/// How much longer to wait for a submission that exceeded its limit, before what it uses is freed.
+pub(super) const GRACE: Duration = Duration::from_secs(1);
+
+impl LogicalDevice {
+    /// Submits one recorded command buffer and waits for it.
+    pub(in super::super) fn submit(&self, commands: vk::CommandBuffer, doing: &str) -> Result<()> {
+        self.submit_all(&[commands], doing)
+    }
+
+    /// Submits recorded command buffers one by one, and waits for the last.
+    pub(in super::super) fn submit_all(&self, commands: &[vk::CommandBuffer], doing: &str) -> Result<()> {
+        let infos: Vec<_> =
+            commands.chunks(1).map(|buffers| vk::SubmitInfo::default().command_buffers(buffers)).collect();
+        self.submit_each(&infos, doing)
+    }
+
+    /// Makes these submissions to the first queue, and waits for the last.
+    pub(in super::super) fn submit_each(&self, infos: &[vk::SubmitInfo<'_>], doing: &str) -> Result<()> {
+        self.submit_to(&infos.iter().map(|info| (0, *info)).collect::<Vec<_>>(), doing)
+    }
+
+    /// Makes submissions to the queue of each number, and waits for the last.
+    pub(in super::super) fn submit_to(&self, infos: &[(usize, vk::SubmitInfo<'_>)], doing: &str) -> Result<()> {
+        let raw = &self.0.raw;
+        let Some((last, others)) = infos.split_last() else { return Ok(()) };
+        if !self.finished() {
+            return Err(Error::device(doing, "the device is still busy with what it did not finish in time"));
+        }
+        let patience = nanoseconds(self.0.patience.get());
+        self.0.submissions.set(self.0.submissions.get() + infos.len() as u64);
+        let submit = |(queue, info): &(usize, vk::SubmitInfo<'_>), fence: vk::Fence| {
+            let queue = self.0.queues[*queue];
+            // SAFETY: the command buffers are complete and of this device, and so is the fence.
+            vk_call("vkQueueSubmit", doing, || unsafe { raw.queue_submit(queue, &[*info], fence) })
+        };
+        // SAFETY: the fence is destroyed once it is not in use.
+        unsafe {
+            let fence = vk_call("vkCreateFence", doing, || raw.create_fence(&vk::FenceCreateInfo::default(), None))?;
+            let submitted = others
+                .iter()
+                .try_for_each(|info| submit(info, vk::Fence::null()))
+                .and_then(|()| submit(last, fence))
+                // Those before the one that was refused may be running.
+                .inspect_err(|_| {
+                    let _ = raw.device_wait_idle();
+                });
+            let running = submitted.is_ok();
+            let done = submitted
+                .and_then(|()| vk_call("vkWaitForFences", doing, || raw.wait_for_fences(&[fence], true, patience)));
+            if running && done.is_err() {
+                self.0.late.set(fence);
+            } else {
+                raw.destroy_fence(fence, None);
+            }
+            done
+        }
+    }
+
+    /// Whether nothing runs on the device, so that what it used may be freed. After a wait that failed, a submission
+    /// may still run: then this waits once more, for [`GRACE`], and what the submission uses is leaked if it takes
+    /// longer.
+    pub(in super::super) fn finished(&self) -> bool {
+        self.0.finished()
+    }
+
+    /// A command buffer ready to record, for one submission.
+    pub(in super::super) fn begin(&self, doing: &str) -> Result<vk::CommandBuffer> {
+        self.begin_as(vk::CommandBufferLevel::PRIMARY, vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT, doing)
+    }
+
+    /// A command buffer of this level and use, ready to record.
+    pub(in super::super) fn begin_as(
+        &self,
+        level: vk::CommandBufferLevel,
+        usage: vk::CommandBufferUsageFlags,
+        doing: &str,
+    ) -> Result<vk::CommandBuffer> {
+        let raw = &self.0.raw;
+        let info =
+            vk::CommandBufferAllocateInfo::default().command_pool(self.0.pool).level(level).command_buffer_count(1);
+        let inheritance = vk::CommandBufferInheritanceInfo::default();
+        let begin = vk::CommandBufferBeginInfo::default().flags(usage).inheritance_info(&inheritance);
+        // SAFETY: the pool is this device's and used by one thread at a time.
+        unsafe {
+            let commands = vk_call("vkAllocateCommandBuffers", doing, || raw.allocate_command_buffers(&info))?[0];
+            let begun = vk_call("vkBeginCommandBuffer", doing, || raw.begin_command_buffer(commands, &begin));
+            begun.inspect_err(|_| self.discard(commands)).map(|()| commands)
+        }
+    }
+
+    /// Frees a command buffer, unless it may still be running.
+    pub(in super::super) fn discard(&self, commands: vk::CommandBuffer) {
+        if self.finished() {
+            // SAFETY: it is of this device's pool, and nothing is running.
+            unsafe { self.0.raw.free_command_buffers(self.0.pool, &[commands]) };
+        }
+    }
+}
+
+/// As Vulkan counts time.
+fn nanoseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
+}
+
+impl Inner {
+    /// See [`LogicalDevice::finished`].
+    pub(super) fn finished(&self) -> bool {
+        let fence = self.late.get();
+        if fence == vk::Fence::null() {
+            return true;
+        }
+        // SAFETY: the fence is alive; it is destroyed once it is signalled or its device lost.
+        unsafe {
+            let wait = self.raw.wait_for_fences(&[fence], true, nanoseconds(self.grace.take()));
+            if wait == Err(vk::Result::TIMEOUT) {
+                return false;
+            }
+            self.raw.destroy_fence(fence, None);
+        }
+        self.late.set(vk::Fence::null());
+        self.grace.set(GRACE);
+        true
+    }
+}

@@ -1,0 +1,129 @@
+//! What a device offers beyond what each has to offer: some [`Choices`] need it.
+
+use std::ffi::CStr;
+
+use ash::{ext, khr, vk};
+
+use super::choices::{Barriers, Choices, Descriptors, MemoryKind, Queues};
+use crate::layout::BUFFER_IDS;
+
+/// What a device offers for [`Choices`].
+#[derive(Clone, Debug, Default)]
+pub struct Offers {
+    /// Buffers that can be pushed for a dispatch; 0 without `VK_KHR_push_descriptor`.
+    push_descriptors: u32,
+    /// Whether it has `VK_KHR_synchronization2`.
+    synchronization2: bool,
+    /// The smallest and the largest subgroup size that a pipeline can require; none without
+    /// `VK_EXT_subgroup_size_control`.
+    subgroups: Option<[u32; 2]>,
+    /// Storage buffers in a set that is bound once for all kernels; 0 where it can't have unused ones.
+    set_buffers: u32,
+    /// How many queues the family of its compute queue has.
+    queues: u32,
+    /// Whether it has timeline semaphores.
+    timelines: bool,
+    /// The memory types of buffers that are local, visible, and cached.
+    memory_types: [Option<usize>; 3],
+}
+
+impl Offers {
+    /// What an instance says of one of its physical devices, whose compute queue is of this family.
+    pub(super) fn query(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -> Self {
+        // SAFETY: a plain query on a device of this instance.
+        let extensions = unsafe { instance.enumerate_device_extension_properties(physical) }.unwrap_or_default();
+        let has = |name: &CStr| extensions.iter().any(|e| e.extension_name_as_c_str().is_ok_and(|own| own == name));
+        let mut subgroups = vk::PhysicalDeviceSubgroupSizeControlProperties::default();
+        let mut sizes = vk::PhysicalDeviceSubgroupSizeControlFeatures::default();
+        let mut pushes = vk::PhysicalDevicePushDescriptorPropertiesKHR::default();
+        let mut indexing = vk::PhysicalDeviceDescriptorIndexingProperties::default();
+        let mut timeline = vk::PhysicalDeviceTimelineSemaphoreFeatures::default();
+        let mut binding = vk::PhysicalDeviceDescriptorIndexingFeatures::default();
+        let mut second = vk::PhysicalDeviceSynchronization2Features::default();
+        let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut indexing);
+        let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut binding).push_next(&mut timeline);
+        if has(ext::subgroup_size_control::NAME) {
+            properties = properties.push_next(&mut subgroups);
+            features = features.push_next(&mut sizes);
+        }
+        if has(khr::push_descriptor::NAME) {
+            properties = properties.push_next(&mut pushes);
+        }
+        if has(khr::synchronization2::NAME) {
+            features = features.push_next(&mut second);
+        }
+        // SAFETY: the chains live through the calls, and the device knows each structure.
+        let (memory, families) = unsafe {
+            instance.get_physical_device_properties2(physical, &mut properties);
+            instance.get_physical_device_features2(physical, &mut features);
+            (
+                instance.get_physical_device_memory_properties(physical),
+                instance.get_physical_device_queue_family_properties(physical),
+            )
+        };
+        let stages = subgroups.required_subgroup_size_stages.contains(vk::ShaderStageFlags::COMPUTE);
+        let sized = sizes.subgroup_size_control == vk::TRUE && stages;
+        let partial = binding.descriptor_binding_partially_bound == vk::TRUE
+            && binding.descriptor_binding_storage_buffer_update_after_bind == vk::TRUE;
+        Self {
+            push_descriptors: pushes.max_push_descriptors,
+            synchronization2: second.synchronization2 == vk::TRUE,
+            subgroups: sized.then_some([subgroups.min_subgroup_size, subgroups.max_subgroup_size]),
+            set_buffers: match partial {
+                true => indexing
+                    .max_per_stage_descriptor_update_after_bind_storage_buffers
+                    .min(indexing.max_descriptor_set_update_after_bind_storage_buffers),
+                false => 0,
+            },
+            queues: families.get(family as usize).map_or(0, |family| family.queue_count),
+            timelines: timeline.timeline_semaphore == vk::TRUE,
+            memory_types: memory_types(memory.memory_types_as_slice()),
+        }
+    }
+
+    /// Why a device of this kind can't do as a program chooses, if it can't.
+    #[must_use]
+    pub fn lack(&self, choices: &Choices) -> Option<String> {
+        if let Some(size) = choices.subgroup {
+            match self.subgroups {
+                None => return Some("it lacks VK_EXT_subgroup_size_control".into()),
+                Some([least, most]) if !(least..=most).contains(&size) => {
+                    return Some(format!("it has subgroups of {least} to {most}"));
+                }
+                Some(_) => {}
+            }
+        }
+        let types = self.memory_types;
+        let [local, wanted] = match choices.memory {
+            MemoryKind::Local | MemoryKind::Dedicated => [Some(0), Some(1)],
+            MemoryKind::Visible => [types[0], types[1]],
+            MemoryKind::Cached => [types[0], types[2]],
+        };
+        let buffers = BUFFER_IDS.len() as u32 + 1;
+        let lack = match (choices.descriptors, choices.barriers) {
+            (Descriptors::Push, _) if self.push_descriptors == 0 => "it lacks VK_KHR_push_descriptor",
+            (Descriptors::Frame, _) if self.set_buffers < buffers => {
+                "it lacks descriptorBindingPartiallyBound with descriptorBindingStorageBufferUpdateAfterBind"
+            }
+            (_, Barriers::Synchronization2) if !self.synchronization2 => "it lacks VK_KHR_synchronization2",
+            _ if choices.queues != Queues::One && !self.timelines => "it lacks timelineSemaphore",
+            _ if choices.queues == Queues::Two && self.queues < 2 => "the family of its compute queue has one queue",
+            _ if wanted.is_none() => "it has no such memory type",
+            _ if wanted == local => "it is the memory type of local",
+            _ => return None,
+        };
+        Some(lack.into())
+    }
+}
+
+/// The first type for each location as the allocator chooses it.
+fn memory_types(types: &[vk::MemoryType]) -> [Option<usize>; 3] {
+    use vk::MemoryPropertyFlags as Flags;
+    let visible = Flags::HOST_VISIBLE | Flags::HOST_COHERENT;
+    let first = |wanted: Flags| types.iter().position(|kind| kind.property_flags.contains(wanted));
+    [
+        first(Flags::DEVICE_LOCAL),
+        first(visible | Flags::DEVICE_LOCAL).or(first(visible)),
+        first(visible | Flags::HOST_CACHED).or(first(visible)),
+    ]
+}

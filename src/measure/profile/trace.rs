@@ -1,0 +1,67 @@
+//! Timed frames as a trace for Chrome or Perfetto.
+
+use serde_json::{Value, json};
+
+use super::{Frame, Profile};
+
+/// Frames of a scene as trace events, in microseconds: frames on one track, steps on another, and counters: memory and
+/// links, and the rates that a stage of this name reaches. The clocks of host and device are not aligned, so the steps
+/// are shifted such that the last one ends with its frame.
+pub fn trace<'a>(
+    [scene, device, driver]: [&str; 3],
+    frames: impl IntoIterator<Item = &'a Frame>,
+    rates: &dyn Fn(&str) -> Vec<(&'static str, f64)>,
+) -> Value {
+    let track =
+        |id: u32, name: &str| json!({"ph": "M", "name": "thread_name", "pid": 1, "tid": id, "args": {"name": name}});
+    let mut events = vec![
+        json!({"ph": "M", "name": "process_name", "pid": 1, "args": {"name": format!("milkglass {scene}")}}),
+        track(1, "host"),
+        track(2, device),
+    ];
+    for (number, frame) in frames.into_iter().enumerate() {
+        let (start, length) = (frame.start, frame.wall);
+        let event = |name: &str, id: u32, at: f64, length: f64| json!({"ph": "X", "name": name, "pid": 1, "tid": id, "ts": at * 1e3, "dur": length * 1e3, "args": {"frame": number}});
+        events.push(event("frame", 1, start, length));
+        // Steps without a start time follow one another.
+        let (mut placed, mut next) = (Vec::new(), 0.0);
+        for step in frame.steps.iter().filter(|step| step.milliseconds.is_finite()) {
+            let at = if step.start.is_finite() { f64::max(step.start, next) } else { next };
+            placed.push((step, at));
+            next = at + step.milliseconds;
+        }
+        let late = (length - next).max(0.0);
+        let counter = |name: &str, key: &str, at: f64, value: f64| json!({"ph": "C", "name": name, "pid": 1, "ts": at * 1e3, "args": json!({ key: value })});
+        if frame.memory > 0 {
+            events.push(counter("memory, MB", "MB", start, frame.memory as f64 * 1e-6));
+        }
+        events.extend(frame.links.map(|links| counter("links", "links", start, links as f64)));
+        for (step, at) in placed {
+            let begin = start + late + at;
+            events.push(event(&step.name, 2, begin, step.milliseconds));
+            for (name, rate) in rates(&step.name) {
+                for (at, rate) in [(begin, rate), (begin + step.milliseconds, 0.0)] {
+                    events.push(counter(name, name, at, rate));
+                }
+            }
+        }
+    }
+    json!({"displayTimeUnit": "ms", "traceEvents": events,
+           "otherData": {"device": device, "driver": driver}})
+}
+
+impl Profile {
+    /// The timed frames as [`trace`] events.
+    pub fn trace(&self) -> Value {
+        trace([&self.scene, &self.device, &self.driver], &self.trace, &|stage| self.rates_of(stage))
+    }
+
+    /// What a stage reaches on average: billions of additions and multiplications per second, and of bytes read and
+    /// written; none where its work was not counted.
+    fn rates_of(&self, stage: &str) -> Vec<(&'static str, f64)> {
+        let row = self.rows.iter().find(|row| row.stage == stage);
+        let Some((work, seconds)) = row.and_then(|row| Some((row.work?, row.seconds()?))) else { return Vec::new() };
+        let rate = |count: u64| count as f64 / seconds * 1e-9;
+        vec![("Gflop/s", rate(work.flops)), ("GB/s", rate(work.read + work.written))]
+    }
+}

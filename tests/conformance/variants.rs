@@ -1,0 +1,101 @@
+//! However the API is used, every buffer holds what it holds by default.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex};
+
+use milkglass::internals::gpu::{AXES, Choices, Device};
+use milkglass::measure::fixtures::{Fixture, fixtures, made};
+use milkglass::measure::vary::{Computed, Proof, Variant, asked, computed_steps, lack, proof};
+
+use crate::devices::on_devices_each;
+
+/// Small fixtures with lists, solvers, joints, links that are kept, photons and layers: most stages.
+const SOME: &[&str] = &[
+    "bump over kept links, displaced sources",
+    "diffusion in two objects, the dipole in a third",
+    "dim beside bright, lists kept",
+    "layers, even, left rule",
+    "three objects, two of them with joints",
+    "walk through clear and dark media",
+];
+
+fn some() -> Vec<Fixture> {
+    let found = made(|name| SOME.contains(&name)).unwrap();
+    assert_eq!(found.len(), SOME.len());
+    found
+}
+
+/// A device used as chosen whose buffers are defined everywhere.
+fn cleared(device: &Device, choices: &Choices) -> Device {
+    device.opened_as(&Choices { cleared: true, ..choices.clone() }).unwrap()
+}
+
+/// Compares every variant that a device can run with the default, on these fixtures.
+fn compare(fixtures: &[Fixture]) {
+    let variants: Vec<Variant> = AXES.iter().flat_map(|axis| asked(axis.name).unwrap().variants).collect();
+    let defaults: Mutex<BTreeMap<String, Arc<Vec<Computed>>>> = Mutex::default();
+    let tally: Mutex<BTreeMap<String, [usize; 2]>> = Mutex::default();
+    on_devices_each(&variants, |device, variant| {
+        let ran = lack(device.adapter(), &variant.choices).is_none();
+        tally.lock().unwrap().entry(device.name().into()).or_default()[usize::from(ran)] += 1;
+        if !ran {
+            return;
+        }
+        let run = |choices: &Choices| -> (Device, Vec<Computed>) {
+            let device = cleared(device, choices);
+            let all = fixtures.iter().map(|fixture| computed_steps(&device, fixture).unwrap()).collect();
+            (device, all)
+        };
+        let default = {
+            let mut known = defaults.lock().unwrap();
+            known.entry(device.name().into()).or_insert_with(|| Arc::new(run(&Choices::default()).1)).clone()
+        };
+        let (opened, own) = run(&variant.choices);
+        for ((fixture, default), own) in fixtures.iter().zip(default.iter()).zip(&own) {
+            let again = || {
+                Ok(Fixture { name: fixture.name.clone(), state: fixture.state.clone(), steps: fixture.steps.clone() })
+            };
+            match proof(&variant.name, [default, own], &opened, &again) {
+                Ok(Proof::Same { buffers, .. }) => assert!(buffers > 0, "{}", fixture.name),
+                Ok(Proof::Conforms { differ, .. }) => {
+                    println!("{}: {}: other bits in {differ:?}", variant.name, fixture.name)
+                }
+                Err(error) => panic!("{}: {}: {}: {error}", device.name(), variant.name, fixture.name),
+            }
+        }
+    });
+    for (device, [lacks, ran]) in tally.into_inner().unwrap() {
+        println!("{device}: {ran} variants, {lacks} that it lacks something for");
+        assert!(ran >= 20 && ran + lacks == variants.len(), "{device}: {ran} of {}", variants.len());
+    }
+}
+
+#[test]
+fn a_use_that_computes_something_else_is_refused() {
+    let two = made(|name| SOME[3..5].contains(&name)).unwrap();
+    on_devices_each(&[()], |device, ()| {
+        let device = cleared(device, &Choices::default());
+        let [one, other] = [0, 1].map(|k: usize| computed_steps(&device, &two[k]).unwrap());
+        let never = || unreachable!("no other arithmetic was chosen");
+        let Err(error) = proof("this", [&one, &other], &device, &never) else { panic!("{}", device.name()) };
+        assert!(
+            error.to_string().starts_with("this computes something else, so that it was not timed: buffer "),
+            "{error}"
+        );
+        assert!(proof("this", [&one, &one], &device, &never).is_ok());
+    });
+}
+
+#[test]
+fn every_use_of_the_api_computes_the_same() {
+    let fixtures = some();
+    let stages: BTreeSet<&str> = fixtures.iter().flat_map(|one| one.steps.iter().map(|step| step.stage.name)).collect();
+    assert!(stages.len() >= 40, "{}: {stages:?}", stages.len());
+    compare(&fixtures);
+}
+
+#[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn every_use_of_the_api_computes_the_same_on_all_fixtures() {
+    compare(&fixtures("").unwrap());
+}
