@@ -177,8 +177,7 @@ fn files_are_short_and_comments_are_wrapped() {
             let lines = source.lines().count();
             assert!(lines <= 300, "{} has {lines} lines", path.display());
             let wide = |line: &&str| line.trim_start().starts_with("//") && line.chars().count() > 120;
-            let found = source.lines().find(wide);
-            assert!(found.is_none(), "{}: a comment beyond column 120: {found:?}", path.display());
+            assert_eq!(source.lines().find(wide), None, "{}: a comment beyond column 120", path.display());
         }
     }
 }

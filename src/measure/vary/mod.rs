@@ -9,12 +9,15 @@ mod proof;
 mod strips;
 mod subject;
 
+use std::collections::BTreeSet;
+
 pub use self::proof::{Computed, Proof, computed_steps, proof};
 pub use self::strips::strips;
 pub use self::subject::{Outcome, Subject, Tried};
 
 use crate::error::{Error, Input, Result};
 use crate::gpu::{AXES, Adapter, Axis, Choices, group_is_open, kernel_names};
+use crate::pipeline::frame;
 
 /// One way to use the API.
 #[derive(Clone, Debug)]
@@ -51,12 +54,15 @@ pub fn asked(text: &str) -> Result<Asked> {
         if axis.name != "group" {
             return Err(fault("only the axis group is one of a stage", name, axis.name.into()));
         }
-        let open = || kernel_names().filter(|kernel| group_is_open(kernel));
-        if !open().any(|kernel| kernel.split('/').any(|part| part == stage)) {
-            let mut stages: Vec<_> = open().filter_map(|kernel| kernel.rsplit('/').next()).collect();
-            stages.sort_unstable();
-            stages.dedup();
-            return Err(fault("no kernel of this name leaves its group open", stage, stages.join(", ")));
+        let open = kernel_names().filter(|kernel| group_is_open(kernel)).flat_map(|kernel| kernel.split('/'));
+        let stages: BTreeSet<&str> = open.filter(|part| frame::stage(part).is_some()).collect();
+        if !stages.contains(stage) {
+            let stages = stages.into_iter().collect::<Vec<_>>();
+            return Err(fault(
+                "no stage of this name has a kernel that leaves its group open",
+                stage,
+                stages.join(", "),
+            ));
         }
     }
     let known = || axis.values.iter().map(|value| value.name).collect::<Vec<_>>().join(", ");
