@@ -72,7 +72,7 @@ impl Device {
         Self::open(&instance, Adapter::find(&adapters, wish)?)
     }
 
-    /// The same device, with this SPIR-V in place of a kernel of the build, and able to run it: see [`Self::able`].
+    /// The same device, with this SPIR-V in place of a kernel of the build, and able to run it: see `able`.
     /// Nothing else is checked: see [`super::replacement`].
     pub fn replacing(&self, kernel: &str, words: Vec<u32>) -> Result<Self> {
         let able = self.able(kernel, &words)?;
