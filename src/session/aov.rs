@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::run::Session;
 use crate::error::Result;
-use crate::layout::{BufferId, Hit};
+use crate::layout::{BufferId, Hit, NONE};
 use crate::state::{State, narrow, wide};
 use crate::view::aov::{Layer, Samples};
 
@@ -20,6 +20,7 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
         BufferId::seen,
         BufferId::blocks,
         BufferId::irradiance,
+        BufferId::lit,
         BufferId::radiosity,
         BufferId::vertex_radiosity,
         BufferId::estimate,
@@ -83,6 +84,19 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
         Layer::vector("radiosity", rgb, &radiosity),
         Layer::vector("normal", ["X", "Y", "Z"], &normals),
     ];
+    let casting = data.lights.iter().filter(|light| light.shadow != NONE).count();
+    if casting > 0 && !data.lit.is_empty() {
+        // Of a triangle's rays to the lights the share that arrives; 1 where light is found at the pixels.
+        let words = data.object_params[0].shadow_words as usize;
+        let share = |hit: &&Hit| {
+            let face = hit.face as usize;
+            let lit: u32 = data.lit[words * face..][..words].iter().map(|word| word.count_ones()).sum();
+            let by_face = state.objects[state.object_of(face)].lit_by_face();
+            if by_face { lit as f32 / casting as f32 } else { 1.0 }
+        };
+        let shares = shown.iter().map(|hit| hit.as_ref().map_or(0.0, share)).collect();
+        layers.push(Layer::single("shadow", "lit", Samples::Float(shares)));
+    }
     if state.method.estimate {
         let mut estimate = received(&data.estimate);
         for (estimate, hit) in estimate.iter_mut().zip(&shown) {

@@ -84,6 +84,25 @@ fn layers_tell_what_solve_tells() {
 }
 
 #[test]
+fn the_layer_of_shadows_is_the_share_of_rays_that_arrive() {
+    let here = folder(&[]);
+    // A sun from the right, without a shadow and with one: of two rays of each triangle at most one arrives.
+    let sun = "{type='directional',direction=[1,0,0],irradiance=1}";
+    let lights = format!("--set light=[{sun},{{type='directional',direction=[-1,0,0],irradiance=1}}]");
+    let size = format!("--size {}x{}", SIZE.0, SIZE.1);
+    for device in ["--device cpu", ""] {
+        good(&here, &format!("render {BALL} {lights} {device} --aov -o a.exr {size}"));
+        let all = layers(&here.path().join("a.exr"));
+        let (lit, seen) = (&all["shadow.lit"], &all["triangle.id"]);
+        let values: Vec<f64> = (0..lit.len()).filter(|at| seen[*at] != f64::from(u32::MAX)).map(|at| lit[at]).collect();
+        assert!(values.len() > 100 && values.iter().all(|lit| *lit == 0.5), "{values:?}");
+        assert!((0..lit.len()).all(|at| seen[at] != f64::from(u32::MAX) || lit[at] == 0.0));
+    }
+    good(&here, &format!("render {BALL} --set light.0.shadows=false --aov -o a.exr {size}"));
+    assert!(!layers(&here.path().join("a.exr")).contains_key("shadow.lit"), "no light casts shadows");
+}
+
+#[test]
 fn only_openexr_has_layers() {
     let here = folder(&[]);
     bad(&here, &format!("render {BALL} --aov -o a.png"), 2, &["--aov", "only OpenEXR has layers", "-o FILE.exr"]);

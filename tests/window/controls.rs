@@ -46,6 +46,7 @@ fn deformations_and_options_are_what_the_printed_command_renders() {
         ("{ key = 'w' }, { key = '>' }, { key = '>' }", "object.0.deform.0.angle=117.0"),
         ("{ key = 'alt+right' }, { key = 'alt+up' }", "light.0.position"),
         ("{ key = 'y' }", "transport.scheme=links"),
+        ("{ key = '}' }, { key = '}' }", "light.0.intensity"),
     ] {
         let (shown, out) = played(folder.path(), &SMALL, events);
         assert!(printed(&out).contains(changed), "{changed}: {}", printed(&out));
@@ -84,7 +85,7 @@ fn layers_are_those_of_render() {
     let folder = tempfile::tempdir().unwrap();
     let keys = |count: usize| vec!["{ key = 'v' }"; count].join(", ");
     for (events, view) in [
-        (keys(7), &["--view=curvature"][..]),
+        (keys(8), &["--view=curvature"][..]),
         ("{ key = 'x' }".into(), &["--view=clusters", "--pick=100,75"]),
         (format!("{}, {{ key = 'V' }}, {{ key = 'V' }}, {{ key = 'V' }}", keys(3)), &[]),
     ] {
@@ -94,7 +95,7 @@ fn layers_are_those_of_render() {
     }
     // Layers of numbers are those of the file that the same key saves, and that the command writes.
     let mut seen = vec![rendered(folder.path(), &SMALL)];
-    for count in 1..7 {
+    for count in 1..8 {
         let (shown, out) =
             played(folder.path(), &SMALL, &format!("{}, {{ whole = true }}, {{ key = 'e' }}", keys(count)));
         assert!(!seen.contains(&shown), "layer {count} is another one");
@@ -113,9 +114,17 @@ fn layers_are_those_of_render() {
 fn a_layer_that_cannot_be_shown_is_told_and_the_light_comes_back() {
     let folder = tempfile::tempdir().unwrap();
     let dark = [&SMALL[..], &["--set", "light=[]"]].concat();
-    let events = format!("{}, {{ message = true }}, {{ key = 'c' }}, {{ key = 'q' }}", ["{ key = 'v' }"; 7].join(", "));
+    let events =
+        format!("{}, {{ message = true }}, {{ key = 'c' }}, {{ key = 'q' }}", vec!["{ key = 'v' }"; 8].join(", "));
     let out = view(folder.path(), &dark, &events);
     assert!(!printed(&out).contains("--view"), "{}", printed(&out));
+    // Where nothing casts shadows there is no layer of them.
+    let events = "{ key = 'v' }, { key = 'v' }, { message = true }, { key = 'q' }";
+    view(
+        folder.path(),
+        &[&SMALL[..], &["--set", "light.0.shadows=false", "--set", "light.1.shadows=false"]].concat(),
+        events,
+    );
 }
 
 #[test]

@@ -7,7 +7,7 @@ use glam::DVec3;
 use milkglass::error::Result;
 use milkglass::scene::{Camera, Light, Material, Scene};
 
-use super::turn::{move_light, moves, place_of, project, turn_light};
+use super::turn::{Keys, brighten, list, move_light, moves, place_of, project, turn_light};
 use crate::cli::SceneArguments;
 use crate::cli::bare::Subject;
 
@@ -23,7 +23,7 @@ pub(super) struct Edits {
     redo: Vec<Vec<(String, String)>>,
     /// The scene as it is now; its camera has the size of the picture in the window.
     pub(super) scene: Scene,
-    /// The light that drags and keys move.
+    /// The light that drags and keys change.
     pub(super) light: usize,
     /// Whether it differs from what its file gives with all settings.
     adjusted: bool,
@@ -177,7 +177,7 @@ impl Edits {
     }
 
     /// Changes the light, unless it would get into an object; `change` returns the keys it changes.
-    fn change_light(&mut self, change: impl FnOnce(&mut Light, &Camera) -> Vec<(&'static str, DVec3)>) -> Result<()> {
+    fn change_light(&mut self, change: impl FnOnce(&mut Light, &Camera) -> Keys) -> Result<()> {
         let Some(light) = self.scene.lights.get_mut(self.light) else { return Ok(()) };
         let before = light.clone();
         let keys = change(light, &self.scene.camera);
@@ -186,16 +186,19 @@ impl Edits {
             return Err(error);
         }
         for (key, value) in keys {
-            self.note(&format!("light.{}.{key}", self.light), list(value));
+            self.note(&format!("light.{}.{key}", self.light), value);
         }
         Ok(())
     }
 
-    /// The next light that can be moved.
+    /// Multiplies what the light emits.
+    pub(super) fn brighten_light(&mut self, factor: f64) -> Result<()> {
+        self.change_light(|light, _| brighten(light, factor))
+    }
+
+    /// The next light.
     pub(super) fn next_light(&mut self) {
-        let count = self.scene.lights.len();
-        let next = (1..=count).map(|step| (self.light + step) % count).find(|&index| moves(&self.scene.lights[index]));
-        self.light = next.unwrap_or(self.light);
+        self.light = (self.light + 1) % self.scene.lights.len().max(1);
     }
 
     /// The material that an object has with all settings and another one; none where only the scene can tell, for what
@@ -266,16 +269,11 @@ impl Edits {
         // The window gives the picture its size.
         let camera = scene.camera.clone().sized(self.scene.camera.size)?;
         (self.scene, self.adjusted) = (Scene { camera, ..scene }, false);
-        if !self.scene.lights.get(self.light).is_some_and(moves) {
+        if self.light >= self.scene.lights.len() {
             self.light = self.scene.lights.iter().position(moves).unwrap_or(0);
         }
         Ok(())
     }
-}
-
-/// A vector as scene files have it.
-fn list(v: DVec3) -> String {
-    format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z)
 }
 
 /// When a plain file was changed, and its bytes; none for anything else.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use milkglass::error::Result;
+use milkglass::error::{Input, Result};
 use milkglass::internals::gpu::{Buffer, Device, Timing};
 use milkglass::internals::pipeline::plan::{Change, Mode, Options, ShadingMethod};
 use milkglass::internals::session::aov::layers;
@@ -30,9 +30,10 @@ pub(super) enum Layer {
 }
 
 /// All of them with their names.
-pub(super) const LAYERS: [(&str, Layer); 9] = [
+pub(super) const LAYERS: [(&str, Layer); 10] = [
     ("light", Layer::Light),
     ("irradiance", Layer::Values("irradiance")),
+    ("shadow", Layer::Values("shadow")),
     ("radiosity", Layer::Values("radiosity")),
     ("normal", Layer::Values("normal")),
     ("error_estimate", Layer::Values("error_estimate")),
@@ -97,7 +98,8 @@ impl Inspector {
             Layer::Light | Layer::Values(_) => {
                 let all = layers(&mut session)?;
                 let chosen = all.iter().find(|known| Layer::Values(known.name) == layer);
-                chosen.map_or_else(|| (Picture::plain(0, 0, Vec::new()), Vec::new()), |chosen| paint(chosen, scene))
+                let none = || Input::new("the scene has nothing for this layer, as it is rendered").key("layer");
+                paint(chosen.ok_or_else(none)?, scene)
             }
         };
         let packed = |rgb: &[u8]| u32::from_le_bytes([rgb[0], rgb[1], rgb[2], 0]);
@@ -154,6 +156,10 @@ fn paint(layer: &Values, scene: &Scene) -> (Picture, Vec<Vec<String>>) {
                 if [x, y, z] == [0.0; 3] { [0.0; 3] } else { [x, y, z].map(|x| (0.5 + 0.5 * x) as f32) }
             };
             (Picture::plain(width, height, pixels.map(|pixel| color(vector(pixel))).collect()), Vec::new())
+        }
+        "shadow" => {
+            let pixels = pixels.map(|pixel| [channels[0][pixel] as f32; 3]).collect();
+            (Picture::plain(width, height, pixels), Vec::new())
         }
         _ => {
             let most = |pixel: usize| channels.iter().map(|channel| channel[pixel]).fold(0.0, f64::max);

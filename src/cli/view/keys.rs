@@ -16,9 +16,11 @@ pub(super) enum Action {
     Light(f64, f64),
     /// Shift the light, by parts of the picture's height to the right and upwards.
     Shift(f64, f64),
+    /// Multiply what the light emits.
+    Brighten(f64),
     /// Look at all objects.
     Fit,
-    /// Move another light.
+    /// Change another light.
     NextLight,
     /// Change another object.
     NextObject,
@@ -91,6 +93,7 @@ impl Action {
                 | Self::Zoom(_)
                 | Self::Light(..)
                 | Self::Shift(..)
+                | Self::Brighten(_)
                 | Self::Fit
                 | Self::Material(_)
                 | Self::Preset(_)
@@ -172,7 +175,12 @@ pub(super) const ROWS: &[Row] = &[
     },
     Row { shown: "h", does: "hide or show the lights' handles", keys: &[("h", Action::Handles)] },
     Row { shown: "f", does: "look at everything", keys: &[("f", Action::Fit)] },
-    Row { shown: "l", does: "move the next light", keys: &[("l", Action::NextLight)] },
+    Row { shown: "l", does: "change the next light", keys: &[("l", Action::NextLight)] },
+    Row {
+        shown: "{ and }",
+        does: "light a tenth dimmer and brighter",
+        keys: &[("{", Action::Brighten(1.0 / 1.1)), ("}", Action::Brighten(1.1))],
+    },
     Row { shown: "o", does: "change the next object", keys: &[("o", Action::NextObject)] },
     Row {
         shown: "m and M",

@@ -40,15 +40,32 @@ pub(super) fn moves(light: &Light) -> bool {
     !matches!(light.source, Source::Environment { .. })
 }
 
-/// The keys of a light in a scene file that change when it is turned about `middle`, by degrees to the right and
-/// upwards as the camera sees it, and their new values. The light itself becomes what a scene file with them has.
-pub(super) fn turn_light(
-    light: &mut Light,
-    camera: &Camera,
-    middle: DVec3,
-    right: f64,
-    up: f64,
-) -> Vec<(&'static str, DVec3)> {
+/// Keys of a light in a scene file, and their new values.
+pub(super) type Keys = Vec<(&'static str, String)>;
+
+/// A vector, or red, green and blue, as scene files have it.
+pub(super) fn list(v: impl Into<[f64; 3]>) -> String {
+    let [x, y, z] = v.into();
+    format!("[{x:?}, {y:?}, {z:?}]")
+}
+
+/// Multiplies what a light emits. Returns and changes as [`turn_light`] does.
+pub(super) fn brighten(light: &mut Light, factor: f64) -> Keys {
+    let (key, emitted) = match &mut light.source {
+        Source::Directional { irradiance, .. } => ("irradiance", irradiance),
+        Source::Point { intensity, .. } | Source::Spot { intensity, .. } => ("intensity", intensity),
+        Source::Area { radiance, .. } => ("radiance", radiance),
+        Source::Environment { sky, .. } => ("intensity", &mut sky.factor),
+    };
+    let alike = matches!(&light.source, Source::Environment { sky, .. } if sky.is_constant());
+    *emitted = emitted.map(|value| value * factor);
+    let value = list(*emitted);
+    if alike { vec![("radiance", value), ("intensity", list([1.0; 3]))] } else { vec![(key, value)] }
+}
+
+/// The keys of a light that change when it is turned about `middle`, by degrees to the right and upwards as the camera
+/// sees it. The light itself becomes what a scene file with them has. An image from all around turns about +y.
+pub(super) fn turn_light(light: &mut Light, camera: &Camera, middle: DVec3, right: f64, up: f64) -> Keys {
     let (across, upwards, _) = camera.basis();
     let turn = DQuat::from_axis_angle(upwards, right.to_radians()) * DQuat::from_axis_angle(across, -up.to_radians());
     let about = |point: DVec3| middle + turn * (point - middle);
@@ -58,22 +75,26 @@ pub(super) fn turn_light(
         Source::Directional { direction, .. } => {
             let new = turn * *direction;
             *direction = unit(new);
-            vec![("direction", new)]
+            vec![("direction", list(new))]
         }
         Source::Point { position, .. } => {
             *position = about(*position);
-            vec![("position", *position)]
+            vec![("position", list(*position))]
         }
         Source::Spot { position, direction, .. } => {
             let new = turn * *direction;
             (*position, *direction) = (about(*position), unit(new));
-            vec![("position", *position), ("direction", new)]
+            vec![("position", list(*position)), ("direction", list(new))]
         }
         Source::Area { position, edge_u, edge_v, .. } => {
             (*position, *edge_u, *edge_v) = (about(*position), turn * *edge_u, turn * *edge_v);
-            vec![("position", *position), ("edge_u", *edge_u), ("edge_v", *edge_v)]
+            vec![("position", list(*position)), ("edge_u", list(*edge_u)), ("edge_v", list(*edge_v))]
         }
-        Source::Environment { .. } => Vec::new(),
+        Source::Environment { sky, .. } if sky.is_constant() => Vec::new(),
+        Source::Environment { sky, .. } => {
+            sky.rotation = (sky.rotation + right).rem_euclid(360.0);
+            vec![("rotation", format!("{:?}", sky.rotation))]
+        }
     }
 }
 
@@ -102,18 +123,18 @@ pub(super) fn project(camera: &Camera, point: DVec3) -> Option<([f64; 2], f64)> 
 
 /// Moves a light to `place`, where [`place_of`] then has it: a light infinitely far away turns. Otherwise as
 /// [`turn_light`].
-pub(super) fn move_light(light: &mut Light, middle: DVec3, place: DVec3) -> Vec<(&'static str, DVec3)> {
+pub(super) fn move_light(light: &mut Light, middle: DVec3, place: DVec3) -> Keys {
     match &mut light.source {
         Source::Directional { direction, .. } => {
             let new = place - middle;
             if new.length() > 0.0 {
                 *direction = (new / new.abs().max_element()).normalize();
             }
-            vec![("direction", new)]
+            vec![("direction", list(new))]
         }
         Source::Point { position, .. } | Source::Spot { position, .. } | Source::Area { position, .. } => {
             *position = place;
-            vec![("position", place)]
+            vec![("position", list(place))]
         }
         Source::Environment { .. } => Vec::new(),
     }
@@ -156,18 +177,34 @@ mod tests {
     }
 
     #[test]
-    fn a_turned_light_is_that_of_a_scene_file_with_the_new_values() {
+    fn a_changed_light_is_that_of_a_scene_file_with_the_new_values() {
+        let mut kinds = std::collections::BTreeSet::new();
         for name in ["sphere", "slab", "lotus", "candle", "bust"] {
             let scene = Scene::load(name).unwrap();
             let (low, high) = scene.bounds();
-            let Some(index) = scene.lights.iter().position(moves) else { continue };
-            let mut light = scene.lights[index].clone();
-            let keys = turn_light(&mut light, &scene.camera, (low + high) / 2.0, 12.3, -4.5);
-            let set = |(key, v): (&str, DVec3)| format!("light.{index}.{key}=[{:?}, {:?}, {:?}]", v.x, v.y, v.z);
-            let sets: Vec<String> = keys.into_iter().map(set).collect();
-            assert!(!sets.is_empty() && light != scene.lights[index], "{name}");
-            assert_eq!(Scene::load_with(name, &sets).unwrap().lights[index], light, "{name}");
+            for (index, before) in scene.lights.iter().enumerate() {
+                let set = |(key, value): (&str, String)| format!("light.{index}.{key}={value}");
+                let read = |keys: Keys| {
+                    let sets: Vec<String> = keys.into_iter().map(set).collect();
+                    Scene::load_with(name, &sets).unwrap().lights.swap_remove(index)
+                };
+                let mut bright = before.clone();
+                let keys = brighten(&mut bright, 1.1);
+                assert!(bright != *before && read(keys) == bright, "{name}");
+                let mut turned = before.clone();
+                let keys = turn_light(&mut turned, &scene.camera, (low + high) / 2.0, 12.3, -4.5);
+                let constant = matches!(&before.source, Source::Environment { sky, .. } if sky.is_constant());
+                assert!((turned == *before) == constant && read(keys) == turned, "{name}");
+                kinds.insert((moves(before), constant));
+            }
         }
+        assert!(kinds.contains(&(true, false)) && kinds.contains(&(false, false)), "{kinds:?}");
+        // A constant sky whose file has a factor.
+        let sets = ["light=[{ type = 'environment', radiance = 2, intensity = 3 }]".to_owned()];
+        let mut sky = Scene::load_with("sphere", &sets).unwrap().lights.swap_remove(0);
+        let keys = brighten(&mut sky, 0.5).into_iter().map(|(key, value)| format!("light.0.{key}={value}"));
+        let sets: Vec<String> = sets.into_iter().chain(keys).collect();
+        assert_eq!(Scene::load_with("sphere", &sets).unwrap().lights[0], sky);
     }
 
     #[test]

@@ -41,6 +41,12 @@ impl Sky {
         Self { size, pixels: Arc::new(pixels), factor: [1.0; 3], rotation: 0.0, image: None }
     }
 
+    /// Whether it has the same radiance from all directions, from no image.
+    #[must_use]
+    pub fn is_constant(&self) -> bool {
+        self.image.is_none() && self.size == [1, 1] && self.pixels[..] == [[1.0; 3]]
+    }
+
     /// A sky with the same radiance from all directions.
     pub(super) fn constant(radiance: [f64; 3], factor: [f64; 3]) -> Self {
         let factor = std::array::from_fn(|c| radiance[c] * factor[c]);

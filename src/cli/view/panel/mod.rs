@@ -1,8 +1,9 @@
 //! The panel beside the picture, the keys over it, and messages.
 
+mod handles;
 mod strip;
 
-use egui::{Align2, Color32, ComboBox, Frame, Grid, Margin, Panel, Rect, RichText, ScrollArea, Slider, Stroke, Ui};
+use egui::{Align2, Color32, ComboBox, Frame, Grid, Margin, Panel, Rect, RichText, ScrollArea, Slider, Ui};
 
 use milkglass::scene::Preset;
 
@@ -14,8 +15,6 @@ use super::keys::{Action, ROWS};
 
 /// Width of the panel in points.
 pub(super) const WIDTH: f32 = 270.0;
-/// Radius of a light's handle in points.
-const HANDLE: f32 = 6.0;
 
 /// What the panel shows.
 pub(super) struct Facts<'a> {
@@ -73,7 +72,7 @@ pub(super) fn lay_out(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>)
         let panel = Panel::right("panel").exact_size(WIDTH).resizable(false).show_separator_line(false).frame(frame);
         panel.show(ui, |ui| ScrollArea::vertical().auto_shrink(false).show(ui, |ui| contents(ui, facts, actions)));
     }
-    draw_handles(ui, facts, free);
+    handles::draw(ui, facts, free);
     if let Some(message) = facts.message {
         egui::Area::new("message".into()).anchor(Align2::LEFT_TOP, [8.0, 8.0]).show(ui.ctx(), |ui| {
             let frame = Frame::popup(ui.style()).fill(Color32::from_rgb(90, 20, 20));
@@ -100,24 +99,6 @@ pub(super) fn lay_out(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>)
         });
     }
     free
-}
-
-/// Draws the lights' handles over the picture; the light that is moved is filled.
-fn draw_handles(ui: &Ui, facts: &Facts<'_>, picture: Rect) {
-    let painter = ui.painter().with_clip_rect(picture);
-    let points = ui.ctx().pixels_per_point();
-    for (light, handle) in facts.handles.iter().enumerate() {
-        let Some([x, y]) = handle else { continue };
-        let at = egui::pos2(*x as f32, *y as f32) / points;
-        let chosen = light + 1 == facts.light[0];
-        painter.circle(
-            at,
-            HANDLE,
-            if chosen { Color32::GOLD } else { Color32::TRANSPARENT },
-            Stroke::new(1.5, Color32::GOLD),
-        );
-        painter.circle_stroke(at, HANDLE + 1.5, Stroke::new(1.0, Color32::BLACK));
-    }
 }
 
 fn contents(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>) {
@@ -191,6 +172,11 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>) {
             if ui.button(format!("{light} of {lights}")).clicked() {
                 actions.push(Action::NextLight);
             }
+            for (name, factor) in [("-", 1.0 / 1.1), ("+", 1.1)] {
+                if lights > 0 && ui.button(name).clicked() {
+                    actions.push(Action::Brighten(factor));
+                }
+            }
             if ui.button("handles").clicked() {
                 actions.push(Action::Handles);
             }
@@ -237,9 +223,10 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>) {
         legend(ui, facts.legend);
     }
     strip::draw(ui, facts.history);
-    let [links, retries] = facts.counts;
-    ui.label(format!("{:.0} MiB of device memory", facts.memory as f64 / 1_048_576.0));
-    ui.label(format!("{links} links in the longest lists, {retries} frames repeated"));
+    let ([links, retries], memory) = (facts.counts, facts.memory as f64 / 1_048_576.0);
+    ui.label(format!(
+        "{memory:.0} MiB of device memory\n{links} links in the longest lists, {retries} frames repeated"
+    ));
 }
 
 /// A list to choose from; the index of what was chosen.

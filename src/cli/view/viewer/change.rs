@@ -37,6 +37,7 @@ impl Viewer {
         match action {
             Action::Light(right, up) => self.edits.turn_light(right, up).map(|()| Changed::Light),
             Action::Shift(right, up) => self.edits.shift_light(right, up).map(|()| Changed::Light),
+            Action::Brighten(factor) => self.edits.brighten_light(factor).map(|()| Changed::Light),
             Action::NextLight => {
                 self.edits.next_light();
                 Ok(Changed::Nothing)
