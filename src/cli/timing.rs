@@ -10,14 +10,14 @@ pub(super) const MOST: u32 = 10_000;
 /// How long to time what.
 #[derive(Args)]
 pub(super) struct TimingArguments {
-    /// Timed frames, after those that warm up [default: 11; where several are compared 128 of each, in 16 starts].
+    /// Timed frames, after those that warm up [default: 11; where several are compared 128 of each].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)))]
     pub(super) frames: Option<u32>,
     /// Time frames until the interval of each stage that takes 2 % or more of the frame is at most this wide on either
     /// side, such as 1%.
     #[arg(long, value_name = "SHARE", value_parser = share, conflicts_with = "frames")]
     pub(super) until: Option<f64>,
-    /// Time no longer than this; with `--until` 60 by default.
+    /// Time no longer than this, in `vary` for each axis [default: 60 with `--until` and in `vary`].
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub(super) budget: Option<f64>,
     /// Seed of the order of what is compared, and of the intervals.

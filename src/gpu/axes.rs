@@ -133,7 +133,7 @@ pub static AXES: &[Axis] = &[
             value!("cold", "a new, empty cache", cache = Cache::Cold),
             value!("none", "no cache", cache = Cache::Without),
             value!("warm", "the cache that has them", cache = Cache::Warm),
-            value!("disk", "a new cache, read from a file that has them", cache = Cache::Disk),
+            value!("disk", "a new cache, made from the data of one that has them", cache = Cache::Disk),
         ],
     },
     Axis {

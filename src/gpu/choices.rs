@@ -129,7 +129,7 @@ pub enum Cache {
 }
 
 /// What the compiler of GLSL optimises for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Optimization {
     /// Speed.
     #[default]

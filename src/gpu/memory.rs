@@ -65,7 +65,8 @@ impl Buffer {
             location,
             linear: true,
             allocation_scheme: match device.choices().memory {
-                MemoryKind::Dedicated => AllocationScheme::DedicatedBuffer(raw),
+                // Not what copies pass through.
+                MemoryKind::Dedicated if location == MemoryLocation::GpuOnly => AllocationScheme::DedicatedBuffer(raw),
                 _ => AllocationScheme::GpuAllocatorManaged,
             },
         };

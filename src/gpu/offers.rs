@@ -124,6 +124,6 @@ fn memory_types(types: &[vk::MemoryType]) -> [Option<usize>; 3] {
     [
         first(Flags::DEVICE_LOCAL),
         first(visible | Flags::DEVICE_LOCAL).or(first(visible)),
-        first(visible | Flags::HOST_CACHED).or(first(visible)),
+        first(visible | Flags::HOST_CACHED),
     ]
 }

@@ -151,8 +151,8 @@ impl Recorder {
     }
 }
 
-/// How many recordings are kept.
-const MOST_KEPT: usize = 32;
+/// How many recordings are kept: more than a frame has submissions. Steps of a solver are one each.
+const MOST_KEPT: usize = 512;
 
 /// Recordings of frames that may come again.
 #[derive(Default)]

@@ -210,6 +210,14 @@ fn compile(file: &Path, _: &str) -> Result<Vec<u32>> {
 /// The SPIR-V of a kernel of the program, compiled anew with other aims.
 #[cfg(feature = "shaderc")]
 pub(super) fn compiled(kernel: &str, aim: Optimization) -> Result<Vec<u32>> {
+    use std::collections::BTreeMap;
+    use std::sync::{Mutex, PoisonError};
+    // Devices are opened again and again to time them.
+    static KNOWN: Mutex<BTreeMap<(String, Optimization), Vec<u32>>> = Mutex::new(BTreeMap::new());
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(words) = known.get(&(kernel.to_owned(), aim)) {
+        return Ok(words.clone());
+    }
     let fault = |what: String| Error::device(format!("compiling kernel {kernel}"), what);
     let level = match aim {
         Optimization::Performance => shaderc::OptimizationLevel::Performance,
@@ -223,7 +231,9 @@ pub(super) fn compiled(kernel: &str, aim: Optimization) -> Result<Vec<u32>> {
         Ok((name.to_string(), content.into_owned()))
     };
     let made = super::compile::compile(&compiler, &text, kernel, level, include);
-    made.map(|artifact| artifact.as_binary().to_vec()).map_err(fault)
+    let words = made.map_err(fault)?.as_binary().to_vec();
+    known.insert((kernel.to_owned(), aim), words.clone());
+    Ok(words)
 }
 
 #[cfg(not(feature = "shaderc"))]

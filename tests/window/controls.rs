@@ -114,17 +114,14 @@ fn layers_are_those_of_render() {
 fn a_layer_that_cannot_be_shown_is_told_and_the_light_comes_back() {
     let folder = tempfile::tempdir().unwrap();
     let dark = [&SMALL[..], &["--set", "light=[]"]].concat();
-    let events =
-        format!("{}, {{ message = true }}, {{ key = 'c' }}, {{ key = 'q' }}", vec!["{ key = 'v' }"; 8].join(", "));
+    let events = format!("{}, {{ message = true }}, {{ key = 'c' }}, {{ key = 'q' }}", ["{ key = 'v' }"; 8].join(", "));
     let out = view(folder.path(), &dark, &events);
-    assert!(!printed(&out).contains("--view"), "{}", printed(&out));
+    assert!(!printed(&out).contains("--view") && !printed(&out).contains("--aov"), "{}", printed(&out));
     // Where nothing casts shadows there is no layer of them.
-    let events = "{ key = 'v' }, { key = 'v' }, { message = true }, { key = 'q' }";
-    view(
-        folder.path(),
-        &[&SMALL[..], &["--set", "light.0.shadows=false", "--set", "light.1.shadows=false"]].concat(),
-        events,
-    );
+    let unshadowed = [&SMALL[..], &["--set", "light.0.shadows=false", "--set", "light.1.shadows=false"]].concat();
+    let events = "{ key = 'v' }, { key = 'v' }, { message = true }, { key = 'c' }, { key = 'q' }";
+    let out = view(folder.path(), &unshadowed, events);
+    assert!(!printed(&out).contains("--aov"), "{}", printed(&out));
 }
 
 #[test]

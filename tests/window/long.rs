@@ -53,4 +53,6 @@ fn a_window_may_be_closed_while_a_frame_is_rendered() {
     let out = under_x(folder.path(), Command::new("sh").args(["-c", &script])).wait_with_output().unwrap();
     let text = String::from_utf8_lossy(&out.stderr).into_owned();
     assert!(!text.contains("panicked"), "{text}");
+    // Neither a signal nor the limit of time.
+    assert!(out.status.code().is_some_and(|code| code < 124), "{:?}: {text}", out.status);
 }

@@ -4,7 +4,7 @@
 use milkglass::internals::gpu::Timing;
 use milkglass::internals::lighting::shadow;
 use milkglass::internals::pipeline::frame::stage;
-use milkglass::internals::state::Need;
+use milkglass::internals::state::{Granularity, Need, Stage};
 use milkglass::internals::view::pixel_receivers;
 use milkglass::scene::{Light, Receivers, Scene, Source};
 
@@ -77,8 +77,8 @@ impl Level {
 pub(super) struct Policy {
     /// What each stage took, ms, but for those of the picture; that of shadows for one ray of a face.
     stages: Vec<(String, f64)>,
-    /// What the stages of the picture took, ms for a draft of the window's pixels.
-    picture: f64,
+    /// What each stage of the picture took, ms for a draft of the window's pixels: with transport, and without.
+    picture: [Vec<(String, f64)>; 2],
     /// The draft: of [`LEVELS`] and of [`FACTORS`].
     pub(super) level: usize,
     pub(super) coarseness: usize,
@@ -89,7 +89,7 @@ pub(super) struct Policy {
 impl Default for Policy {
     fn default() -> Self {
         let coarsest = LEVELS.len() - 1;
-        Self { stages: Vec::new(), picture: 0.0, level: 0, coarseness: 3, coarsest }
+        Self { stages: Vec::new(), picture: Default::default(), level: 0, coarseness: 3, coarsest }
     }
 }
 
@@ -97,13 +97,14 @@ impl Policy {
     /// Adopts what a draft took: its steps on the device, and all of it, ms.
     pub(super) fn learn(&mut self, scene: &Scene, steps: &[Timing], all: f64) {
         let (stages, picture) = costs(steps, all, LEVELS[self.level].rays(scene));
-        for (name, cost) in stages {
-            match self.stages.iter_mut().find(|(stage, _)| *stage == name) {
-                Some((_, before)) => *before = cost,
-                None => self.stages.push((name, cost)),
-            }
-        }
-        self.picture = picture * f64::from(FACTORS[self.coarseness].pow(2));
+        let own = usize::from(!LEVELS[self.level].transport);
+        adopt(&mut self.stages, stages, 1.0);
+        adopt(&mut self.picture[own], picture, f64::from(FACTORS[self.coarseness].pow(2)));
+    }
+
+    /// Whether it has adopted anything.
+    pub(super) fn knows(&self) -> bool {
+        !self.stages.is_empty() || self.picture.iter().any(|stages| !stages.is_empty())
     }
 
     /// Adopts what a whole frame took where that is less: it does no less than a draft.
@@ -116,18 +117,30 @@ impl Policy {
         }
     }
 
-    /// Chooses the next draft of a scene; the stages before the picture run only if `all` is to be done.
-    pub(super) fn choose(&mut self, scene: &Scene, all: bool) {
-        let picture = |coarseness: usize| self.picture / f64::from(FACTORS[coarseness].pow(2));
-        let share = |finer: bool| if finer { AIM * FINER } else { AIM };
+    /// Chooses the next draft of a scene; the stages before the picture run only if `all` is to be done. `spent` ms went
+    /// to the change itself.
+    pub(super) fn choose(&mut self, scene: &Scene, all: bool, spent: f64) {
+        if !self.knows() {
+            return;
+        }
+        let share = |finer: bool| if finer { AIM * FINER - spent } else { AIM - spent };
         if all {
-            let least = picture(FACTORS.len() - 1);
-            let fits = |level: &usize| self.predicted(scene, *level) + least <= share(*level < self.level);
-            self.level = (0..self.coarsest).find(fits).unwrap_or(self.coarsest);
+            let least = |level: usize| self.picture(level, FACTORS.len() - 1);
+            let fits = |level: &usize| self.predicted(scene, *level) + least(*level) <= share(*level < self.level);
+            // One step finer at most: what that takes is measured first.
+            self.level = (self.level.saturating_sub(1)..self.coarsest).find(fits).unwrap_or(self.coarsest);
         }
         let rest = if all { self.predicted(scene, self.level) } else { 0.0 };
+        let picture = |coarseness: usize| self.picture(self.level, coarseness);
         let fits = |coarseness: &usize| rest + picture(*coarseness) <= share(*coarseness < self.coarseness);
         self.coarseness = (0..FACTORS.len()).find(fits).unwrap_or(FACTORS.len() - 1);
+    }
+
+    /// What the picture of a draft takes, ms.
+    fn picture(&self, level: usize, coarseness: usize) -> f64 {
+        let own = usize::from(!LEVELS[level].transport);
+        let known = if self.picture[own].is_empty() { &self.picture[1 - own] } else { &self.picture[own] };
+        known.iter().map(|(_, cost)| cost).sum::<f64>() / f64::from(FACTORS[coarseness].pow(2))
     }
 
     /// What a draft takes besides its picture, ms.
@@ -142,11 +155,24 @@ impl Policy {
     }
 }
 
-/// What each stage took, ms, but for those of the picture, which come last; that of shadows for one of `rays`. What of
-/// `all` the steps do not have is the first one's: with a window, lavapipe starts the clock of a frame too late.
-fn costs(steps: &[Timing], all: f64, rays: f64) -> (Vec<(String, f64)>, f64) {
-    let (mut of_picture, mut picture) = (false, 0.0);
-    let mut sums: Vec<(String, f64)> = Vec::new();
+/// Costs of stages, by their names.
+type Costs = Vec<(String, f64)>;
+
+/// Puts new costs, times a factor, in the place of known ones.
+fn adopt(known: &mut Costs, new: Costs, factor: f64) {
+    for (name, cost) in new {
+        match known.iter_mut().find(|(stage, _)| *stage == name) {
+            Some((_, before)) => *before = cost * factor,
+            None => known.push((name, cost * factor)),
+        }
+    }
+}
+
+/// What each stage took, ms, but for those of pixels; then what each of those took. That of shadows is for one of `rays`.
+/// What of `all` the steps do not have is the first one's: with a window, lavapipe starts the clock of a frame too late.
+fn costs(steps: &[Timing], all: f64, rays: f64) -> (Costs, Costs) {
+    let mut of_picture = false;
+    let (mut sums, mut picture): (Costs, Costs) = Default::default();
     let mut late = all - steps.iter().map(|step| step.milliseconds).filter(|ms| ms.is_finite()).sum::<f64>();
     for step in steps.iter().filter(|step| step.milliseconds.is_finite()) {
         let name = stage_of(step);
@@ -154,12 +180,12 @@ fn costs(steps: &[Timing], all: f64, rays: f64) -> (Vec<(String, f64)>, f64) {
         of_picture |= name == pixel_receivers::STAGE.name;
         let milliseconds = step.milliseconds + std::mem::take(&mut late).max(0.0);
         let cost = milliseconds / if name == shadow::STAGE.name { rays.max(1.0) } else { 1.0 };
-        if of_picture || stage(name).is_some_and(|stage| stage.needs.contains(&Need::Picture)) {
-            picture += milliseconds;
-        } else if let Some((_, sum)) = sums.iter_mut().find(|(stage, _)| stage == name) {
-            *sum += cost;
-        } else {
-            sums.push((name.to_owned(), cost));
+        // Others that only pictures need run for each object, whatever its pixels.
+        let pixels = |stage: &Stage| stage.needs.contains(&Need::Picture) && stage.granularity == Granularity::Scene;
+        let list = if of_picture || stage(name).is_some_and(pixels) { &mut picture } else { &mut sums };
+        match list.iter_mut().find(|(stage, _)| stage == name) {
+            Some((_, sum)) => *sum += cost,
+            None => list.push((name.to_owned(), cost)),
         }
     }
     (sums, picture)
@@ -192,7 +218,7 @@ mod tests {
             }
             let sum: f64 = steps.iter().map(|step| step.milliseconds).sum();
             policy.learn(scene, &steps, sum + 5.0);
-            policy.choose(scene, all);
+            policy.choose(scene, all, 0.0);
         }
         (policy.level, FACTORS[policy.coarseness])
     }
@@ -218,18 +244,25 @@ mod tests {
         let scene = Scene::load("lotus").unwrap();
         let mut policy = Policy::default();
         policy.learn(&scene, &[step(link::STAGE.name, 900.0), step(refit::STAGE.name, 10.0)], 920.0);
-        policy.choose(&scene, true);
+        policy.choose(&scene, true, 0.0);
         assert_eq!(policy.level, 3);
         policy.relearn(&scene, &[step(link::STAGE.name, 50.0), step(refit::STAGE.name, 20.0)], 70.0);
-        policy.choose(&scene, true);
-        assert_eq!(policy.level, 0);
+        for level in [2, 1, 0] {
+            policy.choose(&scene, true, 0.0);
+            assert_eq!(policy.level, level, "one step at a time");
+        }
+        policy.choose(&scene, true, 150.0);
+        assert_eq!(policy.level, 3, "the change itself took most of the time");
     }
 
     #[test]
     fn where_pixels_are_the_receivers_all_that_follows_is_of_the_picture() {
         let (fixed, receivers) = (refit::STAGE.name, pixel_receivers::STAGE.name);
         let steps = [step(fixed, 10.0), step(visibility::STAGE.name, 20.0), step(receivers, 1.0), step(fixed, 5.0)];
-        assert_eq!(costs(&steps, 36.0, 1.0), (vec![(fixed.to_owned(), 10.0)], 26.0));
-        assert_eq!(costs(&steps, 40.0, 1.0), (vec![(fixed.to_owned(), 14.0)], 26.0));
+        for (all, first) in [(36.0, 10.0), (40.0, 14.0)] {
+            let (before, picture) = costs(&steps, all, 1.0);
+            assert_eq!(before, [(fixed.to_owned(), first)]);
+            assert_eq!(picture.iter().map(|(_, ms)| ms).sum::<f64>(), 26.0);
+        }
     }
 }

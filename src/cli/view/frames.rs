@@ -45,7 +45,9 @@ pub(super) struct Frames {
     /// Whether more than the camera has changed since the last draft.
     all: bool,
     /// Whether the last picture was fast enough to do without drafts.
-    quick: bool,
+    quick: [bool; 2],
+    /// Whether more than the camera has changed since the last whole frame.
+    heavy: bool,
     pub(super) progress: Progress,
     /// What is shown of the scene, and of which pixel.
     layer: Layer,
@@ -68,7 +70,8 @@ impl Frames {
             drafts: [None, None],
             policy: Policy::default(),
             all: true,
-            quick: false,
+            quick: [false; 2],
+            heavy: true,
             progress: Progress::Changed,
             layer: Layer::Light,
             pick: [0; 2],
@@ -82,7 +85,7 @@ impl Frames {
     /// Goes over to other options; what was shown stays if that fails.
     pub(super) fn set_options(&mut self, scene: &Scene, options: Options) -> Result<()> {
         self.full = Session::new(scene, Some(&self.device), options)?;
-        (self.options, self.drafts, self.quick) = (options, [None, None], false);
+        (self.options, self.drafts, self.quick) = (options, [None, None], [false; 2]);
         self.policy = Policy::default();
         self.change(true);
         Ok(())
@@ -92,6 +95,7 @@ impl Frames {
     pub(super) fn change(&mut self, all: bool) {
         self.progress = Progress::Changed;
         self.all |= all;
+        self.heavy |= all;
     }
 
     /// What is shown.
@@ -118,7 +122,7 @@ impl Frames {
     /// Whether the next step is the first one of a whole picture.
     pub(super) fn begins(&self, held: bool) -> bool {
         let rests = match self.progress {
-            Progress::Changed => self.quick && !(held && self.layer != Layer::Light),
+            Progress::Changed => self.quick[usize::from(self.heavy)] && !(held && self.layer != Layer::Light),
             Progress::Draft(_) => true,
             _ => false,
         };
@@ -135,13 +139,13 @@ impl Frames {
         // With what the change took.
         let start = Instant::now().checked_sub(before).unwrap_or_else(Instant::now);
         let steps = match self.progress {
-            Progress::Changed if !self.begins(held) => self.draft(scene)?,
+            Progress::Changed if !self.begins(held) => self.draft(scene, before)?,
             Progress::Changed | Progress::Draft(_) if self.layer != Layer::Light => self.inspect(scene)?,
             Progress::Changed | Progress::Draft(_) => {
                 self.full.show(scene).map_err(|error| scene.placed(error))?;
                 let steps = self.full.frame(Change::default())?;
                 self.full.finished_rays()?;
-                self.quick = start.elapsed() < QUICK;
+                self.quick[usize::from(std::mem::take(&mut self.heavy))] = start.elapsed() < QUICK;
                 self.policy.relearn(scene, &steps, start.elapsed().as_secs_f64() * 1e3);
                 self.progress = if scene.camera.samples == 1 { Progress::Whole } else { Progress::Sample(0) };
                 steps
@@ -161,10 +165,10 @@ impl Frames {
         Ok(())
     }
 
-    /// Renders a draft; the next one is chosen by how long it took.
-    fn draft(&mut self, scene: &Scene) -> Result<Vec<Timing>> {
+    /// Renders a draft; the next one is chosen by how long it took. `before` is what the change itself took.
+    fn draft(&mut self, scene: &Scene, before: Duration) -> Result<Vec<Timing>> {
         let start = Instant::now();
-        self.policy.choose(scene, self.all);
+        self.policy.choose(scene, self.all, before.as_secs_f64() * 1e3);
         let level = &LEVELS[self.policy.level];
         let mut coarse = level.of(scene);
         let size = scene.camera.size.map(|side| side.div_ceil(FACTORS[self.policy.coarseness]));
@@ -193,14 +197,19 @@ impl Frames {
                     Err(_) => {
                         // Without transport the scene is none.
                         self.policy.coarsest -= 1;
-                        return self.draft(scene);
+                        return self.draft(scene, before);
                     }
                 }
             }
         };
-        let steps = session.frame(Change::default())?;
+        let mut steps = session.frame(Change::default())?;
         // The first of a size may have to compile kernels.
         if known {
+            self.policy.learn(scene, &steps, start.elapsed().as_secs_f64() * 1e3);
+        } else if !self.policy.knows() {
+            // The very first one: what drafts take, another frame tells.
+            let start = Instant::now();
+            steps = session.frame(Change::EVERYTHING)?;
             self.policy.learn(scene, &steps, start.elapsed().as_secs_f64() * 1e3);
         }
         (self.all, self.progress) = (false, Progress::Draft(Instant::now()));

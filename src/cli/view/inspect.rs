@@ -99,7 +99,12 @@ impl Inspector {
                 let all = layers(&mut session)?;
                 let chosen = all.iter().find(|known| Layer::Values(known.name) == layer);
                 let none = || Input::new("the scene has nothing for this layer, as it is rendered").key("layer");
-                paint(chosen.ok_or_else(none)?, scene)
+                let depth = all.iter().find_map(|known| match known.channels.first() {
+                    Some((_, Samples::Float(depth))) if known.name == "depth" => Some(depth),
+                    _ => None,
+                });
+                let seen = |pixel: usize| depth.is_some_and(|depth| depth[pixel].is_finite());
+                paint(chosen.ok_or_else(none)?, scene, seen)
             }
         };
         let packed = |rgb: &[u8]| u32::from_le_bytes([rgb[0], rgb[1], rgb[2], 0]);
@@ -133,7 +138,7 @@ fn headed<const N: usize>(head: [&str; N], rows: Vec<Vec<String>>) -> Vec<Vec<St
 
 /// A layer as a picture: colours and directions as they are, numbers by a scale of colours between their 5th and 95th
 /// percentile.
-fn paint(layer: &Values, scene: &Scene) -> (Picture, Vec<Vec<String>>) {
+fn paint(layer: &Values, scene: &Scene, seen: impl Fn(usize) -> bool) -> (Picture, Vec<Vec<String>>) {
     let channels: Vec<Vec<f64>> = layer
         .channels
         .iter()
@@ -158,8 +163,9 @@ fn paint(layer: &Values, scene: &Scene) -> (Picture, Vec<Vec<String>>) {
             (Picture::plain(width, height, pixels.map(|pixel| color(vector(pixel))).collect()), Vec::new())
         }
         "shadow" => {
-            let pixels = pixels.map(|pixel| [channels[0][pixel] as f32; 3]).collect();
-            (Picture::plain(width, height, pixels), Vec::new())
+            // What lies in shadow is darker than what is lit, and brighter than where there is nothing.
+            let grey = |pixel: usize| if seen(pixel) { 0.02 + 0.98 * channels[0][pixel] as f32 } else { 0.0 };
+            (Picture::plain(width, height, pixels.map(|pixel| [grey(pixel); 3]).collect()), Vec::new())
         }
         _ => {
             let most = |pixel: usize| channels.iter().map(|channel| channel[pixel]).fold(0.0, f64::max);

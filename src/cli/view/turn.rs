@@ -51,13 +51,13 @@ pub(super) fn list(v: impl Into<[f64; 3]>) -> String {
 
 /// Multiplies what a light emits. Returns and changes as [`turn_light`] does.
 pub(super) fn brighten(light: &mut Light, factor: f64) -> Keys {
+    let alike = matches!(&light.source, Source::Environment { sky, .. } if sky.is_constant());
     let (key, emitted) = match &mut light.source {
         Source::Directional { irradiance, .. } => ("irradiance", irradiance),
         Source::Point { intensity, .. } | Source::Spot { intensity, .. } => ("intensity", intensity),
         Source::Area { radiance, .. } => ("radiance", radiance),
         Source::Environment { sky, .. } => ("intensity", &mut sky.factor),
     };
-    let alike = matches!(&light.source, Source::Environment { sky, .. } if sky.is_constant());
     *emitted = emitted.map(|value| value * factor);
     let value = list(*emitted);
     if alike { vec![("radiance", value), ("intensity", list([1.0; 3]))] } else { vec![(key, value)] }

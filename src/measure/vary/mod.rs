@@ -16,7 +16,7 @@ pub use self::strips::strips;
 pub use self::subject::{Outcome, Subject, Tried};
 
 use crate::error::{Error, Input, Result};
-use crate::gpu::{AXES, Adapter, Axis, Choices, group_is_open, kernel_names};
+use crate::gpu::{AXES, Adapter, Axis, Choices, Optimization, group_is_open, kernel_names};
 use crate::pipeline::frame;
 
 /// One way to use the API.
@@ -89,6 +89,9 @@ pub fn asked(text: &str) -> Result<Asked> {
 /// Why a device can't be used as a variant does, if it can't.
 #[must_use]
 pub fn lack(adapter: &Adapter, choices: &Choices) -> Option<String> {
+    if cfg!(not(feature = "shaderc")) && choices.optimization != Optimization::default() {
+        return Some("this build can't compile shaders: build it with `--features shaderc`".into());
+    }
     let most = adapter.limits.group_invocations;
     let large = choices.groups.values().find(|size| **size > most);
     large.map(|_| format!("its groups have at most {most} invocations")).or_else(|| adapter.offers.lack(choices))

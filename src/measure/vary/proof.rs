@@ -119,6 +119,10 @@ pub fn proof(
     if device.choices().optimization == crate::gpu::Optimization::default() {
         return Err(fault(default.first(variant, *first)));
     }
+    // What conforming takes is its own.
+    if let Some(message) = device.take_messages().first() {
+        return Err(Error::Check(format!("{name}: the validation layer: {message}")));
+    }
     let rows = conform(device, &fixture()?, &[])?;
     if let Some((stage, what)) = rows.iter().find_map(|row| Some((row.stage, row.faults.first()?))) {
         return Err(fault(format!("stage {stage}: {what}")));

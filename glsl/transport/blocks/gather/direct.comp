@@ -30,7 +30,8 @@ UPDATES(estimate)
 void main() {
     Dipole dipoles[3] = Dipole[3](dipole_of(0), dipole_of(1), dipole_of(2));
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    Receiver self = receiver_at((group * gl_NumSubgroups + gl_SubgroupID) * gl_SubgroupSize + gl_SubgroupInvocationID);
+    uint place = group * gl_WorkGroupSize.x + gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
+    Receiver self = receiver_at(place);
     uint width = sharing();
     uint mine = gl_SubgroupInvocationID % width, base = gl_SubgroupInvocationID - mine;
     Runs run = runs[self.run];

@@ -25,7 +25,8 @@ WRITES(received)
 
 void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    Receiver self = receiver_at((group * gl_NumSubgroups + gl_SubgroupID) * gl_SubgroupSize + gl_SubgroupInvocationID);
+    uint place = group * gl_WorkGroupSize.x + gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
+    Receiver self = receiver_at(place);
     uint width = sharing();
     uint mine = gl_SubgroupInvocationID % width, base = gl_SubgroupInvocationID - mine;
     Runs run = runs[self.run];

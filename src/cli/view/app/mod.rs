@@ -142,7 +142,11 @@ impl App {
             Err(error) => (None, Some(error)),
         };
         let shown = picture.map(|(size, buffer)| Shown { buffer, size, area: [0, 0, area[0], area[1]] });
-        shell.presenter.show(&shell.window, size, shown, overlay)?;
+        if !shell.presenter.show(&shell.window, size, shown, overlay)? && !size.contains(&0) {
+            // Nothing else may come that shows it.
+            let soon = Instant::now() + Duration::from_millis(100);
+            self.repaint = Some(self.repaint.map_or(soon, |due| due.min(soon)));
+        }
         failed.map_or(Ok(()), Err)?;
         self.frames += 1;
         self.play(size)

@@ -7,7 +7,7 @@ use milkglass::scene::{Preset, Scheme};
 
 use super::outcome::{Changed, Output};
 use super::{Viewer, place};
-use crate::cli::run_args::OptionArguments;
+use crate::cli::run_args::{OptionArguments, TransportArgument};
 use crate::cli::view::amounts::{Amount, amounts, set_amount};
 use crate::cli::view::inspect::{LAYERS, Layer};
 use crate::cli::view::keys::Action;
@@ -93,10 +93,7 @@ impl Viewer {
                 self.timeline.loops = !self.timeline.loops;
                 Ok(Changed::Nothing)
             }
-            Action::Method(step) => {
-                let transport = stepped(&self.options.transport, step);
-                self.set_options(OptionArguments { transport, ..self.options })
-            }
+            Action::Method(step) => self.step_method(step),
             Action::Mode => {
                 let mode = stepped(&self.options.mode, 1);
                 self.set_options(OptionArguments { mode, ..self.options })
@@ -140,6 +137,25 @@ impl Viewer {
             }
             Action::Orbit(..) | Action::Pan(..) | Action::Zoom(_) | Action::Fit => Ok(Changed::Nothing),
         }
+    }
+
+    /// Goes over to another method; a step of one goes on past those that can't serve the scene, and tells why.
+    fn step_method(&mut self, step: isize) -> Result<Changed> {
+        let mut refused = None;
+        for further in 0..TransportArgument::value_variants().len() as isize {
+            let transport = stepped(&self.options.transport, step + further * step.signum());
+            match self.set_options(OptionArguments { transport, ..self.options }) {
+                Ok(changed) => {
+                    self.message = refused;
+                    return Ok(changed);
+                }
+                Err(error) if step.abs() == 1 && !error.is_device_fault() => {
+                    refused.get_or_insert(error.to_string());
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(Changed::Nothing)
     }
 
     /// Makes a setting.

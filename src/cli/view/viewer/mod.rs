@@ -16,8 +16,9 @@ use milkglass::scene::{Scene, Scheme};
 use self::outcome::{Changed, Output};
 use self::timeline::Timeline;
 use super::amounts::amounts;
-use super::edits::Edits;
+use super::edits::{Edits, Made};
 use super::frames::{Frames, Progress};
+use super::inspect::Layer;
 use super::keys::Action;
 use super::panel::Facts;
 use crate::cli::bare::Subject;
@@ -40,8 +41,8 @@ pub(super) struct Viewer {
     /// Its largest extent, mm, and the factor on its coefficients.
     extent: f64,
     scale: f64,
-    /// The last scene that could be rendered, if another one is now to be.
-    good: Option<Scene>,
+    /// The last scene that could be rendered, and its settings, if another one is now to be.
+    good: Option<(Scene, Made)>,
     pub(super) message: Option<String>,
     pub(super) panel: bool,
     keys: bool,
@@ -115,7 +116,7 @@ impl Viewer {
 
     /// Reads the scene's file again if it has changed.
     pub(super) fn reload(&mut self) -> Result<()> {
-        let before = self.edits.scene.clone();
+        let before = self.edits.state();
         match self.edits.reload() {
             Ok(false) => Ok(()),
             Ok(true) => {
@@ -127,7 +128,7 @@ impl Viewer {
     }
 
     /// Goes over to a scene that was just read.
-    fn adopt(&mut self, before: Scene) {
+    fn adopt(&mut self, before: (Scene, Made)) {
         self.good.get_or_insert(before);
         self.message = None;
         self.frames.change(true);
@@ -148,7 +149,8 @@ impl Viewer {
         if fresh && action.is_change() {
             self.edits.begin();
         }
-        let (before, start) = (self.edits.scene.clone(), Instant::now());
+        let start = Instant::now();
+        let before = self.edits.state();
         let changed = self.change(action);
         self.spent += start.elapsed();
         match changed {
@@ -173,7 +175,7 @@ impl Viewer {
     pub(super) fn setting(&mut self, set: &str) -> Result<()> {
         let (key, value) = set.split_once('=').unwrap_or((set, ""));
         self.edits.begin();
-        let before = self.edits.scene.clone();
+        let before = self.edits.state();
         match self.edits.set(key.trim(), value.to_owned()) {
             Ok(()) => {
                 self.adopt(before);
@@ -211,14 +213,15 @@ impl Viewer {
         let spent = std::mem::take(&mut self.spent);
         match self.frames.advance(&self.edits.scene, held, spent) {
             Ok(()) => {
-                if self.frames.progress != Progress::Changed {
+                // A draft leaves out much of what can fail.
+                let rendered = matches!(self.frames.progress, Progress::Sample(_) | Progress::Whole);
+                if rendered && self.frames.layer() == Layer::Light {
                     self.good = None;
                 }
             }
             Err(error) => match self.good.take() {
                 Some(good) if !error.is_device_fault() => {
-                    let camera = good.camera.clone().sized(self.edits.scene.camera.size)?;
-                    self.edits.scene = Scene { camera, ..good };
+                    self.edits.restore(good)?;
                     self.message = Some(error.to_string());
                     self.frames.change(true);
                 }
@@ -248,7 +251,7 @@ impl Viewer {
             scale: self.scale,
             amounts: amounts(object, self.extent / scene.unit_mm),
             deform: self.deform,
-            light: [self.edits.light + 1, scene.lights.len()],
+            light: [(self.edits.light + 1).min(scene.lights.len()), scene.lights.len()],
             handles: if self.handles { self.edits.handles() } else { Vec::new() },
             method: &self.methods[place(&self.options.transport)],
             methods: &self.methods,

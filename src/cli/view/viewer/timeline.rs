@@ -77,7 +77,7 @@ impl Viewer {
         if over {
             self.timeline.playing = None;
         }
-        let before = self.edits.scene.clone();
+        let before = self.edits.state();
         match self.go_to(frame) {
             Ok(Changed::Nothing) => Ok(()),
             Ok(_) => {

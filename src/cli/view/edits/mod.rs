@@ -1,26 +1,32 @@
 //! What the user has changed: settings on top of the scene's file, as `--set` makes them.
 
+#[cfg(test)]
+mod tests;
+mod values;
+
 use std::path::PathBuf;
 use std::time::SystemTime;
 
 use glam::DVec3;
 use milkglass::error::Result;
-use milkglass::scene::{Camera, Light, Material, Scene};
+use milkglass::scene::{Camera, Light, Scene};
 
 use super::turn::{Keys, brighten, list, move_light, moves, place_of, project, turn_light};
 use crate::cli::SceneArguments;
 use crate::cli::bare::Subject;
+
+/// Keys and values, in the order in which they were set.
+pub(super) type Made = Vec<(String, String)>;
 
 /// A scene and the settings that were made in the window.
 pub(super) struct Edits {
     subject: Subject,
     /// The settings of the command line, before those of the window.
     given: Vec<String>,
-    /// Key and value, in the order in which they were made.
-    made: Vec<(String, String)>,
+    made: Made,
     /// Those before each change, and those that were taken back.
-    undo: Vec<Vec<(String, String)>>,
-    redo: Vec<Vec<(String, String)>>,
+    undo: Vec<Made>,
+    redo: Vec<Made>,
     /// The scene as it is now; its camera has the size of the picture in the window.
     pub(super) scene: Scene,
     /// The light that drags and keys change.
@@ -60,7 +66,24 @@ impl Edits {
         if self.undo.last() != Some(&self.made) {
             self.undo.push(self.made.clone());
         }
-        self.redo.clear();
+    }
+
+    /// The scene, with the settings that made it.
+    pub(super) fn state(&self) -> (Scene, Made) {
+        (self.scene.clone(), self.made.clone())
+    }
+
+    /// Goes back to a scene and its settings; the picture keeps its size.
+    pub(super) fn restore(&mut self, (scene, made): (Scene, Made)) -> Result<()> {
+        let camera = scene.camera.clone().sized(self.scene.camera.size)?;
+        (self.scene, self.made, self.adjusted) = (Scene { camera, ..scene }, made, false);
+        Ok(())
+    }
+
+    /// Reads the scene with other settings; an error leaves everything as it was.
+    fn replace(&mut self, made: Made) -> Result<()> {
+        let before = std::mem::replace(&mut self.made, made);
+        self.read().inspect_err(|_| self.made = before)
     }
 
     /// The scene with a setting, read anew; an error leaves everything as it was.
@@ -77,24 +100,33 @@ impl Edits {
         self.adjusted = true;
     }
 
-    /// Reads the scene if it was adjusted since it was read; if that fails, the last change is taken back.
+    /// Reads the scene if it was adjusted since it was read; if that fails, the last change is taken back, unless it is
+    /// not the change's fault.
     pub(super) fn settle(&mut self) -> Result<()> {
         if !self.adjusted {
             return Ok(());
         }
-        self.read().or_else(|error| {
-            self.made = self.undo.pop().unwrap_or_default();
-            self.read()?;
-            Err(error)
-        })
+        let Err(error) = self.read() else { return Ok(()) };
+        if let Some(before) = self.undo.last().cloned()
+            && self.replace(before).is_ok()
+        {
+            self.undo.pop();
+        }
+        self.adjusted = false;
+        Err(error)
     }
 
     /// The settings before the last change; whether there are any.
     pub(super) fn undo(&mut self) -> Result<bool> {
         while let Some(before) = self.undo.pop() {
             if before != self.made {
-                self.redo.push(std::mem::replace(&mut self.made, before));
-                return self.read().map(|()| true);
+                let now = self.made.clone();
+                if let Err(error) = self.replace(before.clone()) {
+                    self.undo.push(before);
+                    return Err(error);
+                }
+                self.redo.push(now);
+                return Ok(true);
             }
         }
         Ok(false)
@@ -103,8 +135,13 @@ impl Edits {
     /// The settings that the last undo took back; whether there are any.
     pub(super) fn redo(&mut self) -> Result<bool> {
         let Some(after) = self.redo.pop() else { return Ok(false) };
-        self.undo.push(std::mem::replace(&mut self.made, after));
-        self.read().map(|()| true)
+        let now = self.made.clone();
+        if let Err(error) = self.replace(after.clone()) {
+            self.redo.push(after);
+            return Err(error);
+        }
+        self.undo.push(now);
+        Ok(true)
     }
 
     /// The scene's frame.
@@ -133,8 +170,8 @@ impl Edits {
 
     /// Takes all settings of the window back.
     pub(super) fn reset(&mut self) -> Result<()> {
-        self.made.clear();
-        self.read()
+        self.redo.clear();
+        self.replace(Vec::new())
     }
 
     /// Adopts another view.
@@ -201,41 +238,6 @@ impl Edits {
         self.light = (self.light + 1) % self.scene.lights.len().max(1);
     }
 
-    /// The material that an object has with all settings and another one; none where only the scene can tell, for what
-    /// it has from files.
-    pub(super) fn material(&self, object: usize, key: &str, value: &str) -> Option<Material> {
-        let known = &self.scene.objects[object].material;
-        if known.texture.is_some() || known.sigma_0_texture.is_some() || known.layers.is_some() {
-            return None;
-        }
-        let path = |key: &str| format!("object.{object}.material.{key}");
-        let text =
-            self.scene.written(&self.sets().into_iter().chain([format!("{}={value}", path(key))]).collect::<Vec<_>>());
-        let mut table: toml::Table = toml::from_str(&text.ok()?).ok()?;
-        let mut own = table.remove("object")?.as_array_mut()?.get_mut(object)?.as_table_mut()?.remove("material")?;
-        let (own, unit) = (own.as_table_mut()?, table.remove("unit"));
-        let plane = [("shape", "plane".into()), ("detail", 1.into()), ("material", std::mem::take(own).into())];
-        let plane: toml::Table =
-            plane.into_iter().map(|(key, value): (_, toml::Value)| (key.to_owned(), value)).collect();
-        let all =
-            [("object".to_owned(), vec![plane].into())].into_iter().chain(unit.map(|unit| ("unit".to_owned(), unit)));
-        let text = toml::to_string(&all.collect::<toml::Table>()).ok()?;
-        Some(Scene::parse("material", &text, &[]).ok()?.objects.swap_remove(0).material)
-    }
-
-    /// The value of a key of the scene with all settings, where it is a number.
-    pub(super) fn number(&self, key: &str) -> Option<f64> {
-        let mut place = &toml::Value::Table(toml::from_str(&self.written().ok()?).ok()?);
-        for part in key.split('.') {
-            place = match place {
-                toml::Value::Table(table) => table.get(part)?,
-                toml::Value::Array(list) => list.get(part.parse::<usize>().ok()?)?,
-                _ => return None,
-            };
-        }
-        place.as_float().or_else(|| place.as_integer().map(|whole| whole as f64))
-    }
-
     /// Reads the scene again if its file has changed; whether it has.
     pub(super) fn reload(&mut self) -> Result<bool> {
         let Some((path, known)) = &mut self.file else { return Ok(false) };
@@ -258,6 +260,7 @@ impl Edits {
 
     /// Makes a setting without reading the scene.
     fn note(&mut self, key: &str, value: String) {
+        self.redo.clear();
         self.made.retain(|(known, _)| known != key);
         self.made.push((key.to_owned(), value));
     }
