@@ -29,7 +29,7 @@ pub struct Arguments {
     /// The picture: `.png` (exposed, toned, sRGB) or `.exr` (linear).
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Add layers to an `.exr`: irradiance, radiosity, normal, shadow, error_estimate, depth, object, triangle,
+    /// Add layers to an `.exr`: irradiance, radiosity, normal, shadows, error_estimate, depth, object, triangle,
     /// links.
     #[arg(long)]
     aov: bool,

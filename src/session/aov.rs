@@ -95,7 +95,7 @@ pub fn layers(session: &mut Session) -> Result<Vec<Layer>> {
             if by_face { lit as f32 / casting as f32 } else { 1.0 }
         };
         let shares = shown.iter().map(|hit| hit.as_ref().map_or(0.0, share)).collect();
-        layers.push(Layer::single("shadow", "lit", Samples::Float(shares)));
+        layers.push(Layer::single("shadows", "lit", Samples::Float(shares)));
     }
     if state.method.estimate {
         let mut estimate = received(&data.estimate);

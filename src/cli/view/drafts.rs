@@ -117,8 +117,8 @@ impl Policy {
         }
     }
 
-    /// Chooses the next draft of a scene; the stages before the picture run only if `all` is to be done. `spent` ms went
-    /// to the change itself.
+    /// Chooses the next draft of a scene; the stages before the picture run only if `all` is to be done. `spent` ms
+    /// went to the change itself.
     pub(super) fn choose(&mut self, scene: &Scene, all: bool, spent: f64) {
         if !self.knows() {
             return;

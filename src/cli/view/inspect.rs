@@ -33,7 +33,7 @@ pub(super) enum Layer {
 pub(super) const LAYERS: [(&str, Layer); 10] = [
     ("light", Layer::Light),
     ("irradiance", Layer::Values("irradiance")),
-    ("shadow", Layer::Values("shadow")),
+    ("shadows", Layer::Values("shadows")),
     ("radiosity", Layer::Values("radiosity")),
     ("normal", Layer::Values("normal")),
     ("error_estimate", Layer::Values("error_estimate")),
@@ -162,7 +162,7 @@ fn paint(layer: &Values, scene: &Scene, seen: impl Fn(usize) -> bool) -> (Pictur
             };
             (Picture::plain(width, height, pixels.map(|pixel| color(vector(pixel))).collect()), Vec::new())
         }
-        "shadow" => {
+        "shadows" => {
             // What lies in shadow is darker than what is lit, and brighter than where there is nothing.
             let grey = |pixel: usize| if seen(pixel) { 0.02 + 0.98 * channels[0][pixel] as f32 } else { 0.0 };
             (Picture::plain(width, height, pixels.map(|pixel| [grey(pixel); 3]).collect()), Vec::new())
