@@ -168,8 +168,9 @@ fn adopt(known: &mut Costs, new: Costs, factor: f64) {
     }
 }
 
-/// What each stage took, ms, but for those of pixels; then what each of those took. That of shadows is for one of `rays`.
-/// What of `all` the steps do not have is the first one's: with a window, lavapipe starts the clock of a frame too late.
+/// What each stage took, ms, but for those of pixels; then what each of those took. That of shadows is for one of
+/// `rays`. What of `all` the steps do not have is the first one's: with a window, lavapipe starts the clock of a frame
+/// too late.
 fn costs(steps: &[Timing], all: f64, rays: f64) -> (Costs, Costs) {
     let mut of_picture = false;
     let (mut sums, mut picture): (Costs, Costs) = Default::default();
