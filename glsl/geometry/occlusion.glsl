@@ -8,37 +8,59 @@
 
 const uint FREE = 0, BLOCKED = 1;
 
-// From `origin` along `direction`, up to the light at `light`, or without end if it is `far`; `own` is the plane that
-// the ray starts from, and `side` the side on which it leaves. If it is not `wanted`, no ray is followed. With
-// `others`, the `spared` triangles (first, number) block nothing, and those behind that plane do.
-uint occlusion(vec3 origin, vec3 direction, bool far, vec3 light, uint self, Plane own, float side, bool wanted,
-               uvec2 spared, bool others) {
-    Sight ray = sight(direction);
-    Nearest limit = Nearest(far ? NONE : 0, vec3(0), ray.square, ray.scale); // the light: `along` / `scale`
-    uint end = object_params[0].scene_nodes, node = wanted ? 0 : end;
+// A ray from `origin` along `direction`, up to the light at `light`, or without end if it is `far`.
+struct Ask {
+    uint face; // that it starts from
+    vec3 origin, direction, light;
+    bool far;
+    Plane own;    // that it starts from
+    float side;   // of that plane on which it leaves
+    bool wanted;  // no ray is followed if not
+    bool others;  // the `spared` triangles (first, number) block nothing, and those behind that plane do
+    uvec2 spared;
+};
+
+// The light's distance along a ray: `along` / `scale`.
+Nearest light_of(Sight ray, bool far) { return Nearest(far ? NONE : 0, vec3(0), ray.square, ray.scale); }
+
+// Whether a triangle that the ray passes through blocks it.
+bool blocks(Ask ask, uint face, vec3 a, vec3 b, vec3 c) {
+    Plane plane = plane_of(a, b, c);
+    float through = dot3(ask.direction, plane.normal) > 0.0 ? 1.0 : -1.0;
+    bool nearer = ask.far || beyond(plane, ask.light, through);
+    bool counts = ask.others ? face - ask.spared.x >= ask.spared.y : face != ask.face;
+    bool front = ask.others || beyond(ask.own, a, ask.side) || beyond(ask.own, b, ask.side) ||
+                 beyond(ask.own, c, ask.side);
+    return counts && nearer && front;
+}
+
+// Whether the ray passes through a triangle, in front of its origin.
+bool passes(Ask ask, Sight ray, vec3 corner_a, vec3 corner_b, vec3 corner_c) {
+    precise vec3 a = corner_a - ask.origin;
+    precise vec3 b = corner_b - ask.origin;
+    precise vec3 c = corner_c - ask.origin;
+    Nearest found = pierce(ray, a, b, c);
+    return found.face != NONE && found.numerator > 0.0;
+}
+
+uint occlusion(Ask ask) {
+    Sight ray = sight(ask.direction);
+    Nearest limit = light_of(ray, ask.far);
+    uint end = object_params[0].scene_nodes, node = ask.wanted ? 0 : end;
     while (node < end) {
         // On to the next triangle whose box the ray meets. Then that triangle.
         uint face = NONE;
         while (face == NONE && node < end) {
             Bounds box = placed_bounds[node];
-            bool met = meets(box.low, box.high, origin, ray, limit);
+            bool met = meets(box.low, box.high, ask.origin, ray, limit);
             if (met) face = box.face;
             node = met && face == NONE ? node + 1 : box.next;
         }
         if (face != NONE) {
             uvec3 corner = triangles[face];
-            vec3 pa = placed_positions[corner.x], pb = placed_positions[corner.y], pc = placed_positions[corner.z];
-            precise vec3 a = pa - origin;
-            precise vec3 b = pb - origin;
-            precise vec3 c = pc - origin;
-            Nearest found = pierce(ray, a, b, c);
-            Plane plane = plane_of(pa, pb, pc);
-            float through = dot3(direction, plane.normal) > 0.0 ? 1.0 : -1.0;
-            bool nearer = far || beyond(plane, light, through);
-            bool counts = others ? face - spared.x >= spared.y : face != self;
-            bool front = others || beyond(own, pa, side) || beyond(own, pb, side) || beyond(own, pc, side);
-            if (counts && found.face != NONE && found.numerator > 0.0 && nearer && front) node = end + 1;
+            vec3 a = placed_positions[corner.x], b = placed_positions[corner.y], c = placed_positions[corner.z];
+            if (passes(ask, ray, a, b, c) && blocks(ask, face, a, b, c)) node = end + 1;
         }
     }
-    return node < end ? UNFINISHED : node > end ? BLOCKED : FREE;
+    return node < end ? UNFINISHED : node > end || !ask.wanted ? BLOCKED : FREE;
 }

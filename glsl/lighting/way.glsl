@@ -1,10 +1,10 @@
-// Whether nothing blocks the way from a point of a triangle to a light. Decisions only.
+// The way from a point of a triangle to a light, and whether anything blocks it. Decisions only.
 #include "geometry/trace.glsl"
 #include "geometry/plane.glsl"
 #include "geometry/occlusion.glsl"
 
-// FREE, BLOCKED, or UNFINISHED; BLOCKED also if not `asked`. With `others` an object does not shadow itself.
-uint way(Light light, uint object, uint face, vec3 origin, bool asked, bool others) {
+// It is not `wanted` if not `asked`. With `others` an object does not shadow itself.
+Ask way(Light light, uint object, uint face, vec3 origin, bool asked, bool others) {
     bool far = light.kind == LIGHT_DIRECTIONAL || light.kind == LIGHT_SKY_RAY;
     precise vec3 direction = light.place;
     if (!far) direction = light.place - origin;
@@ -22,6 +22,5 @@ uint way(Light light, uint object, uint face, vec3 origin, bool asked, bool othe
                   (light.kind != LIGHT_SPOT || (along > 0.0 && square > least));
     bool wanted = asked && shines && (others || facing > 0.0 || (object_params[object].two_sided != 0 && facing < 0.0));
     uvec2 spared = uvec2(object_params[object].first_face, object_params[object].faces);
-    uint met = occlusion(origin, direction, far, light.place, face, own, side, wanted, spared, others);
-    return wanted ? met : BLOCKED;
+    return Ask(face, origin, direction, light.place, far, own, side, wanted, others, spared);
 }

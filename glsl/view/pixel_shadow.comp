@@ -43,7 +43,7 @@ void main() {
     bool opaque = object_params[object].opaque == OPAQUE_BY_PIXEL;
     bool reflects = object_params[object].reflection != REFLECTION_NONE && light.kind != LIGHT_SKY_RAY;
     bool others = OTHERS != 0 && object_params[object].opaque == OPAQUE_NOT;
-    uint met = way(light, object, face, place, shown && (opaque || reflects), others);
+    uint met = occlusion(way(light, object, face, place, shown && (opaque || reflects), others));
     if (met == UNFINISHED) cut_short[0] = 1;
 
     // The first light of a word clears it.

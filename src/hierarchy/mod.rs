@@ -11,6 +11,7 @@ pub mod face_cluster;
 pub mod median;
 mod outline;
 pub mod split;
+pub mod wide;
 
 use glam::DVec3;
 

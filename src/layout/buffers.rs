@@ -70,6 +70,12 @@ buffers! {
     order: u32, node;
     /// Bounding boxes in the object's own frame, and the order in which rays visit the trees of all objects.
     bounds: Bounds, node;
+    /// The same trees, wider: nodes of up to `WIDE` children, one after the other, the first ones at the top. A child
+    /// is a node of all objects, or `NONE`, and what `wide_boxes` has as `next`.
+    wide_links: [u32; 2], child;
+    /// The boxes of those children, in the scene: where a child has children of its own, `next` is its wide node times
+    /// `WIDE`, and `face` `NONE`. Where there is no child the box is empty, and `face` 0.
+    wide_boxes: Bounds, child;
     /// Clusters.
     clusters: Cluster, node;
     /// Unit vertex normals, area-weighted.

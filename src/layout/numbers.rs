@@ -21,6 +21,17 @@ constants! {
     /// Work groups in a row of a dispatch; more need a second dimension.
     GROUPS_A_ROW: u32 = 32_768;
 
+    /// Children of a wide node, at most.
+    WIDE: usize = 8;
+    /// Wide nodes that wait on the way through a tree, at most: see `hierarchy::wide`.
+    WIDE_DEPTH: usize = 80;
+
+    /// Invocations that walk through it together, at least: smaller teams would take more shared memory than every
+    /// device has.
+    LEAST_TEAM: usize = 4;
+    /// Each coordinate of the lower corner of a box that no ray meets, and of the upper one negated.
+    NO_BOX: f32 = 1e30;
+
     /// Coefficients of sin(2 pi x) / x in x^2, from the constant one: within 1e-9 up to a quarter of a turn.
     SINE: [f32; 7] = [6.283_185_5, -41.341_7, 81.605_25, -76.705_86, 42.058_693, -15.094_643, 3.819_952_6];
     /// Twice the rounding error of a point's height over a plane, as a share of the sum with every term positive: 16 x

@@ -133,8 +133,12 @@ records! { frame_records:
         boundary: [f32; 3],
         /// Diffusion: mean depth of the first collision of light from all around, per channel, length.
         sky_depth: [f32; 3],
+        /// Wide nodes at the top: together they have the roots of all trees as children.
+        wide_tops: u32,
         /// Unused.
-        padding: [u32; 8],
+        padding: [u32; 5],
+        /// Unused.
+        last_padding: [u32; 2],
         /// Joints that each of its vertices follows; 0 if it follows none.
         skin_joints: u32,
         /// The first element of `skin_joints`.

@@ -12,3 +12,4 @@ pub mod shadow;
 pub mod sky;
 pub mod texture;
 pub mod texture_in;
+pub mod widen;

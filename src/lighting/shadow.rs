@@ -1,4 +1,8 @@
 //! Stage `shadow`: whether each light that casts shadows reaches each face, by one ray from the centroid.
+//!
+//! On a device, rays of neighbouring faces walk the wide tree of [`widen`](super::widen) together, inside the shaft that
+//! holds them all: `glsl/lighting/shaft.glsl`. Here each ray walks the binary tree. The triangles that a ray is tested
+//! against differ, but never the outcome: whatever blocks a ray lies in boxes that it meets.
 
 use rayon::prelude::*;
 
@@ -6,7 +10,9 @@ use crate::error::Result;
 use crate::geometry::occlusion::{Ray, blocked};
 use crate::geometry::placement::placed;
 use crate::geometry::plane::Plane;
-use crate::layout::{BufferId, LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_SKY_RAY, LIGHT_SPOT, Light, NONE, Rays};
+use crate::layout::{
+    BufferId, LEAST_TEAM, LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_SKY_RAY, LIGHT_SPOT, Light, NONE, Rays, WIDE,
+};
 use crate::state::{
     Carrier, Granularity, Local, Need, Object, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update,
 };
@@ -109,8 +115,15 @@ fn ray(state: &State, face: u32, origin: [f32; 3], light: &Light) -> Option<Ray>
     wanted.then_some(Ray { face, origin, direction, light: (!far).then_some(light.place), side, spared })
 }
 
+/// Invocations that walk together: as many as share a subgroup, up to the children of a wide node.
+fn team(subgroup: usize) -> u32 {
+    let most = subgroup.min(WIDE);
+    if most < LEAST_TEAM { 1 } else { 1 << most.ilog2() }
+}
+
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let lights = &pass.state.data.lights;
+    let team = team(pass.subgroup());
     let objects = pass.state.objects.iter().enumerate();
     for (number, object) in objects.filter(|(_, object)| object.lit_by_face()) {
         let others = u32::from(others_only(pass.state, object));
@@ -121,7 +134,7 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
                 let [object, first, faces, light] = [number, first, count, light].map(|n| n as u32);
                 pass.dispatch(
                     None,
-                    &[others],
+                    &[others, team],
                     bytemuck::bytes_of(&Rays { object, first, count: faces, light }),
                     count,
                 )?;

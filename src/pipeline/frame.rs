@@ -3,7 +3,7 @@
 
 use crate::geometry::{deform, placement, refit, skin};
 use crate::layers::{plane_fit, relief, single_scattering};
-use crate::lighting::{environment, irradiance, opaque_faces, shadow, texture_in};
+use crate::lighting::{environment, irradiance, opaque_faces, shadow, texture_in, widen};
 use crate::shading::{
     bake_irradiance, blur, cdrf, cdrf_cells, cdrf_table, cdrf_values, curvature, curvature_sums, lambert, pack_normals,
     smooth_curvature, texture_blur,
@@ -41,7 +41,10 @@ pub static FRAME: &[Section] = &[
     section("What each pixel sees", &[once(&[&visibility::STAGE])]),
     section(
         "The light that enters each face (equation 5)",
-        &[once(&[&shadow::STAGE, &environment::STAGE]), per_object(&[&irradiance::STAGE, &texture_in::STAGE])],
+        &[
+            once(&[&widen::STAGE, &shadow::STAGE, &environment::STAGE]),
+            per_object(&[&irradiance::STAGE, &texture_in::STAGE]),
+        ],
     ),
     section("Transport by an irradiance octree", &[on_host(&octree::HOST)]),
     section(

@@ -22,3 +22,4 @@ mod skins;
 pub(crate) mod texture_charts;
 pub(crate) mod textures;
 pub mod units;
+mod wide;

@@ -17,6 +17,7 @@ use super::shape::{deform_all, moved, shape};
 use super::single_scattering::media;
 use super::textures::texture;
 use super::units::Units;
+use super::wide::wide;
 use crate::dipole::form_factor::ladder::Ladder;
 use crate::hierarchy::face_cluster::{self, Method};
 use crate::hierarchy::{Tree, median, split};
@@ -105,6 +106,7 @@ pub fn prepare(
     quadrature(&mut state, scene);
     place(&mut state, &scene.objects, units);
     (0..scene.objects.len()).for_each(|number| rounding(&mut state, number));
+    wide(&mut state, &trees);
     if state.method.projected {
         borders(&mut state, &trees);
     }
