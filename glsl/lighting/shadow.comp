@@ -8,7 +8,7 @@
 const uint TEAM_GROUP = GROUP_SIZE;
 layout(local_size_x = TEAM_GROUP) in;
 layout(constant_id = 0) const uint OTHERS = 0; // not 0 where an object does not shadow itself
-layout(constant_id = 1) const uint TEAM = 8; // invocations that walk the wide tree together; 1: each walks the tree
+layout(constant_id = 1) const uint TEAM = 8; // rays that go together; 1: each goes alone
 layout(push_constant, scalar) uniform push_block { Rays rays; };
 READS(object_params)
 READS(lights)
@@ -22,19 +22,69 @@ UPDATES(lit)
 UPDATES(cut_short)
 #include "geometry/placed.glsl"
 #include "lighting/way.glsl"
-#include "lighting/shaft.glsl"
+#include "geometry/shaft.glsl"
+
+// The box of the rays' origins, moved to the light: where they converge there, they lie within.
+vec3 shaft_middle, shaft_size;
+Sight shaft_axis;
+Nearest shaft_end;
+
+bool in_shaft(vec3 low, vec3 high) {
+    return meets(low - shaft_size, high + shaft_size, shaft_middle, shaft_axis, shaft_end);
+}
+
+// FREE, BLOCKED or UNFINISHED.
+uint together(Ask ask) {
+    Place self = place_in_team();
+    vec3 low = least(ask.wanted ? ask.origin : vec3(NO_BOX)), high = -least(ask.wanted ? -ask.origin : vec3(NO_BOX));
+    bool any = low.x <= high.x;
+    shaft_middle = any ? 0.5 * (low + high) : vec3(0);
+    shaft_size = any ? 0.5 * (high - low) * 1.00001 : vec3(0);
+    shaft_axis = sight(ask.far ? ask.light : ask.light - shaft_middle);
+    shaft_end = light_of(shaft_axis, ask.far);
+
+    Sight ray = sight(ask.direction);
+    bool free = ask.wanted, left = false;
+    Waiting way = Waiting(0, any ? object_params[0].wide_tops : 0);
+    while (waits(way)) {
+        uint count = list_triangles(self, way), at = 0;
+        for (; at < count; at += TEAM) {
+            uint face = pool[self.list + min(at + self.mine, count - 1)];
+            uvec3 corner = triangles[face];
+            vec3 a = placed_positions[corner.x], b = placed_positions[corner.y], c = placed_positions[corner.z];
+            uint hits = 0;
+            for (uint k = 0; k < TEAM; ++k) {
+                uint from = self.base + k;
+                bool hit = passes(ask, ray, shuffled(a, from), shuffled(b, from), shuffled(c, from));
+                hits |= hit ? 1u << k : 0;
+            }
+            // Few rays pass through a triangle; all invocations stay while any has one to look at.
+            hits = free ? hits : 0;
+            while (joined(hits) != 0) {
+                uint from = self.base + (hits != 0 ? findLSB(hits) : 0);
+                uint other = from_other(face, from);
+                bool block = blocks(ask, other, shuffled(a, from), shuffled(b, from), shuffled(c, from));
+                free = free && !(hits != 0 && block);
+                hits = free ? hits & (hits - 1) : 0;
+            }
+            left = left || hits != 0;
+        }
+        left = left || at < count;
+        if (joined(uint(free)) == 0) way = Waiting(0, 0);
+    }
+    return left || waits(way) ? UNFINISHED : free ? FREE : BLOCKED;
+}
 
 void main() {
-    uint lane = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    // All invocations of a team stay: past the end they have no ray of their own.
-    uint k = group * TEAM_GROUP + lane;
+    uint k = group * TEAM_GROUP + gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
+    // All invocations of a team stay: past the end they have no ray.
     bool there = k < rays.count;
     uint face = rays.first + min(k, rays.count - 1);
     Light light = lights[rays.light];
     vec3 origin = placed(rays.object, clusters[object_params[rays.object].first_node + leaves[face]].center);
     Ask ask = way(light, rays.object, face, origin, there, OTHERS != 0);
-    uint met = SHUFFLES != 0 && TEAM > 1 && gl_SubgroupSize >= TEAM ? shaft(ask, lane) : occlusion(ask);
+    uint met = in_teams() ? together(ask) : occlusion(ask);
     if (!there) return;
     if (met == UNFINISHED) cut_short[0] = 1;
 

@@ -9,3 +9,4 @@ pub mod random;
 pub mod refit;
 pub mod skin;
 pub mod trace;
+pub mod widen;

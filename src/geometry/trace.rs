@@ -1,5 +1,6 @@
 //! Finds the nearest triangle along a ray by the tree: a decision, so it is `f32` additions, multiplications and
-//! comparisons only, in the same order as `glsl/geometry/trace.glsl`, and the two agree bit for bit.
+//! comparisons only, in the same order as `glsl/geometry/trace.glsl`, and the two agree bit for bit. Which of two hits
+//! is nearer is decided exactly.
 
 use crate::layout::{Buffers, NONE};
 
@@ -114,7 +115,10 @@ pub fn trace(data: &Buffers, origin: [f32; 3], direction: [f32; 3]) -> Nearest {
         };
         node = bounds.next as usize;
         let Some(found) = ray.pierce(corner.map(|v| minus(positions[v as usize], origin))) else { continue };
-        let (mine, its) = (found.numerator * nearest.denominator, nearest.numerator * found.denominator);
+        // Products of two singles are exact in `f64`, so the order in which triangles come does not matter.
+        let product = |a: f32, b: f32| f64::from(a) * f64::from(b);
+        let (mine, its) =
+            (product(found.numerator, nearest.denominator), product(nearest.numerator, found.denominator));
         let nearer = nearest.face == NONE || mine < its || (mine == its && bounds.face < nearest.face);
         if found.numerator > 0.0 && nearer {
             nearest = Nearest { face: bounds.face, ..found };

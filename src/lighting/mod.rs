@@ -12,4 +12,3 @@ pub mod shadow;
 pub mod sky;
 pub mod texture;
 pub mod texture_in;
-pub mod widen;

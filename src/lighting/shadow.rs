@@ -1,8 +1,4 @@
 //! Stage `shadow`: whether each light that casts shadows reaches each face, by one ray from the centroid.
-//!
-//! On a device, rays of neighbouring faces walk the wide tree of [`widen`](super::widen) together, inside the shaft that
-//! holds them all: `glsl/lighting/shaft.glsl`. Here each ray walks the binary tree. The triangles that a ray is tested
-//! against differ, but never the outcome: whatever blocks a ray lies in boxes that it meets.
 
 use rayon::prelude::*;
 
@@ -10,9 +6,8 @@ use crate::error::Result;
 use crate::geometry::occlusion::{Ray, blocked};
 use crate::geometry::placement::placed;
 use crate::geometry::plane::Plane;
-use crate::layout::{
-    BufferId, LEAST_TEAM, LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_SKY_RAY, LIGHT_SPOT, Light, NONE, Rays, WIDE,
-};
+use crate::geometry::widen::team;
+use crate::layout::{BufferId, LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_SKY_RAY, LIGHT_SPOT, Light, NONE, Rays};
 use crate::state::{
     Carrier, Granularity, Local, Need, Object, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update,
 };
@@ -113,12 +108,6 @@ fn ray(state: &State, face: u32, origin: [f32; 3], light: &Light) -> Option<Ray>
     let wanted = shines && (spared.is_some() || facing > 0.0 || (both && facing < 0.0));
     let side = if facing > 0.0 { 1.0 } else { -1.0 };
     wanted.then_some(Ray { face, origin, direction, light: (!far).then_some(light.place), side, spared })
-}
-
-/// Invocations that walk together: as many as share a subgroup, up to the children of a wide node.
-fn team(subgroup: usize) -> u32 {
-    let most = subgroup.min(WIDE);
-    if most < LEAST_TEAM { 1 } else { 1 << most.ilog2() }
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {

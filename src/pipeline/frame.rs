@@ -1,9 +1,9 @@
 //! The frame: every stage in order, with the loops that they run in. Conformance, profile and plan follow this list;
 //! a new stage adds a line here.
 
-use crate::geometry::{deform, placement, refit, skin};
+use crate::geometry::{deform, placement, refit, skin, widen};
 use crate::layers::{plane_fit, relief, single_scattering};
-use crate::lighting::{environment, irradiance, opaque_faces, shadow, texture_in, widen};
+use crate::lighting::{environment, irradiance, opaque_faces, shadow, texture_in};
 use crate::shading::{
     bake_irradiance, blur, cdrf, cdrf_cells, cdrf_table, cdrf_values, curvature, curvature_sums, lambert, pack_normals,
     smooth_curvature, texture_blur,
@@ -27,24 +27,24 @@ use crate::view::{
 pub static FRAME: &[Section] = &[
     section(
         "The shape of this frame",
-        &[per_object(&[
-            &skin::STAGE,
-            &deform::STAGE,
-            &refit::STAGE,
-            &placement::STAGE,
-            &curvature::STAGE,
-            &curvature_sums::STAGE,
-            &smooth_curvature::STAGE,
-            &pack_normals::STAGE,
-        ])],
+        &[
+            per_object(&[
+                &skin::STAGE,
+                &deform::STAGE,
+                &refit::STAGE,
+                &placement::STAGE,
+                &curvature::STAGE,
+                &curvature_sums::STAGE,
+                &smooth_curvature::STAGE,
+                &pack_normals::STAGE,
+            ]),
+            once(&[&widen::STAGE]),
+        ],
     ),
     section("What each pixel sees", &[once(&[&visibility::STAGE])]),
     section(
         "The light that enters each face (equation 5)",
-        &[
-            once(&[&widen::STAGE, &shadow::STAGE, &environment::STAGE]),
-            per_object(&[&irradiance::STAGE, &texture_in::STAGE]),
-        ],
+        &[once(&[&shadow::STAGE, &environment::STAGE]), per_object(&[&irradiance::STAGE, &texture_in::STAGE])],
     ),
     section("Transport by an irradiance octree", &[on_host(&octree::HOST)]),
     section(

@@ -11,6 +11,11 @@ pub(super) fn reason(stage: &Stage, state: &State, options: Options) -> Option<S
     }
     let lacks = |need: &Need| match need {
         Need::Picture => (options.goal == Goal::Radiosity).then_some("no picture is asked for"),
+        Need::Rays => {
+            let shadows = state.lit() && state.data.object_params[0].shadow_words > 0;
+            (options.goal == Goal::Radiosity && !shadows)
+                .then_some("no picture is asked for, and no light casts shadows")
+        }
         Need::Light => (!state.lit()).then_some("no light shines: every radiosity is zero"),
     };
     if let Some(why) = stage.needs.iter().find_map(lacks) {

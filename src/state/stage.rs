@@ -156,6 +156,8 @@ pub enum Need {
     Light,
     /// A picture to be made.
     Picture,
+    /// A picture to be made, or a light that casts shadows.
+    Rays,
 }
 
 /// The objects that a stage processes.

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::geometry::trace::trace;
+use crate::geometry::widen::team;
 use crate::layout::{BufferId, Camera, Hit, NONE};
 use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
@@ -58,5 +59,10 @@ fn cpu(state: &mut State, _at: Scope) {
 }
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
-    pass.dispatch(None, &[], &[], pass.state.data.hits.len())
+    let team = team(pass.subgroup());
+    // Tiles of two rows, in teams.
+    let camera = pass.state.data.camera[0];
+    let (width, height) =
+        (camera.width.next_multiple_of((team / 2).max(1)), camera.height.next_multiple_of(team.min(2)));
+    pass.dispatch(None, &[team], &[], width as usize * height as usize)
 }

@@ -1,27 +1,32 @@
-//! Stage `widen`: the trees of all objects as shadow rays walk them: the boxes of a node's up to eight children side by
-//! side, so that eight invocations load and test them at once.
+//! Stage `widen`: the trees of all objects as rays walk them on a device: the boxes of a node's up to eight children
+//! side by side, so that eight invocations load and test them at once.
+//!
+//! Rays of neighbouring faces or pixels go together, a team of up to eight: `glsl/geometry/shaft.glsl`. The reference
+//! follows each ray by itself, through the binary tree. The triangles that a ray is tested against differ, but never
+//! the outcome: what a ray meets lies in boxes that it meets.
 
 use rayon::prelude::*;
 
-use super::shadow;
 use crate::error::Result;
-use crate::layout::{Bounds, BufferId, NO_BOX, NONE, Range};
-use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Size, Stage, State, Tolerance, Update};
+use crate::layout::{Bounds, BufferId, LEAST_TEAM, NO_BOX, NONE, Range, WIDE};
+use crate::state::{
+    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
+};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "widen",
-    module: "lighting",
-    about: "the boxes of up to eight nodes side by side, for shadow rays",
+    module: "geometry",
+    about: "the boxes of up to eight nodes side by side, for rays",
     equation: "copies of the boxes, in the order of hierarchy::wide",
     writes: &[(BufferId::wide_boxes, Role::Output, Tolerance::Exact)],
     reason: "copies",
     sizes: &[(BufferId::wide_boxes, Size::Elements(|state| state.data.wide_links.len()))],
     granularity: Granularity::Scene,
     carriers: Carrier::ALL,
-    needs: &[Need::Light],
-    serves: shadow::STAGE.serves,
-    skip: shadow::STAGE.skip,
+    needs: &[Need::Rays],
+    serves: Serves::ALL,
+    skip: never,
     runs: Update::placed,
     cpu,
     gpu,
@@ -40,4 +45,10 @@ fn cpu(state: &mut State, _at: Scope) {
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     let count = pass.state.data.wide_links.len();
     pass.dispatch(None, &[], bytemuck::bytes_of(&Range { first: 0, count: count as u32 }), count)
+}
+
+/// Rays that go together: as many as share a subgroup, up to the children of a wide node; 1 where each goes alone.
+pub fn team(subgroup: usize) -> u32 {
+    let most = subgroup.min(WIDE);
+    if most < LEAST_TEAM { 1 } else { 1 << most.ilog2() }
 }

@@ -1,0 +1,83 @@
+// Rays of a team of invocations go through the wide tree together. Each invocation tests another child of a node against
+// the shaft that holds all their rays; the triangles that it meets are listed, and then all test the same ones, each
+// against its own ray. Which triangles are listed decides nothing: they are at least those whose boxes a ray meets.
+//
+// The includer says what is in the shaft. All invocations of a team take the same way, those without a ray too.
+
+bool in_shaft(vec3 low, vec3 high);
+
+const uint TEAMS = TEAM_GROUP / LEAST_TEAM;
+// Triangles that wait for their test, and wide nodes that wait to be opened.
+const uint LIST = 32, LISTS = TEAMS * LIST, STACKS = LISTS + TEAMS * WIDE_DEPTH;
+// The last part takes what is not kept, so that all invocations store without a branch.
+shared uint pool[STACKS + TEAM_GROUP];
+
+// An invocation's place in its group, and its team's share of the pool.
+struct Place { uint lane, mine, base, list, stack; };
+
+Place place_in_team() {
+    uint lane = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID, mine = lane % TEAM, team = lane / TEAM;
+    return Place(lane, mine, gl_SubgroupInvocationID - mine, team * LIST, LISTS + team * WIDE_DEPTH);
+}
+
+// Whether the device has teams of this size.
+bool in_teams() { return SHUFFLES != 0 && TEAM > 1 && gl_SubgroupSize >= TEAM; }
+
+uint from_other(uint v, uint from) { return SHUFFLES != 0 ? subgroupShuffle(v, from) : v; }
+
+// The bits of the whole team.
+uint joined(uint v) {
+    uint self = gl_SubgroupInvocationID;
+    if (TEAM > 1) v |= from_other(v, self ^ 1);
+    if (TEAM > 2) v |= from_other(v, self ^ 2);
+    if (TEAM > 4) v |= from_other(v, self ^ 4);
+    return v;
+}
+
+// The least numbers of the whole team.
+vec3 least(vec3 v) {
+    uint self = gl_SubgroupInvocationID;
+    if (TEAM > 1) v = min(v, shuffled(v, self ^ 1));
+    if (TEAM > 2) v = min(v, shuffled(v, self ^ 2));
+    if (TEAM > 4) v = min(v, shuffled(v, self ^ 4));
+    return v;
+}
+
+// Wide nodes that wait, and whole trees beyond them.
+struct Waiting { uint nodes, tops; };
+
+bool waits(Waiting way) { return way.nodes > 0 || way.tops > 0; }
+
+// Lists triangles until the list is full or nothing waits; returns their number.
+uint list_triangles(Place self, inout Waiting way) {
+    if (way.nodes == 0) {
+        --way.tops;
+        pool[self.stack] = WIDE * way.tops;
+        way.nodes = 1;
+    }
+    uint count = 0;
+    while (way.nodes > 0 && count + WIDE <= LIST) {
+        --way.nodes;
+        uint node = pool[self.stack + way.nodes];
+        // Of each child, whether it is in the shaft: a bit of the lower half where it is a triangle, else of the upper.
+        uint met = 0;
+        Bounds box[WIDE / LEAST_TEAM];
+        for (uint k = 0; k < WIDE / TEAM; ++k) {
+            uint child = self.mine + k * TEAM;
+            box[k] = wide_boxes[node + child];
+            met |= in_shaft(box[k].low, box[k].high) ? 1u << (child + (box[k].face != NONE ? 0 : 16)) : 0;
+        }
+        met = joined(met);
+        for (uint k = 0; k < WIDE / TEAM; ++k) {
+            uint child = self.mine + k * TEAM, before = (0x10001u << child) - 0x10001u & met;
+            bool leaf = box[k].face != NONE;
+            uint place = leaf ? self.list + count + bitCount(before & 0xffff)
+                              : self.stack + way.nodes + bitCount(before >> 16);
+            bool meet = (met >> child & 0x10001u) != 0;
+            pool[meet ? place : STACKS + self.lane] = leaf ? box[k].face : box[k].next;
+        }
+        count += bitCount(met & 0xffff);
+        way.nodes += bitCount(met >> 16);
+    }
+    return count;
+}
