@@ -128,3 +128,48 @@ pub fn trace(data: &Buffers, origin: [f32; 3], direction: [f32; 3]) -> Nearest {
     nearest.denominator *= ray.square;
     nearest
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::Bounds;
+
+    /// Triangles in this order, each in a box of its own.
+    fn listed(positions: &[[f32; 3]], triangles: &[[u32; 3]], order: &[u32]) -> Buffers {
+        let all = |f: fn(f32, f32) -> f32, [a, b]: [[f32; 3]; 2]| std::array::from_fn(|k| f(a[k], b[k]));
+        let leaf = |(place, &face): (usize, &u32)| {
+            let corners = triangles[face as usize].map(|v| positions[v as usize]);
+            let merge = |f| corners.into_iter().reduce(|a, b| all(f, [a, b])).unwrap();
+            Bounds { low: merge(f32::min), next: place as u32 + 1, high: merge(f32::max), face }
+        };
+        Buffers {
+            positions: positions.to_vec(),
+            triangles: triangles.to_vec(),
+            bounds: order.iter().enumerate().map(leaf).collect(),
+            ..Buffers::default()
+        }
+    }
+
+    #[test]
+    fn the_order_of_triangles_does_not_matter() {
+        // Three sheets through a point, so steep that the distances at which rays near it hit them round alike.
+        let (mut random, mut close) = (1u32, 0);
+        let mut next = || {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (random >> 8) as f32 / (1 << 24) as f32 - 0.5
+        };
+        for _ in 0..3_000 {
+            let center = [next(), next(), next()];
+            let mut positions = vec![center];
+            positions.extend((0..6).map(|_| [center[0] + 1e-6 * next(), center[1] + next(), center[2] + next()]));
+            let triangles = [[0, 1, 2], [0, 3, 4], [0, 5, 6]];
+            let eye = [-2.0, next(), next()];
+            let direction = minus(center, eye);
+            let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+            let found = orders.map(|order| trace(&listed(&positions, &triangles, &order), eye, direction));
+            close += usize::from(found[0].face != NONE);
+            assert!(found.iter().all(|one| *one == found[0]), "{positions:?} {eye:?}: {found:?}");
+        }
+        assert!(close > 500, "{close} rays hit");
+    }
+}

@@ -130,6 +130,12 @@ pub fn features() -> Vec<Feature> {
             with(ball(&[])),
             options(Options { goal: Goal::Radiosity, ..Options::default() }),
         ),
+        (
+            &["widen"],
+            &[BufferId::wide_boxes],
+            options(Options { goal: Goal::Radiosity, ..Options::default() }),
+            (ball(&["light.0.shadows=false"]), Options { goal: Goal::Radiosity, ..Options::default() }),
+        ),
         (&["irradiance_ratio"], &[], options(Options { mode: Mode::Render, ..Options::default() }), with(ball(&[]))),
         (
             &["pull", "coarse_solve", "acceptance_radii", "link", "gather", "push"],

@@ -69,6 +69,7 @@ fn a_motion_runs_what_it_touches() {
     let turned = after(Mode::Render, &[], "[10, 21, 30]", "[12, 3, 0]");
     let own = [
         "placement",
+        "widen",
         "visibility",
         "irradiance",
         "pull",

@@ -37,7 +37,17 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
     let session = run(&ball, CDRF);
     assert_eq!(
         names(&session),
-        ["refit", "curvature", "curvature_sums", "smooth_curvature", "pack_normals", "visibility", "cdrf", "tone"]
+        [
+            "refit",
+            "curvature",
+            "curvature_sums",
+            "smooth_curvature",
+            "pack_normals",
+            "widen",
+            "visibility",
+            "cdrf",
+            "tone"
+        ]
     );
     let used: Vec<&str> = BUFFER_IDS
         .iter()
@@ -57,6 +67,8 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
         "leaves",
         "order",
         "bounds",
+        "wide_links",
+        "wide_boxes",
         "clusters",
         "normals",
         "curvature",
@@ -76,7 +88,7 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
         assert!(session.plan().left_out.iter().any(|(name, why)| *name == stage && why.contains(word)), "{stage}");
     }
 
-    assert_eq!(names(&run(&ball, LAMBERT)), ["refit", "pack_normals", "visibility", "lambert", "tone"]);
+    assert_eq!(names(&run(&ball, LAMBERT)), ["refit", "pack_normals", "widen", "visibility", "lambert", "tone"]);
     let table = scene("sphere", &["object.0.detail=2", "transport.cdrf=table", "transport.cdrf_table=9"], 0.0);
     let session = run(&table, CDRF);
     assert_eq!(
@@ -87,6 +99,7 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
             "curvature_sums",
             "smooth_curvature",
             "pack_normals",
+            "widen",
             "visibility",
             "cdrf_table",
             "cdrf_cells",
@@ -97,7 +110,7 @@ fn nothing_of_transport_has_a_stage_or_a_buffer() {
     assert_eq!(session.state().data.cdrf_cells.len(), 64);
     let dark = scene("sphere", &["object.0.detail=2", "light.0.irradiance=0"], 0.0);
     let mut session = run(&dark, CDRF);
-    assert_eq!(names(&session), ["refit", "visibility", "shade", "tone"]);
+    assert_eq!(names(&session), ["refit", "widen", "visibility", "shade", "tone"]);
     assert!(session.picture().unwrap().pixels.contains(&[0.0; 3]));
 
     // With light transport, none of these stages run.

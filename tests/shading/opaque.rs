@@ -134,7 +134,7 @@ fn what_nobody_asks_for_has_no_stage() {
     // If everything is opaque, no lighting is evaluated per triangle.
     let all = session(&["object.0.material={ opaque = true }"], picture);
     let names: Vec<&str> = all.plan().stages.iter().map(|stage| stage.name).collect();
-    assert_eq!(names, ["refit", "placement", "visibility", "shade", "pixel_shadow", "shade_opaque", "tone"]);
+    assert_eq!(names, ["refit", "placement", "widen", "visibility", "shade", "pixel_shadow", "shade_opaque", "tone"]);
     assert!(all.state().data.lit.is_empty());
     assert!(session(&["object.1.material={ preset = 'marble' }"], picture).state().data.pixel_lit.is_empty());
 }

@@ -119,7 +119,7 @@ fn a_smooth_ball_is_near_the_dipole() {
 fn what_it_needs_is_there_and_elsewhere_nothing_of_it() {
     let ball = scene("sphere", &["object.0.detail=2", "light.0.shadows=false"]);
     let mut session = run(&ball, BLUR);
-    assert_eq!(names(&session), ["refit", "visibility", "bake_irradiance", "blur", "texture_blur", "tone"]);
+    assert_eq!(names(&session), ["refit", "widen", "visibility", "bake_irradiance", "blur", "texture_blur", "tone"]);
     let ran =
         |times: Vec<milkglass::internals::gpu::Timing>| times.into_iter().map(|time| time.name).collect::<Vec<_>>();
     assert_eq!(ran(session.frame(Change::VIEW).unwrap()), ["visibility", "texture_blur"]);
