@@ -8,7 +8,7 @@
 //!
 //! 1. Shape: `skin` places vertices by joints, `deform` moves them; `refit` fits triangles, clusters and vertex normals
 //!    to them. All this, and transport, is in each object's own frame; `placement` turns and shifts objects into the
-//!    scene, where rays and lights are. `visibility` finds what each pixel sees.
+//!    scene, where rays and lights are. `widen` lays out the tree for rays; `visibility` finds what each pixel sees.
 //! 2. Light that enters each face (equation 5): `shadow`, `environment`, `irradiance`, `texture_in`.
 //! 3. Transport to blocks of receivers: `pull` sums moments of that light up the tree of clusters; `coarse_solve`
 //!    estimates the object's brightness; `acceptance_radii` turns the tolerance into a distance per cluster; `link`
