@@ -1,14 +1,14 @@
-// Rays of a team of invocations go through the wide tree together. Each invocation tests another child of a node against
-// the shaft that holds all their rays; the triangles that it meets are listed, and then all test the same ones, each
-// against its own ray. Which triangles are listed decides nothing: they are at least those whose boxes a ray meets.
+// Rays of a team of invocations go through the wide tree together. Each invocation tests another child of a node
+// against the shaft that holds all their rays; the triangles that it meets are listed, and then all test the same ones,
+// each against its own ray. Which triangles are listed decides nothing: they are at least those whose boxes a ray meets.
 //
 // The includer says what is in the shaft. All invocations of a team take the same way, those without a ray too.
 
 bool in_shaft(vec3 low, vec3 high);
 
 const uint TEAMS = TEAM_GROUP / LEAST_TEAM;
-// Triangles that wait for their test, and wide nodes that wait to be opened.
-const uint LIST = 32, LISTS = TEAMS * LIST, STACKS = LISTS + TEAMS * WIDE_DEPTH;
+// Triangles that wait for their test, and wide nodes that wait to be opened: at most 73, says hierarchy::wide.
+const uint LIST = 32, DEPTH = 80, LISTS = TEAMS * LIST, STACKS = LISTS + TEAMS * DEPTH;
 // The last part takes what is not kept, so that all invocations store without a branch.
 shared uint pool[STACKS + TEAM_GROUP];
 
@@ -17,7 +17,7 @@ struct Place { uint lane, mine, base, list, stack; };
 
 Place place_in_team() {
     uint lane = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID, mine = lane % TEAM, team = lane / TEAM;
-    return Place(lane, mine, gl_SubgroupInvocationID - mine, team * LIST, LISTS + team * WIDE_DEPTH);
+    return Place(lane, mine, gl_SubgroupInvocationID - mine, team * LIST, LISTS + team * DEPTH);
 }
 
 // Whether the device has teams of this size.

@@ -70,11 +70,9 @@ buffers! {
     order: u32, node;
     /// Bounding boxes in the object's own frame, and the order in which rays visit the trees of all objects.
     bounds: Bounds, node;
-    /// The same trees, wider: nodes of up to `WIDE` children, one after the other, the first ones at the top. A child
-    /// is a node of all objects, or `NONE`, and what `wide_boxes` has as `next`.
+    /// The children of wide nodes, `WIDE` each: a node of all objects, or `NONE`, and its wide node times `WIDE`.
     wide_links: [u32; 2], child;
-    /// The boxes of those children, in the scene: where a child has children of its own, `next` is its wide node times
-    /// `WIDE`, and `face` `NONE`. Where there is no child the box is empty, and `face` 0.
+    /// Their boxes in the scene, with that as `next`; empty, with `face` 0, where there is no child.
     wide_boxes: Bounds, child;
     /// Clusters.
     clusters: Cluster, node;
@@ -272,35 +270,4 @@ buffers! {
     queries: Query, query;
     /// Their values: radial, then displaced sources (Table 1).
     answers: [f32; 3], query;
-}
-
-impl Buffers {
-    /// Positions in the scene.
-    #[must_use]
-    pub fn in_scene(&self) -> &[[f32; 3]] {
-        if self.placed_positions.is_empty() { &self.positions } else { &self.placed_positions }
-    }
-
-    /// Vertex normals in the scene.
-    #[must_use]
-    pub fn normals_in_scene(&self) -> &[[f32; 3]] {
-        if self.placed_normals.is_empty() { &self.normals } else { &self.placed_normals }
-    }
-
-    /// Bounding boxes in the scene.
-    #[must_use]
-    pub fn bounds_in_scene(&self) -> &[Bounds] {
-        if self.placed_bounds.is_empty() { &self.bounds } else { &self.placed_bounds }
-    }
-
-    /// The buffer that is bound where a kernel names this one.
-    #[must_use]
-    pub fn bound(&self, slot: BufferId) -> BufferId {
-        match slot {
-            BufferId::placed_positions if self.placed_positions.is_empty() => BufferId::positions,
-            BufferId::placed_normals if self.placed_normals.is_empty() => BufferId::normals,
-            BufferId::placed_bounds if self.placed_bounds.is_empty() => BufferId::bounds,
-            other => other,
-        }
-    }
 }

@@ -271,6 +271,7 @@ mod layers;
 mod lighting;
 mod lists;
 mod numbers;
+mod placed;
 mod records;
 mod shading;
 mod view;

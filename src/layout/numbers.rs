@@ -23,8 +23,6 @@ constants! {
 
     /// Children of a wide node, at most.
     WIDE: usize = 8;
-    /// Wide nodes that wait on the way through a tree, at most: see `hierarchy::wide`.
-    WIDE_DEPTH: usize = 80;
 
     /// Invocations that walk through it together, at least: smaller teams would take more shared memory than every
     /// device has.

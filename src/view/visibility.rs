@@ -58,8 +58,8 @@ fn cpu(state: &mut State, _at: Scope) {
     state.data.hits = hits;
 }
 
-/// Triangles a pixel up to which rays go in teams: with 3.8 (a horse of 96,966 at 160 x 160) they take 0.81 of the time,
-/// with 15 (at 80 x 80) 1.5 times as long.
+/// Triangles a pixel up to which rays go in teams: with 3.8 (a horse of 96,966 at 160 x 160) they take 0.81 of the
+/// time, with 15 (at 80 x 80) 1.5 times as long.
 const MOST_FACES: usize = 6;
 
 fn gpu(pass: &mut Pass<'_>) -> Result<()> {
