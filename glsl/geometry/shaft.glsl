@@ -1,13 +1,14 @@
 // Rays of a team of invocations go through the wide tree together. Each invocation tests another child of a node
 // against the shaft that holds all their rays; the triangles that it meets are listed, and then all test the same ones,
-// each against its own ray. Which triangles are listed decides nothing: they are at least those whose boxes a ray meets.
+// each against its own ray. Which triangles are listed decides nothing: they are at least all that could change what
+// is found.
 //
 // The includer says what is in the shaft. All invocations of a team take the same way, those without a ray too.
 
 bool in_shaft(vec3 low, vec3 high);
 
 const uint TEAMS = TEAM_GROUP / LEAST_TEAM;
-// Triangles that wait for their test, and wide nodes that wait to be opened: at most 73, says hierarchy::wide.
+// Triangles that wait for their test. Wide nodes that wait to be opened; hierarchy::wide says that there are 73 at most.
 const uint LIST = 32, DEPTH = 80, LISTS = TEAMS * LIST, STACKS = LISTS + TEAMS * DEPTH;
 // The last part takes what is not kept, so that all invocations store without a branch.
 shared uint pool[STACKS + TEAM_GROUP];

@@ -19,8 +19,8 @@ WRITES(hits)
 #include "geometry/shaft.glsl"
 #include "view/ray.glsl"
 
-// Rays differ from the one along `shaft_axis` by `shaft_spread` at most for each unit of way. `shaft_forward` times a
-// place seen from the eye is that way, at least.
+// Rays differ from the one along `shaft_axis` by `shaft_spread` at most for each unit of way. The dot product of
+// `shaft_forward` and a place seen from the eye is at least the way there.
 vec3 shaft_spread, shaft_forward;
 Sight shaft_axis;
 Nearest shaft_end;

@@ -24,8 +24,7 @@ constants! {
     /// Children of a wide node, at most.
     WIDE: usize = 8;
 
-    /// Invocations that walk through it together, at least: smaller teams would take more shared memory than every
-    /// device has.
+    /// Invocations that walk through it together, at least; it sets how many teams a group has room for.
     LEAST_TEAM: usize = 4;
     /// Each coordinate of the lower corner of a box that no ray meets, and of the upper one negated.
     NO_BOX: f32 = 1e30;

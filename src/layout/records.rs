@@ -133,7 +133,7 @@ records! { frame_records:
         boundary: [f32; 3],
         /// Diffusion: mean depth of the first collision of light from all around, per channel, length.
         sky_depth: [f32; 3],
-        /// Wide nodes at the top: together they have the roots of all trees as children.
+        /// Wide nodes at the top: of several objects those that have their roots as children, of one its own root.
         wide_tops: u32,
         /// Unused.
         padding: [u32; 5],

@@ -1,4 +1,5 @@
-//! The wide nodes that shadow rays walk: those of the trees of all objects, with as many at the top as hold the roots.
+//! The wide nodes that rays walk on a device: those of the trees of all objects, and above them, if there are several,
+//! as many as hold the roots.
 
 use std::cmp::Reverse;
 
