@@ -8,7 +8,7 @@
 bool in_shaft(vec3 low, vec3 high);
 
 const uint TEAMS = TEAM_GROUP / LEAST_TEAM;
-// Triangles that wait for their test. Wide nodes that wait to be opened; hierarchy::wide says that there are 73 at most.
+// Triangles that wait for their test. Wide nodes that wait to be opened: hierarchy::wide says at most 73.
 const uint LIST = 32, DEPTH = 80, LISTS = TEAMS * LIST, STACKS = LISTS + TEAMS * DEPTH;
 // The last part takes what is not kept, so that all invocations store without a branch.
 shared uint pool[STACKS + TEAM_GROUP];

@@ -1,7 +1,7 @@
 // The nearest triangle along a ray, by the tree of the scene.
 #include "geometry/sight.glsl"
 
-// What is lost in rounding a product: exact for products above 1e-24, as those of triangles above 1e-6 of the scene are.
+// What is lost in rounding a product: exact for products above 1e-24, as of triangles larger than 1e-6 of the scene.
 float lost(float a, float b, float product) {
     precise float split_a = 4097.0 * a, split_b = 4097.0 * b;
     precise float high_a = split_a - (split_a - a), high_b = split_b - (split_b - b);

@@ -12,7 +12,7 @@ pub(super) fn reason(stage: &Stage, state: &State, options: Options) -> Option<S
     let lacks = |need: &Need| match need {
         Need::Picture => (options.goal == Goal::Radiosity).then_some("no picture is asked for"),
         Need::Rays => {
-            let shadows = state.lit() && state.data.object_params[0].shadow_words > 0;
+            let shadows = state.lit() && state.data.object_params.iter().any(|params| params.shadow_words > 0);
             (options.goal == Goal::Radiosity && !shadows)
                 .then_some("no picture is asked for, and no light casts shadows")
         }
