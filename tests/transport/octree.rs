@@ -13,8 +13,8 @@ fn its_radiosity_is_near_brute_force() {
             let worst = out.lines().find(|line| line.starts_with("worst")).unwrap_or_default();
             let l2: f64 = worst.split_whitespace().nth(1).unwrap().parse().unwrap();
             assert!(l2 < 0.05 && l2 > 1e-6, "{scene} {device}: {out}");
-            let stages: Vec<_> = out.lines().filter_map(|line| line.split_whitespace().next()).take(6).collect();
-            assert_eq!(stages, ["stage", "refit", "shadow", "irradiance", "octree", "total"], "{out}");
+            let stages: Vec<_> = out.lines().filter_map(|line| line.split_whitespace().next()).take(7).collect();
+            assert_eq!(stages, ["stage", "refit", "widen", "shadow", "irradiance", "octree", "total"], "{out}");
         }
     }
 }
