@@ -106,6 +106,10 @@ constants! {
     /// Direct emitters of a block at most. More would be more steps of `gather` than lavapipe's loops take: 65,535, a
     /// ninth of them to load.
     MOST_DIRECT: usize = 58_000;
+    /// Decisions of a block's walk that are kept until its lists are written; longer lists are found by a second walk.
+    LINK_KEPT: usize = 256;
+    /// Lowest bit of a decision's kind; its node is below.
+    LINK_SHIFT: u32 = 28;
     /// Links of one receiver at most, and emitters that it hands down: more would be more than lavapipe's loops take.
     MOST_PAIRS: usize = 65_000;
     /// 2^40: keeps products of tiny areas and distances away from denormals, which a device may flush.

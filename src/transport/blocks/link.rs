@@ -11,7 +11,7 @@ use crate::dipole::distance2;
 use crate::error::Result;
 use crate::layout::{
     BLOCK_CLASSES, BLOCK_RECEIVERS, BufferId, Emitter, GROUP_SIZE, LINK_AREA, LINK_DIRECT, LINK_DROPPED, LINK_EDGE,
-    LINK_EXPANDED, LINK_KINDS, LINK_OPENED, MOST_DIRECT, Range, Runs, Sphere,
+    LINK_EXPANDED, LINK_KEPT, LINK_KINDS, LINK_OPENED, LINK_SHIFT, MOST_DIRECT, Range, Runs, Sphere,
 };
 use crate::state::{
     Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
@@ -26,6 +26,7 @@ pub static STAGE: Stage = Stage {
     writes: &[
         (BufferId::runs, Role::Update, Tolerance::Exact),
         (BufferId::counters, Role::Update, Tolerance::Exact),
+        (BufferId::decisions, Role::Output, Tolerance::Exact),
         (BufferId::entries, Role::Output, Tolerance::Exact),
         (BufferId::near, Role::Update, Tolerance::Exact),
         (BufferId::near_groups, Role::Update, Tolerance::Exact),
@@ -33,6 +34,7 @@ pub static STAGE: Stage = Stage {
     reason: "decisions: additions, multiplications and comparisons in f32, the same everywhere",
     sizes: &[
         (BufferId::runs, Size::Elements(blocks_of_batches)),
+        (BufferId::decisions, Size::Elements(|state| state.largest_batch() * LINK_KEPT)),
         (BufferId::near, Size::Elements(blocks_of_batches)),
         (BufferId::near_groups, Size::Elements(|state| state.batch_parts() * 64)),
         (
@@ -130,11 +132,16 @@ fn cpu(state: &mut State, at: Scope) {
     }
     let emitters = &data.emitters[base..base + data.topology.len()];
     let expands = &data.expansion_distances[base..base + data.topology.len()];
-    let lists: Vec<[Vec<u32>; LINK_KINDS]> = data.spheres[blocks]
-        .par_iter()
-        .map(|sphere| {
+    let lists: Vec<[Vec<u32>; LINK_KINDS]> = (data.spheres[blocks].par_iter())
+        .zip(data.decisions.par_chunks_exact_mut(LINK_KEPT))
+        .map(|(sphere, decisions)| {
             let mut lists: [Vec<u32>; LINK_KINDS] = Default::default();
-            walk(sphere, emitters, expands, |kind, node| lists[kind as usize].push(node));
+            let mut kept = 0;
+            walk(sphere, emitters, expands, |kind, node| {
+                decisions[kept.min(LINK_KEPT - 1)] = (kind as u32) << LINK_SHIFT | node;
+                kept += usize::from(kind != Kind::Dropped && kind != Kind::Opened);
+                lists[kind as usize].push(node);
+            });
             lists
         })
         .collect();

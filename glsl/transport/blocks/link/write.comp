@@ -3,9 +3,10 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Writes each block's lists where the scan placed them.
+// Writes each block's lists where the scan placed them, from what `count` kept, or by another walk.
 READS(runs)
 READS(counters)
+READS(decisions)
 WRITES(entries)
 #include "transport/blocks/link/walk.glsl"
 
@@ -25,5 +26,13 @@ void main() {
     at[LINK_DIRECT] = one.first + one.expanded;
     at[LINK_AREA] = at[LINK_DIRECT] + one.direct;
     at[LINK_EDGE] = at[LINK_AREA] + one.area;
-    walk(range.first + i);
+    uint total = at[LINK_EDGE] + one.edge - one.first;
+    if (total >= LINK_KEPT) {
+        walk(range.first + i);
+        return;
+    }
+    for (uint k = 0; k < total; ++k) {
+        uint decision = decisions[i * LINK_KEPT + k];
+        on_emitter(decision >> LINK_SHIFT, decision & ((1u << LINK_SHIFT) - 1));
+    }
 }
