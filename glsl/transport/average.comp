@@ -17,9 +17,11 @@ void main() {
     if (vertex >= object_params[0].vertices) return;
     vec3 sum = vec3(0);
     float area = 0.0;
-    for (uint i = corner_starts[vertex]; i < corner_starts[vertex + 1]; ++i) {
-        float weight = clusters[leaves[corners[i]]].area;
-        sum += weight * radiosity[corners[i]];
+    uint end = corner_starts[vertex + 1];
+    for (uint i = corner_starts[vertex]; i < end; ++i) {
+        uint face = corners[i];
+        float weight = clusters[leaves[face]].area;
+        sum += weight * radiosity[face];
         area += weight;
     }
     vertex_radiosity[vertex] = area > 0.0 ? sum / area : vec3(0);

@@ -11,6 +11,8 @@ pub struct Chunk {
     pub nodes: Range<u32>,
     /// The same by level, the root's side first; every range lies in `nodes`.
     pub levels: Vec<Range<u32>>,
+    /// Their clusters without triangles, which come last in each level.
+    pub clusters: Vec<Range<u32>>,
 }
 
 /// The chunks of a tree. If there are several, the first is the top of the tree, and all others are whole subtrees
@@ -43,24 +45,29 @@ impl Schedule {
             }
         }
 
-        // Sort by chunk, level, index; a tree that is one chunk has no top.
+        // Sort by chunk and level, clusters first, by index; a tree that is one chunk has no top.
         let mut order: Vec<u32> = (0..nodes as u32).collect();
-        order.sort_unstable_by_key(|&i| (chunk_of[i as usize], tree.level[i as usize], i));
+        let triangle = |i: u32| tree.skip[i as usize] == i + 1;
+        order.sort_unstable_by_key(|&i| (chunk_of[i as usize], tree.level[i as usize], triangle(i), i));
         let mut chunks: Vec<Chunk> = Vec::new();
         let mut last = (u32::MAX, u32::MAX);
         for (at, &i) in order.iter().enumerate() {
             let at = at as u32;
             let key = (chunk_of[i as usize], tree.level[i as usize]);
             if key.0 != last.0 {
-                chunks.push(Chunk { nodes: at..at, levels: Vec::new() });
+                chunks.push(Chunk { nodes: at..at, ..Chunk::default() });
             }
             if let Some(chunk) = chunks.last_mut() {
                 if key != last {
                     chunk.levels.push(at..at);
+                    chunk.clusters.push(at..at);
                 }
                 chunk.nodes.end = at + 1;
                 if let Some(level) = chunk.levels.last_mut() {
                     level.end = at + 1;
+                }
+                if let Some(clusters) = chunk.clusters.last_mut().filter(|_| !triangle(i)) {
+                    clusters.end = at + 1;
                 }
             }
             last = key;
@@ -68,8 +75,9 @@ impl Schedule {
         (Self { chunks, batches: Vec::new() }, order)
     }
 
-    /// Every level, from the leaves to the root: children always come before their parents.
+    /// The clusters of every level that has any, up to the root: children always come before their parents.
     pub fn upward(&self) -> impl Iterator<Item = Range<u32>> + '_ {
-        self.chunks.iter().rev().flat_map(|chunk| chunk.levels.iter().rev().cloned())
+        let all = self.chunks.iter().rev().flat_map(|chunk| chunk.clusters.iter().rev().cloned());
+        all.filter(|clusters| !clusters.is_empty())
     }
 }

@@ -14,7 +14,6 @@ void main() {
     uint i = invocation();
     if (i >= range.count) return;
     uint node = order[range.first + i];
-    if (topology[node].face != NONE) return;
     uint left = node + 1, right = topology[left].skip;
     vec3 low = min(placed_bounds[left].low, placed_bounds[right].low);
     vec3 high = max(placed_bounds[left].high, placed_bounds[right].high);

@@ -19,7 +19,6 @@ void main() {
     uint i = invocation();
     if (i >= range.count) return;
     uint node = order[range.first + i];
-    if (topology[node].face != NONE) return;
     uint left = node + 1, right = topology[left].skip;
     vec3 low = min(bounds[left].low, bounds[right].low), high = max(bounds[left].high, bounds[right].high);
     bounds[node] = Bounds(low, next_of(topology[node].skip), high, NONE);

@@ -14,6 +14,5 @@ void main() {
     uint i = invocation();
     if (i >= range.count) return;
     uint node = order[range.first + i];
-    if (topology[node].face != NONE) return;
     vertex_moments[node] = joined(vertex_moments[node + 1], vertex_moments[topology[node + 1].skip]);
 }

@@ -13,7 +13,6 @@ void main() {
     uint i = invocation();
     if (i >= range.count) return;
     uint node = order[range.first + i];
-    if (topology[node].face != NONE) return;
     uint left = node + 1, right = topology[left].skip;
     CurvatureSum l = curvature_sums[left], r = curvature_sums[right];
     curvature_sums[node] = CurvatureSum(l.area + r.area, l.mean + r.mean, l.gaussian + r.gaussian);

@@ -19,7 +19,6 @@ void main() {
     uint i = invocation();
     if (i >= range.count) return;
     uint node = order[range.first + i];
-    if (topology[node].face != NONE) return;
     uint left = node + 1, right = topology[left].skip;
     Moment l = moments[left], r = moments[right];
     SecondMoments ls = second_moments[left], rs = second_moments[right];

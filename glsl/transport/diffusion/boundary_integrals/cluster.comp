@@ -37,7 +37,6 @@ void main() {
     uint i = invocation();
     if (i >= range.count) return;
     uint node = order[range.first + i];
-    if (topology[node].face != NONE) return;
     uint left = node + 1, right = topology[left].skip;
     Layers l = layers_of(left), r = layers_of(right);
     vec3 center = moments[node].center;

@@ -13,5 +13,5 @@ void main() {
     uint i = invocation();
     if (i >= range.count) return;
     uint node = order[range.first + i];
-    if (topology[node].face == NONE) change_flags[node] = change_flags[node + 1] | change_flags[topology[node + 1].skip];
+    change_flags[node] = change_flags[node + 1] | change_flags[topology[node + 1].skip];
 }

@@ -14,7 +14,6 @@ void main() {
     uint i = invocation();
     if (i >= range.count) return;
     uint node = order[range.first + i];
-    if (topology[node].face != NONE) return;
     uint left = node + 1, right = topology[left].skip;
     float whole = clusters[left].area + clusters[right].area;
     float share = whole > 0.0 ? clusters[right].area / whole : 0.5;
