@@ -1,12 +1,14 @@
 // Rays of a team of invocations go through the wide tree together. Each invocation tests another child of a node
 // against the shaft that holds all their rays; the triangles that it meets are listed, and then all test the same ones,
 // each against its own ray. Which triangles are listed decides nothing: they are at least all that could change what
-// is found.
+// is found. A shaft may hold many that no ray comes near, such as those of a dense mesh between two pixels' rays: after
+// MOST_LISTED, rays that need more go alone.
 //
 // The includer says what is in the shaft. All invocations of a team take the same way, those without a ray too.
 
 bool in_shaft(vec3 low, vec3 high);
 
+const uint MOST_LISTED = 1024;
 const uint TEAMS = TEAM_GROUP / LEAST_TEAM;
 // Triangles that wait for their test. Wide nodes that wait to be opened: hierarchy::wide says at most 73.
 const uint LIST = 32, DEPTH = 80, LISTS = TEAMS * LIST, STACKS = LISTS + TEAMS * DEPTH;
@@ -44,10 +46,11 @@ vec3 least(vec3 v) {
     return v;
 }
 
-// Wide nodes that wait, and whole trees beyond them.
-struct Waiting { uint nodes, tops; };
+// Wide nodes that wait, whole trees beyond them, and triangles that were listed.
+struct Waiting { uint nodes, tops, listed; };
 
 bool waits(Waiting way) { return way.nodes > 0 || way.tops > 0; }
+bool goes_on(Waiting way) { return waits(way) && way.listed < MOST_LISTED; }
 
 // Lists triangles until the list is full or nothing waits; returns their number.
 uint list_triangles(Place self, inout Waiting way) {
@@ -79,6 +82,8 @@ uint list_triangles(Place self, inout Waiting way) {
         }
         count += bitCount(met & 0xffff);
         way.nodes += bitCount(met >> 16);
+        subgroupMemoryBarrierShared();
     }
+    way.listed += count;
     return count;
 }

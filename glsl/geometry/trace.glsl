@@ -1,7 +1,7 @@
 // The nearest triangle along a ray, by the tree of the scene.
 #include "geometry/sight.glsl"
 
-// What is lost in rounding a product: exact for products above 1e-24, as of triangles larger than 1e-6 of the scene.
+// What is lost in rounding a product: exact for products above 1e-24.
 float lost(float a, float b, float product) {
     precise float split_a = 4097.0 * a, split_b = 4097.0 * b;
     precise float high_a = split_a - (split_a - a), high_b = split_b - (split_b - b);
@@ -17,6 +17,10 @@ Nearest nearer(Nearest nearest, Sight ray, vec3 origin, uint face, vec3 corner_a
     precise vec3 b = corner_b - origin;
     precise vec3 c = corner_c - origin;
     Nearest found = pierce(ray, a, b, c);
+    // The fraction over a denominator of 1 to 2, so that the products of tiny triangles are not too small.
+    float scale = uintBitsToFloat(0x7f000000u - (floatBitsToUint(found.denominator) & 0x7f800000u));
+    found.numerator *= scale;
+    found.denominator *= scale;
     precise float mine = found.numerator * nearest.denominator;
     precise float its = nearest.numerator * found.denominator;
     float my_rest = lost(found.numerator, nearest.denominator, mine);

@@ -33,7 +33,7 @@ bool in_shaft(vec3 low, vec3 high) {
     return meets(low - shaft_size, high + shaft_size, shaft_middle, shaft_axis, shaft_end);
 }
 
-// FREE, BLOCKED or UNFINISHED.
+// FREE, BLOCKED, or UNFINISHED for a ray that has to go alone.
 uint together(Ask ask) {
     Place self = place_in_team();
     vec3 low = least(ask.wanted ? ask.origin : vec3(NO_BOX)), high = -least(ask.wanted ? -ask.origin : vec3(NO_BOX));
@@ -45,8 +45,8 @@ uint together(Ask ask) {
 
     Sight ray = sight(ask.direction);
     bool free = ask.wanted, left = false;
-    Waiting way = Waiting(0, any ? object_params[0].wide_tops : 0);
-    while (waits(way)) {
+    Waiting way = Waiting(0, any ? object_params[0].wide_tops : 0, 0);
+    while (goes_on(way)) {
         uint count = list_triangles(self, way), at = 0;
         for (; at < count; at += TEAM) {
             uint face = pool[self.list + min(at + self.mine, count - 1)];
@@ -70,9 +70,9 @@ uint together(Ask ask) {
             left = left || hits != 0;
         }
         left = left || at < count;
-        if (joined(uint(free)) == 0) way = Waiting(0, 0);
+        if (joined(uint(free)) == 0) way = Waiting(0, 0, 0);
     }
-    return left || waits(way) ? UNFINISHED : free ? FREE : BLOCKED;
+    return !free ? BLOCKED : left || waits(way) ? UNFINISHED : FREE;
 }
 
 void main() {
@@ -84,8 +84,9 @@ void main() {
     Light light = lights[rays.light];
     vec3 origin = placed(rays.object, clusters[object_params[rays.object].first_node + leaves[face]].center);
     Ask ask = way(light, rays.object, face, origin, there, OTHERS != 0);
-    uint met = in_teams() ? together(ask) : occlusion(ask);
+    uint met = in_teams() ? together(ask) : UNFINISHED;
     if (!there) return;
+    if (met == UNFINISHED) met = occlusion(ask);
     if (met == UNFINISHED) cut_short[0] = 1;
 
     // The first light of a word clears it.

@@ -32,6 +32,7 @@ bool in_shaft(vec3 low, vec3 high) {
     return meets(low - spread, high + spread, camera[0].origin, shaft_axis, shaft_end);
 }
 
+// Its face is UNFINISHED where the ray has to go alone.
 Nearest together(vec3 direction) {
     Place self = place_in_team();
     vec3 origin = camera[0].origin;
@@ -46,8 +47,8 @@ Nearest together(vec3 direction) {
     Nearest nearest = shaft_end;
     float along = dot(ray.along, shaft_axis.along) / ray.square;
     bool left = false;
-    Waiting way = Waiting(0, object_params[0].wide_tops);
-    while (waits(way)) {
+    Waiting way = Waiting(0, object_params[0].wide_tops, 0);
+    while (goes_on(way)) {
         uint count = list_triangles(self, way), at = 0;
         for (; at < count; at += TEAM) {
             uint face = pool[self.list + min(at + self.mine, count - 1)];
@@ -81,8 +82,10 @@ void main() {
     uint pixel = min(place.y, height - 1) * width + min(place.x, width - 1);
     vec3 direction = ray(pixel);
     precise float z = float(width) * float(height);
-    Nearest nearest = in_teams() ? together(direction) : trace(camera[0].origin, direction);
+    Nearest nearest = Nearest(UNFINISHED, vec3(0), 0.0, 1.0);
+    if (in_teams()) nearest = together(direction);
     if (!there) return;
+    if (nearest.face == UNFINISHED) nearest = trace(camera[0].origin, direction);
 
     float sum = nearest.weights.x + nearest.weights.y + nearest.weights.z;
     Hit hit = Hit(nearest.face, 0.0, 0.0, 0.0);

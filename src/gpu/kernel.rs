@@ -188,6 +188,11 @@ impl Kernel {
                 .module(module)
                 .name(c"main")
                 .specialization_info(&special);
+            // Invocations that share a subgroup find each other by their place in it: there has to be one at each.
+            let subgroup = choices.subgroup.unwrap_or(device.adapter().limits.subgroup_size);
+            if self.shuffles && device.adapter().offers.full_subgroups && self.group.is_multiple_of(subgroup) {
+                stage = stage.flags(vk::PipelineShaderStageCreateFlags::REQUIRE_FULL_SUBGROUPS);
+            }
             if let Some(subgroup) = choices.subgroup {
                 size = size.required_subgroup_size(subgroup);
                 stage = stage.push_next(&mut size);

@@ -72,7 +72,10 @@ impl LogicalDevice {
         let (mut features, mut extensions) = (extras.features(), extras.extensions());
         features.twelve.timeline_semaphore = (choices.queues != Queues::One).into();
         let mut second = vk::PhysicalDeviceSynchronization2Features::default().synchronization2(true);
-        let mut sizes = vk::PhysicalDeviceSubgroupSizeControlFeatures::default().subgroup_size_control(true);
+        let full = adapter.offers.full_subgroups;
+        let mut sizes = vk::PhysicalDeviceSubgroupSizeControlFeatures::default()
+            .subgroup_size_control(choices.subgroup.is_some())
+            .compute_full_subgroups(full);
         if choices.descriptors == Descriptors::Frame {
             features.twelve.descriptor_binding_partially_bound = vk::TRUE;
             features.twelve.descriptor_binding_storage_buffer_update_after_bind = vk::TRUE;
@@ -92,7 +95,7 @@ impl LogicalDevice {
             extensions.push(khr::synchronization2::NAME.as_ptr());
             info = info.push_next(&mut second);
         }
-        if choices.subgroup.is_some() {
+        if choices.subgroup.is_some() || full {
             extensions.push(ext::subgroup_size_control::NAME.as_ptr());
             info = info.push_next(&mut sizes);
         }

@@ -17,6 +17,8 @@ pub struct Offers {
     /// The smallest and the largest subgroup size that a pipeline can require; none without
     /// `VK_EXT_subgroup_size_control`.
     subgroups: Option<[u32; 2]>,
+    /// Whether a pipeline can require that no subgroup has room left, by the same extension.
+    pub(super) full_subgroups: bool,
     /// Storage buffers in a set that is bound once for all kernels; 0 where it can't have unused ones.
     set_buffers: u32,
     /// How many queues the family of its compute queue has.
@@ -69,6 +71,7 @@ impl Offers {
             push_descriptors: pushes.max_push_descriptors,
             synchronization2: second.synchronization2 == vk::TRUE,
             subgroups: sized.then_some([subgroups.min_subgroup_size, subgroups.max_subgroup_size]),
+            full_subgroups: sizes.compute_full_subgroups == vk::TRUE,
             set_buffers: match partial {
                 true => indexing
                     .max_per_stage_descriptor_update_after_bind_storage_buffers
