@@ -47,7 +47,7 @@
 //!   `ash`.
 //! - [`layout`]: the one source of truth for records, buffers and constants, shared with the build script and the
 //!   shaders.
-//! - [`crate::error`]: the error type; its variants say whose fault it is.
+//! - [`crate::error`]: the error type; its variants say whose fault it is. [`phases`]: wall time beside stages.
 //!
 //! `glsl/` has the same modules and file names: `glsl/transport/blocks/push.comp` is `src/transport/blocks/push.rs`.
 //! `glsl/measure` measures devices and belongs to no stage.
@@ -90,6 +90,8 @@ pub mod layers;
 pub mod layout;
 #[path = "lighting/mod.rs"]
 pub mod lighting;
+#[path = "phases.rs"]
+pub mod phases;
 #[path = "pipeline/mod.rs"]
 pub mod pipeline;
 #[path = "prepare/mod.rs"]

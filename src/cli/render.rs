@@ -8,10 +8,12 @@ use clap::{Args, ValueEnum};
 use super::bare::{BareArguments, Subject};
 use super::long_work::tell_long_work;
 use super::samples::{Samples, foretell};
+use super::solve::FRAMES;
 use super::{
     RunArguments, SceneArguments, check_messages, open_session, print, run_frame, sequence, table, validation,
 };
 use milkglass::error::{Input, Result};
+use milkglass::internals::phases::phase;
 use milkglass::internals::pipeline::plan::{Change, Mode, ShadingMethod};
 use milkglass::internals::session::cluster_view::{Emitters, clusters, color};
 use milkglass::internals::session::curvature_view::{CurvatureView, curvature_view, flat};
@@ -108,7 +110,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let frames = range.as_deref().map(|text| sequence::parse(text, &arguments.output)).transpose()?;
     let size = arguments.picture.size()?;
     let pick = arguments.pick.as_deref().map(parse_pick).transpose()?;
-    let device = arguments.picture.run.device.open(validation())?;
+    let device = phase("opening the device", || arguments.picture.run.device.open(validation()))?;
     let mut options = arguments.picture.run.options();
     if aov {
         options = options.with_layers();
@@ -134,14 +136,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let job = sequence::Job { scenes, frames, size, options, output, aov, skip };
         return job.run(device.as_ref());
     }
-    let mut scene = subject.load()?;
+    let mut scene = phase("loading the scene", || subject.load())?;
     scene.camera = scene.camera.clone().sized(size.unwrap_or(scene.camera.size))?;
-    let mut session = open_session(&scene, device.as_ref(), options)?;
+    let mut session = phase("opening the session", || open_session(&scene, device.as_ref(), options))?;
     tell_long_work(&session);
     let shows = pick.is_none() && arguments.view.is_none();
-    let foretold = if shows { foretell(&mut session)? } else { None };
+    let foretold = if shows { phase(FRAMES, || foretell(&mut session))? } else { None };
     let mut times = foretold.clone().unwrap_or_default();
-    times.extend(run_frame(&mut session, if foretold.is_some() { Change::VIEW } else { Change::EVERYTHING })?);
+    let change = if foretold.is_some() { Change::VIEW } else { Change::EVERYTHING };
+    times.extend(phase(FRAMES, || run_frame(&mut session, change))?);
     if arguments.times && (pick.is_some() || arguments.view.is_some()) {
         super::solve::print_times(&mut session, &times)?;
     }
@@ -158,7 +161,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return print_curvature(&curvature_view, scene.unit_mm);
     }
     let samples = Samples::new(&session, foretold.is_some());
-    times.extend(sequence::shoot(&mut session, aov, &arguments.output, samples)?);
+    times.extend(phase(FRAMES, || sequence::shoot(&mut session, aov, &arguments.output, samples))?);
     if arguments.times {
         super::solve::print_times(&mut session, &times)?;
     }

@@ -12,6 +12,7 @@ use super::samples::Samples;
 use super::{check_messages, open_session, run_frame};
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::{Device, Timing};
+use milkglass::internals::phases::phase;
 use milkglass::internals::pipeline::plan::{Change, Options};
 use milkglass::internals::prepare::shape::turned;
 use milkglass::internals::session::aov::layers;
@@ -123,14 +124,14 @@ pub fn shoot(session: &mut Session, aov: bool, output: &Path, mut samples: Sampl
         super::solve::tell_estimate(session)?;
     }
     let times = session.sample_telling(&mut |done, all, steps| samples.tell(done, all, steps))?;
-    match layers {
-        Some(layers) => save(&session.picture()?, &layers, output)?,
+    phase("writing the picture", || match layers {
+        Some(layers) => save(&session.picture()?, &layers, output),
         None if is_png(output) => {
             let size = session.scene().camera.size.map(|n| n as usize);
-            save_png(output, size, &session.shown()?)?;
+            save_png(output, size, &session.shown()?)
         }
-        None => session.picture()?.save(output)?,
-    }
+        None => session.picture()?.save(output),
+    })?;
     Ok(times)
 }
 

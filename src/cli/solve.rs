@@ -11,6 +11,7 @@ use super::{RunArguments, SceneArguments, check_messages, open_session, print, r
 use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Timing;
 use milkglass::internals::layout::BufferId;
+use milkglass::internals::phases::{phase, phases};
 use milkglass::internals::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use milkglass::internals::session::run::Session;
 use milkglass::internals::state::Scheme;
@@ -60,6 +61,9 @@ fn format(path: &Path) -> Result<Format> {
     }
 }
 
+/// The phase that is the frames, stages included.
+pub const FRAMES: &str = "frames";
+
 /// Solves, writes the output, and verifies if requested.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let output = match &arguments.output {
@@ -72,14 +76,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     ready([("-o", arguments.output.as_ref())])?;
     arguments.run.options().carries("solve")?;
     arguments.limit.hold();
-    let scene = arguments.scene.load()?;
-    let device = arguments.run.device.open(validation())?;
+    let scene = phase("loading the scene", || arguments.scene.load())?;
+    let device = phase("opening the device", || arguments.run.device.open(validation()))?;
     // Times alone are measured without an error estimate.
     let estimate = output.is_some() || arguments.verify.is_some();
     let options = Options { goal: Goal::Radiosity, estimate, ..arguments.run.options() };
-    let mut session = open_session(&scene, device.as_ref(), options)?;
+    let mut session = phase("opening the session", || open_session(&scene, device.as_ref(), options))?;
     tell_long_work(&session);
-    let times = run_frame(&mut session, Change::EVERYTHING)?;
+    let times = phase(FRAMES, || run_frame(&mut session, Change::EVERYTHING))?;
     // Only a file needs every face.
     let faces = if output.is_some() { session.faces()? } else { Vec::new() };
     session.sharpen()?;
@@ -146,7 +150,19 @@ pub fn tell_estimate(session: &mut Session) -> Result<()> {
     Ok(())
 }
 
-/// Prints the time of each stage, summed over its steps in all frames, and the number of links.
+/// Wall time beside the stages, which took so many milliseconds within the frames.
+fn phase_rows(stages: f64) -> Vec<Vec<String>> {
+    let (phases, all) = phases();
+    let known: f64 = phases.iter().map(|(_, ms)| ms).sum();
+    let own = |(name, ms): (&'static str, f64)| match name {
+        FRAMES => ("frames, without their stages", (ms - stages).max(0.0)),
+        _ => (name, ms),
+    };
+    let rows = phases.into_iter().map(own).chain([("the rest", all - known), ("all, with the stages", all)]);
+    rows.map(|(name, ms)| vec![name.to_string(), format!("{ms:.3}")]).collect()
+}
+
+/// Prints wall time by phase and the time of each stage, summed over its steps in all frames, and the number of links.
 pub fn print_times(session: &mut Session, times: &[Timing]) -> Result<()> {
     session.fetch(&[BufferId::spans, BufferId::runs])?;
     let mut rows: Vec<(String, usize, f64)> = Vec::new();
@@ -158,11 +174,13 @@ pub fn print_times(session: &mut Session, times: &[Timing]) -> Result<()> {
     }
     let (steps, total) = rows.iter().fold((0, 0.0), |(steps, sum), (_, count, ms)| (steps + count, sum + ms));
     rows.push(("total".into(), steps, total));
+    let between = phase_rows(total);
     let row = |(name, steps, ms): (String, usize, f64)| vec![name, steps.to_string(), format!("{ms:.3}")];
     let rows: Vec<_> = rows.into_iter().map(row).collect();
     let data = &session.state().data;
     let links: u64 = data.spans.iter().map(|span| u64::from(span.links)).sum();
     print(&table(&["stage", "steps", "ms"], &[1, 2], &rows))?;
+    print(&table(&["beside stages", "ms"], &[1], &between))?;
     let count = |of: fn(&milkglass::internals::layout::Runs) -> u32| {
         session.state().runs().map(|run| u64::from(of(run))).sum::<u64>()
     };

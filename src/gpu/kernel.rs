@@ -19,6 +19,7 @@ use super::reflect::{Access, Reflected, reflect, words_of};
 use super::spirv_module::{round_to_nearest, without_rounding};
 use crate::error::{Error, Result};
 use crate::layout::{GROUP_ID, GROUPS_A_ROW, SHUFFLE_ID};
+use crate::phases::phase;
 
 /// What identifies a kernel.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -203,8 +204,10 @@ impl Kernel {
             };
             let info = [vk::ComputePipelineCreateInfo::default().flags(flags).stage(stage).layout(self.layout)];
             let begin = Instant::now();
-            let made = vk_call("vkCreateComputePipelines", &doing, || {
-                raw.create_compute_pipelines(device.pipeline_cache(), &info, None).map_err(|(_, code)| code)
+            let made = phase("making pipelines", || {
+                vk_call("vkCreateComputePipelines", &doing, || {
+                    raw.create_compute_pipelines(device.pipeline_cache(), &info, None).map_err(|(_, code)| code)
+                })
             });
             self.creation = begin.elapsed();
             raw.destroy_shader_module(module, None);

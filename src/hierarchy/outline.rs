@@ -2,6 +2,7 @@
 
 use super::{NONE, Tree};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Clusters by id: the faces first (`0 .. faces`), then the merged ones in order of creation.
 pub(super) struct Outline {
@@ -39,16 +40,27 @@ impl Outline {
     /// centroids' bounds; ties are broken by id. Ranges of more than `block` members are split at multiples of `block`,
     /// so that whole blocks are clusters. `members` must not be empty. Returns the id of the root.
     pub fn split_at_medians(&mut self, members: &mut [u32], block: usize) -> u32 {
-        // Ranges in breadth-first order: the two halves of a range come after it.
+        // Ranges in breadth-first order: the two halves of a range come after it. The ranges of a level are disjoint and
+        // in order, so that they are halved at the same time.
         let mut cuts = vec![(0, members.len())];
-        let mut next = 0;
-        while next < cuts.len() {
-            let (start, end) = cuts[next];
-            next += 1;
-            if end - start > 1 {
-                let middle = self.halve(&mut members[start..end], block) + start;
-                cuts.extend([(start, middle), (middle, end)]);
+        let mut level = 0..1;
+        while !level.is_empty() {
+            let (mut rest, mut first) = (&mut *members, 0);
+            let mut open = Vec::new();
+            for &(start, end) in cuts[level.clone()].iter().filter(|(start, end)| end - start > 1) {
+                let (_, from) = std::mem::take(&mut rest).split_at_mut(start - first);
+                let (own, after) = from.split_at_mut(end - start);
+                open.push((start, own));
+                (rest, first) = (after, end);
             }
+            let halves = open.into_par_iter().with_min_len(16).flat_map_iter(|(start, own)| {
+                let end = start + own.len();
+                let middle = start + self.halve(own, block);
+                [(start, middle), (middle, end)]
+            });
+            let halves: Vec<_> = halves.collect();
+            level = cuts.len()..cuts.len() + halves.len();
+            cuts.extend(halves);
         }
         // Join backwards, so that both halves exist before their range. Each range of more than one member takes the
         // last two ranges that are not taken yet.

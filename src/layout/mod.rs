@@ -252,6 +252,10 @@ macro_rules! buffers {
             pub fn resize(&mut self, slot: BufferId, elements: usize) {
                 match slot { $(BufferId::$name => self.$name.resize(elements, <$kind as bytemuck::Zeroable>::zeroed()),)* }
             }
+            /// Makes a buffer as long as this, all zeros. Memory that nobody touches costs nothing.
+            pub fn clear(&mut self, slot: BufferId, elements: usize) {
+                match slot { $(BufferId::$name => self.$name = bytemuck::allocation::zeroed_vec(elements),)* }
+            }
             /// The bytes of a buffer, to be overwritten.
             pub fn bytes_mut(&mut self, slot: BufferId) -> &mut [u8] {
                 match slot { $(BufferId::$name => bytemuck::cast_slice_mut(&mut self.$name),)* }

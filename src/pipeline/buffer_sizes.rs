@@ -82,7 +82,6 @@ pub fn adjust(state: &mut State, plan: &Plan) {
 pub fn resize(state: &mut State, plan: &Plan, chosen: impl Fn(BufferId) -> bool) {
     for slot in BUFFER_IDS.iter().copied().filter(|slot| chosen(*slot) && !Plan::is_input(*slot)) {
         let count = if wanted(state, plan, slot) { elements(state, slot) } else { 0 };
-        state.data.resize(slot, 0);
-        state.data.resize(slot, count);
+        state.data.clear(slot, count);
     }
 }

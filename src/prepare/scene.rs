@@ -22,6 +22,7 @@ use crate::dipole::form_factor::ladder::Ladder;
 use crate::hierarchy::face_cluster::{self, Method};
 use crate::hierarchy::{Tree, median, split};
 use crate::layout::{KAPPA_MEAN, KAPPA_RMS, OPAQUE_BY_FACE, OPAQUE_BY_PIXEL, OPAQUE_NOT, ObjectParams, Topology};
+use crate::phases::phase;
 use crate::scene::{self, Hierarchy, Kappa, Material, Mesh, Scene, Side, Transport};
 use crate::state::{Extent, LitAt, Local, Method as Switches, Object, Schedule, Scheme, State, narrow};
 use crate::transport::blocks::BLOCK_RECEIVERS;
@@ -93,7 +94,8 @@ pub fn prepare(
                 && prepared.spoilt[number].is_none();
             same.then(|| (&prepared.trees[number], prepared.methods[number]))
         });
-        let (tree, made, growth) = tree_of(object, scene.transport.hierarchy, units, known);
+        let tree_of = || tree_of(object, scene.transport.hierarchy, units, known);
+        let (tree, made, growth) = phase("building trees", tree_of);
         let any = solves.contains(&true);
         let (part, own) = one(scene, object, &tree, units, (by_pixel, lit_at, local), (any, solves[number]));
         spoilt.push(growth);

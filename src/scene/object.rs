@@ -11,6 +11,7 @@ use super::texture::Texture;
 use super::transport::Transport;
 use super::vector::Vector;
 use crate::error::Input;
+use crate::phases::phase;
 use glam::{DMat4, DQuat, DVec3, EulerRot};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -249,7 +250,10 @@ impl Draft {
                     let fault = Input::new("the shape does not fit the memory").key(format!("object.{index}.detail"));
                     fault.found(format!("{detail}, up to {most} triangles: {error}")).expected("fewer triangles")
                 })?;
-                if textured.is_some() { shape.build_textured(*detail) } else { shape.build(*detail) }
+                phase("building shapes", || match textured {
+                    Some(_) => shape.build_textured(*detail),
+                    None => shape.build(*detail),
+                })
             }
         };
         // No light enters an opaque object: it is not refined for the hierarchy.

@@ -11,6 +11,7 @@ use super::subdivide::subdivide;
 use super::walk::{WalkControl, WalkTransport, prepare_walk};
 use crate::error::Result;
 use crate::gpu::Device;
+use crate::phases::phase;
 use crate::pipeline::plan::{Change, Mode, Options, Plan, ShadingMethod};
 use crate::prepare::layers::drop_unlooked;
 use crate::prepare::reach::reach;
@@ -69,7 +70,8 @@ impl Session {
         let solves = choice.solves(&scene);
         let (by_pixel, why) = by_pixel(&scene, options);
         let known = before.as_deref().map(|before| (&before.scene, &before.prepared));
-        let mut prepared = prepare(&scene, (by_pixel, lit_at(&scene, options)), (local, &solves), known);
+        let shown = (by_pixel, lit_at(&scene, options));
+        let mut prepared = phase("preparing the scene", || prepare(&scene, shown, (local, &solves), known));
         blur(&mut prepared, &scene, unwrap(&scene, local)?);
         if options.transport == ShadingMethod::Walk {
             prepare_walk(&mut prepared, &scene, WalkControl::default())?;

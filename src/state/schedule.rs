@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use crate::hierarchy::Tree;
 
 /// A part of the tree that is linked and summed in one go.
@@ -48,7 +50,7 @@ impl Schedule {
         // Sort by chunk and level, clusters first, by index; a tree that is one chunk has no top.
         let mut order: Vec<u32> = (0..nodes as u32).collect();
         let triangle = |i: u32| tree.skip[i as usize] == i + 1;
-        order.sort_unstable_by_key(|&i| (chunk_of[i as usize], tree.level[i as usize], triangle(i), i));
+        order.par_sort_unstable_by_key(|&i| (chunk_of[i as usize], tree.level[i as usize], triangle(i), i));
         let mut chunks: Vec<Chunk> = Vec::new();
         let mut last = (u32::MAX, u32::MAX);
         for (at, &i) in order.iter().enumerate() {

@@ -48,6 +48,17 @@ fn render_writes_a_png_and_nothing_else() {
     assert_eq!((&png[1..4], &png[16..24]), (&b"PNG"[..], &[0, 0, 0, 16, 0, 0, 0, 12][..]));
     let (out, _) = good(&here, &format!("render {SMALL} -o b.png --size 1x1 --times"));
     assert!(out.starts_with("stage") && out.contains("total"), "{out}");
+    // Wall time beside the stages, phase by phase, adds up to all of it.
+    let ms = |row: &str| -> f64 {
+        let line = out.lines().find(|line| line.starts_with(row)).unwrap_or_else(|| panic!("{row}: {out}"));
+        line.split_whitespace().last().unwrap().parse().unwrap()
+    };
+    let phases = ["building shapes", "building trees", "preparing the scene", "opening the session"];
+    let frames = ["frames, without their stages", "writing the picture", "opening the device", "loading the scene"];
+    let all = ms("all, with the stages");
+    let sum: f64 = phases.iter().chain(&frames).map(|row| ms(row)).sum::<f64>() + ms("the rest") + ms("total");
+    // Stages that run side by side may take more than their frame.
+    assert!(sum > 0.99 * all && phases.iter().chain(&frames).all(|row| ms(row) <= all), "{sum} of {all}: {out}");
     // Every sample counts: one frame through the centres, and three more.
     let (out, _) = good(&here, &format!("render {SMALL} -o c.png --size 2x1 --times --set camera.samples=3"));
     let steps = |stage: &str| -> usize {

@@ -1,7 +1,8 @@
 //! What only some frames have: stages and buffers, with a frame that has them and one that has not.
 
-use milkglass::internals::layout::BufferId;
-use milkglass::internals::pipeline::plan::{Goal, Mode, Options, ShadingMethod};
+use milkglass::internals::layout::{BufferId, LINK_KEPT, Runs};
+use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
+use milkglass::internals::session::run::Session;
 use milkglass::scene::{Deform, Light, Pose, Receivers, Reflection, Rig, Scene};
 use std::sync::Arc;
 
@@ -239,4 +240,22 @@ pub fn features() -> Vec<Feature> {
             carried(ShadingMethod::Lambert),
         ),
     ]
+}
+
+/// The fixture of lists that a second walk writes has some, and others that need none.
+#[test]
+fn some_lists_are_longer_than_what_is_kept() {
+    let sets = ["object.0.detail=4", "object.0.size=40", "transport.tolerance=1e-5"];
+    let scene = Scene::load_with("sphere", &sets.map(String::from)).unwrap();
+    let options = Options { goal: Goal::Radiosity, ..Options::default() };
+    let mut session = Session::new(&scene, None, options).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    let lengths = session.state().runs().map(|run| run.expanded + run.direct + run.area + run.edge);
+    let (long, short): (Vec<_>, Vec<_>) = lengths.partition(|&length| length as usize >= LINK_KEPT);
+    assert!(!long.is_empty(), "{short:?}");
+    let scene = Scene::load_with("sphere", &["object.0.detail=2".into()]).unwrap();
+    let mut session = Session::new(&scene, None, options).unwrap();
+    session.frame(Change::EVERYTHING).unwrap();
+    let length = |run: &Runs| run.expanded + run.direct + run.area + run.edge;
+    assert!(session.state().runs().all(|run| (length(run) as usize) < LINK_KEPT));
 }

@@ -30,6 +30,7 @@ pub use shape::Shape;
 use super::files::Files;
 use super::range::Checked;
 use crate::error::Input;
+use crate::phases::phase;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::path::Path;
@@ -72,15 +73,17 @@ impl Mesh {
         wanted: Option<Coordinates<'_>>,
         report: &mut Vec<String>,
     ) -> Checked<Self> {
-        let soup = import::read(files, path, part, wanted)?;
-        let (mut mesh, _) = clean::clean(soup, report).map_err(|fault| fault.file(path))?;
+        let soup = phase("reading meshes", || import::read(files, path, part, wanted))?;
+        let clean = || clean::clean(soup, report).map_err(|fault| fault.file(path));
+        let (mut mesh, _) = phase("cleaning meshes", clean)?;
         let (low, high) = mesh.bounds();
         let extent = (high - low).max_element();
         if extent < SMALLEST {
             let fault = Input::new("the mesh is too small").file(path).found(format!("{extent:e} across"));
             return Err(fault.expected(format!("at least {SMALLEST:e}")));
         }
-        orient::orient(&mut mesh, report).map_err(|fault| fault.file(path))?;
+        let orient = || orient::orient(&mut mesh, report).map_err(|fault| fault.file(path));
+        phase("orienting meshes", orient)?;
         Ok(mesh)
     }
 
