@@ -4,7 +4,7 @@
 #include "invocation.glsl"
 
 // Receivers where the pixels of a tile show the object, divided into blocks of nearby ones. One invocation a tile. All
-// but the spheres are decisions.
+// but the spheres are decisions. Unrolled, it is so long that lavapipe's compiler takes over a second.
 READS(object_params)
 READS(camera)
 READS(hits)
@@ -36,7 +36,7 @@ void main() {
     vec3 seeds[TILE_BLOCKS] = vec3[TILE_BLOCKS](vec3(NOWHERE), vec3(NOWHERE), vec3(NOWHERE), vec3(NOWHERE));
     uint seeded = 0;
     bool torn = false;
-    for (uint k = 0; k < BLOCK_RECEIVERS; ++k) {
+    [[dont_unroll]] for (uint k = 0; k < BLOCK_RECEIVERS; ++k) {
         uvec2 at = corner + uvec2(k % TILE_SIDE, k / TILE_SIDE);
         bool inside = at.x < width && at.y < height;
         Hit hit = hits[inside ? at.y * width + at.x : 0];
@@ -67,9 +67,9 @@ void main() {
 
     // Layer by layer.
     uint next = BLOCK_RECEIVERS * tile;
-    for (uint layer = 0; layer < TILE_BLOCKS; ++layer) {
+    [[dont_unroll]] for (uint layer = 0; layer < TILE_BLOCKS; ++layer) {
         uint first = next;
-        for (uint k = 0; k < BLOCK_RECEIVERS; ++k) {
+        [[dont_unroll]] for (uint k = 0; k < BLOCK_RECEIVERS; ++k) {
             if (layer_of[k] == layer) {
                 uvec2 at = corner + uvec2(k % TILE_SIDE, k / TILE_SIDE);
                 receiver_positions[next] = found[k];
@@ -84,7 +84,7 @@ void main() {
         blocks[TILE_BLOCKS * tile + layer] = Block(0, first, count);
         spheres[TILE_BLOCKS * tile + layer] = sphere;
     }
-    for (uint k = 0; k < BLOCK_RECEIVERS; ++k) {
+    [[dont_unroll]] for (uint k = 0; k < BLOCK_RECEIVERS; ++k) {
         if (BLOCK_RECEIVERS * tile + k >= next) receiver_positions[BLOCK_RECEIVERS * tile + k] = vec3(NOWHERE);
     }
 }

@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 pub fn declarations() -> String {
     let mut text = String::from(
         "#ifndef LAYOUT\n#define LAYOUT\n#extension GL_EXT_scalar_block_layout : require\n\
+         #extension GL_EXT_control_flow_attributes : require\n\
          #define READS(name) READS_##name\n#define WRITES(name) WRITES_##name\n#define UPDATES(name) UPDATES_##name\n",
     );
     for constant in super::numbers().into_iter().chain(super::kinds()) {

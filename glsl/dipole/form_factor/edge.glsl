@@ -52,26 +52,28 @@ vec3 edge_integral(vec3 sigma, float R, float t1, float t2, vec3 h, float rim, v
 // height h over its plane, whose foot is `foot`. Each edge runs from the lower to the higher vertex number, so that
 // the two triangles that share it compute the very same value.
 vec3 edge_form(vec3 sigma, vec3 a, vec3 b, vec3 c, uvec3 id, vec3 normal, vec3 foot, vec3 h) {
-    vec3 corner[3] = vec3[3](a - foot, b - foot, c - foot);
-    uint number[3] = uint[3](id.x, id.y, id.z);
-    bool inside = true;
-    float nearest = 1e30;
-    for (uint e = 0; e < 3; ++e) {
-        vec3 p = corner[e], q = corner[(e + 1) % 3];
-        inside = inside && dot(cross(p, q), normal) >= 0.0;
-        nearest = min(nearest, segment_distance(p, q));
-    }
+    a -= foot;
+    b -= foot;
+    c -= foot;
+    bool inside = dot(cross(a, b), normal) >= 0.0 && dot(cross(b, c), normal) >= 0.0 && dot(cross(c, a), normal) >= 0.0;
+    float nearest = min(min(segment_distance(a, b), segment_distance(b, c)), segment_distance(c, a));
     float rim = inside ? 0.0 : nearest;
     vec3 s_m = mix(h, sqrt(h * h + rim * rim), lessThan(h, vec3(rim)));
     vec3 sum = vec3(0);
-    for (uint e = 0; e < 3; ++e) {
-        bool swapped = number[e] > number[(e + 1) % 3];
-        vec3 p = corner[swapped ? (e + 1) % 3 : e], q = corner[swapped ? e : (e + 1) % 3];
+    // Edge after edge, by turning the corners; unrolled, it would be long to compile.
+    [[dont_unroll]] for (uint e = 0; e < 3; ++e) {
+        bool swapped = id.x > id.y;
+        vec3 p = swapped ? b : a, q = swapped ? a : b;
         float size = length(q - p);
         vec3 u = size > 0.0 ? (q - p) / size : vec3(0);
         float R = dot(cross(p, u), normal);
         vec3 value = edge_integral(sigma, R, dot(p, u), dot(q, u), h, rim, s_m);
         sum += swapped ? -value : value;
+        vec3 first = a;
+        a = b;
+        b = c;
+        c = first;
+        id = id.yzx;
     }
     // The integrand is positive. Where the edges of a sliver cancel to less than their rounding, that may not show:
     // then nothing is nearest to the truth. (No max(): it may turn what is not a number into 0.)
