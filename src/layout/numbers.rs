@@ -106,7 +106,7 @@ constants! {
     /// Direct emitters of a block at most. More would be more steps of `gather` than lavapipe's loops take: 65,535, a
     /// ninth of them to load.
     MOST_DIRECT: usize = 58_000;
-    /// Decisions of a block's walk that are kept until its lists are written; longer lists are found by a second walk.
+    /// Decisions of a block's walk that are kept until its lists are written; what is beyond is found by a second walk.
     LINK_KEPT: usize = 256;
     /// Lowest bit of a decision's kind; its node is below.
     LINK_SHIFT: u32 = 28;

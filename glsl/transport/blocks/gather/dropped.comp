@@ -31,6 +31,6 @@ void main() {
     uint block = range.first + i;
     dipoles = Dipole[3](dipole_of(0), dipole_of(1), dipole_of(2));
     center = spheres[block].center;
-    walk(block);
+    walk(block, 0);
     expansions[block].error += only_group(sum * sum, vec3(0));
 }

@@ -22,7 +22,7 @@ void main() {
     uint i = invocation();
     if (i >= range.count) return;
     first = i * LINK_KEPT;
-    bool whole = walk(range.first + i);
+    bool whole = walk(range.first + i, 0);
     if (!whole || count[LINK_DIRECT] > MOST_DIRECT) counters[0].unfinished = 1;
     runs[i] = Runs(0, count[LINK_EXPANDED], count[LINK_DIRECT], count[LINK_AREA],
                    count[LINK_EDGE], count[LINK_DROPPED]);

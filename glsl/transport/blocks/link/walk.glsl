@@ -19,14 +19,14 @@ bool beyond(float d2, float reach, float radius) {
     return d2 >= sum2;
 }
 
-// False where the driver has cut the loop short.
-bool walk(uint block) {
+// From this node on. False where the driver has cut the loop short.
+bool walk(uint block, uint node) {
     Sphere sphere = spheres[block];
     // A class for the block's spread; beyond the last nothing is expanded.
     uint size_class = uint(sphere.relative_moment > BLOCK_CLASSES[0]) + uint(sphere.relative_moment > BLOCK_CLASSES[1]) +
                         uint(sphere.relative_moment > BLOCK_CLASSES[2]);
     bool expandable = sphere.relative_moment <= BLOCK_CLASSES[3];
-    uint node = 0, end = object_params[0].nodes;
+    uint end = object_params[0].nodes;
     while (node < end) {
         Emitter e = emitters[node];
         float d2 = distance2(sphere.center, e.place.xyz);

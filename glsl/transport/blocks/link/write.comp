@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// Writes each block's lists where the scan placed them, from what `count` kept, or by another walk.
+// Writes each block's lists where the scan placed them, from what `count` kept, and by another walk beyond that.
 READS(runs)
 READS(counters)
 READS(decisions)
@@ -27,12 +27,12 @@ void main() {
     at[LINK_AREA] = at[LINK_DIRECT] + one.direct;
     at[LINK_EDGE] = at[LINK_AREA] + one.area;
     uint total = at[LINK_EDGE] + one.edge - one.first;
-    if (total >= LINK_KEPT) {
-        walk(range.first + i);
-        return;
-    }
-    for (uint k = 0; k < total; ++k) {
+    uint node = 0, known = min(total, LINK_KEPT - 1);
+    for (uint k = 0; k < known; ++k) {
         uint decision = decisions[i * LINK_KEPT + k];
-        on_emitter(decision >> LINK_SHIFT, decision & ((1u << LINK_SHIFT) - 1));
+        node = decision & ((1u << LINK_SHIFT) - 1);
+        on_emitter(decision >> LINK_SHIFT, node);
     }
+    // The walk goes on behind the last of them.
+    if (known < total) walk(range.first + i, emitters[node].skip);
 }
