@@ -25,7 +25,7 @@ const FLOORS: &[&[&str]] = &[
     &["state"],
     &["gpu", "hierarchy", "scene"],
     &["layout"],
-    &["error"],
+    &["error", "phases"],
 ];
 
 /// All files with this extension below a folder, sorted.

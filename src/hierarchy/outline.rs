@@ -40,8 +40,8 @@ impl Outline {
     /// centroids' bounds; ties are broken by id. Ranges of more than `block` members are split at multiples of `block`,
     /// so that whole blocks are clusters. `members` must not be empty. Returns the id of the root.
     pub fn split_at_medians(&mut self, members: &mut [u32], block: usize) -> u32 {
-        // Ranges in breadth-first order: the two halves of a range come after it. The ranges of a level are disjoint and
-        // in order, so that they are halved at the same time.
+        // Ranges in breadth-first order: the two halves of a range come after it. The ranges of a level are disjoint
+        // and in order, so that they are halved at the same time.
         let mut cuts = vec![(0, members.len())];
         let mut level = 0..1;
         while !level.is_empty() {

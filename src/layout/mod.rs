@@ -281,10 +281,7 @@ mod shading;
 mod view;
 mod walk;
 
-pub use self::layers::*;
-pub use self::lighting::*;
-pub use self::shading::*;
-pub use self::view::*;
+pub use self::{layers::*, lighting::*, shading::*, view::*};
 pub use buffers::*;
 pub use constants::{Constant, Shared};
 pub use deform::*;
