@@ -48,7 +48,7 @@ pub struct Arguments {
     /// The pixel for `--view clusters`, from the upper left.
     #[arg(long, value_name = "X,Y", requires = "view")]
     pick: Option<String>,
-    /// Print each stage's time.
+    /// Print each stage's time, and the wall time beside them.
     #[arg(long)]
     times: bool,
 }

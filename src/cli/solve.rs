@@ -39,7 +39,7 @@ pub struct Arguments {
     /// Seed for choosing the faces of `--verify`.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Print each stage's time.
+    /// Print each stage's time, and the wall time beside them.
     #[arg(long)]
     times: bool,
 }

@@ -49,6 +49,8 @@ pub struct Kernel {
     pub creation: Duration,
     /// Invocations of a group.
     pub group: u32,
+    /// Of them those in the first dimension.
+    across: u32,
     /// The same, if it was chosen.
     pub(super) chosen_group: Option<u32>,
     /// Its counters, if it counts what it does.
@@ -153,6 +155,7 @@ impl Kernel {
             push_bytes: found.push_bytes,
             built,
             group,
+            across: chosen_group.unwrap_or(found.across),
             chosen_group,
             creation: Duration::ZERO,
             meter: None,
@@ -191,7 +194,7 @@ impl Kernel {
                 .specialization_info(&special);
             // Invocations that share a subgroup find each other by their place in it: there has to be one at each.
             let subgroup = choices.subgroup.unwrap_or(device.adapter().limits.subgroup_size);
-            if self.shuffles && device.adapter().offers.full_subgroups && self.group.is_multiple_of(subgroup) {
+            if self.shuffles && device.adapter().offers.full_subgroups && self.across.is_multiple_of(subgroup) {
                 stage = stage.flags(vk::PipelineShaderStageCreateFlags::REQUIRE_FULL_SUBGROUPS);
             }
             if let Some(subgroup) = choices.subgroup {

@@ -68,7 +68,7 @@ impl LogicalDevice {
             .queue_family_index(adapter.queue_family)
             .queue_priorities(&priorities[..count])];
 
-        // What the choices and the extras need, and nothing else.
+        // What the choices and the extras need, full subgroups where there are any, and nothing else.
         let (mut features, mut extensions) = (extras.features(), extras.extensions());
         features.twelve.timeline_semaphore = (choices.queues != Queues::One).into();
         let mut second = vk::PhysicalDeviceSynchronization2Features::default().synchronization2(true);

@@ -79,6 +79,8 @@ pub(super) struct Reflected {
     pub(super) push_bytes: u32,
     /// Invocations of a group.
     pub(super) group: u32,
+    /// Of them those in the first dimension.
+    pub(super) across: u32,
     /// How many specialization constants it has, without those of `open`.
     pub(super) constants: usize,
     /// Its specialization constants from [`GROUP_ID`] on, by which it leaves a choice open.
@@ -163,6 +165,7 @@ pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
         strides: BTreeMap::new(),
         push_bytes: 0,
         group: 0,
+        across: 0,
         constants: 0,
         open: BTreeSet::new(),
         names: BTreeMap::new(),
@@ -199,7 +202,9 @@ pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
     for mode in &entry.exec_modes {
         if mode.exec_mode == ExecutionMode::LocalSize {
             let sizes = mode.operands.iter().filter_map(|operand| operand.value.to_typeless());
-            found.group = sizes.filter_map(|b| Some(u32::from_le_bytes(b.get(..4)?.try_into().ok()?))).product();
+            let sizes: Vec<u32> =
+                sizes.filter_map(|b| Some(u32::from_le_bytes(b.get(..4)?.try_into().ok()?))).collect();
+            (found.group, found.across) = (sizes.iter().product(), sizes.first().copied().unwrap_or_default());
         }
     }
     if found.group == 0 {

@@ -66,7 +66,7 @@ buffers! {
     topology: Topology, node;
     /// The leaf node of each triangle.
     leaves: u32, face;
-    /// All nodes, sorted by chunk, then level, then index.
+    /// All nodes, sorted by chunk and level, clusters before triangles, by index.
     order: u32, node;
     /// Bounding boxes in the object's own frame, and the order in which rays visit the trees of all objects.
     bounds: Bounds, node;
@@ -138,7 +138,8 @@ buffers! {
     near: u32, batch;
     /// Groups to dispatch for them, then their number; a part is 64 elements for the sake of its offset.
     near_groups: [u32; 3], batch;
-    /// What each block of a batch decided on the way, up to LINK_KEPT: nodes, and how each is taken.
+    /// What each block of a batch decided on the way, up to LINK_KEPT - 1: nodes, and how each is
+    /// taken.
     decisions: u32, table;
     /// The blocks' lists, one after the other: nodes.
     entries: u32, batch;

@@ -106,7 +106,8 @@ constants! {
     /// Direct emitters of a block at most. More would be more steps of `gather` than lavapipe's loops take: 65,535, a
     /// ninth of them to load.
     MOST_DIRECT: usize = 58_000;
-    /// Decisions of a block's walk that are kept until its lists are written; what is beyond is found by a second walk.
+    /// Places for a block's decisions until its lists are written, the last for what is not kept; what is beyond is
+    /// found by a second walk.
     LINK_KEPT: usize = 256;
     /// Lowest bit of a decision's kind; its node is below.
     LINK_SHIFT: u32 = 28;

@@ -237,7 +237,7 @@ impl State {
         let mut one = Self { data: Default::default(), objects: vec![object], ..*self };
         for &slot in BUFFER_IDS {
             let (stride, (first, count)) = (slot.spec().stride, self.parts(slot, number));
-            one.data.resize(slot, count);
+            one.data.clear(slot, count);
             one.data.bytes_mut(slot).copy_from_slice(&self.data.bytes(slot)[first * stride..(first + count) * stride]);
         }
         one

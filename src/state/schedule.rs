@@ -13,7 +13,7 @@ pub struct Chunk {
     pub nodes: Range<u32>,
     /// The same by level, the root's side first; every range lies in `nodes`.
     pub levels: Vec<Range<u32>>,
-    /// Their clusters without triangles, which come last in each level.
+    /// The clusters of each level: its triangles come after them.
     pub clusters: Vec<Range<u32>>,
 }
 

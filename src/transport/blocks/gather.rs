@@ -47,7 +47,7 @@ pub static STAGE: Stage = Stage {
 };
 
 /// Near triangles per block and dispatch: lavapipe silently ends an invocation's loops after 65,535 iterations in
-/// total, and the edge form takes up to 85 per triangle.
+/// total, and the edge form takes up to 79 per triangle.
 pub const NEAR_PART: u32 = 512;
 
 /// Expands the distant emitters of a block about its centre.

@@ -132,6 +132,7 @@ fn cpu(state: &mut State, at: Scope) {
     }
     let emitters = &data.emitters[base..base + data.topology.len()];
     let expands = &data.expansion_distances[base..base + data.topology.len()];
+    debug_assert!(data.decisions.len() >= blocks.len() * LINK_KEPT);
     let lists: Vec<[Vec<u32>; LINK_KINDS]> = (data.spheres[blocks].par_iter())
         .zip(data.decisions.par_chunks_exact_mut(LINK_KEPT))
         .map(|(sphere, decisions)| {
