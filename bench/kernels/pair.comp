@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_scalar_block_layout : require
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint NODES = 6;

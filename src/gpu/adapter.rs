@@ -107,6 +107,11 @@ impl Adapter {
         Err(Error::device(format!("looking for device {wish:?}"), what))
     }
 
+    /// Whether kernels are compiled when they are first dispatched, and kept on disk for all devices.
+    pub(super) fn compiles_at_dispatch(&self) -> bool {
+        self.ids.driver == vk::DriverId::MESA_LLVMPIPE.as_raw()
+    }
+
     /// Numbers those of the same name, `llvmpipe #1` and `llvmpipe #2`: results go by names.
     pub(super) fn tell_apart(adapters: &mut [Self]) {
         let names: Vec<String> = adapters.iter().map(|adapter| adapter.name.clone()).collect();

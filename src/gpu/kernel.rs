@@ -37,6 +37,8 @@ pub struct Kernel {
     pub(super) set_layout: vk::DescriptorSetLayout,
     /// Its name, `transport/blocks/gather`.
     pub name: String,
+    /// Its specialization constants 0, 1, ...
+    pub(super) constants: Vec<u32>,
     /// The buffers it binds, by binding.
     pub accesses: Vec<Access>,
     /// Bytes of push constants it takes.
@@ -110,7 +112,7 @@ impl Kernel {
         let kept = device.choices().constants == Constants::Specialization;
         let source =
             kept.then(|| Source { words: words.clone(), constants: constants.to_vec(), baked: RefCell::default() });
-        let mut kernel = Self::described(device, name, &words, special.len())?;
+        let mut kernel = Self::described(device, name, &words, constants)?;
         kernel.source = source.filter(|_| kernel.push_bytes > 0).map(Box::new);
         // Where push constants become specialization constants, only the kernels of their values have pipelines.
         match kernel.source {
@@ -131,25 +133,26 @@ impl Kernel {
         let mut special: Vec<(u32, u32)> = (0..).zip(source.constants.iter().copied()).collect();
         let pushed = push.chunks_exact(4).map(|b| u32::from_ne_bytes([b[0], b[1], b[2], b[3]]));
         special.extend((BAKED_ID..).zip(pushed));
-        let made = Self::described(&self.device, &self.name, &words, source.constants.len())?;
+        let made = Self::described(&self.device, &self.name, &words, &source.constants)?;
         let made = Rc::new(made.with_pipeline(words, special)?);
         source.baked.borrow_mut().insert(push.to_vec(), made.clone());
         Ok(made)
     }
 
-    /// What this SPIR-V says of itself, for so many specialization constants; it has no pipeline yet.
-    fn described(device: &LogicalDevice, name: &str, words: &[u32], given: usize) -> Result<Self> {
+    /// What this SPIR-V says of itself, for these specialization constants; it has no pipeline yet.
+    fn described(device: &LogicalDevice, name: &str, words: &[u32], constants: &[u32]) -> Result<Self> {
         let found = reflect(name, words)?;
         let chosen_group = device.choices().group(name).filter(|_| found.open.contains(&GROUP_ID));
         let group = chosen_group.unwrap_or(found.group);
         let built = words_of(name).is_ok_and(|own| own == words);
-        check(device, &found, group, (given, built), &format!("preparing kernel {name}"))?;
+        check(device, &found, group, (constants.len(), built), &format!("preparing kernel {name}"))?;
         Ok(Self {
             pipeline: vk::Pipeline::null(),
             layout: vk::PipelineLayout::null(),
             set_layout: vk::DescriptorSetLayout::null(),
             uniform_layout: vk::DescriptorSetLayout::null(),
             name: name.to_string(),
+            constants: constants.to_vec(),
             shuffles: found.open.contains(&SHUFFLE_ID),
             accesses: found.accesses,
             push_bytes: found.push_bytes,

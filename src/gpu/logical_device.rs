@@ -46,6 +46,8 @@ struct Inner {
     memory: Memory,
     /// How long a submission may take.
     patience: Cell<Duration>,
+    /// Whether kernels are compiled ahead of the frame that first uses them, where that is any use.
+    ahead: Cell<bool>,
     /// Submissions so far.
     submissions: Cell<u64>,
     /// The fence of a submission that exceeded its limit and may still be running; null where there is none.
@@ -123,6 +125,7 @@ impl LogicalDevice {
             extras: extras.clone(),
             memory: Memory::default(),
             patience: Cell::new(PATIENCE),
+            ahead: Cell::new(true),
             submissions: Cell::default(),
             late: Cell::default(),
             grace: Cell::new(GRACE),
@@ -200,6 +203,12 @@ impl LogicalDevice {
     /// Sets how long a submission may take before the device counts as hung; the default is ten minutes.
     pub fn wait_at_most(&self, patience: Duration) {
         self.0.patience.set(patience);
+    }
+
+    /// Sets whether kernels are compiled ahead of the frame that first uses them, on all cores, where the driver would
+    /// compile them one by one within that frame; the default is yes.
+    pub fn compile_ahead(&self, ahead: bool) {
+        self.0.ahead.set(ahead);
     }
 
     /// The adapter.

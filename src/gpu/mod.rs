@@ -10,8 +10,8 @@
 //! - `memory`, `transfer`: buffers, and copies between host and device;
 //! - `reflect`, `replace`, `compile`, [`count`]: SPIR-V, what a kernel binds, and kernels that count;
 //! - `pushed`, `kernel`, `bind`, `list`: pipelines, and a frame as a list of dispatches;
-//! - `order`, `sets`, `encode`, `record`: the list's barriers and descriptor sets, the list in command buffers, and
-//!   what makes the list;
+//! - `order`, `sets`, `encode`, `first_use`, `record`: the list's barriers and descriptor sets, the list in command
+//!   buffers, its new kernels, and what makes the list;
 //! - `interface`, `shift`: SPIR-V from files, and kernels whose groups count from another one;
 //! - `kernel_cache`, `device`, `driver_facts`, `kernels`, `single_kernel`: what the rest of the program asks for;
 //! - `window`: pictures in a window (feature `window`).
@@ -31,6 +31,7 @@ mod encode;
 mod extras;
 #[doc(hidden)]
 pub mod faults;
+mod first_use;
 mod instance;
 #[cfg(feature = "measure")]
 mod interface;

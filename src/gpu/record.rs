@@ -7,6 +7,7 @@ use super::bind::Binding;
 use super::choices::{Constants, Submissions};
 use super::count;
 use super::encode::Encoded;
+use super::first_use;
 use super::kernel::Kernel;
 use super::list::{BoundRange, Entry, Groups, Listed, Timing};
 use super::logical_device::LogicalDevice;
@@ -124,6 +125,7 @@ impl Recorder {
 
     /// Submits the frame, waits for it, and returns the time of each part on the device.
     pub fn submit(self) -> Result<Vec<Timing>> {
+        first_use::compile(&self.device, &self.list);
         Encoded::new(&self.device, self.list, self.timed_parts)?.run()
     }
 

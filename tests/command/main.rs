@@ -12,6 +12,7 @@ mod diffusion;
 mod eval;
 mod extremes;
 mod failures;
+mod first_use;
 mod fit;
 mod lights;
 mod line;

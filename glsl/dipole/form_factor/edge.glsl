@@ -60,8 +60,8 @@ vec3 edge_form(vec3 sigma, vec3 a, vec3 b, vec3 c, uvec3 id, vec3 normal, vec3 f
     float rim = inside ? 0.0 : nearest;
     vec3 s_m = mix(h, sqrt(h * h + rim * rim), lessThan(h, vec3(rim)));
     vec3 sum = vec3(0);
-    // Edge after edge, by turning the corners; unrolled, it would be long to compile.
-    [[dont_unroll]] for (uint e = 0; e < 3; ++e) {
+    // Edge after edge, by turning the corners: as one piece of code, which is long to compile.
+    for (uint e = 0; e < 3; ++e) {
         bool swapped = id.x > id.y;
         vec3 p = swapped ? b : a, q = swapped ? a : b;
         float size = length(q - p);

@@ -131,7 +131,10 @@ impl Arguments {
 
     /// Opens a device; `None` is the CPU.
     pub(super) fn open(&self, name: Option<&String>) -> Result<Option<Device>> {
-        DeviceArgument::named(name.cloned()).open(validation())
+        let device = DeviceArgument::named(name.cloned()).open(validation())?;
+        // A profile tells what a stage's first run takes.
+        device.iter().for_each(|device| device.compile_ahead(false));
+        Ok(device)
     }
 
     /// The arguments with which another build times the same.

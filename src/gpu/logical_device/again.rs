@@ -11,7 +11,12 @@ impl LogicalDevice {
     pub(in super::super) fn again(&self, choices: &Choices, extras: &Extras) -> Result<Self> {
         let device = Self::open(&self.0.instance, &self.0.adapter, choices, extras)?;
         device.wait_at_most(self.0.patience.get());
+        device.compile_ahead(self.compiles_ahead());
         Ok(device)
+    }
+
+    pub(in super::super) fn compiles_ahead(&self) -> bool {
+        self.0.ahead.get()
     }
 
     /// What it was opened with on request.
