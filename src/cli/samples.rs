@@ -30,10 +30,13 @@ pub fn foretell(session: &mut Session) -> Result<Option<Vec<Timing>>> {
     let [width, height] = camera.size.map(f64::from);
     let samples = if camera.samples == 1 { 1.0 } else { f64::from(camera.samples) + 1.0 };
     let by_pixel = session.state().objects.iter().any(|object| object.by_pixel);
-    if width * height * samples < LARGE || by_pixel {
+    // With fewer samples than triangles the light would be found at pixels, and once more for the picture.
+    let faces: usize = session.state().objects.iter().map(|object| object.count.faces).sum();
+    let share = SMALL.max(1.2 * faces as f64 / f64::from(camera.samples)) / (width * height);
+    if width * height * samples < LARGE || by_pixel || share > 0.25 {
         return Ok(None);
     }
-    let size = [width, height].map(|side| ((side * (SMALL / (width * height)).sqrt()).round() as u32).max(1));
+    let size = [width, height].map(|side| ((side * share.sqrt()).ceil() as u32).max(1));
     session.set_camera(&camera.clone().sized(size)?)?;
     let times = run_frame(session, Change::EVERYTHING)?;
     // Once more: the first time a driver may still compile kernels.

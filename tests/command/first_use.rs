@@ -1,6 +1,6 @@
-//! The first frame on llvmpipe, with an empty cache on disk, a filled one, and none.
+//! First frames: on llvmpipe with an empty cache on disk, a filled one, and none; and small ones before large ones.
 
-use crate::shell::{bytes, folder, program, said};
+use crate::shell::{bytes, folder, good, program, said};
 
 #[test]
 fn new_kernels_are_compiled_ahead() {
@@ -21,4 +21,19 @@ fn new_kernels_are_compiled_ahead() {
     let (out, ahead, _) =
         render("render -o none.png --size 64x48 --times", Some(("MESA_SHADER_CACHE_DISABLE", "true")));
     assert!(!ahead && bytes(&here, "first.png") == bytes(&here, "none.png"), "{out}");
+}
+
+#[test]
+fn a_small_picture_before_a_large_one_finds_the_light_of_both() {
+    let here = folder(&[]);
+    let line = "render sphere -o a.png --size 600x600 --times --set object.0.detail=5 --set camera.samples=2";
+    let (out, _) = good(&here, line);
+    let steps =
+        |stage: &str| out.lines().find(|row| row.starts_with(stage)).and_then(|row| row.split_whitespace().nth(1));
+    // Two small ones, one through the centres, and two samples; 20,480 triangles, more than the small one has pixels.
+    assert_eq!(
+        (steps("visibility "), steps("irradiance "), steps("pixel_receivers ")),
+        (Some("4"), Some("1"), None),
+        "{out}"
+    );
 }
