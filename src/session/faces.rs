@@ -48,17 +48,17 @@ impl Session {
 
     /// The vertices of all objects in scene units, deformed where the object is.
     pub fn vertices(&self) -> Vec<DVec3> {
-        (0..self.scene().objects.len()).flat_map(|object| vertices(self, object)).collect()
+        (0..self.scene().objects.len()).flat_map(|object| self.own_vertices(object)).collect()
     }
-}
 
-/// An object's vertices in scene units, deformed if the object is.
-fn vertices(session: &Session, object: usize) -> Vec<DVec3> {
-    let object = &session.scene().objects[object];
-    let units = session.units().own(object);
-    match moved(object, *session.units()) {
-        None => object.mesh.positions.iter().map(|&p| object.placed(p)).collect(),
-        Some(moved) => moved.into_iter().map(|p| object.placed(units.outside(p))).collect(),
+    /// An object's vertices in scene units, deformed if the object is.
+    pub(crate) fn own_vertices(&self, object: usize) -> Vec<DVec3> {
+        let object = &self.scene().objects[object];
+        let units = self.units().own(object);
+        match moved(object, *self.units()) {
+            None => object.mesh.positions.iter().map(|&p| object.placed(p)).collect(),
+            Some(moved) => moved.into_iter().map(|p| object.placed(units.outside(p))).collect(),
+        }
     }
 }
 
@@ -67,7 +67,7 @@ fn rows(session: &Session) -> Vec<FaceLight> {
     let light = |value: [f32; 3]| value.map(|x| f64::from(x) * units.light);
     let mut first = 0;
     let of_object = |(object, Object { mesh, .. }): (usize, &Object)| {
-        let (before, vertices) = (first, vertices(session, object));
+        let (before, vertices) = (first, session.own_vertices(object));
         first += vertices.len() as u32;
         let row = move |(of_mesh, face): (usize, usize)| {
             let triangle = mesh.triangles[of_mesh];

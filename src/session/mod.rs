@@ -13,6 +13,7 @@ pub mod cluster_view;
 pub mod curvature_view;
 pub(crate) mod device_limits;
 pub mod diffusion;
+pub(crate) mod estimated_error;
 pub mod faces;
 pub(crate) mod front;
 pub(crate) mod incremental;

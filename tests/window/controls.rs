@@ -144,3 +144,39 @@ fn what_is_saved_is_what_is_shown() {
         |name: &str| events.iter().any(|event| event["name"] == name && event["dur"].as_f64().is_some_and(|d| d > 0.0));
     assert!(named("frame") && named("visibility"), "{trace}");
 }
+
+#[test]
+fn the_error_of_a_picture_is_estimated_and_refined() {
+    let folder = tempfile::tempdir().unwrap();
+    let events = "{ whole = true }, { screenshot = 'a.png' }, { key = 'a' }, { frames = 2 }, { whole = true }, \
+                  { screenshot = 'b.png' }, { close = true }";
+    for (method, estimated) in [("hierarchy", true), ("cdrf", false)] {
+        view(folder.path(), &["slab", "--size=200x300", "--set=camera.samples=2", "--transport", method], events);
+        let [before, after] = ["a.png", "b.png"].map(|name| read(folder.path().join(name)));
+        assert!(part(&before, [200, 300]) == part(&after, [200, 300]), "{method}: the picture changed");
+        assert_eq!(before != after, estimated, "{method}: the panel");
+    }
+}
+
+#[test]
+fn a_scene_that_cannot_be_rendered_gives_way_to_the_last_good_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let events =
+        "{ whole = true }, { key = 'm' }, { whole = true }, { set = 'object.0.detail=500' }, { message = true }";
+    let (shown, out) = played(folder.path(), &[&SMALL[..], &["--limit-memory=256M"]].concat(), events);
+    assert!(printed(&out).contains("preset") && !printed(&out).contains("detail"), "{}", printed(&out));
+    // Below the message.
+    let [shown, good] =
+        [shown, repeated(folder.path(), &out)].map(|(wide, _, rgb)| rgb[(wide * 3 * 120) as usize..].to_vec());
+    assert!(shown == good, "not the picture of the last good scene");
+}
+
+#[test]
+fn methods_that_refuse_a_scene_are_passed() {
+    let folder = tempfile::tempdir().unwrap();
+    let sets = ["--set", "transport.receivers='pixels'", "--set", "transport.walks=1000", "--transport=none"];
+    let events = "{ whole = true }, { key = 'T' }, { message = true }";
+    let (_, out) = played(folder.path(), &[&SMALL[..], &sets].concat(), events);
+    // Before none come auto and diffusion, which is solved at triangles.
+    assert!(printed(&out).contains("--transport walk "), "{}", printed(&out));
+}

@@ -3,11 +3,12 @@
 //! Drafts have sessions of their own: see [`super::drafts`]. The picture that replaces them is made step by step: a
 //! frame through the pixels' centres, then a frame for each sample. A layer is made in one step.
 
+mod numbers;
+
 use std::time::{Duration, Instant};
 
 use milkglass::error::{Error, Result};
 use milkglass::internals::gpu::{Buffer, Device, Timing};
-use milkglass::internals::layout::ListCounters;
 use milkglass::internals::pipeline::plan::{Change, Options, ShadingMethod};
 use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
@@ -15,6 +16,7 @@ use milkglass::scene::Scene;
 use super::drafts::{FACTORS, LEVELS, Policy};
 use super::history::History;
 use super::inspect::{Inspector, Layer};
+use crate::cli::open_session;
 
 /// If the first frame of a picture takes less, there are no drafts.
 const QUICK: Duration = Duration::from_millis(50);
@@ -32,6 +34,12 @@ pub(super) enum Progress {
     Sample(u32),
     /// The picture is what `render` writes.
     Whole,
+}
+
+/// The options of whole pictures: with the error's estimate, which changes no bit of them. A subdivision for lights would
+/// look for more to estimate, so there is none then.
+fn whole(scene: &Scene, options: Options) -> Options {
+    Options { estimate: !options.transport.is_local() && scene.transport.subdivide == 0, ..options }
 }
 
 /// Renders what the window shows.
@@ -56,17 +64,21 @@ pub(super) struct Frames {
     /// Why a layer could not be shown, until it is told.
     pub(super) refused: Option<Error>,
     pub(super) history: History,
+    /// The estimated error of the last whole picture's frame, r g b; none where the method has no estimate.
+    error: Option<[f64; 3]>,
+    /// Whether a second solution is to refine it, once the picture is whole.
+    sharper: bool,
     /// How long each draft took, ms.
     drafted: Vec<f64>,
 }
 
 impl Frames {
-    /// For a scene on a device; the session has not rendered yet.
-    pub(super) fn new(full: Session, device: &Device, options: Options) -> Self {
-        Self {
+    /// For a scene on a device.
+    pub(super) fn new(scene: &Scene, device: &Device, options: Options) -> Result<Self> {
+        Ok(Self {
             device: device.clone(),
             options,
-            full,
+            full: open_session(scene, Some(device), whole(scene, options))?,
             drafts: [None, None],
             policy: Policy::default(),
             all: true,
@@ -78,13 +90,15 @@ impl Frames {
             inspector: Inspector::new(device),
             refused: None,
             history: History::new(),
+            error: None,
+            sharper: false,
             drafted: Vec::new(),
-        }
+        })
     }
 
     /// Goes over to other options; what was shown stays if that fails.
     pub(super) fn set_options(&mut self, scene: &Scene, options: Options) -> Result<()> {
-        self.full = Session::new(scene, Some(&self.device), options)?;
+        self.full = Session::new(scene, Some(&self.device), whole(scene, options))?;
         (self.options, self.drafts, self.quick) = (options, [None, None], [false; 2]);
         self.policy = Policy::default();
         self.change(true);
@@ -94,6 +108,7 @@ impl Frames {
     /// Says that the scene has changed: `all` of it, or the camera alone.
     pub(super) fn change(&mut self, all: bool) {
         self.progress = Progress::Changed;
+        (self.error, self.sharper) = (None, false);
         self.all |= all;
         self.heavy |= all;
     }
@@ -115,8 +130,13 @@ impl Frames {
             Progress::Changed | Progress::Sample(_) => Some(Instant::now()),
             Progress::Draft(_) if held => None,
             Progress::Draft(since) => Some(since + REST),
-            Progress::Whole => None,
+            Progress::Whole => self.sharper.then(Instant::now),
         }
+    }
+
+    /// Has a second solution refine the estimated error.
+    pub(super) fn sharpen(&mut self) {
+        self.sharper = true;
     }
 
     /// Whether the next step is the first one of a whole picture.
@@ -145,6 +165,7 @@ impl Frames {
                 self.full.show(scene).map_err(|error| scene.placed(error))?;
                 let steps = self.full.frame(Change::default())?;
                 self.full.finished_rays()?;
+                self.error = self.full.estimated_error()?;
                 self.quick[usize::from(std::mem::take(&mut self.heavy))] = start.elapsed() < QUICK;
                 self.policy.relearn(scene, &steps, start.elapsed().as_secs_f64() * 1e3);
                 self.progress = if scene.camera.samples == 1 { Progress::Whole } else { Progress::Sample(0) };
@@ -156,7 +177,12 @@ impl Frames {
                 self.progress = if whole { Progress::Whole } else { Progress::Sample(done + 1) };
                 steps
             }
-            Progress::Whole => return Ok(()),
+            Progress::Whole => {
+                self.sharper = false;
+                self.full.sharpen()?;
+                self.error = self.full.estimated_error()?;
+                return Ok(());
+            }
         };
         self.history.add(start, steps);
         if matches!(self.progress, Progress::Draft(_)) {
@@ -244,30 +270,6 @@ impl Frames {
         };
         let size = session.scene().camera.size;
         Ok(session.shown_on_device()?.map(|buffer| (size, buffer)))
-    }
-
-    /// How long drafts took, ms: the median and the most; none without a draft.
-    pub(super) fn draft_times(&self) -> Option<[f64; 2]> {
-        let mut sorted = self.drafted.clone();
-        sorted.sort_by(f64::total_cmp);
-        Some([*sorted.get(sorted.len() / 2)?, *sorted.last()?])
-    }
-
-    /// Entries of the longest lists of links in the session that is shown, and how often frames of all were repeated
-    /// because a list did not fit.
-    pub(super) fn counts(&self) -> [u64; 2] {
-        let [transported, local] = &self.drafts;
-        let draft = if LEVELS[self.policy.level].transport { transported } else { local };
-        let shown = draft.as_ref().filter(|_| matches!(self.progress, Progress::Draft(_))).unwrap_or(&self.full);
-        let longest = |counters: &ListCounters| counters.required_links.max(counters.required_entries);
-        let links = shown.state().data.counters.iter().map(|counters| u64::from(longest(counters))).sum();
-        let sessions = self.drafts.iter().flatten().chain([&self.full]);
-        [links, sessions.map(|session| session.retries() as u64).sum()]
-    }
-
-    /// Width and height of a draft of the picture of a scene, in pixels.
-    pub(super) fn draft_size(&self, scene: &Scene) -> [u32; 2] {
-        scene.camera.size.map(|side| side.div_ceil(FACTORS[self.policy.coarseness]))
     }
 
     /// The session of whole pictures.

@@ -60,6 +60,8 @@ pub(super) enum Action {
     Pick,
     /// Multiply the tolerance.
     Tolerance(f64),
+    /// Refine the error's estimate.
+    Refine,
     /// Set the tolerance.
     ToleranceTo(f64),
     Save,
@@ -216,6 +218,7 @@ pub(super) const ROWS: &[Row] = &[
         does: "half and twice the tolerance",
         keys: &[(",", Action::Tolerance(0.5)), (".", Action::Tolerance(2.0))],
     },
+    Row { shown: "a", does: "refine the estimated error", keys: &[("a", Action::Refine)] },
     Row { shown: "y", does: "the other scheme", keys: &[("y", Action::Scheme)] },
     Row { shown: "k", does: "the next mode", keys: &[("k", Action::Mode)] },
     Row {

@@ -44,6 +44,8 @@ pub(super) struct Facts<'a> {
     pub(super) mode: &'a str,
     pub(super) scheme: &'a str,
     pub(super) tolerance: f64,
+    /// The picture's estimated error, r g b.
+    pub(super) error: Option<[f64; 3]>,
     pub(super) layer: Layer,
     /// What the layer's colours mean.
     pub(super) legend: &'a [Vec<String>],
@@ -164,6 +166,18 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>) {
         if ui.add(Slider::new(&mut tolerance, 1e-4..=0.5).logarithmic(true)).changed() {
             actions.push(Action::ToleranceTo(tolerance));
         }
+        ui.end_row();
+
+        ui.label("error, L2");
+        ui.horizontal(|ui| {
+            let drafted = matches!(facts.progress, Progress::Changed | Progress::Draft(_));
+            let none = if drafted { "once it is whole" } else { "not estimated" };
+            let worst = facts.error.map(|error| error.into_iter().fold(0.0, f64::max));
+            ui.label(worst.map_or(none.into(), |worst| format!("up to {worst:.1e}")));
+            if worst.is_some() && ui.button("refine").clicked() {
+                actions.push(Action::Refine);
+            }
+        });
         ui.end_row();
 
         let [light, lights] = facts.light;

@@ -61,6 +61,10 @@ impl Viewer {
                 self.set_tolerance((self.edits.scene.transport.tolerance * factor).clamp(1e-6, 0.5))
             }
             Action::ToleranceTo(tolerance) => self.set_tolerance(tolerance),
+            Action::Refine => {
+                self.frames.sharpen();
+                Ok(Changed::Nothing)
+            }
             Action::NextDeform => {
                 self.deform += 1;
                 self.measure();

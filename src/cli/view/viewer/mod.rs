@@ -22,7 +22,6 @@ use super::inspect::Layer;
 use super::keys::Action;
 use super::panel::Facts;
 use crate::cli::bare::Subject;
-use crate::cli::open_session;
 use crate::cli::run_args::{ModeArgument, OptionArguments, TransportArgument};
 
 /// A scene that is looked at and changed.
@@ -74,8 +73,7 @@ impl Viewer {
         if let Some(size) = size {
             edits.scene.camera = edits.scene.camera.clone().sized(size)?;
         }
-        let session = open_session(&edits.scene, Some(device), options.options())?;
-        let frames = Frames::new(session, device, options.options());
+        let frames = Frames::new(&edits.scene, device, options.options())?;
         let mut viewer = Self {
             edits,
             frames,
@@ -258,6 +256,7 @@ impl Viewer {
             mode: &self.modes[place(&self.options.mode)],
             scheme: if scene.transport.scheme == Scheme::Links { "links" } else { "blocks" },
             tolerance: scene.transport.tolerance,
+            error: self.frames.error(),
             layer: self.frames.layer(),
             legend: &self.frames.inspector.legend,
             frames: scene.frames,
