@@ -3,11 +3,12 @@
 use super::run::Session;
 use crate::error::Result;
 use crate::layout::BufferId;
+use crate::state::Object;
 
 impl Session {
-    /// The estimated error of the last frame's radiosity, r g b: sqrt(sum A e^2 / sum A B^2) over the receivers of
-    /// translucent objects, 0 in a channel without light. Receivers at pixels count alike, those at triangles by area.
-    /// None where no error is estimated.
+    /// The estimated error of the last frame's radiosity, r g b: sqrt(sum A e^2 / sum A B^2) over the triangles of
+    /// translucent objects, 0 in a channel without light. None where no error is estimated; objects whose receivers are
+    /// pixels are left out.
     ///
     /// It is the estimate as it is, which adds up what links miss as if nothing cancelled; after [`Session::sharpen`]
     /// the refined one.
@@ -15,30 +16,18 @@ impl Session {
         if !self.state().method.estimate {
             return Ok(None);
         }
-        self.fetch(&[BufferId::radiosity, BufferId::estimate, BufferId::hits, BufferId::seen])?;
-        let (mut missed, mut power) = ([0.0; 3], [0.0; 3]);
-        let mut add = |receiver: usize, area: f64, beside: [f64; 3]| {
-            let data = &self.state().data;
-            for c in 0..3 {
-                let error = f64::from(data.estimate[receiver][c]).hypot(beside[c]);
-                missed[c] += area * error * error;
-                power[c] += area * f64::from(data.radiosity[receiver][c]).powi(2);
-            }
-        };
+        self.fetch(&[BufferId::radiosity, BufferId::estimate])?;
         let (state, data) = (self.state(), &self.state().data);
-        for (number, object) in
-            state.objects.iter().enumerate().filter(|(_, object)| !object.opaque && !object.by_pixel)
-        {
+        let (mut missed, mut power) = ([0.0; 3], [0.0; 3]);
+        let at_faces = |object: &Object| !object.opaque && !object.by_pixel;
+        for (number, object) in state.objects.iter().enumerate().filter(|(_, object)| at_faces(object)) {
             for (own, area) in self.areas(number).into_iter().enumerate() {
-                add(object.first.receivers + own, area, self.missed(object.first.faces + own));
-            }
-        }
-        for (hit, seen) in
-            data.hits.iter().zip(&data.seen).filter(|(hit, _)| (hit.face as usize) < data.triangles.len())
-        {
-            let object = &state.objects[state.object_of(hit.face as usize)];
-            if object.by_pixel {
-                add(object.first.receivers + *seen as usize, 1.0, [0.0; 3]);
+                let receiver = object.first.receivers + own;
+                let beside = self.missed(object.first.faces + own);
+                for c in 0..3 {
+                    missed[c] += area * f64::from(data.estimate[receiver][c]).hypot(beside[c]).powi(2);
+                    power[c] += area * f64::from(data.radiosity[receiver][c]).powi(2);
+                }
             }
         }
         Ok(Some([0, 1, 2].map(|c| if power[c] > 0.0 { (missed[c] / power[c]).sqrt() } else { 0.0 })))

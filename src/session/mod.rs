@@ -15,6 +15,7 @@ pub(crate) mod device_limits;
 pub mod diffusion;
 pub(crate) mod estimated_error;
 pub mod faces;
+pub mod frame_parts;
 pub(crate) mod front;
 pub(crate) mod incremental;
 pub(crate) mod isolated_timing;

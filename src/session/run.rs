@@ -11,14 +11,11 @@ use super::subdivide::Parts;
 use super::walk::WalkTransport;
 use crate::error::{Error, Result};
 use crate::gpu::Timing;
-use crate::layout::{BufferId, ListCounters};
+use crate::layout::BufferId;
 use crate::pipeline::plan::{Change, Changes, Options, Plan};
 use crate::prepare::scene::Prepared;
 use crate::scene::Scene;
-use crate::state::{DeviceState, Stage, Step};
-use crate::transport::blocks::irradiance_ratio;
-use crate::transport::links::{refine, update_links};
-use crate::transport::octree::HOST;
+use crate::state::{DeviceState, Step};
 
 /// What runs the stages.
 pub(crate) enum Backend {
@@ -108,85 +105,14 @@ impl Session {
     ///
     /// Its rays run through the pixels' centres.
     pub fn frame(&mut self, change: Change) -> Result<Vec<Timing>> {
-        if self.shifted {
-            self.shift([0.0; 2], 0)?;
-        }
-        self.frame_as_it_is(change)
+        let frame = self.begin(change)?;
+        self.complete(frame)
     }
 
     /// The same with the rays where they are.
     pub(crate) fn frame_as_it_is(&mut self, changes: impl Into<Changes>) -> Result<Vec<Timing>> {
-        self.sampled = false;
-        self.recover()?;
-        self.failed = true;
-        let times = self.run_frame(&changes.into())?;
-        self.failed = false;
-        Ok(times)
-    }
-
-    fn run_frame(&mut self, changes: &Changes) -> Result<Vec<Timing>> {
-        let mut changes = self.pending.clone().and(changes).and(&self.waiting_change().into());
-        self.sharp = None;
-        self.open_budget()?;
-        let mut times: Vec<Timing> = Vec::new();
-        loop {
-            changes = self.links_anew(&changes);
-            let steps = self.plan.steps(&self.prepared.state, changes.clone());
-            let octree = self.plan.runs_on_host(&HOST, &self.prepared.state, changes.clone());
-            let last = match octree {
-                true => self.run_octree(&steps, changes.any())?,
-                false if self.walks() => self.run_walk(&steps)?,
-                false if self.prepared.state.method.solves() => self.run_diffusion(&steps)?,
-                false => self.run(&steps)?,
-            };
-            // A stage that runs again counts with its latest run only.
-            times.retain(|before| last.iter().all(|now| now.name != before.name));
-            times.extend(last);
-            if steps.iter().any(|step| step.stage.writes(BufferId::cut_short)) {
-                self.fetch(&[BufferId::cut_short])?;
-                if self.prepared.state.data.cut_short != [0] {
-                    let doing = "following a shadow ray, or fitting a plane to a vertex";
-                    return Err(unfinished(doing, "use a mesh with fewer overlapping parts"));
-                }
-            }
-            let ran = |stage: &Stage| steps.iter().any(|step| step.stage.is(stage));
-            let filled = steps.iter().any(|step| step.stage.fills_lists());
-            if ran(&irradiance_ratio::STAGE) && !filled {
-                self.fetch(&[BufferId::counters])?;
-                if !self.prepared.state.data.counters.iter().all(ListCounters::serves) {
-                    self.relinks += 1;
-                    changes = Change::RELINK.into();
-                    continue;
-                }
-            }
-            if !filled {
-                self.pending = Changes::default();
-                return Ok(times);
-            }
-            self.fetch(&[BufferId::counters])?;
-            let cursors = &self.prepared.state.data.counters;
-            if cursors.iter().any(|counters| counters.unfinished != 0) {
-                self.linked = false;
-                let advice =
-                    "use transport.receivers = \"faces\", or raise receiver_angle and emitter_angle of scheme links";
-                return Err(unfinished("linking", advice));
-            }
-            if cursors.iter().all(|counters| counters.overflow == 0) {
-                self.pending = Changes::default();
-                self.linked = self.linked || ran(&refine::STAGE);
-                return Ok(times);
-            }
-            self.retries += 1;
-            // Links made anew that did not fit are no links that an update could start from.
-            let remade = |step: &Step| step.stage.is(&refine::STAGE) && cursors[step.at.object].overflow != 0;
-            if ran(&update_links::STAGE) && !steps.iter().any(remade) {
-                self.make_room()?;
-                // Sum all links: the light of the previous frame has been overwritten.
-                changes = Change::EVERYTHING.and(Change::LIGHT).into();
-                continue;
-            }
-            changes = self.grow()?.into();
-        }
+        let frame = self.begin_as_it_is(changes)?;
+        self.complete(frame)
     }
 
     /// Runs these steps on the session's back end.

@@ -148,7 +148,7 @@ fn what_is_saved_is_what_is_shown() {
 #[test]
 fn the_error_of_a_picture_is_estimated_and_refined() {
     let folder = tempfile::tempdir().unwrap();
-    let events = "{ whole = true }, { screenshot = 'a.png' }, { key = 'a' }, { frames = 2 }, { whole = true }, \
+    let events = "{ settled = true }, { screenshot = 'a.png' }, { key = 'a' }, { frames = 2 }, { settled = true }, \
                   { screenshot = 'b.png' }, { close = true }";
     for (method, estimated) in [("hierarchy", true), ("cdrf", false)] {
         view(folder.path(), &["slab", "--size=200x300", "--set=camera.samples=2", "--transport", method], events);

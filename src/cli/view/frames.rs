@@ -3,23 +3,25 @@
 //! Drafts have sessions of their own: see [`super::drafts`]. The picture that replaces them is made step by step: a
 //! frame through the pixels' centres, then a frame for each sample. A layer is made in one step.
 
+mod check;
 mod numbers;
+mod whole;
 
 use std::time::{Duration, Instant};
 
 use milkglass::error::{Error, Result};
 use milkglass::internals::gpu::{Buffer, Device, Timing};
 use milkglass::internals::pipeline::plan::{Change, Options, ShadingMethod};
+use milkglass::internals::session::frame_parts::FrameParts;
 use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
 
+use self::check::Check;
 use super::drafts::{FACTORS, LEVELS, Policy};
 use super::history::History;
 use super::inspect::{Inspector, Layer};
 use crate::cli::open_session;
 
-/// If the first frame of a picture takes less, there are no drafts.
-const QUICK: Duration = Duration::from_millis(50);
 /// For how long everything must rest before the picture is made.
 const REST: Duration = Duration::from_millis(250);
 
@@ -34,12 +36,6 @@ pub(super) enum Progress {
     Sample(u32),
     /// The picture is what `render` writes.
     Whole,
-}
-
-/// The options of whole pictures: with the error's estimate, which changes no bit of them. A subdivision for lights would
-/// look for more to estimate, so there is none then.
-fn whole(scene: &Scene, options: Options) -> Options {
-    Options { estimate: !options.transport.is_local() && scene.transport.subdivide == 0, ..options }
 }
 
 /// Renders what the window shows.
@@ -64,10 +60,11 @@ pub(super) struct Frames {
     /// Why a layer could not be shown, until it is told.
     pub(super) refused: Option<Error>,
     pub(super) history: History,
-    /// The estimated error of the last whole picture's frame, r g b; none where the method has no estimate.
-    error: Option<[f64; 3]>,
-    /// Whether a second solution is to refine it, once the picture is whole.
-    sharper: bool,
+    /// The first frame of the whole picture while it is under way, and what it took so far.
+    under_way: Option<(FrameParts, Duration)>,
+    /// The longest time between two looks at the input while a whole picture is made.
+    longest: Duration,
+    check: Check,
     /// How long each draft took, ms.
     drafted: Vec<f64>,
 }
@@ -78,7 +75,7 @@ impl Frames {
         Ok(Self {
             device: device.clone(),
             options,
-            full: open_session(scene, Some(device), whole(scene, options))?,
+            full: open_session(scene, Some(device), options)?,
             drafts: [None, None],
             policy: Policy::default(),
             all: true,
@@ -90,15 +87,18 @@ impl Frames {
             inspector: Inspector::new(device),
             refused: None,
             history: History::new(),
-            error: None,
-            sharper: false,
+            under_way: None,
+            longest: Duration::ZERO,
+            check: Check::default(),
             drafted: Vec::new(),
         })
     }
 
     /// Goes over to other options; what was shown stays if that fails.
     pub(super) fn set_options(&mut self, scene: &Scene, options: Options) -> Result<()> {
-        self.full = Session::new(scene, Some(&self.device), whole(scene, options))?;
+        let full = Session::new(scene, Some(&self.device), options)?;
+        (self.full, self.under_way) = (full, None);
+        self.check.forget();
         (self.options, self.drafts, self.quick) = (options, [None, None], [false; 2]);
         self.policy = Policy::default();
         self.change(true);
@@ -108,7 +108,10 @@ impl Frames {
     /// Says that the scene has changed: `all` of it, or the camera alone.
     pub(super) fn change(&mut self, all: bool) {
         self.progress = Progress::Changed;
-        (self.error, self.sharper) = (None, false);
+        self.check.change(all);
+        if let Some((frame, _)) = self.under_way.take() {
+            self.full.leave(frame);
+        }
         self.all |= all;
         self.heavy |= all;
     }
@@ -127,16 +130,17 @@ impl Frames {
     /// When there is something to do next; none if the picture is whole. While something is `held`, drafts stay.
     pub(super) fn due(&self, held: bool) -> Option<Instant> {
         match self.progress {
+            _ if self.under_way.is_some() => Some(Instant::now()),
             Progress::Changed | Progress::Sample(_) => Some(Instant::now()),
             Progress::Draft(_) if held => None,
             Progress::Draft(since) => Some(since + REST),
-            Progress::Whole => self.sharper.then(Instant::now),
+            Progress::Whole => self.check.due(),
         }
     }
 
     /// Has a second solution refine the estimated error.
     pub(super) fn sharpen(&mut self) {
-        self.sharper = true;
+        self.check.refine();
     }
 
     /// Whether the next step is the first one of a whole picture.
@@ -146,7 +150,7 @@ impl Frames {
             Progress::Draft(_) => true,
             _ => false,
         };
-        rests && self.due(held).is_some_and(|due| due <= Instant::now())
+        rests && self.under_way.is_none() && self.due(held).is_some_and(|due| due <= Instant::now())
     }
 
     /// Does the next step, if it is due: a draft of the scene, or a part of its picture. The scene's camera has the
@@ -156,37 +160,35 @@ impl Frames {
         if self.due(held).is_none_or(|due| due > Instant::now()) {
             return Ok(());
         }
+        let turn = Instant::now();
         // With what the change took.
-        let start = Instant::now().checked_sub(before).unwrap_or_else(Instant::now);
+        let mut start = Instant::now().checked_sub(before).unwrap_or_else(Instant::now);
         let steps = match self.progress {
             Progress::Changed if !self.begins(held) => self.draft(scene, before)?,
             Progress::Changed | Progress::Draft(_) if self.layer != Layer::Light => self.inspect(scene)?,
-            Progress::Changed | Progress::Draft(_) => {
-                self.full.show(scene).map_err(|error| scene.placed(error))?;
-                let steps = self.full.frame(Change::default())?;
-                self.full.finished_rays()?;
-                self.error = self.full.estimated_error()?;
-                self.quick[usize::from(std::mem::take(&mut self.heavy))] = start.elapsed() < QUICK;
-                self.policy.relearn(scene, &steps, start.elapsed().as_secs_f64() * 1e3);
-                self.progress = if scene.camera.samples == 1 { Progress::Whole } else { Progress::Sample(0) };
-                steps
-            }
+            Progress::Changed | Progress::Draft(_) => match self.first(scene, start)? {
+                Some((steps, took)) => {
+                    start = Instant::now().checked_sub(took).unwrap_or(start);
+                    steps
+                }
+                None => return Ok(()),
+            },
             Progress::Sample(done) => {
                 let steps = self.full.sample_one(done)?;
                 let whole = done + 1 == scene.camera.samples;
                 self.progress = if whole { Progress::Whole } else { Progress::Sample(done + 1) };
                 steps
             }
-            Progress::Whole => {
-                self.sharper = false;
-                self.full.sharpen()?;
-                self.error = self.full.estimated_error()?;
-                return Ok(());
-            }
+            Progress::Whole => return self.check.advance(scene, &self.device, self.options),
         };
         self.history.add(start, steps);
+        if self.progress == Progress::Whole {
+            self.check.whole();
+        }
         if matches!(self.progress, Progress::Draft(_)) {
             self.drafted.push(start.elapsed().as_secs_f64() * 1e3);
+        } else {
+            self.longest = self.longest.max(turn.elapsed());
         }
         Ok(())
     }

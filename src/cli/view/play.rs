@@ -45,6 +45,8 @@ enum Event {
     Frames(u32),
     /// Wait until the picture is whole.
     Whole(bool),
+    /// Wait until nothing is left to do: the picture is whole, and its error estimated.
+    Settled(bool),
     /// Wait until a message is shown, or until none is.
     Message(bool),
     /// Write what the window shows as `.png`.
@@ -78,6 +80,19 @@ pub(super) enum Deed {
     Close,
 }
 
+/// What events wait for.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Seen {
+    /// Whether the picture is whole.
+    pub(super) whole: bool,
+    /// Whether nothing is left to do.
+    pub(super) settled: bool,
+    /// Whether a message is shown.
+    pub(super) message: bool,
+    /// The window's width and height in pixels.
+    pub(super) size: [u32; 2],
+}
+
 /// Events that are played.
 pub(super) struct Play {
     events: std::vec::IntoIter<Event>,
@@ -103,8 +118,8 @@ impl Play {
         self.now.is_none() && self.events.as_slice().is_empty()
     }
 
-    /// What is done after a frame: whether its picture is `whole`, whether a `message` is shown, the window's `size`.
-    pub(super) fn next(&mut self, whole: bool, message: bool, size: [u32; 2]) -> Vec<Deed> {
+    /// What is done after a frame that shows this.
+    pub(super) fn next(&mut self, seen: Seen) -> Vec<Deed> {
         if self.now.is_none() {
             self.since = Instant::now();
             self.now = self.events.next().map(|event| (event, 0));
@@ -131,11 +146,12 @@ impl Play {
             Event::Set(set) => (vec![Deed::Set(set.clone())], true),
             Event::Resize(wanted) => {
                 let start = first.then_some(Deed::Resize(*wanted));
-                (start.into_iter().collect(), size == *wanted || self.since.elapsed() > RESIZE)
+                (start.into_iter().collect(), seen.size == *wanted || self.since.elapsed() > RESIZE)
             }
             Event::Frames(count) => (Vec::new(), *frame >= *count),
-            Event::Message(wanted) => (Vec::new(), message == *wanted),
-            Event::Whole(wait) => (Vec::new(), whole || !*wait),
+            Event::Message(wanted) => (Vec::new(), seen.message == *wanted),
+            Event::Whole(wait) => (Vec::new(), seen.whole || !*wait),
+            Event::Settled(wait) => (Vec::new(), seen.settled || !*wait),
             Event::Screenshot(file) => (vec![Deed::Screenshot(file.clone())], true),
             Event::Close(close) => (close.then_some(Deed::Close).into_iter().collect(), true),
         };
@@ -156,26 +172,30 @@ mod tests {
         Play::read(file.path())
     }
 
+    fn seen(whole: bool, side: u32) -> Seen {
+        Seen { whole, size: [side; 2], ..Seen::default() }
+    }
+
     #[test]
     fn events_are_done_one_after_another() {
         let text = "event = [{ key = 'f' }, { whole = true }, { drag = { from = [0, 0], to = [6, 12] } }, \
                     { resize = [9, 9] }, { close = true }]";
         let mut play = play(text).unwrap();
-        assert_eq!(play.next(false, false, [8, 8]), [Deed::Key("f".into())]);
-        assert_eq!(play.next(false, false, [8, 8]), []);
-        assert_eq!(play.next(true, false, [8, 8]), []);
+        assert_eq!(play.next(seen(false, 8)), [Deed::Key("f".into())]);
+        assert_eq!(play.next(seen(false, 8)), []);
+        assert_eq!(play.next(seen(true, 8)), []);
         let begin = [Deed::Move([0.0; 2]), Deed::Press(Button::Left, true), Deed::Move([1.0, 2.0])];
-        assert_eq!(play.next(true, false, [8, 8]), begin);
+        assert_eq!(play.next(seen(true, 8)), begin);
         for step in 2..6 {
-            assert_eq!(play.next(true, false, [8, 8]), [Deed::Move([f64::from(step), 2.0 * f64::from(step)])]);
+            assert_eq!(play.next(seen(true, 8)), [Deed::Move([f64::from(step), 2.0 * f64::from(step)])]);
         }
-        assert_eq!(play.next(true, false, [8, 8]), [Deed::Move([6.0, 12.0]), Deed::Press(Button::Left, false)]);
-        assert_eq!(play.next(true, false, [8, 8]), [Deed::Resize([9, 9])]);
-        assert_eq!(play.next(true, false, [8, 8]), []);
-        assert_eq!(play.next(true, false, [9, 9]), []);
+        assert_eq!(play.next(seen(true, 8)), [Deed::Move([6.0, 12.0]), Deed::Press(Button::Left, false)]);
+        assert_eq!(play.next(seen(true, 8)), [Deed::Resize([9, 9])]);
+        assert_eq!(play.next(seen(true, 8)), []);
+        assert_eq!(play.next(seen(true, 9)), []);
         assert!(!play.is_over());
-        assert_eq!(play.next(true, false, [9, 9]), [Deed::Close]);
-        assert!(play.is_over() && play.next(true, false, [9, 9]).is_empty());
+        assert_eq!(play.next(seen(true, 9)), [Deed::Close]);
+        assert!(play.is_over() && play.next(seen(true, 9)).is_empty());
     }
 
     #[test]

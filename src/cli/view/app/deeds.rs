@@ -11,14 +11,16 @@ use milkglass::internals::view::picture::save_png;
 use super::App;
 use crate::cli::view::drag;
 use crate::cli::view::frames::Progress;
-use crate::cli::view::play::{Button, Deed};
+use crate::cli::view::play::{Button, Deed, Seen};
 
 impl App {
     /// Does what is to be played next.
     pub(super) fn play(&mut self, size: [u32; 2]) -> Result<()> {
         let whole = self.viewer.frames.progress == Progress::Whole && !self.viewer.plays();
+        let settled = whole && self.viewer.frames.due(false).is_none();
+        let seen = Seen { whole, settled, message: self.viewer.message.is_some(), size };
         let Some(play) = &mut self.play else { return Ok(()) };
-        for deed in play.next(whole, self.viewer.message.is_some(), size) {
+        for deed in play.next(seen) {
             match deed {
                 Deed::Key(name) => self.key(&name)?,
                 Deed::Move(to) => {

@@ -9,14 +9,15 @@ use crate::cli::view::drafts::{FACTORS, LEVELS};
 impl Frames {
     /// The estimated error of the picture, r g b, once it is there.
     pub(in crate::cli::view) fn error(&self) -> Option<[f64; 3]> {
-        self.error
+        self.check.error()
     }
 
-    /// How long drafts took, ms: the median and the most; none without a draft.
-    pub(in crate::cli::view) fn draft_times(&self) -> Option<[f64; 2]> {
+    /// How long drafts took, ms: the median and the most; and the parts of whole pictures, the most. None without a
+    /// draft.
+    pub(in crate::cli::view) fn times(&self) -> Option<[f64; 3]> {
         let mut sorted = self.drafted.clone();
         sorted.sort_by(f64::total_cmp);
-        Some([*sorted.get(sorted.len() / 2)?, *sorted.last()?])
+        Some([*sorted.get(sorted.len() / 2)?, *sorted.last()?, self.longest.as_secs_f64() * 1e3])
     }
 
     /// Entries of the longest lists of links in the session that is shown, and how often frames of all were repeated

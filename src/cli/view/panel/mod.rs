@@ -44,8 +44,9 @@ pub(super) struct Facts<'a> {
     pub(super) mode: &'a str,
     pub(super) scheme: &'a str,
     pub(super) tolerance: f64,
-    /// The picture's estimated error, r g b.
+    /// The picture's estimated error, r g b, and whether nothing is left to do.
     pub(super) error: Option<[f64; 3]>,
+    pub(super) settled: bool,
     pub(super) layer: Layer,
     /// What the layer's colours mean.
     pub(super) legend: &'a [Vec<String>],
@@ -170,8 +171,7 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>) {
 
         ui.label("error, L2");
         ui.horizontal(|ui| {
-            let drafted = matches!(facts.progress, Progress::Changed | Progress::Draft(_));
-            let none = if drafted { "once it is whole" } else { "not estimated" };
+            let none = if facts.settled { "not estimated" } else { "to be estimated" };
             let worst = facts.error.map(|error| error.into_iter().fold(0.0, f64::max));
             ui.label(worst.map_or(none.into(), |worst| format!("up to {worst:.1e}")));
             if worst.is_some() && ui.button("refine").clicked() {

@@ -257,6 +257,7 @@ impl Viewer {
             scheme: if scene.transport.scheme == Scheme::Links { "links" } else { "blocks" },
             tolerance: scene.transport.tolerance,
             error: self.frames.error(),
+            settled: self.frames.due(false).is_none(),
             layer: self.frames.layer(),
             legend: &self.frames.inspector.legend,
             frames: scene.frames,

@@ -1,0 +1,127 @@
+//! The estimated error of the picture, once that is whole and rests: from a session of its own, so that pictures do not
+//! pay for it, and in parts, so that input is read between them.
+
+use std::time::Instant;
+
+use milkglass::error::Result;
+use milkglass::internals::gpu::Device;
+use milkglass::internals::pipeline::plan::{Change, Goal, Options};
+use milkglass::internals::session::frame_parts::FrameParts;
+use milkglass::internals::session::run::Session;
+use milkglass::scene::Scene;
+
+use super::REST;
+use super::whole::PART;
+
+/// What is known of the error.
+#[derive(Default)]
+pub(super) struct Check {
+    session: Option<Session>,
+    under_way: Option<FrameParts>,
+    /// Whether it is known, or known to have no estimate.
+    known: bool,
+    /// Whether a second solution is to refine it.
+    refines: bool,
+    error: Option<[f64; 3]>,
+    /// When the picture was whole.
+    since: Option<Instant>,
+}
+
+impl Check {
+    /// The estimated error of radiosity, L2, r g b.
+    pub(super) fn error(&self) -> Option<[f64; 3]> {
+        self.error
+    }
+
+    /// Says that the picture is whole now.
+    pub(super) fn whole(&mut self) {
+        self.since = Some(Instant::now());
+    }
+
+    /// Says that the picture changes: `all` of it, or the camera alone, which leaves radiosity as it is.
+    pub(super) fn change(&mut self, all: bool) {
+        if let (Some(session), Some(frame)) = (&mut self.session, self.under_way.take()) {
+            session.leave(frame);
+        }
+        self.refines = false;
+        if all {
+            (self.known, self.error) = (false, None);
+        }
+    }
+
+    /// Says that the options are others.
+    pub(super) fn forget(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Has a second solution refine the error.
+    pub(super) fn refine(&mut self) {
+        self.refines = true;
+    }
+
+    /// When there is something to do, while the picture is whole.
+    pub(super) fn due(&self) -> Option<Instant> {
+        match self.known {
+            true => self.refines.then(Instant::now),
+            false if self.under_way.is_some() => Some(Instant::now()),
+            false => self.since.map(|since| since + REST),
+        }
+    }
+
+    /// Does it, for [`PART`]; a step is not cut in pieces, and the second solution is one.
+    pub(super) fn advance(&mut self, scene: &Scene, device: &Device, options: Options) -> Result<()> {
+        match self.part(scene, device, options) {
+            Err(error) if error.is_device_fault() => Err(error),
+            // It does not fit the memory, say: then there is none.
+            Err(_) => {
+                (self.session, self.known, self.error) = (None, true, None);
+                Ok(())
+            }
+            Ok(()) => Ok(()),
+        }
+    }
+
+    fn part(&mut self, scene: &Scene, device: &Device, options: Options) -> Result<()> {
+        let start = Instant::now();
+        if self.known {
+            self.refines = false;
+            if let Some(session) = &mut self.session {
+                session.sharpen()?;
+                self.error = session.estimated_error()?;
+            }
+            return Ok(());
+        }
+        // Subdivision for lights would look for more to estimate.
+        if options.transport.is_local() || scene.transport.subdivide > 0 {
+            self.known = true;
+            return Ok(());
+        }
+        let session = match &mut self.session {
+            Some(session) => session,
+            none => {
+                let options = Options { goal: Goal::Radiosity, estimate: true, ..options };
+                none.insert(Session::new(scene, Some(device), options)?)
+            }
+        };
+        if !session.state().method.estimate {
+            (self.session, self.known) = (None, true);
+            return Ok(());
+        }
+        let frame = match &mut self.under_way {
+            Some(frame) => frame,
+            none => {
+                session.show(scene)?;
+                none.insert(session.begin(Change::default())?)
+            }
+        };
+        let mut done = false;
+        while !done && start.elapsed() < PART {
+            done = session.go_on(frame, 1)?.is_some();
+        }
+        if done {
+            (self.under_way, self.known) = (None, true);
+            self.error = session.estimated_error()?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,221 @@
+//! A frame under way: its steps, in one submission or in several, and again with longer lists after an overflow.
+
+use std::time::Instant;
+
+use super::run::{Session, unfinished};
+use crate::error::Result;
+use crate::gpu::Timing;
+use crate::layout::{BufferId, ListCounters};
+use crate::pipeline::plan::{Change, Changes};
+use crate::state::{Stage, Step};
+use crate::transport::blocks::irradiance_ratio;
+use crate::transport::links::{refine, update_links};
+use crate::transport::octree::HOST;
+
+/// A frame that has begun.
+pub struct FrameParts {
+    begin: Instant,
+    /// What it is to bring up to date.
+    changes: Changes,
+    /// Its steps, and how many are done; none before they are known.
+    steps: Option<(Vec<Step>, usize)>,
+    /// The times of the steps that are done, and of those that ran before lists were made longer.
+    last: Vec<Timing>,
+    times: Vec<Timing>,
+}
+
+impl Session {
+    /// Begins a frame as [`Session::frame`] runs it; [`Session::go_on`] runs its steps.
+    pub fn begin(&mut self, change: Change) -> Result<FrameParts> {
+        if self.shifted {
+            self.shift([0.0; 2], 0)?;
+        }
+        self.begin_as_it_is(change)
+    }
+
+    /// The same with the rays where they are.
+    pub(crate) fn begin_as_it_is(&mut self, changes: impl Into<Changes>) -> Result<FrameParts> {
+        self.sampled = false;
+        self.recover()?;
+        self.failed = true;
+        self.pending = self.pending.clone().and(&changes.into());
+        self.sharp = None;
+        self.open_budget()?;
+        let changes = self.pending.clone().and(&self.waiting_change().into());
+        Ok(FrameParts { begin: Instant::now(), changes, steps: None, last: Vec::new(), times: Vec::new() })
+    }
+
+    /// Runs the frame's next steps, at most so many where they run on the device by themselves. Returns the times of
+    /// all once the frame is done.
+    pub fn go_on(&mut self, frame: &mut FrameParts, most: usize) -> Result<Option<Vec<Timing>>> {
+        let (steps, done) = match frame.steps.take() {
+            Some(known) => known,
+            None => {
+                frame.changes = self.links_anew(&frame.changes);
+                (self.plan.steps(&self.prepared.state, frame.changes.clone()), 0)
+            }
+        };
+        let octree = self.plan.runs_on_host(&HOST, &self.prepared.state, frame.changes.clone());
+        let begin = if done == 0 { 0.0 } else { frame.begin.elapsed().as_secs_f64() * 1e3 };
+        let mut end = steps.len();
+        let mut times = match octree {
+            true => self.run_octree(&steps, frame.changes.any())?,
+            false if self.walks() => self.run_walk(&steps)?,
+            false if self.prepared.state.method.solves() => self.run_diffusion(&steps)?,
+            false => {
+                end = end.min(done.saturating_add(most));
+                self.run(&steps[done..end])?
+            }
+        };
+        times.iter_mut().for_each(|time| time.start += begin);
+        frame.last.append(&mut times);
+        if end < steps.len() {
+            frame.steps = Some((steps, end));
+            return Ok(None);
+        }
+        // A stage that runs again counts with its latest run only.
+        frame.times.retain(|before| frame.last.iter().all(|now| now.name != before.name));
+        frame.times.append(&mut frame.last);
+        match self.left(&steps)? {
+            Some(changes) => {
+                frame.changes = changes;
+                Ok(None)
+            }
+            None => {
+                self.pending = Changes::default();
+                self.failed = false;
+                Ok(Some(std::mem::take(&mut frame.times)))
+            }
+        }
+    }
+
+    /// Runs all that is left of a frame, in one submission unless lists overflow.
+    pub(crate) fn complete(&mut self, mut frame: FrameParts) -> Result<Vec<Timing>> {
+        loop {
+            if let Some(times) = self.go_on(&mut frame, usize::MAX)? {
+                return Ok(times);
+            }
+        }
+    }
+
+    /// Leaves a frame that is not done; the next one does its work again.
+    pub fn leave(&mut self, _: FrameParts) {
+        // Links may have been updated in part.
+        (self.failed, self.linked) = (false, false);
+    }
+
+    /// What is left to do after a frame's steps, because lists overflowed or do not serve.
+    fn left(&mut self, steps: &[Step]) -> Result<Option<Changes>> {
+        if steps.iter().any(|step| step.stage.writes(BufferId::cut_short)) {
+            self.fetch(&[BufferId::cut_short])?;
+            if self.prepared.state.data.cut_short != [0] {
+                let doing = "following a shadow ray, or fitting a plane to a vertex";
+                return Err(unfinished(doing, "use a mesh with fewer overlapping parts"));
+            }
+        }
+        let ran = |stage: &Stage| steps.iter().any(|step| step.stage.is(stage));
+        let filled = steps.iter().any(|step| step.stage.fills_lists());
+        if ran(&irradiance_ratio::STAGE) && !filled {
+            self.fetch(&[BufferId::counters])?;
+            if !self.prepared.state.data.counters.iter().all(ListCounters::serves) {
+                self.relinks += 1;
+                return Ok(Some(Change::RELINK.into()));
+            }
+        }
+        if !filled {
+            return Ok(None);
+        }
+        self.fetch(&[BufferId::counters])?;
+        let cursors = &self.prepared.state.data.counters;
+        if cursors.iter().any(|counters| counters.unfinished != 0) {
+            self.linked = false;
+            let advice =
+                "use transport.receivers = \"faces\", or raise receiver_angle and emitter_angle of scheme links";
+            return Err(unfinished("linking", advice));
+        }
+        if cursors.iter().all(|counters| counters.overflow == 0) {
+            self.linked = self.linked || ran(&refine::STAGE);
+            return Ok(None);
+        }
+        self.retries += 1;
+        // Links made anew that did not fit are no links that an update could start from.
+        let remade = |step: &Step| step.stage.is(&refine::STAGE) && cursors[step.at.object].overflow != 0;
+        if ran(&update_links::STAGE) && !steps.iter().any(remade) {
+            self.make_room()?;
+            // Sum all links: the light of the previous frame has been overwritten.
+            return Ok(Some(Change::EVERYTHING.and(Change::LIGHT).into()));
+        }
+        self.grow().map(|change| Some(change.into()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::plan::{Mode, Options};
+    use crate::scene::Scene;
+
+    #[test]
+    fn a_frame_that_is_left_leaves_no_trace() {
+        for (scheme, mode) in [
+            ("blocks", Mode::OnTheFly),
+            ("blocks", Mode::Keep),
+            ("blocks", Mode::Render),
+            ("links", Mode::Keep),
+            ("links", Mode::Incremental),
+        ] {
+            let with = |light: &str| {
+                let sets = ["object.0.detail=2", &format!("transport.scheme={scheme}"), light].map(str::to_string);
+                Scene::load_with("sphere", &sets).unwrap()
+            };
+            let [scene, moved] = ["light.0.direction=[0, 0, 1]", "light.0.direction=[1, 0, 0]"].map(with);
+            let options = Options { mode, ..Options::default() };
+            let mut fresh = Session::new(&moved, None, options).unwrap();
+            fresh.frame(Change::EVERYTHING).unwrap();
+            // A first frame, one that follows a whole one, and one that is done.
+            for done in [1, 5, usize::MAX] {
+                let mut session = Session::new(&scene, None, options).unwrap();
+                if done > 1 {
+                    session.frame(Change::EVERYTHING).unwrap();
+                }
+                let mut frame = session.begin(Change::EVERYTHING).unwrap();
+                let mut left = false;
+                for _ in 0..done.min(64) {
+                    left = session.go_on(&mut frame, 1).unwrap().is_none();
+                    if !left {
+                        break;
+                    }
+                }
+                if left {
+                    session.leave(frame);
+                }
+                assert!(left || done == usize::MAX, "{scheme} {mode:?}: nothing was left");
+                session.show(&moved).unwrap();
+                session.frame(Change::default()).unwrap();
+                let (own, wanted) = (&session.state().data, &fresh.state().data);
+                assert!(own.radiosity == wanted.radiosity, "{scheme} {mode:?} after {done} steps");
+                assert!(own.radiance == wanted.radiance, "{scheme} {mode:?} after {done} steps: the picture");
+            }
+        }
+    }
+
+    #[test]
+    fn steps_one_by_one_are_the_same_frame() {
+        let scene = Scene::load_with("sphere", &["object.0.detail=2".to_string()]).unwrap();
+        let mut whole = Session::new(&scene, None, Options::default()).unwrap();
+        let at_once = whole.frame(Change::EVERYTHING).unwrap();
+        let mut parts = Session::new(&scene, None, Options::default()).unwrap();
+        let mut frame = parts.begin(Change::EVERYTHING).unwrap();
+        let mut turns = 1;
+        let times = loop {
+            match parts.go_on(&mut frame, 1).unwrap() {
+                Some(times) => break times,
+                None => turns += 1,
+            }
+        };
+        let names = |times: &[Timing]| -> Vec<String> { times.iter().map(|time| time.name.clone()).collect() };
+        assert_eq!(names(&times), names(&at_once));
+        assert!(turns >= times.len() && times.windows(2).all(|pair| pair[0].start <= pair[1].start), "{times:?}");
+        assert!(whole.state().data.radiance == parts.state().data.radiance);
+    }
+}
