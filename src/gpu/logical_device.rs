@@ -205,12 +205,6 @@ impl LogicalDevice {
         self.0.patience.set(patience);
     }
 
-    /// Sets whether kernels are compiled ahead of the frame that first uses them, on all cores, where the driver would
-    /// compile them one by one within that frame; the default is yes.
-    pub fn compile_ahead(&self, ahead: bool) {
-        self.0.ahead.set(ahead);
-    }
-
     /// The adapter.
     pub fn adapter(&self) -> &Adapter {
         &self.0.adapter

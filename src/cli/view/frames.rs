@@ -16,14 +16,11 @@ use milkglass::internals::session::frame_parts::FrameParts;
 use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
 
-use self::check::Check;
+use self::check::{Check, REST};
 use super::drafts::{FACTORS, LEVELS, Policy};
 use super::history::History;
 use super::inspect::{Inspector, Layer};
 use crate::cli::open_session;
-
-/// For how long everything must rest before the picture is made.
-const REST: Duration = Duration::from_millis(250);
 
 /// What is shown, and what is to be done for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -60,8 +60,8 @@ pub(super) enum Action {
     Pick,
     /// Multiply the tolerance.
     Tolerance(f64),
-    /// Refine the error's estimate.
-    Refine,
+    /// Sharpen the error's estimate.
+    Sharpen,
     /// Set the tolerance.
     ToleranceTo(f64),
     Save,
@@ -218,7 +218,7 @@ pub(super) const ROWS: &[Row] = &[
         does: "half and twice the tolerance",
         keys: &[(",", Action::Tolerance(0.5)), (".", Action::Tolerance(2.0))],
     },
-    Row { shown: "a", does: "refine the estimated error", keys: &[("a", Action::Refine)] },
+    Row { shown: "a", does: "sharpen the estimated error", keys: &[("a", Action::Sharpen)] },
     Row { shown: "y", does: "the other scheme", keys: &[("y", Action::Scheme)] },
     Row { shown: "k", does: "the next mode", keys: &[("k", Action::Mode)] },
     Row {

@@ -1,4 +1,4 @@
-//! A device opened once more, and what that needs to be known of it.
+//! A device opened once more, what that needs to be known of it, and whether it compiles ahead.
 
 use super::LogicalDevice;
 use crate::error::Result;
@@ -13,6 +13,12 @@ impl LogicalDevice {
         device.wait_at_most(self.0.patience.get());
         device.compile_ahead(self.compiles_ahead());
         Ok(device)
+    }
+
+    /// Sets whether kernels are compiled ahead of the frame that first uses them, on all cores, where the driver would
+    /// compile them one by one within that frame; the default is yes.
+    pub fn compile_ahead(&self, ahead: bool) {
+        self.0.ahead.set(ahead);
     }
 
     pub(in super::super) fn compiles_ahead(&self) -> bool {

@@ -1,7 +1,7 @@
 //! The estimated error of the picture, once that is whole and rests: from a session of its own, so that pictures do not
 //! pay for it, and in parts, so that input is read between them.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use milkglass::error::Result;
 use milkglass::internals::gpu::Device;
@@ -10,8 +10,10 @@ use milkglass::internals::session::frame_parts::FrameParts;
 use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
 
-use super::REST;
-use super::whole::PART;
+/// For how long everything must rest before the picture is made, and before its error is estimated.
+pub(super) const REST: Duration = Duration::from_millis(250);
+/// How long something long is gone on with before input is read again; a step is not cut in pieces.
+pub(super) const PART: Duration = Duration::from_millis(60);
 
 /// What is known of the error.
 #[derive(Default)]

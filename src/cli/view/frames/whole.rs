@@ -7,10 +7,9 @@ use milkglass::internals::gpu::Timing;
 use milkglass::internals::pipeline::plan::Change;
 use milkglass::scene::Scene;
 
+use super::check::PART;
 use super::{Frames, Progress};
 
-/// How long the first frame of a picture is gone on with before input is read again; a step is not cut in pieces.
-pub(super) const PART: Duration = Duration::from_millis(60);
 /// If the first frame of a picture takes less, there are no drafts.
 const QUICK: Duration = Duration::from_millis(50);
 

@@ -174,8 +174,8 @@ fn contents(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>) {
             let none = if facts.settled { "not estimated" } else { "to be estimated" };
             let worst = facts.error.map(|error| error.into_iter().fold(0.0, f64::max));
             ui.label(worst.map_or(none.into(), |worst| format!("up to {worst:.1e}")));
-            if worst.is_some() && ui.button("refine").clicked() {
-                actions.push(Action::Refine);
+            if worst.is_some() && ui.button("sharpen").clicked() {
+                actions.push(Action::Sharpen);
             }
         });
         ui.end_row();

@@ -61,7 +61,7 @@ impl Viewer {
                 self.set_tolerance((self.edits.scene.transport.tolerance * factor).clamp(1e-6, 0.5))
             }
             Action::ToleranceTo(tolerance) => self.set_tolerance(tolerance),
-            Action::Refine => {
+            Action::Sharpen => {
                 self.frames.sharpen();
                 Ok(Changed::Nothing)
             }
