@@ -67,6 +67,7 @@ impl DeviceArgument {
 /// Opens an adapter, with the timeout that the environment variable MILKGLASS_TIMEOUT sets.
 pub(super) fn opened(instance: &Instance, adapter: &Adapter) -> Result<Device> {
     let device = Device::open(instance, adapter)?;
+    device.compile_ahead(true);
     if let Some(text) = std::env::var_os("MILKGLASS_TIMEOUT") {
         let text = text.to_string_lossy();
         let seconds = text.parse().ok().filter(|seconds| (0.001..=1e6).contains(seconds));

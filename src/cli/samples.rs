@@ -13,7 +13,7 @@ use milkglass::internals::pipeline::plan::Change;
 use milkglass::internals::session::run::Session;
 use milkglass::internals::state::Need;
 use milkglass::internals::view::pixel_shadow;
-use milkglass::scene::{Light, Source};
+use milkglass::scene::{Light, Receivers, Source};
 
 /// Seconds from which the samples that are left count as long.
 const LONG: f64 = 5.0;
@@ -31,9 +31,14 @@ pub fn foretell(session: &mut Session) -> Result<Option<Vec<Timing>>> {
     let samples = if camera.samples == 1 { 1.0 } else { f64::from(camera.samples) + 1.0 };
     let by_pixel = session.state().objects.iter().any(|object| object.by_pixel);
     // With fewer samples than triangles the light would be found at pixels, and once more for the picture.
-    let faces: usize = session.state().objects.iter().map(|object| object.count.faces).sum();
-    let share = SMALL.max(1.2 * faces as f64 / f64::from(camera.samples)) / (width * height);
-    if width * height * samples < LARGE || by_pixel || share > 0.25 {
+    let faces: usize =
+        session.state().objects.iter().filter(|object| !object.opaque).map(|object| object.count.faces).sum();
+    let least = match session.scene().transport.receivers {
+        Receivers::Auto => 1.2 * faces as f64 / f64::from(camera.samples),
+        Receivers::Faces | Receivers::Pixels => 0.0,
+    };
+    let share = SMALL.max(least) / (width * height);
+    if width * height * samples < LARGE || by_pixel || share > 0.1 {
         return Ok(None);
     }
     let size = [width, height].map(|side| ((side * share.sqrt()).ceil() as u32).max(1));

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread::available_parallelism;
+use std::thread::{Builder, available_parallelism};
 use std::time::{Duration, Instant};
 
 use super::choices::Choices;
@@ -25,6 +25,8 @@ use crate::phases::phase;
 const COMPILED: Duration = Duration::from_millis(15);
 /// After so many that were read, the rest is not worth the asking: the largest come first.
 const READ: usize = 2;
+/// At most so many devices.
+const MOST: usize = 16;
 /// Bytes of the buffer that is bound everywhere.
 const BOUND: u64 = 1 << 16;
 
@@ -35,7 +37,7 @@ static KNOWN: Mutex<BTreeSet<(String, KernelKey)>> = Mutex::new(BTreeSet::new())
 pub(super) fn compile(device: &LogicalDevice, list: &[Entry]) {
     let adapter = device.adapter();
     let kept = std::env::var_os("MESA_SHADER_CACHE_DISABLE").is_none() && adapter.compiles_at_dispatch();
-    if !kept || !device.compiles_ahead() || *device.choices() != Choices::default() {
+    if !kept || !device.compiles_ahead() || device.instance().validates() || *device.choices() != Choices::default() {
         return;
     }
     let Ok(mut known) = KNOWN.lock() else { return };
@@ -48,15 +50,16 @@ pub(super) fn compile(device: &LogicalDevice, list: &[Entry]) {
         }
     }
     drop(known);
-    let cores = available_parallelism().map_or(1, usize::from).min(new.len());
+    let cores = available_parallelism().map_or(1, usize::from).min(new.len()).min(MOST);
     if cores < 2 {
         return;
     }
     new.sort_by_cached_key(|key| std::cmp::Reverse(words_of(&key.name).map_or(0, |words| words.len())));
-    let (instance, extras) = (device.instance(), device.extras());
+    let (instance, extras, patience) = (device.instance(), device.extras(), device.patience());
     let (next, read) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let work = || -> Result<()> {
         let device = LogicalDevice::open(instance, adapter, &Choices::default(), extras)?;
+        device.wait_at_most(patience);
         let bound = Buffer::new(&device, "bound at first use", BOUND)?;
         while read.load(Ordering::Relaxed) < READ
             && let Some(key) = new.get(next.fetch_add(1, Ordering::Relaxed))
@@ -68,7 +71,12 @@ pub(super) fn compile(device: &LogicalDevice, list: &[Entry]) {
     };
     // A failure costs time at most: the frame compiles what is left.
     phase("compiling kernels", || {
-        std::thread::scope(|scope| (0..cores).for_each(|_| drop(scope.spawn(|| drop(work())))));
+        std::thread::scope(|scope| {
+            for _ in 0..cores {
+                // A thread that the system refuses is one fewer.
+                drop(Builder::new().spawn_scoped(scope, || drop(work())));
+            }
+        });
     });
 }
 

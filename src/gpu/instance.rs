@@ -114,6 +114,11 @@ impl Instance {
         Ok(Self(Arc::new(inner)))
     }
 
+    /// Whether the validation layer watches it.
+    pub(super) fn validates(&self) -> bool {
+        self.0.messenger != vk::DebugUtilsMessengerEXT::null()
+    }
+
     /// Takes the validation messages that have come since the last call.
     pub fn take_messages(&self) -> Vec<String> {
         self.0.messages.lock().map(|mut list| std::mem::take(&mut *list)).unwrap_or_default()

@@ -125,7 +125,7 @@ impl LogicalDevice {
             extras: extras.clone(),
             memory: Memory::default(),
             patience: Cell::new(PATIENCE),
-            ahead: Cell::new(true),
+            ahead: Cell::default(),
             submissions: Cell::default(),
             late: Cell::default(),
             grace: Cell::new(GRACE),

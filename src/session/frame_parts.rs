@@ -64,7 +64,13 @@ impl Session {
             false if self.prepared.state.method.solves() => self.run_diffusion(&steps)?,
             false => {
                 end = end.min(done.saturating_add(most));
-                self.run(&steps[done..end])?
+                let start = Instant::now();
+                let mut times = self.run(&steps[done..end])?;
+                // Devices may time the first step of a submission too short: here it is the only one.
+                if let ([time], 1) = (&mut times[..], most) {
+                    time.milliseconds = time.milliseconds.max(start.elapsed().as_secs_f64() * 1e3);
+                }
+                times
             }
         };
         times.iter_mut().for_each(|time| time.start += begin);
@@ -98,9 +104,14 @@ impl Session {
         }
     }
 
-    /// Leaves a frame that is not done; the next one does its work again.
-    pub fn leave(&mut self, _: FrameParts) {
-        // Links may have been updated in part.
+    /// Leaves a frame that is not done; the next one does its work again, what has come in on the way included: longer
+    /// lists, and links made anew.
+    pub fn leave(&mut self, frame: FrameParts) {
+        self.pending = std::mem::take(&mut self.pending).and(&frame.changes);
+        if self.state().method.incremental {
+            // Links may have been updated in part.
+            self.pending.add(Change::EVERYTHING);
+        }
         (self.failed, self.linked) = (false, false);
     }
 
@@ -197,6 +208,35 @@ mod tests {
                 assert!(own.radiance == wanted.radiance, "{scheme} {mode:?} after {done} steps: the picture");
             }
         }
+    }
+
+    #[test]
+    fn lists_that_a_left_frame_made_anew_are_made_again() {
+        let with = |light: &str| {
+            let sets = ["object.0.detail=3".to_string(), format!("light=[{light}]")];
+            Scene::load_with("sphere", &sets).unwrap()
+        };
+        let even = with("{ type = 'directional', direction = [0, 0, 1], irradiance = 3 }");
+        let sharp = with("{ type = 'point', position = [0, 0, 5.3], intensity = 3 }");
+        let options = Options { mode: Mode::Render, ..Options::default() };
+        let mut fresh = Session::new(&sharp, None, options).unwrap();
+        fresh.frame(Change::EVERYTHING).unwrap();
+        let mut session = Session::new(&even, None, options).unwrap();
+        session.frame(Change::EVERYTHING).unwrap();
+        // The light asks for other lists, and these are left too short.
+        session.show(&sharp).unwrap();
+        session.prepared.state.data.object_params[0].entry_capacity = 8;
+        let mut frame = session.begin(Change::default()).unwrap();
+        let before = session.relinks();
+        while session.relinks() == before {
+            assert!(session.go_on(&mut frame, 1).unwrap().is_none(), "the lists serve this light, too");
+        }
+        while session.state().data.counters[0].overflow == 0 {
+            assert!(session.go_on(&mut frame, 1).unwrap().is_none(), "the lists are long enough");
+        }
+        session.leave(frame);
+        session.frame(Change::VIEW).unwrap();
+        assert!(session.state().data.radiosity == fresh.state().data.radiosity);
     }
 
     #[test]

@@ -176,7 +176,11 @@ impl Frames {
                 self.progress = if whole { Progress::Whole } else { Progress::Sample(done + 1) };
                 steps
             }
-            Progress::Whole => return self.check.advance(scene, &self.device, self.options),
+            Progress::Whole => {
+                self.check.advance(scene, &self.device, self.options);
+                self.longest = self.longest.max(turn.elapsed());
+                return Ok(());
+            }
         };
         self.history.add(start, steps);
         if self.progress == Progress::Whole {

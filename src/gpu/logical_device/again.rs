@@ -1,5 +1,7 @@
 //! A device opened once more, what that needs to be known of it, and whether it compiles ahead.
 
+use std::time::Duration;
+
 use super::LogicalDevice;
 use crate::error::Result;
 use crate::gpu::choices::Choices;
@@ -10,15 +12,20 @@ impl LogicalDevice {
     /// The same adapter opened once more; submissions may take as long.
     pub(in super::super) fn again(&self, choices: &Choices, extras: &Extras) -> Result<Self> {
         let device = Self::open(&self.0.instance, &self.0.adapter, choices, extras)?;
-        device.wait_at_most(self.0.patience.get());
+        device.wait_at_most(self.patience());
         device.compile_ahead(self.compiles_ahead());
         Ok(device)
     }
 
     /// Sets whether kernels are compiled ahead of the frame that first uses them, on all cores, where the driver would
-    /// compile them one by one within that frame; the default is yes.
+    /// compile them one by one within that frame; the default is no.
     pub fn compile_ahead(&self, ahead: bool) {
         self.0.ahead.set(ahead);
+    }
+
+    /// How long a submission may take.
+    pub(in super::super) fn patience(&self) -> Duration {
+        self.0.patience.get()
     }
 
     pub(in super::super) fn compiles_ahead(&self) -> bool {

@@ -5,10 +5,10 @@ use std::time::{Duration, Instant};
 
 use milkglass::error::Result;
 use milkglass::internals::gpu::Device;
-use milkglass::internals::pipeline::plan::{Change, Goal, Options};
+use milkglass::internals::pipeline::plan::{Change, Goal, Options, ShadingMethod};
 use milkglass::internals::session::frame_parts::FrameParts;
 use milkglass::internals::session::run::Session;
-use milkglass::scene::Scene;
+use milkglass::scene::{Scene, Scheme};
 
 /// For how long everything must rest before the picture is made, and before its error is estimated.
 pub(super) const REST: Duration = Duration::from_millis(250);
@@ -70,16 +70,11 @@ impl Check {
         }
     }
 
-    /// Does it, for [`PART`]; a step is not cut in pieces, and the second solution is one.
-    pub(super) fn advance(&mut self, scene: &Scene, device: &Device, options: Options) -> Result<()> {
-        match self.part(scene, device, options) {
-            Err(error) if error.is_device_fault() => Err(error),
-            // It does not fit the memory, say: then there is none.
-            Err(_) => {
-                (self.session, self.known, self.error) = (None, true, None);
-                Ok(())
-            }
-            Ok(()) => Ok(()),
+    /// Does it, for [`PART`]; a step is not cut in pieces, and the second solution is one. Where it fails, there is no
+    /// estimate: a device that is lost shows in the next picture.
+    pub(super) fn advance(&mut self, scene: &Scene, device: &Device, options: Options) {
+        if self.part(scene, device, options).is_err() {
+            *self = Self { known: true, ..Self::default() };
         }
     }
 
@@ -93,8 +88,13 @@ impl Check {
             }
             return Ok(());
         }
+        let estimates = match options.transport {
+            ShadingMethod::Hierarchy => scene.transport.scheme == Scheme::Blocks,
+            ShadingMethod::Diffusion | ShadingMethod::Auto => true,
+            _ => false,
+        };
         // Subdivision for lights would look for more to estimate.
-        if options.transport.is_local() || scene.transport.subdivide > 0 {
+        if !estimates || scene.transport.subdivide > 0 {
             self.known = true;
             return Ok(());
         }
@@ -105,10 +105,6 @@ impl Check {
                 none.insert(Session::new(scene, Some(device), options)?)
             }
         };
-        if !session.state().method.estimate {
-            (self.session, self.known) = (None, true);
-            return Ok(());
-        }
         let frame = match &mut self.under_way {
             Some(frame) => frame,
             none => {
