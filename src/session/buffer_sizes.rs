@@ -7,6 +7,9 @@ use crate::pipeline::buffer_sizes::{RESULTS, adjust, grows, resize, size};
 use crate::pipeline::plan::{Plan, ShadingMethod};
 use crate::transport::octree::HOST;
 
+/// What a stage may leave as it is, and the host reads for every object, though not every object has lists.
+const STANDING: [BufferId; 4] = [BufferId::cut_short, BufferId::counters, BufferId::stale, BufferId::stale_counts];
+
 impl Session {
     /// Gives every buffer its size and uploads the inputs.
     pub(crate) fn resize(&mut self) -> Result<()> {
@@ -17,15 +20,19 @@ impl Session {
         let inputs: Vec<BufferId> = Plan::inputs().collect();
         self.send(&inputs)?;
         self.blank()?;
-        // The host reads these for every object, though not every object has lists.
-        self.send(&[BufferId::cut_short, BufferId::counters, BufferId::stale, BufferId::stale_counts])
+        self.send(&STANDING)
     }
 
     /// Gives those buffers another size that need one, after a change of `inputs`; all others keep their contents.
     pub(crate) fn adjust(&mut self, inputs: &[BufferId]) -> Result<()> {
+        let sizes = |session: &Self| STANDING.map(|slot| session.state().data.bytes(slot).len());
+        let before = sizes(self);
         adjust(&mut self.prepared.state, &self.plan);
         self.check_bindings()?;
         self.send(inputs)?;
+        // New memory may hold anything.
+        let made = STANDING.into_iter().zip(before).zip(sizes(self)).filter(|((_, before), now)| before != now);
+        self.send(&made.map(|((slot, _), _)| slot).collect::<Vec<_>>())?;
         self.blank()
     }
 

@@ -1,7 +1,7 @@
 //! Random sequences of edits of all kinds: every frame has, bit for bit, what a new session gives.
 
 use crate::devices;
-use milkglass::internals::gpu::Device;
+use milkglass::internals::gpu::{Buffer, Device};
 use milkglass::internals::layout::BufferId;
 use milkglass::internals::pipeline::plan::{Goal, Mode, Options, ShadingMethod};
 use milkglass::internals::session::run::Session;
@@ -241,5 +241,25 @@ fn without_light_every_pixel_shows_the_first_receiver() {
         session.render().unwrap();
         session.fetch(&[BufferId::seen]).unwrap();
         assert!(session.state().data.seen.iter().all(|&seen| seen == 0));
+    });
+}
+
+/// A buffer that a change of the scene brings into a session does not show what was in its memory before.
+#[test]
+fn memory_that_is_used_again_does_not_show() {
+    devices::on_devices(|device| {
+        let with = |shadows: &str| {
+            let sets = ["object.0.detail=2", "camera.size=[8, 8]", &format!("light.0.shadows={shadows}")];
+            Scene::load_with("sphere", &sets.map(str::to_string)).unwrap()
+        };
+        let mut session = Session::new(&with("false"), Some(device), Options::default()).unwrap();
+        session.render().unwrap();
+        let used: Vec<_> = (0..64).map(|_| Buffer::new(device, "used", 4).unwrap()).collect();
+        used.iter().for_each(|buffer| buffer.upload(&[0xff; 4]).unwrap());
+        drop(used);
+        session.show(&with("true")).unwrap();
+        let shown = session.render().unwrap();
+        let wanted = Session::new(&with("true"), Some(device), Options::default()).unwrap().render().unwrap();
+        assert!(shown.pixels == wanted.pixels);
     });
 }
