@@ -224,7 +224,13 @@ impl RunArguments {
 /// Opens a session on this device; reports tree fallbacks and the like on standard error.
 fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Result<Session> {
     let mut session = Session::new(scene, device, options)?;
-    walk::watch(&mut session);
+    greet(&mut session);
+    Ok(session)
+}
+
+/// Reports on standard error what there is to say of a new session: tree fallbacks and the like.
+fn greet(session: &mut Session) {
+    walk::watch(session);
     for (object, method) in session.prepared().methods.iter().enumerate() {
         let why = match method {
             Method::Merged => continue,
@@ -233,12 +239,11 @@ fn open_session(scene: &Scene, device: Option<&Device>, options: Options) -> Res
         };
         tell!("tree of object {object}: {why}; split at medians instead");
     }
-    sequence::warn_of_shape(&mut session, "");
+    sequence::warn_of_shape(session, "");
     session.diffusion_doubts().iter().for_each(|line| tell!("{line}"));
     if let Some(why) = session.not_kept() {
         tell!("{why}");
     }
-    Ok(session)
 }
 
 /// Runs a frame; reports once if links turn out to be too many to keep.

@@ -1,6 +1,7 @@
 //! Anti-aliasing: a picture as the mean of pictures, each with its rays through another point of the pixels. Only
 //! stages that depend on the view run again; light transport does not.
 
+use super::frame_parts::FrameParts;
 use super::run::Session;
 use crate::error::Result;
 use crate::gpu::Timing;
@@ -39,14 +40,18 @@ impl Session {
 
     /// Runs the frame of sample `k`, after those of the samples before it; what is shown then is the mean of these. The
     /// camera has several samples.
-    pub fn sample_one(&mut self, k: u32) -> Result<Vec<Timing>> {
+    fn sample_one(&mut self, k: u32) -> Result<Vec<Timing>> {
+        let frame = self.begin_sample(k)?;
+        self.complete(frame)
+    }
+
+    /// Begins that frame; [`Session::go_on`] runs it.
+    pub fn begin_sample(&mut self, k: u32) -> Result<FrameParts> {
         let samples = self.scene().camera.samples;
         self.shift(place(k, samples), k)?;
-        let steps = self.frame_as_it_is(Change::VIEW)?;
-        if k + 1 == samples {
-            (self.sampled, self.shifted) = (true, true);
-        }
-        Ok(steps)
+        let mut frame = self.begin_as_it_is(Change::VIEW)?;
+        frame.last_sample = k + 1 == samples;
+        Ok(frame)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::run::{Session, unfinished};
+use super::run::{Backend, Session, unfinished};
 use crate::error::Result;
 use crate::gpu::Timing;
 use crate::layout::{BufferId, ListCounters};
@@ -17,11 +17,20 @@ pub struct FrameParts {
     begin: Instant,
     /// What it is to bring up to date.
     changes: Changes,
-    /// Its steps, and how many are done; none before they are known.
-    steps: Option<(Vec<Step>, usize)>,
+    /// Its steps, and how far it is; none before they are known.
+    steps: Option<Steps>,
     /// The times of the steps that are done, and of those that ran before lists were made longer.
     last: Vec<Timing>,
     times: Vec<Timing>,
+    /// Whether it is the last of the camera's several samples.
+    pub(super) last_sample: bool,
+}
+
+/// The steps of a frame, how many are done, and how many dispatches of the next one.
+struct Steps {
+    all: Vec<Step>,
+    done: usize,
+    dispatched: usize,
 }
 
 impl Session {
@@ -42,43 +51,40 @@ impl Session {
         self.sharp = None;
         self.open_budget()?;
         let changes = self.pending.clone().and(&self.waiting_change().into());
-        Ok(FrameParts { begin: Instant::now(), changes, steps: None, last: Vec::new(), times: Vec::new() })
+        let (last, times) = (Vec::new(), Vec::new());
+        Ok(FrameParts { begin: Instant::now(), changes, steps: None, last, times, last_sample: false })
     }
 
-    /// Runs the frame's next steps, at most so many where they run on the device by themselves. Returns the times of
-    /// all once the frame is done.
-    pub fn go_on(&mut self, frame: &mut FrameParts, most: usize) -> Result<Option<Vec<Timing>>> {
-        let (steps, done) = match frame.steps.take() {
+    /// Runs what is left of the frame, or goes on with it `until` then: where steps run on the device by themselves, it
+    /// ends with the first dispatch that is done later. Returns the times of all once the frame is done.
+    pub fn go_on(&mut self, frame: &mut FrameParts, until: Option<Instant>) -> Result<Option<Vec<Timing>>> {
+        let mut steps = match frame.steps.take() {
             Some(known) => known,
             None => {
                 frame.changes = self.links_anew(&frame.changes);
-                (self.plan.steps(&self.prepared.state, frame.changes.clone()), 0)
+                let all = self.plan.steps(&self.prepared.state, frame.changes.clone());
+                Steps { all, done: 0, dispatched: 0 }
             }
         };
         let octree = self.plan.runs_on_host(&HOST, &self.prepared.state, frame.changes.clone());
-        let begin = if done == 0 { 0.0 } else { frame.begin.elapsed().as_secs_f64() * 1e3 };
-        let mut end = steps.len();
-        let mut times = match octree {
-            true => self.run_octree(&steps, frame.changes.any())?,
-            false if self.walks() => self.run_walk(&steps)?,
-            false if self.prepared.state.method.solves() => self.run_diffusion(&steps)?,
-            false => {
-                end = end.min(done.saturating_add(most));
-                let start = Instant::now();
-                let mut times = self.run(&steps[done..end])?;
-                // Devices may time the first step of a submission too short: here it is the only one.
-                if let ([time], 1) = (&mut times[..], most) {
-                    time.milliseconds = time.milliseconds.max(start.elapsed().as_secs_f64() * 1e3);
-                }
-                times
-            }
-        };
-        times.iter_mut().for_each(|time| time.start += begin);
-        frame.last.append(&mut times);
-        if end < steps.len() {
-            frame.steps = Some((steps, end));
-            return Ok(None);
+        let solves = self.prepared.state.method.solves();
+        if octree || solves || self.walks() || (until.is_none() && steps.done + steps.dispatched == 0) {
+            frame.last.append(&mut match () {
+                () if octree => self.run_octree(&steps.all, frame.changes.any())?,
+                () if self.walks() => self.run_walk(&steps.all)?,
+                () if solves => self.run_diffusion(&steps.all)?,
+                () => self.run(&steps.all)?,
+            });
+            steps.done = steps.all.len();
         }
+        while steps.done < steps.all.len() {
+            self.next_part(frame, &mut steps)?;
+            if until.is_some_and(|until| until <= Instant::now()) && steps.done < steps.all.len() {
+                frame.steps = Some(steps);
+                return Ok(None);
+            }
+        }
+        let steps = steps.all;
         // A stage that runs again counts with its latest run only.
         frame.times.retain(|before| frame.last.iter().all(|now| now.name != before.name));
         frame.times.append(&mut frame.last);
@@ -90,15 +96,42 @@ impl Session {
             None => {
                 self.pending = Changes::default();
                 self.failed = false;
+                if frame.last_sample {
+                    (self.sampled, self.shifted) = (true, true);
+                }
                 Ok(Some(std::mem::take(&mut frame.times)))
             }
         }
     }
 
+    /// Runs the next dispatch of these steps, or the next step where that is one piece.
+    fn next_part(&mut self, frame: &mut FrameParts, steps: &mut Steps) -> Result<()> {
+        let (step, start) = (steps.all[steps.done], Instant::now());
+        let (time, more) = match &self.backend {
+            Backend::Gpu(gpu) => gpu.run_part(&self.prepared.state, step, steps.dispatched)?,
+            Backend::Cpu => (self.run(&[step])?.pop(), false),
+        };
+        if let Some(mut time) = time {
+            // Devices may time the first part of a submission too short: here it is the only one.
+            time.milliseconds = time.milliseconds.max(start.elapsed().as_secs_f64() * 1e3);
+            time.start = start.duration_since(frame.begin).as_secs_f64() * 1e3;
+            match frame.last.last_mut().filter(|_| steps.dispatched > 0) {
+                Some(before) => {
+                    before.milliseconds += time.milliseconds;
+                    before.dispatches += time.dispatches;
+                    before.barriers += time.barriers;
+                }
+                None => frame.last.push(time),
+            }
+        }
+        (steps.done, steps.dispatched) = if more { (steps.done, steps.dispatched + 1) } else { (steps.done + 1, 0) };
+        Ok(())
+    }
+
     /// Runs all that is left of a frame, in one submission unless lists overflow.
     pub(crate) fn complete(&mut self, mut frame: FrameParts) -> Result<Vec<Timing>> {
         loop {
-            if let Some(times) = self.go_on(&mut frame, usize::MAX)? {
+            if let Some(times) = self.go_on(&mut frame, None)? {
                 return Ok(times);
             }
         }
@@ -192,7 +225,7 @@ mod tests {
                 let mut frame = session.begin(Change::EVERYTHING).unwrap();
                 let mut left = false;
                 for _ in 0..done.min(64) {
-                    left = session.go_on(&mut frame, 1).unwrap().is_none();
+                    left = session.go_on(&mut frame, Some(Instant::now())).unwrap().is_none();
                     if !left {
                         break;
                     }
@@ -229,10 +262,13 @@ mod tests {
         let mut frame = session.begin(Change::default()).unwrap();
         let before = session.relinks();
         while session.relinks() == before {
-            assert!(session.go_on(&mut frame, 1).unwrap().is_none(), "the lists serve this light, too");
+            assert!(
+                session.go_on(&mut frame, Some(Instant::now())).unwrap().is_none(),
+                "the lists serve this light, too"
+            );
         }
         while session.state().data.counters[0].overflow == 0 {
-            assert!(session.go_on(&mut frame, 1).unwrap().is_none(), "the lists are long enough");
+            assert!(session.go_on(&mut frame, Some(Instant::now())).unwrap().is_none(), "the lists are long enough");
         }
         session.leave(frame);
         session.frame(Change::VIEW).unwrap();
@@ -248,7 +284,7 @@ mod tests {
         let mut frame = parts.begin(Change::EVERYTHING).unwrap();
         let mut turns = 1;
         let times = loop {
-            match parts.go_on(&mut frame, 1).unwrap() {
+            match parts.go_on(&mut frame, Some(Instant::now())).unwrap() {
                 Some(times) => break times,
                 None => turns += 1,
             }

@@ -20,8 +20,15 @@ pub struct Pass<'a> {
 /// Where dispatches go.
 enum Sink<'a> {
     Device(&'a DeviceState, &'a mut Recorder),
+    Part(&'a DeviceState, &'a mut Recorder, OneOf<'a>),
     List(usize, &'a mut Vec<Dispatch>),
     Trace(&'a DeviceState, &'a mut Trace, Way<'a>),
+}
+
+/// The dispatch of a step that is recorded, and how many the step has requested so far.
+struct OneOf<'a> {
+    index: usize,
+    seen: &'a mut usize,
 }
 
 /// A dispatch that a step requests.
@@ -115,6 +122,18 @@ impl DeviceState {
         }
         recorder.submit_again(self.recordings())
     }
+
+    /// Records and submits one dispatch of a step; returns its time, and whether there are more after it.
+    pub fn run_part(&self, state: &State, step: Step, index: usize) -> Result<(Option<Timing>, bool)> {
+        let mut recorder = Recorder::new(self.device(), 1)?;
+        let mut seen = 0;
+        recorder.part(step.stage.name, |recorder| {
+            let sink = Sink::Part(self, recorder, OneOf { index, seen: &mut seen });
+            (step.stage.gpu)(&mut Pass { state, at: step.at, step, sink })
+        })?;
+        let times = recorder.submit_again(self.recordings())?;
+        Ok((times.into_iter().next(), index + 1 < seen))
+    }
 }
 
 impl<'s> Pass<'s> {
@@ -136,7 +155,7 @@ impl<'s> Pass<'s> {
     /// The subgroup size of the device.
     pub fn subgroup(&self) -> usize {
         match &self.sink {
-            Sink::Device(device_state, _) | Sink::Trace(device_state, ..) => {
+            Sink::Device(device_state, _) | Sink::Part(device_state, ..) | Sink::Trace(device_state, ..) => {
                 device_state.device().limits().subgroup_size.max(1) as usize
             }
             Sink::List(size, _) => *size,
@@ -170,6 +189,14 @@ impl<'s> Pass<'s> {
             Sink::Device(device_state, recorder) => {
                 let call = Call { kernel: &kernel, constants, push, at: self.at, groups };
                 device_state.submit(recorder, self.state, &call)?;
+            }
+            Sink::Part(device_state, recorder, part) => {
+                let here = part.index == *part.seen;
+                *part.seen += 1;
+                if here {
+                    let call = Call { kernel: &kernel, constants, push, at: self.at, groups };
+                    device_state.submit(recorder, self.state, &call)?;
+                }
             }
             Sink::Trace(device_state, trace, way) => {
                 let call = Call { kernel: &kernel, constants, push, at: self.at, groups };

@@ -1,10 +1,11 @@
 //! The pictures of the window: fast drafts while something moves, and the picture of `render` once everything rests.
 //!
-//! Drafts have sessions of their own: see [`super::drafts`]. The picture that replaces them is made step by step: a
-//! frame through the pixels' centres, then a frame for each sample. A layer is made in one step.
+//! Drafts have sessions of their own: see [`super::drafts`]. The picture that replaces them is made in parts: those of
+//! a frame through the pixels' centres, then those of a frame for each sample. A layer is made in one step.
 
 mod check;
 mod numbers;
+mod parts;
 mod whole;
 
 use std::time::{Duration, Instant};
@@ -20,7 +21,7 @@ use self::check::{Check, REST};
 use super::drafts::{FACTORS, LEVELS, Policy};
 use super::history::History;
 use super::inspect::{Inspector, Layer};
-use crate::cli::open_session;
+use crate::cli::greet;
 
 /// What is shown, and what is to be done for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +58,7 @@ pub(super) struct Frames {
     /// Why a layer could not be shown, until it is told.
     pub(super) refused: Option<Error>,
     pub(super) history: History,
-    /// The first frame of the whole picture while it is under way, and what it took so far.
+    /// A frame of the whole picture while it is under way, and what it took so far.
     under_way: Option<(FrameParts, Duration)>,
     /// The longest time between two looks at the input while a whole picture is made.
     longest: Duration,
@@ -69,10 +70,12 @@ pub(super) struct Frames {
 impl Frames {
     /// For a scene on a device.
     pub(super) fn new(scene: &Scene, device: &Device, options: Options) -> Result<Self> {
+        let mut full = parts::open(scene, device, options)?;
+        greet(&mut full);
         Ok(Self {
             device: device.clone(),
             options,
-            full: open_session(scene, Some(device), options)?,
+            full,
             drafts: [None, None],
             policy: Policy::default(),
             all: true,
@@ -93,7 +96,7 @@ impl Frames {
 
     /// Goes over to other options; what was shown stays if that fails.
     pub(super) fn set_options(&mut self, scene: &Scene, options: Options) -> Result<()> {
-        let full = Session::new(scene, Some(&self.device), options)?;
+        let full = parts::open(scene, &self.device, options)?;
         (self.full, self.under_way) = (full, None);
         self.check.forget();
         (self.options, self.drafts, self.quick) = (options, [None, None], [false; 2]);
@@ -135,9 +138,9 @@ impl Frames {
         }
     }
 
-    /// Has a second solution refine the estimated error.
+    /// Has a second solution sharpen the estimated error.
     pub(super) fn sharpen(&mut self) {
-        self.check.refine();
+        self.check.sharpen();
     }
 
     /// Whether the next step is the first one of a whole picture.
@@ -163,17 +166,11 @@ impl Frames {
         let steps = match self.progress {
             Progress::Changed if !self.begins(held) => self.draft(scene, before)?,
             Progress::Changed | Progress::Draft(_) if self.layer != Layer::Light => self.inspect(scene)?,
-            Progress::Changed | Progress::Draft(_) => match self.first(scene, start)? {
-                Some((steps, took)) => {
-                    start = Instant::now().checked_sub(took).unwrap_or(start);
-                    steps
-                }
-                None => return Ok(()),
-            },
-            Progress::Sample(done) => {
-                let steps = self.full.sample_one(done)?;
-                let whole = done + 1 == scene.camera.samples;
-                self.progress = if whole { Progress::Whole } else { Progress::Sample(done + 1) };
+            Progress::Changed | Progress::Draft(_) | Progress::Sample(_) => {
+                let part = self.part(scene, start)?;
+                self.longest = self.longest.max(turn.elapsed());
+                let Some((steps, took)) = part else { return Ok(()) };
+                start = Instant::now().checked_sub(took).unwrap_or(start);
                 steps
             }
             Progress::Whole => {
@@ -188,8 +185,6 @@ impl Frames {
         }
         if matches!(self.progress, Progress::Draft(_)) {
             self.drafted.push(start.elapsed().as_secs_f64() * 1e3);
-        } else {
-            self.longest = self.longest.max(turn.elapsed());
         }
         Ok(())
     }

@@ -10,10 +10,10 @@ use milkglass::internals::session::frame_parts::FrameParts;
 use milkglass::internals::session::run::Session;
 use milkglass::scene::{Scene, Scheme};
 
+use super::parts::{PART, open};
+
 /// For how long everything must rest before the picture is made, and before its error is estimated.
 pub(super) const REST: Duration = Duration::from_millis(250);
-/// How long something long is gone on with before input is read again; a step is not cut in pieces.
-pub(super) const PART: Duration = Duration::from_millis(60);
 
 /// What is known of the error.
 #[derive(Default)]
@@ -22,8 +22,8 @@ pub(super) struct Check {
     under_way: Option<FrameParts>,
     /// Whether it is known, or known to have no estimate.
     known: bool,
-    /// Whether a second solution is to refine it.
-    refines: bool,
+    /// Whether a second solution is to sharpen it.
+    sharpens: bool,
     error: Option<[f64; 3]>,
     /// When the picture was whole.
     since: Option<Instant>,
@@ -45,7 +45,7 @@ impl Check {
         if let (Some(session), Some(frame)) = (&mut self.session, self.under_way.take()) {
             session.leave(frame);
         }
-        self.refines = false;
+        self.sharpens = false;
         if all {
             (self.known, self.error) = (false, None);
         }
@@ -56,22 +56,22 @@ impl Check {
         *self = Self::default();
     }
 
-    /// Has a second solution refine the error.
-    pub(super) fn refine(&mut self) {
-        self.refines = true;
+    /// Has a second solution sharpen the error.
+    pub(super) fn sharpen(&mut self) {
+        self.sharpens = true;
     }
 
     /// When there is something to do, while the picture is whole.
     pub(super) fn due(&self) -> Option<Instant> {
         match self.known {
-            true => self.refines.then(Instant::now),
+            true => self.sharpens.then(Instant::now),
             false if self.under_way.is_some() => Some(Instant::now()),
             false => self.since.map(|since| since + REST),
         }
     }
 
-    /// Does it, for [`PART`]; a step is not cut in pieces, and the second solution is one. Where it fails, there is no
-    /// estimate: a device that is lost shows in the next picture.
+    /// Does it, for [`PART`]; a dispatch is not cut in pieces, and the second solution is one. Where it fails, there is
+    /// no estimate: a device that is lost shows in the next picture.
     pub(super) fn advance(&mut self, scene: &Scene, device: &Device, options: Options) {
         if self.part(scene, device, options).is_err() {
             *self = Self { known: true, ..Self::default() };
@@ -81,7 +81,7 @@ impl Check {
     fn part(&mut self, scene: &Scene, device: &Device, options: Options) -> Result<()> {
         let start = Instant::now();
         if self.known {
-            self.refines = false;
+            self.sharpens = false;
             if let Some(session) = &mut self.session {
                 session.sharpen()?;
                 self.error = session.estimated_error()?;
@@ -102,7 +102,7 @@ impl Check {
             Some(session) => session,
             none => {
                 let options = Options { goal: Goal::Radiosity, estimate: true, ..options };
-                none.insert(Session::new(scene, Some(device), options)?)
+                none.insert(open(scene, device, options)?)
             }
         };
         let frame = match &mut self.under_way {
@@ -112,11 +112,7 @@ impl Check {
                 none.insert(session.begin(Change::default())?)
             }
         };
-        let mut done = false;
-        while !done && start.elapsed() < PART {
-            done = session.go_on(frame, 1)?.is_some();
-        }
-        if done {
+        if session.go_on(frame, Some(start + PART))?.is_some() {
             (self.under_way, self.known) = (None, true);
             self.error = session.estimated_error()?;
         }

@@ -1,4 +1,4 @@
-//! The first frame of a whole picture: in parts, so that input is read between them.
+//! The frames of a whole picture: in parts, so that input is read between them.
 
 use std::time::{Duration, Instant};
 
@@ -7,40 +7,47 @@ use milkglass::internals::gpu::Timing;
 use milkglass::internals::pipeline::plan::Change;
 use milkglass::scene::Scene;
 
-use super::check::PART;
+use super::parts::PART;
 use super::{Frames, Progress};
 
 /// If the first frame of a picture takes less, there are no drafts.
 const QUICK: Duration = Duration::from_millis(50);
 
 impl Frames {
-    /// Goes on with the first frame of the whole picture, for [`PART`] while a draft is shown; the times of its steps
-    /// and what it took once it is done.
-    pub(super) fn first(&mut self, scene: &Scene, start: Instant) -> Result<Option<(Vec<Timing>, Duration)>> {
-        let (mut frame, before) = match self.under_way.take() {
-            Some(under_way) => under_way,
-            None => {
+    /// Goes on with the next frame of the whole picture, for [`PART`] while another picture is shown; the times of its
+    /// steps and what it took once it is done.
+    pub(super) fn part(&mut self, scene: &Scene, start: Instant) -> Result<Option<(Vec<Timing>, Duration)>> {
+        let (mut frame, before) = match (self.under_way.take(), self.progress) {
+            (Some(under_way), _) => under_way,
+            (None, Progress::Sample(done)) => (self.full.begin_sample(done)?, Duration::ZERO),
+            (None, _) => {
                 self.full.show(scene).map_err(|error| scene.placed(error))?;
                 (self.full.begin(Change::default())?, Duration::ZERO)
             }
         };
-        let most = if self.progress == Progress::Changed { usize::MAX } else { 1 };
+        let until = (self.progress != Progress::Changed).then(|| start + PART);
+        // Lists that turn out too short begin another round.
         let steps = loop {
-            let steps = self.full.go_on(&mut frame, most)?;
-            if steps.is_some() || (most == 1 && start.elapsed() > PART) {
+            let steps = self.full.go_on(&mut frame, until)?;
+            if steps.is_some() || until.is_some_and(|until| until <= Instant::now()) {
                 break steps;
             }
         };
-        self.longest = self.longest.max(start.elapsed());
         let took = before + start.elapsed();
         let Some(steps) = steps else {
             self.under_way = Some((frame, took));
             return Ok(None);
         };
-        self.full.finished_rays()?;
-        self.quick[usize::from(std::mem::take(&mut self.heavy))] = took < QUICK;
-        self.policy.relearn(scene, &steps, took.as_secs_f64() * 1e3);
-        self.progress = if scene.camera.samples == 1 { Progress::Whole } else { Progress::Sample(0) };
+        let done = match self.progress {
+            Progress::Sample(done) => done + 1,
+            _ => {
+                self.full.finished_rays()?;
+                self.quick[usize::from(std::mem::take(&mut self.heavy))] = took < QUICK;
+                self.policy.relearn(scene, &steps, took.as_secs_f64() * 1e3);
+                u32::from(scene.camera.samples == 1)
+            }
+        };
+        self.progress = if done == scene.camera.samples { Progress::Whole } else { Progress::Sample(done) };
         Ok(Some((steps, took)))
     }
 }
