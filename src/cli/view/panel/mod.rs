@@ -1,6 +1,7 @@
 //! The panel beside the picture, the keys over it, and messages.
 
 mod handles;
+mod message;
 mod strip;
 
 use egui::{Align2, Color32, ComboBox, Frame, Grid, Margin, Panel, Rect, RichText, ScrollArea, Slider, Ui};
@@ -12,6 +13,7 @@ use super::frames::Progress;
 use super::history::History;
 use super::inspect::{LAYERS, Layer};
 use super::keys::{Action, ROWS};
+use super::viewer::outcome::Message;
 
 /// Width of the panel in points.
 pub(super) const WIDTH: f32 = 270.0;
@@ -60,7 +62,7 @@ pub(super) struct Facts<'a> {
     pub(super) counts: [u64; 2],
     /// Bytes of device memory.
     pub(super) memory: u64,
-    pub(super) message: Option<&'a str>,
+    pub(super) message: Option<&'a Message>,
     pub(super) panel: bool,
     pub(super) keys: bool,
 }
@@ -76,15 +78,7 @@ pub(super) fn lay_out(ui: &mut Ui, facts: &Facts<'_>, actions: &mut Vec<Action>)
         panel.show(ui, |ui| ScrollArea::vertical().auto_shrink(false).show(ui, |ui| contents(ui, facts, actions)));
     }
     handles::draw(ui, facts, free);
-    if let Some(message) = facts.message {
-        egui::Area::new("message".into()).anchor(Align2::LEFT_TOP, [8.0, 8.0]).show(ui.ctx(), |ui| {
-            let frame = Frame::popup(ui.style()).fill(Color32::from_rgb(90, 20, 20));
-            frame.show(ui, |ui| {
-                ui.set_max_width(420.0);
-                ui.label(RichText::new(message).color(Color32::WHITE));
-            });
-        });
-    }
+    facts.message.iter().for_each(|message| message::draw(ui, message));
     if facts.keys {
         let window =
             egui::Window::new("Keys").collapsible(false).resizable(false).anchor(Align2::LEFT_BOTTOM, [8.0, -8.0]);

@@ -5,7 +5,7 @@ use clap::ValueEnum;
 use milkglass::error::Result;
 use milkglass::scene::{Preset, Scheme};
 
-use super::outcome::{Changed, Output};
+use super::outcome::{Changed, Message, Output};
 use super::{Viewer, place};
 use crate::cli::run_args::{OptionArguments, TransportArgument};
 use crate::cli::view::amounts::{Amount, amounts, set_amount};
@@ -154,7 +154,7 @@ impl Viewer {
                     return Ok(changed);
                 }
                 Err(error) if step.abs() == 1 && !error.is_device_fault() => {
-                    refused.get_or_insert(error.to_string());
+                    refused.get_or_insert(Message::of(&error));
                 }
                 Err(error) => return Err(error),
             }

@@ -1,7 +1,7 @@
 //! The scene in the window and what the user does with it, apart from the window itself.
 
 mod change;
-mod outcome;
+pub(super) mod outcome;
 mod save;
 mod timeline;
 
@@ -13,7 +13,7 @@ use milkglass::error::{Error, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::scene::{Scene, Scheme};
 
-use self::outcome::{Changed, Output};
+use self::outcome::{Changed, Message, Output};
 use self::timeline::Timeline;
 use super::amounts::amounts;
 use super::edits::{Edits, Made};
@@ -42,7 +42,7 @@ pub(super) struct Viewer {
     scale: f64,
     /// The last scene that could be rendered, and its settings, if another one is now to be.
     good: Option<(Scene, Made)>,
-    pub(super) message: Option<String>,
+    pub(super) message: Option<Message>,
     pub(super) panel: bool,
     keys: bool,
     /// The deformation of the object that is changed.
@@ -138,7 +138,7 @@ impl Viewer {
         if error.is_device_fault() {
             return Err(error);
         }
-        self.message = Some(error.to_string());
+        self.message = Some(Message::of(&error));
         Ok(())
     }
 
@@ -220,7 +220,7 @@ impl Viewer {
             Err(error) => match self.good.take() {
                 Some(good) if !error.is_device_fault() => {
                     self.edits.restore(good)?;
-                    self.message = Some(error.to_string());
+                    self.message = Some(Message::of(&error));
                     self.frames.change(true);
                 }
                 _ => return Err(error),
@@ -267,7 +267,7 @@ impl Viewer {
             history: &self.frames.history,
             counts: self.frames.counts(),
             memory: self.device.memory().allocated,
-            message: self.message.as_deref(),
+            message: self.message.as_ref(),
             panel: self.panel,
             keys: self.keys,
         }

@@ -1,5 +1,7 @@
 //! What comes of an action: what has changed, and what is to be written.
 
+use milkglass::error::Error;
+
 /// What an action has changed.
 pub(super) enum Changed {
     /// Nothing that is rendered.
@@ -10,6 +12,22 @@ pub(super) enum Changed {
     Light,
     /// The scene was read again.
     Scene,
+}
+
+/// What the user is told.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(in super::super) struct Message {
+    /// In words.
+    pub(in super::super) text: String,
+    /// Whether something is wrong.
+    pub(in super::super) wrong: bool,
+}
+
+impl Message {
+    /// Of something that is wrong.
+    pub(super) fn of(error: &Error) -> Self {
+        Self { text: error.to_string(), wrong: true }
+    }
 }
 
 /// What is to be written.

@@ -7,7 +7,7 @@ use milkglass::internals::view::picture::save_png;
 use milkglass::measure::profile::trace;
 
 use super::Viewer;
-use super::outcome::Output;
+use super::outcome::{Message, Output};
 use crate::cli::profile::write;
 use crate::cli::run_args::quoted;
 use crate::cli::view::frames::Progress;
@@ -19,7 +19,7 @@ impl Viewer {
         let whole = self.frames.progress == Progress::Whole;
         let Some(output) = self.output.take_if(|output| whole || !output.waits()) else { return Ok(()) };
         match self.save(output) {
-            Ok(file) => self.message = Some(format!("saved {}", file.display())),
+            Ok(file) => self.message = Some(Message { text: format!("saved {}", file.display()), wrong: false }),
             Err(error) => self.tell(error)?,
         }
         Ok(())
