@@ -4,6 +4,7 @@
 //! a frame through the pixels' centres, then those of a frame for each sample. A layer is made in one step.
 
 mod check;
+mod draft;
 mod numbers;
 mod parts;
 mod whole;
@@ -12,13 +13,13 @@ use std::time::{Duration, Instant};
 
 use milkglass::error::{Error, Result};
 use milkglass::internals::gpu::{Buffer, Device, Timing};
-use milkglass::internals::pipeline::plan::{Change, Options, ShadingMethod};
+use milkglass::internals::pipeline::plan::Options;
 use milkglass::internals::session::frame_parts::FrameParts;
 use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
 
 use self::check::{Check, REST};
-use super::drafts::{FACTORS, LEVELS, Policy};
+use super::drafts::{LEVELS, Policy};
 use super::history::History;
 use super::inspect::{Inspector, Layer};
 use crate::cli::greet;
@@ -65,6 +66,8 @@ pub(super) struct Frames {
     check: Check,
     /// How long each draft took, ms.
     drafted: Vec<f64>,
+    /// How many there were before the first whole picture, once it is there.
+    first_drafts: Option<usize>,
 }
 
 impl Frames {
@@ -91,6 +94,7 @@ impl Frames {
             longest: Duration::ZERO,
             check: Check::default(),
             drafted: Vec::new(),
+            first_drafts: None,
         })
     }
 
@@ -165,6 +169,11 @@ impl Frames {
         let mut start = Instant::now().checked_sub(before).unwrap_or_else(Instant::now);
         let steps = match self.progress {
             Progress::Changed if !self.begins(held) => self.draft(scene, before)?,
+            Progress::Draft(_) if self.lacks_coarsest() => {
+                self.open_coarsest(scene)?;
+                self.drafted.push(turn.elapsed().as_secs_f64() * 1e3);
+                return Ok(());
+            }
             Progress::Changed | Progress::Draft(_) if self.layer != Layer::Light => self.inspect(scene)?,
             Progress::Changed | Progress::Draft(_) | Progress::Sample(_) => {
                 let part = self.part(scene, start)?;
@@ -182,62 +191,12 @@ impl Frames {
         self.history.add(start, steps);
         if self.progress == Progress::Whole {
             self.check.whole();
+            self.first_drafts.get_or_insert(self.drafted.len());
         }
         if matches!(self.progress, Progress::Draft(_)) {
             self.drafted.push(start.elapsed().as_secs_f64() * 1e3);
         }
         Ok(())
-    }
-
-    /// Renders a draft; the next one is chosen by how long it took. `before` is what the change itself took.
-    fn draft(&mut self, scene: &Scene, before: Duration) -> Result<Vec<Timing>> {
-        let start = Instant::now();
-        self.policy.choose(scene, self.all, before.as_secs_f64() * 1e3);
-        let level = &LEVELS[self.policy.level];
-        let mut coarse = level.of(scene);
-        let size = scene.camera.size.map(|side| side.div_ceil(FACTORS[self.policy.coarseness]));
-        coarse.camera = coarse.camera.sized(size)?;
-        let transport = match self.options.transport {
-            _ if !level.transport => ShadingMethod::Lambert,
-            ShadingMethod::Octree
-            | ShadingMethod::Brute
-            | ShadingMethod::Walk
-            | ShadingMethod::Diffusion
-            | ShadingMethod::Auto => ShadingMethod::Hierarchy,
-            other => other,
-        };
-        let session = &mut self.drafts[usize::from(!level.transport)];
-        let known = session.as_ref().is_some_and(|session| session.scene().camera.size == size);
-        let session = match session {
-            Some(session) => {
-                session.show(&coarse).map_err(|error| coarse.placed(error))?;
-                session
-            }
-            none => {
-                let options = Options { transport, ..self.options };
-                match Session::new(&coarse, Some(&self.device), options) {
-                    Ok(session) => none.insert(session),
-                    Err(error) if level.transport || error.is_device_fault() => return Err(error),
-                    Err(_) => {
-                        // Without transport the scene is none.
-                        self.policy.coarsest -= 1;
-                        return self.draft(scene, before);
-                    }
-                }
-            }
-        };
-        let mut steps = session.frame(Change::default())?;
-        // The first of a size may have to compile kernels.
-        if known {
-            self.policy.learn(scene, &steps, start.elapsed().as_secs_f64() * 1e3);
-        } else if !self.policy.knows() {
-            // The very first one: what drafts take, another frame tells.
-            let start = Instant::now();
-            steps = session.frame(Change::EVERYTHING)?;
-            self.policy.learn(scene, &steps, start.elapsed().as_secs_f64() * 1e3);
-        }
-        (self.all, self.progress) = (false, Progress::Draft(Instant::now()));
-        Ok(steps)
     }
 
     /// Renders the layer; one that can't be shown is left for the light.

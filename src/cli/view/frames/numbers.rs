@@ -1,5 +1,7 @@
 //! What the frames say of themselves in numbers.
 
+use std::fmt::Write as _;
+
 use milkglass::internals::layout::ListCounters;
 use milkglass::scene::Scene;
 
@@ -12,12 +14,26 @@ impl Frames {
         self.check.error()
     }
 
-    /// How long drafts took, ms: the median and the most; and the parts of whole pictures, the most. None without a
-    /// draft.
-    pub(in crate::cli::view) fn times(&self) -> Option<[f64; 3]> {
-        let mut sorted = self.drafted.clone();
-        sorted.sort_by(f64::total_cmp);
-        Some([*sorted.get(sorted.len() / 2)?, *sorted.last()?, self.longest.as_secs_f64() * 1e3])
+    /// How long frames took, in words. Drafts before the first whole picture open sessions and compile kernels.
+    pub(in crate::cli::view) fn times(&self) -> String {
+        let (first, later) = self.drafted.split_at(self.first_drafts.unwrap_or(self.drafted.len()));
+        let most = |times: &[f64]| times.iter().copied().fold(0.0, f64::max);
+        let mut text = String::new();
+        if !later.is_empty() {
+            let mut sorted = later.to_vec();
+            sorted.sort_by(f64::total_cmp);
+            let _ = write!(
+                text,
+                "a draft took {:.0} ms in the middle, {:.0} ms at most; ",
+                sorted[sorted.len() / 2],
+                most(later)
+            );
+        }
+        if !first.is_empty() {
+            let _ = write!(text, "before the first whole picture one took {:.0} ms at most; ", most(first));
+        }
+        let _ = write!(text, "a part of a whole picture {:.0} ms at most", self.longest.as_secs_f64() * 1e3);
+        text
     }
 
     /// Entries of the longest lists of links in the session that is shown, and how often frames of all were repeated
