@@ -11,7 +11,7 @@ use milkglass::scene::{Light, Receivers, Scene, Source};
 use super::history::stage_of;
 
 /// What a draft may be predicted to take, ms: what it takes varies, and the window has to be drawn, too.
-const AIM: f64 = 140.0;
+const AIM: f64 = 170.0;
 /// A finer draft may be predicted to take this share of that, so that drafts do not alternate.
 const FINER: f64 = 0.8;
 /// The tolerance of drafts, if the scene's is not coarser.
