@@ -43,7 +43,7 @@ impl Frames {
         self.drafts[1].is_none() && self.policy.coarsest == LEVELS.len() - 1
     }
 
-    /// Opens the session of the coarsest drafts, so that the first of them, while something moves, does not wait for it.
+    /// Opens the session of the coarsest drafts, so that the first of them does not wait for it while something moves.
     pub(super) fn open_coarsest(&mut self, scene: &Scene) -> Result<()> {
         let (coarse, own) = self.coarse(scene, LEVELS.len() - 1)?;
         let options = Options { transport: ShadingMethod::Lambert, ..self.options };
