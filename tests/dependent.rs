@@ -43,7 +43,7 @@ fn depends(source: &Path, addition: &str, settings: &[(&str, &str)]) -> Vec<Stri
         let mut cargo = Command::new(env!("CARGO"));
         cargo.current_dir(&folder).env("CARGO_TARGET_DIR", Path::new(env!("CARGO_TARGET_TMPDIR")).join("dependent"));
         cargo.env_remove("RUSTFLAGS").envs(settings.iter().copied());
-        // Unoptimized, since that builds in a fifth of the time; it is also how users first build.
+        // Unoptimized, since what is tested is what is built and linked; that takes less time.
         cargo.env("CARGO_PROFILE_DEV_DEBUG", "0");
         cargo
     };
