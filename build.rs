@@ -1,5 +1,5 @@
 //! Puts the kernels into the program: every `glsl/**/*.comp` as SPIR-V, with the GLSL form of `src/layout` for them to
-//! include, and every source. Kernels of tests and benches are only compiled: `OUT_DIR/tests-kernels-NAME.spv`.
+//! include, and every source; those that share values in a subgroup also without that. Kernels of tests and benches are only compiled: `OUT_DIR/tests-kernels-NAME.spv`.
 //!
 //! SPIR-V comes from the folder `spirv`, which a published package has, where it was made from these very sources;
 //! else from the program `glslc`; with the feature `build-from-source`, from the shaderc that cargo builds.
@@ -21,6 +21,8 @@ mod layout;
 const OUTSIDE: [&str; 2] = ["tests/kernels", "bench/kernels"];
 /// A published package's SPIR-V, and the hash of the sources that it was compiled from.
 const SHIPPED: &str = "spirv";
+/// The macro that has kernels do without subgroup operations: see `glsl/shuffle.glsl`.
+const WITHOUT_SUBGROUPS: &str = "WITHOUT_SUBGROUPS";
 /// The static libraries of glslang and SPIRV-Tools that Debian's `libshaderc_combined.a` needs and does not contain, in
 /// link order.
 const PARTS: [&str; 9] = [
@@ -74,9 +76,10 @@ fn name_commit() {
     }
 }
 
-/// A kernel to compile: its GLSL, and the SPIR-V file.
+/// A kernel to compile: its GLSL, a macro to define, and the SPIR-V file.
 struct Job {
     source: PathBuf,
+    define: Option<&'static str>,
     target: PathBuf,
 }
 
@@ -87,29 +90,42 @@ fn run() -> Result<(), String> {
     let sources = files(Path::new("glsl"), &["comp", "glsl"])?;
     let kernels: Vec<&PathBuf> = sources.iter().filter(|path| path.extension().is_some_and(|e| e == "comp")).collect();
 
+    let mut alone = Vec::new();
+    for path in &kernels {
+        alone.extend(read(path)?.contains("#include \"shuffle.glsl\"").then_some(*path));
+    }
+
     // Take the SPIR-V that was shipped, or compile.
     let hash = hash(&sources, &header)?;
     let shipped = fs::read_to_string(Path::new(SHIPPED).join("sources")).is_ok_and(|known| known.trim() == hash);
     let folder = if shipped { fs::canonicalize(SHIPPED).map_err(|e| e.to_string())? } else { out.clone() };
     let mut jobs: Vec<Job> = Vec::new();
     if !shipped {
-        jobs.extend(kernels.iter().map(|path| Job { source: path.to_path_buf(), target: out.join(binary(path)) }));
+        let job = |path: &Path, define, target| Job { source: path.into(), define, target: out.join(target) };
+        jobs.extend(kernels.iter().map(|path| job(path, None, binary(path))));
+        jobs.extend(alone.iter().map(|path| job(path, Some(WITHOUT_SUBGROUPS), alone_binary(path))));
         fs::write(out.join("sources"), hash).map_err(|e| e.to_string())?;
     }
     for outside in OUTSIDE.into_iter().filter(|outside| Path::new(outside).exists()) {
         let name = |path: &Path| path.with_extension("spv").to_string_lossy().replace(['/', '\\'], "-");
-        let job = |path: PathBuf| Job { target: out.join(name(&path)), source: path };
+        let job = |path: PathBuf| Job { target: out.join(name(&path)), define: None, source: path };
         jobs.extend(files(Path::new(outside), &["comp"])?.into_iter().map(job));
     }
     compile_all(jobs, &out, &header)?;
 
-    // A table of the binaries by name, and one of the sources by path.
-    let mut table = String::from("pub(super) static SPIRV: &[(&str, &[u8])] = &[\n");
-    for path in kernels {
-        let file = folder.join(binary(path)).display().to_string();
-        let _ = writeln!(table, "    ({:?}, include_bytes!({file:?})),", inner(&path.with_extension("")));
+    // Tables of the binaries by name, and one of the sources by path.
+    let mut table = String::new();
+    for (name, kernels, file_of) in
+        [("SPIRV", &kernels, binary as fn(&Path) -> String), ("SPIRV_WITHOUT_SUBGROUPS", &alone, alone_binary)]
+    {
+        let _ = writeln!(table, "pub(super) static {name}: &[(&str, &[u8])] = &[");
+        for path in kernels {
+            let file = folder.join(file_of(path)).display().to_string();
+            let _ = writeln!(table, "    ({:?}, include_bytes!({file:?})),", inner(&path.with_extension("")));
+        }
+        table.push_str("];\n");
     }
-    table.push_str("];\npub(super) static SOURCES: &[(&str, &str)] = &[\n");
+    table.push_str("pub(super) static SOURCES: &[(&str, &str)] = &[\n");
     let here = env::current_dir().map_err(|e| e.to_string())?;
     for path in &sources {
         let _ = writeln!(table, "    ({:?}, include_str!({:?})),", inner(path), here.join(path).display().to_string());
@@ -126,6 +142,11 @@ fn inner(path: &Path) -> String {
 /// The file name of a kernel's SPIR-V.
 fn binary(path: &Path) -> String {
     format!("{}.spv", inner(&path.with_extension("")).replace('/', "-"))
+}
+
+/// The same, of the kernel without subgroup operations.
+fn alone_binary(path: &Path) -> String {
+    binary(path).replace(".spv", ".without-subgroups.spv")
 }
 
 /// FNV-1a over all sources: shipped SPIR-V that was made from others is not used.
@@ -169,6 +190,7 @@ fn compile_one(job: &Job, out: &Path, _: &str) -> Result<(), String> {
     let run = process::Command::new(&glslc)
         .args(["-fshader-stage=compute", "--target-env=vulkan1.2", "--target-spv=spv1.5", "-O", "-g", "-Werror"])
         .args(includes)
+        .args(job.define.map(|name| format!("-D{name}")))
         .arg(&job.source)
         .arg("-o")
         .arg(&job.target)
@@ -203,7 +225,7 @@ fn compile_one(job: &Job, _: &Path, header: &str) -> Result<(), String> {
         read(&file).map(|content| (file.display().to_string(), content))
     };
     let (name, level) = (job.source.display().to_string(), shaderc::OptimizationLevel::Performance);
-    let words = compile::compile(&compiler, &read(&job.source)?, &name, level, include)?;
+    let words = compile::compile(&compiler, &read(&job.source)?, &name, (level, job.define), include)?;
     fs::write(&job.target, words.as_binary_u8()).map_err(|e| format!("{}: {e}", job.target.display()))
 }
 

@@ -1,8 +1,33 @@
-// Values of a neighbour in the subgroup. Without shuffles each invocation has itself as its only neighbour.
-layout(constant_id = SHUFFLE_ID) const uint SHUFFLES = 1;
+// Where an invocation is, and values of its neighbours in the subgroup. Full subgroups are taken for granted, so that
+// lanes are numbered by them. With WITHOUT_SUBGROUPS there is no subgroup operation: each invocation is alone. build.rs
+// compiles each kernel that includes this file both ways; devices that do not grant full subgroups get the other one.
+#ifdef WITHOUT_SUBGROUPS
+const uint SUBGROUP_SIZE = 1, SUBGROUP_LANE = 0;
+
+// The place in the group.
+uint lane() { return gl_LocalInvocationIndex; }
+
+float shuffled(float v, uint from) { return v; }
+uint shuffled(uint v, uint from) { return v; }
+
+// What the subgroup has written to shared memory is seen by all of it.
+void exchange_in_subgroup() {}
+#else
+#define SUBGROUP_SIZE gl_SubgroupSize
+#define SUBGROUP_LANE gl_SubgroupInvocationID
+
+uint lane() { return gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID; }
+
+float shuffled(float v, uint from) { return subgroupShuffle(v, from); }
+uint shuffled(uint v, uint from) { return subgroupShuffle(v, from); }
+
+void exchange_in_subgroup() {
+    subgroupMemoryBarrierShared();
+    subgroupBarrier();
+}
+#endif
+
+vec3 shuffled(vec3 v, uint from) { return vec3(shuffled(v.x, from), shuffled(v.y, from), shuffled(v.z, from)); }
 
 // How many invocations of a block share what they load: a power of two.
-uint sharing() { return SHUFFLES != 0 ? min(gl_SubgroupSize, BLOCK_RECEIVERS) : 1; }
-
-float shuffled(float v, uint from) { return SHUFFLES != 0 ? subgroupShuffle(v, from) : v; }
-vec3 shuffled(vec3 v, uint from) { return vec3(shuffled(v.x, from), shuffled(v.y, from), shuffled(v.z, from)); }
+uint sharing() { return min(SUBGROUP_SIZE, BLOCK_RECEIVERS); }

@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 mod cycles;
 #[path = "house/includes.rs"]
 mod includes;
+#[path = "house/promises.rs"]
+mod promises;
 
 /// The modules from top to bottom; a module may use those below it.
 const FLOORS: &[&[&str]] = &[

@@ -19,27 +19,25 @@ shared uint pool[STACKS + TEAM_GROUP];
 struct Place { uint lane, mine, base, list, stack; };
 
 Place place_in_team() {
-    uint lane = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID, mine = lane % TEAM, team = lane / TEAM;
-    return Place(lane, mine, gl_SubgroupInvocationID - mine, team * LIST, LISTS + team * DEPTH);
+    uint place = lane(), mine = place % TEAM, team = place / TEAM;
+    return Place(place, mine, SUBGROUP_LANE - mine, team * LIST, LISTS + team * DEPTH);
 }
 
 // Whether the device has teams of this size.
-bool in_teams() { return SHUFFLES != 0 && TEAM > 1 && gl_SubgroupSize >= TEAM; }
-
-uint from_other(uint v, uint from) { return SHUFFLES != 0 ? subgroupShuffle(v, from) : v; }
+bool in_teams() { return TEAM > 1 && SUBGROUP_SIZE >= TEAM; }
 
 // The bits of the whole team.
 uint joined(uint v) {
-    uint self = gl_SubgroupInvocationID;
-    if (TEAM > 1) v |= from_other(v, self ^ 1);
-    if (TEAM > 2) v |= from_other(v, self ^ 2);
-    if (TEAM > 4) v |= from_other(v, self ^ 4);
+    uint self = SUBGROUP_LANE;
+    if (TEAM > 1) v |= shuffled(v, self ^ 1);
+    if (TEAM > 2) v |= shuffled(v, self ^ 2);
+    if (TEAM > 4) v |= shuffled(v, self ^ 4);
     return v;
 }
 
 // The least numbers of the whole team.
 vec3 least(vec3 v) {
-    uint self = gl_SubgroupInvocationID;
+    uint self = SUBGROUP_LANE;
     if (TEAM > 1) v = min(v, shuffled(v, self ^ 1));
     if (TEAM > 2) v = min(v, shuffled(v, self ^ 2));
     if (TEAM > 4) v = min(v, shuffled(v, self ^ 4));
@@ -82,7 +80,7 @@ uint list_triangles(Place self, inout Waiting way) {
         }
         count += bitCount(met & 0xffff);
         way.nodes += bitCount(met >> 16);
-        subgroupMemoryBarrierShared();
+        exchange_in_subgroup();
     }
     way.listed += count;
     return count;

@@ -62,7 +62,7 @@ uint together(Ask ask) {
             hits = free ? hits : 0;
             while (joined(hits) != 0) {
                 uint from = self.base + (hits != 0 ? findLSB(hits) : 0);
-                uint other = from_other(face, from);
+                uint other = shuffled(face, from);
                 bool block = blocks(ask, other, shuffled(a, from), shuffled(b, from), shuffled(c, from));
                 free = free && !(hits != 0 && block);
                 hits = free ? hits & (hits - 1) : 0;
@@ -77,7 +77,7 @@ uint together(Ask ask) {
 
 void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    uint k = group * TEAM_GROUP + gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
+    uint k = group * TEAM_GROUP + lane();
     // All invocations of a team stay: past the end they have no ray.
     bool there = k < rays.count;
     uint face = rays.first + min(k, rays.count - 1);

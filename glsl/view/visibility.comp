@@ -56,7 +56,7 @@ Nearest together(vec3 direction) {
             vec3 a = placed_positions[corner.x], b = placed_positions[corner.y], c = placed_positions[corner.z];
             for (uint k = 0; k < TEAM; ++k) {
                 uint from = self.base + k;
-                nearest = nearer(nearest, ray, origin, from_other(face, from), shuffled(a, from), shuffled(b, from),
+                nearest = nearer(nearest, ray, origin, shuffled(face, from), shuffled(a, from), shuffled(b, from),
                                  shuffled(c, from));
             }
         }
@@ -71,10 +71,9 @@ Nearest together(vec3 direction) {
 
 void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    uint lane = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
     uint width = camera[0].width, height = camera[0].height;
     uint across = max(TEAM / 2, 1), tiles = (width + across - 1) / across;
-    uint tile = group * (TEAM_GROUP / TEAM) + lane / TEAM, mine = lane % TEAM;
+    uint tile = group * (TEAM_GROUP / TEAM) + lane() / TEAM, mine = lane() % TEAM;
     uvec2 place = uvec2(tile % tiles * across + mine % across, tile / tiles * min(TEAM, 2) + mine / across);
 
     // All invocations of a team stay: past the edge they look where the last pixel does.

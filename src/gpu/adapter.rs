@@ -165,7 +165,10 @@ impl Adapter {
         let version = base.api_version;
         let (major, minor, patch) =
             (vk::api_version_major(version), vk::api_version_minor(version), vk::api_version_patch(version));
-        let unusable = if (major, minor) < (1, 2) {
+        let null = more.driver_id == vk::DriverId::MESA_RADV && text(&base.device_name).starts_with("Null hardware");
+        let unusable = if null {
+            Some("is null hardware, which compiles kernels and executes none (RADV_FORCE_FAMILY is set)".to_string())
+        } else if (major, minor) < (1, 2) {
             Some(format!("offers Vulkan {major}.{minor}, 1.2 is needed"))
         } else if features12.scalar_block_layout == vk::FALSE {
             Some("lacks the feature scalarBlockLayout".to_string())

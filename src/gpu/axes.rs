@@ -1,6 +1,8 @@
 //! The axes along which the use of the API can be varied: each lists what one choice could be.
 
-use super::choices::{Barriers, Cache, Choices, Constants, Descriptors, MemoryKind, Optimization, Queues, Submissions};
+use super::choices::{
+    Barriers, Cache, Choices, Constants, Descriptors, MemoryKind, Optimization, Queues, Submissions, Waiting,
+};
 use crate::layout::GROUP_SIZE;
 
 /// One choice, and what it could be.
@@ -124,6 +126,14 @@ pub static AXES: &[Axis] = &[
             value!("one", "one, in the order of the frame", queues = Queues::One),
             value!("apart", "one, a submission a step, ordered by timeline semaphores", queues = Queues::Apart),
             value!("two", "two of a family, for steps that do not depend on each other", queues = Queues::Two),
+        ],
+    },
+    Axis {
+        name: "waiting",
+        about: "how the host waits for a submission",
+        values: &[
+            value!("block", "asleep, until the driver wakes it (vkWaitForFences)", waiting = Waiting::Block),
+            value!("poll", "awake, asking again and again (vkGetFenceStatus)", waiting = Waiting::Poll),
         ],
     },
     Axis {

@@ -24,6 +24,8 @@ pub struct Choices {
     pub memory: MemoryKind,
     /// The queues of a frame.
     pub queues: Queues,
+    /// How the host waits for a submission.
+    pub waiting: Waiting,
     /// What pipelines are made from, where a device has made them before.
     pub cache: Cache,
     /// What the compiler of GLSL optimises for.
@@ -112,6 +114,16 @@ pub enum Queues {
     Apart,
     /// Two of one family: steps that do not depend on each other may run at the same time.
     Two,
+}
+
+/// How the host waits for a submission.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Waiting {
+    /// Asleep, until the driver wakes it.
+    #[default]
+    Block,
+    /// Awake for some milliseconds, asking again and again.
+    Poll,
 }
 
 /// What pipelines are made from, where a device has made them before.

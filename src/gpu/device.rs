@@ -6,11 +6,13 @@ use std::rc::Rc;
 use super::adapter::{Adapter, Limits};
 use super::choices::Choices;
 use super::driver_facts::STATISTICS;
+use super::execution::verify_execution;
 use super::extras::{Extras, Features, needed};
 use super::instance::Instance;
 use super::kernel::{Kernel, KernelKey, as_given};
 use super::kernel_cache::KernelCache;
 use super::logical_device::LogicalDevice;
+use super::reflect::{has_subgroups, reflect};
 use crate::error::{Error, Result};
 
 /// A Vulkan device with one compute queue, and its kernels. Clones share both.
@@ -31,17 +33,17 @@ pub struct Device {
 }
 
 impl Device {
-    /// Opens an adapter, or says why it can't be used.
+    /// Opens an adapter, or says why it can't be used; fails if it does not execute a dispatch.
     pub fn open(instance: &Instance, adapter: &Adapter) -> Result<Self> {
         Self::open_as(instance, adapter, &Choices::default())
     }
 
     /// The same, used as chosen; fails where the device lacks something for that.
     pub fn open_as(instance: &Instance, adapter: &Adapter, choices: &Choices) -> Result<Self> {
-        Ok(Self {
-            logical: LogicalDevice::open(instance, adapter, choices, &Extras::default())?,
-            kernels: Rc::default(),
-        })
+        let logical = LogicalDevice::open(instance, adapter, choices, &Extras::default())?;
+        let device = Self { logical, kernels: Rc::default() };
+        verify_execution(&device)?;
+        Ok(device)
     }
 
     /// The same device opened once more, used as chosen.
@@ -83,6 +85,7 @@ impl Device {
     /// Fails if the device lacks one.
     pub(crate) fn able(&self, kernel: &str, words: &[u32]) -> Result<Self> {
         let doing = || format!("preparing kernel {kernel}");
+        self.grants_subgroups_to(kernel, words)?;
         let needed = needed(words).map_err(|name| Error::device(doing(), format!("it has the capability {name}")))?;
         let mut extras = self.extras().clone();
         let mut offered = Features::query(&self.instance().0.raw, self.adapter().physical);
@@ -96,6 +99,19 @@ impl Device {
             return Ok(self.clone());
         }
         Ok(Self { logical: self.logical.again(self.choices(), &extras)?, kernels: Rc::new(self.kernels.forgetting()) })
+    }
+
+    /// Fails if this SPIR-V shares values in subgroups, and they would not be full.
+    fn grants_subgroups_to(&self, kernel: &str, words: &[u32]) -> Result<()> {
+        if !has_subgroups(words) || self.grants_full_subgroups(reflect(kernel, words)?.across) {
+            return Ok(());
+        }
+        let what = format!(
+            "it has subgroup operations, and {} does not grant it full subgroups; `#define WITHOUT_SUBGROUPS` before \
+             #include \"shuffle.glsl\" does without",
+            self.name()
+        );
+        Err(Error::device(format!("preparing kernel {kernel}"), what))
     }
 
     /// The same device, with kernels that count what they do, and are slower for it: see [`super::Kernels::tallies`].
@@ -118,7 +134,7 @@ impl Device {
 
     /// The SPIR-V of a kernel as the driver is given it.
     pub fn words(&self, kernel: &str) -> Result<Vec<u32>> {
-        Ok(as_given(&self.logical, self.kernels.words(kernel)?))
+        Ok(as_given(&self.logical, self.kernels.words(&self.logical, kernel)?))
     }
 
     // What others name by path, which does not see through `Deref`.

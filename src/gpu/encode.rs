@@ -7,6 +7,7 @@ use ash::vk;
 
 use super::call::vk_call;
 use super::choices::{Queues, Submissions};
+use super::faults::drops;
 use super::list::{Entry, Groups, Listed};
 use super::logical_device::LogicalDevice;
 use super::order::waits;
@@ -34,7 +35,8 @@ pub(super) struct Encoded {
     events: Vec<vk::Event>,
     /// Where each command buffer is submitted, if not one after the other to one queue.
     batches: Option<Batches>,
-    queries: vk::QueryPool,
+    /// Timestamps of the parts: a pool, and how many queries it has.
+    queries: (vk::QueryPool, u32),
     /// The command buffer being recorded.
     now: vk::CommandBuffer,
 }
@@ -53,19 +55,16 @@ impl Encoded {
             sets: Sets::new(device),
             events: Vec::new(),
             batches: None,
-            queries: vk::QueryPool::null(),
+            queries: Default::default(),
             now: vk::CommandBuffer::null(),
         };
         encoded.begin(vk::CommandBufferLevel::PRIMARY)?;
         if timed_parts > 0 {
             let count = u32::try_from(2 * timed_parts).unwrap_or(u32::MAX);
-            let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(count);
-            // SAFETY: the device is alive; the pool is freed with the recording.
-            unsafe {
-                encoded.queries = vk_call("vkCreateQueryPool", doing, || device.raw().create_query_pool(&info, None))?;
-                if device.choices().queues == Queues::One {
-                    device.raw().cmd_reset_query_pool(encoded.now, encoded.queries, 0, count);
-                }
+            encoded.queries = device.queries(count, doing)?;
+            if device.choices().queues == Queues::One {
+                // SAFETY: the command buffer is recording; the pool has as many queries.
+                unsafe { device.raw().cmd_reset_query_pool(encoded.now, encoded.queries.0, 0, count) };
             }
         }
         let list = std::mem::take(&mut encoded.list);
@@ -164,6 +163,7 @@ impl Encoded {
                 }
             }
         }
+        self.make_visible();
         self.end()
     }
 
@@ -183,7 +183,7 @@ impl Encoded {
         if part < end {
             let [first, count] = [2 * part, 2 * (end - part)].map(|number| number as u32);
             // SAFETY: the command buffer is recording; the queries lie within the pool.
-            unsafe { self.device.raw().cmd_reset_query_pool(self.now, self.queries, first, count) };
+            unsafe { self.device.raw().cmd_reset_query_pool(self.now, self.queries.0, first, count) };
         }
     }
 
@@ -213,12 +213,15 @@ impl Encoded {
         if part < self.timed_parts {
             let stage = vk::PipelineStageFlags::COMPUTE_SHADER;
             // SAFETY: the caller's; the query lies within the pool.
-            unsafe { self.device.raw().cmd_write_timestamp(self.now, stage, self.queries, 2 * part as u32 + end) };
+            unsafe { self.device.raw().cmd_write_timestamp(self.now, stage, self.queries.0, 2 * part as u32 + end) };
         }
     }
 
     fn dispatch(&mut self, listed: &Listed, index: usize) {
         let (raw, kernel) = (self.device.raw(), &listed.kernel);
+        if drops(&kernel.name) {
+            return;
+        }
         // SAFETY: kernel, set and buffers live until the submission has been waited for.
         unsafe {
             raw.cmd_bind_pipeline(self.now, vk::PipelineBindPoint::COMPUTE, kernel.pipeline);

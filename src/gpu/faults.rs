@@ -1,5 +1,5 @@
-//! Fault injection for tests: any call of Vulkan that can fail can be made to fail, and adapters can be made to promise
-//! less than they do.
+//! Fault injection for tests: any call of Vulkan that can fail can be made to fail, adapters can be made to promise less
+//! than they do, and dispatches can be left out.
 //!
 //! Nothing is injected unless a test requests it on its own thread. A call that is to fail is not made at all, as if
 //! the driver had returned at once.
@@ -27,6 +27,8 @@ struct Request {
     /// The index of the call that is to fail.
     failing: Option<usize>,
     alter: Option<fn(&mut Adapter)>,
+    /// Which kernels' dispatches are left out.
+    dropped: Option<fn(&str) -> bool>,
 }
 
 thread_local! {
@@ -42,7 +44,21 @@ pub fn watch<T>(failing: Option<usize>, body: impl FnOnce() -> T) -> (T, Vec<Cal
     (done, seen.unwrap_or_default())
 }
 
-/// Runs `body` while `mark_moved` changes every adapter that is listed on this thread: lower limits, another name.
+/// Runs `body` while dispatches of kernels for which `dropped` holds are recorded on this thread as if they were none:
+/// the device reports them as done, and does nothing.
+pub fn on_idle<T>(dropped: fn(&str) -> bool, body: impl FnOnce() -> T) -> T {
+    REQUEST.with_borrow_mut(|request| request.dropped = Some(dropped));
+    let done = body();
+    REQUEST.with_borrow_mut(|request| request.dropped = None);
+    done
+}
+
+/// Whether a dispatch of this kernel is to be left out.
+pub(super) fn drops(kernel: &str) -> bool {
+    REQUEST.with_borrow(|request| request.dropped).is_some_and(|dropped| dropped(kernel))
+}
+
+/// Runs `body` while `alter` changes every adapter that is listed on this thread: lower limits, another name.
 pub fn on_altered<T>(alter: fn(&mut Adapter), body: impl FnOnce() -> T) -> T {
     REQUEST.with_borrow_mut(|request| request.alter = Some(alter));
     let done = body();

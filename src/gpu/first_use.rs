@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use super::choices::Choices;
 use super::encode::Encoded;
-use super::kernel::{Kernel, KernelKey};
+use super::kernel::{Kernel, KernelKey, words_for};
 use super::list::{BoundRange, Entry, Groups, Listed};
 use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
@@ -82,7 +82,7 @@ pub(super) fn compile(device: &LogicalDevice, list: &[Entry]) {
 
 /// Dispatches no groups of a kernel, and returns how long that takes.
 fn dispatch_nothing(device: &LogicalDevice, bound: &Buffer, key: &KernelKey) -> Result<Duration> {
-    let kernel = Rc::new(Kernel::new(device, &key.name, words_of(&key.name)?, &key.constants)?);
+    let kernel = Rc::new(Kernel::new(device, &key.name, words_for(device, &key.name)?, &key.constants)?);
     let range = BoundRange { buffer: bound.raw, number: bound.number, offset: 0, size: BOUND };
     let ranges = vec![range; kernel.accesses.len()];
     let push = vec![0; kernel.push_bytes as usize];

@@ -1,6 +1,7 @@
 //! A compute kernel: a pipeline made from SPIR-V, and what it binds.
 
 mod layouts;
+mod subgroups;
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -15,11 +16,13 @@ use super::count::{self, Tally};
 use super::logical_device::LogicalDevice;
 use super::memory::Buffer;
 use super::pushed::{BAKED_ID, as_specialization, as_uniform};
-use super::reflect::{Access, Reflected, reflect, words_of};
+use super::reflect::{Access, Reflected, has_subgroups, reflect, words_of, words_without_subgroups};
 use super::spirv_module::{round_to_nearest, without_rounding};
 use crate::error::{Error, Result};
-use crate::layout::{GROUP_ID, GROUPS_A_ROW, SHUFFLE_ID};
+use crate::layout::{GROUP_ID, GROUPS_A_ROW};
 use crate::phases::phase;
+
+pub(super) use subgroups::words_for;
 
 /// What identifies a kernel.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -43,7 +46,7 @@ pub struct Kernel {
     pub accesses: Vec<Access>,
     /// Bytes of push constants it takes.
     pub push_bytes: u32,
-    /// Whether it has shuffles that it can do without.
+    /// Whether it shares values in subgroups, and takes for granted that they are full.
     shuffles: bool,
     /// Whether its SPIR-V is the build's; others may take less than they are given.
     pub(super) built: bool,
@@ -144,7 +147,8 @@ impl Kernel {
         let found = reflect(name, words)?;
         let chosen_group = device.choices().group(name).filter(|_| found.open.contains(&GROUP_ID));
         let group = chosen_group.unwrap_or(found.group);
-        let built = words_of(name).is_ok_and(|own| own == words);
+        let built = words_of(name).is_ok_and(|own| own == words)
+            || words_without_subgroups(name).is_some_and(|own| own == words);
         check(device, &found, group, (constants.len(), built), &format!("preparing kernel {name}"))?;
         Ok(Self {
             pipeline: vk::Pipeline::null(),
@@ -153,7 +157,7 @@ impl Kernel {
             uniform_layout: vk::DescriptorSetLayout::null(),
             name: name.to_string(),
             constants: constants.to_vec(),
-            shuffles: found.open.contains(&SHUFFLE_ID),
+            shuffles: has_subgroups(words),
             accesses: found.accesses,
             push_bytes: found.push_bytes,
             built,
@@ -173,7 +177,6 @@ impl Kernel {
         let device = self.device.clone();
         let choices = device.choices();
         special.extend(self.chosen_group.map(|size| (GROUP_ID, size)));
-        special.extend((choices.no_shuffles && self.shuffles).then_some((SHUFFLE_ID, 0)));
         let uniform = choices.constants == Constants::Uniform;
         let words = as_given(&device, if uniform { as_uniform(&words) } else { words });
         self.make_layouts(&doing)?;
@@ -196,8 +199,7 @@ impl Kernel {
                 .name(c"main")
                 .specialization_info(&special);
             // Invocations that share a subgroup find each other by their place in it: there has to be one at each.
-            let subgroup = choices.subgroup.unwrap_or(device.adapter().limits.subgroup_size);
-            if self.shuffles && device.adapter().offers.full_subgroups && self.across.is_multiple_of(subgroup) {
+            if self.shuffles && device.grants_full_subgroups(self.across) {
                 stage = stage.flags(vk::PipelineShaderStageCreateFlags::REQUIRE_FULL_SUBGROUPS);
             }
             if let Some(subgroup) = choices.subgroup {

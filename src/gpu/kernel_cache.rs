@@ -4,11 +4,8 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use super::choices::Optimization;
-use super::kernel::{Kernel, KernelKey};
+use super::kernel::{Kernel, KernelKey, words_for};
 use super::logical_device::LogicalDevice;
-use super::reflect::words_of;
-use super::replace::compiled;
 use crate::error::Result;
 
 /// Kernels by name and specialization constants. Drivers take up to a tenth of a second to compile a pipeline, so all
@@ -46,9 +43,12 @@ impl KernelCache {
         self.replaced.keys().map(String::as_str)
     }
 
-    /// The SPIR-V of a kernel: what replaces the build's, or the build's.
-    pub(super) fn words(&self, name: &str) -> Result<Vec<u32>> {
-        self.replaced.get(name).map_or_else(|| words_of(name), |words| Ok(words.clone()))
+    /// The SPIR-V of a kernel for this device: what replaces the build's, or the build's.
+    pub(super) fn words(&self, device: &LogicalDevice, name: &str) -> Result<Vec<u32>> {
+        if let Some(words) = self.replaced.get(name) {
+            return Ok(words.clone());
+        }
+        words_for(device, name)
     }
 
     /// The kernel of this key for this device, made if need be.
@@ -57,10 +57,7 @@ impl KernelCache {
             return Ok(kernel.clone());
         }
         let KernelKey { name, constants } = key;
-        let words = match device.choices().optimization {
-            Optimization::Performance => self.words(name)?,
-            other => compiled(name, other)?,
-        };
+        let words = self.words(device, name)?;
         if self.counts {
             return Ok(Rc::new(Kernel::counting(device, name, words, constants)?));
         }

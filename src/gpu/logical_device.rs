@@ -2,8 +2,9 @@
 //! recordings hold a clone of it.
 
 mod again;
+mod pipeline_cache;
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::ffi::CString;
 use std::rc::Rc;
 use std::time::Duration;
@@ -15,12 +16,14 @@ use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 use super::adapter::{Adapter, Limits};
 use super::allocator::{Memory, MemoryUse};
 use super::call::vk_call;
-use super::choices::{Barriers, Cache, Choices, Descriptors, Queues};
+use super::choices::{Barriers, Choices, Descriptors, Queues};
 use super::extras::Extras;
 use super::instance::Instance;
 use crate::error::{Error, Result};
+use spares::Spares;
 use submission::GRACE;
 
+mod spares;
 mod submission;
 
 /// How long a submission may take, unless [`LogicalDevice::wait_at_most`] sets another limit.
@@ -54,6 +57,10 @@ struct Inner {
     late: Cell<vk::Fence>,
     /// How much longer to wait for that submission; what it uses is leaked if it takes longer still.
     grace: Cell<Duration>,
+    /// Whether it has reported work as done that it did not execute: nothing of it is destroyed any more.
+    given_up: Cell<bool>,
+    /// What submissions have used and others will use again.
+    spares: RefCell<Spares>,
     instance: Instance,
 }
 
@@ -129,6 +136,8 @@ impl LogicalDevice {
             submissions: Cell::default(),
             late: Cell::default(),
             grace: Cell::new(GRACE),
+            given_up: Cell::default(),
+            spares: RefCell::default(),
             instance: instance.clone(),
         };
 
@@ -150,34 +159,6 @@ impl LogicalDevice {
         let device = Self(Rc::new(inner));
         device.renew_pipeline_cache(&[])?;
         Ok(device)
-    }
-
-    /// Replaces the pipeline cache by one with this content, which a driver ignores if it is not its own.
-    pub(crate) fn renew_pipeline_cache(&self, content: &[u8]) -> Result<()> {
-        if self.0.choices.cache == Cache::Without {
-            return Ok(());
-        }
-        let info = vk::PipelineCacheCreateInfo::default().initial_data(content);
-        // SAFETY: the device is alive; no pipeline is being made from the old cache.
-        let new = vk_call("vkCreatePipelineCache", "making a pipeline cache", || unsafe {
-            self.0.raw.create_pipeline_cache(&info, None)
-        })?;
-        let old = self.0.pipeline_cache.replace(new);
-        // SAFETY: pipelines do not need the cache that they were made from.
-        unsafe { self.0.raw.destroy_pipeline_cache(old, None) };
-        Ok(())
-    }
-
-    /// The content of the pipeline cache.
-    #[cfg(feature = "measure")]
-    pub(crate) fn pipeline_cache_content(&self) -> Result<Vec<u8>> {
-        // SAFETY: the cache is alive, or there is none.
-        vk_call("vkGetPipelineCacheData", "reading the pipeline cache", || unsafe {
-            match self.pipeline_cache() {
-                cache if cache == vk::PipelineCache::null() => Ok(Vec::new()),
-                cache => self.0.raw.get_pipeline_cache_data(cache),
-            }
-        })
     }
 
     /// How it is used.
@@ -239,10 +220,6 @@ impl LogicalDevice {
         self.0.queues[0]
     }
 
-    pub(super) fn pipeline_cache(&self) -> vk::PipelineCache {
-        self.0.pipeline_cache.get()
-    }
-
     /// The functions of `VK_KHR_push_descriptor`, if the choices need it.
     pub(super) fn push_descriptors(&self) -> &khr::push_descriptor::Device {
         &self.0.push_descriptors
@@ -280,7 +257,7 @@ impl Drop for Inner {
     fn drop(&mut self) {
         let allocator = self.memory.take();
         if !self.finished() {
-            // What a hung device may still use lives until the process ends.
+            // What a hung device may still use lives until the process ends; null hardware crashes when it is destroyed.
             std::mem::forget((allocator, self.instance.clone()));
             return;
         }
@@ -288,6 +265,7 @@ impl Drop for Inner {
         unsafe {
             let _ = vk_call("vkDeviceWaitIdle", "closing the device", || self.raw.device_wait_idle());
             drop(allocator);
+            self.spares.get_mut().destroy(&self.raw);
             self.raw.destroy_pipeline_cache(self.pipeline_cache.get(), None);
             self.raw.destroy_command_pool(self.pool, None);
             self.raw.destroy_device(None);

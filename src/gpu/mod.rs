@@ -13,7 +13,8 @@
 //! - `order`, `sets`, `encode`, `first_use`, `record`: the list's barriers and descriptor sets, the list in command
 //!   buffers, its new kernels, and what makes the list;
 //! - `interface`, `shift`: SPIR-V from files, and kernels whose groups count from another one;
-//! - `kernel_cache`, `device`, `driver_facts`, `kernels`, `single_kernel`: what the rest of the program asks for;
+//! - `kernel_cache`, `device`, `execution`, `driver_facts`, `kernels`, `single_kernel`: what the rest of the program
+//!   asks for, and whether a device executes it at all;
 //! - `window`: pictures in a window (feature `window`).
 
 mod adapter;
@@ -28,6 +29,7 @@ pub mod count;
 mod device;
 mod driver_facts;
 mod encode;
+mod execution;
 mod extras;
 #[doc(hidden)]
 pub mod faults;
@@ -64,6 +66,7 @@ pub(crate) use bind::Binding;
 pub use choices::{Cache, Choices, Constants, Optimization};
 pub use device::Device;
 pub use driver_facts::{COUNTERS, STATISTICS, Statistic};
+pub use execution::{EXECUTES, ExecutionCheck};
 pub use instance::Instance;
 #[cfg(feature = "measure")]
 pub(crate) use interface::{disassembled, interface};
@@ -74,7 +77,9 @@ pub use logical_device::LogicalDevice;
 pub use memory::Buffer;
 pub use offers::Offers;
 pub(crate) use record::{Recorder, Recordings, Work};
-pub use reflect::{Access, accesses, constants, group_is_open, kernel_names, reflect_records, spirv};
+pub use reflect::{
+    Access, accesses, constants, group_is_open, kernel_names, kernels_without_subgroups, reflect_records, spirv,
+};
 pub use replace::{Given, replacement, source, sources};
 #[cfg(feature = "measure")]
 pub(crate) use shift::shifted;

@@ -19,6 +19,8 @@ pub struct Offers {
     subgroups: Option<[u32; 2]>,
     /// Whether a pipeline can require that no subgroup has room left, by the same extension.
     pub(super) full_subgroups: bool,
+    /// Whether kernels can shuffle values in a subgroup.
+    pub(super) shuffles: bool,
     /// Storage buffers in a set that is bound once for all kernels; 0 where it can't have unused ones.
     set_buffers: u32,
     /// How many queues the family of its compute queue has.
@@ -35,6 +37,7 @@ impl Offers {
         // SAFETY: a plain query on a device of this instance.
         let extensions = unsafe { instance.enumerate_device_extension_properties(physical) }.unwrap_or_default();
         let has = |name: &CStr| extensions.iter().any(|e| e.extension_name_as_c_str().is_ok_and(|own| own == name));
+        let mut operations = vk::PhysicalDeviceSubgroupProperties::default();
         let mut subgroups = vk::PhysicalDeviceSubgroupSizeControlProperties::default();
         let mut sizes = vk::PhysicalDeviceSubgroupSizeControlFeatures::default();
         let mut pushes = vk::PhysicalDevicePushDescriptorPropertiesKHR::default();
@@ -42,7 +45,8 @@ impl Offers {
         let mut timeline = vk::PhysicalDeviceTimelineSemaphoreFeatures::default();
         let mut binding = vk::PhysicalDeviceDescriptorIndexingFeatures::default();
         let mut second = vk::PhysicalDeviceSynchronization2Features::default();
-        let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut indexing);
+        let mut properties =
+            vk::PhysicalDeviceProperties2::default().push_next(&mut indexing).push_next(&mut operations);
         let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut binding).push_next(&mut timeline);
         if has(ext::subgroup_size_control::NAME) {
             properties = properties.push_next(&mut subgroups);
@@ -71,6 +75,10 @@ impl Offers {
             push_descriptors: pushes.max_push_descriptors,
             synchronization2: second.synchronization2 == vk::TRUE,
             subgroups: sized.then_some([subgroups.min_subgroup_size, subgroups.max_subgroup_size]),
+            shuffles: operations.supported_stages.contains(vk::ShaderStageFlags::COMPUTE)
+                && operations
+                    .supported_operations
+                    .contains(vk::SubgroupFeatureFlags::BASIC | vk::SubgroupFeatureFlags::SHUFFLE),
             full_subgroups: sizes.compute_full_subgroups == vk::TRUE,
             set_buffers: match partial {
                 true => indexing

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
 use spirq::prelude::*;
-use spirq::spirv::{Decoration, ExecutionMode, Op};
+use spirq::spirv::{Capability, Decoration, ExecutionMode, Op};
 use spirq::ty::{AccessType, DescriptorType, Type};
 
 use super::spirv_module::{HEADER_WORDS, Instruction, append, instructions};
@@ -30,6 +30,11 @@ pub struct Access {
 /// The names of all kernels in the program.
 pub fn kernel_names() -> impl Iterator<Item = &'static str> {
     SPIRV.iter().map(|(name, _)| *name)
+}
+
+/// The names of the kernels that there are without subgroup operations, too.
+pub fn kernels_without_subgroups() -> impl Iterator<Item = &'static str> {
+    SPIRV_WITHOUT_SUBGROUPS.iter().map(|(name, _)| *name)
 }
 
 /// The SPIR-V of a kernel of the program, as bytes of little-endian words.
@@ -65,7 +70,24 @@ pub fn accesses(name: &str) -> Result<Vec<Access>> {
 pub(super) fn words_of(name: &str) -> Result<Vec<u32>> {
     let bytes =
         spirv(name).ok_or_else(|| Error::device(format!("looking for kernel {name}"), "no such shader was built"))?;
-    Ok(bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
+    Ok(words_in(bytes))
+}
+
+/// The SPIR-V of a kernel without subgroup operations, where the build's own has some.
+pub(super) fn words_without_subgroups(name: &str) -> Option<Vec<u32>> {
+    let found = SPIRV_WITHOUT_SUBGROUPS.iter().find(|(known, _)| *known == name);
+    found.map(|(_, bytes)| words_in(bytes))
+}
+
+fn words_in(bytes: &[u8]) -> Vec<u32> {
+    bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
+}
+
+/// Whether a module has subgroup operations, by its capabilities.
+pub(super) fn has_subgroups(words: &[u32]) -> bool {
+    let of_subgroups = Capability::GroupNonUniform as u32..=Capability::GroupNonUniformQuad as u32;
+    let declares = |one: Instruction<'_>| one.op == Some(Op::Capability) && of_subgroups.contains(&one.operands[0]);
+    instructions(words).any(declares)
 }
 
 /// What reflection finds in a kernel.

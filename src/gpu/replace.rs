@@ -182,7 +182,7 @@ fn compile(file: &Path, text: &str) -> Result<Vec<u32>> {
         Ok((name.to_string(), content.into_owned()))
     };
     let level = shaderc::OptimizationLevel::Performance;
-    super::compile::compile(&compiler, text, &file.display().to_string(), level, include)
+    super::compile::compile(&compiler, text, &file.display().to_string(), (level, None), include)
         .map(|artifact| artifact.as_binary().to_vec())
         .map_err(|text| Input::new(format!("the shader does not compile\n{}", shortened(&text))).file(file).into())
 }
@@ -207,15 +207,15 @@ fn compile(file: &Path, _: &str) -> Result<Vec<u32>> {
     Err(Input::new(what).file(file).into())
 }
 
-/// The SPIR-V of a kernel of the program, compiled anew with other aims.
+/// The SPIR-V of a kernel of the program, compiled anew with other aims, and without subgroup operations if `alone`.
 #[cfg(feature = "shaderc")]
-pub(super) fn compiled(kernel: &str, aim: Optimization) -> Result<Vec<u32>> {
+pub(super) fn compiled(kernel: &str, aim: Optimization, alone: bool) -> Result<Vec<u32>> {
     use std::collections::BTreeMap;
     use std::sync::{Mutex, PoisonError};
     // Devices are opened again and again to time them.
-    static KNOWN: Mutex<BTreeMap<(String, Optimization), Vec<u32>>> = Mutex::new(BTreeMap::new());
+    static KNOWN: Mutex<BTreeMap<(String, Optimization, bool), Vec<u32>>> = Mutex::new(BTreeMap::new());
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(words) = known.get(&(kernel.to_owned(), aim)) {
+    if let Some(words) = known.get(&(kernel.to_owned(), aim, alone)) {
         return Ok(words.clone());
     }
     let fault = |what: String| Error::device(format!("compiling kernel {kernel}"), what);
@@ -230,14 +230,15 @@ pub(super) fn compiled(kernel: &str, aim: Optimization) -> Result<Vec<u32>> {
         let content = source(name).ok_or_else(|| format!("{name} is not built in"))?;
         Ok((name.to_string(), content.into_owned()))
     };
-    let made = super::compile::compile(&compiler, &text, kernel, level, include);
+    let define = alone.then_some("WITHOUT_SUBGROUPS");
+    let made = super::compile::compile(&compiler, &text, kernel, (level, define), include);
     let words = made.map_err(fault)?.as_binary().to_vec();
-    known.insert((kernel.to_owned(), aim), words.clone());
+    known.insert((kernel.to_owned(), aim, alone), words.clone());
     Ok(words)
 }
 
 #[cfg(not(feature = "shaderc"))]
-pub(super) fn compiled(kernel: &str, _: Optimization) -> Result<Vec<u32>> {
+pub(super) fn compiled(kernel: &str, _: Optimization, _: bool) -> Result<Vec<u32>> {
     let what = "this build can't compile shaders: build milkglass with `--features shaderc`";
     Err(Error::device(format!("compiling kernel {kernel}"), what))
 }

@@ -146,6 +146,12 @@ impl Sets {
     fn allocate(&mut self, layout: vk::DescriptorSetLayout) -> Result<vk::DescriptorSet> {
         let doing = "binding the buffers of a frame";
         let (raw, choices) = (self.device.raw(), self.device.choices());
+        if self.left == 0
+            && let Some(spare) = self.device.spare_sets()
+        {
+            self.pools.push(spare);
+            self.left = SETS;
+        }
         // SAFETY: pools and sets are this device's and live as long as the recording.
         unsafe {
             if self.left == 0 {
@@ -245,9 +251,7 @@ impl Drop for Sets {
         if !self.device.finished() {
             return;
         }
-        for pool in &self.pools {
-            // SAFETY: the recording has been waited for, or was never submitted.
-            unsafe { self.device.raw().destroy_descriptor_pool(*pool, None) };
-        }
+        // The recording has been waited for, or was never submitted.
+        self.pools.iter().for_each(|pool| self.device.keep_sets(*pool));
     }
 }

@@ -192,9 +192,19 @@ struct Copy<'a> {
 /// Copies on the device's queue, and waits for the end of it.
 fn copy<'a>(device: &LogicalDevice, copies: impl Iterator<Item = Copy<'a>>, doing: &str) -> Result<()> {
     let commands = device.begin(doing)?;
-    let visible = [vk::MemoryBarrier::default()
-        .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
-        .dst_access_mask(vk::AccessFlags::HOST_READ)];
+    // The host reads what was copied, and so do kernels, indirect dispatches and copies that are submitted later.
+    let seen = vk::AccessFlags::HOST_READ
+        | vk::AccessFlags::SHADER_READ
+        | vk::AccessFlags::SHADER_WRITE
+        | vk::AccessFlags::UNIFORM_READ
+        | vk::AccessFlags::INDIRECT_COMMAND_READ
+        | vk::AccessFlags::TRANSFER_READ
+        | vk::AccessFlags::TRANSFER_WRITE;
+    let after = vk::PipelineStageFlags::HOST
+        | vk::PipelineStageFlags::COMPUTE_SHADER
+        | vk::PipelineStageFlags::DRAW_INDIRECT
+        | vk::PipelineStageFlags::TRANSFER;
+    let visible = [vk::MemoryBarrier::default().src_access_mask(vk::AccessFlags::TRANSFER_WRITE).dst_access_mask(seen)];
     // SAFETY: all buffers live through the submission; the callers have checked the ranges; the wait ends all use.
     unsafe {
         let raw = device.raw();
@@ -205,7 +215,7 @@ fn copy<'a>(device: &LogicalDevice, copies: impl Iterator<Item = Copy<'a>>, doin
         raw.cmd_pipeline_barrier(
             commands,
             vk::PipelineStageFlags::TRANSFER,
-            vk::PipelineStageFlags::HOST,
+            after,
             vk::DependencyFlags::empty(),
             &visible,
             &[],

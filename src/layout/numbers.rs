@@ -16,8 +16,6 @@ constants! {
     GROUP_SIZE: u32 = 64;
     /// The specialization constant that sets another number of invocations, where a kernel allows that.
     GROUP_ID: u32 = 100;
-    /// The specialization constant that tells a kernel to do without shuffles in a subgroup, where it is 0.
-    SHUFFLE_ID: u32 = 101;
     /// Work groups in a row of a dispatch; more need a second dimension.
     GROUPS_A_ROW: u32 = 32_768;
 

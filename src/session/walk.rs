@@ -1,8 +1,6 @@
 //! The random walk as a transport: rounds of flights until the noise is as small as asked, and what became of the
 //! light.
 
-use std::time::Instant;
-
 use super::patches::patches;
 use super::run::Session;
 use super::walk_control::{Course, End};
@@ -182,9 +180,7 @@ impl Session {
                 self.walk.reports.push(report);
                 return Ok(seconds);
             }
-            if control.within.is_none() {
-                course.foretell(report.photons, needed)?;
-            }
+            course.go_on(report.photons);
             self.prepared.state.data.walk_params[object].photons = next;
             self.send(&[BufferId::walk_params])?;
         }
@@ -192,9 +188,8 @@ impl Session {
 
     /// Runs rounds until no photon is under way; returns whether it was stopped before all have started.
     fn finish(&mut self, step: Step, course: &mut Course) -> Result<bool> {
-        let (mut stopped, mut before) = (false, None);
+        let mut stopped = false;
         loop {
-            let begin = Instant::now();
             self.run(&[step])?;
             self.fetch(&[BufferId::photons])?;
             let data = &self.state().data;
@@ -205,12 +200,10 @@ impl Session {
             if slots().all(|slot| data.photons[slot].weight == 0 && number(slot) >= params.photons) {
                 return Ok(stopped);
             }
-            let [under_way, all] = [slots().filter(|slot| data.photons[*slot].weight != 0).count(), slots().count()];
-            let under_way = under_way as f64;
-            course.round(begin.elapsed().as_secs_f64(), before.unwrap_or(all as f64), under_way, all as f64);
-            before = Some(under_way);
             let started: f64 = slots().map(|slot| f64::from(data.photons[slot].started)).sum();
-            course.show(started / light.iter().filter(|lit| **lit).count().max(1) as f64);
+            let started = started / light.iter().filter(|lit| **lit).count().max(1) as f64;
+            course.show(started);
+            course.foretell(started)?;
             course.bounded()?;
             if !stopped && course.over() {
                 // Every slot starts as many as the one that has started most.

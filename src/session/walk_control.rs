@@ -6,6 +6,8 @@ use crate::error::{Input, Result};
 
 /// Seconds from which a walk says how long it takes.
 const LONG: f64 = 10.0;
+/// How long photons start before their number tells how long the walk takes.
+const SURE: Duration = Duration::from_secs(1);
 
 /// How a session's walks are watched.
 #[derive(Clone, Copy, Default)]
@@ -58,9 +60,8 @@ pub(super) struct Course {
     pub control: WalkControl,
     /// Photons of each channel, and the noise that they left.
     known: Option<(f64, f64)>,
-    /// Rounds of slots with a photon under way; and of those in rounds full of them, how many, and their seconds.
-    work: f64,
-    busy: [f64; 2],
+    /// Since when photons of the number now asked for start, and how many of a channel had started before.
+    since: Option<(Instant, f64)>,
     told: bool,
 }
 
@@ -70,7 +71,7 @@ impl Course {
         if let (End::Within(time), Some(limit)) = (end, control.limit.filter(|limit| end_of(end) > Some(*limit))) {
             return Err(beyond("a walk of a given time", &format!("{} s", time.as_secs_f64()), limit));
         }
-        Ok(Self { object, begin: Instant::now(), end, control, known: None, work: 0.0, busy: [0.0; 2], told: false })
+        Ok(Self { object, begin: Instant::now(), end, control, known: None, since: None, told: false })
     }
 
     /// Photons of each channel that it takes in all; unknown before the first ones have told their noise.
@@ -87,31 +88,31 @@ impl Course {
         self.known = Some((photons.into(), noise));
     }
 
-    /// A round took so long, with so many photons under way before and after it, of as many as there can be.
-    pub fn round(&mut self, seconds: f64, before: f64, after: f64, slots: f64) {
-        let work = 0.5 * (before + after);
-        self.work += work;
-        // With fewer, neighbours wait for each other; a walk of many photons has few only at its end.
-        if self.busy[0] == 0.0 || after > 0.9 * slots {
-            self.busy = [self.busy[0] + work, self.busy[1] + seconds];
+    /// More photons are about to start than the `done` ones of each channel.
+    pub fn go_on(&mut self, done: u32) {
+        self.since = Some((Instant::now(), done.into()));
+    }
+
+    /// Says how long the walk takes, or refuses it, once that can be told from the photons that have started since
+    /// [`Self::go_on`]: the first ones leave most of a device idle, and their time tells nothing.
+    pub fn foretell(&mut self, started: f64) -> Result<()> {
+        let Some((since, before)) = self.since.filter(|(since, _)| since.elapsed() >= SURE) else { return Ok(()) };
+        let rate = (started - before) / since.elapsed().as_secs_f64();
+        match self.needed().filter(|needed| needed.is_finite() && rate > 0.0) {
+            Some(needed) => self.judge(needed, self.begin.elapsed().as_secs_f64() + (needed - started).max(0.0) / rate),
+            None => Ok(()),
         }
     }
 
-    /// Seconds that a walk of so many photons takes in all, of which `done` have been walked.
-    fn expected(&self, done: f64, needed: f64, elapsed: f64) -> f64 {
-        let [work, seconds] = self.busy;
-        let each = if work > 0.0 { self.work / done * seconds / work } else { elapsed / done };
-        elapsed + (needed - done).max(0.0) * each
-    }
-
-    /// Says how long a walk of so many photons takes of which `done` have been walked, or refuses it.
-    pub fn foretell(&mut self, done: u32, needed: f64) -> Result<()> {
-        let expected = self.expected(done.into(), needed, self.begin.elapsed().as_secs_f64());
-        let about = format!("about {needed:.1e} photons a channel, {}", seconds_of(expected));
-        if let Some(limit) = self.control.limit.filter(|limit| expected > limit.as_secs_f64()) {
-            return Err(beyond(&format!("{} takes {about}", self.named()), &seconds_of(expected), limit));
+    /// Says that the walk takes so many photons a channel and so many seconds in all, if that is long; an error if it is
+    /// beyond the limit.
+    fn judge(&mut self, needed: f64, seconds: f64) -> Result<()> {
+        self.since = None;
+        let about = format!("about {needed:.1e} photons a channel, {}", seconds_of(seconds));
+        if let Some(limit) = self.control.limit.filter(|limit| seconds > limit.as_secs_f64()) {
+            return Err(beyond(&format!("{} takes {about}", self.named()), &seconds_of(seconds), limit));
         }
-        if let Some(tell) = self.control.tell.filter(|_| !self.told && expected > LONG) {
+        if let Some(tell) = self.control.tell.filter(|_| !self.told && seconds > LONG) {
             tell(&format!("long: object {} takes {about}; Ctrl-C ends with what there is", self.object));
             self.told = true;
         }
@@ -226,16 +227,24 @@ mod tests {
     }
 
     #[test]
-    fn the_first_photons_foretell_the_time_without_their_end() {
-        // 100 slots: full for a second, then ever fewer in rounds that take as long by waiting.
-        let mut walk = course(End::Photons(1100));
-        walk.round(1.0, 100.0, 100.0, 100.0);
-        walk.round(1.0, 100.0, 60.0, 100.0);
-        walk.round(1.0, 60.0, 20.0, 100.0);
-        walk.round(1.0, 20.0, 0.0, 100.0);
-        // 230 rounds of a slot for a hundred photons, 100 in a second.
-        assert!((walk.expected(100.0, 1100.0, 4.0) - (4.0 + 10.0 * 230.0 / 100.0)).abs() < 1e-9);
-        assert_eq!(course(End::Photons(9)).expected(2.0, 4.0, 3.0), 6.0);
+    fn the_time_of_a_walk_is_told_from_its_own_photons() {
+        let limited = |limit: u64| {
+            let control = WalkControl { limit: Some(Duration::from_secs(limit)), ..WalkControl::default() };
+            let mut walk = Course::new(0, End::Photons(9000), control).unwrap();
+            let ago = |seconds: u64| Instant::now().checked_sub(Duration::from_secs(seconds)).unwrap();
+            // A pilot of 1000 photons took 8 s, most of them to compile; the next 2000 took 2 s, so 8 s are to come.
+            walk.begin = ago(10);
+            walk.since = Some((ago(2), 1000.0));
+            (walk.foretell(3000.0), walk.since.is_none())
+        };
+        let (told, judged) = limited(17);
+        assert!(told.is_ok() && judged);
+        let error = limited(15).0.unwrap_err();
+        assert!(error.to_string().contains("about 9.0e3 photons a channel, 16 s"), "{error}");
+        // Too early to tell.
+        let mut walk = course(End::Photons(9000));
+        walk.go_on(1000);
+        assert!(walk.foretell(2000.0).is_ok() && walk.since.is_some());
     }
 
     #[test]

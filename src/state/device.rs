@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use super::{Scope, State};
 use crate::error::Result;
 use crate::gpu::{
-    Binding, Buffer, BufferRange, Device, Kernel, Kernels, Recorder, Recordings, Upload, Work, download, upload,
+    Binding, Buffer, BufferRange, Device, ExecutionCheck, Kernel, Kernels, Recorder, Recordings, Upload, Work,
+    download, upload,
 };
 use crate::layout::{BUFFER_IDS, BufferId};
 
@@ -23,6 +24,7 @@ pub struct DeviceState {
     /// Bound where a kernel names a buffer that has no elements in this scene.
     nothing: Box<Buffer>,
     recordings: Recordings,
+    execution: ExecutionCheck,
     guarded: bool,
 }
 
@@ -31,7 +33,8 @@ impl DeviceState {
     pub fn new(device: &Device, guarded: bool) -> Result<Self> {
         let nothing = Box::new(Buffer::new(device, "nothing", 4)?);
         let (kernels, recordings) = (Kernels::new(device), Recordings::default());
-        Ok(Self { device: device.clone(), kernels, buffers: BTreeMap::new(), nothing, recordings, guarded })
+        let (execution, device) = (ExecutionCheck::new(device)?, device.clone());
+        Ok(Self { device, kernels, buffers: BTreeMap::new(), nothing, recordings, execution, guarded })
     }
 
     /// The device.
@@ -42,6 +45,11 @@ impl DeviceState {
     /// Recordings of earlier frames.
     pub(super) fn recordings(&self) -> &Recordings {
         &self.recordings
+    }
+
+    /// What shows that the device executes a frame.
+    pub(super) fn execution(&self) -> &ExecutionCheck {
+        &self.execution
     }
 
     /// Makes every buffer as large as the state's; contents survive only where the size is unchanged. An empty buffer

@@ -120,7 +120,10 @@ impl DeviceState {
             recorder
                 .part(step.stage.name, |recorder| (step.stage.gpu)(&mut Pass::record(state, *step, self, recorder)))?;
         }
-        recorder.submit_again(self.recordings())
+        self.execution().list(&mut recorder)?;
+        let times = recorder.submit_again(self.recordings())?;
+        self.execution().verify("running a frame")?;
+        Ok(times)
     }
 
     /// Records and submits one dispatch of a step; returns its time, and whether there are more after it.
@@ -131,7 +134,9 @@ impl DeviceState {
             let sink = Sink::Part(self, recorder, OneOf { index, seen: &mut seen });
             (step.stage.gpu)(&mut Pass { state, at: step.at, step, sink })
         })?;
+        self.execution().list(&mut recorder)?;
         let times = recorder.submit_again(self.recordings())?;
+        self.execution().verify("running a frame")?;
         Ok((times.into_iter().next(), index + 1 < seen))
     }
 }

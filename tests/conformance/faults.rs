@@ -12,9 +12,15 @@ use milkglass::internals::pipeline::plan::{Change, Goal, Options};
 use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
 
-/// Calls whose failure is harmless: naming objects for tools, waiting before teardown, listing instance extensions.
-const HARMLESS: [&str; 3] =
-    ["vkSetDebugUtilsObjectNameEXT", "vkDeviceWaitIdle", "vkEnumerateInstanceExtensionProperties"];
+/// Calls whose failure is harmless: naming objects for tools, waiting before teardown, listing instance extensions,
+/// keeping what a later submission could use.
+const HARMLESS: [&str; 5] = [
+    "vkSetDebugUtilsObjectNameEXT",
+    "vkDeviceWaitIdle",
+    "vkEnumerateInstanceExtensionProperties",
+    "vkResetFences",
+    "vkResetDescriptorPool",
+];
 /// All other calls of the program; `vkAllocateMemory` stands for the allocator's calls, mapping included.
 const CALLS: [&str; 22] = [
     "vkAllocateCommandBuffers",

@@ -13,6 +13,7 @@ mod exact;
 mod faults;
 mod features;
 mod guards;
+mod idle;
 mod instrument;
 mod limits;
 mod pictures;

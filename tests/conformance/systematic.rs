@@ -70,3 +70,26 @@ fn a_systematic_factor_is_reported() {
     let unseen = unseen.into_inner().unwrap();
     assert!(unseen.is_empty(), "a factor of 1.00003:\n{}", unseen.join("\n"));
 }
+
+/// Devices may round a division either way. An edge of a coplanar triangle whose line meets the receiver is where that
+/// once showed: both ends lie at the same place but for rounding.
+#[test]
+fn a_division_may_round_down() {
+    let here = folder(&[]);
+    let (kernel, edges) = ("transport/diffusion/near_layers/layers", "transport/diffusion/edges.glsl");
+    let text = source(edges).unwrap();
+    let rounded = text.replace("w1 = t1 / (S", "w1 = 0.99999994 * t1 / (S");
+    assert_ne!(text, rounded);
+    std::fs::create_dir_all(here.path().join("transport/diffusion")).unwrap();
+    std::fs::write(here.path().join(edges), rounded).unwrap();
+    let file = here.path().join("layers.comp");
+    std::fs::write(&file, source(kernel).unwrap().as_ref()).unwrap();
+    let words = replacement(kernel, &file, &Given::default()).unwrap();
+    let fixture = fixtures("diffusion under every light").unwrap();
+    on_devices_each(&fixture, |device, fixture| {
+        let device = device.replacing(kernel, words.clone()).unwrap();
+        let rows = conform_stages(&device, fixture, &["near_layers".to_string()]).unwrap();
+        let faults: Vec<&String> = rows.iter().flat_map(|row| &row.faults).collect();
+        assert!(rows.len() == 1 && faults.is_empty(), "{faults:?}");
+    });
+}

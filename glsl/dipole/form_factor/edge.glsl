@@ -12,6 +12,10 @@ const float WEIGHT[21] = float[21](0.555555555556, 0.888888888889, 0.55555555555
     0.047175336387, 0.106939325995, 0.160078328543, 0.203167426723, 0.233492536538, 0.249147045813,
     0.249147045813, 0.233492536538, 0.203167426723, 0.160078328543, 0.106939325995, 0.047175336387);
 
+// The least value of (1 - w)(1 + w) for a w below 1 in f32. Where an edge points past the foot, w is 1 but for the
+// rounding of a division, which devices choose: it must not make a thin difference of two of them count.
+const float LEAST_GAP = 6e-8;
+
 // (1 - e^{-x}) / x for x >= 0.
 vec3 phi1(vec3 x) {
     vec3 series = 1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x * (1.0 / 120.0))));
@@ -36,7 +40,7 @@ vec3 edge_integral(vec3 sigma, float R, float t1, float t2, vec3 h, float rim, v
     vec3 sum = vec3(0);
     for (uint k = 0; k < NODES; ++k) {
         vec3 w = middle + half_width * NODE[FIRST_NODE + k];
-        vec3 ratio = 1.0 / ((1.0 - w) * (1.0 + w));
+        vec3 ratio = 1.0 / max((1.0 - w) * (1.0 + w), LEAST_GAP);
         vec3 s = S * (1.0 + w * w) * ratio;
         vec3 t = 2.0 * S * w * ratio;
         vec3 r2 = R2 + t * t;

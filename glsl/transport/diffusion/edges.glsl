@@ -15,7 +15,7 @@ void add_part(inout vec3 single, inout vec3 twice, vec3 k, float R, float t1, fl
     vec3 of_single = vec3(0), of_double = vec3(0);
     for (uint i = 0; i < NODES; ++i) {
         float w = middle + half_width * NODE[FIRST_NODE + i];
-        float ratio = 1.0 / max((1.0 - w) * (1.0 + w), 1e-12);
+        float ratio = 1.0 / max((1.0 - w) * (1.0 + w), LEAST_GAP);
         float s = S * (1.0 + w * w) * ratio, t = 2.0 * S * w * ratio;
         float r2 = R2 + t * t, past = max(0.0, r2 - rim * rim);
         float q = outside ? past / max(r2, 1e-37) : 1.0;
@@ -29,13 +29,21 @@ void add_part(inout vec3 single, inout vec3 twice, vec3 k, float R, float t1, fl
     twice += 2.0 * R * half_width * of_double;
 }
 
+// The inverse of sinh. Vulkan promises log(x + sqrt(x^2 + 1)) for the built-in one, which cancels for negative numbers.
+// What is clamped needs the most parts of an edge by far.
+vec3 odd_asinh(vec3 x) {
+    vec3 size = min(abs(x), vec3(1e18));
+    return sign(x) * log(size + sqrt(size * size + 1.0));
+}
+
 // Adds both integrals over one edge; of an elongated triangle in parts of even width in asinh(t / S).
 void add_edge(inout vec3 single, inout vec3 twice, vec3 k, float R, float t1, float t2, float h, float rim, float s_m,
               bool elongated) {
     float S = sqrt(R * R + h * h);
     // An edge whose line meets the foot adds nothing.
     if (!(R * R > 0.0)) return;
-    float u1 = elongated ? asinh(t1 / S) : 0.0, u2 = elongated ? asinh(t2 / S) : 0.0;
+    vec3 u = elongated ? odd_asinh(vec3(t1, t2, 0) / S) : vec3(0);
+    float u1 = u.x, u2 = u.y;
     float parts = clamp(ceil((u2 - u1) / PART_WIDTH), 1.0, 8.0), from = t1;
     for (float part = 1.0; part <= parts; ++part) {
         float to = part < parts ? S * sinh(u1 + (u2 - u1) * part / parts) : t2;

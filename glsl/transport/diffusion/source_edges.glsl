@@ -9,7 +9,7 @@ void add_part_of_source(inout vec3 sum, vec3 k, vec3 R, vec3 t1, vec3 t2, vec3 h
     bvec3 outside = lessThan(h, rim);
     for (uint i = 0; i < NODES; ++i) {
         vec3 w = middle + half_width * NODE[FIRST_NODE + i];
-        vec3 ratio = 1.0 / max((1.0 - w) * (1.0 + w), 1e-12);
+        vec3 ratio = 1.0 / max((1.0 - w) * (1.0 + w), LEAST_GAP);
         vec3 s = S * (1.0 + w * w) * ratio, t = 2.0 * S * w * ratio;
         vec3 r2 = R2 + t * t, past = mix(r2, max(vec3(0), r2 - rim * rim), outside);
         vec3 q = mix(vec3(1), past / max(r2, 1e-37), outside), both = max(s + s_m, 1e-30);
@@ -44,7 +44,7 @@ vec3 single_at_depths(vec3 k, vec3 corner[3], vec3 middle, vec3 depth[3], vec3 n
     vec3 s_m = mix(h, sqrt(h * h + rim * rim), lessThan(h, rim)), sum = vec3(0);
     for (uint e = 0; e < 3; ++e) {
         vec3 from = t[e], end = t[e] + size[e], S = max(sqrt(R[e] * R[e] + h * h), vec3(1e-30));
-        vec3 u1 = elongated ? asinh(from / S) : vec3(0), u2 = elongated ? asinh(end / S) : vec3(0);
+        vec3 u1 = elongated ? odd_asinh(from / S) : vec3(0), u2 = elongated ? odd_asinh(end / S) : vec3(0);
         float widest = max(max(u2.x - u1.x, u2.y - u1.y), u2.z - u1.z);
         float parts = clamp(ceil(widest / PART_WIDTH), 1.0, 8.0);
         for (float part = 1.0; part <= parts; ++part) {

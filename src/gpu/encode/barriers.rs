@@ -36,6 +36,17 @@ impl Encoded {
         Ok(())
     }
 
+    /// Records, at the end, that copies and the host see what kernels have written.
+    pub(super) fn make_visible(&self) {
+        let seen = vk::AccessFlags::TRANSFER_READ | vk::AccessFlags::TRANSFER_WRITE | vk::AccessFlags::HOST_READ;
+        let memory =
+            [vk::MemoryBarrier::default().src_access_mask(vk::AccessFlags::SHADER_WRITE).dst_access_mask(seen)];
+        let after = vk::PipelineStageFlags::TRANSFER | vk::PipelineStageFlags::HOST;
+        let none = vk::DependencyFlags::empty();
+        // SAFETY: the command buffer is recording.
+        unsafe { self.device.raw().cmd_pipeline_barrier(self.now, STAGES, after, none, &memory, &[], &[]) };
+    }
+
     /// Records that what follows waits.
     pub(super) fn wait(&self, wait: &Wait) {
         let raw = self.device.raw();

@@ -36,7 +36,7 @@ impl Encoded {
             let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
             vk_call("vkGetQueryPoolResults", &doing, || {
                 // SAFETY: every query of the range was written by the submission.
-                unsafe { raw.get_query_pool_results(self.queries, 0, &mut ticks, flags) }
+                unsafe { raw.get_query_pool_results(self.queries.0, 0, &mut ticks, flags) }
             })?;
         }
         let (period, mask) = (f64::from(limits.timestamp_period), limits.timestamp_mask);
@@ -61,9 +61,11 @@ impl Drop for Encoded {
             return;
         }
         self.primaries.iter().chain(&self.secondaries).for_each(|commands| self.device.discard(*commands));
+        if self.queries.1 > 0 {
+            self.device.keep_queries(self.queries);
+        }
         // SAFETY: a submitted frame has been waited for; one that was not submitted is not in use.
         unsafe {
-            self.device.raw().destroy_query_pool(self.queries, None);
             self.events.iter().for_each(|event| self.device.raw().destroy_event(*event, None));
         }
     }

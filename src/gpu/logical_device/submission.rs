@@ -1,15 +1,19 @@
 //! Command buffers of a device, and what happens when one is submitted: a wait of limited length.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ash::vk;
 
 use super::{Inner, LogicalDevice};
 use crate::error::{Error, Result};
 use crate::gpu::call::vk_call;
+use crate::gpu::choices::Waiting;
 
 /// How much longer to wait for a submission that exceeded its limit, before what it uses is freed.
 pub(super) const GRACE: Duration = Duration::from_secs(1);
+
+/// How long to ask for the end of a submission again and again, before sleeping.
+const AWAKE: Duration = Duration::from_millis(20);
 
 impl LogicalDevice {
     /// Submits one recorded command buffer and waits for it.
@@ -33,44 +37,63 @@ impl LogicalDevice {
     pub(in super::super) fn submit_to(&self, infos: &[(usize, vk::SubmitInfo<'_>)], doing: &str) -> Result<()> {
         let raw = &self.0.raw;
         let Some((last, others)) = infos.split_last() else { return Ok(()) };
+        if self.0.given_up.get() {
+            return Err(Error::device(doing, "the device does not execute what it is given"));
+        }
         if !self.finished() {
             return Err(Error::device(doing, "the device is still busy with what it did not finish in time"));
         }
-        let patience = nanoseconds(self.0.patience.get());
         self.0.submissions.set(self.0.submissions.get() + infos.len() as u64);
         let submit = |(queue, info): &(usize, vk::SubmitInfo<'_>), fence: vk::Fence| {
             let queue = self.0.queues[*queue];
             // SAFETY: the command buffers are complete and of this device, and so is the fence.
             vk_call("vkQueueSubmit", doing, || unsafe { raw.queue_submit(queue, &[*info], fence) })
         };
-        // SAFETY: the fence is destroyed once it is not in use.
-        unsafe {
-            let fence = vk_call("vkCreateFence", doing, || raw.create_fence(&vk::FenceCreateInfo::default(), None))?;
-            let submitted = others
-                .iter()
-                .try_for_each(|info| submit(info, vk::Fence::null()))
-                .and_then(|()| submit(last, fence))
-                // Those before the one that was refused may be running.
-                .inspect_err(|_| {
-                    let _ = raw.device_wait_idle();
-                });
-            let running = submitted.is_ok();
-            let done = submitted
-                .and_then(|()| vk_call("vkWaitForFences", doing, || raw.wait_for_fences(&[fence], true, patience)));
-            if running && done.is_err() {
-                self.0.late.set(fence);
-            } else {
-                raw.destroy_fence(fence, None);
-            }
-            done
+        let fence = self.fence(doing)?;
+        let submitted = others
+            .iter()
+            .try_for_each(|info| submit(info, vk::Fence::null()))
+            .and_then(|()| submit(last, fence))
+            // Those before the one that was refused may be running.
+            .inspect_err(|_| {
+                // SAFETY: the device is alive.
+                let _ = unsafe { raw.device_wait_idle() };
+            });
+        let running = submitted.is_ok();
+        let done = submitted.and_then(|()| self.wait(fence, doing));
+        match running && done.is_err() {
+            true => self.0.late.set(fence),
+            false => self.keep_fence(fence),
         }
+        done
     }
 
-    /// Whether nothing runs on the device, so that what it used may be freed. After a wait that failed, a submission
+    /// Waits for a fence, as chosen, for as long as a submission may take.
+    fn wait(&self, fence: vk::Fence, doing: &str) -> Result<()> {
+        let (raw, begin) = (&self.0.raw, Instant::now());
+        let awake = AWAKE.min(self.0.patience.get());
+        while self.choices().waiting == Waiting::Poll && begin.elapsed() < awake {
+            // SAFETY: the fence is alive.
+            if vk_call("vkGetFenceStatus", doing, || unsafe { raw.get_fence_status(fence) })? {
+                return Ok(());
+            }
+            std::hint::spin_loop();
+        }
+        let patience = nanoseconds(self.0.patience.get());
+        // SAFETY: as above.
+        vk_call("vkWaitForFences", doing, || unsafe { raw.wait_for_fences(&[fence], true, patience) })
+    }
+
+    /// Whether what the device used may be freed: nothing runs on it, and it has not been given up. After a wait that failed, a submission
     /// may still run: then this waits once more, for [`GRACE`], and what the submission uses is leaked if it takes
     /// longer.
     pub(in super::super) fn finished(&self) -> bool {
         self.0.finished()
+    }
+
+    /// Submits nothing more to this device, and leaks what was made on it.
+    pub(in super::super) fn give_up(&self) {
+        self.0.given_up.set(true);
     }
 
     /// A command buffer ready to record, for one submission.
@@ -115,6 +138,9 @@ fn nanoseconds(time: Duration) -> u64 {
 impl Inner {
     /// See [`LogicalDevice::finished`].
     pub(super) fn finished(&self) -> bool {
+        if self.given_up.get() {
+            return false;
+        }
         let fence = self.late.get();
         if fence == vk::Fence::null() {
             return true;

@@ -25,10 +25,10 @@ WRITES(received)
 
 void main() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    uint place = group * gl_WorkGroupSize.x + gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
+    uint place = group * gl_WorkGroupSize.x + lane();
     Receiver self = receiver_at(place);
     uint width = sharing();
-    uint mine = gl_SubgroupInvocationID % width, base = gl_SubgroupInvocationID - mine;
+    uint mine = SUBGROUP_LANE % width, base = SUBGROUP_LANE - mine;
     Runs run = runs[self.run];
     uint first = run.first + run.expanded, count = run.direct;
     vec3 sum = vec3(0), none = vec3(0);

@@ -1,0 +1,69 @@
+//! Which of a kernel's modules a device gets: the one that shares values in subgroups, or the one that does without.
+
+use crate::error::Result;
+use crate::gpu::choices::Optimization;
+use crate::gpu::logical_device::LogicalDevice;
+use crate::gpu::reflect::{has_subgroups, reflect, words_of, words_without_subgroups};
+use crate::gpu::replace::compiled;
+use crate::layout::GROUP_ID;
+
+impl LogicalDevice {
+    /// Whether a kernel whose groups have this many invocations in a row gets full subgroups, and may shuffle in them:
+    /// only then is a lane's number its subgroup's and its own.
+    pub(in super::super) fn grants_full_subgroups(&self, across: u32) -> bool {
+        let (choices, adapter) = (self.choices(), self.adapter());
+        let size = choices.subgroup.unwrap_or(adapter.limits.subgroup_size);
+        let offered = adapter.offers.full_subgroups && adapter.offers.shuffles;
+        offered && !choices.no_shuffles && size > 0 && across.is_multiple_of(size)
+    }
+}
+
+/// The build's SPIR-V of a kernel for this device: optimised as chosen, and without subgroup operations where the device
+/// does not grant full subgroups.
+pub(in super::super) fn words_for(device: &LogicalDevice, name: &str) -> Result<Vec<u32>> {
+    let words = words_of(name)?;
+    let across = || -> Result<u32> {
+        let found = reflect(name, &words)?;
+        let chosen = device.choices().group(name).filter(|_| found.open.contains(&GROUP_ID));
+        Ok(chosen.unwrap_or(found.across))
+    };
+    let alone = has_subgroups(&words) && !device.grants_full_subgroups(across()?);
+    match (alone, device.choices().optimization) {
+        (false, Optimization::Performance) => Ok(words),
+        (true, Optimization::Performance) => Ok(words_without_subgroups(name).unwrap_or(words)),
+        (_, other) => compiled(name, other, alone),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::choices::Choices;
+    use crate::gpu::extras::Extras;
+    use crate::gpu::instance::Instance;
+    use crate::gpu::reflect::kernels_without_subgroups;
+
+    #[test]
+    fn without_full_subgroups_kernels_have_no_subgroup_operations() {
+        let instance = Instance::open(false).unwrap();
+        let adapter = instance.adapters().unwrap().into_iter().find(|adapter| adapter.unusable.is_none()).unwrap();
+        let size = adapter.limits.subgroup_size;
+        let grouped = |size: u32| Choices { groups: [(String::new(), size)].into(), ..Choices::default() };
+        for (kernel, alone) in
+            kernels_without_subgroups().map(|name| (name, true)).chain([("transport/blocks/push", false)])
+        {
+            let with = |choices: &Choices, full: bool, shuffles: bool| {
+                let mut adapter = adapter.clone();
+                (adapter.offers.full_subgroups, adapter.offers.shuffles) = (full, shuffles);
+                let device = LogicalDevice::open(&instance, &adapter, choices, &Extras::default()).unwrap();
+                has_subgroups(&words_for(&device, kernel).unwrap())
+            };
+            assert!(has_subgroups(&words_of(kernel).unwrap()) == alone);
+            assert!(!alone || with(&Choices::default(), true, true), "{kernel}");
+            assert!(!with(&Choices::default(), false, true) && !with(&Choices::default(), true, false), "{kernel}");
+            // Groups that a subgroup does not divide have a last one that is not full.
+            let open = crate::gpu::group_is_open(kernel);
+            assert!(!open || !with(&grouped(size / 2), true, true), "{kernel}");
+        }
+    }
+}
