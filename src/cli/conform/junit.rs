@@ -95,7 +95,10 @@ mod tests {
         let text = report(&all, &[]).unwrap();
         assert_eq!(attributes(&text, "testsuites"), ["name", "tests", "failures", "errors"], "{text}");
         assert_eq!(attributes(&text, "testsuite"), ["name", "tests", "skipped", "errors", "failures"], "{text}");
-        assert!(text.contains("<testsuite name=\"a &gt; b &quot; skipped=&quot;1&quot;, \" tests=\"1\" skipped=\"1\""), "{text}");
+        assert!(
+            text.contains("<testsuite name=\"a &gt; b &quot; skipped=&quot;1&quot;, \" tests=\"1\" skipped=\"1\""),
+            "{text}"
+        );
         assert_eq!(text.matches("<testcase ").count(), 1, "{text}");
     }
 }

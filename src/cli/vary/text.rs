@@ -36,7 +36,7 @@ pub(super) fn summary(outcomes: &[Outcome]) -> String {
                 .filter(|row| row.what != "frame")
                 .filter_map(|row| Some(format!("{} {:.3} {}", row.what, row.ratio.value, row.finding()?)))
                 .collect();
-            let finding = whole.and_then(Ratio::finding).unwrap_or_default();
+            let finding = whole.map_or("", Ratio::shows);
             let [ratio, interval] = cells;
             rows.push(vec![variant.name.clone(), ratio, interval, finding.into(), stages.join(", ")]);
         }
