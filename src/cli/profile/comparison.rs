@@ -126,7 +126,8 @@ fn meaning(ratio: &str, edited: usize, others: usize) -> String {
     format!("ms: medians, and half their 95 % intervals; ratio: {ratio}; {families}\n")
 }
 
-/// A table of ratios, and what it shows: each edited stage by itself, then all other rows. A round takes so many seconds.
+/// A table of ratios, and what it shows: each edited stage by itself, then all other rows. A round takes so many
+/// seconds.
 fn rows_told(names: [&str; 2], rows: &[Ratio], edited: &[String], seconds: f64) -> String {
     let cells: Vec<Vec<String>> = rows.iter().map(|row| cells(row, edited)).collect();
     let [one, two] = names.map(|name| format!("{name} ms"));
@@ -216,7 +217,7 @@ mod tests {
     fn without_an_interval_nothing_is_decided() {
         let shown = |rows: &[Ratio]| verdict(&rows.iter().collect::<Vec<_>>(), 0.5);
         let slow = ratio("gather", 3.024, OPEN, 20);
-        assert_eq!(shown(&[slow.clone()]), "undecided: about 20 more rounds, 10 seconds");
+        assert_eq!(shown(std::slice::from_ref(&slow)), "undecided: about 20 more rounds, 10 seconds");
         assert_eq!(shown(&[ratio("frame", 1.0, OPEN, 1)]), "undecided: about 1 more round, 1 second");
         let same = ratio("stages", 1.001, [0.99, 1.015], 0);
         let hidden = "no difference shows; a change of stages by 1.5 % might be hidden";

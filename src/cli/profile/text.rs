@@ -139,12 +139,12 @@ mod tests {
         // What rounds to nothing is told, too.
         assert_eq!(
             told(Work { flops: 479_800_012, roots: 3_000_000, loaded: 1 << 20, ..before }),
-            "work of gather: flop 479.8 M -> 479.8 M (+12), div 0.0 M -> 3.0 M, loads 2.0 MiB -> 1.0 MiB (-50.0 %), \
+            "work of gather: flop 479.8 M -> 479.8 M (+12), div 0.0 M -> 3.0 M, loads 2048.0 KiB -> 1024.0 KiB (-50.0 %), \
              exp, stores unchanged\n"
         );
         assert_eq!(
             told(before),
-            "work of gather: the same: flop 479.8 M, div 0.0 M, exp 15.5 M, loads 2.0 MiB, stores 1.0 MiB; integers are \
+            "work of gather: the same: flop 479.8 M, div 0.0 M, exp 15.5 M, loads 2048.0 KiB, stores 1024.0 KiB; integers are \
              not counted\n"
         );
     }

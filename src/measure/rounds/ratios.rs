@@ -90,7 +90,8 @@ impl Samples {
         each_of(CONFIDENCE, self.family(self.is_edited(what)))
     }
 
-    /// The starts with which the edited stages, and all other rows, have intervals with two ends; 0 where there are none.
+    /// The starts with which the edited stages, and all other rows, have intervals with two ends; 0 where there are
+    /// none.
     #[must_use]
     pub fn fewest_starts(&self) -> [usize; 2] {
         [true, false].map(|edited| match self.family(edited) {

@@ -166,7 +166,7 @@ fn few_frames_are_enough_starts_for_a_verdict() {
         let (found, forecast) = edited(3.0, 0.01, &schedule(rounds), &["large"]);
         let starts = found.samples.orders.len() / found.samples.each;
         assert_eq!(([starts, found.samples.each], [forecast.starts, forecast.each]), (expected, expected), "{rounds}");
-        assert_eq!(forecast.fewest, [6, 8]);
+        assert_eq!(forecast.fewest, [6, 7]);
         let rows = found.samples.ratios().remove(0);
         let shown: Vec<_> = rows.iter().map(Ratio::shows).collect();
         assert_eq!(shown, ["slower", "", "slower", "slower"], "{rows:?}");
@@ -179,13 +179,13 @@ fn without_enough_starts_even_a_large_ratio_is_undecided() {
     let spent = Schedule { budget: 0.0, ..schedule(40) };
     let rows = edited(3.0, 0.01, &spent, &["large"]).0.samples.ratios().remove(0);
     assert!(rows.iter().all(|row| row.shows() == "undecided" && row.finding().is_none()), "{rows:?}");
-    // One start of five rounds is there; the edited stage takes six, the three others together eight.
-    assert_eq!(rows.iter().map(|row| row.missing_rounds).collect::<Vec<_>>(), [25, 35, 35, 35]);
-    // With seven starts the edited stage is judged, and no other.
+    // One start of five rounds is there; the edited stage takes six, the three others together seven.
+    assert_eq!(rows.iter().map(|row| row.missing_rounds).collect::<Vec<_>>(), [25, 30, 30, 30]);
+    // With six starts the edited stage is judged, and no other.
     let mut samples = edited(3.0, 0.01, &schedule(40), &["large"]).0.samples;
     for variant in &mut samples.variants {
-        variant.frame_ms.truncate(35);
-        variant.stages.iter_mut().for_each(|times| times.ms.truncate(35));
+        variant.frame_ms.truncate(30);
+        variant.stages.iter_mut().for_each(|times| times.ms.truncate(30));
     }
     let rows = samples.ratios().remove(0);
     assert_eq!(rows.iter().map(Ratio::shows).collect::<Vec<_>>(), ["slower", "undecided", "undecided", "undecided"]);
