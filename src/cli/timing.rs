@@ -10,7 +10,8 @@ pub(super) const MOST: u32 = 10_000;
 /// How long to time what.
 #[derive(Args)]
 pub(super) struct TimingArguments {
-    /// Timed frames, after those that warm up [default: 11; where several are compared 128 of each].
+    /// Timed frames, after those that warm up; `profile` compares in at least 9 starts, of a ninth of them each,
+    /// rounded up [default: 11; where several are compared 128 of each].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)))]
     pub(super) frames: Option<u32>,
     /// Time frames until the interval of each stage that takes 2 % or more of the frame is at most this wide on either

@@ -54,7 +54,9 @@ pub struct Ids {
 /// A Vulkan device that could be opened.
 #[derive(Clone, Debug, Default)]
 pub struct Adapter {
-    /// The device's name.
+    /// Its number in the loader's order: what `milkglass devices` lists and `--device` takes.
+    pub number: usize,
+    /// The device's name, with ` #` and its number where several have the same.
     pub name: String,
     /// The driver's name and version.
     pub driver: String,
@@ -112,13 +114,14 @@ impl Adapter {
         self.ids.driver == vk::DriverId::MESA_LLVMPIPE.as_raw()
     }
 
-    /// Numbers those of the same name, `llvmpipe #1` and `llvmpipe #2`: results go by names.
+    /// Numbers all, and adds the number to names that several have, `llvmpipe #0` and `llvmpipe #1`: results go by
+    /// names.
     pub(super) fn tell_apart(adapters: &mut [Self]) {
         let names: Vec<String> = adapters.iter().map(|adapter| adapter.name.clone()).collect();
         for (index, adapter) in adapters.iter_mut().enumerate() {
-            let same = |among: &[String]| among.iter().filter(|name| **name == names[index]).count();
-            if same(&names) > 1 {
-                adapter.name += &format!(" #{}", same(&names[..=index]));
+            adapter.number = index;
+            if names.iter().filter(|name| **name == names[index]).count() > 1 {
+                adapter.name += &format!(" #{index}");
             }
         }
     }
@@ -181,6 +184,7 @@ impl Adapter {
         let timed = bits > 0;
         let queue_family = u32::try_from(family.unwrap_or(0)).unwrap_or(0);
         Adapter {
+            number: 0,
             name: text(&base.device_name),
             driver: format!("{} {}", text(&more.driver_name), text(&more.driver_info)).trim().to_string(),
             version: format!("{major}.{minor}.{patch}"),
@@ -244,7 +248,8 @@ mod tests {
         let mut apart = adapters.clone();
         Adapter::tell_apart(&mut apart);
         let names: Vec<&str> = apart.iter().map(|adapter| adapter.name.as_str()).collect();
-        assert_eq!(names, ["GeForce RTX 4090", "GeForce RTX 4090 Ti", "llvmpipe #1", "llvmpipe #2"]);
+        assert_eq!(names, ["GeForce RTX 4090", "GeForce RTX 4090 Ti", "llvmpipe #2", "llvmpipe #3"]);
+        assert!(apart.iter().enumerate().all(|(k, adapter)| adapter.number == k));
         assert!(
             at("").is_err()
                 && Adapter::find(&[], "x").unwrap_err().to_string().contains("no Vulkan device is installed")

@@ -182,6 +182,9 @@ fn known_failures_are_no_failures_and_stale_ones_are() {
     assert!(out.contains("DIFFERS (known)") && out.contains("1 known failures"), "{out}");
     let text = read(&here, "a.xml");
     assert!(text.contains("skipped=\"1\"") && text.contains("known: DIFFERS, bug 7"), "{text}");
+    let root = text.lines().find(|line| line.starts_with("<testsuites ")).unwrap();
+    let names: Vec<&str> = root.split("=\"").filter_map(|part| part.rsplit(' ').next()).collect();
+    assert_eq!(names[..names.len() - 1], ["name", "tests", "failures", "errors"], "{root}");
     bad(&here, &format!("{line} --expect known.toml"), 1, &["fixture sliver, stage push", "bug 7", "conforms now"]);
     expect("[[known]]\nstage = \"push\"\nwhy = \"bug 7\"\nflaky = true\n");
     good(&here, &format!("{line} --expect known.toml"));

@@ -80,6 +80,7 @@ fn a_shader_is_printed_and_taken_back() {
         std::fs::write(here.path().join("my.comp"), text).unwrap();
         let (out, err) = good(&here, &format!("profile a.toml --frames 2 --replace {kernel}=my.comp"));
         assert!(out.contains("ratio") && err.contains("conform to the reference"), "{out}{err}");
+        assert!(out.contains(": the same: flop ") && !out.contains("undecided"), "{out}");
     }
     good(&here, "conform a.toml --no-validation --replace transport/blocks/gather/direct=my.comp");
     // A group of 8 x 8: subgroups of 16, as of lavapipe with 512 bits, can't be asked to be full there.

@@ -28,9 +28,11 @@ fn a_run_is_saved_and_compared() {
     }
     // Files alone, then a file with a run of now.
     let (out, _) = good(&here, "profile --compare a.json a.json");
-    if warm_up == 0 {
-        assert!(out.contains("B against A: no difference shows"), "{out}");
-    }
+    let verdict = match warm_up {
+        0 => "no difference shows; a change of stages by ".to_string(),
+        short => format!("undecided: about {short} more round"),
+    };
+    assert!(out.contains(&format!("B against A: {verdict}")), "{out}");
     assert!(out.contains("timed at different times") && out.contains("1.000"), "{out}");
     let (out, _) = good(&here, &format!("profile {SMALL} --device cpu --frames 20 --compare a.json"));
     assert!(out.contains("this run") && out.contains("B ms") && out.contains("bootstrap"), "{out}");
@@ -67,18 +69,16 @@ fn another_build_is_timed_in_turn() {
     let here = folder(&[("not.sh", "#!/bin/sh\necho hello\n"), ("text", "hello")]);
     let own = env!("CARGO_BIN_EXE_milkglass");
     let line = format!("profile {SMALL} --device cpu --frames 12 --against {own} --save a.json");
-    let (out, _) = good(&here, &line);
-    for words in [
-        "both compute bit for bit the same result",
-        "16 rounds in 2 starts",
-        "other build against this build:",
-        "seed 1",
-    ] {
+    let (out, err) = good(&here, &line);
+    for words in ["both compute bit for bit the same result", "other build against this build:", "seed 1"] {
         assert!(out.contains(words), "{words}: {out}");
     }
+    assert!(err.contains(" starts of 2 rounds, about ") && err.contains(" for all rows"), "{err}");
+    assert!(!out.contains("undecided") && !out.contains("too few"), "{out}");
     let found = json(&here, "a.json");
     let variants = found["samples"]["variants"].as_array().unwrap();
-    assert_eq!((variants.len(), variants[1]["frame_ms"].as_array().unwrap().len()), (2, 16));
+    let rounds = variants[1]["frame_ms"].as_array().unwrap().len();
+    assert!(variants.len() == 2 && rounds >= 18 && out.contains(&format!("{rounds} rounds in {} starts", rounds / 2)));
     let rows = found["comparison"][0]["rows"].as_array().unwrap();
     assert!(rows.iter().any(|row| row["what"] == "gather") && rows.last().unwrap()["what"] == "frame", "{rows:?}");
 
@@ -105,10 +105,14 @@ fn another_build_is_timed_in_turn() {
 fn devices_stand_side_by_side() {
     let here = folder(&[]);
     let (out, _) = good(&here, &format!("profile {SMALL} --device cpu --device cpu --device cpu --frames 11"));
-    for words in ["device 3: cpu", "device 1 and device 2 compute bit for bit the same", "device 3 against device 1"] {
+    for words in ["cpu, run 3: the f64", "cpu and cpu, run 2 compute bit for bit the same", "cpu, run 3 against cpu:"] {
         assert!(out.contains(words), "{words}: {out}");
     }
-    assert!(out.contains("hold together with 95 %"), "{out}");
+    assert!(out.contains("hold together with 95 %") && !out.contains("undecided"), "{out}");
+    // What the budget cuts short is no verdict.
+    let (out, err) = good(&here, &format!("profile {SMALL} --device cpu --device cpu --frames 20 --budget 0"));
+    assert!(err.contains("--budget ends it after about 1 start, and all rows stay undecided"), "{err}");
+    assert!(out.contains("cpu, run 2 against cpu: undecided: about ") && !out.contains("no difference"), "{out}");
 }
 
 #[test]

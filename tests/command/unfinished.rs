@@ -154,7 +154,7 @@ fn devices_of_the_same_name_are_told_apart() {
     assert_eq!(output.status.code(), Some(1), "{out}{err}");
     let found = results(&here, "a.json");
     let devices: Vec<&str> = found.iter().map(|row| row["device"].as_str().unwrap()).collect();
-    assert!(devices.len() == 2 && devices[0].ends_with(" #1") && devices[1].ends_with(" #2"), "{devices:?}");
+    assert!(devices.len() == 2 && devices[0].ends_with(" #0") && devices[1].ends_with(" #1"), "{devices:?}");
     assert!(found.iter().all(|row| row["repeat"].as_str().unwrap().contains(row["device"].as_str().unwrap())));
     assert_eq!(names(&here.path().join("d")).len(), 2);
     let text = std::fs::read_to_string(here.path().join("a.xml")).unwrap();

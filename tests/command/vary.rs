@@ -16,6 +16,7 @@ fn variants_are_proved_timed_and_written() {
         "barriers=events: bit for bit the default's: ",
         "queues=apart: bit for bit the default's: ",
         "12 rounds in 3 starts",
+        "stage             barriers=elided ms",
         "variant",
         "gather",
     ] {

@@ -10,7 +10,7 @@ use milkglass::internals::layout::BufferId;
 use milkglass::internals::pipeline::frame::{STAGES, stage};
 use milkglass::internals::pipeline::plan::{Change, Mode, Options};
 use milkglass::internals::session::run::Session;
-use milkglass::measure::profile::{Settings, against, profile};
+use milkglass::measure::profile::{Open, Settings, against, profile};
 use milkglass::scene::Scene;
 
 static COUNT: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/tests-kernels-count.spv"));
@@ -80,13 +80,18 @@ fn on_the_cpu_a_profile_has_times_only() {
 fn a_device_against_itself_takes_every_stage() {
     on_devices(|device| {
         let open = || Ok(Some(device.clone()));
-        let found =
-            against(&ball(&[]), &[("first", &open), ("second", &open)], &Settings { frames: 3, ..Settings::default() })
-                .unwrap();
+        let (scene, settings) = (ball(&[]), Settings { frames: 3, ..Settings::default() });
+        let mut forecast = None;
+        let devices: [(&str, Open<'_>); 2] = [("first", &open), ("second", &open)];
+        let edited = ["gather".to_string()];
+        let found = against(&scene, &devices, &settings, &edited, &mut |told| forecast = Some(*told)).unwrap();
+        let forecast = forecast.unwrap();
+        assert_eq!((forecast.each, forecast.fewest[0]), (1, 6));
+        assert!(forecast.starts >= 9 && found.samples.orders.len() == forecast.starts, "{forecast:?}");
         let rows = found.samples.ratios().remove(0);
         let names: Vec<_> = rows.iter().map(|row| row.what.as_str()).collect();
         assert!(names.contains(&"gather") && names.ends_with(&["stages", "frame"]), "{names:?}");
-        assert!(rows.iter().all(|row| row.ratio.value > 0.0 && row.finding().is_none()));
+        assert!(rows.iter().all(|row| row.ratio.value > 0.0 && row.missing_rounds == 0), "{rows:?}");
     });
 }
 

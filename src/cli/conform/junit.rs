@@ -37,7 +37,16 @@ pub(super) fn report(all: &Results, known: &[Known]) -> Result<String, Serialize
         }));
         report.add_test_suite(suite);
     }
-    report.to_string()
+    Ok(known_root(&report.to_string()?, report.skipped))
+}
+
+/// The text without the attribute `skipped` of `testsuites`: the schema of Jenkins' xUnit plugin has it for each suite,
+/// and refuses a file that also has it for all of them.
+fn known_root(text: &str, skipped: usize) -> String {
+    // A value's `>` and quotes are escaped.
+    let end = text.find("<testsuites").and_then(|at| Some(at + text[at..].find('>')?));
+    let (root, rest) = text.split_at(end.unwrap_or(0));
+    format!("{}{rest}", root.replacen(&format!(" skipped=\"{skipped}\""), "", 1))
 }
 
 fn case(outcome: &Outcome) -> TestCase {
@@ -62,4 +71,34 @@ fn case(outcome: &Outcome) -> TestCase {
     case.set_classname(outcome.fixture.clone());
     case.set_time(Duration::from_secs_f64(outcome.seconds.clamp(0.0, 1e9)));
     case
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use milkglass::measure::results::DeviceFacts;
+
+    /// The names of a tag's attributes.
+    fn attributes<'a>(text: &'a str, tag: &str) -> Vec<&'a str> {
+        let from = text.find(&format!("<{tag} ")).unwrap();
+        let tag = text[from..].split('>').next().unwrap();
+        tag.split("=\"").filter_map(|part| part.rsplit(' ').next()).filter(|name| !name.ends_with('"')).collect()
+    }
+
+    #[test]
+    fn the_root_has_what_the_schema_of_jenkins_knows() {
+        let mut all = Results::default();
+        all.run.devices.push(DeviceFacts { name: "a > b \" skipped=\"1\"".into(), ..DeviceFacts::default() });
+        let (device, known) = (all.run.devices[0].name.clone(), Some("bug 7".to_string()));
+        let verdict = Verdict::Differs;
+        all.results.push(Outcome { device, stage: "push".into(), verdict, known, ..Outcome::default() });
+        let text = report(&all, &[]).unwrap();
+        assert_eq!(attributes(&text, "testsuites"), ["name", "tests", "failures", "errors"], "{text}");
+        assert_eq!(attributes(&text, "testsuite"), ["name", "tests", "skipped", "errors", "failures"], "{text}");
+        assert!(
+            text.contains("<testsuite name=\"a &gt; b &quot; skipped=&quot;1&quot;, \" tests=\"1\" skipped=\"1\""),
+            "{text}"
+        );
+        assert_eq!(text.matches("<testcase ").count(), 1, "{text}");
+    }
 }

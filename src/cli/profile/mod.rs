@@ -7,15 +7,16 @@ mod pipe;
 mod text;
 mod why;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde_json::{Value, json};
 
 pub use self::arguments::Arguments;
-use self::comparison::{files, told};
+use self::comparison::{files, forecast, told};
 pub(super) use self::comparison::{half, rounds, unmet};
 use self::pipe::{Other, serve};
-use self::text::text;
+use self::text::{text, work_told};
 use super::replace::replaced;
 use super::{check_messages, print};
 use milkglass::error::{Error, Input, Result};
@@ -24,9 +25,9 @@ use milkglass::internals::pipeline::plan::{Change, Mode};
 use milkglass::internals::view::atomic_file::{ready, write_atomically};
 use milkglass::measure::profile::file::{Saved, read};
 use milkglass::measure::profile::why::why;
-use milkglass::measure::profile::{Open, Settings, against, agreement, profile, result, variant};
+use milkglass::measure::profile::{Open, Settings, against, agreement, profile, result, variant, work};
 use milkglass::measure::replace::stages;
-use milkglass::measure::rounds::{Measured, Samples, Starter, compare};
+use milkglass::measure::rounds::{Forecast, Measured, Samples, Starter, compare};
 use milkglass::scene::Scene;
 
 /// Measures, prints, and writes the requested files.
@@ -70,8 +71,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let kernels = arguments.replace.load()?;
         let built_in = || arguments.open(arguments.device.first());
         let with_own = || built_in()?.map(|device| replaced(&device, &kernels)).transpose();
-        let found = against(&scene, &[("built-in", &built_in), ("replaced", &with_own)], &settings)?;
-        comparison = compared(&found.samples, &stages(after), &settings)?;
+        let devices: [(&str, Open<'_>); 2] = [("built-in", &built_in), ("replaced", &with_own)];
+        let edited = stages(after);
+        let found = against(&scene, &devices, &settings, &edited, &mut foretold(&settings))?;
+        comparison = compared(&found.samples, &settings)?;
+        if let (Some(before), Some(rows)) = (&device, comparison.get_mut(0)) {
+            rows["work"] = works(&scene, [before, after], &edited, &settings)?;
+        }
     }
     let device = own.or(device);
     let found = profile(&scene, device.as_ref(), &arguments.alone(&settings))?;
@@ -119,8 +125,8 @@ fn builds(arguments: &Arguments, program: &Path, settings: &Settings) -> Result<
         Starter { name: name.into(), start: Box::new(start) }
     };
     let mut starters = [starter("this build", &own), starter("other build", program)];
-    let Measured { samples, .. } = compare(&mut starters, &settings.schedule())?;
-    let comparison = compared(&samples, &[], settings)?;
+    let Measured { samples, .. } = compare(&mut starters, &settings.schedule(), &[], &mut foretold(settings))?;
+    let comparison = compared(&samples, settings)?;
     save(arguments, &arguments.saved(&device, &driver, samples), json!({}), comparison)
 }
 
@@ -128,32 +134,76 @@ fn builds(arguments: &Arguments, program: &Path, settings: &Settings) -> Result<
 fn devices(arguments: &Arguments, names: &[String], scene: &Scene, settings: &Settings) -> Result<()> {
     let opened = names.iter().map(|name| arguments.open(Some(name))).collect::<Result<Vec<_>>>()?;
     let mut results = Vec::new();
-    for (k, device) in opened.iter().enumerate() {
-        let [name, driver] = described(device.as_ref());
-        print(&format!("device {}: {name}, {driver}\n", k + 1))?;
+    let numbers: Vec<_> = opened.iter().map(|device| device.as_ref().map(|own| own.adapter().number)).collect();
+    let called = called(&numbers);
+    for (device, called) in opened.iter().zip(&called) {
+        let of = device.as_ref().map_or_else(String::new, |device| format!("{}, ", device.name()));
+        print(&format!("{called}: {of}{}\n", described(device.as_ref())[1]))?;
         results.push(result(&mut variant(scene, device.as_ref(), settings)?.session)?);
         check_messages(device.as_ref())?;
     }
     for (k, other) in results.iter().enumerate().skip(1) {
-        let names = ["device 1".to_string(), format!("device {}", k + 1)];
-        let found = agreement([&names[0], &names[1]], [&results[0], other], scene.transport.tolerance)?;
-        print(&format!("{} and {} compute {found}\n", names[0], names[1]))?;
+        let found = agreement([&called[0], &called[k]], [&results[0], other], scene.transport.tolerance)?;
+        print(&format!("{} and {} compute {found}\n", called[0], called[k]))?;
     }
     print("\n")?;
     let opens: Vec<_> = names.iter().map(|name| move || arguments.open(Some(name))).collect();
-    let called: Vec<String> = (1..=names.len()).map(|number| format!("device {number}")).collect();
     let devices: Vec<(&str, Open<'_>)> =
         called.iter().zip(&opens).map(|(name, open)| (name.as_str(), open as Open<'_>)).collect();
-    let Measured { samples, .. } = against(scene, &devices, settings)?;
-    let comparison = compared(&samples, &[], settings)?;
+    let Measured { samples, .. } = against(scene, &devices, settings, &[], &mut foretold(settings))?;
+    let comparison = compared(&samples, settings)?;
     let [name, driver] = described(opened[0].as_ref());
     save(arguments, &arguments.saved(name, driver, samples), json!({}), comparison)
 }
 
+/// What devices of these numbers in `milkglass devices` are called; the CPU has none.
+fn called(numbers: &[Option<usize>]) -> Vec<String> {
+    let name = |(k, number): (usize, &Option<usize>)| {
+        let name = number.map_or_else(|| "cpu".into(), |number| format!("device {number}"));
+        match numbers[..k].iter().filter(|known| *known == number).count() {
+            0 => name,
+            earlier => format!("{name}, run {}", earlier + 1),
+        }
+    };
+    numbers.iter().enumerate().map(name).collect()
+}
+
+/// Tells what a comparison is going to take.
+fn foretold(settings: &Settings) -> impl FnMut(&Forecast) {
+    |found| tell!("{}", forecast(found, settings))
+}
+
+/// Counts what the built-in and the replaced kernels do, prints it for the edited stages and for others whose counts
+/// changed, and returns it.
+fn works(scene: &Scene, devices: [&Device; 2], edited: &[String], settings: &Settings) -> Result<Value> {
+    let mut counted = Vec::new();
+    for device in devices {
+        match work(scene, device, settings) {
+            Ok(stages) => counted.push(stages),
+            Err(error) if error.is_device_fault() => {
+                print(&format!("what kernels do was not counted: {error}\n\n"))?;
+                return Ok(Value::Null);
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    let (mut text, mut all) = (String::new(), Vec::new());
+    let names: BTreeSet<&str> = counted.iter().flat_map(|stages| stages.keys().copied()).collect();
+    for stage in names {
+        let [before, after] = [0, 1].map(|k| counted[k].get(stage).copied().unwrap_or_default());
+        if edited.iter().any(|name| name == stage) || before != after {
+            text += &work_told(stage, [before, after]);
+            all.push(json!({"stage": stage, "before": before, "after": after}));
+        }
+    }
+    print(&format!("counted exactly, in one more frame of each:\n{text}\n"))?;
+    Ok(all.into())
+}
+
 /// Prints the ratios of samples of several variants; returns them.
-fn compared(samples: &Samples, replaced: &[String], settings: &Settings) -> Result<Value> {
+fn compared(samples: &Samples, settings: &Settings) -> Result<Value> {
     let ratios = samples.ratios();
-    print(&format!("{}{}\n", told(samples, &ratios, replaced), unmet(samples, settings)))?;
+    print(&format!("{}{}\n", told(samples, &ratios), unmet(samples, settings)))?;
     let names = samples.variants.iter().skip(1).map(|variant| &variant.name);
     Ok(names.zip(&ratios).map(|(name, rows)| json!({"variant": name, "rows": rows})).collect())
 }
@@ -177,4 +227,13 @@ pub(super) fn write(path: &Path, text: String) -> Result<()> {
 /// Name and driver of a device, or of the CPU's reference.
 fn described(device: Option<&Device>) -> [&str; 2] {
     device.map_or(["cpu", "the f64 reference"], |device| [device.name(), device.driver()])
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn devices_have_the_numbers_that_are_typed() {
+        let names = super::called(&[Some(0), None, Some(3), None, Some(0), None]);
+        assert_eq!(names, ["device 0", "cpu", "device 3", "cpu, run 2", "device 0, run 2", "cpu, run 3"]);
+    }
 }

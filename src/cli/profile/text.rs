@@ -2,7 +2,7 @@
 
 use super::comparison::half;
 use crate::cli::{size, table};
-use milkglass::measure::profile::{Profile, Quantiles, Row};
+use milkglass::measure::profile::{Profile, Quantiles, Row, Work};
 
 /// A median and its spread.
 fn milliseconds(spread: Option<Quantiles>) -> [String; 2] {
@@ -14,6 +14,42 @@ fn milliseconds(spread: Option<Quantiles>) -> [String; 2] {
 fn millions(count: u64) -> String {
     let millions = count as f64 * 1e-6;
     if millions == 0.0 || millions >= 0.1 { format!("{millions:.1}") } else { format!("{millions:.4}") }
+}
+
+/// What changed of the exact counts of a stage from one kernel to another, in a line.
+pub(super) fn work_told(stage: &str, [before, after]: [Work; 2]) -> String {
+    let arithmetic = |work: Work| [("flop", work.flops), ("div", work.roots), ("exp", work.exps)];
+    let bytes = |work: Work| [("loads", work.loaded), ("stores", work.stored)];
+    let in_millions = |count: u64| format!("{} M", millions(count));
+    let mut all = Vec::new();
+    for ((name, one), (_, two)) in arithmetic(before).into_iter().zip(arithmetic(after)) {
+        all.push((name, one, two, [one, two].map(in_millions)));
+    }
+    for ((name, one), (_, two)) in bytes(before).into_iter().zip(bytes(after)) {
+        all.push((name, one, two, [one, two].map(size)));
+    }
+    let (same, other): (Vec<_>, Vec<_>) = all.into_iter().partition(|(_, one, two, _)| one == two);
+    let mut parts: Vec<String> =
+        other.iter().map(|(name, one, two, [a, b])| format!("{name} {a} -> {b}{}", change(*one, *two))).collect();
+    if other.is_empty() {
+        let counts: Vec<String> = same.iter().map(|(name, .., [text, _])| format!("{name} {text}")).collect();
+        return format!("work of {stage}: the same: {}; integers are not counted\n", counts.join(", "));
+    }
+    if !same.is_empty() {
+        let names: Vec<&str> = same.iter().map(|(name, ..)| *name).collect();
+        parts.push(format!("{} unchanged", names.join(", ")));
+    }
+    format!("work of {stage}: {}\n", parts.join(", "))
+}
+
+/// A change in percent, or where that would round to none, its amount.
+fn change(before: u64, after: u64) -> String {
+    let percent = 100.0 * (after as f64 / before as f64 - 1.0);
+    match percent {
+        _ if before == 0 => String::new(),
+        small if small.abs() < 0.05 => format!(" ({:+})", i128::from(after) - i128::from(before)),
+        _ => format!(" ({percent:+.1} %)"),
+    }
 }
 
 pub(super) fn text(found: &Profile) -> String {
@@ -86,4 +122,30 @@ fn cells(found: &Profile, row: &Row) -> Vec<String> {
     let percent = |share: Option<f64>| share.map_or("-".into(), |share| format!("{:.1} %", 100.0 * share));
     cells.extend(found.shares(row).map(percent));
     cells
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn changed_counts_are_told_exactly() {
+        let before = Work { flops: 479_800_000, exps: 15_500_000, loaded: 2 << 20, stored: 1 << 20, ..Work::default() };
+        let told = |after: Work| work_told("gather", [before, after]);
+        assert_eq!(
+            told(Work { flops: 492_800_000, ..before }),
+            "work of gather: flop 479.8 M -> 492.8 M (+2.7 %), div, exp, loads, stores unchanged\n"
+        );
+        // What rounds to nothing is told, too.
+        assert_eq!(
+            told(Work { flops: 479_800_012, roots: 3_000_000, loaded: 1 << 20, ..before }),
+            "work of gather: flop 479.8 M -> 479.8 M (+12), div 0.0 M -> 3.0 M, loads 2048.0 KiB -> 1024.0 KiB (-50.0 %), \
+             exp, stores unchanged\n"
+        );
+        assert_eq!(
+            told(before),
+            "work of gather: the same: flop 479.8 M, div 0.0 M, exp 15.5 M, loads 2048.0 KiB, stores 1024.0 KiB; integers are \
+             not counted\n"
+        );
+    }
 }

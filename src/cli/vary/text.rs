@@ -36,7 +36,7 @@ pub(super) fn summary(outcomes: &[Outcome]) -> String {
                 .filter(|row| row.what != "frame")
                 .filter_map(|row| Some(format!("{} {:.3} {}", row.what, row.ratio.value, row.finding()?)))
                 .collect();
-            let finding = whole.and_then(Ratio::finding).unwrap_or_default();
+            let finding = whole.map_or("", Ratio::shows);
             let [ratio, interval] = cells;
             rows.push(vec![variant.name.clone(), ratio, interval, finding.into(), stages.join(", ")]);
         }
@@ -64,8 +64,8 @@ fn cells(row: &Ratio) -> [String; 2] {
 pub(super) fn stages(outcome: &Outcome) -> String {
     let Outcome { samples, ratios, asked, .. } = outcome;
     let Some(first) = ratios.first() else { return String::new() };
-    let values: Vec<&str> = outcome.timed().filter_map(|(variant, _)| variant.name.rsplit('=').next()).collect();
-    let default = format!("{} ms", asked.default);
+    let values: Vec<&str> = outcome.timed().map(|(variant, _)| variant.name.as_str()).collect();
+    let default = format!("{}={} ms", asked.name, asked.default);
     let header: Vec<&str> =
         ["stage", &default, "+-"].into_iter().chain(values.iter().flat_map(|name| [*name, ""])).collect();
     let row = |(k, row): (usize, &Ratio)| {

@@ -18,12 +18,12 @@ pub use self::agreement::{Agreement, agreement};
 pub use self::quantiles::Quantiles;
 pub use rates::{Rates, rates};
 pub use trace::trace;
-pub use work::Work;
+pub use work::{Work, work};
 
 use crate::error::Result;
 use crate::gpu::{Device, Timing};
 use crate::layout::BufferId;
-use crate::measure::rounds::{Frame, InProcess, Measured, Samples, Schedule, Starter, compare, run};
+use crate::measure::rounds::{Forecast, Frame, InProcess, Measured, Samples, Schedule, Starter, compare, run};
 use crate::measure::statistics::Interval;
 use crate::pipeline::plan::{Change, Options, ShadingMethod};
 use crate::scene::Scene;
@@ -201,15 +201,21 @@ pub fn profile(scene: &Scene, device: Option<&Device>, settings: &Settings) -> R
 pub type Open<'a> = &'a dyn Fn() -> Result<Option<Device>>;
 
 /// Times frames on several devices in rounds, for example on one device with and without a replaced kernel. Each has a
-/// name, and is opened anew for each start.
-pub fn against<'a>(scene: &'a Scene, devices: &[(&str, Open<'a>)], settings: &'a Settings) -> Result<Measured> {
+/// name, and is opened anew for each start. `edited` stages and `told` are those of [`compare`].
+pub fn against<'a>(
+    scene: &'a Scene,
+    devices: &[(&str, Open<'a>)],
+    settings: &'a Settings,
+    edited: &[String],
+    told: &mut dyn FnMut(&Forecast),
+) -> Result<Measured> {
     let mut starters = Vec::new();
     for (name, open) in devices {
         let open: Open<'a> = *open;
         let start = move || Ok(Box::new(variant(scene, open()?.as_ref(), settings)?) as _);
         starters.push(Starter { name: (*name).to_string(), start: Box::new(start) });
     }
-    compare(&mut starters, &settings.schedule())
+    compare(&mut starters, &settings.schedule(), edited, told)
 }
 
 /// A warmed-up session: lists have their capacity and pipelines exist, so all further frames are alike.

@@ -77,13 +77,9 @@ impl Profile {
             |spread: Option<Quantiles>| spread.map(|s| json!({"median": s.median, "p10": s.low, "p90": s.high}));
         let row = |row: &Row| {
             let [copy, fma, exp] = self.shares(row);
-            let work = row.work.map(|w| {
-                json!({"invocations": w.invocations, "flops": w.flops, "divisions_roots": w.roots, "exps": w.exps,
-                       "bytes_read": w.read, "bytes_written": w.written, "bytes_loaded": w.loaded, "bytes_stored": w.stored})
-            });
             json!({"stage": row.stage, "steps": row.steps, "dispatches": row.dispatches, "device_ms": spread(row.device),
                    "interval_ms": row.interval,
-                   "wall_ms": spread(Some(row.wall)), "work": work,
+                   "wall_ms": spread(Some(row.wall)), "work": row.work,
                    "share": {"copy": copy, "fma": fma, "exp": exp}})
         };
         json!({

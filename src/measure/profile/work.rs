@@ -2,8 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use serde::Serialize;
+
 use super::agreement::agreement;
-use super::{Settings, result};
+use super::{Settings, result, variant};
 use crate::error::{Error, Result};
 use crate::gpu::Device;
 use crate::gpu::count::{Tally, Traffic};
@@ -18,24 +20,35 @@ use crate::session::run::Session;
 const ROUNDING: f64 = 1e-4;
 
 /// The work of a stage in one frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Work {
     /// Invocations, rounded up to whole workgroups.
     pub invocations: u64,
     /// Floating-point additions, subtractions and multiplications; a fused multiply-add counts two.
     pub flops: u64,
     /// Divisions and square roots.
+    #[serde(rename = "divisions_roots")]
     pub roots: u64,
     /// Exponentials, logarithms and trigonometric functions.
     pub exps: u64,
     /// Lower bound of the bytes read from memory: per buffer, the bytes loaded or the bytes bound, whichever is less.
+    #[serde(rename = "bytes_read")]
     pub read: u64,
     /// Lower bound of the bytes written to memory, likewise.
+    #[serde(rename = "bytes_written")]
     pub written: u64,
     /// Bytes that loads request, with repetitions.
+    #[serde(rename = "bytes_loaded")]
     pub loaded: u64,
     /// Bytes that stores request, with repetitions.
+    #[serde(rename = "bytes_stored")]
     pub stored: u64,
+}
+
+/// The work of each stage in a frame of this scene on a device, by a session of its own.
+pub fn work(scene: &Scene, device: &Device, settings: &Settings) -> Result<BTreeMap<&'static str, Work>> {
+    let mut plain = variant(scene, Some(device), settings)?.session;
+    of(scene, &device.counting(), settings, &mut plain)
 }
 
 /// The work of each stage in a frame of this scene, on a device with instrumented kernels; the result must be that of

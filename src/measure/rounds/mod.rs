@@ -27,8 +27,10 @@ use crate::session::run::Session;
 
 /// Rounds of a comparison, where nothing else is asked for.
 pub const ROUNDS: usize = 16 * EACH;
-/// Rounds after each start of what is compared.
+/// Rounds after each start of what is compared, at most.
 pub const EACH: usize = 8;
+/// Starts of a comparison, at least.
+pub const STARTS: usize = 9;
 /// Rounds, or starts, after which the intervals are looked at first.
 const FIRST: usize = 11;
 /// Rounds that are measured however long they take.
@@ -102,6 +104,19 @@ pub struct Starter<'a> {
     pub start: Box<dyn FnMut() -> Result<Box<dyn Variant + 'a>> + 'a>,
 }
 
+/// What a comparison is going to take, as its first start shows.
+#[derive(Clone, Copy, Debug)]
+pub struct Forecast {
+    /// Starts, if neither the budget nor a narrow interval ends it.
+    pub starts: usize,
+    /// Rounds after each start.
+    pub each: usize,
+    /// Seconds of the first start.
+    pub seconds: f64,
+    /// Starts with which the edited stages, and all other rows, have intervals: [`Samples::fewest_starts`].
+    pub fewest: [usize; 2],
+}
+
 /// What rounds gave.
 #[derive(Clone, Debug, Default)]
 pub struct Measured {
@@ -116,6 +131,7 @@ struct Rounds {
     schedule: Schedule,
     begin: Instant,
     names: Vec<String>,
+    edited: Vec<String>,
     each: usize,
     look: usize,
     random: Random,
@@ -127,6 +143,7 @@ struct Rounds {
 impl Rounds {
     fn new(names: Vec<String>, each: usize, schedule: &Schedule) -> Self {
         Self {
+            edited: Vec::new(),
             schedule: *schedule,
             begin: Instant::now(),
             each,
@@ -158,6 +175,17 @@ impl Rounds {
         }
     }
 
+    /// Starts all variants anew, in random order, and runs their rounds.
+    fn start(&mut self, starters: &mut [Starter<'_>]) -> Result<()> {
+        let mut variants = Vec::new();
+        for which in self.random.order(starters.len()) {
+            variants.push((which, (starters[which].start)()?));
+        }
+        variants.sort_by_key(|(which, _)| *which);
+        let mut ready: Vec<&mut dyn Variant> = variants.iter_mut().map(|(_, variant)| &mut **variant as _).collect();
+        self.run(&mut ready, &mut |rounds| rounds.orders.len().is_multiple_of(rounds.each))
+    }
+
     /// Whether this is the end, after `done` rounds or starts of at most `most`, but not before `fewest`.
     fn ends(&mut self, done: usize, most: usize, fewest: usize) -> bool {
         let spent = self.begin.elapsed().as_secs_f64() > self.schedule.budget;
@@ -174,6 +202,7 @@ impl Rounds {
             orders: self.orders.clone(),
             seconds: self.begin.elapsed().as_secs_f64(),
             other_load: self.load.as_ref().map(Load::others),
+            edited: self.edited.clone(),
             ..Samples::of(&self.names, &self.frames, self.each, self.schedule.seed)
         }
     }
@@ -190,26 +219,43 @@ pub fn run(variant: &mut dyn Variant, schedule: &Schedule) -> Result<Measured> {
     Ok(rounds.measured())
 }
 
-/// Runs rounds of variants that are started anew, in random order, after every [`EACH`] of them.
-pub fn compare(starters: &mut [Starter<'_>], schedule: &Schedule) -> Result<Measured> {
-    compare_each(starters, schedule, EACH.min(schedule.rounds.max(1)))
+/// Runs rounds of variants that are started anew at least [`STARTS`] times, and so often that all ratios have
+/// intervals: a ninth of the schedule's rounds after each start, [`EACH`] at most. What `edited` stages show is judged
+/// by itself. Tells what is to come after the first start.
+pub fn compare(
+    starters: &mut [Starter<'_>],
+    schedule: &Schedule,
+    edited: &[String],
+    told: &mut dyn FnMut(&Forecast),
+) -> Result<Measured> {
+    let each = schedule.rounds.div_ceil(STARTS).clamp(1, EACH);
+    let mut rounds = Rounds::new(names(starters), each, schedule);
+    rounds.edited = edited.to_vec();
+    rounds.start(starters)?;
+    let samples = rounds.samples();
+    let fewest = samples.fewest_starts();
+    let most = fewest.into_iter().fold(schedule.rounds.div_ceil(each).max(STARTS), usize::max);
+    told(&Forecast { starts: most, each, seconds: samples.seconds, fewest });
+    let mut starts = 1;
+    while !rounds.ends(starts, most, 1) {
+        rounds.start(starters)?;
+        starts += 1;
+    }
+    Ok(rounds.measured())
 }
 
-/// The same, starting anew after so many rounds.
+/// Runs the schedule's rounds of variants that are started anew after so many of them.
 pub fn compare_each(starters: &mut [Starter<'_>], schedule: &Schedule, each: usize) -> Result<Measured> {
-    let names = starters.iter().map(|starter| starter.name.clone()).collect();
-    let mut rounds = Rounds::new(names, each, schedule);
+    let mut rounds = Rounds::new(names(starters), each, schedule);
     for starts in 1.. {
-        let mut variants = Vec::new();
-        for which in rounds.random.order(starters.len()) {
-            variants.push((which, (starters[which].start)()?));
-        }
-        variants.sort_by_key(|(which, _)| *which);
-        let mut ready: Vec<&mut dyn Variant> = variants.iter_mut().map(|(_, variant)| &mut **variant as _).collect();
-        rounds.run(&mut ready, &mut |rounds| rounds.orders.len() == starts * each)?;
+        rounds.start(starters)?;
         if rounds.ends(starts, schedule.rounds.div_ceil(each), 1) {
             break;
         }
     }
     Ok(rounds.measured())
+}
+
+fn names(starters: &[Starter<'_>]) -> Vec<String> {
+    starters.iter().map(|starter| starter.name.clone()).collect()
 }

@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use super::samples::{Samples, Series};
-use crate::measure::statistics::{Interval, each_of, median, median_interval, paired_ratio, ratio_of_medians};
+use crate::measure::statistics::{
+    FEWEST, Interval, each_of, fewest_pairs, median, median_interval, paired_ratio, ratio_of_medians,
+};
 
 /// The confidence of a median's interval, and of all ratios of a comparison together.
 pub const CONFIDENCE: f64 = 0.95;
@@ -15,8 +17,11 @@ pub struct Ratio {
     pub what: String,
     /// Median milliseconds of the first and of the second; each interval of 95 %.
     pub ms: [Interval; 2],
-    /// The second to the first; all intervals of a comparison together hold with 95 %.
+    /// The second to the first; all intervals of a family, the edited stages or the other rows of a comparison, hold
+    /// together with 95 %.
     pub ratio: Interval,
+    /// Rounds that are missing for an interval with two ends, about; 0 where it has them.
+    pub missing_rounds: usize,
 }
 
 impl Ratio {
@@ -24,6 +29,18 @@ impl Ratio {
     #[must_use]
     pub fn finding(&self) -> Option<&'static str> {
         self.ratio.excludes(1.0).then_some(if self.ratio.value > 1.0 { "slower" } else { "faster" })
+    }
+
+    /// What its cell of a table says: `slower`, `faster`, `undecided`, or nothing where no difference shows.
+    #[must_use]
+    pub fn shows(&self) -> &'static str {
+        self.finding().unwrap_or(if self.missing_rounds > 0 { "undecided" } else { "" })
+    }
+
+    /// The largest change that the interval allows, as a share.
+    #[must_use]
+    pub fn hidden(&self) -> f64 {
+        (self.ratio.high - 1.0).max(1.0 - self.ratio.low)
     }
 }
 
@@ -56,17 +73,48 @@ impl Samples {
         [only(first, other), only(other, first)].concat()
     }
 
+    /// Whether a row is an edited stage, and as such one of a family of its own.
+    fn is_edited(&self, what: &str) -> bool {
+        self.edited.iter().any(|stage| stage == what)
+    }
+
+    /// Number of ratios in the family of the edited stages, or of all other rows.
+    fn family(&self, edited: bool) -> usize {
+        let Some((first, others)) = self.variants.split_first() else { return 0 };
+        let names = others.iter().flat_map(|other| shared(first, other));
+        names.filter(|what| self.is_edited(what) == edited).count()
+    }
+
+    /// The confidence of a row's interval, so that all of its family hold together.
+    fn confidence(&self, what: &str) -> f64 {
+        each_of(CONFIDENCE, self.family(self.is_edited(what)))
+    }
+
+    /// The starts with which the edited stages, and all other rows, have intervals with two ends; 0 where there are
+    /// none.
+    #[must_use]
+    pub fn fewest_starts(&self) -> [usize; 2] {
+        [true, false].map(|edited| match self.family(edited) {
+            0 => 0,
+            count => fewest_pairs(each_of(CONFIDENCE, count)),
+        })
+    }
+
     /// Ratios of each variant but the first to the first one: the median of a start's rounds is one piece of evidence.
     /// A stage without a time in any round has none.
     #[must_use]
     pub fn ratios(&self) -> Vec<Vec<Ratio>> {
         let Some((first, others)) = self.variants.split_first() else { return Vec::new() };
-        let count = others.iter().map(|other| shared(first, other).len()).sum();
+        let starts = self.starts(&first.frame_ms).len();
         let one = |other: &Series, what: &str| {
+            let confidence = self.confidence(what);
+            let ratio = self.paired(first, other, what, confidence)?;
+            let missing = fewest_pairs(confidence).saturating_sub(starts).max(1) * self.each;
             Some(Ratio {
                 what: what.to_string(),
                 ms: [self.median(first, what)?, self.median(other, what)?],
-                ratio: self.paired(first, other, what, each_of(CONFIDENCE, count))?,
+                ratio,
+                missing_rounds: if ratio.high.is_finite() { 0 } else { missing },
             })
         };
         let all = |other| shared(first, other).into_iter().filter_map(|what| one(other, what)).collect();
@@ -92,7 +140,8 @@ impl Samples {
             let (before, after) = (self.kept(one, what)?, other.kept(two, what)?);
             let ratio = ratio_of_medians(&before, &after, each, self.seed);
             let ms = [self.median(one, what)?, other.median(two, what)?];
-            Some(Ratio { what: what.to_string(), ms, ratio }).filter(|row| row.ratio.value.is_finite())
+            let missing_rounds = FEWEST.saturating_sub(before.len().min(after.len()));
+            Some(Ratio { what: what.to_string(), ms, ratio, missing_rounds }).filter(|row| row.ratio.value.is_finite())
         };
         names.into_iter().filter_map(row).collect()
     }
@@ -103,12 +152,11 @@ impl Samples {
     #[must_use]
     pub fn widest(&self) -> Option<(String, f64)> {
         let (first, others) = self.variants.split_first()?;
-        let count = others.iter().map(|other| shared(first, other).len()).sum();
         let mut widths = Vec::new();
         for what in first.that_matter() {
             let found = match others {
                 [] => vec![self.median(first, &what)],
-                _ => others.iter().map(|other| self.paired(first, other, &what, each_of(CONFIDENCE, count))).collect(),
+                _ => others.iter().map(|other| self.paired(first, other, &what, self.confidence(&what))).collect(),
             };
             widths.extend(found.into_iter().flatten().map(|found| (what.clone(), found.half_width())));
         }

@@ -25,6 +25,9 @@ pub struct Samples {
     pub orders: Vec<Vec<usize>>,
     /// The variants; others are compared with the first.
     pub variants: Vec<Series>,
+    /// The stages that were edited: what they show is judged by itself, apart from all other rows.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub edited: Vec<String>,
 }
 
 /// The times of one variant.

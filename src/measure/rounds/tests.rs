@@ -40,13 +40,21 @@ fn schedule(rounds: usize) -> Schedule {
 
 /// Two variants, the second of which takes `factor` times as long.
 fn two(factor: f64, noise: f64, schedule: &Schedule) -> Measured {
+    edited(factor, noise, schedule, &[]).0
+}
+
+/// The same with these edited stages, and what was told after the first start.
+fn edited(factor: f64, noise: f64, schedule: &Schedule, stages: &[&str]) -> (Measured, Forecast) {
     let starter = |name: &str, seed: u64, factor: f64| {
         let mut seeds = Random::of(seed);
         let start = move || Ok(Box::new(Made::new((seeds.uniform() * 1e9) as u64, factor, noise)) as _);
         Starter { name: name.into(), start: Box::new(start) }
     };
     let seed = 1000 * schedule.seed;
-    compare(&mut [starter("a", seed + 1, 1.0), starter("b", seed + 2, factor)], schedule).unwrap()
+    let mut both = [starter("a", seed + 1, 1.0), starter("b", seed + 2, factor)];
+    let (stages, mut forecast) = (stages.iter().map(|name| name.to_string()).collect::<Vec<_>>(), None);
+    let found = compare(&mut both, schedule, &stages, &mut |found| forecast = Some(*found)).unwrap();
+    (found, forecast.unwrap())
 }
 
 #[test]
@@ -134,7 +142,7 @@ fn a_stage_without_timestamps_has_no_samples() {
         }
     }
     let blind = || Starter { name: "blind".into(), start: Box::new(|| Ok(Box::new(Blind) as _)) };
-    let found = compare(&mut [blind(), blind()], &schedule(80)).unwrap().samples;
+    let found = compare(&mut [blind(), blind()], &schedule(80), &[], &mut |_| {}).unwrap().samples;
     assert!(found.variants[0].stages.is_empty());
     let rows = found.ratios().remove(0);
     assert_eq!((rows.len(), rows[0].what.as_str(), rows[0].finding()), (1, "frame", None));
@@ -149,4 +157,41 @@ fn the_same_program_started_twice_is_no_finding() {
     });
     let wrong = wrong.count();
     assert!(wrong <= 20, "{wrong} of 400");
+}
+
+#[test]
+fn few_frames_are_enough_starts_for_a_verdict() {
+    // Nine starts at least, of a ninth of the rounds, eight at most.
+    for (rounds, expected) in [(1, [9, 1]), (11, [9, 2]), (40, [9, 5]), (72, [9, 8]), (128, [16, 8])] {
+        let (found, forecast) = edited(3.0, 0.01, &schedule(rounds), &["large"]);
+        let starts = found.samples.orders.len() / found.samples.each;
+        assert_eq!(([starts, found.samples.each], [forecast.starts, forecast.each]), (expected, expected), "{rounds}");
+        assert_eq!(forecast.fewest, [6, 7]);
+        let rows = found.samples.ratios().remove(0);
+        let shown: Vec<_> = rows.iter().map(Ratio::shows).collect();
+        assert_eq!(shown, ["slower", "", "slower", "slower"], "{rows:?}");
+        assert!(rows.iter().all(|row| row.ratio.high.is_finite() && row.missing_rounds == 0 && row.hidden() > 0.0));
+    }
+}
+
+#[test]
+fn without_enough_starts_even_a_large_ratio_is_undecided() {
+    let spent = Schedule { budget: 0.0, ..schedule(40) };
+    let rows = edited(3.0, 0.01, &spent, &["large"]).0.samples.ratios().remove(0);
+    assert!(rows.iter().all(|row| row.shows() == "undecided" && row.finding().is_none()), "{rows:?}");
+    // One start of five rounds is there; the edited stage takes six, the three others together seven.
+    assert_eq!(rows.iter().map(|row| row.missing_rounds).collect::<Vec<_>>(), [25, 30, 30, 30]);
+    // With six starts the edited stage is judged, and no other.
+    let mut samples = edited(3.0, 0.01, &schedule(40), &["large"]).0.samples;
+    for variant in &mut samples.variants {
+        variant.frame_ms.truncate(30);
+        variant.stages.iter_mut().for_each(|times| times.ms.truncate(30));
+    }
+    let rows = samples.ratios().remove(0);
+    assert_eq!(rows.iter().map(Ratio::shows).collect::<Vec<_>>(), ["slower", "undecided", "undecided", "undecided"]);
+    assert_eq!(rows[1].missing_rounds, 5);
+    // Files have samples in place of starts.
+    let few = run(&mut Made::new(5, 1.0, 0.04), &schedule(12)).unwrap().samples;
+    let rows = few.against(&few);
+    assert!(rows.iter().all(|row| row.shows() == "undecided" && row.missing_rounds == 20 - few.rounds()), "{rows:?}");
 }

@@ -11,8 +11,8 @@ use super::{Interval, Random, median};
 const RESAMPLES: f64 = 2000.0;
 /// Beyond so many samples resampling alone finds a median's interval.
 const MANY: usize = 200;
-/// Fewest samples on either side for an interval of a ratio.
-const FEWEST: usize = 20;
+/// Fewest samples on either side for an interval of a ratio of medians.
+pub const FEWEST: usize = 20;
 /// Resampled medians beyond either end of the interval, at least.
 const BEYOND: f64 = 10.0;
 

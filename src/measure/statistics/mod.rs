@@ -3,6 +3,7 @@
 //!
 //! - [`median_interval`]: a median, with the percentile interval of a bootstrap over blocks of neighbouring samples.
 //! - [`paired_ratio`]: the ratio of two variants measured in the same rounds in random order. Exact for any noise.
+//! - [`fewest_pairs`]: how many of those it takes for an interval.
 //! - [`ratio_of_medians`]: the ratio of two runs that share nothing, such as files.
 //! - [`each_of`]: the confidence of each of several intervals, so that all hold together.
 //! - [`warm_up`] and [`drift`]: how many of the first samples to drop, and whether the rest has a trend.
@@ -16,8 +17,8 @@ mod tests;
 
 use serde::Serialize;
 
-pub use bootstrap::{median_interval, ratio_of_medians};
-pub use paired::paired_ratio;
+pub use bootstrap::{FEWEST, median_interval, ratio_of_medians};
+pub use paired::{fewest_pairs, paired_ratio};
 pub use random::Random;
 pub use series::{drift, warm_up};
 

@@ -31,6 +31,13 @@ pub fn paired_ratio(pairs: &[[f64; 2]], confidence: f64) -> Interval {
     }
 }
 
+/// The fewest pairs with which the interval of this confidence has two ends.
+#[must_use]
+pub fn fewest_pairs(confidence: f64) -> usize {
+    let tail = 0.5 * (1.0 - confidence);
+    (1..EXACT).find(|count| 0.5f64.powi(*count as i32) <= tail).unwrap_or(EXACT)
+}
+
 /// The `k`-th smallest, counted from 0, of the means of all pairs of these sorted values, each with itself included.
 fn mean(sorted: &[f64], k: usize) -> f64 {
     // How many means are at most this.
@@ -119,6 +126,17 @@ mod tests {
         all.sort_by(f64::total_cmp);
         for (k, expected) in all.iter().enumerate() {
             assert!((mean(&values, k) - expected).abs() < 1e-12, "{k}: {} {expected}", mean(&values, k));
+        }
+    }
+
+    #[test]
+    fn an_interval_has_ends_from_the_fewest_pairs_on() {
+        for (rows, expected) in [(1, 6), (2, 7), (12, 9), (20, 10), (25, 10), (26, 11), (51, 11), (52, 12)] {
+            let confidence = crate::measure::statistics::each_of(0.95, rows);
+            let fewest = fewest_pairs(confidence);
+            assert_eq!(fewest, expected, "{rows} rows");
+            let bounded = |count: usize| paired_ratio(&vec![[1.0, 2.0]; count], confidence).high.is_finite();
+            assert!(bounded(fewest) && !bounded(fewest - 1), "{rows} rows, {fewest} pairs");
         }
     }
 

@@ -155,6 +155,7 @@ mod tests {
             what: what.into(),
             ms: [ms, ms * value].map(|value| Interval { value, low: value, high: value }),
             ratio: Interval { value, low: value - 0.1, high },
+            missing_rounds: 0,
         };
         let rows = |high: f64| {
             vec![ratio("gather", 5.0, 1.2, high), ratio("tiny", 0.01, 1.0, 1.1), ratio("stages", 5.01, 1.2, high)]
