@@ -70,7 +70,7 @@ pub(super) fn text(found: &Profile) -> String {
     }
     text += "\ntimes in ms: median, half its 95 % interval, and from 10th to 90th percentile; wall: each step submitted and waited for by itself\n";
     if found.rows.iter().any(|row| row.work.is_some()) {
-        text += "counted by the kernels themselves, in one more frame of the same bits: read and written: each byte bound once, \
+        text += "counted by the kernels themselves, in one more frame of the same result: read and written: each byte bound once, \
                  no more\nthan asked for; asked: by all loads and stores; in millions: additions and multiplications, \
                  divisions and roots, exponentials\nand the like; then shares of copy, FMA and exp rate\n";
     }
