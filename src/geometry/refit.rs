@@ -260,3 +260,20 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
     }
     pass.dispatch(Some("normal"), &[], &[], count.vertices)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn normals_that_cancel_are_those_of_a_triangle() {
+        let up = (DVec3::new(0.0, 0.0, 2.0), 2.0);
+        let down = (DVec3::new(0.0, 1e-7, -2.0), 2.0);
+        assert_eq!(vertex_normal([up, down].into_iter()), up.0);
+        let none = (DVec3::ZERO, 0.0);
+        assert_eq!(vertex_normal([none, down, up].into_iter()), down.0);
+        assert_eq!(vertex_normal([none, none].into_iter()), DVec3::ZERO);
+        let side = (DVec3::X, 1.0);
+        assert_eq!(vertex_normal([up, down, side].into_iter()), up.0 + down.0 + DVec3::X);
+    }
+}

@@ -53,6 +53,21 @@ fn edges(triangle: &[u32; 3]) -> [[u32; 2]; 3] {
     [[a, b], [b, c], [c, a]].map(|[from, to]| [from.min(to), from.max(to)])
 }
 
+/// For each triangle the border of its face, with the way that it goes round as a number that equal borders share.
+pub(super) fn borders(triangles: &[[u32; 3]], faces: &[u32]) -> Vec<u64> {
+    let mut all = Vec::with_capacity(triangles.len());
+    let mut rest = triangles;
+    for face in faces.chunk_by(|a, b| a == b) {
+        let (own, after) = rest.split_at(face.len());
+        rest = after;
+        // Inner edges go both ways.
+        let ways = own.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let sum = ways.map(|[from, to]| mixed([from, to]).wrapping_sub(mixed([to, from]))).fold(0, u64::wrapping_add);
+        all.extend(std::iter::repeat_n(sum, face.len()));
+    }
+    all
+}
+
 /// The edges of a polygon that only one of its triangles has, in ascending order.
 fn border(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     let mut all: Vec<[u32; 2]> = triangles.iter().flat_map(edges).collect();
@@ -60,22 +75,32 @@ fn border(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
     all.chunk_by(|a, b| a == b).filter(|edge| edge.len() % 2 == 1).map(|edge| edge[0]).collect()
 }
 
+/// A number for a way along an edge: the finalizer of MurmurHash3.
+fn mixed([from, to]: [u32; 2]) -> u64 {
+    let mut x = u64::from(from) << 32 | u64::from(to);
+    for factor in [0xff51_afd7_ed55_8ccd, 0xc4ce_b9fe_1a85_ec53] {
+        x = (x ^ x >> 33).wrapping_mul(factor);
+    }
+    x ^ x >> 33
+}
+
 /// A number that polygons with the same border share; inner edges cancel.
 fn sum(triangles: &[[u32; 3]]) -> u64 {
-    let mixed = |[from, to]: [u32; 2]| {
-        // The finalizer of MurmurHash3.
-        let mut x = u64::from(from) << 32 | u64::from(to);
-        for factor in [0xff51_afd7_ed55_8ccd, 0xc4ce_b9fe_1a85_ec53] {
-            x = (x ^ x >> 33).wrapping_mul(factor);
-        }
-        x ^ x >> 33
-    };
     triangles.iter().flat_map(edges).map(mixed).fold(0, |sum, edge| sum ^ edge)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::find;
+    use super::{borders, find};
+
+    #[test]
+    fn a_border_is_the_same_however_its_face_is_cut() {
+        let of = |triangles: &[[u32; 3]]| borders(triangles, &vec![0; triangles.len()])[0];
+        assert_eq!(of(&[[0, 1, 2], [0, 2, 3]]), of(&[[3, 0, 1], [3, 1, 2]]));
+        assert_ne!(of(&[[0, 1, 2], [0, 2, 3]]), of(&[[0, 2, 1], [0, 3, 2]]));
+        assert_ne!(of(&[[0, 1, 2]]), of(&[[0, 1, 3]]));
+        assert_eq!(borders(&[[0, 1, 2], [0, 1, 2], [1, 2, 0]], &[0, 1, 2]).len(), 3);
+    }
 
     #[test]
     fn only_the_same_corners_in_the_same_border_are_the_same() {

@@ -66,6 +66,8 @@ pub struct Studio {
     table: Table,
     pose: Pose,
     backdrop: Backdrop,
+    /// Whether all that is translucent has no thickness.
+    thin: bool,
     wishes: Wishes,
     /// What was assumed, and what shows more, one per entry.
     pub told: Vec<String>,
@@ -153,7 +155,9 @@ impl Studio {
         if !sheets.is_empty() && !sets.iter().any(|set| set.contains("two_sided")) {
             told.push(both_sides(&mut table, &sheets, as_it_is.objects.len(), &text.name));
         }
-        Ok(Self { text, table, pose, backdrop, wishes, told })
+        let translucent = as_it_is.objects.iter().filter(|object| object.material.opaque.is_none()).count();
+        let thin = !sheets.is_empty() && sheets.len() == translucent;
+        Ok(Self { text, table, pose, backdrop, thin, wishes, told })
     }
 
     /// The scene at `frame`, seen from `turn` degrees further round, with `key=value` settings applied in order.
@@ -186,7 +190,7 @@ impl Studio {
             exposure = camera.get("exposure").and_then(number).unwrap_or(1.0);
             camera.insert("background".into(), self.backdrop.background(exposure));
         }
-        if let Some(lights) = self.backdrop.lights(&pose, self.wishes.ground, exposure) {
+        if let Some(lights) = self.backdrop.lights(&pose, [self.wishes.ground, self.thin], exposure) {
             table.insert("light".into(), Value::Array(lights));
         }
         if let (true, Some(Value::Array(all))) = (self.wishes.ground, table.get_mut("object")) {

@@ -186,6 +186,23 @@ mod tests {
     }
 
     #[test]
+    fn concave_polygons_keep_their_area_and_coordinates() {
+        let corners = ["2 1", "1 1", "1 2", "0 2", "0 0", "2 0"];
+        let (mut text, mut face) = (String::new(), "f".to_owned());
+        for (k, corner) in corners.iter().enumerate() {
+            text += &format!("v {corner} 0\nvt {corner}\n");
+            face += &format!(" {0}/{0}", k + 1);
+        }
+        let wanted = Some(Coordinates { key: "texture", own: false });
+        let soup = read(&Files::default(), format!("{text}{face}\n").as_bytes(), wanted).expect("four triangles");
+        let at = |corner: u32| soup.positions[corner as usize];
+        let doubled = soup.triangles.iter().map(|&[a, b, c]| (at(b) - at(a)).cross(at(c) - at(a)).z);
+        assert_eq!((soup.triangles.len(), doubled.sum::<f64>()), (4, 6.0));
+        let places = soup.triangles.iter().map(|triangle| triangle.map(|corner| [at(corner).x, at(corner).y]));
+        assert_eq!(soup.uvs.expect("coordinates"), places.collect::<Vec<_>>());
+    }
+
+    #[test]
     fn passes_over_what_does_not_matter() {
         let text = "\u{feff}# caf\u{e9}\r\nmtllib\r\nv 0 0 0 1 0 0\r\nv 2 0 0 2\r\nv 0 1 0 # here\r\n\
                     vt nonsense\r\nusemtl\r\np 1\r\nl 1 2\r\nv 5 5 5\r\nf 1/9/9 2/8 \\\r\n 3\r\n";
