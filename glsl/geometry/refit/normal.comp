@@ -3,8 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// A vertex normal: the direction of the summed vector areas of the triangles around it, or where they cancel, as between
-// two sides of a sheet, that of the first triangle with an area.
+// A vertex normal: the direction of the summed vector areas of the triangles around it, or where they cancel, as
+// between two sides of a sheet, that of the first triangle with an area.
 READS(object_params)
 READS(corner_starts)
 READS(corners)

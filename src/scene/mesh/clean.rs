@@ -1,5 +1,5 @@
-//! Cleaning: one vertex per position, no face without area, no face twice, no vertex without a face. Repairs are counted
-//! and reported.
+//! Cleaning: one vertex per position, no face without area, no face twice, no vertex without a face. Repairs are
+//! counted and reported.
 
 use super::Mesh;
 use super::import::Soup;

@@ -1,5 +1,5 @@
-//! Reads mesh files: positions and triangles as they are in the file, polygons cut into triangles. The content tells the
-//! format; the name's ending matters only where the content does not.
+//! Reads mesh files: positions and triangles as they are in the file, polygons cut into triangles. The content tells
+//! the format; the name's ending matters only where the content does not.
 
 use super::Mesh;
 use crate::error::Input;
