@@ -62,8 +62,8 @@ impl Folder {
         Ok(Self { target: target.to_path_buf(), beside, old, page: kind.page })
     }
 
-    /// Writes a file and moves it to the target, in the place of the old one. In a new folder a page that says that it is
-    /// empty comes first, so that the folder is known for what it is.
+    /// Writes a file and moves it to the target, in the place of the old one. In a new folder the page `empty` comes
+    /// first, so that the folder is known for what it is.
     pub fn put(&self, name: &str, bytes: &[u8], empty: &str) -> Result<()> {
         let write = |name: &str, bytes: &[u8]| -> std::io::Result<()> {
             let part = self.beside.path().join(name);

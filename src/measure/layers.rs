@@ -184,8 +184,8 @@ pub fn by_lights(scene: &Scene, device: Option<&Device>, counts: &[u32], repeat:
     Ok(counts.iter().copied().zip(least).collect())
 }
 
-/// The time of each number of lights over that number, the longest over that of the first: at most 1 where a light never
-/// costs more for there being others.
+/// The time of each number of lights over that number, the longest over that of the first: at most 1 where a light
+/// never costs more for there being others.
 #[must_use]
 pub fn dearer(times: &[(u32, f64)]) -> f64 {
     let each = || times.iter().map(|&(n, time)| time / f64::from(n));

@@ -27,6 +27,9 @@ use crate::error::Result;
 use crate::gpu::Device;
 use crate::measure::folder::REPORT;
 
+/// Keeps the bytes of a file of this name.
+pub type Keep<'a> = dyn Fn(&str, &[u8]) -> Result<()> + 'a;
+
 /// Settings of a report.
 #[derive(Clone, Copy)]
 pub struct Bench<'a> {
@@ -35,7 +38,7 @@ pub struct Bench<'a> {
     /// Small scenes and few settings; takes minutes.
     pub quick: bool,
     /// Keeps a file, by its name, as soon as it is there: what was measured stays when the rest is not.
-    pub keep: Option<&'a dyn Fn(&str, &[u8]) -> Result<()>>,
+    pub keep: Option<&'a Keep<'a>>,
 }
 
 impl Bench<'_> {
@@ -92,8 +95,8 @@ pub struct Report {
     pub faults: Vec<String>,
 }
 
-/// Writes these sections; `tell` receives the name of each before it starts. After each its files are kept, then the page
-/// so far; an error is one of keeping them.
+/// Writes these sections; `tell` receives the name of each before it starts. After each its files are kept, then the
+/// page so far; an error is one of keeping them.
 pub fn report(bench: &Bench<'_>, sections: &[&Section], tell: &mut dyn FnMut(&str)) -> Result<Report> {
     let about = setting::about(bench);
     let so_far = |written: &[Written]| whole("milkglass report", &about, written, sections.len());
