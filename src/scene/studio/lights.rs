@@ -46,7 +46,7 @@ impl Backdrop {
     pub fn lights(&self, pose: &Pose, [ground, thin]: [bool; 2], exposure: f64) -> Option<Vec<Value>> {
         // Over a table the light behind shines flatter and weaker, since it dazzles in front of the object.
         let behind = if ground { DVec3::new(1.9, 0.9, -3.2) } else { DVec3::new(1.7, 2.0, -2.4) };
-        let strength = if ground { 150.0 } else { 230.0 } * if thin { 0.05 } else { 1.0 };
+        let strength = if ground { 150.0 } else { 230.0 } * if thin { 0.25 } else { 1.0 };
         let front = if ground { 1.6 } else { 0.8 };
         // The table shows each grain of a shadow.
         let samples = if ground { 6 } else { 3 };
