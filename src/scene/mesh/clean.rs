@@ -157,8 +157,8 @@ mod tests {
 
     #[test]
     fn of_faces_with_the_same_corners_the_first_stays() {
-        // A quad both ways round, its back cut along the other diagonal, with vertices of its own; then a triangle of the
-        // front once more, as it is.
+        // A quad both ways round, its back cut along the other diagonal, with vertices of its own; then a triangle of
+        // the front once more, as it is.
         let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         let corners = [square, square].concat();
         let faces = [[0, 1, 2], [0, 2, 3], [7, 6, 5], [7, 5, 4], [1, 2, 0]];

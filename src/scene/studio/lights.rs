@@ -42,7 +42,8 @@ impl Backdrop {
         }
     }
 
-    /// The lights, for a camera with this exposure; none if the file's stay. Nothing dims the light behind a `thin` object.
+    /// The lights, for a camera with this exposure; none if the file's stay. Nothing dims the light behind a `thin`
+    /// object.
     pub fn lights(&self, pose: &Pose, [ground, thin]: [bool; 2], exposure: f64) -> Option<Vec<Value>> {
         // Over a table the light behind shines flatter and weaker, since it dazzles in front of the object.
         let behind = if ground { DVec3::new(1.9, 0.9, -3.2) } else { DVec3::new(1.7, 2.0, -2.4) };

@@ -130,8 +130,8 @@ impl Ply {
         Ok(cut)
     }
 
-    /// Texture coordinates of the corners of all triangles: those of faces, or else those of vertices. Each triangle has
-    /// these `corners` of that face.
+    /// Texture coordinates of the corners of all triangles: those of faces, or else those of vertices. Each triangle
+    /// has these `corners` of that face.
     fn uvs(&self, key: &str, input_face: &[u32], corners: &[[u32; 3]]) -> Checked<Vec<[[f64; 2]; 3]>> {
         let of_faces = self.faces.iter().any(|face| !face.uvs.is_empty());
         let mut all = Vec::with_capacity(self.faces.len());
