@@ -8,7 +8,7 @@ use milkglass::error::{Error, Input, Result};
 use milkglass::internals::gpu::Device;
 use milkglass::internals::pipeline::plan::{Change, Options};
 use milkglass::internals::session::run::Session;
-use milkglass::measure::layers::{Line, Looks, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules, uneven};
+use milkglass::measure::layers::{Line, Looks, PAPER, SAMPLES, SWEEP, approximations, by_lights, dearer, rules};
 use milkglass::scene::{Integration, Scene};
 
 fn scene(name: &str, sets: &[&str]) -> Result<Scene> {
@@ -45,7 +45,7 @@ fn run() -> Result<()> {
         for &(lights, ms) in &costs {
             println!("{of:<12} {lights:>6}  {ms:>9.1}  {:>10.2}", ms / f64::from(lights));
         }
-        println!("{of:<12} off a straight line by {:.0} % at most", 100.0 * uneven(&costs));
+        println!("{of:<12} a light takes at most {:.2} of the time of one alone", dearer(&costs));
     }
     println!();
 

@@ -13,7 +13,8 @@ use milkglass::measure::report::{Bench, SECTIONS, Section, report};
 #[derive(Args)]
 #[command(after_help = "Example: milkglass report -o report --quick\n         \
                         milkglass report -o layers --only pictures,layers --device cpu\n\n\
-                        DIR must be new, empty, or hold an earlier report, whose files of the same names are replaced.")]
+                        DIR must be new, empty, or hold an earlier report, whose files of the same names are replaced, each as soon as it \
+                        is measured: what a stopped run has measured stays.")]
 pub struct Arguments {
     #[command(flatten)]
     device: DeviceArgument,
@@ -40,14 +41,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let sections: Vec<&Section> = SECTIONS.iter().filter(wanted).collect();
     let folder = Folder::open(&arguments.output, &REPORT, "-o")?;
     let device = arguments.device.open(validation())?;
-    let bench = Bench { device: device.as_ref(), quick: arguments.quick };
+    let begun = format!("<!doctype html>\n<meta name=\"generator\" {}>\n<p>No section is finished.</p>\n", REPORT.mark);
+    let keep = |name: &str, bytes: &[u8]| folder.put(name, bytes, &begun);
+    let bench = Bench { device: device.as_ref(), quick: arguments.quick, keep: Some(&keep) };
     let mut number = 0;
     let mut tell = |name: &str| {
         number += 1;
         tell!("{number}/{} {name}", sections.len());
     };
-    let made = report(&bench, &sections, &mut tell);
-    folder.fill(&made.page, &made.files)?;
+    let made = report(&bench, &sections, &mut tell)?;
     print(&format!("{}\n", arguments.output.join(REPORT.page).display()))?;
     if made.faults.is_empty() {
         return Ok(());

@@ -149,10 +149,22 @@ fn cpu(state: &mut State, _at: Scope) {
     let around = |v: usize| &data.corners[data.corner_starts[v] as usize..data.corner_starts[v + 1] as usize];
     data.normals = (0..data.corner_starts.len() - 1)
         .map(|v| {
-            let sum: DVec3 = around(v).iter().map(|&f| sums[data.leaves[f as usize] as usize].normal).sum();
-            narrow(sum.normalize_or_zero())
+            let faces = around(v).iter().map(|&f| &sums[data.leaves[f as usize] as usize]);
+            narrow(vertex_normal(faces.map(|face| (face.normal, face.area))).normalize_or_zero())
         })
         .collect();
+}
+
+/// A sum of vector areas vanishes below this share of the areas: what is left is rounding.
+const VANISHED: f64 = 1e-5;
+
+/// The vector area at a vertex with faces of these vector areas and areas: their sum, or where it vanishes, as between
+/// two sides of a sheet, that of the first face with an area.
+fn vertex_normal(faces: impl Iterator<Item = (DVec3, f64)> + Clone) -> DVec3 {
+    let area: f64 = faces.clone().map(|(_, area)| area).sum();
+    let sum: DVec3 = faces.clone().map(|(normal, _)| normal).sum();
+    let mut own = faces.filter(|(_, area)| *area > 0.0).map(|(normal, _)| normal);
+    if sum.length() > VANISHED * area { sum } else { own.next().unwrap_or_default() }
 }
 
 /// Mean square distance from the centre over a flat disc of a block's mean area.
@@ -225,12 +237,13 @@ fn of_normals(state: &State) -> Vec<f64> {
         let (first, count) = (object.first.vertices, object.count.vertices);
         for (vertex, allowed) in allowed.iter_mut().enumerate().skip(first).take(count) {
             let around = data.corner_starts[vertex] as usize..data.corner_starts[vertex + 1] as usize;
-            let (mut sum, mut off) = (DVec3::ZERO, 0.0);
-            for &face in &data.corners[3 * object.first.faces..][around] {
-                let face = object.first.faces + face as usize;
-                sum += wide(data.clusters[object.first.nodes + data.leaves[face] as usize].normal);
-                off += rounding(data, face);
-            }
+            let faces = data.corners[3 * object.first.faces..][around].iter().map(|face| {
+                let face = object.first.faces + *face as usize;
+                let cluster = &data.clusters[object.first.nodes + data.leaves[face] as usize];
+                (wide(cluster.normal), f64::from(cluster.area), face)
+            });
+            let sum = vertex_normal(faces.clone().map(|(normal, area, _)| (normal, area)));
+            let off: f64 = faces.map(|(.., face)| rounding(data, face)).sum();
             *allowed = if sum == DVec3::ZERO { 0.0 } else { (2.0 * off / sum.length()).min(2.0) };
         }
     }
@@ -246,4 +259,21 @@ fn gpu(pass: &mut Pass<'_>) -> Result<()> {
         pass.dispatch(Some("block"), &[], &[], count.blocks)?;
     }
     pass.dispatch(Some("normal"), &[], &[], count.vertices)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn normals_that_cancel_are_those_of_a_triangle() {
+        let up = (DVec3::new(0.0, 0.0, 2.0), 2.0);
+        let down = (DVec3::new(0.0, 1e-7, -2.0), 2.0);
+        assert_eq!(vertex_normal([up, down].into_iter()), up.0);
+        let none = (DVec3::ZERO, 0.0);
+        assert_eq!(vertex_normal([none, down, up].into_iter()), down.0);
+        assert_eq!(vertex_normal([none, none].into_iter()), DVec3::ZERO);
+        let side = (DVec3::X, 1.0);
+        assert_eq!(vertex_normal([up, down, side].into_iter()), up.0 + down.0 + DVec3::X);
+    }
 }

@@ -1,6 +1,6 @@
 //! The output folder of a report, or of a case to replay. It must be new or empty, or hold an earlier one; files of the
 //! same names are replaced, the page last, and all others are left alone. Everything is first written to a temporary
-//! folder, so that a run that fails leaves the old one as it was.
+//! folder: a file appears whole or not at all, and what is filled at once is left as it was by a run that fails.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -62,6 +62,22 @@ impl Folder {
         Ok(Self { target: target.to_path_buf(), beside, old, page: kind.page })
     }
 
+    /// Writes a file and moves it to the target, in the place of the old one. In a new folder the page `empty` comes
+    /// first, so that the folder is known for what it is.
+    pub fn put(&self, name: &str, bytes: &[u8], empty: &str) -> Result<()> {
+        let write = |name: &str, bytes: &[u8]| -> std::io::Result<()> {
+            let part = self.beside.path().join(name);
+            fs::write(&part, bytes)?;
+            fs::rename(part, self.target.join(name))
+        };
+        let begin = || -> std::io::Result<()> {
+            fs::create_dir_all(&self.target)?;
+            if self.target.join(self.page).exists() { Ok(()) } else { write(self.page, empty.as_bytes()) }
+        };
+        let done = begin().and_then(|()| write(name, bytes));
+        done.map_err(|e| Error::from(Input::new(format!("could not be written: {e}")).file(&self.target.join(name))))
+    }
+
     /// Writes all files, then moves them to the target, the page last.
     pub fn fill(self, page: &str, files: &[(String, Vec<u8>)]) -> Result<()> {
         let write =
@@ -101,6 +117,19 @@ mod tests {
         // A run that fails leaves the old report as it was.
         drop(Folder::open(&target, &REPORT, "-o").unwrap());
         assert_eq!((names(&target).len(), names(here.path())), (3, vec!["r".to_string()]));
+
+        // One file after another: what was put stays.
+        let target = here.path().join("s");
+        for (text, empty) in [("1", "empty"), ("2", "never written")] {
+            let folder = Folder::open(&target, &REPORT, "-o").unwrap();
+            folder.put("a.csv", text.as_bytes(), &page.replace("<meta", empty)).unwrap();
+            folder.put("b.csv", b"b", "never written").unwrap();
+            drop(folder);
+            assert_eq!(names(&target), ["a.csv", "b.csv", REPORT.page]);
+            assert_eq!(fs::read_to_string(target.join("a.csv")).unwrap(), text);
+            assert!(fs::read_to_string(target.join(REPORT.page)).unwrap().starts_with("empty"));
+        }
+        assert_eq!(names(here.path()), ["r", "s"]);
 
         let other = here.path().join("other");
         fs::create_dir(&other).unwrap();

@@ -184,19 +184,12 @@ pub fn by_lights(scene: &Scene, device: Option<&Device>, counts: &[u32], repeat:
     Ok(counts.iter().copied().zip(least).collect())
 }
 
-/// Deviation of times from linear growth with a number, 0 if linear: the largest relative distance of a time from the
-/// straight line fitted by least squares of relative distances.
+/// The time of each number of lights over that number, the longest over that of the first: at most 1 where a light
+/// never costs more for there being others.
 #[must_use]
-pub fn uneven(times: &[(u32, f64)]) -> f64 {
-    // Fits time = a + b n, each equation divided by its time.
-    let sums = times.iter().fold([0.0; 5], |s, &(n, time)| {
-        let (p, q) = (1.0 / time, f64::from(n) / time);
-        [s[0] + p * p, s[1] + p * q, s[2] + q * q, s[3] + p, s[4] + q]
-    });
-    let [pp, pq, qq, p, q] = sums;
-    let area = pp * qq - pq * pq;
-    let (a, b) = ((p * qq - q * pq) / area, (q * pp - p * pq) / area);
-    times.iter().map(|&(n, time)| ((a + b * f64::from(n)) / time - 1.0).abs()).fold(0.0, f64::max)
+pub fn dearer(times: &[(u32, f64)]) -> f64 {
+    let each = || times.iter().map(|&(n, time)| time / f64::from(n));
+    each().fold(0.0, f64::max) / each().next().unwrap_or(f64::NAN)
 }
 
 /// The march's approximations at one picture size.
@@ -252,12 +245,12 @@ fn approximations_of(scene: &Scene, pixels: usize) -> Result<Approximations> {
 
 #[cfg(test)]
 mod tests {
-    use super::uneven;
+    use super::dearer;
 
     #[test]
-    fn what_grows_evenly_is_told_from_what_does_not() {
-        assert!(uneven(&[(1, 3.0), (2, 5.0), (8, 17.0)]) < 1e-12);
-        let square = uneven(&[(1, 1.0), (2, 4.0), (4, 16.0), (8, 64.0)]);
-        assert!(square > 0.3, "{square}");
+    fn the_dearest_light_is_found() {
+        assert_eq!(dearer(&[(1, 3.0), (2, 5.0), (8, 17.0)]), 1.0);
+        assert_eq!(dearer(&[(1, 1.0), (2, 4.0), (4, 16.0), (8, 64.0)]), 8.0);
+        assert!(dearer(&[]).is_nan());
     }
 }

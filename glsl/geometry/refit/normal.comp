@@ -3,7 +3,8 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// A vertex normal: the direction of the summed vector areas of the triangles around it.
+// A vertex normal: the direction of the summed vector areas of the triangles around it, or where they cancel, as
+// between two sides of a sheet, that of the first triangle with an area.
 READS(object_params)
 READS(corner_starts)
 READS(corners)
@@ -14,8 +15,16 @@ WRITES(normals)
 void main() {
     uint vertex = invocation();
     if (vertex >= object_params[0].vertices) return;
-    vec3 sum = vec3(0);
-    for (uint i = corner_starts[vertex]; i < corner_starts[vertex + 1]; ++i) sum += clusters[leaves[corners[i]]].normal;
+    vec3 sum = vec3(0), own = vec3(0);
+    float area = 0;
+    for (uint i = corner_starts[vertex]; i < corner_starts[vertex + 1]; ++i) {
+        uint leaf = leaves[corners[i]];
+        if (area == 0) own = clusters[leaf].normal;
+        sum += clusters[leaf].normal;
+        area += clusters[leaf].area;
+    }
+    // What is left of a sum that vanishes is rounding.
+    if (length(sum) <= 1e-5 * area) sum = own;
     float size = length(sum);
     normals[vertex] = size > 0.0 ? sum / size : vec3(0);
 }

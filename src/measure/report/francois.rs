@@ -5,7 +5,7 @@ use super::pictures::{Shot, scene};
 use super::{Bench, Page, Tone};
 use crate::error::Result;
 use crate::measure::layers::{
-    Line as Measured, Looks, PAPER, SAMPLES, SWEEP, approximations, by_lights, rules, uneven,
+    Line as Measured, Looks, PAPER, SAMPLES, SWEEP, approximations, by_lights, dearer, rules,
 };
 use crate::measure::statistics::median;
 use crate::pipeline::plan::ShadingMethod;
@@ -111,9 +111,9 @@ pub fn francois(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let row = |&(count, ms): &(u32, f64)| {
         vec![count.to_string(), format!("{ms:.2}"), format!("{:.2}", ms / f64::from(count))]
     };
-    let off = uneven(&costs);
-    let tone = Tone::of(off <= 0.1);
-    page.find(tone, "time grows in proportion to lights, within 10 %", &format!("off by {:.0} % at most", 100.0 * off));
+    let most = dearer(&costs);
+    let aim = "fish: of several lights each takes at most 1.1 of the time of one alone";
+    page.find(Tone::of(most <= 1.1), aim, &format!("at most {most:.2}"));
     page.table(
         "layers-lights",
         &[("point lights", ""), ("relief, ms", "time of stage relief"), ("ms a light", "")],

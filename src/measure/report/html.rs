@@ -16,6 +16,8 @@ pub struct Page {
     pub front: String,
     /// Checks that failed.
     pub faults: Vec<String>,
+    /// Whether anything was checked that can fail.
+    pub checked: bool,
 }
 
 /// A comparison with an aim: what was asked for, and what was found.
@@ -83,6 +85,25 @@ fn numeric(cell: &str) -> bool {
         || matches!(cell, "" | "-")
 }
 
+/// A table as the bytes of a CSV file.
+pub(super) fn csv_of(name: &str, columns: &[Column<'_>], rows: &[Vec<String>]) -> Result<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    // A file with two columns of one name can't be read by name.
+    if let Some((head, _)) = columns
+        .iter()
+        .enumerate()
+        .find_map(|(k, column)| columns[..k].iter().any(|before| before.0 == column.0).then_some(column))
+    {
+        return Err(Error::Check(format!("{name}.csv has two columns {head:?}")));
+    }
+    let lost = |error: &dyn std::fmt::Display| Error::Check(format!("{name}.csv could not be made: {error}"));
+    writer.write_record(columns.iter().map(|(head, _)| head)).map_err(|e| lost(&e))?;
+    for row in rows {
+        writer.write_record(row).map_err(|e| lost(&e))?;
+    }
+    writer.into_inner().map_err(|e| lost(&e))
+}
+
 impl Page {
     /// Adds a paragraph.
     pub fn say(&mut self, words: &str) {
@@ -127,21 +148,7 @@ impl Page {
 
     /// Adds a table, and the same table as a file `name.csv`.
     pub fn table(&mut self, name: &str, columns: &[Column<'_>], rows: &[Vec<String>]) -> Result<()> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        // A file with two columns of one name can't be read by name.
-        if let Some((head, _)) = columns
-            .iter()
-            .enumerate()
-            .find_map(|(k, column)| columns[..k].iter().any(|before| before.0 == column.0).then_some(column))
-        {
-            return Err(Error::Check(format!("{name}.csv has two columns {head:?}")));
-        }
-        let lost = |error: &dyn std::fmt::Display| Error::Check(format!("{name}.csv could not be made: {error}"));
-        writer.write_record(columns.iter().map(|(head, _)| head)).map_err(|e| lost(&e))?;
-        for row in rows {
-            writer.write_record(row).map_err(|e| lost(&e))?;
-        }
-        let bytes = writer.into_inner().map_err(|e| lost(&e))?;
+        let bytes = csv_of(name, columns, rows)?;
         self.small_table(columns, rows);
         self.file(&format!("{name}.csv"), bytes);
         Ok(())

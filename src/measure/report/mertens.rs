@@ -1,6 +1,7 @@
 //! Section `mertens`: figures 3 and 4 of Mertens et al. 2003 as plots, tables 3, 4 and 5 with our values.
 
 use super::chart::{Axis, CHANNELS, Line, chart};
+use super::html::csv_of;
 use super::{Bench, Column, Page, Tone};
 use crate::error::Result;
 use crate::measure::tables::curves::{Point, TOLERANCES, figure_3, figure_4};
@@ -78,6 +79,7 @@ pub fn mertens(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
     let models = Models { device: bench.device, meshes: &[], samples: 100, most_faces: bench.either(2_100, 17_000) };
     for (_, table) in TABLES.iter().take(bench.either(1, TABLES.len())) {
         let (mut open, mut all): (Option<Measured>, Vec<std::result::Result<Measured, String>>) = (None, Vec::new());
+        let mut lost = None;
         table(&models, &mut |told| match told {
             Told::Words(words) => {
                 all.extend(open.take().map(Ok));
@@ -87,14 +89,21 @@ pub fn mertens(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
                 all.extend(open.take().map(Ok));
                 open = Some((name.into(), header.iter().map(ToString::to_string).collect(), Vec::new()));
             }
-            Told::Row(cells) => open.iter_mut().for_each(|(_, _, rows)| rows.push(cells.to_vec())),
+            Told::Row(cells) => {
+                let Some((name, header, rows)) = &mut open else { return };
+                rows.push(cells.to_vec());
+                // Rows take minutes: each is kept at once.
+                let kept =
+                    csv_of(name, &explained(header), rows).and_then(|bytes| bench.keep(&format!("{name}.csv"), &bytes));
+                lost = lost.take().or(kept.err());
+            }
         })?;
+        lost.take().map_or(Ok(()), Err)?;
         all.extend(open.map(Ok));
         for part in all {
             match part {
                 Ok((name, header, rows)) => {
-                    let columns: Vec<Column<'_>> = header.iter().map(|head| (head.as_str(), meaning(head))).collect();
-                    page.table(&name, &columns, &rows)?;
+                    page.table(&name, &explained(&header), &rows)?;
                 }
                 Err(words) => page.say(&words),
             }
@@ -104,6 +113,11 @@ pub fn mertens(bench: &Bench<'_>, page: &mut Page) -> Result<()> {
         page.say("Tables 4 and 5 and the larger models of table 3 are in the full report, and in `cargo bench --bench tables`.");
     }
     Ok(())
+}
+
+/// Columns with what they mean.
+fn explained(header: &[String]) -> Vec<Column<'_>> {
+    header.iter().map(|head| (head.as_str(), meaning(head))).collect()
 }
 
 /// What a column of tables 3 to 5 means.

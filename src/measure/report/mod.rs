@@ -25,6 +25,10 @@ pub use whole::{Written, whole};
 
 use crate::error::Result;
 use crate::gpu::Device;
+use crate::measure::folder::REPORT;
+
+/// Keeps the bytes of a file of this name.
+pub type Keep<'a> = dyn Fn(&str, &[u8]) -> Result<()> + 'a;
 
 /// Settings of a report.
 #[derive(Clone, Copy)]
@@ -33,12 +37,19 @@ pub struct Bench<'a> {
     pub device: Option<&'a Device>,
     /// Small scenes and few settings; takes minutes.
     pub quick: bool,
+    /// Keeps a file, by its name, as soon as it is there: what was measured stays when the rest is not.
+    pub keep: Option<&'a Keep<'a>>,
 }
 
 impl Bench<'_> {
     /// Chooses between the values for a quick and for a full report.
     fn either<T>(&self, quick: T, full: T) -> T {
         if self.quick { quick } else { full }
+    }
+
+    /// Keeps a file that is whole but may grow.
+    fn keep(&self, name: &str, bytes: &[u8]) -> Result<()> {
+        self.keep.map_or(Ok(()), |keep| keep(name, bytes))
     }
 }
 
@@ -84,8 +95,11 @@ pub struct Report {
     pub faults: Vec<String>,
 }
 
-/// Writes these sections; `tell` receives the name of each before it starts.
-pub fn report(bench: &Bench<'_>, sections: &[&Section], tell: &mut dyn FnMut(&str)) -> Report {
+/// Writes these sections; `tell` receives the name of each before it starts. After each its files are kept, then the
+/// page so far; an error is one of keeping them.
+pub fn report(bench: &Bench<'_>, sections: &[&Section], tell: &mut dyn FnMut(&str)) -> Result<Report> {
+    let about = setting::about(bench);
+    let so_far = |written: &[Written]| whole("milkglass report", &about, written, sections.len());
     let mut written = Vec::new();
     for section in sections {
         tell(section.name);
@@ -97,15 +111,17 @@ pub fn report(bench: &Bench<'_>, sections: &[&Section], tell: &mut dyn FnMut(&st
             page.fail(&format!("the validation layer says: {message}"));
         }
         let seconds = start.elapsed().as_secs_f64();
+        page.files.iter().try_for_each(|(name, bytes)| bench.keep(name, bytes))?;
         written.push(Written { name: section.name, title: section.title, page, seconds });
+        bench.keep(REPORT.page, so_far(&written).as_bytes())?;
     }
-    let page = whole("milkglass report", &setting::about(bench), &written);
+    let page = so_far(&written);
     let (mut files, mut faults) = (Vec::new(), Vec::new());
     for Written { name, page, .. } in written {
         files.extend(page.files);
         faults.extend(page.faults.into_iter().map(|fault| format!("{name}: {fault}")));
     }
-    Report { page, files, faults }
+    Ok(Report { page, files, faults })
 }
 
 #[cfg(test)]
@@ -128,8 +144,13 @@ mod tests {
         let sections =
             [Section { name: "bad", title: "Bad", write: bad }, Section { name: "good", title: "Good", write: good }];
         let mut told = Vec::new();
-        let bench = Bench { device: None, quick: true };
-        let made = report(&bench, &sections.each_ref(), &mut |name| told.push(name.to_string()));
+        let kept = std::cell::RefCell::new(Vec::new());
+        let keep = |name: &str, bytes: &[u8]| {
+            kept.borrow_mut().push((name.to_string(), String::from_utf8_lossy(bytes).into_owned()));
+            Ok(())
+        };
+        let bench = Bench { device: None, quick: true, keep: Some(&keep) };
+        let made = report(&bench, &sections.each_ref(), &mut |name| told.push(name.to_string())).unwrap();
         assert_eq!((told, made.faults), (vec!["bad".into(), "good".into()], vec!["bad: it broke".to_string()]));
         for words in [
             "1 check FAILS",
@@ -147,7 +168,47 @@ mod tests {
         let place = |words: &str| made.page.find(words).unwrap();
         assert!(place("FAILS: it broke") < place("in front") && place("in front") < place("as fast as"));
         assert_eq!(made.files, [("sizes.csv".to_string(), b"what,mm\n\"a, b\",1.5\n".to_vec())]);
-        let fine = report(&bench, &[&sections[1]], &mut |_| ());
-        assert!(fine.faults.is_empty() && fine.page.contains("Every check passes"));
+        // A file as soon as it is there, and the page after each section.
+        let names: Vec<String> = kept.borrow().iter().map(|(name, _)| name.clone()).collect();
+        assert_eq!(names, ["index.html", "sizes.csv", "index.html"]);
+        let unfinished = "Unfinished: 1 of 2 sections";
+        assert!(kept.borrow()[0].1.contains(unfinished) && !made.page.contains("Unfinished"));
+        let full = |_: &str, _: &[u8]| Err(Error::Check("the disk is full".into()));
+        let lost = report(&Bench { keep: Some(&full), ..bench }, &sections.each_ref(), &mut |_| ());
+        assert_eq!(lost.err().map(|error| error.to_string()), Some("the disk is full".into()));
+    }
+
+    #[test]
+    fn the_badge_says_what_the_rows_below_it_say() {
+        let missed = |_: &Bench<'_>, page: &mut Page| {
+            page.find(Tone::Loss, "fast", "slow");
+            page.find(Tone::Win, "right", "right");
+            Ok(())
+        };
+        let met = |_: &Bench<'_>, page: &mut Page| {
+            page.find(Tone::Win, "right", "right");
+            Ok(())
+        };
+        let checked = |_: &Bench<'_>, page: &mut Page| {
+            super::whole::verdict(page, "Sound", "2 cases");
+            Ok(())
+        };
+        let nothing = |_: &Bench<'_>, _: &mut Page| Ok(());
+        let write: [fn(&Bench<'_>, &mut Page) -> Result<()>; 4] = [missed, met, checked, nothing];
+        let sections = [0, 1, 2, 3].map(|k| Section { name: "s", title: "S", write: write[k] });
+        let bench = Bench { device: None, quick: true, keep: None };
+        let page = |chosen: &[usize]| {
+            let chosen: Vec<&Section> = chosen.iter().map(|&k| &sections[k]).collect();
+            report(&bench, &chosen, &mut |_| ()).unwrap().page
+        };
+        let passes = "very check passes";
+        let found = page(&[0, 1]);
+        assert!(found.contains("<b>1 of 3 aims missed</b>") && !found.contains(passes));
+        assert!(found.contains("Aims: 1 missed, 2 met"));
+        let found = page(&[0, 2]);
+        assert!(found.contains("<b>1 of 2 aims missed</b><span>every check passes"));
+        assert!(page(&[1]).contains("<b>All aims met</b><span>1 of them"));
+        assert!(page(&[2]).contains("<b>Every check passes</b>"));
+        assert!(!page(&[3]).contains(passes) && !page(&[3]).contains("aims"));
     }
 }

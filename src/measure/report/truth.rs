@@ -126,7 +126,7 @@ fn compare(bench: &Bench<'_>, page: &mut Page, shapes: &[Shape], side: u32, effo
     page.table("truth", &columns, &rows)?;
     for (error, shape, material) in worst {
         let aim = format!("{shape}, {material}: the dipole is within 5 % of a random walk");
-        page.find(Tone::of(error <= 0.05), &aim, &format!("{:.0} %", 100.0 * error));
+        page.find(Tone::of(error <= 0.05), &aim, &format!("{:.1} %", 100.0 * error));
     }
     Ok(())
 }
@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn each_method_has_its_errors_pictures_and_costs() {
-        let (mut page, bench) = (Page::default(), Bench { device: None, quick: true });
+        let (mut page, bench) = (Page::default(), Bench { device: None, quick: true, keep: None });
         let shapes = [("ball", "sphere", [2, 2], 1.0), ("disc", "sphere", [1, 1], 0.5)];
         compare(&bench, &mut page, &shapes, 24, "transport.walks=30000").unwrap();
         let (name, table) = &page.files[0];

@@ -60,12 +60,19 @@ pub struct Written {
     pub seconds: f64,
 }
 
-/// The whole page: title, device and host, the front, then the sections.
+/// The whole page: title, device and host, the front, then the sections; `all` is their number when it is finished.
 #[must_use]
-pub fn whole(title: &str, about: &[(&str, String)], sections: &[Written]) -> String {
+pub fn whole(title: &str, about: &[(&str, String)], sections: &[Written], all: usize) -> String {
     let mut text = format!("{HEAD}<title>{0}</title></head><body>\n<header><h1>{0}</h1>\n", escape(title));
     let lines: Vec<String> = about.iter().map(|(key, value)| format!("{}: {}", escape(key), escape(value))).collect();
     text += &format!("<p class=\"about\">{}</p></header>\n<main>\n", lines.join(" \u{b7} "));
+
+    if sections.len() < all {
+        let done = sections.len();
+        text += &format!(
+            "<p class=\"about\">Unfinished: {done} of {all} sections were measured when this was written.</p>\n"
+        );
+    }
 
     // Failed checks, before anything else.
     let faults: usize = sections.iter().map(|section| section.page.faults.len()).sum();
@@ -89,15 +96,14 @@ pub fn whole(title: &str, about: &[(&str, String)], sections: &[Written]) -> Str
             text += &format!("<a class=\"tile {class}\" href=\"#{name}\"><b>{verdict}</b><span>{about}</span></a>\n");
         }
     }
-    if faults == 0 {
-        text += "<span class=\"tile win\"><b>Every check passes</b><span>in the sections below</span></span>\n";
-    }
+    let device = about.first().map_or("", |(_, device)| device);
+    let (met, missed) = (findings(sections, device, true), findings(sections, device, false));
+    let checked = faults == 0 && sections.iter().any(|section| section.page.checked);
+    text += &badge(checked, met.0, missed.0);
     text += "</div>\n";
     sections.iter().for_each(|section| text += &section.page.front);
 
     // Aims beside findings; those that were met are folded.
-    let device = about.first().map_or("", |(_, device)| device);
-    let (met, missed) = (findings(sections, device, true), findings(sections, device, false));
     if met.0 + missed.0 > 0 {
         text +=
             &format!("<h2 class=\"front\" id=\"findings\">Aims: {} missed, {} met</h2>\n{}", missed.0, met.0, missed.1);
@@ -107,7 +113,7 @@ pub fn whole(title: &str, about: &[(&str, String)], sections: &[Written]) -> Str
     }
 
     // The sections: folded, those that failed open. A link to a section opens it.
-    text += "<h2 class=\"front\">Sections</h2>\n";
+    text += "<h2 class=\"front\" id=\"sections\">Sections</h2>\n";
     for Written { name, title, page, seconds } in sections {
         let open = if page.faults.is_empty() { "" } else { " open" };
         text += &format!("<details class=\"section\"{open}><summary><h2>{}</h2></summary>\n", escape(title));
@@ -115,6 +121,19 @@ pub fn whole(title: &str, about: &[(&str, String)], sections: &[Written]) -> Str
         text += &format!("<p class=\"took\">{seconds:.1} s</p></section></details>\n");
     }
     text + "</main></body></html>\n"
+}
+
+/// The tile of all aims below it; `checked` where there were checks, too, and all of them passed.
+fn badge(checked: bool, met: usize, missed: usize) -> String {
+    let (all, checks) = (met + missed, if checked { "every check passes" } else { "listed below" });
+    let (class, words, about, place) = match (missed, met) {
+        (1.., _) => ("loss", format!("{missed} of {all} aims missed"), checks.to_owned(), "findings"),
+        (0, 1..) if checked => ("win", "All aims met".to_owned(), format!("{met} of them; {checks}"), "findings"),
+        (0, 1..) => ("win", "All aims met".to_owned(), format!("{met} of them"), "findings"),
+        (0, 0) if checked => ("win", "Every check passes".to_owned(), "in the sections below".to_owned(), "sections"),
+        (0, 0) => return String::new(),
+    };
+    format!("<a class=\"tile {class}\" href=\"#{place}\"><b>{words}</b><span>{about}</span></a>\n")
 }
 
 /// The number of aims that were met, or missed, and a table of them.
@@ -141,6 +160,7 @@ fn findings(sections: &[Written], device: &str, met: bool) -> (usize, String) {
 
 /// The verdict of a section whose checks can fail, for its tile.
 pub fn verdict(page: &mut Page, passed: &str, about: &str) {
+    page.checked = true;
     match page.faults.len() {
         0 => page.tile(Tone::Win, passed, about),
         1 => page.tile(Tone::Loss, "1 check FAILS", about),

@@ -33,11 +33,12 @@ fn built(name: &str, detail: u32, extent: f64, more: &[String]) -> Result<Scene>
     Ok(scene)
 }
 
-/// The same shape from a coarse base, split `levels` times by the modified butterfly scheme, which is also its
+/// The same shape from a coarse base, split at most `levels` times by the modified butterfly scheme, which is also its
 /// hierarchy: about `faces` triangles at the end.
 pub fn split(name: &str, faces: usize, levels: usize, extent: f64) -> Result<Scene> {
+    let (levels, detail) = base(kind_of(name), faces, levels);
     let hierarchy = ["transport.hierarchy=butterfly".into(), format!("transport.levels={levels}")];
-    built(name, detail(kind_of(name), faces >> (2 * levels)), extent, &hierarchy)
+    built(name, detail, extent, &hierarchy)
 }
 
 /// A mesh from a file, scaled to this largest extent in millimetres, with the same settings.
@@ -46,20 +47,35 @@ pub fn mesh(path: &str, extent: f64) -> Result<Scene> {
     Scene::load_with(path, &[&own[..], &SETTINGS.map(String::from)].concat())
 }
 
+/// Triangles of a shape with this detail.
+fn count(shape: Shape, detail: u32) -> f64 {
+    shape.build(detail).triangles.len() as f64
+}
+
+/// How often a base is split, at most `most` times, and its detail, for the number of triangles closest to `faces`, by
+/// ratio: a shape that cannot be coarse is split less often. Of equally close ones that with most splits.
+fn base(shape: Shape, faces: usize, most: usize) -> (usize, u32) {
+    let one = |levels: usize| (levels, detail(shape, faces >> (2 * levels)));
+    let off =
+        |(levels, detail): &(usize, u32)| (count(shape, *detail) * 4f64.powi(*levels as i32) / faces as f64).ln().abs();
+    (1..=most).rev().map(one).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or_else(|| (0, detail(shape, faces)))
+}
+
 /// The detail whose number of triangles is closest to `faces`, by ratio.
 fn detail(shape: Shape, faces: usize) -> u32 {
-    let count = |detail: u32| shape.build(detail).triangles.len() as f64;
-    let off = |detail: u32| (count(detail) / faces as f64).ln().abs();
-    let range = shape.details();
-    let candidates = if shape == Shape::Sphere {
-        range
-    } else {
-        // The number of triangles grows with the square of the detail.
-        let usual = shape.usual_detail();
-        let guess = (f64::from(usual) * (faces as f64 / count(usual)).sqrt()) as u32;
-        guess.saturating_sub(2).max(*range.start())..=(guess + 3).min(*range.end())
-    };
-    candidates.min_by(|&a, &b| off(a).total_cmp(&off(b))).unwrap_or_else(|| shape.usual_detail())
+    let (range, wanted) = (shape.details(), faces.max(1) as f64);
+    // Numbers grow with the detail: find the first that is enough, no shape much larger is built.
+    let (mut below, mut enough) = (*range.start(), *range.start());
+    while count(shape, enough) < wanted && enough < *range.end() {
+        below = enough;
+        enough = (enough + (enough / 2).max(1)).min(*range.end());
+    }
+    while enough - below > 1 {
+        let middle = below.midpoint(enough);
+        if count(shape, middle) < wanted { below = middle } else { enough = middle }
+    }
+    let off = |detail: u32| (count(shape, detail) / wanted).ln().abs();
+    if off(below) <= off(enough) { below } else { enough }
 }
 
 /// Value for both solid angles of section 5.2, steradian, at which this scene has so many links per triangle.
@@ -87,6 +103,25 @@ pub fn at_angle(scene: &Scene, angle: f64) -> Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn splits_have_the_triangles_of_the_paper_even_where_no_base_is_coarse_enough() {
+        use super::super::paper::{TABLE_3, TABLE_4};
+        let rows = (2..).zip(TABLE_3.iter().map(|row| row.faces));
+        let all = rows.flat_map(|(levels, faces)| [("sphere", faces, levels), ("lotus", faces, levels)]);
+        let of_4 = TABLE_4.iter().filter(|row| row.hierarchy == "S").map(|row| (row.stand_in, row.faces, 3));
+        for (name, faces, most) in all.chain(of_4) {
+            let (levels, detail) = base(kind_of(name), faces, most);
+            let found = count(kind_of(name), detail) * 4f64.powi(levels as i32);
+            // Balls have four times as many from detail to detail.
+            let slack = if name == "sphere" { 2.0 } else { 1.1 };
+            assert!((1..=most).contains(&levels), "{name}: {levels}");
+            assert!((1.0 / slack..slack).contains(&(found / faces as f64)), "{name}: {found} for {faces}");
+        }
+        let scene = split("lotus", TABLE_3[0].faces, 2, 25.0).unwrap();
+        assert!((1800..2300).contains(&scene.objects[0].mesh.triangles.len()));
+        assert_eq!([0, 1, 126].map(|faces| detail(Shape::Lotus, faces)), [*Shape::Lotus.details().start(); 3]);
+    }
 
     #[test]
     fn shapes_have_the_triangles_asked_for() {

@@ -1,7 +1,9 @@
-//! Cleaning: one vertex per position, no face without area, no vertex without a face. Repairs are counted and reported.
+//! Cleaning: one vertex per position, no face without area, no face twice, no vertex without a face. Repairs are
+//! counted and reported.
 
 use super::Mesh;
 use super::import::Soup;
+use super::twice;
 use crate::error::Input;
 use crate::scene::range::Checked;
 use glam::DVec3;
@@ -40,6 +42,19 @@ pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<(Mesh, Vec<
         return Err(fault.found(found).expected("at least one face with an area"));
     }
 
+    // Keep the first of faces with the same corners: files made for both sides of a surface have each twice.
+    let again = twice::find(&mesh.triangles, &mesh.input_face);
+    let doubled = again.iter().filter(|&&is| is).count();
+    if doubled > 0 {
+        fn keep<T>(list: &mut Vec<T>, again: &[bool]) {
+            let mut again = again.iter();
+            list.retain(|_| again.next() != Some(&true));
+        }
+        keep(&mut mesh.triangles, &again);
+        keep(&mut mesh.input_face, &again);
+        mesh.uvs.iter_mut().for_each(|uvs| keep(uvs, &again));
+    }
+
     // Renumber vertices in the order of first use.
     let mut number = vec![u32::MAX; positions.len()];
     let mut from = Vec::new();
@@ -58,6 +73,7 @@ pub(super) fn clean(soup: Soup, report: &mut Vec<String>) -> Checked<(Mesh, Vec<
         (welded, "welded", "vertices in the place of another one"),
         (repeated, "dropped", "faces with a repeated corner"),
         (slivers, "dropped", "faces without area"),
+        (doubled, "dropped", "faces with the corners of an earlier one, as in files for both sides of a surface"),
         (unused, "dropped", "vertices that no face uses"),
     ];
     for (count, done, what) in repairs {
@@ -86,7 +102,7 @@ pub(super) fn weld(positions: &[DVec3]) -> (Vec<u32>, usize) {
 }
 
 /// Whether a triangle has (almost) no area for its size.
-fn is_sliver([a, b, c]: [DVec3; 3]) -> bool {
+pub(super) fn is_sliver([a, b, c]: [DVec3; 3]) -> bool {
     let (ab, bc, ca) = (b - a, c - b, a - c);
     // Scale to about 1 first: squares of tiny or huge edges would leave the range of f64.
     let scale = ab.abs().max(bc.abs()).max(ca.abs()).max_element();
@@ -137,6 +153,23 @@ mod tests {
             "dropped: 1 vertices that no face uses",
         ];
         assert_eq!(report, expected);
+    }
+
+    #[test]
+    fn of_faces_with_the_same_corners_the_first_stays() {
+        // A quad both ways round, its back cut along the other diagonal, with vertices of its own; then a triangle of
+        // the front once more, as it is.
+        let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let corners = [square, square].concat();
+        let faces = [[0, 1, 2], [0, 2, 3], [7, 6, 5], [7, 5, 4], [1, 2, 0]];
+        let uvs = Some((0..5).map(|face| [[f64::from(face); 2]; 3]).collect());
+        let soup = Soup { input_face: vec![0, 0, 1, 1, 2], uvs, ..soup(&corners, &faces) };
+        let mut report = Vec::new();
+        let (mesh, _) = clean(soup, &mut report).expect("a square");
+        assert_eq!((mesh.triangles, mesh.input_face), (vec![[0, 1, 2], [0, 2, 3]], vec![0, 0]));
+        assert_eq!(mesh.uvs.map(|uvs| uvs.len()), Some(2));
+        let line = "dropped: 3 faces with the corners of an earlier one, as in files for both sides of a surface";
+        assert_eq!(report, ["welded: 4 vertices in the place of another one", line]);
     }
 
     #[test]

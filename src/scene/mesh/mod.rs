@@ -19,6 +19,7 @@ mod relief;
 mod shape;
 mod split;
 mod sweep;
+mod twice;
 mod uv;
 mod walk;
 mod wrap;

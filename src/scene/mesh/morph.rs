@@ -1,6 +1,6 @@
 //! Morph targets: the positions of a mesh's vertices in two files of equal topology. Animations: what they follow.
 
-use super::{Mesh, clean, import};
+use super::{Mesh, clean, import, twice};
 use crate::error::Input;
 use crate::scene::files::Files;
 use crate::scene::range::Checked;
@@ -45,7 +45,9 @@ impl Mesh {
         if rest.positions.len() != end.positions.len() || rest.triangles.len() != end.triangles.len() {
             return fault(what, format!("{} in {there}", count(&end)), format!("{} as in {here}", count(&rest)));
         }
-        if let Some(first) = (0..rest.triangles.len()).find(|&k| rest.triangles[k] != end.triangles[k]) {
+        // A polygon may be cut otherwise in another place: its border tells.
+        let rims = [&rest, &end].map(|soup| twice::borders(&soup.triangles, &soup.input_face));
+        if let Some(first) = (0..rest.triangles.len()).find(|&k| rims[0][k] != rims[1][k]) {
             let face = end.input_face[first] + 1;
             let expected = format!("the faces of {here}, of the same vertices in the same order");
             return fault(what, format!("other vertices from face {face} of {there} on"), expected);

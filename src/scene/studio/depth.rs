@@ -41,8 +41,16 @@ fn rounded(size: f64) -> f64 {
     format!("{:.6e}", (size / step).round() * step).parse().unwrap_or(size)
 }
 
-/// What was assumed, and a size that shows translucency better if this one does not.
-pub(super) fn told(scene: &Scene, name: &str, up: Up, guessed: bool, backdrop: &Backdrop) -> Vec<String> {
+/// What was assumed, and a size that shows translucency better if this one does not. The objects of these numbers are
+/// `sheets`.
+pub(super) fn told(
+    scene: &Scene,
+    sheets: &[usize],
+    name: &str,
+    up: Up,
+    guessed: bool,
+    backdrop: &Backdrop,
+) -> Vec<String> {
     let (low, high) = scene.bounds();
     let extent = (high - low).max_element() * scene.unit_mm;
     let materials: Vec<&str> = scene.objects.iter().map(|object| object.material.name.as_str()).collect();
@@ -57,9 +65,10 @@ pub(super) fn told(scene: &Scene, name: &str, up: Up, guessed: bool, backdrop: &
         rounded(extent),
         backdrop.words()
     )];
-    let Some(object) = scene.objects.iter().find(|object| object.material.opaque.is_none()) else { return lines };
+    // A sheet has no thickness.
+    let solid = |(number, object): &(usize, &Object)| object.material.opaque.is_none() && !sheets.contains(number);
+    let Some((_, object)) = scene.objects.iter().enumerate().find(solid) else { return lines };
     let thick = thickness(object);
-    // A sheet without volume has no thickness.
     if thick * scene.unit_mm < 1e-4 * extent {
         return lines;
     }

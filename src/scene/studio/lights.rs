@@ -34,29 +34,30 @@ impl Backdrop {
         })
     }
 
-    /// What the camera shows behind the object.
-    pub fn background(&self) -> Value {
+    /// What the camera, with this exposure, shows behind the object.
+    pub fn background(&self, exposure: f64) -> Value {
         match self {
-            Self::Own => Value::Array(vec![Value::Float(0.05); 3]),
+            Self::Own => Value::Array(vec![Value::Float(0.05 / exposure); 3]),
             _ => "environment".into(),
         }
     }
 
-    /// The lights; none if the file's stay.
-    pub fn lights(&self, pose: &Pose, ground: bool) -> Option<Vec<Value>> {
+    /// The lights, for a camera with this exposure; none if the file's stay. Nothing dims the light behind a `thin`
+    /// object.
+    pub fn lights(&self, pose: &Pose, [ground, thin]: [bool; 2], exposure: f64) -> Option<Vec<Value>> {
         // Over a table the light behind shines flatter and weaker, since it dazzles in front of the object.
         let behind = if ground { DVec3::new(1.9, 0.9, -3.2) } else { DVec3::new(1.7, 2.0, -2.4) };
-        let strength = if ground { 150.0 } else { 230.0 };
+        let strength = if ground { 150.0 } else { 230.0 } * if thin { 0.25 } else { 1.0 };
         let front = if ground { 1.6 } else { 0.8 };
         // The table shows each grain of a shadow.
         let samples = if ground { 6 } else { 3 };
-        let key = area(pose, DVec3::new(-2.2, 2.8, 2.4), samples, [9.0, 8.6, 8.0].map(|c| c * front));
-        let back = |share: f64| area(pose, behind, samples, [1.0, 0.9, 0.78].map(|c| c * strength * share));
+        let key = area(pose, DVec3::new(-2.2, 2.8, 2.4), samples, [9.0, 8.6, 8.0].map(|c| c * front / exposure));
+        let back = |share: f64| area(pose, behind, samples, [1.0, 0.9, 0.78].map(|c| c * strength * share / exposure));
         let around = |image: &str, intensity: f64, rotation: f64| {
             let mut light = Table::new();
             light.insert("type".into(), "environment".into());
             light.insert("image".into(), image.into());
-            light.insert("intensity".into(), Value::Float(intensity));
+            light.insert("intensity".into(), Value::Float(intensity / exposure));
             light.insert("rotation".into(), Value::Float(rotation.rem_euclid(360.0)));
             Value::Table(light)
         };

@@ -5,6 +5,7 @@
 mod depth;
 mod lights;
 mod pose;
+mod sheet;
 
 pub use pose::Up;
 
@@ -65,6 +66,8 @@ pub struct Studio {
     table: Table,
     pose: Pose,
     backdrop: Backdrop,
+    /// Whether all that is translucent has no thickness.
+    thin: bool,
     wishes: Wishes,
     /// What was assumed, and what shows more, one per entry.
     pub told: Vec<String>,
@@ -146,8 +149,15 @@ impl Studio {
         let own_lights = table.get("light") != toml::from_str::<Table>(&around("")).unwrap_or_default().get("light");
         let pose = Pose::of(&as_it_is, wishes.ground, table.get("camera").and_then(|c| c.get("position")).is_some());
         let backdrop = Backdrop::of(wishes.environment.as_deref(), own_lights, files)?;
-        let told = depth::told(&as_it_is, &text.name, up, wishes.up.is_none() && !turned, &backdrop);
-        Ok(Self { text, table, pose, backdrop, wishes, told })
+        let sheets = sheet::all(&as_it_is);
+        let mut told = depth::told(&as_it_is, &sheets, &text.name, up, wishes.up.is_none() && !turned, &backdrop);
+        // Sheets have no inside: light enters from both sides, unless the user says otherwise.
+        if !sheets.is_empty() && !sets.iter().any(|set| set.contains("two_sided")) {
+            told.push(both_sides(&mut table, &sheets, as_it_is.objects.len(), &text.name));
+        }
+        let translucent = as_it_is.objects.iter().filter(|object| object.material.opaque.is_none()).count();
+        let thin = !sheets.is_empty() && sheets.len() == translucent;
+        Ok(Self { text, table, pose, backdrop, thin, wishes, told })
     }
 
     /// The scene at `frame`, seen from `turn` degrees further round, with `key=value` settings applied in order.
@@ -170,15 +180,17 @@ impl Studio {
 
     fn whole(&self, turn: f64) -> Table {
         let mut table = self.table.clone();
-        let pose = self.pose.turned(turn);
+        let (pose, mut exposure) = (self.pose.turned(turn), 1.0);
         let camera = table.entry("camera").or_insert_with(|| Table::new().into());
         if let Value::Table(camera) = camera {
             pose.place(camera);
             camera.insert("samples".into(), Value::Integer(self.wishes.samples.unwrap_or(8).into()));
             camera.insert("tone".into(), "filmic".into());
-            camera.insert("background".into(), self.backdrop.background());
+            // What the studio adds has the brightness that it is shown with, whatever the file's lights need.
+            exposure = camera.get("exposure").and_then(number).unwrap_or(1.0);
+            camera.insert("background".into(), self.backdrop.background(exposure));
         }
-        if let Some(lights) = self.backdrop.lights(&pose, self.wishes.ground) {
+        if let Some(lights) = self.backdrop.lights(&pose, [self.wishes.ground, self.thin], exposure) {
             table.insert("light".into(), Value::Array(lights));
         }
         if let (true, Some(Value::Array(all))) = (self.wishes.ground, table.get_mut("object")) {
@@ -199,6 +211,22 @@ fn scene_of(text: &Text, table: &Table, sets: &[String], frame: f64, files: &Fil
 fn objects(table: &mut Table, change: impl Fn(&mut Table)) {
     let all = table.get_mut("object").and_then(Value::as_array_mut);
     all.into_iter().flatten().filter_map(Value::as_table_mut).for_each(change);
+}
+
+/// Lets light into these of so many objects from both sides, and says so.
+fn both_sides(table: &mut Table, sheets: &[usize], count: usize, name: &str) -> String {
+    let all = table.get_mut("object").and_then(Value::as_array_mut);
+    for (_, object) in all.into_iter().flatten().enumerate().filter(|(number, _)| sheets.contains(number)) {
+        if let Some(Value::Table(material)) = object.get_mut("material") {
+            material.insert("two_sided".into(), Value::Boolean(true));
+        }
+    }
+    let which = match (sheets, count) {
+        (_, 1) => "an open sheet without thickness".to_owned(),
+        ([_], _) => format!("1 of {count} objects is an open sheet without thickness"),
+        _ => format!("{} of {count} objects are open sheets without thickness", sheets.len()),
+    };
+    format!("{name}: {which}, lit from both sides (--set object.{}.material.two_sided=false: from one)", sheets[0])
 }
 
 /// Makes translucent surfaces glossy, of the material asked for.

@@ -123,3 +123,68 @@ fn wrong_wishes_are_named() {
     assert!(error.starts_with("--environment: none.hdr: the image cannot be read"), "{error}");
     assert!(Studio::around("lotus", &[], 0.0, &Files::default(), Wishes::default()).expect("built in").is_none());
 }
+
+/// The studio of a file with this name and text.
+fn named(name: &str, text: &str, sets: &[&str], wishes: Wishes) -> (tempfile::TempDir, Studio, Scene) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).expect("written");
+    let sets: Vec<String> = sets.iter().map(ToString::to_string).collect();
+    let made = Studio::around(&path.to_string_lossy(), &sets, 0.0, &Files::default(), wishes);
+    let made = made.expect("a studio").expect("a mesh alone");
+    let scene = made.scene(0.0, &sets, 0.0, &Files::default()).expect("a scene");
+    (folder, made, scene)
+}
+
+#[test]
+fn sheets_are_lit_from_both_sides_and_bodies_from_one() {
+    let leaf = "v 0 0 0\nv 1 0 0.2\nv 1 1 0\nv 0 1 0.2\nf 4 3 2 1\n";
+    let (_folder, made, scene) = named("leaf.obj", leaf, &[], Wishes::default());
+    assert!(scene.objects[0].material.two_sided);
+    assert_eq!(made.told.len(), 2);
+    assert!(made.told[1].starts_with("leaf: an open sheet without thickness, lit from both sides"), "{:?}", made.told);
+    // The light behind a sheet does not drown the one in front.
+    let Source::Area { radiance: [thin, ..], .. } = scene.lights[2].source else { panic!("{:?}", scene.lights) };
+    let (_folder, made, scene) = named("leaf.obj", leaf, &["object.0.material.two_sided=false"], Wishes::default());
+    assert!(!scene.objects[0].material.two_sided && made.told.len() == 1, "{:?}", made.told);
+    let (_folder, made, scene) = named("table.obj", &table(1, 2.0), &[], Wishes::default());
+    assert!(!scene.objects[0].material.two_sided && made.told.len() == 1, "{:?}", made.told);
+    assert!(matches!(scene.lights[2].source, Source::Area { radiance: [thick, ..], .. } if thick > 3.9 * thin));
+}
+
+#[test]
+fn what_the_studio_adds_is_as_bright_whatever_the_files_lights_need() {
+    let of = |kind: &str| {
+        let light = match kind {
+            "spot" => "{ \"type\": \"spot\", \"intensity\": 900, \"spot\": {} }".to_owned(),
+            kind => format!("{{ \"type\": \"{kind}\", \"intensity\": 900 }}"),
+        };
+        format!(
+            "{{ \"asset\": {{ \"version\": \"2.0\" }}, \"scene\": 0, \"scenes\": [{{ \"nodes\": [0, 1] }}], \"nodes\": [{{ \"mesh\": \
+             0 }}, {{ \"translation\": [3, 4, 5], \"extensions\": {{ \"KHR_lights_punctual\": {{ \"light\": 0 }} }} }}], \"meshes\": \
+             [{{ \"primitives\": [{{ \"attributes\": {{ \"POSITION\": 0 }}, \"indices\": 1 }}] }}], \"accessors\": [{{ \"bufferView\": \
+             0, \"componentType\": 5126, \"count\": 4, \"type\": \"VEC3\" }}, {{ \"bufferView\": 1, \"componentType\": 5121, \
+             \"count\": 12, \"type\": \"SCALAR\" }}], \"bufferViews\": [{{ \"buffer\": 0, \"byteLength\": 48 }}, {{ \"buffer\": 0, \
+             \"byteOffset\": 48, \"byteLength\": 12 }}], \"buffers\": [{{ \"byteLength\": 60, \"uri\": \
+             \"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAIBAAEDAAMCAQID\" \
+             }}], \"extensionsUsed\": [\"KHR_lights_punctual\"], \"extensions\": {{ \"KHR_lights_punctual\": {{ \"lights\": [{light}] \
+             }} }} }}"
+        )
+    };
+    for kind in ["point", "spot", "directional"] {
+        let (_folder, _, scene) = named("a.gltf", &of(kind), &[], Wishes::default());
+        let camera = &scene.camera;
+        assert_eq!((camera.exposure, scene.lights.len()), (683.0, 1), "{kind}");
+        let backdrop = format!("{:?}", camera.background);
+        let shown = camera.exposure * camera.background[0];
+        assert!((0.01..0.2).contains(&shown), "{kind}: {backdrop}");
+    }
+    let wishes = || Wishes { environment: Some("builtin:sky".into()), ..Wishes::default() };
+    let (_folder, _, own) = named("a.gltf", &of("point"), &[], wishes());
+    let (_folder, _, bare) = named("a.obj", &table(1, 2.0), &[], wishes());
+    let behind = |scene: &Scene| match scene.lights[1].source {
+        Source::Area { radiance: [red, ..], .. } => red * scene.camera.exposure,
+        _ => f64::NAN,
+    };
+    assert!((behind(&own) / behind(&bare) - 1.0).abs() < 1e-9, "{} {}", behind(&own), behind(&bare));
+}

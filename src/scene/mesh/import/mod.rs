@@ -1,5 +1,5 @@
-//! Reads mesh files: positions and triangles as they are in the file, polygons cut into fans. The content tells the
-//! format; the name's ending matters only where the content does not.
+//! Reads mesh files: positions and triangles as they are in the file, polygons cut into triangles. The content tells
+//! the format; the name's ending matters only where the content does not.
 
 use super::Mesh;
 use crate::error::Input;
@@ -15,6 +15,7 @@ mod colors;
 mod gltf;
 mod obj;
 mod ply;
+mod polygon;
 mod stl;
 
 pub(in crate::scene) use obj::map_kd;
@@ -217,20 +218,26 @@ fn no_coordinates(wanted: Option<Coordinates<'_>>, format: &str) -> Checked<()> 
     }
 }
 
-/// Keeps the vertices that triangles use, in the order of first use; returns also which they were.
-fn compact(positions: &[DVec3], triangles: Vec<[u32; 3]>, input_face: Vec<u32>) -> (Soup, Vec<u32>) {
+/// Keeps the vertices that faces use, in the order of first use: `corners` are those of all faces. Returns also which
+/// they were.
+fn compact(
+    positions: &[DVec3],
+    corners: impl Iterator<Item = u32>,
+    triangles: Vec<[u32; 3]>,
+    input_face: Vec<u32>,
+) -> (Soup, Vec<u32>) {
     let mut soup = Soup { triangles, input_face, ..Soup::default() };
     let mut number = vec![u32::MAX; positions.len()];
     let mut from = Vec::new();
-    for corner in soup.triangles.iter_mut().flatten() {
-        let old = *corner as usize;
+    for corner in corners {
+        let old = corner as usize;
         if number[old] == u32::MAX {
             number[old] = soup.positions.len() as u32;
             soup.positions.push(positions[old]);
-            from.push(*corner);
+            from.push(corner);
         }
-        *corner = number[old];
     }
+    soup.triangles.iter_mut().flatten().for_each(|corner| *corner = number[*corner as usize]);
     soup.unused = positions.len() - soup.positions.len();
     (soup, from)
 }

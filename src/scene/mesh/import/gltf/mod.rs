@@ -56,7 +56,8 @@ pub(super) fn read(
         let fault = Input::new("a texture coordinate is out of range").found(format!("{place:?}"));
         return Err(fault.expected("numbers from -10,000 to 10,000"));
     }
-    let (soup, _) = compact(&positions?, assembly.triangles, input_face);
+    let corners = assembly.triangles.clone().into_iter().flatten();
+    let (soup, _) = compact(&positions?, corners, assembly.triangles, input_face);
     // Once for a file whose parts are objects.
     let notes = if part.is_none_or(|part| part == 0) { document.ignored() } else { None };
     Ok(Soup { uvs, notes: notes.into_iter().collect(), ..soup })
@@ -100,7 +101,8 @@ pub(super) fn animated(
     let now = Assembly::of(&document, files, &tree, &locals, &parts.chosen)?;
     let input_face = (0..).take(rest.triangles.len()).collect();
     let positions: Vec<_> = rest.positions().collect();
-    let (soup, from) = compact(&positions, rest.triangles.clone(), input_face);
+    let (soup, from) =
+        compact(&positions, rest.triangles.iter().flatten().copied(), rest.triangles.clone(), input_face);
     Ok((soup, rest.rig(&from)?, [rest.pose(), now.pose()]))
 }
 

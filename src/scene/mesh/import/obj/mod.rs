@@ -1,8 +1,9 @@
-//! Reads Wavefront OBJ: positions and faces as they are in the file, polygons cut into fans.
+//! Reads Wavefront OBJ: positions and faces as they are in the file, polygons cut into triangles.
 //!
 //! Materials, groups, normals, points and lines are ignored, so that an error in them, or a missing `.mtl` file, does
 //! not matter. Texture coordinates, and the library that names a texture, are read only if a texture is requested.
 
+use super::polygon::Cutter;
 use super::{Coordinates, LARGEST, MOST_UV, Soup, bytes_of};
 use crate::error::Input;
 use crate::scene::files::Files;
@@ -29,13 +30,14 @@ pub(super) fn read(files: &Files, bytes: &[u8], wanted: Option<Coordinates<'_>>)
     // Names and comments may be in any encoding; what matters is ASCII.
     let text = String::from_utf8_lossy(bytes);
     need(text.split_ascii_whitespace().count() as u64 * BYTES)?;
-    let mut soup = parse(&text)?;
+    let (mut soup, cuts) = parse(&text)?;
     if let Some(wanted) = wanted {
         if wanted.own {
             let fault = Input::new("a Wavefront OBJ file has no texture of its own").key(wanted.key).found("`mesh`");
             return Err(fault.expected("`mtl` for the one that its material library names, or the name of an image"));
         }
-        soup.uvs = Some(uv::corners(&text).map_err(|fault| fault.key(wanted.key))?);
+        let cuts = soup.input_face.iter().copied().zip(cuts);
+        soup.uvs = Some(uv::corners(&text, cuts).map_err(|fault| fault.key(wanted.key))?);
     }
     Ok(soup)
 }
@@ -46,17 +48,17 @@ fn text(files: &Files, path: &Path) -> Checked<String> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Parses the text of a file.
-fn parse(text: &str) -> Checked<Soup> {
+/// Parses the text of a file; returns also the corners of its face that each triangle has.
+fn parse(text: &str) -> Checked<(Soup, Vec<[u32; 3]>)> {
     let (kept, vertices) = geometry(text);
     let options = tobj::LoadOptions::default();
     let no_materials = |_: &Path| Ok(Default::default());
     let loaded = tobj::load_obj_buf(&mut kept.as_bytes(), &options, no_materials);
-    let soup = match loaded {
+    let joined = match loaded {
         Ok((models, _)) => join(&models, vertices),
         Err(_) => None,
     };
-    let soup = soup.ok_or_else(|| {
+    let (soup, cuts) = joined.ok_or_else(|| {
         let whole = || Input::new("the mesh file is not Wavefront OBJ");
         fault::first(text, vertices).unwrap_or_else(whole)
     })?;
@@ -64,12 +66,13 @@ fn parse(text: &str) -> Checked<Soup> {
         let fault = Input::new("the mesh has no faces");
         return Err(fault.found("no `f` statement").expected("a Wavefront OBJ file with faces"));
     }
-    Ok(soup)
+    Ok((soup, cuts))
 }
 
-/// Concatenates the models; `None` when a face has too few corners or a coordinate is out of range.
-fn join(models: &[tobj::Model], vertices: usize) -> Option<Soup> {
-    let mut soup = Soup::default();
+/// Concatenates the models; `None` when a face has too few corners or a coordinate is out of range. Returns also the
+/// corners of its face that each triangle has.
+fn join(models: &[tobj::Model], vertices: usize) -> Option<(Soup, Vec<[u32; 3]>)> {
+    let (mut soup, mut cuts, mut cutter) = (Soup::default(), Vec::new(), Cutter::default());
     let mut face = 0;
     for tobj::Model { mesh, .. } in models {
         let base = u32::try_from(soup.positions.len()).ok()?;
@@ -81,26 +84,28 @@ fn join(models: &[tobj::Model], vertices: usize) -> Option<Soup> {
             soup.positions.push(position);
         }
 
-        // Polygons become fans about their first corner; without arities all are triangles.
+        // Without arities all are triangles.
         let mut rest = mesh.indices.as_slice();
         let mut arities = mesh.face_arities.iter();
         while !rest.is_empty() || arities.len() > 0 {
             let arity = arities.next().map_or(3, |&arity| arity as usize);
             let (corners, after) = rest.split_at_checked(arity)?;
-            let (first, others) = corners.split_first()?;
-            if others.len() < 2 {
+            if corners.len() < 3 {
                 return None;
             }
-            for pair in others.windows(2) {
-                soup.triangles.push([base + first, base + pair[0], base + pair[1]]);
+            // tobj has checked the indices.
+            let place = |corner: &u32| soup.positions[(base + corner) as usize];
+            for &cut in cutter.cut(corners.iter().map(place)) {
+                soup.triangles.push(cut.map(|corner| base + corners[corner as usize]));
                 soup.input_face.push(face);
+                cuts.push(cut);
             }
             rest = after;
             face = face.checked_add(1)?;
         }
     }
     soup.unused = vertices.saturating_sub(soup.positions.len());
-    Some(soup)
+    Some((soup, cuts))
 }
 
 /// The `v` and `f` statements of a file without comments and attributes, and the number of `v`.
@@ -172,19 +177,36 @@ mod tests {
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
     #[test]
-    fn polygons_become_fans_in_the_files_order() {
+    fn polygons_become_triangles_in_the_files_order() {
         let text = format!("mtllib gone.mtl\n{SQUARE}v 9 9 9\no a\nf 1/1/1 2//2 3/3 4\no b\nf -3 -2 -1\n");
-        let soup = parse(&text).expect("a square and a triangle");
+        let (soup, _) = parse(&text).expect("a square and a triangle");
         assert_eq!(soup.triangles, [[0, 1, 2], [0, 2, 3], [2, 3, 4]]);
         assert_eq!(soup.input_face, [0, 0, 1]);
         assert_eq!((soup.positions.len(), soup.unused), (5, 0));
     }
 
     #[test]
+    fn concave_polygons_keep_their_area_and_coordinates() {
+        let corners = ["2 1", "1 1", "1 2", "0 2", "0 0", "2 0"];
+        let (mut text, mut face) = (String::new(), "f".to_owned());
+        for (k, corner) in corners.iter().enumerate() {
+            text += &format!("v {corner} 0\nvt {corner}\n");
+            face += &format!(" {0}/{0}", k + 1);
+        }
+        let wanted = Some(Coordinates { key: "texture", own: false });
+        let soup = read(&Files::default(), format!("{text}{face}\n").as_bytes(), wanted).expect("four triangles");
+        let at = |corner: u32| soup.positions[corner as usize];
+        let doubled = soup.triangles.iter().map(|&[a, b, c]| (at(b) - at(a)).cross(at(c) - at(a)).z);
+        assert_eq!((soup.triangles.len(), doubled.sum::<f64>()), (4, 6.0));
+        let places = soup.triangles.iter().map(|triangle| triangle.map(|corner| [at(corner).x, at(corner).y]));
+        assert_eq!(soup.uvs.expect("coordinates"), places.collect::<Vec<_>>());
+    }
+
+    #[test]
     fn passes_over_what_does_not_matter() {
         let text = "\u{feff}# caf\u{e9}\r\nmtllib\r\nv 0 0 0 1 0 0\r\nv 2 0 0 2\r\nv 0 1 0 # here\r\n\
                     vt nonsense\r\nusemtl\r\np 1\r\nl 1 2\r\nv 5 5 5\r\nf 1/9/9 2/8 \\\r\n 3\r\n";
-        let soup = parse(text).expect("a triangle");
+        let (soup, _) = parse(text).expect("a triangle");
         assert_eq!(soup.positions, [DVec3::ZERO, DVec3::X, DVec3::Y]);
         assert_eq!((soup.triangles.len(), soup.unused), (1, 1));
     }
@@ -193,6 +215,6 @@ mod tests {
     fn a_statement_of_a_million_lines_is_joined_once() {
         // Joining once per line would take minutes.
         let text = format!("{SQUARE}f 1 2 3 {}4\n", "\\\n".repeat(1_000_000));
-        assert_eq!(parse(&text).expect("a square").triangles.len(), 2);
+        assert_eq!(parse(&text).expect("a square").0.triangles.len(), 2);
     }
 }

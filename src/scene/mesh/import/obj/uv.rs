@@ -4,9 +4,9 @@ use super::{MOST_UV, statements};
 use crate::error::Input;
 use crate::scene::range::Checked;
 
-/// Texture coordinates of each triangle's corners, with polygons cut into fans in the order of the file; an error
-/// carries its line.
-pub(super) fn corners(text: &str) -> Checked<Vec<[[f64; 2]; 3]>> {
+/// Texture coordinates of each triangle's corners. `cuts` are the face of each triangle, in the order of the file, and
+/// the corners of the face that it has. An error carries its line.
+pub(super) fn corners(text: &str, cuts: impl Iterator<Item = (u32, [u32; 3])>) -> Checked<Vec<[[f64; 2]; 3]>> {
     let mut places = Vec::new();
     let mut named: Vec<(usize, Vec<i64>)> = Vec::new();
     for (line, statement) in statements(text) {
@@ -22,7 +22,7 @@ pub(super) fn corners(text: &str) -> Checked<Vec<[[f64; 2]; 3]>> {
     }
 
     // Look up coordinates last: a face may refer to a later `vt`.
-    let mut triangles = Vec::new();
+    let mut faces = Vec::with_capacity(named.len());
     for (line, numbers) in named {
         let at = |number: &i64| {
             usize::try_from(*number).ok().and_then(|number| places.get(number)).copied().ok_or_else(|| {
@@ -31,10 +31,9 @@ pub(super) fn corners(text: &str) -> Checked<Vec<[[f64; 2]; 3]>> {
                 fault.found(found).expected(format!("1 to {}", places.len()))
             })
         };
-        let fan = numbers.iter().map(at).collect::<Checked<Vec<_>>>()?;
-        triangles.extend(fan.windows(2).skip(1).map(|pair| [fan[0], pair[0], pair[1]]));
+        faces.push(numbers.iter().map(at).collect::<Checked<Vec<_>>>()?);
     }
-    Ok(triangles)
+    Ok(cuts.map(|(face, cut)| cut.map(|corner| faces[face as usize][corner as usize])).collect())
 }
 
 /// The first two numbers of a `vt` statement; the second defaults to 0.
@@ -71,7 +70,8 @@ mod tests {
     #[test]
     fn corners_have_their_own_places() {
         let text = "vt 0 0\nvt 1 0 9\nv 1 2 3\nf 1/1 2/2/5 3/3 4/-1\nvt 0.5\nvt 0 1\nf 1/-1/1 2/-2 3/2\n";
-        let found = corners(text).expect("three triangles");
+        let cuts = [(0, [0, 1, 2]), (0, [0, 2, 3]), (1, [0, 1, 2])];
+        let found = corners(text, cuts.into_iter()).expect("three triangles");
         let [a, b, c, d] = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.0], [0.0, 1.0]];
         assert_eq!(found, [[a, b, c], [a, c, b], [d, c, b]]);
     }
@@ -92,7 +92,7 @@ mod tests {
             ("vt 0 10001", "not a texture coordinate; found `0 10001`"),
         ];
         for (statement, expected) in cases {
-            let error = corners(&format!("vt 0 0\n{statement}\n")).expect_err(statement);
+            let error = corners(&format!("vt 0 0\n{statement}\n"), std::iter::empty()).expect_err(statement);
             assert!(error.line == Some(2) && error.to_string().starts_with(expected), "{error}");
         }
     }

@@ -1,6 +1,7 @@
 //! Reads PLY, ascii and binary of either byte order: element `vertex`, with positions, texture coordinates and colours,
-//! and lists of corners in element `face`, cut into fans.
+//! and lists of corners in element `face`, cut into triangles.
 
+use super::polygon::Cutter;
 use super::{Coordinates, MOST_UV, Soup, Texels, checked, colors, compact, unread};
 use crate::error::Input;
 use crate::scene::files::Files;
@@ -24,18 +25,26 @@ struct Ply {
     has_color: bool,
 }
 
+/// The triangles of all faces.
+#[derive(Default)]
+struct Cut {
+    triangles: Vec<[u32; 3]>,
+    /// For each triangle the face that it came from, and the corners of the face that it has.
+    input_face: Vec<u32>,
+    corners: Vec<[u32; 3]>,
+}
+
 /// Reads a file's bytes; an error carries the line if one is to blame.
 pub(super) fn read(files: &Files, bytes: &[u8], wanted: Option<Coordinates<'_>>) -> Checked<Soup> {
     let ply = Ply::read(files, bytes)?;
-    let (triangles, input_face) = ply.fans()?;
+    let Cut { triangles, input_face, corners } = ply.cut()?;
     let uvs = match wanted {
         None => None,
         Some(wanted) if wanted.own && ply.has_color => Some(colors::corners(triangles.len())),
-        Some(wanted) => Some(ply.uvs(wanted.key)?),
+        Some(wanted) => Some(ply.uvs(wanted.key, &input_face, &corners)?),
     };
-    let positions: Checked<Vec<DVec3>> =
-        ply.vertices.iter().enumerate().map(|(number, vertex)| checked(vertex.position.into(), number)).collect();
-    let (soup, _) = compact(&positions?, triangles, input_face);
+    let used = ply.faces.iter().filter(|face| face.corners.len() > 2).flat_map(|face| &face.corners);
+    let (soup, _) = compact(&ply.positions()?, used.copied(), triangles, input_face);
     let ignored = ply.has_color && !wanted.is_some_and(|wanted| wanted.own);
     let note = "ignored: the colours of the vertices; texture = \"mesh\" in the material shows them";
     Ok(Soup { uvs, notes: ignored.then(|| note.to_owned()).into_iter().collect(), ..soup })
@@ -48,7 +57,7 @@ pub(super) fn texture(files: &Files, bytes: &[u8]) -> Checked<Texels> {
         let fault = Input::new("the vertices have no colours").found("no properties red, green and blue");
         return Err(fault.expected("properties red, green and blue, or the name of an image"));
     }
-    let (triangles, _) = ply.fans()?;
+    let triangles = ply.cut()?.triangles;
     if triangles.len() > colors::MOST {
         let fault = Input::new("too many triangles for colours of their vertices").found(triangles.len());
         return Err(fault.expected(format!("at most {}", colors::MOST)));
@@ -92,9 +101,13 @@ impl Ply {
         Ok(ply)
     }
 
-    /// Triangles, and for each the face that it came from.
-    fn fans(&self) -> Checked<(Vec<[u32; 3]>, Vec<u32>)> {
-        let (mut triangles, mut input_face) = (Vec::new(), Vec::new());
+    fn positions(&self) -> Checked<Vec<DVec3>> {
+        self.vertices.iter().enumerate().map(|(number, vertex)| checked(vertex.position.into(), number)).collect()
+    }
+
+    /// The faces' triangles.
+    fn cut(&self) -> Checked<Cut> {
+        let (mut cut, mut cutter, positions) = (Cut::default(), Cutter::default(), self.positions()?);
         for (face, number) in self.faces.iter().zip(0..) {
             let outside = |corner: &&u32| **corner as usize >= self.vertices.len();
             if let Some(corner) = face.corners.iter().find(outside) {
@@ -103,24 +116,25 @@ impl Ply {
                     Input::new("a face names a vertex that is not there").found(format!("{found} in face {number}"));
                 return Err(fault.expected(format!("numbers from 0 and below {}", self.vertices.len())));
             }
-            let [first, others @ ..] = &face.corners[..] else { continue };
-            for pair in others.windows(2) {
-                triangles.push([*first, pair[0], pair[1]]);
-                input_face.push(number);
+            for &corners in cutter.cut(face.corners.iter().map(|&corner| positions[corner as usize])) {
+                cut.triangles.push(corners.map(|corner| face.corners[corner as usize]));
+                cut.input_face.push(number);
+                cut.corners.push(corners);
             }
         }
-        if triangles.is_empty() {
+        if cut.triangles.is_empty() {
             let fault =
                 Input::new("the mesh has no faces").found(format!("{} faces of element `face`", self.faces.len()));
             return Err(fault.expected("a PLY file with faces of three or more corners"));
         }
-        Ok((triangles, input_face))
+        Ok(cut)
     }
 
-    /// Texture coordinates of the corners of all triangles: those of faces, or else those of vertices.
-    fn uvs(&self, key: &str) -> Checked<Vec<[[f64; 2]; 3]>> {
+    /// Texture coordinates of the corners of all triangles: those of faces, or else those of vertices. Each triangle
+    /// has these `corners` of that face.
+    fn uvs(&self, key: &str, input_face: &[u32], corners: &[[u32; 3]]) -> Checked<Vec<[[f64; 2]; 3]>> {
         let of_faces = self.faces.iter().any(|face| !face.uvs.is_empty());
-        let mut uvs = Vec::new();
+        let mut all = Vec::with_capacity(self.faces.len());
         for (face, number) in self.faces.iter().zip(0u32..) {
             let places: Vec<[f64; 2]> = match of_faces {
                 true => face.uvs.as_chunks().0.to_vec(),
@@ -133,10 +147,10 @@ impl Ply {
                 let expected = "properties u and v of vertices from -10,000 to 10,000, or a list texcoord of faces";
                 return Err(fault.found(format!("{places:?} at face {number}")).expected(expected));
             }
-            let corners = &places[..face.corners.len()];
-            uvs.extend(corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]));
+            all.push(places);
         }
-        Ok(uvs)
+        let of = |(face, corners): (&u32, &[u32; 3])| corners.map(|corner| all[*face as usize][corner as usize]);
+        Ok(input_face.iter().zip(corners).map(of).collect())
     }
 }
 

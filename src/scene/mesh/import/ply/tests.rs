@@ -118,3 +118,30 @@ fn faults_say_what_and_where() {
     let text = file(&faces("1"), "0 0 0\n1 0 x\n0 1 0\n3 0 1 2\n");
     assert_eq!(read(&Files::default(), text.as_bytes(), None).expect_err("no number").line, Some(11));
 }
+
+#[test]
+fn concave_polygons_keep_their_area_with_their_coordinates_and_colours() {
+    let corners = [[2, 1], [1, 1], [1, 2], [0, 2], [0, 0], [2, 0]];
+    for first in 0..6 {
+        let mut text =
+            "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n\
+                        property float u\nproperty float v\nproperty float red\nproperty float green\n\
+                        property float blue\nelement face 1\nproperty list uchar int vertex_index\nend_header\n"
+                .to_owned();
+        for [x, y] in (0..6).map(|k| corners[(first + k) % 6]) {
+            text += &format!("{x} {y} 0 {x} {y} {} {} 0\n", f64::from(x) / 2.0, f64::from(y) / 2.0);
+        }
+        text += "6 0 1 2 3 4 5\n";
+        let soup = of(text.as_bytes(), false).expect("four triangles");
+        let at = |corner: u32| soup.positions[corner as usize];
+        let doubled = soup.triangles.iter().map(|&[a, b, c]| (at(b) - at(a)).cross(at(c) - at(a)).z);
+        assert_eq!((soup.triangles.len(), doubled.sum::<f64>()), (4, 6.0), "from corner {first}");
+        assert_eq!(soup.input_face, [0; 4]);
+        let places = soup.triangles.iter().map(|triangle| triangle.map(|corner| [at(corner).x, at(corner).y]));
+        assert_eq!(soup.uvs.expect("coordinates"), places.collect::<Vec<_>>());
+        let (size, texels) = texture(&Files::default(), text.as_bytes()).expect("colours");
+        assert_eq!(size, [4, 4]);
+        let first = at(soup.triangles[0][0]);
+        assert_eq!(texels[0], [first.x as f32 / 2.0, first.y as f32 / 2.0, 0.0]);
+    }
+}
