@@ -24,7 +24,7 @@ pub struct DeviceState {
     /// Bound where a kernel names a buffer that has no elements in this scene.
     nothing: Box<Buffer>,
     recordings: Recordings,
-    execution: ExecutionCheck,
+    execution: Box<ExecutionCheck>,
     guarded: bool,
 }
 
@@ -33,7 +33,7 @@ impl DeviceState {
     pub fn new(device: &Device, guarded: bool) -> Result<Self> {
         let nothing = Box::new(Buffer::new(device, "nothing", 4)?);
         let (kernels, recordings) = (Kernels::new(device), Recordings::default());
-        let (execution, device) = (ExecutionCheck::new(device)?, device.clone());
+        let (execution, device) = (Box::new(ExecutionCheck::new(device)?), device.clone());
         Ok(Self { device, kernels, buffers: BTreeMap::new(), nothing, recordings, execution, guarded })
     }
 
