@@ -1,5 +1,5 @@
 //! A crate of its own that depends on milkglass, in a folder outside the checkout, with the front page's example: by
-//! path, with the default features and without, and from the published package where there is no shader compiler.
+//! path with the default features; checked without them, and from the published package where there is no shader compiler.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,9 +24,18 @@ fn succeed(command: &mut Command) -> String {
     text[0].clone()
 }
 
-/// Builds and runs the example in a crate that depends on milkglass in `source` with this addition to the line of the
-/// dependency. Returns the names of the crates that were built into it.
-fn depends(source: &Path, addition: &str, settings: &[(&str, &str)]) -> Vec<String> {
+/// What is done with a crate that depends on milkglass.
+#[derive(Clone, Copy, PartialEq)]
+enum Done {
+    /// Built and run: it links, and renders.
+    Run,
+    /// Checked: what it names is there. Linking is the same for all.
+    Checked,
+}
+
+/// Makes a crate of the example that depends on milkglass in `source` with this addition to the line of the dependency.
+/// Returns the names of the crates that are built into it.
+fn depends(source: &Path, addition: &str, settings: &[(&str, &str)], done: Done) -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
     let path = source.display();
     let manifest = format!(
@@ -47,9 +56,13 @@ fn depends(source: &Path, addition: &str, settings: &[(&str, &str)]) -> Vec<Stri
         cargo.env("CARGO_PROFILE_DEV_DEBUG", "0");
         cargo
     };
-    succeed(cargo().args(["run", "--quiet"]));
-    let size = fs::metadata(folder.path().join("lotus.png")).unwrap().len();
-    assert!(size > 10_000, "a picture of {size} bytes");
+    if done == Done::Run {
+        succeed(cargo().args(["run", "--quiet"]));
+        let size = fs::metadata(folder.path().join("lotus.png")).unwrap().len();
+        assert!(size > 10_000, "a picture of {size} bytes");
+    } else {
+        succeed(cargo().args(["check", "--quiet"]));
+    }
     let tree = succeed(cargo().args(["tree", "--edges", "normal", "--prefix", "none", "--format", "{p}"]));
     let mut names: Vec<String> = tree.lines().filter_map(|line| Some(line.split(' ').next()?.to_string())).collect();
     names.sort();
@@ -69,11 +82,11 @@ fn package(folder: &Path) -> PathBuf {
 }
 
 #[test]
-#[ignore = "slow: builds the library three times"]
+#[ignore = "slow: builds the library once and checks it once"]
 fn a_crate_elsewhere_renders_a_picture() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let whole = depends(here, "", &[]);
-    let lean = depends(here, ", default-features = false", &[]);
+    let whole = depends(here, "", &[], Done::Run);
+    let lean = depends(here, ", default-features = false", &[], Done::Checked);
     for own in ["clap", "indicatif", "plotters", "csv", "shaderc"] {
         assert!(!lean.iter().any(|name| name == own), "a library without the command line builds {own}");
         assert!(whole.iter().any(|name| name == own), "{own} is no dependency any more: take it off this list");
@@ -82,13 +95,13 @@ fn a_crate_elsewhere_renders_a_picture() {
 }
 
 #[test]
-#[ignore = "slow: packs and builds the library"]
+#[ignore = "slow: packs and checks the library"]
 fn the_package_needs_no_shader_compiler() {
     let folder = tempfile::tempdir().unwrap();
     let source = package(folder.path());
     assert!(!source.join("tests").exists() && source.join("spirv/sources").exists());
     let none = [("GLSLC", "/no/such/compiler")];
-    depends(&source, ", default-features = false", &none);
+    depends(&source, ", default-features = false", &none, Done::Checked);
 
     // Where a source differs from what the SPIR-V was made of, it is not used.
     let kernel = source.join("glsl/invocation.glsl");
