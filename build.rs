@@ -38,7 +38,8 @@ const PARTS: [&str; 9] = [
 ];
 
 fn main() {
-    for input in ["glsl", "src/layout", "src/gpu/compile.rs", SHIPPED].into_iter().chain(OUTSIDE) {
+    // All of `src`: what names the commit runs again when the program changes, and not for a commit alone.
+    for input in ["build.rs", "glsl", "src", SHIPPED].into_iter().chain(OUTSIDE) {
         if Path::new(input).exists() {
             println!("cargo::rerun-if-changed={input}");
         }
@@ -53,7 +54,7 @@ fn main() {
 }
 
 /// Tells the program its commit, which results name: `MILKGLASS_COMMIT`, else what git says where this is the root of a
-/// checkout. What was changed since that commit does not show.
+/// checkout, with a plus sign where sources differ from that commit.
 fn name_commit() {
     println!("cargo::rerun-if-env-changed=MILKGLASS_COMMIT");
     if env::var_os("MILKGLASS_COMMIT").is_some() {
@@ -66,14 +67,9 @@ fn name_commit() {
     // A package that lies in another repository is not of its commit.
     let Some("") = git(&["rev-parse", "--show-prefix"]).as_deref() else { return };
     let Some(commit) = git(&["rev-parse", "HEAD"]).filter(|_| Path::new(".git").exists()) else { return };
-    println!("cargo::rustc-env=MILKGLASS_COMMIT={commit}");
-    // The log of HEAD grows with each commit and checkout; without one, HEAD and its branch.
-    let branch = git(&["symbolic-ref", "-q", "HEAD"]);
-    for name in ["logs/HEAD", "HEAD"].into_iter().chain(branch.as_deref()) {
-        if let Some(file) = git(&["rev-parse", "--git-path", name]).filter(|file| Path::new(file).exists()) {
-            println!("cargo::rerun-if-changed={file}");
-        }
-    }
+    let changes = git(&["status", "--porcelain", "--", "src", "glsl", "build.rs", "Cargo.toml", "Cargo.lock"]);
+    let mark = if changes.is_none_or(|changes| changes.is_empty()) { "" } else { "+" };
+    println!("cargo::rustc-env=MILKGLASS_COMMIT={commit}{mark}");
 }
 
 /// A kernel to compile: its GLSL, a macro to define, and the SPIR-V file.
@@ -104,14 +100,23 @@ fn run() -> Result<(), String> {
         let job = |path: &Path, define, target| Job { source: path.into(), define, target: out.join(target) };
         jobs.extend(kernels.iter().map(|path| job(path, None, binary(path))));
         jobs.extend(alone.iter().map(|path| job(path, Some(WITHOUT_SUBGROUPS), alone_binary(path))));
-        fs::write(out.join("sources"), hash).map_err(|e| e.to_string())?;
+        fs::write(out.join("sources"), &hash).map_err(|e| e.to_string())?;
     }
+    let mut all = sources.clone();
     for outside in OUTSIDE.into_iter().filter(|outside| Path::new(outside).exists()) {
         let name = |path: &Path| path.with_extension("spv").to_string_lossy().replace(['/', '\\'], "-");
-        let job = |path: PathBuf| Job { target: out.join(name(&path)), define: None, source: path };
-        jobs.extend(files(Path::new(outside), &["comp"])?.into_iter().map(job));
+        for path in files(Path::new(outside), &["comp"])? {
+            all.push(path.clone());
+            jobs.push(Job { target: out.join(name(&path)), define: None, source: path });
+        }
     }
-    compile_all(jobs, &out, &header)?;
+    // This script also runs when Rust files change: then what it has compiled before is still right.
+    let settings = format!("{header}{}{:?}{shipped}", include_str!("build.rs"), env::var_os("GLSLC"));
+    let made_of = self::hash(&all, &settings)?;
+    if fs::read_to_string(out.join("made-of")).ok().as_deref() != Some(&made_of) {
+        compile_all(jobs, &out, &header)?;
+        fs::write(out.join("made-of"), made_of).map_err(|e| e.to_string())?;
+    }
 
     // Tables of the binaries by name, and one of the sources by path.
     let mut table = String::new();

@@ -37,6 +37,9 @@
 
 #![deny(missing_docs)]
 
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub mod cli;
 pub mod error;
 #[cfg(doc)]
 pub mod guide;
@@ -46,6 +49,10 @@ pub mod measure;
 pub mod scene;
 
 use internals::*;
+
+// The command line is written against the public API, by its name.
+#[cfg(feature = "cli")]
+extern crate self as milkglass;
 
 #[doc(inline)]
 pub use error::{Error, Result};

@@ -1,11 +1,9 @@
 //! The command line: runs the command that the arguments name; an error becomes one message and an exit code.
 
-mod cli;
-
 use std::io::Write;
 use std::process::ExitCode;
 
-use cli::{leave, remove_when_stopped, run};
+use milkglass::cli::{leave, remove_when_stopped, run};
 
 fn main() -> ExitCode {
     remove_when_stopped();

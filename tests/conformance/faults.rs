@@ -203,7 +203,7 @@ fn a_sequence_is_whole_as_far_as_it_goes() {
                 ["milkglass", "render", "noise", "--frames", "0..3", "--size", "12x8", "-o", output.to_str().unwrap()];
             let sets = ["--set", "object.0.detail=2", "--device", device.name()];
             let words = fixed.iter().chain(&sets).chain(more);
-            crate::cli::run(words.map(Into::into))
+            milkglass::cli::run(words.map(Into::into))
         };
         let read = |name: &str, k: usize| std::fs::read(here.path().join(format!("{name}{k}.png"))).ok();
         let (done, calls) = watch(None, || render("whole%d.png", &[]));

@@ -36,7 +36,7 @@ fn a_device_that_executes_nothing_is_refused() {
     let here = tempfile::tempdir().unwrap();
     let picture = here.path().join("idle.png");
     let words = ["milkglass", "render", "sphere", "--set", "camera.size=[8,8]", "-o", picture.to_str().unwrap()];
-    let done = on_idle(|_| true, || crate::cli::run(words.map(Into::into)));
+    let done = on_idle(|_| true, || milkglass::cli::run(words.map(Into::into)));
     assert_eq!(done.unwrap_err().exit_code(), 3);
     assert!(!picture.exists());
     assert!(instance.take_messages().is_empty());

@@ -158,7 +158,7 @@ fn links_too_many_to_keep_are_made_for_each_frame() {
 /// The result of a command with every device modified by `alter`.
 fn altered(device: &Device, line: &str, alter: fn(&mut Adapter)) -> Result<(), (u8, String)> {
     let words = line.split_whitespace().chain(["--device", device.name()]).map(Into::into);
-    on_altered(alter, || crate::cli::run(words)).map_err(|error| (error.exit_code(), error.to_string()))
+    on_altered(alter, || milkglass::cli::run(words)).map_err(|error| (error.exit_code(), error.to_string()))
 }
 
 #[test]

@@ -1,8 +1,5 @@
 //! Every device against the reference, and the behaviour of devices, drivers and limits.
 
-#[allow(dead_code, unused_imports, unreachable_pub)]
-#[path = "../../src/cli/mod.rs"]
-mod cli;
 #[path = "../devices/mod.rs"]
 mod devices;
 #[path = "../shell/mod.rs"]
