@@ -44,6 +44,8 @@ pub static AXES: &[Axis] = &[
         about: "invocations of a work group, where a kernel leaves that open; group.STAGE for one stage",
         values: &[
             Value { name: "64", about: "what kernels are written for", set: |c| grouped(c, GROUP_SIZE) },
+            Value { name: "8", about: "few walks that wait for each other", set: |c| grouped(c, 8) },
+            Value { name: "16", about: "a quarter of it", set: |c| grouped(c, 16) },
             Value { name: "32", about: "half of it", set: |c| grouped(c, 32) },
             Value { name: "128", about: "twice as many", set: |c| grouped(c, 128) },
             Value { name: "256", about: "four times as many", set: |c| grouped(c, 256) },

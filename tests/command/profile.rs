@@ -87,17 +87,18 @@ fn a_shader_is_printed_and_taken_back() {
     let (text, _) = good(&here, "shader transport/blocks/gather/direct");
     let square = text
         .replace("local_size_x = GROUP_SIZE, local_size_x_id = GROUP_ID", "local_size_x = 8, local_size_y = 8")
-        .replace("gl_WorkGroupSize.x", "64")
-        .replace("gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID", "gl_LocalInvocationIndex")
-        .replace("sharing()", "1");
-    assert!(square.contains("local_size_y") && !square.contains("gl_SubgroupID"), "{square}");
-    std::fs::write(here.path().join("square.comp"), square).unwrap();
-    let line = "conform a.toml --stage gather --replace transport/blocks/gather/direct=square.comp";
-    let mut command = program(&here, line);
-    command.env("LP_NATIVE_VECTOR_WIDTH", "512").env("MESA_SHADER_CACHE_DISABLE", "true");
-    let output = command.output().unwrap();
-    let (out, err) = said(&output);
-    assert!(output.status.success(), "{out}{err}");
+        .replace("gl_WorkGroupSize.x", "64");
+    let alone = square.replace("#include \"layout.glsl\"", "#define WITHOUT_SUBGROUPS\n#include \"layout.glsl\"");
+    assert!(square.contains("local_size_y") && alone.contains("#define"), "{alone}");
+    for (text, code, words) in [(square, 3, "#define WITHOUT_SUBGROUPS"), (alone, 0, "all conform")] {
+        std::fs::write(here.path().join("square.comp"), text).unwrap();
+        let line = "conform a.toml --stage gather --replace transport/blocks/gather/direct=square.comp";
+        let mut command = program(&here, line);
+        command.env("LP_NATIVE_VECTOR_WIDTH", "512").env("MESA_SHADER_CACHE_DISABLE", "true");
+        let output = command.output().unwrap();
+        let (out, err) = said(&output);
+        assert!(output.status.code() == Some(code) && (out.contains(words) || err.contains(words)), "{out}{err}");
+    }
     let (out, _) = good(
         &here,
         "pareto a.toml --quick --methods blocks --samples 20 --replace transport/blocks/gather/direct=my.comp",
