@@ -1,5 +1,6 @@
-//! Puts the kernels into the program: every `glsl/**/*.comp` as SPIR-V, with the GLSL form of `src/layout` for them to
-//! include, and every source; those that share values in a subgroup also without that. Kernels of tests and benches are only compiled: `OUT_DIR/tests-kernels-NAME.spv`.
+//! Puts the kernels into the program: every `glsl/**/*.comp` as SPIR-V, with the GLSL form of `src/layout` for them
+//! to include, and every source; those that share values in a subgroup also without that. Kernels of tests and
+//! benches are only compiled: `OUT_DIR/tests-kernels-NAME.spv`.
 //!
 //! SPIR-V comes from the folder `spirv`, which a published package has, where it was made from these very sources;
 //! else from the program `glslc`; with the feature `build-from-source`, from the shaderc that cargo builds.
@@ -39,12 +40,13 @@ const PARTS: [&str; 9] = [
 
 fn main() {
     // All of `src`: what names the commit runs again when the program changes, and not for a commit alone.
-    for input in ["build.rs", "glsl", "src", SHIPPED].into_iter().chain(OUTSIDE) {
+    for input in ["build.rs", "Cargo.toml", "Cargo.lock", "glsl", "src", SHIPPED].into_iter().chain(OUTSIDE) {
         if Path::new(input).exists() {
             println!("cargo::rerun-if-changed={input}");
         }
     }
     println!("cargo::rerun-if-env-changed=GLSLC");
+    println!("cargo::rerun-if-env-changed=VULKAN_SDK");
     name_commit();
     link_shaderc();
     if let Err(message) = run() {
@@ -111,11 +113,14 @@ fn run() -> Result<(), String> {
         }
     }
     // This script also runs when Rust files change: then what it has compiled before is still right.
-    let settings = format!("{header}{}{:?}{shipped}", include_str!("build.rs"), env::var_os("GLSLC"));
-    let made_of = self::hash(&all, &settings)?;
-    if fs::read_to_string(out.join("made-of")).ok().as_deref() != Some(&made_of) {
+    let scripts = [include_str!("build.rs"), include_str!("src/gpu/compile.rs")].concat();
+    let made_of = self::hash(&all, &format!("{header}{scripts}{shipped}{}", compiler()))?;
+    let (note, there) = (out.join("made-of"), jobs.iter().all(|job| job.target.exists()));
+    if !there || fs::read_to_string(&note).ok().as_deref() != Some(&made_of) {
+        // Until all are made, they are of no one state.
+        let _ = fs::remove_file(&note);
         compile_all(jobs, &out, &header)?;
-        fs::write(out.join("made-of"), made_of).map_err(|e| e.to_string())?;
+        fs::write(&note, made_of).map_err(|e| e.to_string())?;
     }
 
     // Tables of the binaries by name, and one of the sources by path.
@@ -216,6 +221,19 @@ fn compile_one(job: &Job, out: &Path, _: &str) -> Result<(), String> {
 fn glslc() -> PathBuf {
     let sdk = || Some(PathBuf::from(env::var_os("VULKAN_SDK")?).join("bin/glslc")).filter(|path| path.exists());
     env::var_os("GLSLC").map(PathBuf::from).or_else(sdk).unwrap_or_else(|| "glslc".into())
+}
+
+/// Which compiler it is.
+#[cfg(not(feature = "build-from-source"))]
+fn compiler() -> String {
+    let run = process::Command::new(glslc()).arg("--version").output();
+    format!("{} {:?}", glslc().display(), run.map(|run| run.stdout).ok())
+}
+
+/// Which compiler it is: the crate's, whose version is in the lock file.
+#[cfg(feature = "build-from-source")]
+fn compiler() -> String {
+    "shaderc".into()
 }
 
 /// Compiles one kernel with the shaderc that cargo built.

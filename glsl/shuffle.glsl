@@ -21,9 +21,11 @@ uint lane() { return gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID; 
 float shuffled(float v, uint from) { return subgroupShuffle(v, from); }
 uint shuffled(uint v, uint from) { return subgroupShuffle(v, from); }
 
+layout(constant_id = LOCKSTEP_ID) const uint LOCKSTEP = 0;
+
 void exchange_in_subgroup() {
     subgroupMemoryBarrierShared();
-    subgroupBarrier();
+    if (LOCKSTEP == 0) subgroupBarrier();
 }
 #endif
 

@@ -1,5 +1,6 @@
-//! A crate of its own that depends on milkglass, in a folder outside the checkout, with the front page's example: by
-//! path with the default features; checked without them, and from the published package where there is no shader compiler.
+//! A crate of its own that depends on milkglass, in a folder outside the checkout, with the front page's example: built
+//! and run by path with the default features; checked without them, and from the published package where there is no
+//! shader compiler.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -29,7 +30,7 @@ fn succeed(command: &mut Command) -> String {
 enum Done {
     /// Built and run: it links, and renders.
     Run,
-    /// Checked: what it names is there. Linking is the same for all.
+    /// Checked: what it names is there. It links no more than the one that is run.
     Checked,
 }
 

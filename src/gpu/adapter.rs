@@ -109,8 +109,9 @@ impl Adapter {
         Err(Error::device(format!("looking for device {wish:?}"), what))
     }
 
-    /// Whether kernels are compiled when they are first dispatched, and kept on disk for all devices.
-    pub(super) fn compiles_at_dispatch(&self) -> bool {
+    /// Whether it is Mesa's software device. Kernels are compiled there when they are first dispatched and kept on disk
+    /// for all devices; a subgroup is a vector of the processor.
+    pub(super) fn is_llvmpipe(&self) -> bool {
         self.ids.driver == vk::DriverId::MESA_LLVMPIPE.as_raw()
     }
 

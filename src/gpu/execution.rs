@@ -50,8 +50,8 @@ impl ExecutionCheck {
         recorder.dispatch(&self.kernel, &[binding], &[], Work::Grid([1, 1, 1]))
     }
 
-    /// An error if the submission that it was listed for is done and the dispatch was not executed. From then on nothing
-    /// of the device is destroyed: drivers of null hardware crash there.
+    /// An error if the submission that it was listed for is done and the dispatch was not executed. From then on
+    /// nothing of the device is destroyed: drivers of null hardware crash there.
     pub fn verify(&self, doing: &str) -> Result<()> {
         let mut words = self.words.borrow_mut();
         let found: Vec<u32> = bytemuck::pod_collect_to_vec(&words.mapped(doing)?[..4 * WORDS]);

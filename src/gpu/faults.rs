@@ -1,5 +1,5 @@
-//! Fault injection for tests: any call of Vulkan that can fail can be made to fail, adapters can be made to promise less
-//! than they do, and dispatches can be left out.
+//! Fault injection for tests: any call of Vulkan that can fail can be made to fail, adapters can be made to promise
+//! less than they do, and dispatches can be left out.
 //!
 //! Nothing is injected unless a test requests it on its own thread. A call that is to fail is not made at all, as if
 //! the driver had returned at once.

@@ -36,7 +36,7 @@ static KNOWN: Mutex<BTreeSet<(String, KernelKey)>> = Mutex::new(BTreeSet::new())
 /// Has the kernels of a list compiled that are new to this process, if that is any use.
 pub(super) fn compile(device: &LogicalDevice, list: &[Entry]) {
     let adapter = device.adapter();
-    let kept = std::env::var_os("MESA_SHADER_CACHE_DISABLE").is_none() && adapter.compiles_at_dispatch();
+    let kept = std::env::var_os("MESA_SHADER_CACHE_DISABLE").is_none() && adapter.is_llvmpipe();
     if !kept || !device.compiles_ahead() || device.instance().validates() || *device.choices() != Choices::default() {
         return;
     }

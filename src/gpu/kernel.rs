@@ -19,7 +19,7 @@ use super::pushed::{BAKED_ID, as_specialization, as_uniform};
 use super::reflect::{Access, Reflected, has_subgroups, reflect, words_of, words_without_subgroups};
 use super::spirv_module::{round_to_nearest, without_rounding};
 use crate::error::{Error, Result};
-use crate::layout::{GROUP_ID, GROUPS_A_ROW};
+use crate::layout::{GROUP_ID, GROUPS_A_ROW, LOCKSTEP_ID};
 use crate::phases::phase;
 
 pub(super) use subgroups::words_for;
@@ -48,6 +48,8 @@ pub struct Kernel {
     pub push_bytes: u32,
     /// Whether it shares values in subgroups, and takes for granted that they are full.
     shuffles: bool,
+    /// Whether it takes that subgroups run in lockstep as a constant.
+    asks_lockstep: bool,
     /// Whether its SPIR-V is the build's; others may take less than they are given.
     pub(super) built: bool,
     /// How long the driver took to create the pipeline.
@@ -158,6 +160,7 @@ impl Kernel {
             name: name.to_string(),
             constants: constants.to_vec(),
             shuffles: has_subgroups(words),
+            asks_lockstep: found.open.contains(&LOCKSTEP_ID),
             accesses: found.accesses,
             push_bytes: found.push_bytes,
             built,
@@ -177,6 +180,7 @@ impl Kernel {
         let device = self.device.clone();
         let choices = device.choices();
         special.extend(self.chosen_group.map(|size| (GROUP_ID, size)));
+        special.extend((self.asks_lockstep && device.adapter().is_llvmpipe()).then_some((LOCKSTEP_ID, 1)));
         let uniform = choices.constants == Constants::Uniform;
         let words = as_given(&device, if uniform { as_uniform(&words) } else { words });
         self.make_layouts(&doing)?;

@@ -257,7 +257,8 @@ impl Drop for Inner {
     fn drop(&mut self) {
         let allocator = self.memory.take();
         if !self.finished() {
-            // What a hung device may still use lives until the process ends; null hardware crashes when it is destroyed.
+            // What a hung device may still use lives until the process ends; null hardware crashes when it is
+            // destroyed.
             std::mem::forget((allocator, self.instance.clone()));
             return;
         }

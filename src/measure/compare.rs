@@ -51,10 +51,10 @@ fn ulp(a: f32, b: f32) -> u64 {
     order(a).abs_diff(order(b))
 }
 
-/// Whether two words of a float are the same: the same bits, or, where values have a tolerance, no number in both. What
-/// is computed from poison is none, and its bits are the processor's choice.
-fn same(x: u32, y: u32, tolerance: Tolerance) -> bool {
-    x == y || (tolerance != Tolerance::Exact && f32::from_bits(x).is_nan() && f32::from_bits(y).is_nan())
+/// Whether two words of a float are the same: the same bits, or, where a value has a tolerance, NaN in both. What is
+/// computed from poison is not a number, with bits of the processor's choice.
+fn same(x: u32, y: u32, has_tolerance: impl FnOnce() -> bool) -> bool {
+    x == y || (f32::from_bits(x).is_nan() && f32::from_bits(y).is_nan() && has_tolerance())
 }
 
 /// Compares one buffer of two states. Failures and relative differences cover the whole buffer; the word count and
@@ -102,14 +102,15 @@ pub fn compare(
         let word = &layout[k];
         let told = (part.0..part.0 + part.1).contains(&(i / layout.len()));
         if word.number == Number::Float && told {
-            let distance = if same(x, y, tolerance) { 0 } else { ulp(f32::from_bits(x), f32::from_bits(y)) };
+            let distance =
+                if same(x, y, || rules.at(i).most.is_some()) { 0 } else { ulp(f32::from_bits(x), f32::from_bits(y)) };
             result.histogram[BINS.iter().take_while(|most| distance > **most).count()] += 1;
             if distance > result.ulp {
                 (result.ulp, farthest) = (distance, i);
             }
         }
         let passes = match word.number {
-            Number::Float if !same(x, y, tolerance) => {
+            Number::Float if !same(x, y, || rules.at(i).most.is_some()) => {
                 let (p, q) = (f32::from_bits(x), f32::from_bits(y));
                 let difference = (f64::from(p) - f64::from(q)).abs();
                 let Allowed { lowest, most, .. } = rules.at(i);
@@ -196,7 +197,7 @@ mod tests {
             compare(BufferId::radiosity, &state(vec![[1.0; 3]]), &state(vec![[1.0, f32::NAN, 1.0]]), tolerance, (0, 1));
         assert_eq!(found.failures, 1);
         assert_eq!(found.ulp, u64::MAX);
-        // But no number computed from poison is none on any processor.
+        // What is computed from poison is not a number on any processor, in bits of its own.
         let [poison, own] = [0xffc0_dead, 0x7fff_ffff].map(|bits| state(vec![[1.0, f32::from_bits(bits), 1.0]]));
         let failures = |tolerance| compare(BufferId::radiosity, &poison, &own, tolerance, (0, 1)).failures;
         assert_eq!((failures(tolerance), failures(Tolerance::Exact)), (0, 1));

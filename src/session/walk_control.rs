@@ -104,8 +104,8 @@ impl Course {
         }
     }
 
-    /// Says that the walk takes so many photons a channel and so many seconds in all, if that is long; an error if it is
-    /// beyond the limit.
+    /// Says that the walk takes so many photons a channel and so many seconds in all, if that is long; an error if it
+    /// is beyond the limit.
     fn judge(&mut self, needed: f64, seconds: f64) -> Result<()> {
         self.since = None;
         let about = format!("about {needed:.1e} photons a channel, {}", seconds_of(seconds));

@@ -21,7 +21,8 @@ const HARMLESS: [&str; 5] = [
     "vkResetFences",
     "vkResetDescriptorPool",
 ];
-/// All other calls of the program; `vkAllocateMemory` stands for the allocator's calls, mapping included.
+/// All other calls of the program with the default choices; `vkAllocateMemory` stands for the allocator's calls,
+/// mapping included.
 const CALLS: [&str; 22] = [
     "vkAllocateCommandBuffers",
     "vkAllocateDescriptorSets",

@@ -1,4 +1,4 @@
-//! What shaders rely on.
+//! What shaders rely on of devices, and what dependencies rely on of Rust.
 
 use std::fs;
 
@@ -21,4 +21,26 @@ fn shaders_do_not_rely_on_what_devices_do_not_promise() {
     }
     let alone: Vec<&str> = milkglass::internals::gpu::kernels_without_subgroups().collect();
     assert_eq!(alone, including);
+}
+
+/// Clippy (`incompatible_msrv`) checks what the code itself calls.
+#[test]
+fn no_dependency_needs_a_newer_rust() {
+    // 1.89 is 1.89.0.
+    let version = |text: &str| -> Vec<u32> {
+        let mut parts: Vec<u32> = text.split('.').map(|part| part.parse().unwrap()).collect();
+        parts.resize(3, 0);
+        parts
+    };
+    let arguments = ["metadata", "--format-version", "1", "--locked", "--filter-platform", "x86_64-unknown-linux-gnu"];
+    let done = std::process::Command::new(env!("CARGO")).args(arguments).output().unwrap();
+    let all: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
+    let own = version(env!("CARGO_PKG_RUST_VERSION"));
+    let packages = all["packages"].as_array().unwrap();
+    assert!(packages.len() > 50, "{}", packages.len());
+    for package in packages {
+        if let Some(needed) = package["rust_version"].as_str() {
+            assert!(version(needed) <= own, "{} needs Rust {needed}", package["name"]);
+        }
+    }
 }

@@ -12,8 +12,8 @@ const float WEIGHT[21] = float[21](0.555555555556, 0.888888888889, 0.55555555555
     0.047175336387, 0.106939325995, 0.160078328543, 0.203167426723, 0.233492536538, 0.249147045813,
     0.249147045813, 0.233492536538, 0.203167426723, 0.160078328543, 0.106939325995, 0.047175336387);
 
-// The least value of (1 - w)(1 + w) for a w below 1 in f32. Where an edge points past the foot, w is 1 but for the
-// rounding of a division, which devices choose: it must not make a thin difference of two of them count.
+// Half of the least value of (1 - w)(1 + w) for a w below 1 in f32. Where an edge points past the foot, w is 1 but for
+// the rounding of a division, which devices choose: it must not make a thin difference of two of them count.
 const float LEAST_GAP = 6e-8;
 
 // (1 - e^{-x}) / x for x >= 0.

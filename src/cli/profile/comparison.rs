@@ -18,12 +18,18 @@ pub(super) fn forecast(found: &Forecast, settings: &Settings) -> String {
             format!("starts of {each} rounds, about {:.0} seconds each, until --until is reached", seconds.ceil())
         }
     };
-    let judged = if edited > 0 { format!("{edited} for the replaced stages, ") } else { String::new() };
-    text += &format!("; a verdict takes {judged}{others} for all {}rows", if edited > 0 { "other " } else { "" });
+    text += &match edited {
+        0 => format!("; a verdict takes {others} starts"),
+        _ => format!("; a verdict takes {edited} starts for the replaced stages, {others} for all other rows"),
+    };
     // The first start that ends beyond the budget is the last.
     let last = (settings.enough / seconds.max(1e-9)).floor() + 1.0;
     if last < edited.max(others) as f64 {
-        let which = if last < edited as f64 || edited == 0 { "all rows" } else { "all but the replaced stages" };
+        let which = match () {
+            () if edited == 0 || last < edited.min(others) as f64 => "all rows",
+            () if last < edited as f64 => "the replaced stages",
+            () => "all but the replaced stages",
+        };
         text += &format!(
             "; --budget ends it after about {last:.0} start{}, and {which} stay undecided",
             if last > 1.0 { "s" } else { "" }

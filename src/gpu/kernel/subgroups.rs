@@ -18,8 +18,8 @@ impl LogicalDevice {
     }
 }
 
-/// The build's SPIR-V of a kernel for this device: optimised as chosen, and without subgroup operations where the device
-/// does not grant full subgroups.
+/// The build's SPIR-V of a kernel for this device: optimised as chosen, and without subgroup operations where the
+/// device does not grant full subgroups.
 pub(in super::super) fn words_for(device: &LogicalDevice, name: &str) -> Result<Vec<u32>> {
     let words = words_of(name)?;
     let across = || -> Result<u32> {

@@ -1,5 +1,5 @@
-//! Objects that a submission has used and the next one uses again. Some drivers take longer to make a fence than to run a
-//! frame: NVIDIA's, on a virtual machine, half a millisecond.
+//! Objects that a submission has used and the next one uses again. To make a fence and destroy it takes NVIDIA's driver
+//! half a millisecond on a virtual machine.
 
 use ash::vk;
 
@@ -66,7 +66,7 @@ impl LogicalDevice {
         let queries = &mut self.0.spares.borrow_mut().queries;
         match queries.len() < MOST_KEPT {
             true => queries.push(pool),
-            // SAFETY: no submission has it; a null handle is allowed.
+            // SAFETY: no submission has it.
             false => unsafe { self.0.raw.destroy_query_pool(pool.0, None) },
         }
     }

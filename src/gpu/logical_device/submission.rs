@@ -84,9 +84,9 @@ impl LogicalDevice {
         vk_call("vkWaitForFences", doing, || unsafe { raw.wait_for_fences(&[fence], true, patience) })
     }
 
-    /// Whether what the device used may be freed: nothing runs on it, and it has not been given up. After a wait that failed, a submission
-    /// may still run: then this waits once more, for [`GRACE`], and what the submission uses is leaked if it takes
-    /// longer.
+    /// Whether what the device used may be freed: nothing runs on it, and it has not been given up. After a wait that
+    /// failed, a submission may still run: then this waits once more, for [`GRACE`], and what the submission uses is
+    /// leaked if it takes longer.
     pub(in super::super) fn finished(&self) -> bool {
         self.0.finished()
     }

@@ -86,8 +86,9 @@ pub(super) fn of(
     Ok(stages)
 }
 
-/// Fails unless the frame with kernels that count did the work of the one without. Compilers may contract the arithmetic
-/// of the two differently, so that values differ in their last bits; what decides about work must not differ.
+/// Fails unless the frame with kernels that count did the work of the one without. Compilers may contract the
+/// arithmetic of the two differently, so that values differ in their last bits; what decides about work must not
+/// differ.
 fn same_work(counted: &mut Session, plain: &mut Session) -> Result<()> {
     let doing = "counting what kernels do";
     for session in [&mut *counted, &mut *plain] {

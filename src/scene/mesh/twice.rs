@@ -39,6 +39,10 @@ fn mark(triangles: &[[u32; 3]], polygons: &[Range<u32>], again: &mut [bool]) {
         for (_, number) in same {
             let polygon = &polygons[*number as usize];
             let border = border(of(polygon));
+            // A polygon whose edges all cancel has none to compare.
+            if border.is_empty() {
+                continue;
+            }
             if known.contains(&border) {
                 again[polygon.start as usize..polygon.end as usize].fill(true);
             } else {

@@ -152,8 +152,15 @@ impl Studio {
         let sheets = sheet::all(&as_it_is);
         let mut told = depth::told(&as_it_is, &sheets, &text.name, up, wishes.up.is_none() && !turned, &backdrop);
         // Sheets have no inside: light enters from both sides, unless the user says otherwise.
-        if !sheets.is_empty() && !sets.iter().any(|set| set.contains("two_sided")) {
-            told.push(both_sides(&mut table, &sheets, as_it_is.objects.len(), &text.name));
+        let set_by_user = |number: &usize| {
+            let material = format!("object.{number}.material");
+            let own =
+                |set: &String| set.trim_start().strip_prefix(&material).is_some_and(|rest| !rest.starts_with('.'));
+            sets.iter().any(|set| own(set) || set.contains(&format!("{material}.two_sided")))
+        };
+        let lit: Vec<usize> = sheets.iter().copied().filter(|number| !set_by_user(number)).collect();
+        if !lit.is_empty() {
+            told.push(both_sides(&mut table, &lit, as_it_is.objects.len(), &text.name));
         }
         let translucent = as_it_is.objects.iter().filter(|object| object.material.opaque.is_none()).count();
         let thin = !sheets.is_empty() && sheets.len() == translucent;

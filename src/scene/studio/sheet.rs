@@ -13,7 +13,10 @@ const ENOUGH: f64 = 0.05;
 
 /// Numbers of the translucent objects that are sheets.
 pub(super) fn all(scene: &Scene) -> Vec<usize> {
-    let one = |(_, object): &(usize, &super::super::Object)| object.material.opaque.is_none() && is_sheet(&object.mesh);
+    // Single scattering has one side.
+    let one = |(_, object): &(usize, &super::super::Object)| {
+        object.material.opaque.is_none() && !object.material.single_scattering && is_sheet(&object.mesh)
+    };
     scene.objects.iter().enumerate().filter(one).map(|(number, _)| number).collect()
 }
 
