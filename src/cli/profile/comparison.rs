@@ -262,7 +262,7 @@ mod tests {
     fn what_is_to_come_is_told() {
         let found = Forecast { starts: 10, each: 5, seconds: 2.05, fewest: [6, 10] };
         let with = |enough, until| forecast(&found, &Settings { enough, until, ..Settings::default() });
-        let verdicts = "a verdict takes 6 for the replaced stages, 10 for all other rows";
+        let verdicts = "a verdict takes 6 starts for the replaced stages, 10 for all other rows";
         assert_eq!(with(f64::INFINITY, None), format!("10 starts of 5 rounds, about 21 seconds; {verdicts}"));
         for (budget, end) in [
             (15.0, "; --budget ends it after about 8 starts, and all but the replaced stages stay undecided"),
