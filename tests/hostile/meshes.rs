@@ -60,7 +60,9 @@ pub fn cases() -> Vec<Case> {
         "m.obj: too many parts of the mesh lie in one another to tell walls from cavities; found 40000 closed parts";
     cases.push(Case::new(&[("m.obj", shells.as_bytes())], "solve m.obj -o a.csv --device cpu", words));
     // Meshes that fail only with certain scene settings.
-    let flat = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\nf 1 3 2\n";
+    // Two tetrahedra that share an edge.
+    let joined = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nv 0 0 -1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n\
+                  f 1 2 5\nf 1 6 2\nf 1 5 6\nf 2 6 5\n";
     let marble = "material = { preset = 'marble' }\n";
     let crowd = format!("v 0 0 0\n{rim}{disk}");
     let ways: [(&str, String, &'static str); 10] = [
@@ -73,9 +75,13 @@ pub fn cases() -> Vec<Case> {
         ),
         (TETRAHEDRON, format!("{marble}size = 1e10"), "a.toml:4: object.0.size: out of range"),
         (TETRAHEDRON, format!("{marble}[[object.deform]]\ntype = 'morph'\nmesh = 'a.toml'\nweight = 1"), "a.toml: "),
-        (flat, format!("{marble}[transport]\nhierarchy = 'butterfly'"), "the mesh cannot be subdivided"),
-        (flat, format!("{marble}[transport]\nhierarchy = 'shrink-wrap'"), "the mesh cannot be subdivided"),
-        (flat, format!("{marble}[transport]\nhierarchy = 'shrink-wrap'\nlevels = 8"), "the mesh cannot be subdivided"),
+        (joined, format!("{marble}[transport]\nhierarchy = 'butterfly'"), "the mesh cannot be subdivided"),
+        (joined, format!("{marble}[transport]\nhierarchy = 'shrink-wrap'"), "the mesh cannot be subdivided"),
+        (
+            joined,
+            format!("{marble}[transport]\nhierarchy = 'shrink-wrap'\nlevels = 8"),
+            "the mesh cannot be subdivided",
+        ),
         ("v 1e30 0 0\nv 1e30 1 0\nv 1e30 0 1\nf 1 2 3", marble.into(), "the camera stands on the point it looks at"),
         (TETRAHEDRON, format!("{marble}[transport]\nunwrap = true"), "m.obj:5: transport.unwrap"),
     ];
