@@ -16,8 +16,8 @@ constants! {
     GROUP_SIZE: u32 = 64;
     /// The specialization constant that sets another number of invocations, where a kernel allows that.
     GROUP_ID: u32 = 100;
-    /// The specialization constant that tells a kernel that a subgroup runs in lockstep and needs no barrier, where
-    /// it is not 0: llvmpipe of Mesa 25 takes a subgroup's barrier for the group's.
+    /// The specialization constant that tells a kernel that a subgroup runs in lockstep and needs no barrier, where it
+    /// is not 0: kernels with one in a loop give wrong values on llvmpipe of Mesa 25.
     LOCKSTEP_ID: u32 = 101;
     /// Work groups in a row of a dispatch; more need a second dimension.
     GROUPS_A_ROW: u32 = 32_768;

@@ -38,6 +38,7 @@ pub(in super::super) fn words_for(device: &LogicalDevice, name: &str) -> Result<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gpu::adapter::Adapter;
     use crate::gpu::choices::Choices;
     use crate::gpu::extras::Extras;
     use crate::gpu::instance::Instance;
@@ -46,7 +47,11 @@ mod tests {
     #[test]
     fn without_full_subgroups_kernels_have_no_subgroup_operations() {
         let instance = Instance::open(false).unwrap();
-        let adapter = instance.adapters().unwrap().into_iter().find(|adapter| adapter.unusable.is_none()).unwrap();
+        let able = |adapter: &Adapter| adapter.unusable.is_none() && adapter.offers.full_subgroups;
+        let Some(adapter) = instance.adapters().unwrap().into_iter().find(able) else {
+            println!("full subgroups: not tested (no device offers them)");
+            return;
+        };
         let size = adapter.limits.subgroup_size;
         let grouped = |size: u32| Choices { groups: [(String::new(), size)].into(), ..Choices::default() };
         for (kernel, alone) in
