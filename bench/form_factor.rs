@@ -7,14 +7,12 @@
 
 #[path = "../tests/population/mod.rs"]
 mod population;
-#[path = "../tests/analytic/seeded.rs"]
-mod seeded;
 
 use milkglass::error::Result;
 use milkglass::internals::gpu::{Device, Instance, SingleKernel};
 use milkglass::measure::stress::factor::Pair;
+use population::seeded::percentile;
 use population::{heights, longest, population};
-use seeded::percentile;
 
 static SPIRV: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/bench-kernels-pair.spv"));
 /// Number of pairs whose error is measured.

@@ -23,6 +23,7 @@ pub struct ProfileDerivatives {
 impl ProfileDerivatives {
     /// For a dipole at a squared distance.
     #[must_use]
+    #[inline]
     pub fn of(dipole: &Dipole, d2: f64) -> Self {
         let mut jet = Self::default();
         for z in dipole.depths() {
@@ -57,25 +58,29 @@ pub struct ClusterMoments {
 impl ClusterMoments {
     /// From the records that store it.
     #[must_use]
+    #[inline]
     pub fn new(m: &Moment, s: &SecondMoments) -> Self {
         Self { weight: m.weight.into(), center: point(m.center), moments: [point(s.diagonal), point(s.mixed)] }
     }
 
     /// tau: the trace of the second moments.
     #[must_use]
+    #[inline]
     pub fn trace(&self) -> f64 {
         self.moments[0].element_sum()
     }
 
     /// The symmetric matrix of second moments.
+    #[inline]
     fn tensor(&self) -> DMat3 {
         let ([xx, yy, zz], [yz, zx, xy]) = (self.moments[0].to_array(), self.moments[1].to_array());
         DMat3::from_cols_array(&[xx, xy, zx, xy, yy, yz, zx, yz, zz])
     }
 }
 
-fn point(v: [f32; 3]) -> DVec3 {
-    DVec3::from_array(v.map(f64::from))
+#[inline]
+fn point([x, y, z]: [f32; 3]) -> DVec3 {
+    DVec3::new(x.into(), y.into(), z.into())
 }
 
 impl GroupProfile {
@@ -97,24 +102,28 @@ impl GroupProfile {
 
     /// Form factor of a whole plane through the receiver, no unit.
     #[must_use]
+    #[inline]
     pub fn plane(&self, channel: usize) -> f64 {
         self.dipoles[channel].total()
     }
 
     /// The dipole of a channel, tinted.
     #[must_use]
+    #[inline]
     pub fn dipole(&self, channel: usize) -> &Dipole {
         &self.dipoles[channel]
     }
 
     /// The derivatives of a channel at a squared distance.
     #[must_use]
+    #[inline]
     pub fn at(&self, channel: usize, d2: f64) -> ProfileDerivatives {
         ProfileDerivatives::of(&self.dipoles[channel], d2)
     }
 
     /// Radiosity at `x` from a cluster: `W [p0 + (p1 tr Q + p2 d.Q.d) / 2]`; without Q below order 2.
     #[must_use]
+    #[inline]
     pub fn link(&self, channel: usize, m: &ClusterMoments, x: DVec3, order: u32) -> f64 {
         let d = x - m.center;
         let jet = self.at(channel, d.length_squared());
@@ -128,6 +137,7 @@ impl GroupProfile {
     /// `chi = tau q2 / (2 s^2)` of a channel for tau = 1, as the kernels compute it: from the derivatives themselves,
     /// with the distance to the real source.
     #[must_use]
+    #[inline]
     pub fn unit_chi(&self, channel: usize, d2: f64) -> f64 {
         let jet = self.at(channel, d2);
         let z = self.dipoles[channel].z_real;

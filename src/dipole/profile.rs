@@ -24,6 +24,7 @@ pub struct Dipole {
 impl Dipole {
     /// One channel of an object's material, in internal units.
     #[must_use]
+    #[inline]
     pub fn of(params: &ObjectParams, channel: usize) -> Self {
         Self {
             strength: params.strength[channel].into(),
@@ -51,6 +52,7 @@ impl Dipole {
 
     /// The depths of the two sources, real and virtual.
     #[must_use]
+    #[inline]
     pub fn depths(&self) -> [f64; 2] {
         [self.z_real, self.z_virtual]
     }
@@ -63,6 +65,7 @@ impl Dipole {
 
     /// `R_d` from the squared distance `d2` between entry and exit, per area: 1/length^2.
     #[must_use]
+    #[inline]
     pub fn radial(&self, d2: f64) -> f64 {
         self.depths().into_iter().map(|z| self.strength * z * kernel(self.sigma, (d2 + z * z).sqrt())).sum()
     }
@@ -72,6 +75,7 @@ impl Dipole {
     /// Closed form: `alpha'/2 (e^(-sigma z_r) + e^(-sigma z_v))`. It is also the form factor of the
     /// whole plane through the receiving point.
     #[must_use]
+    #[inline]
     pub fn total(&self) -> f64 {
         self.depths().into_iter().map(|z| 2.0 * PI * self.strength * (-self.sigma * z).exp()).sum()
     }
@@ -79,6 +83,7 @@ impl Dipole {
 
 /// `p(s) = (1 + sigma s) e^(-sigma s) / s^3`, 1/length^3, at a distance `s` > 0 from a source.
 #[must_use]
+#[inline]
 pub fn kernel(sigma: f64, s: f64) -> f64 {
     let a = sigma * s;
     (1.0 + a) * (-a).exp() / (s * s * s)

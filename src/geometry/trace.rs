@@ -66,7 +66,8 @@ impl Sight {
     /// of a difference of two products of such coordinates is never wrong, at worst 0: no ray slips between
     /// triangles, nor past a corner that many share.
     pub fn pierce(&self, corners: [[f32; 3]; 3]) -> Option<Nearest> {
-        let [x, y, z] = [self.right, self.up, self.along].map(|axis| corners.map(|corner| dot(axis, corner)));
+        let coordinates = |axis| [dot(axis, corners[0]), dot(axis, corners[1]), dot(axis, corners[2])];
+        let (x, y, z) = (coordinates(self.right), coordinates(self.up), coordinates(self.along));
         let w = [x[1] * y[2] - y[1] * x[2], x[2] * y[0] - y[2] * x[0], x[0] * y[1] - y[0] * x[1]];
         let inside = w.iter().all(|&x| x >= 0.0) || w.iter().all(|&x| x <= 0.0);
         let (sum, away) = (w[0] + w[1] + w[2], dot(w, z));
@@ -79,11 +80,12 @@ impl Sight {
 /// rounding.
 pub(crate) fn meets(low: [f32; 3], high: [f32; 3], origin: [f32; 3], ray: &Sight, nearest: &Nearest) -> bool {
     let each = |f: &dyn Fn(usize) -> f32| [f(0), f(1), f(2)];
+    let abs = |[x, y, z]: [f32; 3]| [x.abs(), y.abs(), z.abs()];
     let c = each(&|k| 0.5 * (low[k] + high[k]) - origin[k]);
     let margin = 1e-6 * (1.0 + c[0].abs() + c[1].abs() + c[2].abs());
     let h = each(&|k| 0.5 * (high[k] - low[k]) * 1.00001 + margin);
-    let d = ray.along.map(f32::abs);
-    let side = cross(c, ray.along).map(f32::abs);
+    let d = abs(ray.along);
+    let side = abs(cross(c, ray.along));
     let reach = [h[1] * d[2] + h[2] * d[1], h[2] * d[0] + h[0] * d[2], h[0] * d[1] + h[1] * d[0]];
     let line = side[0] <= reach[0] && side[1] <= reach[1] && side[2] <= reach[2];
     let (along, half) = (dot(c, ray.along), dot(h, d));

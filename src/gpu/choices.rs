@@ -30,8 +30,9 @@ pub struct Choices {
     pub cache: Cache,
     /// What the compiler of GLSL optimises for.
     pub optimization: Optimization,
-    /// Whether the buffers of a scene hold zeros at first, so that what no kernel writes can be compared.
-    pub cleared: bool,
+    /// The byte that fills the buffers of a scene at first: 0, so that what no kernel writes can be compared; 0xff, so
+    /// that whatever reads it fails. Without one they hold what the driver left there.
+    pub fill: Option<u8>,
 }
 
 /// How buffers are bound.

@@ -78,6 +78,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
     fn a_half_space_of_index_1_is_chandrasekhars() {
         let albedos = [0.3, 0.9, 0.99];
         let walks = walks(albedos, 1.0, 40_000);
@@ -101,6 +102,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
     fn slabs_keep_what_is_not_absorbed() {
         let walks = walks([1.0, 1.0, 0.0], 1.4, 8000);
         let found = slab(&walks, 30.0, Lighting::Constant).unwrap();

@@ -53,6 +53,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
     fn the_interval_holds_the_error_of_all_pixels_nineteen_times_of_twenty() {
         // Errors of 0.1 to 0.5 of each pixel; many samples of 500 of the same population.
         let mut random = Random::of(5);

@@ -24,6 +24,7 @@ fn files(contents: &[(&str, &str)]) -> (tempfile::TempDir, String) {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn every_built_in_scene_loads_without_a_word() {
     for (name, toml, about) in BUILTIN {
         let scene = Scene::load_with(&name.to_uppercase(), &[]).expect(name);

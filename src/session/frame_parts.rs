@@ -200,6 +200,7 @@ mod tests {
     use crate::scene::Scene;
 
     #[test]
+    #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
     fn a_frame_that_is_left_leaves_no_trace() {
         for (scheme, mode) in [
             ("blocks", Mode::OnTheFly),

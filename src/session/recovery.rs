@@ -75,6 +75,7 @@ mod tests {
     use crate::session::recovery::*;
 
     #[test]
+    #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
     fn after_an_overflow_only_the_lists_are_rebuilt() {
         for (scheme, mode) in ["blocks", "links"]
             .into_iter()

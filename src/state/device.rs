@@ -70,14 +70,14 @@ impl DeviceState {
             self.buffers.insert(slot, Buffer::new(&self.device, slot.spec().name, whole)?);
             made.push(slot);
         }
-        if self.device.choices().cleared {
+        if let Some(byte) = self.device.choices().fill {
             let sizes = made.iter().map(|slot| self.buffers[slot].size() as usize);
-            let zeros = vec![0; sizes.max().unwrap_or(0)];
-            let clear = |slot: &BufferId| {
+            let bytes = vec![byte; sizes.max().unwrap_or(0)];
+            let fill = |slot: &BufferId| {
                 let buffer = &self.buffers[slot];
-                Upload { buffer, offset: 0, bytes: &zeros[..buffer.size() as usize] }
+                Upload { buffer, offset: 0, bytes: &bytes[..buffer.size() as usize] }
             };
-            upload(&self.device, &made.iter().map(clear).collect::<Vec<_>>())?;
+            upload(&self.device, &made.iter().map(fill).collect::<Vec<_>>())?;
         }
         let guards = self.guards(state, &made);
         let bytes = [GUARD_BYTE; GUARD as usize + 4];

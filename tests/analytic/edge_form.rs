@@ -1,8 +1,8 @@
 //! The edge form against an area integral, over the configurations that meshes produce.
 
-use crate::materials::channels;
-use crate::quadrature::Area;
-use crate::seeded::{Seeded, percentile};
+use super::materials::channels;
+use super::quadrature::Area;
+use crate::population::seeded::{Seeded, percentile};
 use glam::DVec3;
 use milkglass::internals::dipole::form_factor::footprint::Footprint;
 use milkglass::internals::dipole::form_factor::gauss::{SIX, legendre};
@@ -133,6 +133,7 @@ impl Errors {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn six_nodes_reach_the_published_accuracy() {
     let (area, twelve) = (Area::new(), legendre(12));
     let population = population(20_031);

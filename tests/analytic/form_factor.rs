@@ -4,8 +4,8 @@
 //! Fails without a device, unless `MILKGLASS_NO_DEVICE=1` waives it, which is printed.
 
 use crate::devices::on_devices;
+use crate::population::seeded::{Seeded, percentile};
 use crate::population::{heights, longest, medium, population};
-use crate::seeded::{Seeded, percentile};
 use glam::DVec3;
 use milkglass::internals::dipole::form_factor::Distance;
 use milkglass::internals::dipole::form_factor::exact::{edge_form_exact, edge_form_fine};
@@ -47,6 +47,7 @@ fn with_6_nodes_a_panel_the_edge_form_has_lost_no_digit_that_counts() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_population_keeps_within_its_error() {
     let pairs = population(2003, 6000);
     let exact: Vec<_> = pairs.par_iter().map(Pair::exact).collect();
@@ -89,6 +90,7 @@ fn closed(shape: &str, detail: u32, random: &mut Seeded) -> (usize, Vec<Pair>) {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn over_a_closed_mesh_they_add_up() {
     let mut random = Seeded(17);
     for (shape, detail) in [("sphere", 3), ("slab", 8)] {

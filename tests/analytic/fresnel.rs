@@ -1,6 +1,6 @@
 //! Walsh's closed form against quadrature of the directional transmittance, and against the polynomial.
 
-use crate::materials::MATERIALS;
+use super::materials::MATERIALS;
 use milkglass::internals::dipole::form_factor::gauss::legendre;
 use milkglass::internals::lighting::fresnel::*;
 

@@ -1,7 +1,7 @@
 //! Invariants of the face-cluster and median trees, on regular and degenerate meshes.
 
-use crate::seeded::Seeded;
-use crate::sphere::icosphere;
+use super::sphere::icosphere;
+use crate::population::seeded::Seeded;
 use glam::DVec3;
 use milkglass::internals::hierarchy::compact::{Sample, relative_radius};
 use milkglass::internals::hierarchy::face_cluster::{self, DEEPEST, Method};

@@ -1,8 +1,8 @@
 //! Each quadrature rule meets the tolerance that its distance was chosen for, on well-shaped triangles.
 
-use crate::materials::channels;
-use crate::quadrature::Area;
-use crate::seeded::{Seeded, percentile};
+use super::materials::channels;
+use super::quadrature::Area;
+use crate::population::seeded::{Seeded, percentile};
 use glam::DVec3;
 use milkglass::internals::dipole::form_factor::{Distance, vector_area};
 use milkglass::internals::dipole::form_factor::{ladder, ladder::Ladder, points};

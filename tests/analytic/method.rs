@@ -186,6 +186,7 @@ fn rays_hit_the_nearest_triangle() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn no_ray_slips_through_a_closed_mesh() {
     // Rays at corners and along edges, where many triangles meet: one that passed between them would hit the far side.
     let session = solved("sphere", &["object.0.detail=6"], radiosity());
@@ -213,6 +214,7 @@ fn no_ray_slips_through_a_closed_mesh() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn the_answer_is_near_brute_force() {
     for (name, set) in
         [("sphere", "object.0.detail=4"), ("slab", "object.0.detail=24"), ("lotus", "object.0.detail=48")]
@@ -233,6 +235,7 @@ fn the_answer_is_near_brute_force() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn finer_thresholds_come_nearer() {
     let error = |angle: &str| {
         let (receiver, emitter) =

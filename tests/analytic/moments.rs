@@ -10,7 +10,7 @@ use milkglass::internals::pipeline::plan::{Change, Goal, Options};
 use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
 
-use crate::seeded::Seeded;
+use crate::population::seeded::Seeded;
 
 /// Three channels of a unit medium, untinted.
 fn params() -> ObjectParams {
@@ -109,6 +109,7 @@ fn clusters_are_the_sums_of_their_triangles() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn moments_of_clusters_are_those_of_their_triangles() {
     let scene = Scene::load_with("lotus", &["object.0.detail=16".to_string()]).unwrap();
     let mut session = Session::new(&scene, None, Options { goal: Goal::Radiosity, ..Options::default() }).unwrap();

@@ -140,6 +140,7 @@ proptest! {
     #![proptest_config(cases(6))]
 
     #[test]
+    #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
     fn radiosity_is_linear_in_light_and_more_light_never_darkens(
         mesh in dented(), one in direction(), other in direction(), strength in 0.1..10.0f64, doublings in -20..20i32,
     ) {
@@ -158,6 +159,7 @@ proptest! {
     }
 
     #[test]
+    #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
     fn a_scene_turned_or_moved_is_the_same(
         mesh in dented(), way in direction(), axis in direction(), angle in 0.0..6.0f64, far in direction(),
     ) {
@@ -235,6 +237,7 @@ proptest! {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn dented_balls_have_emitters_of_every_kind() {
     // Otherwise the properties above would not cover every kind of emitter.
     use proptest::strategy::ValueTree;

@@ -1,7 +1,7 @@
 //! Total diffuse reflectance: closed form, quadrature, published figures, and one very large triangle.
 
-use crate::materials::channels;
-use crate::quadrature::on_line;
+use super::materials::channels;
+use super::quadrature::on_line;
 use glam::DVec3;
 use milkglass::internals::dipole::form_factor::gauss::legendre;
 use milkglass::internals::dipole::form_factor::{Distance, edge::edge_form, exact::edge_form_exact};

@@ -6,7 +6,7 @@ use milkglass::internals::dipole::profile::Dipole;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use crate::quadrature::on_line;
+use super::quadrature::on_line;
 
 /// Vertices and triangles of an icosahedron, each face subdivided into four `levels` times.
 pub fn icosphere(levels: usize) -> (Vec<DVec3>, Vec<[u32; 3]>) {

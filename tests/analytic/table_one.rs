@@ -1,7 +1,7 @@
 //! The displaced sources of Table 1: equal to the radial convention on a plane, and correct off it.
 
-use crate::quadrature::Area;
-use crate::seeded::Seeded;
+use super::quadrature::Area;
+use crate::population::seeded::Seeded;
 use glam::DVec3;
 use milkglass::internals::dipole::form_factor::edge::edge_form;
 use milkglass::internals::dipole::form_factor::exact::edge_form_exact;

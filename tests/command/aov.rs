@@ -29,6 +29,7 @@ fn layers(path: &Path) -> BTreeMap<String, Vec<f64>> {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn layers_tell_what_solve_tells() {
     let here = folder(&[]);
     // The last case has two channel groups: link counts are summed over both.

@@ -14,6 +14,7 @@ const PLATE: &str = "[[object]]\nshape = 'slab'\ndetail = 4\nsize = 14\nposition
 const WORDS: &str = "the error estimate leaves out the borders of shadows";
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn borders_that_are_not_in_the_estimate_are_named() {
     let half = format!("{SLAB}{PLATE}");
     let here = folder(&[("half.toml", &half), ("open.toml", SLAB)]);

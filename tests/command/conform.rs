@@ -1,6 +1,5 @@
 //! `conform` as build servers run it: results as they come, processes of their own, expectations, baselines.
 
-use std::collections::BTreeSet;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
@@ -8,8 +7,6 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::shell::{bad, folder, good, program, read, said};
-use milkglass::internals::pipeline::frame::STAGES;
-use milkglass::measure::fixtures::fixture;
 
 /// The built-in kernel `push` with a replacement in its text.
 pub fn planted(here: &TempDir, file: &str, new: &str) {
@@ -62,7 +59,8 @@ fn results_come_as_lines_and_as_one_object() {
     assert!(run["date"].as_str().unwrap().ends_with('Z') && run["date"].as_str().unwrap().len() == 20, "{run}");
     // In a checkout the build asks git; cargo gives tests the same variable.
     assert_eq!(run["commit"].as_str(), option_env!("MILKGLASS_COMMIT"), "{run}");
-    assert!(!std::path::Path::new(".git").exists() || run["commit"].as_str().is_some_and(|c| c.len() == 40), "{run}");
+    let whole_hash = |commit: &str| commit.trim_end_matches('+').len() == 40;
+    assert!(!std::path::Path::new(".git").exists() || run["commit"].as_str().is_some_and(whole_hash), "{run}");
     let device = &run["devices"][0];
     assert!(device["vendor_id"].as_u64() > Some(0) && device["driver_version"].as_u64() > Some(0), "{device}");
     assert!(device["limits"]["binding_bytes"].as_u64() > Some(1 << 20), "{device}");
@@ -83,6 +81,7 @@ fn results_come_as_lines_and_as_one_object() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn four_parts_make_the_whole() {
     let here = folder(&[]);
     let (all, _) = good(&here, "conform --list");
@@ -96,10 +95,6 @@ fn four_parts_make_the_whole() {
     all.sort();
     parts.sort();
     assert_eq!(all, parts);
-    // No stage is lost.
-    let run: BTreeSet<_> =
-        parts.iter().flat_map(|name| fixture(name).unwrap().steps).map(|step| step.stage.name).collect();
-    assert_eq!(run, STAGES.iter().map(|stage| stage.name).collect::<BTreeSet<_>>());
     let line = "conform --filter ^sl(iver|ab,).* --stage shade,push,refit --no-validation";
     good(&here, &format!("{line} --json whole.json"));
     let mut parts = Vec::new();
@@ -117,6 +112,7 @@ fn four_parts_make_the_whole() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_hang_and_a_lost_device_are_verdicts() {
     let here = folder(&[]);
     slow(&here, "true", 64);
@@ -153,6 +149,7 @@ fn a_hang_and_a_lost_device_are_verdicts() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_killed_run_leaves_what_was_done() {
     let here = folder(&[]);
     let mut run =
@@ -200,6 +197,7 @@ fn known_failures_are_no_failures_and_stale_ones_are() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn changes_are_shown_though_within_tolerance() {
     let here = folder(&[]);
     planted(&here, "off.comp", "max((1 + 1.5e-6) * sum, vec3(0))");

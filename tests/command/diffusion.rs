@@ -5,6 +5,7 @@ use crate::shell::{bad, folder, good};
 const TWO: &str = "sphere --set object.0.detail=2 --set object.1={shape='sphere',detail=2,position=[30,0,0],material={sigma_s_prime=0.05,sigma_a=1}}";
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn auto_says_which_objects_have_the_dipole() {
     let here = folder(&[]);
     let (out, err) = good(&here, &format!("plan {TWO} --transport auto --json plan.json"));

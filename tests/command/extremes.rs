@@ -28,6 +28,7 @@ fn lamp(intensity: f64, [x, y, z]: [f64; 3]) -> String {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn every_index_gives_numbers() {
     for device in DEVICES {
         for eta in ["0.5", "0.7", "0.999", "1", "5"] {

@@ -101,6 +101,7 @@ fn a_reader_that_leaves_is_no_error() {
 /// An interrupted sequence leaves whole frames and nothing else, and resumes where it stopped.
 #[cfg(unix)]
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn ctrl_c_leaves_whole_frames() {
     let here = folder(&[]);
     let line = "render noise --set object.0.detail=2 --size 16x12 --frames 0..1999 -o f%05d.exr --device cpu";

@@ -3,6 +3,7 @@
 use crate::shell::{bytes, folder, good, program, said};
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn new_kernels_are_compiled_ahead() {
     let here = folder(&[]);
     let cache = tempfile::tempdir().unwrap();

@@ -171,6 +171,7 @@ fn odd_scenes_still_give_a_picture() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn media_may_be_as_dense_or_thin_as_they_like() {
     // Dense: what enters a face leaves the same face, less absorption. Thin: almost nothing comes back.
     let here = folder(&[]);

@@ -14,6 +14,7 @@ fn rows(text: &str) -> (Vec<String>, Vec<Vec<String>>) {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn table_csv_and_svg_appear() {
     for device in ["", "--device cpu"] {
         let here = folder(&[]);
@@ -55,35 +56,6 @@ fn table_csv_and_svg_appear() {
 
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
-fn all_methods_are_measured_side_by_side() {
-    for device in ["", "--device cpu"] {
-        let here = folder(&[]);
-        let (out, _) = good(&here, &format!("{SMALL} {device} --csv a.csv --svg a.svg --budget 60"));
-        let (header, rows) = rows(&read(&here, "a.csv"));
-        let cell = |row: &[String], name: &str| row[header.iter().position(|h| h == name).unwrap()].clone();
-        let number = |row: &[String], name: &str| cell(row, name).parse::<f64>().unwrap();
-        let mut names: Vec<String> = rows.iter().map(|row| cell(row, "method")).collect();
-        names.dedup();
-        let dipole = ["blocks", "blocks-kept", "links", "links-sample", "links-kept", "octree", "brute"];
-        assert_eq!(names, [&dipole[..], &["diffusion", "diffusion-kept"]].concat());
-        assert!(out.contains("against its own leaf sums") && out.contains("against the area integral"), "{out}");
-        for row in rows.iter().filter(|row| cell(row, "left_out").is_empty()) {
-            let octree = cell(row, "method") == "octree";
-            assert!(number(row, "own_l2") < 0.2, "{row:?}");
-            // The octree sums midpoints, has no links, and is timed by wall clock only.
-            assert_eq!(number(row, "leaves_l2") > 0.0, octree, "{row:?}");
-            assert_eq!(cell(row, "device_ms").is_empty(), octree || device.ends_with("cpu"), "{row:?}");
-            // Diffusion is another equation.
-            let diffusion = cell(row, "method").starts_with("diffusion");
-            assert_eq!(cell(row, "total_l2").is_empty(), diffusion, "{row:?}");
-            // At most all pairs of faces, for each channel group.
-            let links = cell(row, "links_per_face");
-            assert!(links.is_empty() || number(row, "links_per_face") <= 3.0 * 320.0, "{row:?}");
-        }
-    }
-}
-
-#[test]
 fn displaced_sources_leave_out_what_serves_radial_ones_only() {
     let here = folder(&[]);
     let line = format!("{SMALL} --device cpu --methods blocks,octree,brute --set transport.distance=table1");
@@ -123,6 +95,7 @@ fn bad_arguments_are_named() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_walk_that_takes_too_long_is_refused_before_anything_is_measured() {
     let here = folder(&[]);
     for (truth, words) in [
@@ -140,6 +113,7 @@ fn a_walk_that_takes_too_long_is_refused_before_anything_is_measured() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn errors_against_a_walk_are_those_of_the_model() {
     let here = folder(&[]);
     let walk = "solve sphere --set object.0.detail=2 --transport walk --set transport.walks=40000 -o walk.csv";
@@ -179,6 +153,7 @@ fn errors_against_a_walk_are_those_of_the_model() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_scene_that_is_subdivided_is_measured_on_its_own_triangles() {
     let (out, err) = good(
         &folder(&[]),
@@ -186,4 +161,38 @@ fn a_scene_that_is_subdivided_is_measured_on_its_own_triangles() {
     );
     assert!(err.contains("transport.subdivide = 0 here"), "{err}");
     assert!(out.contains("sphere: 320 faces") && out.contains("truth:  a walk of 3000 photons"), "{out}");
+}
+
+mod rare {
+    use super::*;
+
+    #[test]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
+    fn all_methods_are_measured_side_by_side() {
+        for device in ["", "--device cpu"] {
+            let here = folder(&[]);
+            let (out, _) = good(&here, &format!("{SMALL} {device} --csv a.csv --svg a.svg --budget 60"));
+            let (header, rows) = rows(&read(&here, "a.csv"));
+            let cell = |row: &[String], name: &str| row[header.iter().position(|h| h == name).unwrap()].clone();
+            let number = |row: &[String], name: &str| cell(row, name).parse::<f64>().unwrap();
+            let mut names: Vec<String> = rows.iter().map(|row| cell(row, "method")).collect();
+            names.dedup();
+            let dipole = ["blocks", "blocks-kept", "links", "links-sample", "links-kept", "octree", "brute"];
+            assert_eq!(names, [&dipole[..], &["diffusion", "diffusion-kept"]].concat());
+            assert!(out.contains("against its own leaf sums") && out.contains("against the area integral"), "{out}");
+            for row in rows.iter().filter(|row| cell(row, "left_out").is_empty()) {
+                let octree = cell(row, "method") == "octree";
+                assert!(number(row, "own_l2") < 0.2, "{row:?}");
+                // The octree sums midpoints, has no links, and is timed by wall clock only.
+                assert_eq!(number(row, "leaves_l2") > 0.0, octree, "{row:?}");
+                assert_eq!(cell(row, "device_ms").is_empty(), octree || device.ends_with("cpu"), "{row:?}");
+                // Diffusion is another equation.
+                let diffusion = cell(row, "method").starts_with("diffusion");
+                assert_eq!(cell(row, "total_l2").is_empty(), diffusion, "{row:?}");
+                // At most all pairs of faces, for each channel group.
+                let links = cell(row, "links_per_face");
+                assert!(links.is_empty() || number(row, "links_per_face") <= 3.0 * 320.0, "{row:?}");
+            }
+        }
+    }
 }

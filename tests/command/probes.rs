@@ -3,7 +3,7 @@
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::conform::{keys, results};
+use super::conform::{keys, results};
 use crate::shell::{bad, folder, good, program, read, said};
 
 /// The kernel of the probes with a replacement in its text.
@@ -14,6 +14,7 @@ fn probes(here: &TempDir, old: &str, new: &str) {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn probes_are_part_of_a_run() {
     let here = folder(&[]);
     let line = "conform --fixture sliver --no-validation --stage push";

@@ -9,6 +9,7 @@ const BALL: &str = "[camera]\nsize = [16, 12]\n[[object]]\nshape = 'sphere'\ndet
                     [[light]]\ntype = 'directional'\ndirection = [1, 1, 1]\nirradiance = 3\n[transport]\nreceivers = 'faces'\n";
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_profile_is_printed_and_written() {
     let here = folder(&[]);
     let (out, _) = good(&here, &format!("profile {SMALL} --frames 3 --csv a.csv --json a.json --trace t.json"));
@@ -199,6 +200,7 @@ fn conform_says_what_it_did_not_compare() {
 
 #[cfg(feature = "shaderc")]
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_failure_is_repeated_by_its_own_words() {
     let here = folder(&[("my scene.toml", BALL)]);
     let (text, _) = good(&here, "shader transport/blocks/push");
@@ -244,6 +246,7 @@ fn a_plan_tells_what_another_scene_needs_otherwise() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_page_says_why_a_frame_takes_so_long() {
     let here = folder(&[]);
     let (out, _) = good(&here, &format!("profile {SMALL} --frames 5 --why --save a.json --trace t.json"));

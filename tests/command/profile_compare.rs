@@ -39,6 +39,7 @@ fn a_run_is_saved_and_compared() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn files_that_do_not_fit_are_refused() {
     let here =
         folder(&[("b.json", "{\"schema\": 1, \"results\": []}"), ("c.json", "{\"schema\": 7}"), ("d.json", "[")]);

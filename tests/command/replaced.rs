@@ -49,6 +49,7 @@ fn conforms(here: &TempDir, file: &str, text: &str) -> bool {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_kernel_may_have_specialization_constants_of_its_own() {
     let here = kernels(&[(
         "own.comp",
@@ -87,6 +88,7 @@ fn a_kernel_may_have_specialization_constants_of_its_own() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_kernel_may_take_other_push_constants() {
     let block = "layout(push_constant, scalar) uniform push_block { Range range; };";
     let other = |members: &str, range: &str| {
@@ -132,6 +134,7 @@ fn a_kernel_may_take_other_push_constants() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_file_of_constants_is_checked() {
     let own = "layout(constant_id = 7) const float SCALE = 1.0;\nlayout(constant_id = 8) const bool DARK = false;\n\
                layout(constant_id = 9) const int SHIFT = 0;\nlayout(constant_id = 10) const uint COUNT = 1;\nvoid main() {";
@@ -180,6 +183,7 @@ fn a_file_of_constants_is_checked() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_kernel_may_declare_what_the_device_has() {
     let version = "#version 460";
     let wide = format!("{version}\n#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require");

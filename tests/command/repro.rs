@@ -4,7 +4,7 @@ use std::path::Path;
 
 use milkglass::internals::layout::BufferId;
 
-use crate::amber;
+use super::amber;
 use crate::shell::{bad, folder, good, names, program, said};
 
 /// The built-in kernel `push` with a replacement in its text.
@@ -22,6 +22,7 @@ fn only(folder: &Path) -> std::path::PathBuf {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_planted_fault_is_dumped_and_replayed() {
     let here = folder(&[]);
     planted(&here, "swap.comp", "max(sum, vec3(0))", "max(sum.yxz, vec3(0))");

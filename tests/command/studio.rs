@@ -23,6 +23,7 @@ fn pixels(path: &Path) -> image::RgbImage {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_mesh_alone_is_shown_in_a_studio() {
     let here = folder(&[("sheet.obj", &sheet())]);
     let (_, err) = good(&here, "render sheet.obj -o a.png --size 48x48");
@@ -106,6 +107,7 @@ fn wrong_flags_are_named() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_gallery_repeats_itself() {
     let here = folder(&[("sheet.obj", &sheet())]);
     good(&here, "gallery sheet.obj -o g --materials skin1,marble --size 24x24 --samples 2");

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
-use crate::amber;
-use crate::conform::{planted, results, slow};
+use super::amber;
+use super::conform::{planted, results, slow};
 use crate::shell::{bad, folder, good, names, program, said};
 
 /// The only folder in this one.
@@ -31,6 +31,7 @@ fn replayed(here: &TempDir, name: &str, verdict: &str, why: &str) {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_hang_becomes_a_case_of_the_group_that_hangs() {
     let here = folder(&[]);
     slow(&here, "group == 7", 600);
@@ -79,6 +80,7 @@ fn a_crash_becomes_a_case() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_process_that_is_killed_leaves_a_case_and_the_run_goes_on() {
     let here = folder(&[]);
     slow(&here, "true", 64);

@@ -7,6 +7,7 @@ use crate::shell::{bad, folder, good, names, read};
 const SMALL: &str = "sphere --set object.0.detail=1 --set camera.size=[16,12]";
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn variants_are_proved_timed_and_written() {
     let here = folder(&[]);
     let axes = "--axis barriers=every,events --axis subgroup --axis queues";
@@ -49,6 +50,7 @@ fn variants_are_proved_timed_and_written() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn the_pipeline_cache_is_timed_by_first_frames() {
     let here = folder(&[]);
     let (out, _) = good(&here, &format!("vary {SMALL} --axis cache=none,warm,disk --frames 1"));

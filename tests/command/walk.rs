@@ -53,6 +53,7 @@ fn a_profile_tells_photons_a_second() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn what_has_no_meaning_or_takes_too_long_is_refused() {
     let here = folder(&[("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n")]);
     bad(&here, "solve open.obj --transport walk -o w.csv", 2, &["object.0", "3 open edges", "closed"]);

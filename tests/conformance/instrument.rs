@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use super::features::{ball, features};
 use crate::devices::on_devices;
-use crate::features::{ball, features};
 use milkglass::internals::gpu::count::Traffic;
 use milkglass::internals::gpu::{Device, KernelKey, SingleKernel};
 use milkglass::internals::layout::BufferId;
@@ -35,6 +35,7 @@ fn kernels_count_what_they_do() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_profile_hangs_together() {
     on_devices(|device| {
         let scene = ball(&[]);
@@ -133,33 +134,42 @@ fn made(device: &Device, scene: &Scene, options: Options) -> Made {
     )
 }
 
-#[test]
-#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
-fn what_is_turned_off_is_not_there() {
-    let list = features();
-    // Every stage belongs to some feature, except `refit`, which every frame runs, and the stages of `eval`.
-    for stage in STAGES.iter().filter(|stage| !["refit", "evaluate", "cdrf_values"].contains(&stage.name)) {
-        assert!(list.iter().any(|(stages, ..)| stages.contains(&stage.name)), "no feature has stage {}", stage.name);
-    }
-    on_devices(|device| {
-        for (stages, slots, on, off) in &list {
-            let (with, without) = (made(device, &on.0, on.1), made(device, &off.0, off.1));
-            for name in *stages {
-                let folder = format!("{}/{name}", stage(name).unwrap().module);
-                let own = |kernels: &BTreeSet<String>| {
-                    kernels
-                        .iter()
-                        .filter(|kernel| **kernel == folder || kernel.starts_with(&format!("{folder}/")))
-                        .count()
-                };
-                let dispatches = |list: &[(&str, usize)]| list.iter().find(|row| row.0 == *name).map_or(0, |row| row.1);
-                assert!(own(&with.0) > 0 && dispatches(&with.2) > 0, "{name} is not there");
-                assert_eq!((own(&without.0), dispatches(&without.2)), (0, 0), "{name} is still there");
-            }
-            for slot in *slots {
-                assert!(with.1.contains(slot), "{stages:?}: buffer {slot:?} is not there");
-                assert!(!without.1.contains(slot), "{stages:?}: buffer {slot:?} is still there");
-            }
+mod rare {
+    use super::*;
+
+    #[test]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
+    fn what_is_turned_off_is_not_there() {
+        let list = features();
+        // Every stage belongs to some feature, except `refit`, which every frame runs, and the stages of `eval`.
+        for stage in STAGES.iter().filter(|stage| !["refit", "evaluate", "cdrf_values"].contains(&stage.name)) {
+            assert!(
+                list.iter().any(|(stages, ..)| stages.contains(&stage.name)),
+                "no feature has stage {}",
+                stage.name
+            );
         }
-    });
+        on_devices(|device| {
+            for (stages, slots, on, off) in &list {
+                let (with, without) = (made(device, &on.0, on.1), made(device, &off.0, off.1));
+                for name in *stages {
+                    let folder = format!("{}/{name}", stage(name).unwrap().module);
+                    let own = |kernels: &BTreeSet<String>| {
+                        kernels
+                            .iter()
+                            .filter(|kernel| **kernel == folder || kernel.starts_with(&format!("{folder}/")))
+                            .count()
+                    };
+                    let dispatches =
+                        |list: &[(&str, usize)]| list.iter().find(|row| row.0 == *name).map_or(0, |row| row.1);
+                    assert!(own(&with.0) > 0 && dispatches(&with.2) > 0, "{name} is not there");
+                    assert_eq!((own(&without.0), dispatches(&without.2)), (0, 0), "{name} is still there");
+                }
+                for slot in *slots {
+                    assert!(with.1.contains(slot), "{stages:?}: buffer {slot:?} is not there");
+                    assert!(!without.1.contains(slot), "{stages:?}: buffer {slot:?} is still there");
+                }
+            }
+        });
+    }
 }

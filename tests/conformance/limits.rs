@@ -44,6 +44,7 @@ fn with(body: impl Fn(&Device, &Instance)) {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_smaller_binding_cuts_the_lists() {
     with(|device, instance| {
         for scheme in ["blocks", "links"] {

@@ -36,6 +36,7 @@ fn all(fixture: &Fixture, done: &mut BTreeSet<&'static str>, check: impl Fn(&Cas
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_case_repeats_what_a_step_does() {
     let mut done = BTreeSet::new();
     for name in

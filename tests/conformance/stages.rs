@@ -2,9 +2,10 @@
 //!
 //! Fails without a device, unless `MILKGLASS_NO_DEVICE=1` waives it, which is printed.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Mutex, OnceLock};
 
+use super::mutants;
 use crate::devices::{on_devices, on_devices_each};
 use milkglass::internals::gpu::{sources, spirv};
 use milkglass::internals::layout::{BUFFER_IDS, BufferId};
@@ -13,7 +14,7 @@ use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options};
 use milkglass::internals::session::run::{CapacityHints, Session};
 use milkglass::internals::state::dispatches;
 use milkglass::measure::conform::{Plant, Row, conform, conform_stages};
-use milkglass::measure::fixtures::{Fixture, covered, fixtures};
+use milkglass::measure::fixtures::{Fixture, covered, fixture, fixtures};
 use milkglass::measure::leaning::blame;
 use milkglass::scene::Scene;
 use spirq::spirv::Op;
@@ -44,12 +45,13 @@ fn idle(kernel: &str) -> Vec<u32> {
 }
 
 /// All fixtures, built once.
-fn all() -> &'static [Fixture] {
+pub fn all() -> &'static [Fixture] {
     static LIST: OnceLock<Vec<Fixture>> = OnceLock::new();
     LIST.get_or_init(|| fixtures("").unwrap())
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn every_stage_conforms_on_every_fixture() {
     let list = all();
     for stage in STAGES {
@@ -81,7 +83,7 @@ fn every_stage_conforms_on_every_fixture() {
 #[test]
 fn the_overflowing_fixtures_overflow() {
     let after = |name: &str| {
-        let fixture = all().iter().find(|fixture| fixture.name == name).unwrap();
+        let fixture = fixture(name).unwrap();
         let mut state = fixture.state.clone();
         fixture.steps.iter().for_each(|step| step.reference(&mut state));
         (state.data.counters[0], state.data.object_params[0])
@@ -90,43 +92,6 @@ fn the_overflowing_fixtures_overflow() {
     assert!(counters.overflow == 1 && counters.required_links > params.link_capacity, "{counters:?}");
     let (counters, params) = after("hand-downs that overflow");
     assert!(counters.overflow == 1 && counters.required_hands > params.hand_capacity, "{counters:?}");
-}
-
-/// Every kernel changes memory in some fixture.
-#[test]
-#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
-fn a_kernel_that_does_nothing_is_reported() {
-    let list = all();
-    // For each kernel, the fixtures that run it, small ones first.
-    let mut order: Vec<usize> = (0..list.len()).collect();
-    order.sort_by_key(|&k| list[k].state.data.triangles.len());
-    let mut kernels: BTreeMap<String, Vec<usize>> = BTreeMap::new();
-    for k in order {
-        for dispatch in dispatches(&list[k].state, &list[k].steps, 8).unwrap() {
-            let known = kernels.entry(dispatch.kernel).or_default();
-            if known.last() != Some(&k) {
-                known.push(k);
-            }
-        }
-    }
-    for name in sources().filter(|name| !name.ends_with(".glsl") && !name.starts_with("measure/")) {
-        assert!(kernels.contains_key(name), "no fixture runs kernel {name}");
-    }
-    let unseen = Mutex::new(Vec::new());
-    on_devices_each(&kernels.into_iter().collect::<Vec<_>>(), |device, (kernel, fixtures)| {
-        let device = device.replacing(kernel, idle(kernel)).unwrap();
-        let stage = [owner(kernel).unwrap().name.to_string()];
-        let seen = |&k: &usize| {
-            let rows = conform_stages(&device, &list[k], &stage).unwrap();
-            // Validation messages about such a kernel do not count.
-            rows.iter().any(|row| row.faults.iter().any(|fault| fault.contains("beyond tolerance")))
-        };
-        if !fixtures.iter().any(seen) {
-            unseen.lock().unwrap().push(format!("{}: {kernel}, {} fixtures", device.name(), fixtures.len()));
-        }
-    });
-    let unseen = unseen.into_inner().unwrap();
-    assert!(unseen.is_empty(), "these may do nothing:\n{}", unseen.join("\n"));
 }
 
 #[test]
@@ -147,15 +112,19 @@ fn a_planted_error_is_reported_by_name() {
                 plants.entry(fixture).or_default().push(Plant { stage: stage.name, slot: *slot });
             }
         }
+        let mut noticed = BTreeSet::new();
         for (fixture, plants) in plants {
             let fixture = &list[fixture];
             let rows = conform(device, fixture, &plants).unwrap();
             for plant in plants {
                 let fault = format!("{}[0]", plant.slot.spec().name);
                 let seen = |row: &Row| row.stage == plant.stage && row.faults.iter().any(|text| text.contains(&fault));
-                assert!(rows.iter().any(seen), "{fault} after {} went unseen in {}", plant.stage, fixture.name);
+                if rows.iter().any(seen) {
+                    noticed.insert(format!("{} after {}", plant.slot.spec().name, plant.stage));
+                }
             }
         }
+        mutants::check("flipped", &noticed);
 
         // And in a buffer that the stage does not write.
         let fixture = list.iter().find(|fixture| fixture.name == "sphere with holes").unwrap();
@@ -171,6 +140,7 @@ fn a_planted_error_is_reported_by_name() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn kernels_write_what_their_stage_declares() {
     use milkglass::internals::gpu::{Kernels, kernel_names};
     on_devices(|device| {
@@ -196,18 +166,6 @@ fn scene(sets: &[&str]) -> Scene {
 fn bits(session: &mut Session, slot: BufferId) -> Vec<u8> {
     session.fetch(&[slot]).unwrap();
     session.state().data.bytes(slot).to_vec()
-}
-
-#[test]
-#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
-fn overflow_and_chunks_change_no_bit() {
-    for scheme in ["blocks", "links"] {
-        overflow_changes_no_bit(&scene(&[
-            "object.0.detail=4",
-            "camera.size=[32, 32]",
-            &format!("transport.scheme={scheme}"),
-        ]));
-    }
 }
 
 fn overflow_changes_no_bit(scene: &Scene) {
@@ -241,6 +199,7 @@ fn overflow_changes_no_bit(scene: &Scene) {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn render_mode_follows_the_light_bit_for_bit() {
     let links = "transport.scheme=links";
     let first = scene(&["object.0.detail=4", "camera.size=[32, 32]", links]);
@@ -263,4 +222,58 @@ fn render_mode_follows_the_light_bit_for_bit() {
             assert_eq!(bits(&mut fresh, BufferId::radiance), after);
         }
     });
+}
+
+mod rare {
+    use super::*;
+
+    /// Every kernel changes memory in some fixture.
+    #[test]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
+    fn a_kernel_that_does_nothing_is_reported() {
+        let list = all();
+        // For each kernel, the fixtures that run it, small ones first.
+        let mut order: Vec<usize> = (0..list.len()).collect();
+        order.sort_by_key(|&k| list[k].state.data.triangles.len());
+        let mut kernels: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+        for k in order {
+            for dispatch in dispatches(&list[k].state, &list[k].steps, 8).unwrap() {
+                let known = kernels.entry(dispatch.kernel).or_default();
+                if known.last() != Some(&k) {
+                    known.push(k);
+                }
+            }
+        }
+        for name in sources().filter(|name| !name.ends_with(".glsl") && !name.starts_with("measure/")) {
+            assert!(kernels.contains_key(name), "no fixture runs kernel {name}");
+        }
+        let noticed = Mutex::new(BTreeMap::<String, BTreeSet<String>>::new());
+        on_devices_each(&kernels.into_iter().collect::<Vec<_>>(), |device, (kernel, fixtures)| {
+            let device = device.replacing(kernel, idle(kernel)).unwrap();
+            let stage = [owner(kernel).unwrap().name.to_string()];
+            let seen = |&k: &usize| {
+                let rows = conform_stages(&device, &list[k], &stage).unwrap();
+                // Validation messages about such a kernel do not count.
+                rows.iter().any(|row| row.faults.iter().any(|fault| fault.contains("beyond tolerance")))
+            };
+            if fixtures.iter().any(seen) {
+                noticed.lock().unwrap().entry(device.name().to_string()).or_default().insert(kernel.clone());
+            }
+        });
+        for kernels in noticed.into_inner().unwrap().values() {
+            mutants::check("idle", kernels);
+        }
+    }
+
+    #[test]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
+    fn overflow_and_chunks_change_no_bit() {
+        for scheme in ["blocks", "links"] {
+            overflow_changes_no_bit(&scene(&[
+                "object.0.detail=4",
+                "camera.size=[32, 32]",
+                &format!("transport.scheme={scheme}"),
+            ]));
+        }
+    }
 }

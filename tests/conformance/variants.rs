@@ -5,9 +5,10 @@ use std::sync::{Arc, Mutex};
 
 use milkglass::internals::gpu::{AXES, Choices, Device};
 use milkglass::internals::pipeline::frame::STAGES;
-use milkglass::measure::fixtures::{Fixture, fixtures, made};
+use milkglass::measure::fixtures::{Fixture, made};
 use milkglass::measure::vary::{Computed, Proof, Variant, asked, computed_steps, lack, proof};
 
+use super::stages::all;
 use crate::devices::on_devices_each;
 
 /// Small fixtures with lists, solvers, joints, links that are kept, photons and layers: most stages.
@@ -33,31 +34,38 @@ fn stages_of(fixtures: &[Fixture]) -> BTreeSet<&'static str> {
 
 /// A device used as chosen whose buffers are defined everywhere.
 fn cleared(device: &Device, choices: &Choices) -> Device {
-    device.opened_as(&Choices { cleared: true, ..choices.clone() }).unwrap()
+    device.opened_as(&Choices { fill: Some(0), ..choices.clone() }).unwrap()
 }
 
-/// Compares every variant that a device can run with the default, on these fixtures.
-fn compare(fixtures: &[Fixture]) {
+/// Compares every variant that a device can run with the default, on these fixtures: on all of them, or on one in
+/// `parts`, others for the next variant.
+fn compare(fixtures: &[&Fixture], parts: usize) {
     let variants: Vec<Variant> = AXES.iter().flat_map(|axis| asked(axis.name).unwrap().variants).collect();
+    let variants: Vec<(usize, Variant)> = variants.into_iter().enumerate().collect();
     let defaults: Mutex<BTreeMap<String, Arc<Vec<Computed>>>> = Mutex::default();
     let tally: Mutex<BTreeMap<String, [usize; 2]>> = Mutex::default();
-    on_devices_each(&variants, |device, variant| {
+    on_devices_each(&variants, |device, (number, variant)| {
+        let chosen: Vec<usize> = (0..fixtures.len()).filter(|k| k % parts == number % parts).collect();
         let ran = lack(device.adapter(), &variant.choices).is_none();
         tally.lock().unwrap().entry(device.name().into()).or_default()[usize::from(ran)] += 1;
         if !ran {
             return;
         }
-        let run = |choices: &Choices| -> (Device, Vec<Computed>) {
+        let run = |choices: &Choices, chosen: &[usize]| -> (Device, Vec<Computed>) {
             let device = cleared(device, choices);
-            let all = fixtures.iter().map(|fixture| computed_steps(&device, fixture).unwrap()).collect();
+            let all = chosen.iter().map(|&k| computed_steps(&device, fixtures[k]).unwrap()).collect();
             (device, all)
         };
         let default = {
             let mut known = defaults.lock().unwrap();
-            known.entry(device.name().into()).or_insert_with(|| Arc::new(run(&Choices::default()).1)).clone()
+            known
+                .entry(device.name().into())
+                .or_insert_with(|| Arc::new(run(&Choices::default(), &(0..fixtures.len()).collect::<Vec<_>>()).1))
+                .clone()
         };
-        let (opened, own) = run(&variant.choices);
-        for ((fixture, default), own) in fixtures.iter().zip(default.iter()).zip(&own) {
+        let (opened, own) = run(&variant.choices, &chosen);
+        for (&k, own) in chosen.iter().zip(&own) {
+            let (fixture, default) = (&fixtures[k], &default[k]);
             let again = || {
                 Ok(Fixture { name: fixture.name.clone(), state: fixture.state.clone(), steps: fixture.steps.clone() })
             };
@@ -77,6 +85,7 @@ fn compare(fixtures: &[Fixture]) {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_use_that_computes_something_else_is_refused() {
     let two = made(|name| SOME[3..5].contains(&name)).unwrap();
     on_devices_each(&[()], |device, ()| {
@@ -93,24 +102,31 @@ fn a_use_that_computes_something_else_is_refused() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn every_use_of_the_api_computes_the_same() {
     let fixtures = some();
     let stages = stages_of(&fixtures);
     assert!(stages.len() >= 40, "{}: {stages:?}", stages.len());
-    compare(&fixtures);
+    compare(&fixtures.iter().collect::<Vec<_>>(), 3);
 }
 
-#[test]
-#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
-fn every_use_of_the_api_computes_the_same_in_all_other_stages() {
-    let mut stages = stages_of(&some());
-    let runs_another = |fixture: &Fixture| {
-        let before = stages.len();
-        stages.extend(fixture.steps.iter().map(|step| step.stage.name));
-        stages.len() > before
-    };
-    let others: Vec<Fixture> = fixtures("").unwrap().into_iter().filter(runs_another).collect();
-    assert!(STAGES.iter().all(|stage| stages.contains(stage.name)), "{stages:?}");
-    println!("{:?}", others.iter().map(|one| &one.name).collect::<Vec<_>>());
-    compare(&others);
+mod rare {
+    use super::*;
+
+    #[test]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
+    fn every_use_of_the_api_computes_the_same_in_every_stage() {
+        let mut stages = BTreeSet::new();
+        let runs_another = |fixture: &&Fixture| {
+            let before = stages.len();
+            stages.extend(fixture.steps.iter().map(|step| step.stage.name));
+            stages.len() > before
+        };
+        let first = some();
+        let rest = all().iter().filter(|one| !SOME.contains(&one.name.as_str()));
+        let chosen: Vec<&Fixture> = first.iter().chain(rest).filter(runs_another).collect();
+        assert!(STAGES.iter().all(|stage| stages.contains(stage.name)), "{stages:?}");
+        println!("{:?}", chosen.iter().map(|one| &one.name).collect::<Vec<_>>());
+        compare(&chosen, 1);
+    }
 }

@@ -1,8 +1,9 @@
-//! Opens every usable device in turn, with validation, for the tests that need one.
+//! Opens every usable device in turn, with validation, for the tests that need one. A scene's buffers hold 0xff bytes at
+//! first, NaN as floats: what reads memory before anything has written it fails, instead of once in some runs.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use milkglass::internals::gpu::{Adapter, Device, Instance};
+use milkglass::internals::gpu::{Adapter, Choices, Device, Instance};
 
 /// The usable device of this number, with validation. Fails if there is no usable device at all, unless
 /// `MILKGLASS_NO_DEVICE` is set.
@@ -21,7 +22,9 @@ fn opened(number: usize) -> Option<Device> {
     if usable.is_empty() {
         println!("WAIVED by MILKGLASS_NO_DEVICE: no usable device");
     }
-    usable.get(number).map(|adapter| Device::open(&instance, adapter).unwrap())
+    let adapter = usable.get(number)?;
+    let choices = Choices { fill: Some(0xff), ..Choices::default() };
+    Some(Device::open(&instance, adapter).unwrap().opened_as(&choices).unwrap())
 }
 
 /// Runs `body`; fails on any validation message.

@@ -103,6 +103,7 @@ fn joints_targets_and_nodes_move_as_published() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn frames_of_an_animation_do_not_depend_on_each_other() {
     let here = here();
     for device in ["--device cpu", ""] {

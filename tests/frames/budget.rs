@@ -1,12 +1,13 @@
 //! Form factors within a budget: what waits after motion or another material, and that it is made up for.
 
+use super::incremental::{at, links, open, radiosity, step};
 use crate::devices;
-use crate::incremental::{at, links, open, radiosity, step};
 use milkglass::internals::gpu::Device;
 use milkglass::internals::pipeline::plan::{Change, Mode};
 use milkglass::internals::session::run::{CapacityHints, Session};
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_budget_is_kept_and_what_waits_is_made_up_for() {
     let check = |device: Option<&Device>| {
         let budget = 2000;
@@ -45,6 +46,7 @@ fn a_budget_is_kept_and_what_waits_is_made_up_for() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn another_material_retags_form_factors_within_the_budget() {
     let check = |device: Option<&Device>| {
         let budget = 30_000;

@@ -190,9 +190,9 @@ fn sequences(device: Option<&Device>, way: usize, length: usize) {
     }
 }
 
-/// How many edits a sequence has: `MILKGLASS_EDITS`, or 40.
-fn length() -> usize {
-    std::env::var("MILKGLASS_EDITS").ok().and_then(|text| text.parse().ok()).unwrap_or(40)
+/// How many edits a sequence has: `MILKGLASS_EDITS`, or this many.
+fn length(usual: usize) -> usize {
+    std::env::var("MILKGLASS_EDITS").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
 /// The ways tried: the one that `MILKGLASS_WAY` numbers, or all.
@@ -203,12 +203,25 @@ fn ways() -> Vec<usize> {
 
 #[test]
 fn any_edits_give_what_a_new_session_gives() {
-    ways().into_iter().for_each(|way| sequences(None, way, length()));
+    ways().into_iter().for_each(|way| sequences(None, way, length(2)));
+    devices::on_devices_each(&ways(), |device, &way| sequences(Some(device), way, length(2)));
 }
 
 #[test]
-fn any_edits_give_what_a_new_session_gives_on_devices() {
-    devices::on_devices_each(&ways(), |device, &way| sequences(Some(device), way, length()));
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+fn many_edits_do_too() {
+    devices::on_devices_each(&ways(), |device, &way| sequences(Some(device), way, length(20)));
+}
+
+mod rare {
+    use super::*;
+
+    #[test]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
+    fn so_do_twice_as_many() {
+        ways().into_iter().for_each(|way| sequences(None, way, length(40)));
+        devices::on_devices_each(&ways(), |device, &way| sequences(Some(device), way, length(40)));
+    }
 }
 
 #[test]

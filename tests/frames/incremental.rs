@@ -6,7 +6,7 @@ use milkglass::internals::gpu::Device;
 use milkglass::internals::layout::BufferId;
 use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use milkglass::internals::session::run::{CapacityHints, Session};
-use milkglass::internals::state::Scope;
+use milkglass::internals::state::{Object, Scope};
 use milkglass::measure::modes::{What, moved};
 use milkglass::scene::Scene;
 
@@ -30,9 +30,12 @@ pub fn step(session: &mut Session, scene: &Scene) -> Vec<String> {
     session.frame(Change::default()).unwrap().into_iter().map(|part| part.name).collect()
 }
 
+/// Radiosity of all faces, without what lies between the objects.
 pub fn radiosity(session: &mut Session) -> Vec<[f32; 3]> {
     session.fetch(&[BufferId::radiosity]).unwrap();
-    session.state().data.radiosity.clone()
+    let state = session.state();
+    let own = |object: &Object| &state.data.radiosity[object.first.faces..][..object.count.faces];
+    state.objects.iter().flat_map(own).copied().collect()
 }
 
 /// Every link of every receiver, with the bits of its form factor.
@@ -93,14 +96,6 @@ const TWIST: &[&str] = &[
 ];
 const NOISE: &[&str] = &["object.0.detail=1", "transport.budget=4000000000"];
 const BUMP: &[&str] = &["object.0.detail=3", "transport.budget=4000000000"];
-
-#[test]
-#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
-fn links_after_a_hundred_frames_are_those_of_a_frame_from_scratch() {
-    for (name, sets) in [("twist", TWIST), ("noise", NOISE), ("bump", BUMP)] {
-        hundred(name, sets, None, CapacityHints::default(), 33);
-    }
-}
 
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
@@ -250,6 +245,7 @@ fn what_other_scenes_have_is_not_used() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn the_fixtures_revise_and_the_tight_ones_overflow() {
     let fixtures = milkglass::measure::fixtures::fixtures("kept links").unwrap();
     let mut tight = 0;
@@ -288,4 +284,16 @@ fn plan_tells_the_mode_and_what_blocks_do() {
     let two = "plan sphere --mode incremental --set transport.scheme=links --set transport.budget=1 \
                --set object.1.shape=cube --set object.1.material.preset=marble --set object.1.position=[40,0,0]";
     bad(&here, two, 2, &["transport.budget", "found 1", "each object"]);
+}
+
+mod rare {
+    use super::*;
+
+    #[test]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
+    fn links_after_a_hundred_frames_are_those_of_a_frame_from_scratch() {
+        for (name, sets) in [("twist", TWIST), ("noise", NOISE), ("bump", BUMP)] {
+            hundred(name, sets, None, CapacityHints::default(), 33);
+        }
+    }
 }

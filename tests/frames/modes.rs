@@ -74,6 +74,7 @@ fn round(device: Option<&Device>) {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn lists_for_any_light_serve_a_light_that_goes_round() {
     round(None);
     devices::on_devices(|device| round(Some(device)));
@@ -110,6 +111,7 @@ fn a_light_of_another_contrast_has_lists_made_anew() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn frames_of_a_sequence_are_those_of_a_new_session() {
     // Receivers at pixels and at triangles, an opaque object, and lights of two colours, one of them moving.
     let at = |turn: f64, receivers: &str| {
@@ -227,6 +229,7 @@ fn the_plan_says_what_lists_serve() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn the_same_scene_gives_the_same_bytes() {
     let here = folder(&[]);
     for device in ["--device cpu", ""] {

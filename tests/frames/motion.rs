@@ -29,6 +29,7 @@ fn open(scene: &Scene) -> Session {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_session_that_moves_on_is_a_new_one() {
     // Forwards, backwards, and to an undeformed scene and back.
     let mut moving = open(&at(1.0));
@@ -51,6 +52,7 @@ fn a_session_that_moves_on_is_a_new_one() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_spoilt_tree_is_built_anew() {
     let twist = |frame: f64| Scene::load_at("twist", &["object.0.detail=16".to_string()], frame).unwrap();
     let mut moving = open(&twist(0.0));
@@ -144,6 +146,7 @@ fn solve_knows_the_moved_triangles() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn frames_do_not_depend_on_each_other() {
     let here = folder(&[("moving.toml", SCENE)]);
     for device in ["--device cpu", ""] {

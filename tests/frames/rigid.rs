@@ -1,7 +1,7 @@
 //! Objects that are turned and shifted: light is carried in their own frames.
 
+use super::modes::{names, scene};
 use crate::devices::on_devices;
-use crate::modes::{names, scene};
 use milkglass::internals::gpu::Device;
 use milkglass::internals::layout::BUFFER_IDS;
 use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options};

@@ -25,6 +25,7 @@ fn shaders_do_not_rely_on_what_devices_do_not_promise() {
 
 /// Clippy (`incompatible_msrv`) checks what the code itself calls.
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn no_dependency_needs_a_newer_rust() {
     // 1.89 is 1.89.0.
     let version = |text: &str| -> Vec<u32> {

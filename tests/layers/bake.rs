@@ -1,6 +1,6 @@
 //! `milkglass bake-layers`: maps of surfaces of known depth.
 
-use super::shell::{bad, folder, good};
+use crate::shell::{bad, folder, good};
 
 /// A square facing +z at this height, which rises by `slope` along x; with or without texture coordinates.
 fn square(height: f64, slope: f64, textured: bool) -> String {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use milkglass::internals::layers::slab::{Lamp, SlabLayer, radiance};
 
-use super::shell::{bad, close, folder, good, read};
+use crate::shell::{bad, close, folder, good, read};
 
 const HEADER: &str = "light,layers,thickness1,sigma_s1,sigma_t1,g1,thickness2,sigma_s2,sigma_t2,g2,\
                       lx,ly,lz,intensity,wox,woy,woz";

@@ -177,7 +177,7 @@ fn an_environment_shines_as_so_many_suns() {
 fn an_environment_shines_from_where_it_is_bright() {
     // The image's middle is at -z, with +x to its right; one of eight columns is bright at a time.
     for (column, toward) in [(1, [-1.0, 0.4]), (6, [1.0, 0.4]), (3, [-0.4, -1.0]), (0, [-0.4, 1.0])] {
-        let here = super::shell::folder(&[]);
+        let here = crate::shell::folder(&[]);
         let path = here.path().join("sky.exr");
         let pixel = |x, _| if x == column { (1.0f32, 1.0f32, 1.0f32) } else { (0.0, 0.0, 0.0) };
         exr::prelude::write_rgb_file(&path, 8, 4, pixel).unwrap();

@@ -2,8 +2,8 @@
 
 use milkglass::internals::pipeline::plan::Options;
 
-use super::shell::{bad, folder, good};
 use super::{scene, session};
+use crate::shell::{bad, folder, good};
 
 const SCENE: &str = "[camera]\nsize = [16, 16]\n[[light]]\ntype = 'directional'\ndirection = [0, 0, 1]\nirradiance = 1\n\
                      [[object]]\nshape = 'slab'\ndetail = 2\nsize = 10\n[object.material.layers]\n";

@@ -14,6 +14,7 @@ const FLAT: [&str; 5] = [
 ];
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn ours_with_ten_samples_beats_the_left_rule_with_a_hundred() {
     let small = |pixels| Looks { sizes: [[24, 20], [36, 30]], pixels };
     let fish = Looks { sizes: [[90, 68], [120, 90]], pixels: 512 };
@@ -32,6 +33,7 @@ fn ours_with_ten_samples_beats_the_left_rule_with_a_hundred() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn on_a_plane_no_approximation_costs_anything() {
     let looks = Looks { sizes: [[24, 20], [12, 10]], pixels: 24 };
     for found in approximations(&scene("slab-layers", &FLAT), looks).unwrap() {
@@ -40,25 +42,30 @@ fn on_a_plane_no_approximation_costs_anything() {
     }
 }
 
-#[test]
-fn light_from_behind_thin_parts_is_part_of_the_error() {
-    let looks = Looks { sizes: [[100, 75], [130, 98]], pixels: 512 };
-    let both = approximations(&scene("fish", &[]), looks).unwrap();
-    for found in &both {
-        let [(_, shadows), .., (_, all), (_, march)] = found.errors[..] else { panic!("{found:?}") };
-        assert!(found.pixels[0] >= 500, "{found:?}");
-        // The fins let light through that the march does not know of: a good part of its error.
-        assert!(found.behind > 0.08 && found.behind < 0.18, "{found:?}");
-        assert!(shadows.low > 0.2 && found.front.value < march.value, "{found:?}");
-        assert!(march.low > 0.2 && march.high < 0.5 && march.high - march.low < 0.25, "{found:?}");
-        assert!((all.value / march.value - 1.0).abs() < 0.05, "{found:?}");
-        assert!(found.errors.iter().all(|(_, error)| error.value > 5e-3 && error.value < 0.5), "{found:?}");
-    }
-    let [one, other] = [0, 1].map(|k| both[k].errors[5].1);
-    assert!(one.low < other.high && other.low < one.high, "the sizes agree: {both:?}");
-    // The gecko's lamps cast no shadows.
-    for found in approximations(&scene("gecko", &[]), looks).unwrap() {
-        assert!(found.behind == 0.0 && found.pixels[0] == found.pixels[1], "{found:?}");
-        assert!(found.front.low > 0.1 && found.front.high < 0.4, "{found:?}");
+mod rare {
+    use super::*;
+
+    #[test]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
+    fn light_from_behind_thin_parts_is_part_of_the_error() {
+        let looks = Looks { sizes: [[100, 75], [130, 98]], pixels: 512 };
+        let both = approximations(&scene("fish", &[]), looks).unwrap();
+        for found in &both {
+            let [(_, shadows), .., (_, all), (_, march)] = found.errors[..] else { panic!("{found:?}") };
+            assert!(found.pixels[0] >= 500, "{found:?}");
+            // The fins let light through that the march does not know of: a good part of its error.
+            assert!(found.behind > 0.08 && found.behind < 0.18, "{found:?}");
+            assert!(shadows.low > 0.2 && found.front.value < march.value, "{found:?}");
+            assert!(march.low > 0.2 && march.high < 0.5 && march.high - march.low < 0.25, "{found:?}");
+            assert!((all.value / march.value - 1.0).abs() < 0.05, "{found:?}");
+            assert!(found.errors.iter().all(|(_, error)| error.value > 5e-3 && error.value < 0.5), "{found:?}");
+        }
+        let [one, other] = [0, 1].map(|k| both[k].errors[5].1);
+        assert!(one.low < other.high && other.low < one.high, "the sizes agree: {both:?}");
+        // The gecko's lamps cast no shadows.
+        for found in approximations(&scene("gecko", &[]), looks).unwrap() {
+            assert!(found.behind == 0.0 && found.pixels[0] == found.pixels[1], "{found:?}");
+            assert!(found.front.low > 0.1 && found.front.high < 0.4, "{found:?}");
+        }
     }
 }

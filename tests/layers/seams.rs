@@ -191,6 +191,7 @@ fn margins_hold_the_surface_across_the_seam_and_its_end_beyond_that() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_mesh_without_seams_has_none_of_it() {
     for name in ["fish", "gecko", "veins"] {
         let scene = scene(name, &["camera.size=[8, 8]"]);

@@ -159,6 +159,7 @@ const GAUSS: [[f64; 2]; 6] = [
 ];
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_flat_face_shows_the_order_that_a_walk_tallies() {
     // A slab of 200 free paths, lit on one side, or aslant on two sides alike, where the azimuth does not matter.
     let walks = 120_000;

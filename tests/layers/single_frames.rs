@@ -5,12 +5,13 @@ use milkglass::internals::pipeline::plan::{Change, Goal, Options, ShadingMethod}
 use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
 
-use super::shell::{bad, folder, good};
 use super::{scene, session};
+use crate::shell::{bad, folder, good};
 
 const ASKS: &str = "object.0.material.single_scattering=true";
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn it_is_added_to_each_method_alike() {
     let small = ["object.0.detail=3", "camera.size=[24, 24]", "camera.background=0"];
     let picture = |sets: &[&str], transport| {

@@ -12,7 +12,7 @@ use milkglass::internals::session::run::Session;
 use milkglass::measure::reference::verify;
 use milkglass::scene::{Light, Scene, Sky, Source};
 
-use crate::{irradiance, places, scene, sheets};
+use super::{irradiance, places, scene, sheets};
 
 /// A scene lit by this environment alone.
 fn under(mut scene: Scene, sky: Sky, occlusion: u32) -> Scene {
@@ -114,6 +114,7 @@ fn each_channel_enters_by_its_own_index() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn smooth_environments_are_within_a_hundredth() {
     let light = "light.0={ type = \"environment\", image = \"builtin:sky\", rotation = 70 }";
     let built_in = scene("sphere", &[light]);

@@ -8,7 +8,7 @@ use milkglass::internals::pipeline::plan::Change;
 use milkglass::scene::{Light, Scene, Source};
 use milkglass::{Options, Session};
 
-use crate::{CLEAR, irradiance, scene, sheets};
+use super::{CLEAR, irradiance, scene, sheets};
 
 /// Irradiance of one small square in the plane z = 0 at the origin, facing +z, under this light.
 fn face(source: Source) -> f64 {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use milkglass::scene::{Scene, Side, Texture, Wrap};
 
-use crate::{irradiance, mesh, scene};
+use super::{irradiance, mesh, scene};
 
 const SIZE: u32 = 64;
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use milkglass::scene::{Light, Mesh, Scene};
 
-use crate::{irradiance, mesh, places, scene, sheets, unshadowed};
+use super::{irradiance, mesh, places, scene, sheets, unshadowed};
 
 /// A scene of this mesh under these lights.
 fn of(mesh: Mesh, lights: Vec<Light>) -> Scene {
@@ -25,6 +25,7 @@ fn same(found: &[DVec3], expected: &[DVec3], what: &str) {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn convex_things_do_not_shadow_themselves_at_any_scale() {
     for (detail, factor, offset) in [(7, 1.0, 0.0), (5, 1e-6, 0.0), (5, 1e6, 0.0), (6, 1.0, 1e5), (4, 1e-6, 3.0)] {
         let mut ball = scene("sphere", &[&format!("object.0.detail={detail}")]);

@@ -43,6 +43,7 @@ fn apart(found: &[DVec3], truth: &[DVec3]) -> [f64; 2] {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn more_samples_come_nearer_whatever_the_lights_ask_for() {
     // The same places in the pixels: only the light differs.
     let truth = picture(64, 64, 4096);

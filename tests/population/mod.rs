@@ -1,11 +1,13 @@
 //! A seeded population of triangles and receivers, with an individual medium in every channel.
 
+pub mod seeded;
+
 use glam::{DQuat, DVec3};
 use milkglass::internals::dipole::profile::Dipole;
 use milkglass::measure::stress::factor::Pair;
 use milkglass::scene::PRESETS;
 
-use crate::seeded::Seeded;
+use seeded::Seeded;
 
 /// A medium whose sigma_tr times `length` is log-uniform from 1e-4 to 1e4: a channel of a measured material, or any
 /// albedo and index.

@@ -51,6 +51,7 @@ const BALL: [&str; 3] = ["object.0.detail=5", "object.0.size=20", "object.0.mate
 const WRUNG: &str = "object.0.deform=[{ type = 'twist', angle = 90 }, { type = 'bend', angle = 60 }]";
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn noise_smaller_than_the_scattering_is_no_curvature() {
     let ones = |count: usize| vec![1.0; count];
     on_devices(|device| {
@@ -98,6 +99,7 @@ fn smoothing_keeps_what_is_even() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn radius_zero_is_the_estimate_of_the_triangles() {
     on_devices(|device| {
         for device in [None, Some(device)] {
@@ -151,6 +153,7 @@ fn the_radius_follows_from_sigma_0_unless_given() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn by_default_the_cdrf_is_nearer_to_the_dipole_than_lambert() {
     // sigma_0 of the profile's own spread was farther than Lambert on each of these.
     for (name, sets) in [("bust", &["object.0.detail=64"][..]), ("bump", &[]), ("twist", &["object.0.detail=16"])] {

@@ -40,6 +40,7 @@ const GROUND: &str = "object.2={ shape = 'slab', detail = 8, size = 90, position
                       material = { opaque = true, albedo = [0.5, 0.25, 0] } }";
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn each_object_is_lit_as_if_it_were_alone() {
     let three = scene(&[SECOND, GROUND]);
     for (transport, scheme) in [
@@ -122,6 +123,7 @@ fn an_object_shades_another() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn light_that_moves_and_lists_that_are_kept() {
     let sets = [SECOND, GROUND];
     for scheme in ["transport.scheme=blocks", "transport.scheme=links"] {

@@ -85,6 +85,7 @@ fn a_floor_of_two_triangles_has_the_lamps_light_and_the_balls_shadow() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn every_transport_shows_the_same() {
     let picture = |transport| floor(&mut run(&scene(&[]), None, Options { transport, ..Options::default() }));
     let carried = picture(ShadingMethod::Hierarchy);
@@ -100,6 +101,7 @@ fn every_transport_shows_the_same() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_frame_after_a_change_is_a_new_sessions() {
     let before = scene(&["object.1.material.reflection=ggx"]);
     let light = scene(&["object.1.material.reflection=ggx", "light.0.position=[9, 30, -4]"]);

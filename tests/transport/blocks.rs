@@ -247,6 +247,7 @@ fn channels_of_one_colour_share_moments() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn the_tolerance_is_met() {
     for (name, set) in
         [("sphere", "object.0.detail=4"), ("slab", "object.0.detail=20"), ("lotus", "object.0.detail=32")]

@@ -7,6 +7,7 @@ use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn emitters_settle_every_lit_triangle_once() {
     let middle = [20, 15];
     for set in ["transport.receivers=faces", "transport.receivers=pixels", "transport.scheme=links"] {

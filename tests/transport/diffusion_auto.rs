@@ -39,6 +39,7 @@ fn radiosity(session: &mut Session) -> Vec<Vec<[f64; 3]>> {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn each_object_has_the_transport_that_suits_it() {
     let compare = |device: Option<&milkglass::Device>| {
         for mode in [Mode::OnTheFly, Mode::Render] {
@@ -75,6 +76,7 @@ fn the_plan_says_why() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn another_material_makes_another_choice() {
     let follow = |device: Option<&milkglass::Device>| {
         for mode in [Mode::OnTheFly, Mode::Render] {

@@ -43,6 +43,7 @@ fn apart(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_solution_to_start_from_saves_steps_and_keeps_the_tolerance() {
     let turns = |device: Option<&milkglass::Device>| {
         for mode in [Mode::Render, Mode::Incremental] {
@@ -64,6 +65,7 @@ fn a_solution_to_start_from_saves_steps_and_keeps_the_tolerance() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_start_that_does_not_fit_is_passed_over() {
     let turns = |device: Option<&milkglass::Device>| {
         let mut session = session(Mode::Render, device);

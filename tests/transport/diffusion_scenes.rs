@@ -5,8 +5,8 @@ use milkglass::internals::pipeline::plan::Change;
 use milkglass::internals::session::run::Session;
 use milkglass::scene::Scene;
 
+use super::diffusion::{dense, off, options, scene};
 use crate::devices;
-use crate::diffusion::{dense, off, options, scene};
 
 /// Solves a scene on each device and holds it to the dense system of its triangles.
 fn held_to_the_dense_system(scene: &Scene, look: impl Fn(&Session)) {
@@ -25,6 +25,7 @@ fn held_to_the_dense_system(scene: &Scene, look: impl Fn(&Session)) {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_texture_at_the_entry_dims_what_is_deposited() {
     let sets = ["object.0.detail=2", "transport.tolerance=1e-3"];
     let plain = {
@@ -57,6 +58,7 @@ fn a_source_term_much_larger_than_the_solution_is_no_excuse() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_wall_round_a_cavity_has_two_sides() {
     // Nothing is absorbed: what collides leaves, by the outer side or into the cavity.
     let clear = "object.0.material={ sigma_s_prime = [1, 2, 4], sigma_a = 0, eta = 1.4 }";
@@ -87,6 +89,7 @@ fn a_wall_round_a_cavity_has_two_sides() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn triangles_are_subdivided_at_borders_of_shadows() {
     let plate = "object.1={ shape = 'slab', detail = 4, size = 14, position = [3, 4, 12], rotation = [0, 0, 33], \
                  material = { opaque = true } }";

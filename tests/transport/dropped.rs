@@ -9,7 +9,7 @@ use milkglass::internals::session::run::Session;
 use milkglass::internals::transport::blocks::link::{Kind, walk};
 use milkglass::scene::Scene;
 
-use crate::blocks::{faces, solved, wide};
+use super::blocks::{faces, solved, wide};
 
 /// Whatever is dropped is too faint by the oracle's law, evaluated here from faces: all light of a cluster, at its
 /// nearest point, is below the allowance of a dropped node, in every channel. The law is used up: some come close.

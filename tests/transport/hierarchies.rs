@@ -39,6 +39,7 @@ fn both_meet_the_tolerance_on_a_deformed_thing_with_full_blocks() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn the_published_scheme_takes_them_too() {
     for sets in [BUTTERFLY, WRAPPED] {
         let mut session = solved(&load(&sets, &["transport.scheme=links"]));
@@ -68,6 +69,7 @@ fn a_hierarchy_changes_no_more_than_the_order_of_sums() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn such_a_tree_stays_whatever_deforms_it() {
     let at = |angle: f64| {
         let twist = format!("object.0.deform=[{{ type = 'twist', angle = {angle} }}]");
@@ -101,6 +103,7 @@ fn parts_of_parts_belong_to_the_tree() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn what_the_command_line_says_of_them() {
     let here = folder(&[]);
     let solve = "solve sphere --device cpu -o a.csv --set object.0.detail=1";

@@ -71,6 +71,7 @@ fn error(scene: &Scene, values: &[[f64; 3]], exact: &[[f64; 3]]) -> f64 {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn the_borders_of_shadows_are_where_they_are() {
     for tolerance in ["transport.tolerance=1e-2", "transport.tolerance=1e-3"] {
         let fine = scene(&[tolerance, "transport.subdivide=2"]);
@@ -88,6 +89,7 @@ fn the_borders_of_shadows_are_where_they_are() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn the_estimate_knows_what_a_border_still_misses() {
     // One level of subdivision leaves a large error, two leave a small one.
     for cuts in [1, 2] {

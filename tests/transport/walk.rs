@@ -111,6 +111,7 @@ fn chandrasekhar(albedo: f64, at: f64) -> f64 {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_half_space_reflects_by_chandrasekhars_h() {
     assert!((chandrasekhar(0.9, 1.0) - 1.849).abs() < 0.02);
     // A cube of a thousand free paths, lit from one side, or aslant and then on two sides.
@@ -142,6 +143,7 @@ fn a_half_space_reflects_by_chandrasekhars_h() {
 /// The mean path of light from all around is 4 V / S over the share that passes outward, in any medium that absorbs
 /// little: however it scatters, whatever the shape.
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn light_from_all_around_stays_as_long_as_it_must() {
     let sigma = 1e-4;
     for (eta, g) in [(1.0, 0.0), (1.3, 0.0), (1.5, 0.7), (2.0, -0.4)] {
@@ -170,6 +172,7 @@ fn light_from_all_around_stays_as_long_as_it_must() {
 
 /// Light from all around, and no absorption: as much leaves each triangle as enters it, as in any equilibrium.
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn each_triangle_returns_what_it_takes() {
     let media = "object.0.material={ sigma_s_prime = [1, 3, 9], sigma_a = 0, eta = [1.5, 1, 1.3], g = 0.3 }";
     let mut cube = scene(&[SKY, media, "transport.walks=20000"]);
@@ -189,6 +192,7 @@ fn each_triangle_returns_what_it_takes() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn noise_is_that_of_other_photons() {
     // Standard errors against the spread of two independent halves: objects of other numbers walk otherwise.
     let ball = "{ shape = 'sphere', detail = 2, size = 10, position = [0, 0, 40], material = { preset = 'marble' } }";

@@ -1,6 +1,6 @@
 //! What takes long: many edits, and a window that is closed while a frame is rendered.
 
-use crate::*;
+use super::*;
 
 /// Resident memory of a process in bytes.
 fn resident(process: u32) -> u64 {
@@ -9,6 +9,7 @@ fn resident(process: u32) -> u64 {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_thousand_edits_leave_memory_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
     let keys = ["m", "left", "]", "ctrl+up", "w", ">", "alt+left", ".", "u", "U", ",", "v", "V", "[", "M", "y", "r"];
@@ -37,6 +38,7 @@ fn a_thousand_edits_leave_memory_as_it_was() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_window_may_be_closed_while_a_frame_is_rendered() {
     let folder = tempfile::tempdir().unwrap();
     // The frame takes seconds: the key comes in the middle of it.

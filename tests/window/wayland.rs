@@ -1,8 +1,9 @@
 //! The same window under Wayland, by weston without a screen.
 
-use crate::*;
+use super::*;
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_window_under_wayland_shows_the_picture_of_render() {
     if Command::new("weston").arg("--version").output().is_err() {
         println!("NOT TESTED under Wayland: weston is not installed");

@@ -177,6 +177,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
     fn a_changed_light_is_that_of_a_scene_file_with_the_new_values() {
         let mut kinds = std::collections::BTreeSet::new();
         for name in ["sphere", "slab", "lotus", "candle", "bust"] {

@@ -91,7 +91,9 @@ pub fn integral_psi(footprint: &Footprint, sigma: f64, height: f64, nodes: &[Nod
 #[must_use]
 pub fn terms(footprint: &Footprint, sigma: f64, height: f64, nodes: &[Node]) -> [f64; 3] {
     let source = Source::new(sigma, height, footprint.nearest);
-    footprint.edges.map(|edge| source.constant() * edge.in_w(&source, nodes))
+    let term = |edge: &Edge| source.constant() * edge.in_w(&source, nodes);
+    let [a, b, c] = &footprint.edges;
+    [term(a), term(b), term(c)]
 }
 
 /// `J` of what these edges enclose, with the line integral of each by `line`; `nearest`: distance in the plane from
@@ -136,6 +138,7 @@ impl Source {
 
     /// `q [1 + sigma s_m phi1(sigma (s - s_m))]` at the distance `s`, with `r2` the squared distance in the plane
     /// from the foot.
+    #[inline]
     pub(super) fn density(&self, s: f64, r2: f64) -> f64 {
         let excess = (r2 - self.nearest2).max(0.0);
         let q = if self.nearest2 == 0.0 { 1.0 } else { excess / r2 };

@@ -46,14 +46,15 @@ impl Footprint {
         }
         let normal = area / length;
         // All further arithmetic is relative to the point.
-        let corners = triangle.map(|corner| corner - x_o);
-        let edges = [(0, 1), (1, 2), (2, 0)].map(|(a, b)| {
+        let corners = [triangle[0] - x_o, triangle[1] - x_o, triangle[2] - x_o];
+        let edge = |a: usize, b: usize| {
             if indices[a] <= indices[b] {
                 Edge::new(corners[a], corners[b], normal, 1.0)
             } else {
                 Edge::new(corners[b], corners[a], normal, -1.0)
             }
-        });
+        };
+        let edges = [edge(0, 1), edge(1, 2), edge(2, 0)];
         let lowest = (0..3).min_by_key(|&k| indices[k]).unwrap_or(0);
         Some(Self { delta: -corners[lowest].dot(normal), edges, nearest: nearest(&edges) })
     }

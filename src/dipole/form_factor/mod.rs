@@ -36,6 +36,7 @@ impl Distance {
     ///
     /// `delta`: signed height of the receiving point over that plane, along its normal.
     #[must_use]
+    #[inline]
     pub fn heights(self, delta: f64, dipole: &Dipole) -> [f64; 2] {
         let [z_real, z_virtual] = dipole.depths();
         match self {
@@ -52,12 +53,17 @@ impl Distance {
     /// `d2`: squared distance of that point to the receiving point. `delta`: as in
     /// [`Self::heights`]; the radial convention does not use it.
     #[must_use]
+    #[inline]
     pub fn squared(self, d2: f64, delta: f64, dipole: &Dipole) -> [f64; 2] {
         match self {
-            Self::Radial => dipole.depths().map(|z| d2 + z * z),
+            Self::Radial => {
+                let [z_real, z_virtual] = dipole.depths();
+                [d2 + z_real * z_real, d2 + z_virtual * z_virtual]
+            }
             Self::Table1 { .. } => {
                 let in_plane = (d2 - delta * delta).max(0.0);
-                self.heights(delta, dipole).map(|h| h * h + in_plane)
+                let [real, virtual_] = self.heights(delta, dipole);
+                [real * real + in_plane, virtual_ * virtual_ + in_plane]
             }
         }
     }
@@ -65,6 +71,7 @@ impl Distance {
 
 /// The vector area of a triangle with counter-clockwise corners: normal times area.
 #[must_use]
+#[inline]
 pub fn vector_area(triangle: &[DVec3; 3]) -> DVec3 {
     0.5 * (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0])
 }

@@ -45,6 +45,7 @@ mod tests {
     use crate::gpu::reflect::kernels_without_subgroups;
 
     #[test]
+    #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
     fn without_full_subgroups_kernels_have_no_subgroup_operations() {
         let instance = Instance::open(false).unwrap();
         let able = |adapter: &Adapter| adapter.unusable.is_none() && adapter.offers.full_subgroups;

@@ -63,6 +63,7 @@ mod tests {
     use crate::measure::bodies::Medium;
 
     #[test]
+    #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
     fn without_absorption_all_light_leaves() {
         let medium = |scattering: f64| Medium { scattering, absorption: 0.0, eta: 1.4 };
         let walks = Walks { device: None, media: [2.0, 8.0, 1.0].map(medium), photons: 3000, seed: 7 };

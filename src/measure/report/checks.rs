@@ -169,6 +169,7 @@ mod tests {
     use crate::pipeline::frame::STAGES;
 
     #[test]
+    #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
     fn a_quick_report_compares_every_stage() {
         let found: Vec<_> = FEW.iter().flat_map(|few| fixtures(few).unwrap()).collect();
         let compared =

@@ -136,6 +136,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
     fn each_method_has_its_errors_pictures_and_costs() {
         let (mut page, bench) = (Page::default(), Bench { device: None, quick: true, keep: None });
         let shapes = [("ball", "sphere", [2, 2], 1.0), ("disc", "sphere", [1, 1], 0.5)];

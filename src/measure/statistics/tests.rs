@@ -148,6 +148,7 @@ fn two_percent_in_one_stage_of_twenty_are_found_and_nothing_else() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn nothing_is_found_where_there_is_nothing() {
     for count in [15, 60] {
         let wrong = (0..1000).filter(|experiment| {

@@ -120,5 +120,5 @@ impl<'a> Subject<'a> {
 
 /// A device used as chosen whose buffers hold zeros at first.
 fn cleared(device: &Device, choices: &Choices) -> Result<Device> {
-    device.opened_as(&Choices { cleared: true, ..choices.clone() })
+    device.opened_as(&Choices { fill: Some(0), ..choices.clone() })
 }

@@ -248,6 +248,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
     fn busts_are_closed_and_stand_upright() {
         for detail in [64, 66, 93, 128, 192] {
             let mesh = check(Shape::Bust, detail);

@@ -1,10 +1,5 @@
 //! Light transport inside a material: trees of faces and of space, links and blocks, and their error estimate.
 
-#[path = "../devices/mod.rs"]
-mod devices;
-#[path = "../shell/mod.rs"]
-mod shell;
-
 mod blocks;
 mod clusters;
 mod diffusion;

@@ -1,10 +1,5 @@
 //! Motion: deformations and sequences, and what is kept from frame to frame.
 
-#[path = "../devices/mod.rs"]
-mod devices;
-#[path = "../shell/mod.rs"]
-mod shell;
-
 mod animation;
 mod budget;
 mod edits;

@@ -1,10 +1,5 @@
 //! Layers beneath a surface: closed forms, plans, pictures, and the command line.
 
-#[path = "../devices/mod.rs"]
-mod devices;
-#[path = "../shell/mod.rs"]
-mod shell;
-
 mod bake;
 mod eval;
 mod frames;

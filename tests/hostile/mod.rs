@@ -1,9 +1,6 @@
 //! Malformed and hostile input, at least thirty cases of each kind, run through the program: one clear message, exit
 //! code 2, no files written, no panic, and bounded memory and time.
 
-#[path = "../shell/mod.rs"]
-mod shell;
-
 mod arguments;
 mod formats;
 mod images;
@@ -15,8 +12,8 @@ mod tables;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::shell::{folder, names};
 use rayon::prelude::*;
-use shell::{folder, names};
 use tempfile::TempDir;
 
 /// Least number of cases per kind.

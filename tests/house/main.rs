@@ -4,11 +4,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-#[path = "house/cycles.rs"]
 mod cycles;
-#[path = "house/includes.rs"]
 mod includes;
-#[path = "house/promises.rs"]
 mod promises;
 
 /// The modules from top to bottom; a module may use those below it.

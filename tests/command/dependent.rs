@@ -17,12 +17,22 @@ fn example() -> String {
     code.join("\n")
 }
 
-/// Runs a program; fails with what it printed.
+/// Runs a program; fails with what it printed, also if the compiler warns.
 fn succeed(command: &mut Command) -> String {
     let done = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
     let text = [&done.stdout, &done.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
-    assert!(done.status.success(), "{command:?}\n{}\n{}", text[0], text[1]);
+    let good = done.status.success() && !text[1].contains("warning");
+    assert!(good, "{command:?}\n{}\n{}", text[0], text[1]);
     text[0].clone()
+}
+
+/// Dependencies as this crate has them, so that they are there already; milkglass unoptimized, since what is tested is
+/// what is built and linked.
+const PROFILE: &str = "[profile.release]\nlto = \"off\"\n\n[profile.release.package.milkglass]\nopt-level = 0\n";
+
+/// The folder of what is built.
+fn target() -> &'static Path {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap()
 }
 
 /// What is done with a crate that depends on milkglass.
@@ -41,7 +51,7 @@ fn depends(source: &Path, addition: &str, settings: &[(&str, &str)], done: Done)
     let path = source.display();
     let manifest = format!(
         "[package]\nname = \"dependent\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n\
-         [dependencies]\nmilkglass = {{ path = \"{path}\"{addition} }}\n\n[workspace]\n"
+         [dependencies]\nmilkglass = {{ path = \"{path}\"{addition} }}\n\n[workspace]\n{PROFILE}"
     );
     fs::create_dir(folder.path().join("src")).unwrap();
     fs::write(folder.path().join("Cargo.toml"), manifest).unwrap();
@@ -51,18 +61,16 @@ fn depends(source: &Path, addition: &str, settings: &[(&str, &str)], done: Done)
 
     let cargo = || {
         let mut cargo = Command::new(env!("CARGO"));
-        cargo.current_dir(&folder).env("CARGO_TARGET_DIR", Path::new(env!("CARGO_TARGET_TMPDIR")).join("dependent"));
-        cargo.env_remove("RUSTFLAGS").envs(settings.iter().copied());
-        // Unoptimized, since what is tested is what is built and linked; that takes less time.
-        cargo.env("CARGO_PROFILE_DEV_DEBUG", "0");
+        cargo.current_dir(&folder).env("CARGO_TARGET_DIR", target());
+        cargo.env_remove("RUSTFLAGS").env_remove("RUSTC_BOOTSTRAP").envs(settings.iter().copied());
         cargo
     };
     if done == Done::Run {
-        succeed(cargo().args(["run", "--quiet"]));
+        succeed(cargo().args(["run", "--release", "--quiet"]));
         let size = fs::metadata(folder.path().join("lotus.png")).unwrap().len();
         assert!(size > 10_000, "a picture of {size} bytes");
     } else {
-        succeed(cargo().args(["check", "--quiet"]));
+        succeed(cargo().args(["check", "--release", "--quiet"]));
     }
     let tree = succeed(cargo().args(["tree", "--edges", "normal", "--prefix", "none", "--format", "{p}"]));
     let mut names: Vec<String> = tree.lines().filter_map(|line| Some(line.split(' ').next()?.to_string())).collect();
@@ -74,7 +82,7 @@ fn depends(source: &Path, addition: &str, settings: &[(&str, &str)], done: Done)
 /// The package, unpacked.
 fn package(folder: &Path) -> PathBuf {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/package");
-    let file = succeed(Command::new(script).arg(folder));
+    let file = succeed(Command::new(script).arg(folder).arg(env!("OUT_DIR")));
     let file = file.trim();
     assert!(fs::metadata(file).unwrap().len() < 4_000_000, "the package is too large to publish");
     succeed(Command::new("tar").args(["-xzf", file, "-C"]).arg(folder));
@@ -108,9 +116,10 @@ fn the_package_needs_no_shader_compiler() {
     let kernel = source.join("glsl/invocation.glsl");
     fs::write(&kernel, fs::read_to_string(&kernel).unwrap() + "\n// Changed.\n").unwrap();
     let build = Command::new(env!("CARGO"))
-        .args(["check", "--quiet", "--lib", "--no-default-features", "--target-dir"])
-        .arg(folder.path().join("target"))
+        .args(["check", "--release", "--quiet", "--lib", "--no-default-features", "--target-dir"])
+        .arg(target())
         .current_dir(&source)
+        .env_remove("RUSTC_BOOTSTRAP")
         .envs(none)
         .output()
         .unwrap();

@@ -87,6 +87,7 @@ fn repeated(folder: &Path, out: &Output) -> Pixels {
 const SMALL: [&str; 4] = ["slab", "--size=200x150", "--set", "camera.samples=3"];
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_window_shows_the_picture_of_render() {
     let folder = tempfile::tempdir().unwrap();
     for present in ["fifo", "mailbox"] {
@@ -99,6 +100,7 @@ fn a_window_shows_the_picture_of_render() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn what_was_changed_is_what_the_printed_command_renders() {
     let folder = tempfile::tempdir().unwrap();
     let one = |events: &str, changed: &str| {
@@ -132,6 +134,7 @@ fn what_was_changed_is_what_the_printed_command_renders() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_window_may_change_its_size_again_and_again() {
     let folder = tempfile::tempdir().unwrap();
     let mut events: Vec<String> =
@@ -156,6 +159,7 @@ fn wait_for(file: &Path) -> Pixels {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_changed_file_is_shown_and_a_mistake_leaves_the_last_good_state() {
     let folder = tempfile::tempdir().unwrap();
     let printed = Command::new(PROGRAM).args(["scenes", "slab"]).output().unwrap();
@@ -181,6 +185,7 @@ fn a_changed_file_is_shown_and_a_mistake_leaves_the_last_good_state() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_real_mouse_and_real_keys_are_heard() {
     let folder = tempfile::tempdir().unwrap();
     let script = format!(

@@ -1,10 +1,5 @@
 //! The numerics against closed forms, independent quadrature, published figures, and their own invariants.
 
-#[path = "../devices/mod.rs"]
-mod devices;
-#[path = "../population/mod.rs"]
-mod population;
-
 mod borders;
 mod curvature;
 mod edge_form;
@@ -19,7 +14,6 @@ mod moments;
 mod properties;
 mod quadrature;
 mod reflectance;
-mod seeded;
 mod sphere;
 mod stages;
 mod table_one;

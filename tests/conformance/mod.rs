@@ -1,18 +1,16 @@
 //! Every device against the reference, and the behaviour of devices, drivers and limits.
 
-#[path = "../devices/mod.rs"]
-mod devices;
-#[path = "../shell/mod.rs"]
-mod shell;
-
 mod driver;
 mod exact;
 mod faults;
 mod features;
+mod few;
+mod fingerprints;
 mod guards;
 mod idle;
 mod instrument;
 mod limits;
+mod mutants;
 mod pictures;
 mod repro;
 mod stages;

@@ -1,11 +1,10 @@
-//! Determinism: the buffers of every built-in scene have the same hashes in two runs on each device.
+//! Determinism: the buffers of built-in scenes have the same hashes in two runs on each device, each scene in some of
+//! the ways that it can run in.
 //!
-//! With `MILKGLASS_FINGERPRINTS=FILE`, these hashes, those of the CPU and of all fixtures, and the planned steps are
-//! compared with FILE, or written there if it does not exist. This shows whether a change affects any result; without
-//! the variable nothing is computed on the CPU, whose results other tests compare with devices' and with formulas.
-
-#[path = "devices/mod.rs"]
-mod devices;
+//! With `MILKGLASS_FINGERPRINTS=FILE`, these hashes of all scenes in all ways, those of the CPU and of all fixtures, and
+//! the planned steps are compared with FILE, or written there if it does not exist. This shows whether a change affects
+//! any result; without the variable nothing is computed on the CPU, whose results other tests compare with devices' and
+//! with formulas.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -16,7 +15,6 @@ use milkglass::internals::layout::{BUFFER_IDS, BufferId};
 use milkglass::internals::pipeline::plan::{Change, Goal, Mode, Options, ShadingMethod};
 use milkglass::internals::session::run::Session;
 use milkglass::internals::state::{State, Step};
-use milkglass::measure::fixtures::fixtures;
 use milkglass::scene::{BUILTIN, Scene};
 
 /// FNV-1a over words of eight bytes, with a rotation.
@@ -123,40 +121,47 @@ const DETAIL: &[(&str, &str)] = &[
     ("veins", "object.0.detail=64"),
 ];
 
-/// All fingerprints of the built-in scenes on a device, or on the CPU.
-fn all(device: Option<&Device>) -> BTreeMap<String, String> {
+/// Every built-in scene in every way that it can run in.
+fn cases() -> Vec<(String, Scene, Options)> {
+    let mut cases = Vec::new();
+    for (way, sets, options) in ways() {
+        for &(name, _, _) in BUILTIN {
+            let detail = DETAIL.iter().find(|(scene, _)| *scene == name).map_or("", |(_, set)| set);
+            let size = ["camera.size=[24, 20]", "camera.samples=1", detail];
+            let sets = sets.iter().copied().chain(size.into_iter().filter(|set| !set.is_empty()));
+            let scene = Scene::load_with(name, &sets.map(String::from).collect::<Vec<_>>()).unwrap();
+            let triangles: usize = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
+            let light = ["transport.scheme=blocks Render", "transport.scheme=links Keep", "Cdrf"];
+            if triangles > 5000 && !light.contains(&way.as_str())
+                || options.transport == ShadingMethod::TextureBlur
+                    && scene.objects.iter().any(|object| object.mesh.uvs.is_none())
+            {
+                continue;
+            }
+            cases.push((format!("{name} {way}"), scene, options));
+        }
+    }
+    cases
+}
+
+/// One case in so many runs each time: soon every way, and every scene, which are about as many.
+const SOME: usize = 9;
+
+/// Fingerprints of these cases on a device, or on the CPU.
+fn all<'a>(
+    device: Option<&Device>,
+    cases: impl Iterator<Item = &'a (String, Scene, Options)>,
+) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     let on = device.map_or("cpu", Device::name).to_string();
-    for &(name, _, _) in BUILTIN {
-        let begin = std::time::Instant::now();
-        let detail = DETAIL.iter().find(|(scene, _)| *scene == name).map_or("", |(_, set)| set);
-        for (way, sets, options) in ways() {
-            let size = ["camera.size=[24, 20]", "camera.samples=1", detail];
-            let mut sets: Vec<String> = sets.into_iter().map(String::from).collect();
-            sets.extend(size.into_iter().filter(|set| !set.is_empty()).map(String::from));
-            let scene = Scene::load_with(name, &sets).unwrap();
-            let triangles: usize = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
-            if triangles > 5000
-                && !matches!(way.as_str(), "transport.scheme=blocks Render" | "transport.scheme=links Keep" | "Cdrf")
-            {
-                continue;
-            }
-            if options.transport == ShadingMethod::TextureBlur
-                && scene.objects.iter().any(|object| object.mesh.uvs.is_none())
-            {
-                continue;
-            }
-            of_scene(&format!("{on} {name} {way}"), &scene, options, device, &mut found);
-        }
-        println!("{on} {name}: {:.1} s", begin.elapsed().as_secs_f64());
-    }
+    cases.for_each(|(key, scene, options)| of_scene(&format!("{on} {key}"), scene, *options, device, &mut found));
     found
 }
 
 /// Fingerprints of all fixtures, before and after their CPU references.
 fn of_fixtures() -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
-    for fixture in fixtures("").unwrap() {
+    for fixture in super::stages::all() {
         let mut state = fixture.state.clone();
         of_state(&format!("fixture {} before", fixture.name), &state, BUFFER_IDS, &mut found);
         fixture.steps.iter().for_each(|step| step.reference(&mut state));
@@ -171,14 +176,16 @@ fn of_fixtures() -> BTreeMap<String, String> {
 fn every_run_has_the_same_bits() {
     let file = std::env::var_os("MILKGLASS_FINGERPRINTS");
     let mut found = BTreeMap::new();
+    let cases = cases();
     if file.is_some() {
         found.extend(of_fixtures());
-        found.extend(all(None));
+        found.extend(all(None, cases.iter()));
     }
+    let some = || cases.iter().step_by(if file.is_some() { 1 } else { SOME });
     let on_device = Mutex::new(BTreeMap::new());
-    devices::on_devices(|device| {
-        let once = all(Some(device));
-        let again = all(Some(device));
+    crate::devices::on_devices(|device| {
+        let once = all(Some(device), some());
+        let again = all(Some(device), some());
         let differ: Vec<_> = once.iter().filter(|(key, value)| again.get(*key) != Some(value)).collect();
         assert!(differ.is_empty() && !once.is_empty(), "two runs differ: {differ:.4000?}");
         on_device.lock().unwrap().extend(once);

@@ -184,6 +184,7 @@ fn run(page: &Path) -> usize {
 
 /// Two threads: half of the work of a command keeps only one core busy.
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn commands_in_the_pages_run() {
     let pages = pages();
     let (odd, even): (Vec<_>, Vec<_>) = pages.iter().enumerate().partition(|(k, _)| k % 2 == 1);

@@ -1,12 +1,10 @@
 //! The program run from the command line; one file per command or subject.
 
-#[path = "../shell/mod.rs"]
-mod shell;
-
 mod amber;
 mod aov;
 mod borders;
 mod conform;
+mod dependent;
 mod device_limits;
 mod diffusion;
 mod eval;
@@ -14,6 +12,7 @@ mod extremes;
 mod failures;
 mod first_use;
 mod fit;
+mod guide;
 mod lights;
 mod line;
 mod lists;

@@ -1,0 +1,58 @@
+//! Every kernel against the CPU, on as few small fixtures as run them all.
+
+use std::collections::BTreeSet;
+use std::sync::Mutex;
+
+use crate::devices::on_devices_each;
+use milkglass::internals::gpu::sources;
+use milkglass::internals::state::dispatches;
+use milkglass::measure::conform::conform;
+use milkglass::measure::fixtures::made;
+
+const FEW: &[&str] = &[
+    "bump over kept links, point samples",
+    "bump over kept links, too few places",
+    "cdrf of a bust, curvature smoothed little",
+    "cdrf of three objects, deformed",
+    "cdrf, single values",
+    "diffusion in two objects, the dipole in a third",
+    "kept links of another material, budget",
+    "lambert under a panel seen from behind",
+    "layers, even, left rule",
+    "scattered once in an open strip",
+    "single form factors",
+    "six layers, clamped",
+    "sphere in batches, kept",
+    "sphere, brute force",
+    "texture at the entry, links",
+    "texture blur of pieces that lie apart",
+    "thin slab, point samples, displaced sources",
+    "three objects, receivers at pixels",
+    "three objects, two of them with joints",
+    "walk through clear and dark media",
+];
+
+#[test]
+fn every_kernel_conforms() {
+    let fixtures = made(|name| FEW.contains(&name)).unwrap();
+    assert_eq!(fixtures.len(), FEW.len());
+    let run: BTreeSet<String> = fixtures
+        .iter()
+        .flat_map(|fixture| dispatches(&fixture.state, &fixture.steps, 8).unwrap())
+        .map(|dispatch| dispatch.kernel)
+        .collect();
+    for name in sources().filter(|name| !name.ends_with(".glsl") && !name.starts_with("measure/")) {
+        assert!(run.contains(name), "no fixture of these runs kernel {name}");
+    }
+    let faults = Mutex::new(Vec::new());
+    on_devices_each(&fixtures, |device, fixture| {
+        let rows = conform(device, fixture, &[]).unwrap();
+        let named = rows
+            .iter()
+            .flat_map(|row| &row.faults)
+            .map(|fault| format!("{}, {}: {fault}", device.name(), fixture.name));
+        faults.lock().unwrap().extend(named);
+    });
+    let faults = faults.into_inner().unwrap();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
