@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::layout::BufferId;
 use crate::pipeline::buffer_sizes::{RESULTS, adjust, grows, resize, size};
 use crate::pipeline::plan::{Plan, ShadingMethod};
+use crate::state::State;
 use crate::transport::octree::HOST;
 
 /// What a stage may leave as it is, and the host reads for every object, though not every object has lists.
@@ -13,7 +14,7 @@ const STANDING: [BufferId; 4] = [BufferId::cut_short, BufferId::counters, Buffer
 impl Session {
     /// Gives every buffer its size and uploads the inputs.
     pub(crate) fn resize(&mut self) -> Result<()> {
-        size(&mut self.prepared.state, &self.plan);
+        self.sized(size);
         self.linked = false;
         self.size_picture();
         self.check_bindings()?;
@@ -23,11 +24,21 @@ impl Session {
         self.send(&STANDING)
     }
 
+    /// Gives buffers their sizes. A solution in new memory is none to start from.
+    fn sized(&mut self, size: fn(&mut State, &Plan)) {
+        let length = |session: &Self| session.state().data.bytes(BufferId::solution).len();
+        let before = length(self);
+        size(&mut self.prepared.state, &self.plan);
+        if length(self) != before {
+            self.solves.clear();
+        }
+    }
+
     /// Gives those buffers another size that need one, after a change of `inputs`; all others keep their contents.
     pub(crate) fn adjust(&mut self, inputs: &[BufferId]) -> Result<()> {
         let sizes = |session: &Self| STANDING.map(|slot| session.state().data.bytes(slot).len());
         let before = sizes(self);
-        adjust(&mut self.prepared.state, &self.plan);
+        self.sized(adjust);
         self.check_bindings()?;
         self.send(inputs)?;
         // New memory may hold anything.

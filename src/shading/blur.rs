@@ -162,6 +162,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
     fn an_edge_of_light_is_blurred_as_by_the_sum_of_gaussians() {
         // Texels are 1 / 256 wide and two thirds of that high; the edge of light runs across either axis.
         let side = 256;

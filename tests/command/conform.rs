@@ -168,6 +168,7 @@ fn a_killed_run_leaves_what_was_done() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn known_failures_are_no_failures_and_stale_ones_are() {
     let here = folder(&[]);
     planted(&here, "swap.comp", "max(sum.yxz, vec3(0))");
@@ -233,6 +234,7 @@ fn changes_are_shown_though_within_tolerance() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn scenes_and_dumps_go_to_processes_of_their_own() {
     let here = folder(&[]);
     planted(&here, "swap.comp", "max(sum.yxz, vec3(0))");

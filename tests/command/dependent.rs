@@ -103,26 +103,30 @@ fn a_crate_elsewhere_renders_a_picture() {
     println!("crates: {} with the command line, {} without", whole.len(), lean.len());
 }
 
-#[test]
-#[ignore = "slow: packs and checks the library"]
-fn the_package_needs_no_shader_compiler() {
-    let folder = tempfile::tempdir().unwrap();
-    let source = package(folder.path());
-    assert!(!source.join("tests").exists() && source.join("spirv/sources").exists());
-    let none = [("GLSLC", "/no/such/compiler")];
-    depends(&source, ", default-features = false", &none, Done::Checked);
+mod rare {
+    use super::*;
 
-    // Where a source differs from what the SPIR-V was made of, it is not used.
-    let kernel = source.join("glsl/invocation.glsl");
-    fs::write(&kernel, fs::read_to_string(&kernel).unwrap() + "\n// Changed.\n").unwrap();
-    let build = Command::new(env!("CARGO"))
-        .args(["check", "--release", "--quiet", "--lib", "--no-default-features", "--target-dir"])
-        .arg(target())
-        .current_dir(&source)
-        .env_remove("RUSTC_BOOTSTRAP")
-        .envs(none)
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&build.stderr);
-    assert!(!build.status.success() && said.contains("/no/such/compiler"), "{said}");
+    #[test]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
+    fn the_package_needs_no_shader_compiler() {
+        let folder = tempfile::tempdir().unwrap();
+        let source = package(folder.path());
+        assert!(!source.join("tests").exists() && source.join("spirv/sources").exists());
+        let none = [("GLSLC", "/no/such/compiler")];
+        depends(&source, ", default-features = false", &none, Done::Checked);
+
+        // Where a source differs from what the SPIR-V was made of, it is not used.
+        let kernel = source.join("glsl/invocation.glsl");
+        fs::write(&kernel, fs::read_to_string(&kernel).unwrap() + "\n// Changed.\n").unwrap();
+        let build = Command::new(env!("CARGO"))
+            .args(["check", "--release", "--quiet", "--lib", "--no-default-features", "--target-dir"])
+            .arg(target())
+            .current_dir(&source)
+            .env_remove("RUSTC_BOOTSTRAP")
+            .envs(none)
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&build.stderr);
+        assert!(!build.status.success() && said.contains("/no/such/compiler"), "{said}");
+    }
 }

@@ -40,6 +40,7 @@ fn a_profile_is_printed_and_written() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_solver_is_profiled_as_far_as_it_goes() {
     let here = folder(&[]);
     let solve = format!("{SMALL} --transport diffusion --set transport.tolerance=0.1");

@@ -103,6 +103,7 @@ fn another_build_is_timed_in_turn() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn devices_stand_side_by_side() {
     let here = folder(&[]);
     let (out, _) = good(&here, &format!("profile {SMALL} --device cpu --device cpu --device cpu --frames 11"));

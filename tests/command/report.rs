@@ -30,49 +30,6 @@ fn values<'a>(page: &'a str, attribute: &str) -> Vec<&'a str> {
 }
 
 #[test]
-#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
-fn a_page_that_needs_nothing_else() {
-    let here = folder(&[]);
-    let (out, err) = good(&here, "report -o r --quick --only devices,plan,layers");
-    assert_eq!(out.trim(), "r/index.html");
-    assert!(["1/3 devices", "2/3 plan", "3/3 layers"].iter().all(|section| err.contains(section)), "{err}");
-    let page = read(&here, "r/index.html");
-    assert_eq!(unbalanced(&page), Vec::<String>::new());
-    for name in ["devices", "plan", "layers"] {
-        assert!(page.contains(&format!("<section id=\"{name}\">")), "{name}");
-    }
-    assert!(!page.contains("id=\"stress\""), "only what was asked for");
-    // Findings link to their section, and columns are explained.
-    assert!(page.contains("href=\"#layers\"") && page.contains("<dt>relief, ms</dt><dd>time of stage relief</dd>"));
-    // The page fetches nothing and runs no script.
-    for word in ["http:", "https:", "<script", "url(", "@import", "<iframe", "javascript"] {
-        assert!(!page.contains(word), "{word}");
-    }
-    let pictures = values(&page, "src");
-    assert!(pictures.len() >= 9 && pictures.iter().all(|src| src.starts_with("data:image/png;base64,iVBOR")));
-    let files = names(&here.path().join("r"));
-    for href in values(&page, "href") {
-        assert!(href.starts_with('#') || href == "data:," || files.iter().any(|file| file == href), "{href}");
-    }
-    assert!(page.matches("<svg").count() >= 2 && page.contains("name=\"viewport\""));
-    for words in ["Error by time, fish", "stage relief, ms", "paper&#39;s rule"] {
-        assert!(page.contains(words) || page.contains(&words.replace("&#39;", "'")), "{words}");
-    }
-    // The CSV files contain what the tables show.
-    let csv = read(&here, "r/layers.csv");
-    assert!(csv.starts_with("scene,rule,samples,") && csv.lines().count() == 1 + 3 * 2 * 3, "{csv}");
-    assert!(files.iter().any(|file| file == "plan.csv") && read(&here, "r/plan.csv").contains("\nlotus,"));
-
-    // A second report with fewer sections replaces the page and leaves other files alone.
-    std::fs::write(here.path().join("r/notes.txt"), "mine").unwrap();
-    good(&here, "report -o r --only devices,conform --device cpu");
-    let page = read(&here, "r/index.html");
-    assert!(page.contains("The CPU is the reference itself") && !page.contains("id=\"layers\""));
-    assert_eq!(unbalanced(&page), Vec::<String>::new());
-    assert_eq!((read(&here, "r/notes.txt").as_str(), names(here.path())), ("mine", vec!["r".to_string()]));
-}
-
-#[test]
 fn an_unbalanced_page_is_seen() {
     assert_eq!(unbalanced("<p>a<b>c</b></p><img src=x><path d/>"), Vec::<String>::new());
     assert_eq!(unbalanced("<div><p>a</div>"), ["</div>", "div"]);
@@ -95,5 +52,52 @@ fn the_guide_names_every_section() {
     let guide = std::fs::read_to_string("src/guide/measuring.md").unwrap();
     for section in SECTIONS {
         assert!(guide.contains(&format!("| `{}` |", section.name)), "the guide's table lacks section {}", section.name);
+    }
+}
+
+mod rare {
+    use super::*;
+
+    #[test]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
+    fn a_page_that_needs_nothing_else() {
+        let here = folder(&[]);
+        let (out, err) = good(&here, "report -o r --quick --only devices,plan,layers");
+        assert_eq!(out.trim(), "r/index.html");
+        assert!(["1/3 devices", "2/3 plan", "3/3 layers"].iter().all(|section| err.contains(section)), "{err}");
+        let page = read(&here, "r/index.html");
+        assert_eq!(unbalanced(&page), Vec::<String>::new());
+        for name in ["devices", "plan", "layers"] {
+            assert!(page.contains(&format!("<section id=\"{name}\">")), "{name}");
+        }
+        assert!(!page.contains("id=\"stress\""), "only what was asked for");
+        // Findings link to their section, and columns are explained.
+        assert!(page.contains("href=\"#layers\"") && page.contains("<dt>relief, ms</dt><dd>time of stage relief</dd>"));
+        // The page fetches nothing and runs no script.
+        for word in ["http:", "https:", "<script", "url(", "@import", "<iframe", "javascript"] {
+            assert!(!page.contains(word), "{word}");
+        }
+        let pictures = values(&page, "src");
+        assert!(pictures.len() >= 9 && pictures.iter().all(|src| src.starts_with("data:image/png;base64,iVBOR")));
+        let files = names(&here.path().join("r"));
+        for href in values(&page, "href") {
+            assert!(href.starts_with('#') || href == "data:," || files.iter().any(|file| file == href), "{href}");
+        }
+        assert!(page.matches("<svg").count() >= 2 && page.contains("name=\"viewport\""));
+        for words in ["Error by time, fish", "stage relief, ms", "paper&#39;s rule"] {
+            assert!(page.contains(words) || page.contains(&words.replace("&#39;", "'")), "{words}");
+        }
+        // The CSV files contain what the tables show.
+        let csv = read(&here, "r/layers.csv");
+        assert!(csv.starts_with("scene,rule,samples,") && csv.lines().count() == 1 + 3 * 2 * 3, "{csv}");
+        assert!(files.iter().any(|file| file == "plan.csv") && read(&here, "r/plan.csv").contains("\nlotus,"));
+
+        // A second report with fewer sections replaces the page and leaves other files alone.
+        std::fs::write(here.path().join("r/notes.txt"), "mine").unwrap();
+        good(&here, "report -o r --only devices,conform --device cpu");
+        let page = read(&here, "r/index.html");
+        assert!(page.contains("The CPU is the reference itself") && !page.contains("id=\"layers\""));
+        assert_eq!(unbalanced(&page), Vec::<String>::new());
+        assert_eq!((read(&here, "r/notes.txt").as_str(), names(here.path())), ("mine", vec!["r".to_string()]));
     }
 }

@@ -63,12 +63,6 @@ fn the_table_passes_on_the_default_device() {
 }
 
 #[test]
-#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
-fn the_table_passes_on_the_cpu() {
-    assert!(table("--device cpu").len() > 30);
-}
-
-#[test]
 fn one_case_alone_and_none() {
     let here = folder(&[]);
     let (out, _) = good(&here, "stress --only tangent --device cpu");
@@ -76,4 +70,14 @@ fn one_case_alone_and_none() {
     bad(&here, "stress --only nothing-of-the-kind --device cpu", 2, &["no case has this", "alpha' 0; "]);
     bad(&here, "stress --only tangent --device nowhere", 3, &["nowhere"]);
     bad(&here, "stress --only tangent --device cpu --csv no/such/folder.csv", 2, &["folder.csv"]);
+}
+
+mod rare {
+    use super::*;
+
+    #[test]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
+    fn the_table_passes_on_the_cpu() {
+        assert!(table("--device cpu").len() > 30);
+    }
 }

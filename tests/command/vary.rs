@@ -60,6 +60,7 @@ fn the_pipeline_cache_is_timed_by_first_frames() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_group_of_one_stage_is_varied() {
     let here = folder(&[]);
     let (out, _) = good(&here, &format!("vary {SMALL} --axis group.push=32,128 --frames 1"));

@@ -41,6 +41,7 @@ fn noise_is_as_small_as_asked() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_profile_tells_photons_a_second() {
     let here = folder(&[]);
     let line = format!("profile {BALL} --set transport.walks=500 --set camera.size=[8,8] --frames 1");
@@ -75,6 +76,7 @@ fn what_has_no_meaning_or_takes_too_long_is_refused() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 #[cfg(target_os = "linux")]
 fn a_terminal_shows_how_far_it_is_and_a_pipe_nothing() {
     let here = folder(&[]);
@@ -95,6 +97,7 @@ fn a_terminal_shows_how_far_it_is_and_a_pipe_nothing() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 #[cfg(unix)]
 fn ctrl_c_ends_it_with_what_there_is() {
     let here = folder(&[]);

@@ -109,54 +109,6 @@ fn each_once(calls: &[Call]) -> Vec<usize> {
     calls.iter().enumerate().filter(last).map(|(k, _)| k).collect()
 }
 
-/// Every failing call gives an error that names call and remedy, and leaves nothing behind.
-#[test]
-#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
-fn every_call_may_fail() {
-    devices::on_devices(|device| {
-        let (mut known, mut tried) = (BTreeSet::new(), BTreeSet::new());
-        for goal in [Goal::Picture, Goal::Radiosity] {
-            let scene = scene(goal == Goal::Radiosity, "2");
-            let mut run = Run::new();
-            let (whole, calls) = watch(None, || {
-                let values = run.go(&scene, goal, device.name()).unwrap();
-                run.close("whole");
-                values
-            });
-            known.extend(calls.iter().map(|call| call.name));
-            // Calls that both goals share fail only under the first.
-            let untried = |k: &usize| tried.insert((calls[*k].name, calls[*k].doing.clone()));
-            let chosen: Vec<usize> = each_once(&calls).into_iter().filter(untried).collect();
-            println!("{}, {goal:?}: {} calls, {} of them made to fail", device.name(), calls.len(), chosen.len());
-            for &k in &chosen {
-                let what = format!("{k}: {:?}", calls[k]);
-                let (done, _) = watch(Some(k), || {
-                    let done = run.go(&scene, goal, device.name());
-                    done.inspect(|_| run.close(&what))
-                });
-                match done {
-                    Ok(values) => {
-                        assert!(HARMLESS.contains(&calls[k].name), "{what} did not fail");
-                        assert_eq!(values, whole, "{what}");
-                    }
-                    Err(error) => {
-                        let text = error.to_string();
-                        assert!(matches!(error, Error::Device { .. }) && error.exit_code() == 3, "{what}: {text}");
-                        assert!(text.starts_with(&calls[k].doing) && text.contains(calls[k].name), "{what}: {text}");
-                        assert!(["use ", "install ", "run "].iter().any(|word| text.contains(word)), "{what}: {text}");
-                        run.close(&what);
-                    }
-                }
-            }
-            // A fresh run gives the same values.
-            assert_eq!(run.go(&scene, goal, device.name()).unwrap(), whole);
-            run.close("fresh");
-        }
-        let timed = device.limits().timestamp_period > 0.0;
-        assert_eq!(known, expected().into_iter().filter(|name| timed || !name.contains("Quer")).collect());
-    });
-}
-
 /// After a failed frame, or a failed change before it, a session's next frame is correct to the last bit.
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
@@ -262,4 +214,62 @@ fn a_driver_without_memory_says_so() {
         }
         assert_eq!(trusting.allocations(), [""; 0]);
     });
+}
+
+mod rare {
+    use super::*;
+
+    /// Every failing call gives an error that names call and remedy, and leaves nothing behind.
+    #[test]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
+    fn every_call_may_fail() {
+        devices::on_devices(|device| {
+            let (mut known, mut tried) = (BTreeSet::new(), BTreeSet::new());
+            for goal in [Goal::Picture, Goal::Radiosity] {
+                let scene = scene(goal == Goal::Radiosity, "2");
+                let mut run = Run::new();
+                let (whole, calls) = watch(None, || {
+                    let values = run.go(&scene, goal, device.name()).unwrap();
+                    run.close("whole");
+                    values
+                });
+                known.extend(calls.iter().map(|call| call.name));
+                // Calls that both goals share fail only under the first.
+                let untried = |k: &usize| tried.insert((calls[*k].name, calls[*k].doing.clone()));
+                let chosen: Vec<usize> = each_once(&calls).into_iter().filter(untried).collect();
+                println!("{}, {goal:?}: {} calls, {} of them made to fail", device.name(), calls.len(), chosen.len());
+                for &k in &chosen {
+                    let what = format!("{k}: {:?}", calls[k]);
+                    let (done, _) = watch(Some(k), || {
+                        let done = run.go(&scene, goal, device.name());
+                        done.inspect(|_| run.close(&what))
+                    });
+                    match done {
+                        Ok(values) => {
+                            assert!(HARMLESS.contains(&calls[k].name), "{what} did not fail");
+                            assert_eq!(values, whole, "{what}");
+                        }
+                        Err(error) => {
+                            let text = error.to_string();
+                            assert!(matches!(error, Error::Device { .. }) && error.exit_code() == 3, "{what}: {text}");
+                            assert!(
+                                text.starts_with(&calls[k].doing) && text.contains(calls[k].name),
+                                "{what}: {text}"
+                            );
+                            assert!(
+                                ["use ", "install ", "run "].iter().any(|word| text.contains(word)),
+                                "{what}: {text}"
+                            );
+                            run.close(&what);
+                        }
+                    }
+                }
+                // A fresh run gives the same values.
+                assert_eq!(run.go(&scene, goal, device.name()).unwrap(), whole);
+                run.close("fresh");
+            }
+            let timed = device.limits().timestamp_period > 0.0;
+            assert_eq!(known, expected().into_iter().filter(|name| timed || !name.contains("Quer")).collect());
+        });
+    }
 }

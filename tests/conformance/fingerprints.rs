@@ -1,10 +1,10 @@
 //! Determinism: the buffers of built-in scenes have the same hashes in two runs on each device, each scene in some of
 //! the ways that it can run in.
 //!
-//! With `MILKGLASS_FINGERPRINTS=FILE`, these hashes of all scenes in all ways, those of the CPU and of all fixtures, and
-//! the planned steps are compared with FILE, or written there if it does not exist. This shows whether a change affects
-//! any result; without the variable nothing is computed on the CPU, whose results other tests compare with devices' and
-//! with formulas.
+//! With `MILKGLASS_FINGERPRINTS=FILE`, these hashes of all scenes in all ways, those of the CPU and of all fixtures,
+//! and the planned steps are compared with FILE, or written there if it does not exist. This shows whether a change
+//! affects any result; without the variable nothing is computed on the CPU, whose results other tests compare with
+//! devices' and with formulas.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -145,7 +145,7 @@ fn cases() -> Vec<(String, Scene, Options)> {
 }
 
 /// One case in so many runs each time: soon every way, and every scene, which are about as many.
-const SOME: usize = 9;
+const SOME: usize = 15;
 
 /// Fingerprints of these cases on a device, or on the CPU.
 fn all<'a>(

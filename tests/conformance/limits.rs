@@ -85,6 +85,7 @@ fn a_binding_too_small_is_refused_by_the_buffers_name() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn fewer_groups_make_more_rows() {
     with(|device, instance| {
         for scheme in ["blocks", "links"] {
@@ -163,6 +164,7 @@ fn altered(device: &Device, line: &str, alter: fn(&mut Adapter)) -> Result<(), (
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn commands_say_what_a_device_lacks() {
     on_devices(|device| {
         let here = shell::folder(&[]);

@@ -107,7 +107,7 @@ fn every_use_of_the_api_computes_the_same() {
     let fixtures = some();
     let stages = stages_of(&fixtures);
     assert!(stages.len() >= 40, "{}: {stages:?}", stages.len());
-    compare(&fixtures.iter().collect::<Vec<_>>(), 3);
+    compare(&fixtures.iter().collect::<Vec<_>>(), 6);
 }
 
 mod rare {

@@ -1,5 +1,5 @@
-//! Opens every usable device in turn, with validation, for the tests that need one. A scene's buffers hold 0xff bytes at
-//! first, NaN as floats: what reads memory before anything has written it fails, instead of once in some runs.
+//! Opens every usable device in turn, with validation, for the tests that need one. A scene's buffers hold 0xff bytes
+//! at first, NaN as floats: what reads memory before anything has written it fails, instead of once in some runs.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

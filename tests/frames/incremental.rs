@@ -150,6 +150,7 @@ fn a_local_bump_computes_form_factors_of_what_it_touches() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_shadow_that_moves_over_what_does_not_is_summed_again() {
     let light = "light.0={ type = 'directional', direction = [1, 0, 0.15], irradiance = 3 }";
     let frame = |height: f64| {

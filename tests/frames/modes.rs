@@ -154,6 +154,7 @@ fn frames_of_a_sequence_are_those_of_a_new_session() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_frame_without_a_change_dispatches_nothing() {
     devices::on_devices(|device| {
         for (scheme, mode) in [("blocks", Mode::Render), ("blocks", Mode::OnTheFly), ("links", Mode::Render)] {

@@ -186,6 +186,7 @@ fn a_mesh_a_frame() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn what_moves_from_object_to_object() {
     // As many deformations but of another object, another picture size, and deformations with another centre.
     let ball = |x: f64, angle: &str| {

@@ -143,6 +143,7 @@ fn bad_looks_are_named() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_plan_has_no_look_that_is_not_asked_for() {
     let here = folder(&[]);
     let plan = |sets: &str| {

@@ -155,6 +155,7 @@ fn an_objects_own_shadow_counts() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn it_asks_for_texture_coordinates_that_are_one_to_one() {
     let here = folder(&[
         ("bare.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),

@@ -54,6 +54,7 @@ fn half_a_texture_is_half_the_light() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn what_enters_through_a_texture_and_its_complement_adds_up() {
     let tiles = ball(&["object.0.material.texture=builtin:tiles"]).objects[0].material.texture.clone().unwrap();
     let of = |turn: fn(f32) -> f32| {

@@ -79,7 +79,8 @@ fn a_start_that_does_not_fit_is_passed_over() {
         assert!(again <= cold + 2 && apart(&back, &bright) < 1e-3, "{again} {}", apart(&back, &bright));
         let (_, dark) = frame(&mut session, &[]);
         assert!(dark.iter().all(|dark| *dark == [0.0; 3]));
-        assert!(apart(&frame(&mut session, &lights(0.0, "[1, 1, 1]")).1, &bright) < 1e-3);
+        let (steps, lit) = frame(&mut session, &lights(0.0, "[1, 1, 1]"));
+        assert!(apart(&lit, &bright) < 1e-3, "{} after {steps} steps of {cold}", apart(&lit, &bright));
     };
     turns(None);
     devices::on_devices(|device| turns(Some(device)));

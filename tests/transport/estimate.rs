@@ -109,19 +109,6 @@ fn the_error_is_below_the_estimate_on_the_cpu() {
 }
 
 #[test]
-#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
-fn the_error_is_below_the_estimate_on_devices() {
-    let numbers: Vec<usize> = (0..SCENES.len()).collect();
-    devices::on_devices_each(&numbers, |device, number| {
-        let mut known = None;
-        for tolerance in ["1e-3", "1e-2"] {
-            let (title, mut session, count) = numbered(*number, tolerance, Some(device));
-            holds(&title, quality(&mut session, &mut known, count));
-        }
-    });
-}
-
-#[test]
 fn no_constant_would_do() {
     // The best constant covers the error but has no rank correlation.
     let errors: Vec<[f64; 3]> = (0..1000).map(|k| [1e-3 * f64::from(k); 3]).collect();
@@ -276,5 +263,18 @@ mod rare {
                 );
             }
         }
+    }
+
+    #[test]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
+    fn the_error_is_below_the_estimate_on_devices() {
+        let numbers: Vec<usize> = (0..SCENES.len()).collect();
+        devices::on_devices_each(&numbers, |device, number| {
+            let mut known = None;
+            for tolerance in ["1e-3", "1e-2"] {
+                let (title, mut session, count) = numbered(*number, tolerance, Some(device));
+                holds(&title, quality(&mut session, &mut known, count));
+            }
+        });
     }
 }

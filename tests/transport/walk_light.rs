@@ -11,6 +11,7 @@ use milkglass::internals::session::walk::{WalkControl, WalkProgress};
 use milkglass::measure::truth::Truth;
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_walk_of_a_time_has_no_other_end() {
     let sets = ["object.0.detail=2", "object.0.size=10", SUN, "transport.walks=90"];
     let mut session = Session::new(&scene(&sets), None, options()).unwrap();

@@ -85,37 +85,6 @@ fn an_animation_steps_plays_and_stops() {
 
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
-fn layers_are_those_of_render() {
-    let folder = tempfile::tempdir().unwrap();
-    let keys = |count: usize| vec!["{ key = 'v' }"; count].join(", ");
-    for (events, view) in [
-        (keys(8), &["--view=curvature"][..]),
-        ("{ key = 'x' }".into(), &["--view=clusters", "--pick=100,75"]),
-        (format!("{}, {{ key = 'V' }}, {{ key = 'V' }}, {{ key = 'V' }}", keys(3)), &[]),
-    ] {
-        let (shown, out) = played(folder.path(), &SMALL, &events);
-        assert!(shown == rendered(folder.path(), &[&SMALL[..], view].concat()), "{view:?}: not the picture of render");
-        assert!(shown == repeated(folder.path(), &out), "{view:?}: not the picture of the command");
-    }
-    // Layers of numbers are those of the file that the same key saves, and that the command writes.
-    let mut seen = vec![rendered(folder.path(), &SMALL)];
-    for count in [1, 2, 5, 7] {
-        let (shown, out) =
-            played(folder.path(), &SMALL, &format!("{}, {{ whole = true }}, {{ key = 'e' }}", keys(count)));
-        assert!(!seen.contains(&shown), "layer {count} is another one");
-        seen.push(shown);
-        let saved = folder.path().join("slab-1.exr");
-        repeat(folder.path(), &out);
-        assert!(
-            std::fs::read(&saved).unwrap() == std::fs::read(folder.path().join("slab.exr")).unwrap(),
-            "layer {count}"
-        );
-        std::fs::remove_file(saved).unwrap();
-    }
-}
-
-#[test]
-#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_layer_that_cannot_be_shown_is_told_and_the_light_comes_back() {
     let folder = tempfile::tempdir().unwrap();
     let dark = [&SMALL[..], &["--set", "light=[]"]].concat();
@@ -180,6 +149,7 @@ fn a_scene_that_cannot_be_rendered_gives_way_to_the_last_good_one() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn methods_that_refuse_a_scene_are_passed() {
     let folder = tempfile::tempdir().unwrap();
     let sets = ["--set", "transport.receivers='pixels'", "--set", "transport.walks=1000", "--transport=none"];
@@ -187,4 +157,42 @@ fn methods_that_refuse_a_scene_are_passed() {
     let (_, out) = played(folder.path(), &[&SMALL[..], &sets].concat(), events);
     // Before none come auto and diffusion, which is solved at triangles.
     assert!(printed(&out).contains("--transport walk "), "{}", printed(&out));
+}
+
+mod rare {
+    use super::*;
+
+    #[test]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
+    fn layers_are_those_of_render() {
+        let folder = tempfile::tempdir().unwrap();
+        let keys = |count: usize| vec!["{ key = 'v' }"; count].join(", ");
+        for (events, view) in [
+            (keys(8), &["--view=curvature"][..]),
+            ("{ key = 'x' }".into(), &["--view=clusters", "--pick=100,75"]),
+            (format!("{}, {{ key = 'V' }}, {{ key = 'V' }}, {{ key = 'V' }}", keys(3)), &[]),
+        ] {
+            let (shown, out) = played(folder.path(), &SMALL, &events);
+            assert!(
+                shown == rendered(folder.path(), &[&SMALL[..], view].concat()),
+                "{view:?}: not the picture of render"
+            );
+            assert!(shown == repeated(folder.path(), &out), "{view:?}: not the picture of the command");
+        }
+        // Layers of numbers are those of the file that the same key saves, and that the command writes.
+        let mut seen = vec![rendered(folder.path(), &SMALL)];
+        for count in [1, 2, 5, 7] {
+            let (shown, out) =
+                played(folder.path(), &SMALL, &format!("{}, {{ whole = true }}, {{ key = 'e' }}", keys(count)));
+            assert!(!seen.contains(&shown), "layer {count} is another one");
+            seen.push(shown);
+            let saved = folder.path().join("slab-1.exr");
+            repeat(folder.path(), &out);
+            assert!(
+                std::fs::read(&saved).unwrap() == std::fs::read(folder.path().join("slab.exr")).unwrap(),
+                "layer {count}"
+            );
+            std::fs::remove_file(saved).unwrap();
+        }
+    }
 }

@@ -149,6 +149,7 @@ fn a_stage_without_timestamps_has_no_samples() {
 }
 
 #[test]
+#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn the_same_program_started_twice_is_no_finding() {
     // Each start lies up to 1 % off, for all of its rounds.
     let wrong = (0..400).filter(|seed| {
