@@ -1,6 +1,6 @@
 //! Mutants by name: kernels that do nothing (`idle`), a bit flipped in a buffer after a stage (`flipped`), kernels
-//! whose results are multiplied by 1.00003 (`factor`). Each that `mutants.txt` lists must be noticed, and what is noticed
-//! be listed there.
+//! whose results are multiplied by 1.00003 (`factor`). Each that `mutants.txt` lists must be noticed, and the list must
+//! have all that are.
 
 use std::collections::BTreeSet;
 
