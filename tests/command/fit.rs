@@ -25,7 +25,7 @@ mod rare {
     #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
     fn a_fit_tells_sigma_0_and_draws() {
         let here = folder(&[]);
-        let (out, _) = good(&here, "fit-cdrf marble --radii 10,20,40 --photons 1500 --svg marble.svg");
+        let (out, _) = good(&here, "fit-cdrf marble --radii 10,20,40 --photons 4000 --svg marble.svg");
         // On balls of many mean free paths, the fit is larger than on the usual ones.
         let (dipole, usual) = (list(&out, "fitted to the dipole"), list(&out, "without material.sigma_0"));
         let walk = list(&out, "fitted to the random walk");
@@ -40,8 +40,8 @@ mod rare {
         assert!(dipole[0] > dipole[1] && dipole[1] > dipole[2], "red goes farthest: {out}");
         let picture = read(&here, "marble.svg");
         assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>") && picture.contains("sigma_0"));
-        let (again, _) = good(&here, "fit-cdrf MARBLE --radii 10,20,40 --photons 1500");
+        let (again, _) = good(&here, "fit-cdrf MARBLE --radii 10,20,40 --photons 4000");
         assert_eq!(again, out);
-        assert_ne!(good(&here, "fit-cdrf marble --radii 10,20,40 --photons 1500 --seed 2").0, out);
+        assert_ne!(good(&here, "fit-cdrf marble --radii 10,20,40 --photons 4000 --seed 2").0, out);
     }
 }

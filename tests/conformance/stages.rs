@@ -256,8 +256,11 @@ mod rare {
                 // Validation messages about such a kernel do not count.
                 rows.iter().any(|row| row.faults.iter().any(|fault| fault.contains("beyond tolerance")))
             };
-            if fixtures.iter().any(seen) {
-                noticed.lock().unwrap().entry(device.name().to_string()).or_default().insert(kernel.clone());
+            let is_noticed = fixtures.iter().any(seen);
+            let mut noticed = noticed.lock().unwrap();
+            let own = noticed.entry(device.name().to_string()).or_default();
+            if is_noticed {
+                own.insert(kernel.clone());
             }
         });
         for kernels in noticed.into_inner().unwrap().values() {

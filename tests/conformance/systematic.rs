@@ -92,8 +92,10 @@ mod rare {
                 blame(&mut rows);
                 rows.iter().any(|row| !row.faults.is_empty())
             });
+            let mut noticed = noticed.lock().unwrap();
+            let own = noticed.entry(device.name().to_string()).or_default();
             if seen {
-                noticed.lock().unwrap().entry(device.name().to_string()).or_default().insert(kernel.to_string());
+                own.insert(kernel.to_string());
             }
         });
         for kernels in noticed.into_inner().unwrap().values() {

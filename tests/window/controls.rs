@@ -181,7 +181,7 @@ mod rare {
         }
         // Layers of numbers are those of the file that the same key saves, and that the command writes.
         let mut seen = vec![rendered(folder.path(), &SMALL)];
-        for count in [1, 2, 5, 7] {
+        for count in 1..8 {
             let (shown, out) =
                 played(folder.path(), &SMALL, &format!("{}, {{ whole = true }}, {{ key = 'e' }}", keys(count)));
             assert!(!seen.contains(&shown), "layer {count} is another one");
