@@ -4,17 +4,18 @@
 #include "invocation.glsl"
 
 // Makes the newest column of the small system triangular by rotations; what then is left of the right-hand side is the
-// residual's norm. At the start the source term's norm is kept, too. One invocation.
+// residual's norm, which is no number where the start is none. At the start the source term's norm is kept, too. One
+// invocation.
 layout(constant_id = 0) const uint SOLUTION = 0;
 layout(push_constant, scalar) uniform push_block { uint newest; };
 UPDATES(small_system)
 
 void main() {
     if (invocation() != 0) return;
-    vec3 size = sqrt(max(small_system[SMALL_PRODUCTS + newest], vec3(0)));
+    vec3 size = sqrt(small_system[SMALL_PRODUCTS + newest]);
     if (newest == 0) {
         small_system[SMALL_RIGHT] = size;
-        small_system[SMALL_NORMS] = SOLUTION == 0 ? size : sqrt(max(small_system[SMALL_PRODUCTS + 1], vec3(0)));
+        small_system[SMALL_NORMS] = SOLUTION == 0 ? size : sqrt(small_system[SMALL_PRODUCTS + 1]);
         small_system[SMALL_NORMS + 1] = size;
         return;
     }
