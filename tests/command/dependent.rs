@@ -26,13 +26,33 @@ fn succeed(command: &mut Command) -> String {
     text[0].clone()
 }
 
-/// Dependencies as this crate has them, so that they are there already; milkglass unoptimized, since what is tested is
-/// what is built and linked.
-const PROFILE: &str = "[profile.release]\nlto = \"off\"\n\n[profile.release.package.milkglass]\nopt-level = 0\n";
+/// Lines of a manifest: dependencies are optimized as in this crate, so that they are there already; milkglass is not,
+/// since what is tested is what is built and linked.
+fn profile() -> String {
+    let manifest = fs::read_to_string("Cargo.toml").unwrap();
+    let from = manifest.find("[profile.release]\n").unwrap();
+    let mark = "[profile.release.package]\n";
+    let end = if cfg!(feature = "window") { "[lints" } else { "# Of the window" };
+    let lines: Vec<&str> = manifest[from..].lines().take_while(|line| !line.starts_with(end)).collect();
+    lines.join("\n").replace(mark, &format!("{mark}milkglass = {{ opt-level = 0 }}\n"))
+}
 
 /// The folder of what is built.
 fn target() -> &'static Path {
     Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap()
+}
+
+/// Lines of a manifest: what milkglass does not always depend on. A crate that depends on it too shares with the tests
+/// all that they were built with; else the features of many crates differ, so that those would be built once more.
+fn shared() -> String {
+    let manifest = fs::read_to_string("Cargo.toml").unwrap();
+    let (_, of_tests) = manifest.split_once("[dev-dependencies]\n").unwrap();
+    let of_tests = of_tests.lines().take_while(|line| !line.is_empty());
+    let window = ["ash-window", "egui", "winit"];
+    let of_features =
+        manifest.lines().filter(|line| line.contains(", optional = true") && !line.starts_with("shaderc"));
+    let built = of_features.filter(|line| cfg!(feature = "window") || !window.iter().any(|one| line.starts_with(one)));
+    built.chain(of_tests).map(|line| line.replace(", optional = true", "") + "\n").collect()
 }
 
 /// What is done with a crate that depends on milkglass.
@@ -51,7 +71,9 @@ fn depends(source: &Path, addition: &str, settings: &[(&str, &str)], done: Done)
     let path = source.display();
     let manifest = format!(
         "[package]\nname = \"dependent\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n\
-         [dependencies]\nmilkglass = {{ path = \"{path}\"{addition} }}\n\n[workspace]\n{PROFILE}"
+         [dependencies]\nmilkglass = {{ path = \"{path}\"{addition} }}\n{}\n[workspace]\n\n{}\n",
+        shared(),
+        profile()
     );
     fs::create_dir(folder.path().join("src")).unwrap();
     fs::write(folder.path().join("Cargo.toml"), manifest).unwrap();
@@ -72,7 +94,17 @@ fn depends(source: &Path, addition: &str, settings: &[(&str, &str)], done: Done)
     } else {
         succeed(cargo().args(["check", "--release", "--quiet"]));
     }
-    let tree = succeed(cargo().args(["tree", "--edges", "normal", "--prefix", "none", "--format", "{p}"]));
+    let tree = succeed(cargo().args([
+        "tree",
+        "--package",
+        "milkglass",
+        "--edges",
+        "normal",
+        "--prefix",
+        "none",
+        "--format",
+        "{p}",
+    ]));
     let mut names: Vec<String> = tree.lines().filter_map(|line| Some(line.split(' ').next()?.to_string())).collect();
     names.sort();
     names.dedup();

@@ -1,5 +1,6 @@
 //! Devices that report work as done and do none: null hardware, and dispatches that are lost.
 
+use crate::devices::layer;
 use crate::shell::{folder, program, said};
 use milkglass::error::Error;
 use milkglass::internals::gpu::faults::on_idle;
@@ -11,6 +12,7 @@ use milkglass::scene::Scene;
 /// A device that reports work as done and does none is refused, when it is opened and after any frame.
 #[test]
 fn a_device_that_executes_nothing_is_refused() {
+    let _layer = layer();
     let instance = Instance::open(true).unwrap();
     let scene = Scene::load_with("sphere", &["object.0.detail=2".to_string()]).unwrap();
     let adapters = instance.adapters().unwrap();

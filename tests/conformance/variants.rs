@@ -1,7 +1,6 @@
 //! However the API is used, every buffer holds what it holds by default.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Arc, Mutex};
+use std::collections::BTreeSet;
 
 use milkglass::internals::gpu::{AXES, Choices, Device};
 use milkglass::internals::pipeline::frame::STAGES;
@@ -9,7 +8,7 @@ use milkglass::measure::fixtures::{Fixture, made};
 use milkglass::measure::vary::{Computed, Proof, Variant, asked, computed_steps, lack, proof};
 
 use super::stages::all;
-use crate::devices::on_devices_each;
+use crate::devices::on_devices;
 
 /// Small fixtures with lists, solvers, joints, links that are kept, photons and layers: most stages.
 const SOME: &[&str] = &[
@@ -41,54 +40,49 @@ fn cleared(device: &Device, choices: &Choices) -> Device {
 /// `parts`, others for the next variant.
 fn compare(fixtures: &[&Fixture], parts: usize) {
     let variants: Vec<Variant> = AXES.iter().flat_map(|axis| asked(axis.name).unwrap().variants).collect();
-    let variants: Vec<(usize, Variant)> = variants.into_iter().enumerate().collect();
-    let defaults: Mutex<BTreeMap<String, Arc<Vec<Computed>>>> = Mutex::default();
-    let tally: Mutex<BTreeMap<String, [usize; 2]>> = Mutex::default();
-    on_devices_each(&variants, |device, (number, variant)| {
-        let chosen: Vec<usize> = (0..fixtures.len()).filter(|k| k % parts == number % parts).collect();
-        let ran = lack(device.adapter(), &variant.choices).is_none();
-        tally.lock().unwrap().entry(device.name().into()).or_default()[usize::from(ran)] += 1;
-        if !ran {
-            return;
-        }
+    on_devices(|device| {
         let run = |choices: &Choices, chosen: &[usize]| -> (Device, Vec<Computed>) {
             let device = cleared(device, choices);
             let all = chosen.iter().map(|&k| computed_steps(&device, fixtures[k]).unwrap()).collect();
             (device, all)
         };
-        let default = {
-            let mut known = defaults.lock().unwrap();
-            known
-                .entry(device.name().into())
-                .or_insert_with(|| Arc::new(run(&Choices::default(), &(0..fixtures.len()).collect::<Vec<_>>()).1))
-                .clone()
-        };
-        let (opened, own) = run(&variant.choices, &chosen);
-        for (&k, own) in chosen.iter().zip(&own) {
-            let (fixture, default) = (&fixtures[k], &default[k]);
-            let again = || {
-                Ok(Fixture { name: fixture.name.clone(), state: fixture.state.clone(), steps: fixture.steps.clone() })
-            };
-            match proof(&variant.name, [default, own], &opened, &again) {
-                Ok(Proof::Same { buffers, .. }) => assert!(buffers > 0, "{}", fixture.name),
-                Ok(Proof::Conforms { differ, .. }) => {
-                    println!("{}: {}: other bits in {differ:?}", variant.name, fixture.name)
+        let default = run(&Choices::default(), &(0..fixtures.len()).collect::<Vec<_>>()).1;
+        let mut ran = 0;
+        for (number, variant) in variants.iter().enumerate() {
+            if lack(device.adapter(), &variant.choices).is_some() {
+                continue;
+            }
+            ran += 1;
+            let chosen: Vec<usize> = (0..fixtures.len()).filter(|k| k % parts == number % parts).collect();
+            let (opened, own) = run(&variant.choices, &chosen);
+            for (&k, own) in chosen.iter().zip(&own) {
+                let fixture = &fixtures[k];
+                let again = || {
+                    Ok(Fixture {
+                        name: fixture.name.clone(),
+                        state: fixture.state.clone(),
+                        steps: fixture.steps.clone(),
+                    })
+                };
+                match proof(&variant.name, [&default[k], own], &opened, &again) {
+                    Ok(Proof::Same { buffers, .. }) => assert!(buffers > 0, "{}", fixture.name),
+                    Ok(Proof::Conforms { differ, .. }) => {
+                        println!("{}: {}: other bits in {differ:?}", variant.name, fixture.name)
+                    }
+                    Err(error) => panic!("{}: {}: {}: {error}", device.name(), variant.name, fixture.name),
                 }
-                Err(error) => panic!("{}: {}: {}: {error}", device.name(), variant.name, fixture.name),
             }
         }
+        println!("{}: {ran} of {} variants; it lacks something for the others", device.name(), variants.len());
+        assert!(ran >= 20, "{}: {ran} of {}", device.name(), variants.len());
     });
-    for (device, [lacks, ran]) in tally.into_inner().unwrap() {
-        println!("{device}: {ran} variants, {lacks} that it lacks something for");
-        assert!(ran >= 20 && ran + lacks == variants.len(), "{device}: {ran} of {}", variants.len());
-    }
 }
 
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn a_use_that_computes_something_else_is_refused() {
     let two = made(|name| SOME[3..5].contains(&name)).unwrap();
-    on_devices_each(&[()], |device, ()| {
+    on_devices(|device| {
         let device = cleared(device, &Choices::default());
         let [one, other] = [0, 1].map(|k: usize| computed_steps(&device, &two[k]).unwrap());
         let never = || unreachable!("no other arithmetic was chosen");
