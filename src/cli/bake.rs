@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use exr::prelude::{Image, SpecificChannels, Vec2, WritableImage};
 
 use super::{MemoryArgument, print};
 use milkglass::error::{Input, Result};
 use milkglass::internals::session::bake::bake;
 use milkglass::internals::view::atomic_file::{encode_atomically, ready};
-use milkglass::scene::Scene;
+use milkglass::scene::{Depth, Scene};
 
 /// Arguments of `bake-layers`.
 #[derive(Args)]
@@ -30,18 +30,9 @@ pub struct Arguments {
     size: String,
     #[command(flatten)]
     memory: MemoryArgument,
-    /// How the greatest depth appears in the map.
+    /// What the largest value of the map stands for.
     #[arg(long, value_enum, default_value_t)]
     depth: Depth,
-}
-
-#[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
-enum Depth {
-    /// White.
-    #[default]
-    Bright,
-    /// Black.
-    Dark,
 }
 
 /// Bakes and writes the map.

@@ -1,6 +1,6 @@
 //! A mesh alone in its studio: the flags of `render` that are about it, and the scene of each frame.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::{SceneArguments, finite};
 use milkglass::error::{Input, Result};
@@ -20,7 +20,7 @@ pub struct BareArguments {
     samples: Option<u32>,
     /// A mesh alone: the axis that points upwards; guessed without.
     #[arg(long, value_enum)]
-    up: Option<UpArgument>,
+    up: Option<Up>,
     /// A mesh alone: it stands on a dark table, and casts its shadow there.
     #[arg(long)]
     ground: bool,
@@ -31,12 +31,6 @@ pub struct BareArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=10000),
           conflicts_with_all = ["frames", "view", "times"])]
     turntable: Option<u32>,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum UpArgument {
-    Y,
-    Z,
 }
 
 /// The scene of each frame.
@@ -63,7 +57,7 @@ impl BareArguments {
             value("--preset", self.preset.clone()),
             value("--size-mm", self.size_mm.map(|size| format!("{size:?}"))),
             value("--samples", self.samples.map(|samples| samples.to_string())),
-            value("--up", self.up.map(|up| if matches!(up, UpArgument::Y) { "y" } else { "z" }.to_string())),
+            value("--up", self.up.map(|up| if matches!(up, Up::Y) { "y" } else { "z" }.to_string())),
             self.ground.then(|| "--ground".to_string()),
             value("--environment", self.environment.clone()),
         ];
@@ -77,10 +71,7 @@ impl BareArguments {
             size_mm: self.size_mm,
             samples: self.samples,
             pixels,
-            up: self.up.map(|up| match up {
-                UpArgument::Y => Up::Y,
-                UpArgument::Z => Up::Z,
-            }),
+            up: self.up,
             ground: self.ground,
             environment: self.environment.clone(),
         };

@@ -18,6 +18,16 @@ pub struct Scenes {
     name: Option<String>,
 }
 
+/// Arguments of `materials`: none.
+#[derive(Args)]
+#[command(after_help = "Example: milkglass materials")]
+pub struct Materials {}
+
+/// Arguments of `stages`: none.
+#[derive(Args)]
+#[command(after_help = "Example: milkglass stages")]
+pub struct Stages {}
+
 /// Lists the built-in scenes, or prints one.
 pub fn scenes(arguments: &Scenes) -> Result<()> {
     let Some(name) = &arguments.name else {
@@ -46,7 +56,7 @@ pub fn scenes(arguments: &Scenes) -> Result<()> {
 }
 
 /// Lists the stages in the order of a frame, under its headings.
-pub fn stages() -> Result<()> {
+pub fn stages(_: &Stages) -> Result<()> {
     let mut text = String::new();
     let header = ["stage", "module", "runs again for another", "does", "from"];
     for section in FRAME {
@@ -76,7 +86,7 @@ fn row(stage: &Stage) -> Vec<String> {
 }
 
 /// Lists the presets, measured ones and looks.
-pub fn materials() -> Result<()> {
+pub fn materials(_: &Materials) -> Result<()> {
     let three = |v: [f64; 3]| v.map(|x| x.to_string()).join(" ");
     let rows: Vec<_> = Preset::all()
         .map(|m| {

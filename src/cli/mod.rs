@@ -30,6 +30,7 @@ mod run_args;
 mod samples;
 mod sequence;
 mod shader;
+mod shell;
 mod solve;
 mod stop;
 mod stress;
@@ -66,57 +67,77 @@ struct Cli {
     command: Command,
 }
 
-#[derive(Subcommand)]
-enum Command {
+/// The subcommands: what each does, its arguments, and the function that runs it.
+macro_rules! commands {
+    ($($(#[$meta:meta])* $name:ident($arguments:ty) => $run:path,)*) => {
+        #[derive(Subcommand)]
+        enum Command {
+            $($(#[$meta])* $name($arguments),)*
+        }
+
+        impl Command {
+            #[allow(unused_doc_comments, reason = "they are those of the variants")]
+            fn run(&self) -> Result<()> {
+                match self {
+                    $($(#[$meta])* Self::$name(arguments) => $run(arguments),)*
+                }
+            }
+        }
+    };
+}
+
+commands! {
     /// Render a picture of a scene.
-    Render(render::Arguments),
+    Render(render::Arguments) => render::run,
     /// Show a scene in a window: turn it, light it, change its material.
     #[cfg(feature = "window")]
-    View(view::Arguments),
+    View(view::Arguments) => view::run,
     /// Render meshes in materials, and write a page of the pictures with the commands that make them.
-    Gallery(gallery::Arguments),
+    Gallery(gallery::Arguments) => gallery::run,
     /// Solve light transport only: irradiance and radiosity of every face.
-    Solve(solve::Arguments),
+    Solve(solve::Arguments) => solve::run,
     /// Show what a scene needs: stages, buffers, and what is skipped and why.
-    Plan(plan::Arguments),
+    Plan(plan::Arguments) => plan::run,
     /// Time each stage, count its work, and compare that with what the device can do.
-    Profile(profile::Arguments),
+    Profile(profile::Arguments) => profile::run,
     /// Vary how the Vulkan API is used: time each variant against the default, once it computes the same.
-    Vary(vary::Arguments),
+    Vary(vary::Arguments) => vary::run,
     /// Compare every stage on a device with the CPU reference.
-    Conform(conform::Arguments),
+    Conform(conform::Arguments) => conform::run,
     /// Show what differs between two results of `conform`: of drivers, devices or commits.
-    Compare(compare::Arguments),
+    Compare(compare::Arguments) => compare::run,
     /// Write a stage of a fixture as files that repeat it elsewhere: SPIR-V, buffers, an AmberScript.
-    Dump(dump::Arguments),
+    Dump(dump::Arguments) => dump::run,
     /// Run what `dump` or `conform --dump` wrote on a device, and compare.
-    Replay(repro::Arguments),
+    Replay(repro::Arguments) => repro::run,
     /// Print a built-in shader's GLSL, as a starting point for your own: see `--replace`.
-    Shader(shader::Arguments),
+    Shader(shader::Arguments) => shader::run,
     /// Run the extreme cases: their fallbacks, whether results are finite, and the worst error against f64.
-    Stress(stress::Arguments),
+    Stress(stress::Arguments) => stress::run,
     /// Measure error against run time: methods, settings, and the Pareto front.
-    Pareto(pareto::Arguments),
+    Pareto(pareto::Arguments) => pareto::run,
     /// Measure everything and write a report page, with plots and pictures.
-    Report(report::Arguments),
+    Report(report::Arguments) => report::run,
     /// Evaluate form factors, profiles, layered slabs or the CDRF for each row of a CSV file.
-    Eval(eval::Arguments),
+    Eval(eval::Arguments) => eval::run,
     /// Bake a depth map from nested surfaces.
-    BakeLayers(bake::Arguments),
+    BakeLayers(bake::Arguments) => bake::run,
     /// Fit the sigma_0 of `--transport cdrf` to a material: to the dipole, and to a random walk.
-    FitCdrf(fit_cdrf::Arguments),
+    FitCdrf(fit_cdrf::Arguments) => fit_cdrf::run,
     /// Show where shading by curvature is a good approximation of the dipole, and where it is not.
-    Validity(validity::Arguments),
+    Validity(validity::Arguments) => validity::run,
     /// List the Vulkan devices and the CPU back end.
-    Devices(devices::Arguments),
+    Devices(devices::Arguments) => devices::run,
     /// List the built-in scenes, or print one.
-    Scenes(lists::Scenes),
+    Scenes(lists::Scenes) => lists::scenes,
     /// List the built-in materials.
-    #[command(after_help = "Example: milkglass materials")]
-    Materials,
+    Materials(lists::Materials) => lists::materials,
     /// List the stages in the order of a frame: what each does, its source, what makes it run again.
-    #[command(after_help = "Example: milkglass stages")]
-    Stages,
+    Stages(lists::Stages) => lists::stages,
+    /// Print a completion script for a shell.
+    Completions(shell::Completions) => shell::completions,
+    /// Print the manual page, or write those of all commands to a folder.
+    Man(shell::Man) => shell::man,
 }
 
 /// The scene, and overrides of its values.
@@ -271,30 +292,5 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
         }
     };
     observe(Box::<progress::Bar>::default());
-    match cli.command {
-        Command::Render(arguments) => render::run(&arguments),
-        #[cfg(feature = "window")]
-        Command::View(arguments) => view::run(&arguments),
-        Command::Gallery(arguments) => gallery::run(&arguments),
-        Command::Solve(arguments) => solve::run(&arguments),
-        Command::Plan(arguments) => plan::run(&arguments),
-        Command::Vary(arguments) => vary::run(&arguments),
-        Command::Profile(arguments) => profile::run(&arguments),
-        Command::Conform(arguments) => conform::run(&arguments),
-        Command::Compare(arguments) => compare::run(&arguments),
-        Command::Dump(arguments) => dump::run(&arguments),
-        Command::Replay(arguments) => repro::run(&arguments),
-        Command::Shader(arguments) => shader::run(&arguments),
-        Command::Stress(arguments) => stress::run(&arguments),
-        Command::Pareto(arguments) => pareto::run(&arguments),
-        Command::Report(arguments) => report::run(&arguments),
-        Command::Eval(arguments) => eval::run(&arguments),
-        Command::BakeLayers(arguments) => bake::run(&arguments),
-        Command::FitCdrf(arguments) => fit_cdrf::run(&arguments),
-        Command::Validity(arguments) => validity::run(&arguments),
-        Command::Devices(arguments) => devices::run(&arguments),
-        Command::Scenes(arguments) => lists::scenes(&arguments),
-        Command::Materials => lists::materials(),
-        Command::Stages => lists::stages(),
-    }
+    cli.command.run()
 }

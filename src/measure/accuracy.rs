@@ -115,11 +115,11 @@ pub fn numerical(preset: &Preset, device: Option<&Device>, effort: Effort) -> Re
 }
 
 #[cfg(test)]
-mod tests {
+mod rare {
     use super::*;
 
     #[test]
-    #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
     fn the_model_errs_by_much_more_than_the_numbers() {
         let effort = Effort { photons: 10_000, samples: 40, detail: 2, seed: 1 };
         let marble = Preset::named("marble").unwrap();

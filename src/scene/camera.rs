@@ -7,6 +7,7 @@ use super::vector::{Background, Vector};
 use crate::error::{Input, Result};
 use glam::DVec3;
 use serde::Deserialize;
+use std::ops::Range;
 
 /// The direction from the object to a fitted camera: from the front, a little above and to the right.
 const FRONT: DVec3 = DVec3::new(0.35, 0.3, 1.0);
@@ -15,10 +16,10 @@ const FRONT: DVec3 = DVec3::new(0.35, 0.3, 1.0);
 const MARGIN: f64 = 1.08;
 
 /// The vertical field of view when the file gives none, in degrees.
-pub const FOV: f64 = 35.0;
+const FOV: f64 = 35.0;
 
 /// The picture size when the file gives none, in pixels.
-pub const SIZE: [u32; 2] = [512, 512];
+const SIZE: [u32; 2] = [512, 512];
 
 /// The largest width or height of a picture, in pixels.
 pub const LARGEST_SIZE: u32 = 16_384;
@@ -115,19 +116,20 @@ impl Framing {
         if let (Some(position), Some(target)) = (position, target) {
             apart(position, target)?;
         }
+        // Above the range's start and below its end.
+        let number = |key: &str, given: Option<f64>, usual: f64, range: Range<f64>, expected: &str| {
+            let inside = |x| range.start < x && x < range.end;
+            range::number(&format!("camera.{key}"), given.unwrap_or(usual), inside, expected)
+        };
         let rest = Camera {
             position: DVec3::ZERO,
             target: DVec3::ZERO,
-            up: range::direction("camera.up", file.up.0)?,
-            fov: range::number("camera.fov", file.fov, |x| x > 0.0 && x < 180.0, "degrees, above 0 and below 180")?,
-            size: size(&file.size)?,
-            samples: range::number(
-                "camera.samples",
-                f64::from(file.samples),
-                |x| (1.0..=64.0).contains(&x),
-                "a whole number from 1 to 64",
-            )? as u32,
-            exposure: range::number("camera.exposure", file.exposure, |x| x > 0.0, "above 0")?,
+            up: file.up.map_or(Ok(DVec3::Y), |up| range::direction("camera.up", up.0))?,
+            fov: number("fov", file.fov, FOV, 0.0..180.0, "degrees, above 0 and below 180")?,
+            size: file.size.as_deref().map_or(Ok(SIZE), size)?,
+            samples: number("samples", file.samples.map(f64::from), 1.0, 0.0..65.0, "a whole number from 1 to 64")?
+                as u32,
+            exposure: number("exposure", file.exposure, 1.0, 0.0..f64::INFINITY, "above 0")?,
             tone: file.tone,
             background: match file.background {
                 Background::Environment => [0.0; 3],

@@ -61,6 +61,7 @@ pub(super) fn in_words(message: &str) -> Input {
     input.expected = expected.map(|expected| match expected {
         "f64" => "a number".to_owned(),
         "i64" => "a whole number".to_owned(),
+        "u32" => "a whole number from 0 to 4294967295".to_owned(),
         "a sequence" => "a list".to_owned(),
         words if words.starts_with("struct ") => "a table".to_owned(),
         words => words.to_owned(),

@@ -21,6 +21,7 @@ const PAPER_ETA: f64 = 3.8;
 /// Which formula gives the diffuse Fresnel reflectance F_dr of the dipole's boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Fresnel {
     /// The closed form of the integral.
     #[default]
@@ -72,10 +73,10 @@ impl Material {
             Some(layers) => Layers::check(layers, &key("layers"), scale * unit_mm).map(Some),
             None => Ok(None),
         };
+        let scale = range::number(&key("scale"), file.scale.unwrap_or(1.0), |x| x > 0.0, "above 0");
         let bare = file.preset.is_none() && file.sigma_s_prime.is_none() && file.sigma_a.is_none();
         if file.opaque || (file.layers.is_some() && bare) {
-            let scale = range::number(&key("scale"), file.scale, |x| x > 0.0, "above 0")?;
-            let made = Self { layers: layers(scale)?, ..Self::opaque(file, &key)? };
+            let made = Self { layers: layers(scale?)?, ..Self::opaque(file, &key)? };
             return made.check_wraps(key).map(|()| made);
         }
         if file.albedo.is_some() {
@@ -107,7 +108,7 @@ impl Material {
         }
         let g = file.g.map_or([0.0; 3], |rgb| rgb.0);
         range::channels(&key("g"), g, |x| x.abs() <= 0.95, "numbers from -0.95 to 0.95")?;
-        let scale = range::number(&key("scale"), file.scale, |x| x > 0.0, "above 0")?;
+        let scale = scale?;
 
         // Convert to scene units: a coefficient may overflow, or a whole channel vanish.
         let per_unit = |name: &str, values: [f64; 3]| {

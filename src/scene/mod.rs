@@ -39,7 +39,7 @@ pub use camera::{Camera, Tone};
 pub use deform::Deform;
 pub use extent::DENSEST;
 pub use files::{Files, Memory, was_read};
-pub use layers::{DepthMap, Integration, Layer, Layers, Phase};
+pub use layers::{Depth, DepthMap, Integration, Layer, Layers, Phase};
 pub use light::{Light, Sky, Source};
 pub use local::{Cdrf, Kappa};
 #[cfg(feature = "measure")]

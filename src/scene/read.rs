@@ -38,8 +38,8 @@ fn changed(original: &Table, sets: &[String], frame: f64) -> Checked<Draft> {
         overrides::apply(&mut table, setting)?;
     }
     let (still, _) = animate::at(&table, frame)?;
-    let scene = SceneFile::deserialize(still).map_err(|error| locate::in_words(error.message()))?;
-    Ok(Draft { frames: animate::frames(&Value::Table(table)), ..scene.check()? })
+    let scene = SceneFile::deserialize(still.clone()).map_err(|error| locate::in_words(error.message()))?;
+    Ok(Draft { frames: animate::frames(&Value::Table(table)), ..scene.check(&still)? })
 }
 
 /// The draft of the text alone; errors carry file and line.
@@ -50,7 +50,7 @@ fn check_text(original: &Table, text: &str, file: &Path, frame: f64) -> Checked<
         _ => return changed(original, &[], frame).map_err(|fault| locate::from_check(fault, text, file)),
     }
     let scene: SceneFile = toml::from_str(text).map_err(|error| locate::from_toml(&error, text, file))?;
-    scene.check().map_err(|fault| locate::from_check(fault, text, file))
+    scene.check(original).map_err(|fault| locate::from_check(fault, text, file))
 }
 
 /// Names the setting that caused the error: the one after the longest run of settings that gives a valid scene.

@@ -1,39 +1,28 @@
 //! Settings of light transport: hierarchy, scheme and accuracy.
 
 pub use super::choices::{ClusterForm, Distance, Hierarchy, Near, Oracle, Receivers, Scheme};
-use super::file::TransportFile;
-use super::local::{Cdrf, Kappa};
+use super::local::{BLUR_TEXTURE, CDRF_TABLE, Cdrf, Kappa};
 use super::range::{self, Checked};
 use crate::error::Input;
 use crate::layout::MOST_STEPS;
-
-/// Default of the relative error of the radiosity.
-pub const TOLERANCE: f64 = 1e-3;
-/// Default of how much an emitter's solid angle may vary over a receiver's children, steradian.
-pub const RECEIVER_ANGLE: f64 = 0.05;
-/// Default of the largest solid angle of a cluster that emits over a link, steradian.
-pub const EMITTER_ANGLE: f64 = 0.07;
-/// Default of the smallest ratio of projected to true area of an emitter that may be linked.
-pub const PLANARITY: f64 = 0.3;
-/// Default of the relative error allowed in one form factor.
-pub const FORM_FACTOR_TOLERANCE: f64 = 1e-2;
-
-/// Default of the estimated noise of a random walk.
-pub const WALK_ERROR: f64 = 0.02;
+use serde::Deserialize;
+use std::ops::RangeInclusive;
+use toml::Table;
 
 /// Most photons of a channel.
 pub const MOST_WALKS: u32 = 1_000_000_000;
 
-/// Default of the solid angle from which a cell of the octree is opened, steradian.
-pub const OCTREE_ANGLE: f64 = 0.2;
-
-/// The validated settings of light transport.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// The settings of light transport, as in `[transport]`.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Transport {
     /// How light is transported from clusters to receivers.
     pub scheme: Scheme,
     /// The reason for that scheme, printed with the plan.
+    #[serde(skip)]
     pub because: &'static str,
+    /// The criterion for treating a cluster as one emitter, if given: each scheme has its own.
+    pub oracle: Option<Oracle>,
     /// Scheme blocks: target relative error of the radiosity (L2, worst channel), 1e-6 to 0.5.
     pub tolerance: f64,
     /// Scheme blocks: order of the emitters' moments, 0 to 2.
@@ -92,144 +81,124 @@ impl Transport {
         exact && self.cluster != Some(ClusterForm::Sample)
     }
 
-    /// Checks `[transport]`.
-    pub(super) fn check(file: &TransportFile) -> Checked<Self> {
-        let (scheme, because) = scheme(file)?;
-        let tree = match scheme {
+    /// Checks `[transport]`, of which these keys are given, and chooses what is not.
+    pub(super) fn check(&self, given: &Table) -> Checked<Self> {
+        let has = |key: &str| given.contains_key(key);
+        for (key, value, range, expected) in self.numbers() {
+            if let Some(value) = value {
+                range::number(&format!("transport.{key}"), value, |x| range.contains(&x), expected)?;
+            }
+        }
+        let (scheme, because) = self.chosen_scheme(&has)?;
+        let fault = |key: &str, what: &str| Input::new(what).key(format!("transport.{key}"));
+        if scheme == Scheme::Links && self.receivers == Receivers::Pixels {
+            let fault = fault("receivers", "scheme links has no receivers at pixels").found("pixels");
+            return Err(fault.expected("faces or auto, or scheme = \"blocks\""));
+        }
+        if self.near == Near::PointSampling && self.cluster == Some(ClusterForm::Projected) {
+            let fault = fault("cluster", "point samples are of triangles; a cluster takes one").found("projected");
+            return Err(fault.expected("sample, or transport.near = \"exact\""));
+        }
+        if has("levels") && !matches!(self.hierarchy, Hierarchy::Butterfly | Hierarchy::ShrinkWrap) {
+            let fault = fault("levels", "only a hierarchy of 4-to-1 splits has levels");
+            return Err(fault.expected("hierarchy = \"butterfly\" or \"shrink-wrap\""));
+        }
+        let hierarchy = match scheme {
+            _ if has("hierarchy") => self.hierarchy,
             Scheme::Blocks => Hierarchy::Median,
             Scheme::Links => Hierarchy::FaceClusters,
         };
-        if scheme == Scheme::Links && file.receivers == Receivers::Pixels {
-            let fault = Input::new("scheme links has no receivers at pixels").key("transport.receivers");
-            return Err(fault.found("pixels").expected("faces or auto, or scheme = \"blocks\""));
-        }
-        let angle = |key, value| range::number(key, value, |x| x > 0.0, "steradian, above 0");
-        Ok(Self {
-            scheme,
-            because,
-            receivers: file.receivers,
-            subdivide: range::number("transport.subdivide", f64::from(file.subdivide), |x| x <= 4.0, "0 to 4")? as u32,
-            tolerance: range::number(
-                "transport.tolerance",
-                file.tolerance,
-                |x| (1e-6..=0.5).contains(&x),
-                "1e-6 to 0.5",
-            )?,
-            order: range::number("transport.order", f64::from(file.order), |x| x <= 2.0, "0, 1 or 2")? as u32,
-            hierarchy: file.hierarchy.unwrap_or(tree),
-            levels: levels(file)?,
-            distance: file.distance,
-            near: file.near,
-            cluster: cluster(file)?,
-            receiver_angle: angle("transport.receiver_angle", file.receiver_angle.unwrap_or(RECEIVER_ANGLE))?,
-            emitter_angle: angle("transport.emitter_angle", file.emitter_angle.unwrap_or(EMITTER_ANGLE))?,
-            planarity: range::number(
-                "transport.planarity",
-                file.planarity.unwrap_or(PLANARITY),
-                |x| (0.0..=1.0).contains(&x),
-                "0 to 1",
-            )?,
-            form_factor_tolerance: range::number(
-                "transport.form_factor_tolerance",
-                file.form_factor_tolerance,
-                |x| (1e-4..=1e-1).contains(&x),
-                "1e-4 to 1e-1",
-            )?,
-            octree_angle: angle("transport.octree_angle", file.octree_angle)?,
-            walk_error: range::number(
-                "transport.walk_error",
-                file.walk_error,
-                |x| (1e-4..=1.0).contains(&x),
-                "1e-4 to 1",
-            )?,
-            walks: count("transport.walks", file.walks, MOST_WALKS, "photons of a channel, 1 to 1000000000")?,
-            steps: count("transport.steps", file.steps, MOST_STEPS as u32, "steps of the solver, 1 to 30")?,
-            budget: count("transport.budget", file.budget, u32::MAX, "form factors of a frame, 1 to 4294967295")?,
-            cdrf: file.cdrf,
-            cdrf_table: range::number(
-                "transport.cdrf_table",
-                f64::from(file.cdrf_table),
-                |x| (8.0..=1024.0).contains(&x),
-                "8 to 1024",
-            )? as u32,
-            curvature: file.curvature,
-            unwrap: file.unwrap,
-            blur_texture: range::number(
-                "transport.blur_texture",
-                f64::from(file.blur_texture),
-                |x| (16.0..=2048.0).contains(&x),
-                "16 to 2048",
-            )? as u32,
-        })
+        Ok(Self { scheme, because, hierarchy, ..*self })
     }
-}
 
-/// How near clusters are evaluated, if given.
-fn cluster(file: &TransportFile) -> Checked<Option<ClusterForm>> {
-    if file.near == Near::PointSampling && file.cluster == Some(ClusterForm::Projected) {
-        let fault = Input::new("point samples are of triangles; a cluster takes one").key("transport.cluster");
-        return Err(fault.found("projected").expected("sample, or transport.near = \"exact\""));
+    /// The keys that are numbers: their values, if given, and their ranges, which are also put into words.
+    fn numbers(&self) -> [(&'static str, Option<f64>, RangeInclusive<f64>, &'static str); 15] {
+        let (angle, steradian) = (f64::MIN_POSITIVE..=f64::MAX, "steradian, above 0");
+        let whole = |number: Option<u32>| number.map(f64::from);
+        [
+            ("tolerance", Some(self.tolerance), 1e-6..=0.5, "1e-6 to 0.5"),
+            ("order", whole(Some(self.order)), 0.0..=2.0, "0, 1 or 2"),
+            ("levels", whole(self.levels), 1.0..=8.0, "1 to 8"),
+            ("subdivide", whole(Some(self.subdivide)), 0.0..=4.0, "0 to 4"),
+            ("receiver_angle", Some(self.receiver_angle), angle.clone(), steradian),
+            ("emitter_angle", Some(self.emitter_angle), angle.clone(), steradian),
+            ("planarity", Some(self.planarity), 0.0..=1.0, "0 to 1"),
+            ("form_factor_tolerance", Some(self.form_factor_tolerance), 1e-4..=1e-1, "1e-4 to 1e-1"),
+            ("octree_angle", Some(self.octree_angle), angle, steradian),
+            ("walk_error", Some(self.walk_error), 1e-4..=1.0, "1e-4 to 1"),
+            ("walks", whole(self.walks), 1.0..=f64::from(MOST_WALKS), "photons of a channel, 1 to 1000000000"),
+            ("steps", whole(self.steps), 1.0..=MOST_STEPS as f64, "steps of the solver, 1 to 30"),
+            ("budget", whole(self.budget), 1.0..=f64::MAX, "form factors of a frame, 1 to 4294967295"),
+            ("cdrf_table", whole(Some(self.cdrf_table)), 8.0..=1024.0, "8 to 1024"),
+            ("blur_texture", whole(Some(self.blur_texture)), 16.0..=2048.0, "16 to 2048"),
+        ]
     }
-    Ok(file.cluster)
-}
 
-/// A whole number of at least 1, if it is given.
-fn count(key: &'static str, given: Option<i64>, most: u32, expected: &'static str) -> Checked<Option<u32>> {
-    let number = |n: i64| range::number(key, n as f64, |n| (1.0..=f64::from(most)).contains(&n), expected);
-    Ok(given.map(number).transpose()?.map(|n| n as u32))
-}
-
-/// Levels of subdivision of a base, for hierarchies that have one.
-fn levels(file: &TransportFile) -> Checked<Option<u32>> {
-    let split = matches!(file.hierarchy, Some(Hierarchy::Butterfly | Hierarchy::ShrinkWrap));
-    let key = "transport.levels";
-    match file.levels {
-        None => Ok(None),
-        Some(_) if !split => {
-            let fault = Input::new("only a hierarchy of 4-to-1 splits has levels").key(key);
-            Err(fault.expected("hierarchy = \"butterfly\" or \"shrink-wrap\""))
-        }
-        Some(levels) => {
-            let levels = u32::try_from(levels).ok().filter(|levels| (1..=8).contains(levels));
-            let found = file.levels.unwrap_or_default();
-            levels.map(Some).ok_or_else(|| Input::new("out of range").key(key).found(found).expected("1 to 8"))
+    /// The scheme that the keys ask for, and the reason; contradicting keys are an error.
+    fn chosen_scheme(&self, has: &dyn Fn(&str) -> bool) -> Checked<(Scheme, &'static str)> {
+        let angles = ["receiver_angle", "emitter_angle", "planarity"].into_iter().any(has);
+        let of_oracle = if self.oracle == Some(Oracle::SolidAngle) { Scheme::Links } else { Scheme::Blocks };
+        let reasons = [
+            (has("scheme"), self.scheme, "transport.scheme says so"),
+            (self.oracle.is_some(), of_oracle, "transport.oracle belongs to it"),
+            (angles, Scheme::Links, "receiver_angle, emitter_angle or planarity is given"),
+            (
+                self.distance == Distance::Table1,
+                Scheme::Links,
+                "moments work with radial distances only, transport.distance is table1",
+            ),
+            (self.cluster.is_some(), Scheme::Links, "transport.cluster belongs to it"),
+            (
+                self.near == Near::PointSampling,
+                Scheme::Links,
+                "transport.near is point-sampling, which is there to compare the paper's own with",
+            ),
+        ];
+        let mut reasons = reasons.into_iter().filter(|(holds, ..)| *holds);
+        let Some((_, chosen, because)) = reasons.next() else {
+            return Ok((Scheme::Blocks, "it meets transport.tolerance with the least work"));
+        };
+        match reasons.find(|(_, scheme, _)| *scheme != chosen) {
+            Some((.., other)) => Err(Input::new("keys of [transport] contradict each other")
+                .found(format!("{because} for one scheme, {other} for the other"))
+                .expected(
+                    "keys of one scheme: blocks (tolerance, order) or links (receiver_angle, emitter_angle, planarity)",
+                )),
+            None => Ok((chosen, because)),
         }
     }
 }
 
-/// The scheme that the keys ask for, and the reason; contradicting keys are an error.
-fn scheme(file: &TransportFile) -> Checked<(Scheme, &'static str)> {
-    let angles = file.receiver_angle.or(file.emitter_angle).or(file.planarity).is_some();
-    let mut reasons = Vec::new();
-    if let Some(scheme) = file.scheme {
-        reasons.push((scheme, "transport.scheme says so"));
-    }
-    if let Some(oracle) = file.oracle {
-        let scheme = if oracle == Oracle::Contribution { Scheme::Blocks } else { Scheme::Links };
-        reasons.push((scheme, "transport.oracle belongs to it"));
-    }
-    if angles {
-        reasons.push((Scheme::Links, "receiver_angle, emitter_angle or planarity is given"));
-    }
-    if file.distance == Distance::Table1 {
-        reasons.push((Scheme::Links, "moments work with radial distances only, transport.distance is table1"));
-    }
-    if file.cluster.is_some() {
-        reasons.push((Scheme::Links, "transport.cluster belongs to it"));
-    }
-    if file.near == Near::PointSampling {
-        reasons
-            .push((Scheme::Links, "transport.near is point-sampling, which is there to compare the paper's own with"));
-    }
-    let chosen =
-        reasons.first().copied().unwrap_or((Scheme::Blocks, "it meets transport.tolerance with the least work"));
-    match reasons.iter().find(|(scheme, _)| *scheme != chosen.0) {
-        Some((_, other)) => Err(Input::new("keys of [transport] contradict each other")
-            .found(format!("{} for one scheme, {other} for the other", chosen.1))
-            .expected(
-                "keys of one scheme: blocks (tolerance, order) or links (receiver_angle, emitter_angle, planarity)",
-            )),
-        None => Ok(chosen),
+impl Default for Transport {
+    fn default() -> Self {
+        Self {
+            scheme: Scheme::default(),
+            because: "",
+            oracle: None,
+            tolerance: 1e-3,
+            order: 2,
+            hierarchy: Hierarchy::default(),
+            levels: None,
+            receivers: Receivers::default(),
+            subdivide: 0,
+            distance: Distance::default(),
+            near: Near::default(),
+            cluster: None,
+            receiver_angle: 0.05,
+            emitter_angle: 0.07,
+            planarity: 0.3,
+            form_factor_tolerance: 1e-2,
+            octree_angle: 0.2,
+            walk_error: 0.02,
+            walks: None,
+            steps: None,
+            budget: None,
+            cdrf: Cdrf::default(),
+            cdrf_table: CDRF_TABLE,
+            curvature: Kappa::default(),
+            unwrap: false,
+            blur_texture: BLUR_TEXTURE,
+        }
     }
 }
 
@@ -238,8 +207,8 @@ mod tests {
     use super::*;
 
     fn transport(text: &str) -> Result<Transport, String> {
-        let file: TransportFile = toml::from_str(text).map_err(|e| e.message().to_string())?;
-        Transport::check(&file).map_err(|e| e.to_string())
+        let asked: Transport = toml::from_str(text).map_err(|e| e.message().to_string())?;
+        asked.check(&text.parse().unwrap()).map_err(|e| e.to_string())
     }
 
     #[test]
@@ -247,7 +216,7 @@ mod tests {
         let transport = transport("distance = 'table1'").expect("defaults");
         assert_eq!((transport.hierarchy, transport.scheme), (Hierarchy::FaceClusters, Scheme::Links));
         assert_eq!((transport.distance, transport.near), (Distance::Table1, Near::Exact));
-        assert_eq!((transport.receiver_angle, transport.planarity), (RECEIVER_ANGLE, PLANARITY));
+        assert_eq!((transport.receiver_angle, transport.planarity), (0.05, 0.3));
     }
 
     #[test]

@@ -19,6 +19,12 @@ pub(super) enum Background {
     Environment,
 }
 
+impl Default for Background {
+    fn default() -> Self {
+        Self::Color([0.0; 3])
+    }
+}
+
 impl<'de> Deserialize<'de> for Background {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         from.deserialize_any(ColorOrWord)

@@ -4,27 +4,28 @@ use crate::error::{Input, Result};
 
 /// How light gets from where it enters to where it leaves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum ShadingMethod {
     /// The hierarchical method of Mertens et al. 2003.
     #[default]
     Hierarchy,
-    /// The irradiance octree of Jensen and Buhler 2002, on the host.
+    /// The irradiance octree of Jensen and Buhler 2002: on the host's cores, whatever the device.
     Octree,
-    /// Brute force: every face to every face.
+    /// Every face to every face.
     Brute,
-    /// A random walk of light through the object: no approximation but its noise.
+    /// Light walks through the object, photon by photon: the reference without approximations, with noise.
     Walk,
-    /// Diffusion, solved on the object's own surface by boundary elements.
+    /// The diffusion equation, solved on the object's own surface: nearer to the truth than the dipole.
     Diffusion,
-    /// Diffusion in each object where it holds, in the others the hierarchical method with blocks.
+    /// Diffusion in each object where it holds, the dipole by `hierarchy` in the others; `plan` says why.
     Auto,
-    /// No transport: only single scattering in layers, and opaque objects.
+    /// No transport: only single scattering in layers, opaque objects, and reflections.
     None,
-    /// No transport: the curvature-dependent reflectance function of Kubo et al. 2010.
+    /// No transport: the curvature-dependent reflectance function of Kubo et al. 2010, at each pixel.
     Cdrf,
-    /// No transport: Lambert's cosine.
+    /// No transport: Lambert's cosine, at each pixel.
     Lambert,
-    /// No transport: irradiance blurred by Gaussians over the texture coordinates (d'Eon et al. 2007).
+    /// In texture space: irradiance blurred by Gaussians (d'Eon et al. 2007).
     TextureBlur,
 }
 
@@ -39,17 +40,23 @@ impl ShadingMethod {
 
 /// What survives from frame to frame (section 5.5).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Mode {
-    /// No links: they are rebuilt in each frame.
+    /// Everything from scratch in each frame.
     #[default]
     OnTheFly,
     /// Links made for the light of one frame: a frame in which nothing changes only sums over them again.
+    #[cfg_attr(feature = "cli", value(skip))]
     Keep,
-    /// Links that serve any light: when the light changes, light and radiosity are computed again, but lists are
-    /// rebuilt only if `irradiance_ratio` changes.
+    /// Links are kept, and work for any light.
+    ///
+    /// When the light changes, light and radiosity are computed again, but lists are rebuilt only if
+    /// `irradiance_ratio` changes.
     Render,
-    /// Links that survive changes of shape, too: only those that touch an altered cluster are decided again. For
-    /// scheme `links`; with blocks it acts as `Render`.
+    /// Links are also kept while the shape changes: see `transport.budget`.
+    ///
+    /// Only those that touch an altered cluster are decided again. For scheme `links`; with blocks it acts as
+    /// `Render`.
     Incremental,
 }
 

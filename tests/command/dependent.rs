@@ -26,16 +26,9 @@ fn succeed(command: &mut Command) -> String {
     text[0].clone()
 }
 
-/// Lines of a manifest: dependencies are optimized as in this crate, so that they are there already; milkglass is not,
-/// since what is tested is what is built and linked.
-fn profile() -> String {
-    let manifest = fs::read_to_string("Cargo.toml").unwrap();
-    let from = manifest.find("[profile.release]\n").unwrap();
-    let mark = "[profile.release.package]\n";
-    let end = if cfg!(feature = "window") { "[lints" } else { "# Of the window" };
-    let lines: Vec<&str> = manifest[from..].lines().take_while(|line| !line.starts_with(end)).collect();
-    lines.join("\n").replace(mark, &format!("{mark}milkglass = {{ opt-level = 0 }}\n"))
-}
+/// Dependencies as this crate has them, so that they are there already; milkglass unoptimized, since what is tested is
+/// what is built and linked.
+const PROFILE: &str = "[profile.release]\nlto = \"off\"\n\n[profile.release.package.milkglass]\nopt-level = 0\n";
 
 /// The folder of what is built.
 fn target() -> &'static Path {
@@ -71,9 +64,8 @@ fn depends(source: &Path, addition: &str, settings: &[(&str, &str)], done: Done)
     let path = source.display();
     let manifest = format!(
         "[package]\nname = \"dependent\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n\
-         [dependencies]\nmilkglass = {{ path = \"{path}\"{addition} }}\n{}\n[workspace]\n\n{}\n",
-        shared(),
-        profile()
+         [dependencies]\nmilkglass = {{ path = \"{path}\"{addition} }}\n{}\n[workspace]\n{PROFILE}",
+        shared()
     );
     fs::create_dir(folder.path().join("src")).unwrap();
     fs::write(folder.path().join("Cargo.toml"), manifest).unwrap();

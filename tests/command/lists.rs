@@ -1,6 +1,6 @@
 //! The commands that list what is built in (stages, scenes, materials, devices), and the help of every command.
 
-use crate::shell::{folder, good};
+use crate::shell::{bad, folder, good};
 
 #[test]
 fn every_stage_is_listed() {
@@ -12,25 +12,38 @@ fn every_stage_is_listed() {
     }
 }
 
+/// The names of all commands, as the help lists them.
+fn commands() -> Vec<String> {
+    let help = good(&folder(&[]), "--help").0;
+    let lines = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let names = lines.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help");
+    let names: Vec<String> = names.map(str::to_string).collect();
+    assert!(names.len() > 20 && names.contains(&"render".to_string()), "{names:?}");
+    names
+}
+
+#[test]
+fn shells_and_manuals_know_every_command() {
+    let here = folder(&[]);
+    let page = good(&here, "man").0;
+    assert!(page.contains(".TH milkglass 1"), "{page}");
+    good(&here, "man -o .");
+    let scripts: Vec<String> =
+        ["bash", "zsh", "fish"].map(|shell| good(&here, &format!("completions {shell}")).0).into();
+    for command in commands() {
+        assert!(page.contains(&format!("milkglass\\-{}(1)", command.replace('-', "\\-"))), "{command}: {page}");
+        let own = std::fs::read_to_string(here.path().join(format!("milkglass-{command}.1"))).unwrap();
+        assert!(own.contains("Example: milkglass"), "{command}: {own}");
+        assert!(scripts.iter().all(|script| script.contains(&command)), "{command}");
+    }
+    bad(&here, "man -o nowhere", 2, &["-o", "nowhere", "a folder"]);
+    bad(&here, "completions cmd", 2, &["cmd", "bash, "]);
+}
+
 #[test]
 fn every_help_has_an_example() {
     let here = folder(&[]);
-    for command in [
-        "render",
-        "gallery",
-        "solve",
-        "plan",
-        "profile",
-        "shader",
-        "conform",
-        "stress",
-        "pareto",
-        "eval",
-        "devices",
-        "scenes",
-        "materials",
-        "stages",
-    ] {
+    for command in commands() {
         let (out, err) = good(&here, &format!("{command} --help"));
         assert!(out.contains(&format!("Example: milkglass {command}")), "{command}: {out}");
         assert!(err.is_empty(), "{command}: {err}");

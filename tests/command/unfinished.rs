@@ -31,36 +31,6 @@ fn replayed(here: &TempDir, name: &str, verdict: &str, why: &str) {
 }
 
 #[test]
-#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
-fn a_hang_becomes_a_case_of_the_group_that_hangs() {
-    let here = folder(&[]);
-    slow(&here, "group == 7", 600);
-    let line = "conform --filter ^(sliver|sphere.with.holes)$ --isolate --timeout 3 --no-validation";
-    let kernel = "--replace transport/blocks/push=slow.comp";
-    let output = program(&here, &format!("{line} {kernel} --dump d --minimize --json a.json")).output().unwrap();
-    let (out, err) = said(&output);
-    assert_eq!(output.status.code(), Some(1), "{out}{err}");
-    let verdicts: Vec<_> = results(&here, "a.json").iter().map(|row| row["verdict"].clone()).collect();
-    assert_eq!(verdicts, ["conforms", "hung"], "{out}{err}");
-    assert!(err.contains("push of object 0 on sphere with holes, does not end well"), "{err}");
-    assert!(
-        err.contains("killed, group 8 of 20") && err.contains("20 groups,") && err.contains("-> 1 group,"),
-        "{err}"
-    );
-    let case = only(&here, "d");
-    let script = amber::read(&case);
-    assert_eq!((script.fence, script.runs[0].1), (Some(1500), [1, 1, 1]));
-    let files = names(&case);
-    assert!(files.contains(&"radiosity.expected".into()) && !files.contains(&"radiosity.device".into()), "{files:?}");
-    replayed(&here, "d", "HUNG", "did not end within 3 s");
-    // The time is the reader's to change.
-    let json = std::fs::read_to_string(case.join("replay.json")).unwrap();
-    assert!(json.contains("\"seconds\": 3.0"), "{json}");
-    std::fs::write(case.join("replay.json"), json.replace("\"seconds\": 3.0", "\"seconds\": -1.0")).unwrap();
-    bad(&here, "replay d --no-validation", 2, &["replay.json", "seconds", "found -1"]);
-}
-
-#[test]
 fn a_crash_becomes_a_case() {
     let here = folder(&[]);
     // Shared memory far beyond its end, which llvmpipe reads.
@@ -165,4 +135,41 @@ fn devices_of_the_same_name_are_told_apart() {
     assert!(devices.iter().all(|name| out.contains(*name)), "{out}{err}");
     let one = run("conform --fixture sliver --stage push --no-validation --json b.json --device 1");
     assert_eq!((one.status.code(), results(&here, "b.json")[0]["device"].as_str()), (Some(0), Some(devices[1])));
+}
+
+mod rare {
+    use super::*;
+
+    #[test]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
+    fn a_hang_becomes_a_case_of_the_group_that_hangs() {
+        let here = folder(&[]);
+        slow(&here, "group == 7", 600);
+        let line = "conform --filter ^(sliver|sphere.with.holes)$ --isolate --timeout 3 --no-validation";
+        let kernel = "--replace transport/blocks/push=slow.comp";
+        let output = program(&here, &format!("{line} {kernel} --dump d --minimize --json a.json")).output().unwrap();
+        let (out, err) = said(&output);
+        assert_eq!(output.status.code(), Some(1), "{out}{err}");
+        let verdicts: Vec<_> = results(&here, "a.json").iter().map(|row| row["verdict"].clone()).collect();
+        assert_eq!(verdicts, ["conforms", "hung"], "{out}{err}");
+        assert!(err.contains("push of object 0 on sphere with holes, does not end well"), "{err}");
+        assert!(
+            err.contains("killed, group 8 of 20") && err.contains("20 groups,") && err.contains("-> 1 group,"),
+            "{err}"
+        );
+        let case = only(&here, "d");
+        let script = amber::read(&case);
+        assert_eq!((script.fence, script.runs[0].1), (Some(1500), [1, 1, 1]));
+        let files = names(&case);
+        assert!(
+            files.contains(&"radiosity.expected".into()) && !files.contains(&"radiosity.device".into()),
+            "{files:?}"
+        );
+        replayed(&here, "d", "HUNG", "did not end within 3 s");
+        // The time is the reader's to change.
+        let json = std::fs::read_to_string(case.join("replay.json")).unwrap();
+        assert!(json.contains("\"seconds\": 3.0"), "{json}");
+        std::fs::write(case.join("replay.json"), json.replace("\"seconds\": 3.0", "\"seconds\": -1.0")).unwrap();
+        bad(&here, "replay d --no-validation", 2, &["replay.json", "seconds", "found -1"]);
+    }
 }

@@ -41,26 +41,6 @@ fn a_handle_is_dragged_and_its_light_follows() {
 
 #[test]
 #[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
-fn deformations_and_options_are_what_the_printed_command_renders() {
-    let folder = tempfile::tempdir().unwrap();
-    let plain = rendered(folder.path(), &SMALL);
-    for (events, changed) in [
-        ("{ key = 'w' }, { key = '>' }, { key = '>' }", "object.0.deform.0.angle=117.0"),
-        ("{ key = 'alt+right' }, { key = 'alt+up' }", "light.0.position"),
-        ("{ key = 'y' }", "transport.scheme=links"),
-        ("{ key = '}' }, { key = '}' }", "light.0.intensity"),
-    ] {
-        let (shown, out) = played(folder.path(), &SMALL, events);
-        assert!(printed(&out).contains(changed), "{changed}: {}", printed(&out));
-        assert!(shown != plain, "{changed}: nothing changed");
-        assert!(shown == repeated(folder.path(), &out), "{changed}: not the picture of the command");
-    }
-    let (shown, out) = played(folder.path(), &SMALL, "{ key = 'k' }");
-    assert!(printed(&out).contains("--mode render") && shown == repeated(folder.path(), &out), "mode");
-}
-
-#[test]
-#[ignore = "slow: part of the full suite, `cargo test --release -- --include-ignored`"]
 fn an_animation_steps_plays_and_stops() {
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("slab.toml");
@@ -194,5 +174,25 @@ mod rare {
             );
             std::fs::remove_file(saved).unwrap();
         }
+    }
+
+    #[test]
+    #[ignore = "rare: part of .ci/full, `cargo test --release -- --include-ignored`"]
+    fn deformations_and_options_are_what_the_printed_command_renders() {
+        let folder = tempfile::tempdir().unwrap();
+        let plain = rendered(folder.path(), &SMALL);
+        for (events, changed) in [
+            ("{ key = 'w' }, { key = '>' }, { key = '>' }", "object.0.deform.0.angle=117.0"),
+            ("{ key = 'alt+right' }, { key = 'alt+up' }", "light.0.position"),
+            ("{ key = 'y' }", "transport.scheme=links"),
+            ("{ key = '}' }, { key = '}' }", "light.0.intensity"),
+        ] {
+            let (shown, out) = played(folder.path(), &SMALL, events);
+            assert!(printed(&out).contains(changed), "{changed}: {}", printed(&out));
+            assert!(shown != plain, "{changed}: nothing changed");
+            assert!(shown == repeated(folder.path(), &out), "{changed}: not the picture of the command");
+        }
+        let (shown, out) = played(folder.path(), &SMALL, "{ key = 'k' }");
+        assert!(printed(&out).contains("--mode render") && shown == repeated(folder.path(), &out), "mode");
     }
 }

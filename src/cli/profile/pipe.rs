@@ -121,11 +121,11 @@ impl Other {
         let mut other = Self { program, child, asks, answers, errors: Some(errors), hello, result: Vec::new() };
         let Some(line) = other.line() else {
             let said = other.ended();
-            return Err(fault(format!("this program takes no rounds{}", after(&said))));
+            return Err(fault(format!("its version has no `profile --rounds`{}", after(&said))));
         };
         other.hello = match serde_json::from_str(&line) {
             Ok(hello @ Hello { rounds: SCHEMA, .. }) => hello,
-            _ => return Err(fault("this program takes no rounds, or others than this one".into())),
+            _ => return Err(fault("its version has no `profile --rounds` that this version understands".into())),
         };
         let result = STANDARD.decode(&other.hello.result);
         other.result = result.map_err(|error| fault(format!("this program's result could not be read: {error}")))?;

@@ -19,7 +19,7 @@ const TOLERANCE: f64 = 0.1;
 /// Pixels of the window along each side of a draft's pixel.
 pub(super) const FACTORS: [u32; 6] = [1, 2, 3, 4, 6, 8];
 
-/// What of a draft does not depend on its pixels.
+/// What a draft leaves out, whatever its resolution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Level {
     /// Rays to the sky from a face, at most.

@@ -46,7 +46,7 @@ struct Node {
     depths: Depths,
 }
 
-/// Depth of what lies below all interfaces by more than it is worth to look for.
+/// Depth below the last interface beyond which no light is looked for.
 const BELOW: f64 = 1e9;
 
 /// Splits the way between two nodes where it crosses interfaces, whose depths below it vary linearly: calls `part` with

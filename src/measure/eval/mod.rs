@@ -14,6 +14,7 @@ use crate::error::{Error, Input, Result};
 use crate::gpu::Device;
 use crate::layout::{BufferId, Query};
 use crate::lighting::fresnel;
+use crate::scene::Fresnel;
 use crate::shading::cdrf_values;
 use crate::shading::reflectance::cdrf;
 use crate::state::{DeviceState, Scope, State, Step};
@@ -21,8 +22,9 @@ use crate::transport::evaluate;
 
 /// The function to evaluate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Kind {
-    /// Form factor between a triangle and a point.
+    /// Form factor of a triangle and a point.
     FormFactor,
     /// The diffuse reflectance profile.
     Profile,
@@ -45,16 +47,6 @@ impl Kind {
     }
 }
 
-/// The formula for the diffuse Fresnel reflectance in the boundary condition.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Formula {
-    /// The published polynomial.
-    #[default]
-    Paper,
-    /// The closed form.
-    Exact,
-}
-
 /// A row in dimensionless form: lengths in units of `unit`.
 struct Row {
     triangle: [DVec3; 3],
@@ -68,7 +60,7 @@ const CORNERS: [&str; 12] = ["v0x", "v0y", "v0z", "v1x", "v1y", "v1z", "v2x", "v
 /// device to evaluate on, or `None` for the CPU. An error names the line and the column.
 pub fn answers(
     kind: Kind,
-    formula: Formula,
+    formula: Fresnel,
     file: &Path,
     text: &[u8],
     open: impl FnOnce() -> Result<Option<Device>>,
@@ -148,7 +140,7 @@ impl Cells<'_> {
 }
 
 /// Parses one record.
-fn row(kind: Kind, formula: Formula, cells: &Cells<'_>) -> std::result::Result<Row, Input> {
+fn row(kind: Kind, formula: Fresnel, cells: &Cells<'_>) -> std::result::Result<Row, Input> {
     let fault = |key: &str, what: &str| cells.fault(key, what);
     let at_least = |key: &str, least: f64| cells.at_least(key, least);
 
@@ -173,8 +165,8 @@ fn row(kind: Kind, formula: Formula, cells: &Cells<'_>) -> std::result::Result<R
         return Err(fault("sigma_s_prime", what).found(found).expected("a mean free path above 0 that is a number"));
     }
     let inner = match formula {
-        Formula::Paper => fresnel::diffuse_internal_polynomial(eta),
-        Formula::Exact => fresnel::diffuse_internal_exact(eta),
+        Fresnel::Paper => fresnel::diffuse_internal_polynomial(eta),
+        Fresnel::Exact => fresnel::diffuse_internal_exact(eta),
     };
     if inner >= 1.0 {
         let what = "the polynomial F_dr reaches 1 here and means nothing";

@@ -77,11 +77,12 @@ pub enum Phase {
 /// What a map's largest value stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Depth {
-    /// The greatest depth.
+    /// The greatest depth: it is white.
     #[default]
     Bright,
-    /// The surface.
+    /// The surface: the greatest depth is black.
     Dark,
 }
 

@@ -8,6 +8,7 @@ use toml::Table;
 
 /// The axis of a mesh that points upwards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Up {
     /// As in most models.
     Y,

@@ -3,7 +3,7 @@
 #include "layout.glsl"
 #include "invocation.glsl"
 
-// For each block the light of those before it, and beyond the last one that of all.
+// Turns the light of each block into the sum over the blocks before it; the entry after the last holds the total.
 READS(object_params)
 UPDATES(entry_blocks)
 

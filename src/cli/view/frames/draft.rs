@@ -51,7 +51,7 @@ impl Frames {
         match opened.and_then(|session| session.frame(Change::default())) {
             Err(error) if error.is_device_fault() => Err(error),
             Err(_) => {
-                // Without transport the scene is none.
+                // These drafts cannot show the scene: the next finer ones are the coarsest.
                 self.policy.coarsest -= 1;
                 Ok(())
             }

@@ -3,11 +3,12 @@
 use clap::ValueEnum;
 
 use milkglass::error::Result;
+use milkglass::internals::pipeline::plan::ShadingMethod;
 use milkglass::scene::{Preset, Scheme};
 
 use super::outcome::{Changed, Message, Output};
 use super::{Viewer, place};
-use crate::cli::run_args::{OptionArguments, TransportArgument};
+use crate::cli::run_args::OptionArguments;
 use crate::cli::view::amounts::{Amount, amounts, set_amount};
 use crate::cli::view::inspect::{LAYERS, Layer};
 use crate::cli::view::keys::Action;
@@ -146,7 +147,7 @@ impl Viewer {
     /// Goes over to another method; a step of one goes on past those that can't serve the scene, and tells why.
     fn step_method(&mut self, step: isize) -> Result<Changed> {
         let mut refused = None;
-        for further in 0..TransportArgument::value_variants().len() as isize {
+        for further in 0..ShadingMethod::value_variants().len() as isize {
             let transport = stepped(&self.options.transport, step + further * step.signum());
             match self.set_options(OptionArguments { transport, ..self.options }) {
                 Ok(changed) => {

@@ -11,6 +11,7 @@ use clap::ValueEnum;
 
 use milkglass::error::{Error, Result};
 use milkglass::internals::gpu::Device;
+use milkglass::internals::pipeline::plan::{Mode, ShadingMethod};
 use milkglass::scene::{Scene, Scheme};
 
 use self::outcome::{Changed, Message, Output};
@@ -22,7 +23,7 @@ use super::inspect::Layer;
 use super::keys::Action;
 use super::panel::Facts;
 use crate::cli::bare::Subject;
-use crate::cli::run_args::{ModeArgument, OptionArguments, TransportArgument};
+use crate::cli::run_args::OptionArguments;
 
 /// A scene that is looked at and changed.
 pub(super) struct Viewer {
@@ -79,8 +80,8 @@ impl Viewer {
             frames,
             device: device.clone(),
             options,
-            methods: names::<TransportArgument>(),
-            modes: names::<ModeArgument>(),
+            methods: names::<ShadingMethod>(),
+            modes: names::<Mode>(),
             words,
             object: 0,
             extent: 0.0,
