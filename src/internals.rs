@@ -21,8 +21,8 @@
 //! With `--transport cdrf`, `lambert` or `texture-blur` there is no transport: stages of [`shading`] replace step 3.
 //!
 //! A stage is one file: its equation, its `f64` reference, its dispatches, its tolerance, and everything that a plan
-//! needs to know about it ([`state::Stage`]). Adding a stage takes that file, its shader, a `mod` line and a line in
-//! the frame; an incomplete declaration does not compile.
+//! needs to know about it ([`state::Stage`]), as far as its module does not declare it for all of its stages. Adding a
+//! stage takes that file, its shader, a `mod` line and a line in the frame; an incomplete declaration does not compile.
 //!
 //! Equations and sections are those of Mertens et al. 2003, "Interactive Rendering of Translucent Deformable Objects".
 //!

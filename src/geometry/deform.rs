@@ -12,25 +12,17 @@ use crate::layout::{
     BufferId, Buffers, DEFORM_BEND, DEFORM_BUMP_AXIS, DEFORM_BUMP_NORMAL, DEFORM_MORPH, DEFORM_SKIN, DEFORM_TWIST,
     Deform, SINE,
 };
-use crate::state::{Carrier, Granularity, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never};
+use crate::state::{Pass, Role, Scope, Serves, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "deform",
-    module: "geometry",
     about: "vertices twisted, bent, raised by bumps and noise, morphed",
     equation: "twist: turned by rate h about the axis; bend: arc of radius 1 / rate; bump: height (1 - r^2 / R^2)^2; Perlin 2002; morph: weight times the way to the other mesh's vertex",
     writes: &[(BufferId::positions, Role::Update, Tolerance::Exact)],
     reason: "additions, multiplications and comparisons in f32, sine and cosine by a polynomial",
-    sizes: &[],
-    granularity: Granularity::Object,
-    carriers: Carrier::ALL,
-    needs: &[],
     serves: Serves { object: |object, _| object.deforms > 0, none: "nothing deforms an object" },
-    skip: never,
-    runs: Update::shape,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {

@@ -10,3 +10,17 @@ pub mod refit;
 pub mod skin;
 pub mod trace;
 pub mod widen;
+
+use crate::state::stage::{Cpu, Gpu};
+use crate::state::{Carrier, Granularity, Stage, Update};
+
+/// A stage for the shape of each object, run again for another shape; it says what of that is different, and the rest.
+const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
+    Stage {
+        module: "geometry",
+        granularity: Granularity::Object,
+        carriers: Carrier::ALL,
+        runs: Update::shape,
+        ..Stage::new(cpu, gpu)
+    }
+}

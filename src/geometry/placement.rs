@@ -9,14 +9,11 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{Bounds, BufferId, NONE, ObjectParams};
-use crate::state::{
-    Carrier, Granularity, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
-};
+use crate::state::{Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "placement",
-    module: "geometry",
     about: "vertices, normals and boxes of moved objects, in the scene",
     equation: "x' = R x + t",
     writes: &[
@@ -26,14 +23,9 @@ pub static STAGE: Stage = Stage {
     ],
     reason: "additions and multiplications in f32, minima and maxima",
     sizes: &[(BufferId::placed_positions, Size::Elements(|state| state.data.positions.len()))],
-    granularity: Granularity::Object,
-    carriers: Carrier::ALL,
-    needs: &[],
     serves: Serves { object: |object, _| object.placed, none: "no object is turned or shifted" },
-    skip: never,
     runs: Update::placed,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// A direction of an object's own frame, turned into the scene.

@@ -8,10 +8,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{Block, Bounds, BufferId, Buffers, Cluster, NONE, ObjectParams, Sphere, Topology};
-use crate::state::{
-    Carrier, Field, Granularity, Pass, Role, Rounding, Scope, Serves, Size, Stage, State, Tolerance, Update, narrow,
-    stage::never, wide,
-};
+use crate::state::{Field, Pass, Role, Rounding, Scope, Size, Stage, State, Tolerance, narrow, wide};
 
 /// Tolerances of clusters: centres relative to the extent, areas and second moments to themselves, vector areas to
 /// the area; and what [`of_clusters`] adds.
@@ -44,7 +41,6 @@ pub const SPHERE: &[Field] = &[
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "refit",
-    module: "geometry",
     about: "boxes, centroids, vector areas and second moments of faces and clusters; vertex normals",
     equation: "Mertens et al. 2003, section 5.1.1: A' is the length of the vector area",
     writes: &[
@@ -59,14 +55,7 @@ pub static STAGE: Stage = Stage {
              themselves, each product is off by 3 u of itself, together by less than 2.2 u times the edges' lengths, \
              however small their difference",
     sizes: &[(BufferId::receiver_positions, Size::Elements(places))],
-    granularity: Granularity::Object,
-    carriers: Carrier::ALL,
-    needs: &[],
-    serves: Serves::ALL,
-    skip: never,
-    runs: Update::shape,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Elements of `receiver_positions`: one per receiver if there are blocks, else none.

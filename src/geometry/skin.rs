@@ -7,25 +7,17 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{BufferId, Buffers, ObjectParams};
-use crate::state::{Carrier, Granularity, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never};
+use crate::state::{Pass, Role, Scope, Serves, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "skin",
-    module: "geometry",
     about: "vertices placed by the joints they follow, after morph targets",
     equation: "linear blend: sum of weight times matrix times (base + sum of weight times target), glTF 2.0, 3.7.3",
     writes: &[(BufferId::skinned, Role::Output, Tolerance::Exact)],
     reason: "additions and multiplications in f32",
-    sizes: &[],
-    granularity: Granularity::Object,
-    carriers: Carrier::ALL,
-    needs: &[],
     serves: Serves { object: |object, _| object.skinned, none: "no object has joints that move" },
-    skip: never,
-    runs: Update::shape,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Where the joints place the vertex whose record is number `at` of `skin_vertices`; it is the object's own number

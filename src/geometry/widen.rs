@@ -9,27 +9,20 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{Bounds, BufferId, LEAST_TEAM, NO_BOX, NONE, Range, WIDE};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
-};
+use crate::state::{Granularity, Need, Pass, Role, Scope, Size, Stage, State, Tolerance, Update};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "widen",
-    module: "geometry",
     about: "the boxes of up to eight nodes side by side, for rays",
     equation: "copies of the boxes, in the order of hierarchy::wide",
     writes: &[(BufferId::wide_boxes, Role::Output, Tolerance::Exact)],
     reason: "copies",
     sizes: &[(BufferId::wide_boxes, Size::Elements(|state| state.data.wide_links.len()))],
     granularity: Granularity::Scene,
-    carriers: Carrier::ALL,
     needs: &[Need::Rays],
-    serves: Serves::ALL,
-    skip: never,
     runs: Update::placed,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, _at: Scope) {

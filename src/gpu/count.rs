@@ -14,9 +14,9 @@ mod write;
 
 use spirq::spirv::Op;
 
-use super::spirv_module::instructions;
+use super::spirv_module::{Edited, instructions};
 use read::Module;
-use write::Rewriter;
+use write::Counters;
 
 pub(super) use tally::Block;
 pub use tally::{Tally, Traffic};
@@ -35,45 +35,34 @@ pub(super) struct Counted {
 /// The kernel with counters at [`BINDING`]; none where the SPIR-V is not of the kind that the build makes.
 pub(super) fn counted(words: &[u32]) -> Option<Counted> {
     // What each block does.
-    let (mut module, mut all, mut function) = (Module::default(), Vec::<Block>::new(), 0);
+    let module = Module::of(words);
+    let (mut all, mut function) = (Vec::<Block>::new(), 0);
     for instruction in instructions(words) {
-        module.declare(instruction);
         match (instruction.op, instruction.operands) {
             (Some(Op::Function), [_, id, ..]) => function = *id,
             (Some(Op::Label), _) => {
-                let entry = function == module.entry && !all.iter().any(|block| block.entry);
+                let entry = function == module.declared.entry && !all.iter().any(|block| block.entry);
                 all.push(Block { entry, ..Block::default() });
             }
-            _ => {
-                if let Some(block) = all.last_mut() {
-                    module.add(block, instruction);
-                }
-            }
+            _ => all.last_mut().into_iter().for_each(|block| module.add(block, instruction)),
         }
     }
 
     // Counters for those that do something.
-    let counts: Vec<bool> = all.iter().map(|block| *block != Block::default()).collect();
-    let counters = counts.iter().filter(|counts| **counts).count() as u32;
-    let mut out = Rewriter::new(words, &module, counters)?;
-    let (mut waiting, mut number) = (None, 0);
-    let mut blocks = Vec::new();
-    for instruction in instructions(words) {
+    let blocks: Vec<Block> = all.iter().filter(|block| **block != Block::default()).cloned().collect();
+    let mut out = Edited::begin(words)?;
+    let counters = Counters::declare(&mut out, &module.declared, blocks.len() as u32);
+    let (mut waiting, mut all, mut number) = (None, all.iter(), 0..);
+    let words = out.finish(words, |out, instruction| {
         // Counting comes after the phis and variables of a block.
-        if let Some(counter) = waiting
-            && !matches!(instruction.op, Some(Op::Line | Op::NoLine | Op::Phi | Op::Variable))
-        {
-            out.count(counter);
-            waiting = None;
+        if !matches!(instruction.op, Some(Op::Line | Op::NoLine | Op::Phi | Op::Variable)) {
+            waiting.take().into_iter().for_each(|counter| counters.count(out, counter));
         }
-        out.pass(instruction);
-        if instruction.op == Some(Op::Label) {
-            if counts[number] {
-                waiting = Some(blocks.len() as u32);
-                blocks.push(all[number].clone());
-            }
-            number += 1;
+        counters.keep(out, instruction);
+        if instruction.op == Some(Op::Label) && *all.next()? != Block::default() {
+            waiting = number.next();
         }
-    }
-    Some(Counted { words: out.finish(), blocks })
+        Some(())
+    })?;
+    Some(Counted { words, blocks })
 }

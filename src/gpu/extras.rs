@@ -131,14 +131,14 @@ fn free(capability: Capability) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::spirv_module::{HEADER_WORDS, append};
+    use crate::gpu::spirv_module::module_of;
 
     #[test]
     fn capabilities_name_their_features() {
         let declaring = |capabilities: &[Capability]| {
-            let mut module = vec![0; HEADER_WORDS];
-            capabilities.iter().for_each(|capability| append(&mut module, Op::Capability, &[*capability as u32]));
-            needed(&module).map(|found| found.into_iter().map(|(_, name)| name).collect::<Vec<_>>())
+            let numbers: Vec<[u32; 1]> = capabilities.iter().map(|capability| [*capability as u32]).collect();
+            let list: Vec<(Op, &[u32])> = numbers.iter().map(|number| (Op::Capability, &number[..])).collect();
+            needed(&module_of(&list)).map(|found| found.into_iter().map(|(_, name)| name).collect::<Vec<_>>())
         };
         use Capability::{Float16, Geometry, GroupNonUniformBallot, Int64, RoundingModeRTE, Shader};
         assert_eq!(declaring(&[Shader, GroupNonUniformBallot, RoundingModeRTE]), Ok(vec![]));

@@ -31,7 +31,7 @@ pub(crate) fn interface(name: &str, words: &[u32]) -> Result<Interface> {
         bindings: found.accesses.iter().map(|access| access.binding).collect(),
         lengths: found.accesses.iter().filter(|access| access.asks_length).map(|access| access.binding).collect(),
         push_bytes: found.push_bytes,
-        constants: found.constants,
+        constants: found.set_by_program().count(),
     })
 }
 

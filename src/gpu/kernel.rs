@@ -147,7 +147,7 @@ impl Kernel {
     /// What this SPIR-V says of itself, for these specialization constants; it has no pipeline yet.
     fn described(device: &LogicalDevice, name: &str, words: &[u32], constants: &[u32]) -> Result<Self> {
         let found = reflect(name, words)?;
-        let chosen_group = device.choices().group(name).filter(|_| found.open.contains(&GROUP_ID));
+        let chosen_group = device.choices().group(name).filter(|_| found.constants.contains_key(&GROUP_ID));
         let group = chosen_group.unwrap_or(found.group);
         let built = words_of(name).is_ok_and(|own| own == words)
             || words_without_subgroups(name).is_some_and(|own| own == words);
@@ -160,7 +160,7 @@ impl Kernel {
             name: name.to_string(),
             constants: constants.to_vec(),
             shuffles: has_subgroups(words),
-            asks_lockstep: found.open.contains(&LOCKSTEP_ID),
+            asks_lockstep: found.constants.contains_key(&LOCKSTEP_ID),
             accesses: found.accesses,
             push_bytes: found.push_bytes,
             built,
@@ -256,8 +256,8 @@ fn check(
         }
     }
     // SPIR-V that was not optimised has constants that nothing uses; a user's may leave out some.
-    if found.constants != given && built {
-        let has = found.constants;
+    let has = found.set_by_program().count();
+    if has != given && built {
         return Err(Error::device(doing, format!("it has {has} specialization constants, {given} were given")));
     }
     Ok(())

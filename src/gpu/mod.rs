@@ -3,7 +3,7 @@
 //! Nothing here knows what a stage or a triangle is. Handles own what they need and free themselves. No file uses one
 //! that is above it; from the bottom up:
 //!
-//! - `choices`, `axes`: how the API is used, and how else it could be;
+//! - `choices`: how the API is used, and how else it could be;
 //! - `offers`, `adapter`, `vk_error`, `faults`, `call`: what a machine offers, and calls that can fail;
 //! - `instance`, `allocator`, `spirv_module`, `extras`, `logical_device`: Vulkan, a device's memory, what it is opened
 //!   with, its queue and submissions;
@@ -19,7 +19,6 @@
 
 mod adapter;
 mod allocator;
-mod axes;
 mod bind;
 mod call;
 mod choices;
@@ -61,9 +60,8 @@ pub mod window;
 
 pub use adapter::{Adapter, Ids, Limits};
 pub use allocator::MemoryUse;
-pub use axes::{AXES, Axis, Value};
 pub(crate) use bind::Binding;
-pub use choices::{Cache, Choices, Constants, Optimization};
+pub use choices::{AXES, Axis, Cache, Choices, Constants, Optimization, Value};
 pub use device::Device;
 pub use driver_facts::{COUNTERS, STATISTICS, Statistic};
 pub use execution::{EXECUTES, ExecutionCheck};

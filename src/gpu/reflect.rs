@@ -6,9 +6,9 @@ use std::sync::Mutex;
 
 use spirq::prelude::*;
 use spirq::spirv::{Capability, Decoration, ExecutionMode, Op};
-use spirq::ty::{AccessType, DescriptorType, Type};
+use spirq::ty::{AccessType, DescriptorType, ScalarType, Type};
 
-use super::spirv_module::{HEADER_WORDS, Instruction, append, instructions};
+use super::spirv_module::{Declared, Instruction, edited, instructions};
 use crate::error::{Error, Result};
 use crate::layout::GROUP_ID;
 
@@ -44,13 +44,13 @@ pub fn spirv(name: &str) -> Option<&'static [u8]> {
 
 /// The names of the specialization constants of a kernel of the program, by their ids.
 pub fn constants(name: &str) -> Result<Vec<String>> {
-    Ok(reflect(name, &words_of(name)?)?.names.into_values().collect())
+    Ok(reflect(name, &words_of(name)?)?.set_by_program().map(|(_, constant)| constant.name.clone()).collect())
 }
 
 /// Whether a kernel of the program leaves the size of its groups open.
 pub fn group_is_open(name: &str) -> bool {
     let found = words_of(name).and_then(|words| reflect(name, &words));
-    found.is_ok_and(|found| found.open.contains(&GROUP_ID))
+    found.is_ok_and(|found| found.constants.contains_key(&GROUP_ID))
 }
 
 /// How a kernel of the program uses its buffers.
@@ -99,16 +99,28 @@ pub(super) struct Reflected {
     /// Bytes from one element to the next, by binding.
     pub(super) strides: BTreeMap<u32, usize>,
     pub(super) push_bytes: u32,
+    /// The members of its push constants: name and first byte.
+    pub(super) pushed: Vec<(String, u32)>,
     /// Invocations of a group.
     pub(super) group: u32,
     /// Of them those in the first dimension.
     pub(super) across: u32,
-    /// How many specialization constants it has, without those of `open`.
-    pub(super) constants: usize,
-    /// Its specialization constants from [`GROUP_ID`] on, by which it leaves a choice open.
-    pub(super) open: BTreeSet<u32>,
-    /// The names of the others, by id.
-    pub(super) names: BTreeMap<u32, String>,
+    /// Its specialization constants by id; by those from [`GROUP_ID`] on it leaves a choice open.
+    pub(super) constants: BTreeMap<u32, SpecConstant>,
+}
+
+/// A specialization constant.
+pub(super) struct SpecConstant {
+    /// Its name, or else its id.
+    pub(super) name: String,
+    pub(super) ty: ScalarType,
+}
+
+impl Reflected {
+    /// The specialization constants that leave no choice open, with their ids.
+    pub(super) fn set_by_program(&self) -> impl Iterator<Item = (&u32, &SpecConstant)> {
+        self.constants.range(..GROUP_ID)
+    }
 }
 
 /// Bytes from one element of a buffer to the next.
@@ -122,19 +134,12 @@ fn stride(ty: &Type) -> Option<usize> {
 
 /// The bindings of buffers whose number of elements the module asks for.
 fn asked_lengths(words: &[u32]) -> BTreeSet<u32> {
-    let mut bindings = BTreeMap::new();
-    let mut asked = BTreeSet::new();
-    for instruction in instructions(words) {
-        match (instruction.op, instruction.operands) {
-            (Some(Op::Decorate), [variable, what, binding]) if *what == Decoration::Binding as u32 => {
-                bindings.insert(*variable, *binding);
-            }
-            // Decorations come before the functions.
-            (Some(Op::ArrayLength), [_, _, variable, _]) => asked.extend(bindings.get(variable)),
-            _ => {}
-        }
-    }
-    asked
+    let declared = Declared::of(words);
+    let variable = |one: Instruction<'_>| match (one.op, one.operands) {
+        (Some(Op::ArrayLength), [_, _, variable, _]) => declared.decoration(*variable, Decoration::Binding),
+        _ => None,
+    };
+    instructions(words).filter_map(variable).collect()
 }
 
 /// The module with a plain constant in place of each one that is computed from others, such as `gl_WorkGroupSize.x`:
@@ -142,11 +147,10 @@ fn asked_lengths(words: &[u32]) -> BTreeSet<u32> {
 /// else 0.
 fn computed(words: &[u32]) -> Vec<u32> {
     let (mut values, mut composites) = (BTreeMap::new(), BTreeMap::new());
-    let mut out = words.get(..HEADER_WORDS).unwrap_or(words).to_vec();
-    for Instruction { op, operands, words, .. } in instructions(words) {
-        match (op, operands) {
+    edited(words, |out, instruction| {
+        match (instruction.op, instruction.operands) {
             (Some(Op::Constant | Op::SpecConstant), [_, id, value]) => drop(values.insert(*id, *value)),
-            (Some(Op::SpecConstantComposite), [_, id, parts @ ..]) => drop(composites.insert(*id, parts)),
+            (Some(Op::SpecConstantComposite), [_, id, parts @ ..]) => drop(composites.insert(*id, parts.to_vec())),
             (Some(Op::SpecConstantOp), [ty, id, what, of @ ..]) => {
                 let value = |k: usize| values.get(of.get(k)?).copied();
                 let both = value(0).zip(value(1));
@@ -159,18 +163,16 @@ fn computed(words: &[u32]) -> Vec<u32> {
                     Some(Op::UDiv) => both.and_then(|(a, b)| a.checked_div(b)),
                     _ => None,
                 };
-                match found {
-                    Some(value) => append(&mut out, Op::Constant, &[*ty, *id, value]),
-                    None => append(&mut out, Op::ConstantNull, &[*ty, *id]),
-                }
                 values.extend(found.map(|value| (*id, value)));
-                continue;
+                return match found {
+                    Some(value) => out.put(Op::Constant, &[*ty, *id, value]),
+                    None => out.put(Op::ConstantNull, &[*ty, *id]),
+                };
             }
             _ => {}
         }
-        out.extend(words);
-    }
-    out
+        out.keep(instruction);
+    })
 }
 
 pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
@@ -186,11 +188,10 @@ pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
         types: Vec::new(),
         strides: BTreeMap::new(),
         push_bytes: 0,
+        pushed: Vec::new(),
         group: 0,
         across: 0,
-        constants: 0,
-        open: BTreeSet::new(),
-        names: BTreeMap::new(),
+        constants: BTreeMap::new(),
     };
     let asked = asked_lengths(words);
     for variable in &entry.vars {
@@ -210,12 +211,15 @@ pub(super) fn reflect(name: &str, words: &[u32]) -> Result<Reflected> {
             }
             Variable::PushConstant { ty, .. } => {
                 found.push_bytes = u32::try_from(ty.nbyte().unwrap_or(0)).unwrap_or(u32::MAX);
+                for member in ty.as_struct().into_iter().flat_map(|block| &block.members) {
+                    let offset = member.offset.and_then(|offset| u32::try_from(offset).ok());
+                    found.pushed.push((member.name.clone().unwrap_or_default(), offset.unwrap_or(u32::MAX)));
+                }
                 found.types.push(ty.clone());
             }
-            Variable::SpecConstant { spec_id, .. } if *spec_id >= GROUP_ID => drop(found.open.insert(*spec_id)),
-            Variable::SpecConstant { name, spec_id, .. } => {
-                found.constants += 1;
-                found.names.insert(*spec_id, name.clone().unwrap_or_default());
+            Variable::SpecConstant { name, spec_id, ty: Type::Scalar(ty) } => {
+                let name = name.clone().unwrap_or_else(|| spec_id.to_string());
+                found.constants.insert(*spec_id, SpecConstant { name, ty: ty.clone() });
             }
             _ => {}
         }

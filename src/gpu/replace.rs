@@ -70,7 +70,7 @@ pub fn replacement(kernel: &str, file: &Path, given: &Given) -> Result<Vec<u32>>
     if let Some(what) = differs(&own, &right) {
         return Err(misfit(what).into());
     }
-    let words = adapted(words, [&own, &right], given, &misfit)?;
+    let words = adapted(kernel, words, [&own, &right], given, &misfit)?;
     match reflect(kernel, &words)?.push_bytes {
         own if own > right.push_bytes => {
             let what = "has a push constant of which the program sets the first bytes only";

@@ -9,3 +9,18 @@ pub mod plane_fit;
 pub mod relief;
 pub mod single_scattering;
 pub mod slab;
+
+use crate::state::stage::{Cpu, Gpu};
+use crate::state::{Carrier, Need, Serves, Stage, Update};
+
+/// A stage for layers, which adds to the picture; it says what of that is different, and the rest.
+const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
+    Stage {
+        module: "layers",
+        carriers: Carrier::ALL,
+        needs: &[Need::Light, Need::Picture],
+        serves: Serves { object: |object, _| object.layered, none: "no material has layers" },
+        runs: Update::picture,
+        ..Stage::new(cpu, gpu)
+    }
+}

@@ -14,14 +14,11 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{Bounds, BufferId, NONE, VertexMoments};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
-};
+use crate::state::{Granularity, Pass, Role, Scope, Stage, State, Tolerance, Update, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "plane_fit",
-    module: "layers",
     about: "plane that fits the surface around each vertex of an object with layers",
     equation: "Francois et al. 2006, equations 7, 8, 14",
     writes: &[
@@ -31,15 +28,9 @@ pub static STAGE: Stage = Stage {
     ],
     reason: "centroids are sums of places that are rounded to 6e-8 each; an axis turns by the moments' rounding, 1e-7, over \
              their difference, 0.005 of the largest at least",
-    sizes: &[],
     granularity: Granularity::Object,
-    carriers: Carrier::ALL,
-    needs: &[Need::Light, Need::Picture],
-    serves: Serves { object: |object, _| object.layered, none: "no material has layers" },
-    skip: never,
     runs: Update::shape,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Number of points, sum of positions and sum of their outer products, relative to some origin.

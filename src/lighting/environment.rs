@@ -9,27 +9,20 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{BufferId, Buffers, Range, SKY_BLOCK, SKY_HARMONICS};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, narrow, wide,
-};
+use crate::state::{Granularity, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "environment",
-    module: "lighting",
     about: "nine spherical-harmonic coefficients of the environment: sums over its image",
     equation: "Mertens et al. 2003, section 5.3; Ramamoorthi and Hanrahan 2001, equations 3 and 10",
     writes: &[(BufferId::harmonics, Role::Output, Tolerance::Float { relative: 2e-5, floor: 5e-6 })],
     reason: "sums of 64 terms, three or four on top of each other, 64 x 2^-24 = 4e-6 each at worst; terms of either sign cancel",
     sizes: &[(BufferId::harmonics, Size::Elements(|state| elements(state.data.object_params[0].sky)))],
     granularity: Granularity::Scene,
-    carriers: Carrier::ALL,
-    needs: &[Need::Light],
     serves: Serves::ALL,
     skip: |state| state.data.sky.is_empty().then_some("no light is an environment"),
-    runs: Update::light,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Sizes of the levels of the reduction: the number of blocks of pixels, of blocks of their sums, and so on down to

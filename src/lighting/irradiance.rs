@@ -15,27 +15,16 @@ use crate::layout::{
     BufferId, Buffers, LIGHT_AREA, LIGHT_AREA_BOTH, LIGHT_DIRECTIONAL, LIGHT_SKY_RAY, LIGHT_SPOT, Light, NONE,
     ObjectParams, SKY_HARMONICS,
 };
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
-};
+use crate::state::{Pass, Role, Scope, Stage, State, Tolerance, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "irradiance",
-    module: "lighting",
     about: "light entering each face: cosine times Fresnel transmittance, summed over the lights",
     equation: "Mertens et al. 2003, equation 5",
     writes: &[(BufferId::irradiance, Role::Output, Tolerance::Float { relative: 2e-5, floor: 2e-6 })],
     reason: "a short sum of products; the cosine cancels where light grazes, hence the floor",
-    sizes: &[],
-    granularity: Granularity::Object,
-    carriers: Carrier::ALL,
-    needs: &[Need::Light],
-    serves: Serves::LIT_BY_FACE,
-    skip: never,
-    runs: Update::light,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// The share of its intensity that a light sends in the unit direction `away` from it.

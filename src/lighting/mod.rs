@@ -12,3 +12,19 @@ pub mod shadow;
 pub mod sky;
 pub mod texture;
 pub mod texture_in;
+
+use crate::state::stage::{Cpu, Gpu};
+use crate::state::{Carrier, Granularity, Need, Serves, Stage, Update};
+
+/// A stage for light that enters faces, run again for other light; it says what of that is different, and the rest.
+const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
+    Stage {
+        module: "lighting",
+        granularity: Granularity::Object,
+        carriers: Carrier::ALL,
+        needs: &[Need::Light],
+        serves: Serves::LIT_BY_FACE,
+        runs: Update::light,
+        ..Stage::new(cpu, gpu)
+    }
+}

@@ -4,30 +4,21 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::BufferId;
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
-};
+use crate::state::{Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "opaque_faces",
-    module: "lighting",
     about: "radiosity of opaque objects: albedo times irradiance",
     equation: "Lambert: B = albedo E",
     writes: &[(BufferId::radiosity, Role::Output, Tolerance::Float { relative: 2e-7, floor: 0.0 })],
     reason: "one product",
-    sizes: &[],
-    granularity: Granularity::Object,
-    carriers: Carrier::ALL,
-    needs: &[Need::Light],
     serves: Serves {
         object: |object, _| object.opaque && object.lit_by_face(),
         none: "no opaque object is lit by triangle",
     },
-    skip: never,
     runs: Update::sums,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, _at: Scope) {

@@ -8,30 +8,23 @@ use crate::geometry::placement::placed;
 use crate::geometry::plane::Plane;
 use crate::geometry::widen::team;
 use crate::layout::{BufferId, LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_SKY_RAY, LIGHT_SPOT, Light, NONE, Rays};
-use crate::state::{
-    Carrier, Granularity, Local, Need, Object, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update,
-};
+use crate::state::{Granularity, Local, Object, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "shadow",
-    module: "lighting",
     about: "whether each light reaches each face: rays through the tree, one bit per ray",
     equation: "the visibility in equation 5; any triangle between blocks",
     writes: &[(BufferId::lit, Role::Output, Tolerance::Exact), (BufferId::cut_short, Role::Update, Tolerance::Exact)],
     reason: "decisions, bit for bit",
     sizes: &[(BufferId::cut_short, Size::Elements(|_| 1))],
     granularity: Granularity::Scene,
-    carriers: Carrier::ALL,
-    needs: &[Need::Light],
     serves: Serves {
         object: |object, _| object.lit_by_face(),
         none: "every object is opaque, and lit where the pixels show it",
     },
     skip,
-    runs: Update::light,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn skip(state: &State) -> Option<&'static str> {

@@ -9,27 +9,17 @@ use rayon::prelude::*;
 use super::texture::{factor, place, untextured};
 use crate::error::Result;
 use crate::layout::{BufferId, Buffers, CornerUvs, TEXTURE_ENTERS, TEXTURE_PARTS};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, wide,
-};
+use crate::state::{Pass, Role, Scope, Stage, State, Tolerance, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "texture_in",
-    module: "lighting",
     about: "irradiance of each face times the texture's mean over it",
     equation: "d'Eon et al. 2007, pre-scatter texturing",
     writes: &[(BufferId::irradiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a place in the texture is off by some 1e-7, times its texels a unit and their contrast",
-    sizes: &[],
-    granularity: Granularity::Object,
-    carriers: Carrier::ALL,
-    needs: &[Need::Light],
-    serves: Serves::LIT_BY_FACE,
     skip: |state| untextured(state, TEXTURE_ENTERS),
-    runs: Update::light,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Parts along an edge; decided in `f32` both here and in the shader.

@@ -217,6 +217,11 @@ pub static STAGES: &[&Stage] = &{
         all[count + k] = QUERIES[k];
         k += 1;
     }
+    k = 0;
+    while k < all.len() {
+        assert!(all[k].is_complete(), "a stage declares its names, equation, writes and the tolerances' reason");
+        k += 1;
+    }
     all
 };
 

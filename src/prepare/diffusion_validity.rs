@@ -11,7 +11,8 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::scene::{Material, Mesh};
+use crate::error::{Input, Result};
+use crate::scene::{Material, Mesh, Object};
 
 /// The reduced albedo below which errors are larger than usual.
 const DARK_ALBEDO: f64 = 0.8;
@@ -139,6 +140,20 @@ fn along(way: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> {
     }
     let place = (weights[0] * a + weights[1] * b + weights[2] * c) / sum;
     Some(place.dot(way)).filter(|distance| *distance > 0.0)
+}
+
+/// An error where a translucent object is open or two-sided, with the reason why this transport takes no such object.
+pub(crate) fn enclosed(objects: &[Object], transport: &str, [open, two_sided]: [&str; 2]) -> Result<()> {
+    for (number, object) in objects.iter().enumerate().filter(|(_, object)| object.material.opaque.is_none()) {
+        let (why, found, needed) = match object.mesh.open_edges {
+            0 if object.material.two_sided => (two_sided, "two_sided = true".to_string(), "two_sided = false"),
+            0 => continue,
+            edges => (open, format!("{edges} open edges"), "a closed mesh"),
+        };
+        let fault = Input::new(why).key(format!("object.{number}")).found(found);
+        return Err(fault.expected(format!("{needed}, or another --transport than {transport}")).into());
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::run::{Backend, Session};
+use super::run::Session;
 use super::subdivide::Parts;
 use crate::error::Result;
 use crate::gpu::count::Tally;
@@ -12,7 +12,7 @@ use crate::pipeline::plan::Plan;
 use crate::prepare::scene::Prepared;
 use crate::prepare::units::Units;
 use crate::scene::Scene;
-use crate::state::State;
+use crate::state::{DeviceState, State};
 
 impl Session {
     /// The scene as it is rendered: after subdivision, with the latest lights, deformations and camera.
@@ -58,10 +58,7 @@ impl Session {
 
     /// The device that runs the stages; none on the CPU.
     pub fn device(&self) -> Option<&Device> {
-        match &self.backend {
-            Backend::Gpu(gpu) => Some(gpu.device()),
-            Backend::Cpu => None,
-        }
+        self.gpu.as_ref().map(DeviceState::device)
     }
 
     /// The limits of that device.
@@ -72,33 +69,21 @@ impl Session {
     /// Each kernel's counts since the last call, by the kernel's path. Empty on the CPU, and for kernels without
     /// counters.
     pub fn tallies(&self) -> Result<Vec<(String, Tally)>> {
-        match &self.backend {
-            Backend::Gpu(gpu) => gpu.kernels().tallies(),
-            Backend::Cpu => Ok(Vec::new()),
-        }
+        self.gpu.as_ref().map_or(Ok(Vec::new()), |gpu| gpu.kernels().tallies())
     }
 
     /// The pipelines built on the device so far: kernel and specialization constants. Empty on the CPU.
     pub fn pipelines(&self) -> Vec<KernelKey> {
-        match &self.backend {
-            Backend::Gpu(gpu) => gpu.kernels().made(),
-            Backend::Cpu => Vec::new(),
-        }
+        self.gpu.as_ref().map_or(Vec::new(), |gpu| gpu.kernels().made())
     }
 
     /// The same with the time in which the driver created each pipeline, and what its compiler says of it.
     pub fn pipeline_facts(&self) -> Result<Vec<(KernelKey, Duration, Vec<Statistic>)>> {
-        match &self.backend {
-            Backend::Gpu(gpu) => gpu.kernels().facts(),
-            Backend::Cpu => Ok(Vec::new()),
-        }
+        self.gpu.as_ref().map_or(Ok(Vec::new()), |gpu| gpu.kernels().facts())
     }
 
     /// The buffers that the device has allocated, with their bytes. Empty on the CPU.
     pub fn device_buffers(&self) -> Vec<(BufferId, u64)> {
-        match &self.backend {
-            Backend::Gpu(gpu) => gpu.buffers().collect(),
-            Backend::Cpu => Vec::new(),
-        }
+        self.gpu.iter().flat_map(DeviceState::buffers).collect()
     }
 }

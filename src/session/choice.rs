@@ -3,7 +3,7 @@
 use super::run::Session;
 use crate::error::{Input, Result};
 use crate::pipeline::plan::{Options, Plan, ShadingMethod};
-use crate::prepare::diffusion_validity::{Inside, Validity};
+use crate::prepare::diffusion_validity::{Inside, Validity, enclosed};
 use crate::scene::{Object, Receivers, Scene, Scheme};
 
 /// The choice of a session.
@@ -94,19 +94,8 @@ fn validity(shapes: &[Option<Inside>], scene: &Scene) -> Vec<Validity> {
 
 /// An error where diffusion inside an object has no meaning.
 pub(crate) fn closed(scene: &Scene) -> Result<()> {
-    for (number, object) in scene.objects.iter().enumerate().filter(|(_, object)| object.material.opaque.is_none()) {
-        let fault = |what: &str| Input::new(what).key(format!("object.{number}"));
-        if object.mesh.open_edges > 0 {
-            let found = format!("{} open edges", object.mesh.open_edges);
-            let fault = fault("diffusion is solved inside a closed object").found(found);
-            return Err(fault.expected("a closed mesh, or another --transport than diffusion").into());
-        }
-        if object.material.two_sided {
-            let fault = fault("light enters from outside only where diffusion is solved").found("two_sided = true");
-            return Err(fault.expected("two_sided = false, or another --transport than diffusion").into());
-        }
-    }
-    Ok(())
+    let inside = "diffusion is solved inside a closed object";
+    enclosed(&scene.objects, "diffusion", [inside, "light enters from outside only where diffusion is solved"])
 }
 
 impl Session {

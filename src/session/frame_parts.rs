@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::run::{Backend, Session, unfinished};
+use super::run::{Session, unfinished};
 use crate::error::Result;
 use crate::gpu::Timing;
 use crate::layout::{BufferId, ListCounters};
@@ -107,9 +107,9 @@ impl Session {
     /// Runs the next dispatch of these steps, or the next step where that is one piece.
     fn next_part(&mut self, frame: &mut FrameParts, steps: &mut Steps) -> Result<()> {
         let (step, start) = (steps.all[steps.done], Instant::now());
-        let (time, more) = match &self.backend {
-            Backend::Gpu(gpu) => gpu.run_part(&self.prepared.state, step, steps.dispatched)?,
-            Backend::Cpu => (self.run(&[step])?.pop(), false),
+        let (time, more) = match &self.gpu {
+            Some(gpu) => gpu.run_part(&self.prepared.state, step, steps.dispatched)?,
+            None => (self.run(&[step])?.pop(), false),
         };
         if let Some(mut time) = time {
             // Devices may time the first part of a submission too short: here it is the only one.

@@ -2,7 +2,7 @@
 
 use super::antialiasing::picture;
 use super::capacity::CapacityHints;
-use super::run::{Backend, Session, unfinished};
+use super::run::{Session, unfinished};
 use crate::error::Result;
 use crate::geometry::trace::UNFINISHED;
 use crate::gpu::{Buffer, Device};
@@ -76,10 +76,7 @@ impl Session {
     /// checked: see [`Session::finished_rays`].
     pub fn shown_on_device(&mut self) -> Result<Option<&Buffer>> {
         self.tone()?;
-        Ok(match &self.backend {
-            Backend::Gpu(gpu) => gpu.buffer(BufferId::shown),
-            Backend::Cpu => None,
-        })
+        Ok(self.gpu.as_ref().and_then(|gpu| gpu.buffer(BufferId::shown)))
     }
 
     /// Puts another picture of its size, four bytes a pixel, in the place of what [`Session::shown_on_device`] returns,
@@ -87,10 +84,7 @@ impl Session {
     pub fn show_instead(&mut self, bytes: &[u32]) -> Result<Option<&Buffer>> {
         self.prepared.state.data.shown = bytes.to_vec();
         self.send(&[BufferId::shown])?;
-        Ok(match &self.backend {
-            Backend::Gpu(gpu) => gpu.buffer(BufferId::shown),
-            Backend::Cpu => None,
-        })
+        Ok(self.gpu.as_ref().and_then(|gpu| gpu.buffer(BufferId::shown)))
     }
 
     /// Exposes the picture of the last frame.

@@ -6,7 +6,7 @@ use super::device_limits::holds;
 use super::incremental::share_budget;
 use super::memory_estimate;
 use super::octree::OctreeTransport;
-use super::run::{Backend, Fixed, Session};
+use super::run::{Fixed, Session};
 use super::subdivide::subdivide;
 use super::walk::{WalkControl, WalkTransport, prepare_walk};
 use crate::error::Result;
@@ -92,17 +92,16 @@ impl Session {
             Some(before) => before.lists.again(&mut prepared, &before.prepared.state),
             None => Lists::new(room, device.map(Device::limits)).cut_new(&mut prepared),
         };
-        let backend = match (before.as_deref_mut(), device) {
-            (Some(before), _) => std::mem::replace(&mut before.backend, Backend::Cpu),
-            (None, Some(device)) => Backend::Gpu(DeviceState::new(device, false)?),
-            (None, None) => Backend::Cpu,
+        let gpu = match before.as_deref_mut() {
+            Some(before) => before.gpu.take(),
+            None => device.map(|device| DeviceState::new(device, false)).transpose()?,
         };
         let (retries, relinks) = before.as_deref().map_or((0, 0), |before| (before.retries, before.relinks));
         let fixed = Fixed { asked, options, room, receivers };
         let mut session = Self {
             prepared,
             plan,
-            backend,
+            gpu,
             retries,
             relinks,
             moved: false,
@@ -135,7 +134,7 @@ impl Session {
             (Err(error), None) => Err(error),
             (Err(error), Some(before)) => {
                 // The earlier session goes on; its next frame restores its buffers.
-                (before.backend, before.failed) = (session.backend, true);
+                (before.gpu, before.failed) = (session.gpu, true);
                 Err(error)
             }
         }

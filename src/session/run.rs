@@ -17,14 +17,6 @@ use crate::prepare::scene::Prepared;
 use crate::scene::Scene;
 use crate::state::{DeviceState, Step};
 
-/// What runs the stages.
-pub(crate) enum Backend {
-    /// The CPU reference.
-    Cpu,
-    /// A Vulkan device.
-    Gpu(DeviceState),
-}
-
 /// Renders a scene frame after frame, on a device or on the CPU.
 ///
 /// ```
@@ -46,8 +38,8 @@ pub struct Session {
     pub(crate) prepared: Prepared,
     /// The stages that run.
     pub(crate) plan: Plan,
-    /// Where they run.
-    pub(crate) backend: Backend,
+    /// The device where they run; none where the CPU references run.
+    pub(crate) gpu: Option<DeviceState>,
     /// How often a frame was repeated because a list overflowed.
     pub(crate) retries: usize,
     /// How often a frame was repeated because the kept lists did not suit the irradiance ratio of its light.
@@ -117,21 +109,17 @@ impl Session {
 
     /// Runs these steps on the session's back end.
     pub(crate) fn run(&mut self, steps: &[Step]) -> Result<Vec<Timing>> {
-        match &mut self.backend {
-            Backend::Gpu(_) if steps.is_empty() => Ok(Vec::new()),
-            Backend::Gpu(gpu) => gpu.run(&self.prepared.state, steps),
-            Backend::Cpu => {
-                let state = &mut self.prepared.state;
-                let begin = Instant::now();
-                let mut time = |step: &Step| {
-                    let start = begin.elapsed().as_secs_f64() * 1e3;
-                    step.reference(state);
-                    let milliseconds = begin.elapsed().as_secs_f64() * 1e3 - start;
-                    Timing { name: step.stage.name.to_string(), milliseconds, start, ..Timing::default() }
-                };
-                Ok(steps.iter().map(&mut time).collect())
-            }
+        let (state, begin) = (&mut self.prepared.state, Instant::now());
+        if let Some(gpu) = &mut self.gpu {
+            return if steps.is_empty() { Ok(Vec::new()) } else { gpu.run(state, steps) };
         }
+        let time = |step: &Step| {
+            let start = begin.elapsed().as_secs_f64() * 1e3;
+            step.reference(state);
+            let milliseconds = begin.elapsed().as_secs_f64() * 1e3 - start;
+            Timing { name: step.stage.name.to_string(), milliseconds, start, ..Timing::default() }
+        };
+        Ok(steps.iter().map(time).collect())
     }
 
     /// Downloads these buffers to the host, except what the host itself computes: deformed positions, the octree's
@@ -148,18 +136,13 @@ impl Session {
             _ => false,
         };
         let slots: Vec<BufferId> = slots.iter().copied().filter(|slot| !there(slot)).collect();
-        match &self.backend {
-            Backend::Gpu(gpu) => gpu.download(&mut self.prepared.state, &slots),
-            Backend::Cpu => Ok(()),
-        }
+        self.gpu.as_ref().map_or(Ok(()), |gpu| gpu.download(&mut self.prepared.state, &slots))
     }
 
     /// Uploads these buffers from the host.
     pub(crate) fn send(&mut self, slots: &[BufferId]) -> Result<()> {
-        match &mut self.backend {
-            Backend::Gpu(gpu) => gpu.upload(&self.prepared.state, slots).inspect_err(|_| self.failed = true),
-            Backend::Cpu => Ok(()),
-        }
+        let sent = self.gpu.as_mut().map_or(Ok(()), |gpu| gpu.upload(&self.prepared.state, slots));
+        sent.inspect_err(|_| self.failed = true)
     }
 }
 

@@ -7,10 +7,11 @@ use super::walk_control::{Course, End};
 pub use super::walk_control::{WalkControl, WalkProgress};
 pub use super::walk_report::WalkReport;
 use super::walk_report::report_of;
-use crate::error::{Input, Result};
+use crate::error::Result;
 use crate::gpu::Timing;
 use crate::layout::{BufferId, WalkParams};
 use crate::pipeline::plan::ShadingMethod;
+use crate::prepare::diffusion_validity::enclosed;
 use crate::prepare::scene::Prepared;
 use crate::prepare::units::Units;
 use crate::scene::{Material, Scene};
@@ -54,18 +55,8 @@ fn params(material: &Material, units: Units, object: usize, slots: u32, photons:
 /// Sets the parameters of all objects' walks; an error where a walk has no meaning.
 pub(super) fn prepare_walk(prepared: &mut Prepared, scene: &Scene, control: WalkControl) -> Result<()> {
     let asked = scene.transport.walks;
-    for (number, object) in scene.objects.iter().enumerate().filter(|(_, object)| object.material.opaque.is_none()) {
-        let fault = |what: &str| Input::new(what).key(format!("object.{number}"));
-        if object.mesh.open_edges > 0 {
-            let found = format!("{} open edges", object.mesh.open_edges);
-            let fault = fault("light can only walk through a closed object").found(found);
-            return Err(fault.expected("a closed mesh, or another --transport than walk").into());
-        }
-        if object.material.two_sided {
-            let fault = fault("light enters a walk from outside only").found("two_sided = true");
-            return Err(fault.expected("two_sided = false, or another --transport than walk").into());
-        }
-    }
+    let inside = "light can only walk through a closed object";
+    enclosed(&scene.objects, "walk", [inside, "light enters a walk from outside only"])?;
     let slots = asked.unwrap_or(SLOTS).min(SLOTS);
     // The first photons tell how long all take, where somebody wants to know.
     let watched = control.limit.is_some() || control.tell.is_some();

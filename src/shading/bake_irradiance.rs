@@ -13,14 +13,11 @@ use crate::error::Result;
 use crate::layout::{BufferId, LONGEST_STRETCH, TEXTURE_ENTERS, TexelHit, Unwrapping};
 use crate::lighting::irradiance::{SkyRays, entering, reaches};
 use crate::lighting::texture::{factor, place};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never, wide,
-};
+use crate::state::{Carrier, Pass, Role, Scope, Size, Stage, State, Tolerance, Update, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "bake_irradiance",
-    module: "shading",
     about: "irradiance and stretch at each texel of the texture coordinates (`--transport texture-blur`)",
     equation: "d'Eon et al. 2007, section 5; Mertens et al. 2003, equation 5",
     writes: &[
@@ -32,14 +29,9 @@ pub static STAGE: Stage = Stage {
         (BufferId::irradiance_maps, Size::Elements(|state| (1 + GAUSSIANS) * state.data.texel_hits.len())),
         (BufferId::stretch, Size::Elements(|state| state.data.texel_hits.len())),
     ],
-    granularity: Granularity::Scene,
     carriers: &[Carrier::TextureBlur],
-    needs: &[Need::Light, Need::Picture],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs: Update::light,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Irradiance and extents of one texel.

@@ -10,14 +10,11 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{BLUR_REACH, BufferId, Buffers, GAUSSIANS, NONE, Unwrapping};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
-};
+use crate::state::{Carrier, Pass, Role, Scope, Size, Stage, State, Tolerance, Update};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "blur",
-    module: "shading",
     about: "irradiance blurred over the texture by Gaussians, along rows and down columns, widened by the stretch",
     equation: "d'Eon et al. 2007, section 5",
     writes: &[
@@ -26,14 +23,9 @@ pub static STAGE: Stage = Stage {
     ],
     reason: "twelve weighted means of up to 97 values of one sign; an exponential is off by some roundings of its exponent, 8 at most",
     sizes: &[(BufferId::blurred_rows, Size::Elements(|state| state.data.texel_hits.len()))],
-    granularity: Granularity::Scene,
     carriers: &[Carrier::TextureBlur],
-    needs: &[Need::Light, Need::Picture],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs: Update::light,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Tap stride, and taps per side; only additions, multiplications and comparisons in `f32`, so that devices agree.

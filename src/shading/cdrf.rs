@@ -10,27 +10,17 @@ use super::diffuse::{record, shade};
 use super::reflectance::cdrf;
 use crate::error::Result;
 use crate::layout::BufferId;
-use crate::state::{
-    Carrier, Granularity, Local, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never,
-};
+use crate::state::{Local, Pass, Role, Scope, Stage, State, Tolerance, Update};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "cdrf",
-    module: "shading",
     about: "radiance of each pixel by light, normal and curvature there (`--transport cdrf`)",
     equation: "Kubo et al. 2010, equations 1, 4, 5",
     writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 3e-5, floor: 3e-5 })],
     reason: "the closed form is within 6e-6 of the convolution, whose largest value is 1",
-    sizes: &[],
-    granularity: Granularity::Scene,
-    carriers: &[Carrier::Cdrf],
-    needs: &[Need::Light, Need::Picture],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs: Update::picture,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, _at: Scope) {

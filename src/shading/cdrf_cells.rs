@@ -10,25 +10,18 @@
 use crate::error::Result;
 use crate::layout::{BufferId, CDRF_WIDEST};
 use crate::shading::cdrf_table::{side, untabled};
-use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update};
+use crate::state::{Pass, Role, Scope, Size, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "cdrf_cells",
-    module: "shading",
     about: "the cells of that table, each in 4 bytes",
     equation: "Kubo et al. 2010, figure 8",
     writes: &[(BufferId::cdrf_cells, Role::Output, Tolerance::Exact)],
     reason: "multiplications, additions and floors, each rounded once",
     sizes: &[(BufferId::cdrf_cells, Size::Elements(|state| (side(state) as usize - 1).pow(2)))],
-    granularity: Granularity::Scene,
-    carriers: &[Carrier::Cdrf],
-    needs: &[Need::Light, Need::Picture],
-    serves: Serves::TRANSLUCENT,
     skip: untabled,
-    runs: Update::shape,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Packs a cell from its corners: the first, the one across, the one up, the last.

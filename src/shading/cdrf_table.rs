@@ -5,27 +5,18 @@ use rayon::prelude::*;
 use super::reflectance::cdrf;
 use crate::error::Result;
 use crate::layout::{BufferId, CDRF_WIDEST};
-use crate::state::{
-    Carrier, Granularity, Local, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update,
-};
+use crate::state::{Local, Pass, Role, Scope, Size, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "cdrf_table",
-    module: "shading",
     about: "the CDRF over a grid of cosine and sigma",
     equation: "Kubo et al. 2010, figure 8",
     writes: &[(BufferId::cdrf_grid, Role::Output, Tolerance::Float { relative: 0.0, floor: 1e-5 })],
     reason: "the device's closed form is within 6e-6 of the convolution, and rounds",
     sizes: &[(BufferId::cdrf_grid, Size::Elements(|state| (side(state) as usize).pow(2)))],
-    granularity: Granularity::Scene,
-    carriers: &[Carrier::Cdrf],
-    needs: &[Need::Light, Need::Picture],
-    serves: Serves::TRANSLUCENT,
     skip: untabled,
-    runs: Update::shape,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// The reason to skip the table: the closed form is used.

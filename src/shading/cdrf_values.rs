@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::reflectance::cdrf;
 use crate::error::Result;
 use crate::layout::{BufferId, Query};
-use crate::state::{Granularity, Pass, Role, Scope, Serves, Stage, State, Tolerance, stage::never};
+use crate::state::{Pass, Role, Scope, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
@@ -15,15 +15,7 @@ pub static STAGE: Stage = Stage {
     equation: "Kubo et al. 2010, equation 1",
     writes: &[(BufferId::answers, Role::Output, Tolerance::Float { relative: 0.0, floor: 1e-5 })],
     reason: "the device's closed form is within 6e-6 of the convolution, and rounds",
-    sizes: &[],
-    granularity: Granularity::Scene,
-    carriers: &[],
-    needs: &[],
-    serves: Serves::ALL,
-    skip: never,
-    runs: |_| false,
-    cpu,
-    gpu,
+    ..Stage::new(cpu, gpu)
 };
 
 fn cpu(state: &mut State, _at: Scope) {

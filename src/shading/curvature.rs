@@ -18,9 +18,7 @@ use crate::error::Result;
 use crate::layout::{
     BufferId, Buffers, Curvature, FLAT_TRIANGLE, KAPPA_RMS, LEAST_MIXED_AREA, MOST_COTANGENT, MOST_CURVATURE,
 };
-use crate::state::{
-    Carrier, Field, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never, wide,
-};
+use crate::state::{Field, Granularity, Pass, Role, Scope, Stage, State, Tolerance, wide};
 
 /// Tolerances as a share of kappa; that of K as a share of its square.
 const FIELDS: &[Field] = &[
@@ -33,20 +31,12 @@ const FIELDS: &[Field] = &[
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "curvature",
-    module: "shading",
     about: "mean and Gaussian curvature of each vertex, and kappa",
     equation: "Meyer et al. 2003, equations 8 to 10",
     writes: &[(BufferId::curvature, Role::Output, Tolerance::Fields(FIELDS))],
     reason: "sums that cancel: roundings of an edge, 2^-24, over its length squared; angles of 2e-7 over the area",
-    sizes: &[],
     granularity: Granularity::Object,
-    carriers: &[Carrier::Cdrf],
-    needs: &[Need::Light, Need::Picture],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
-    runs: Update::shape,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Sums over the triangles around a vertex.

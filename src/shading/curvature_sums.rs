@@ -8,7 +8,7 @@
 
 use crate::error::Result;
 use crate::layout::{BufferId, Buffers, CurvatureSum, NONE};
-use crate::state::{Carrier, Field, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update};
+use crate::state::{Field, Granularity, Pass, Role, Scope, Stage, State, Tolerance};
 
 /// Tolerances: areas to themselves; integrals as shares of the extent and of a full turn, which is what they are made
 /// of.
@@ -21,20 +21,13 @@ const FIELDS: &[Field] = &[
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "curvature_sums",
-    module: "shading",
     about: "integrals of mean and Gaussian curvature over every cluster",
     equation: "Cohen-Steiner and Morvan 2003, section 4: curvature measures",
     writes: &[(BufferId::curvature_sums, Role::Output, Tolerance::Fields(FIELDS))],
     reason: "sums climb some 40 levels of f32 rounding, and parts of either sign cancel",
-    sizes: &[],
     granularity: Granularity::Object,
-    carriers: &[Carrier::Cdrf],
-    needs: &[Need::Light, Need::Picture],
-    serves: Serves::TRANSLUCENT,
     skip: rough,
-    runs: Update::shape,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Why curvature is not smoothed, if it is not.

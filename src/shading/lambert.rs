@@ -3,27 +3,18 @@
 use super::diffuse::{record, shade};
 use crate::error::Result;
 use crate::layout::BufferId;
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never,
-};
+use crate::state::{Carrier, Pass, Role, Scope, Stage, State, Tolerance, Update};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "lambert",
-    module: "shading",
     about: "radiance of each pixel by Lambert's cosine (`--transport lambert`)",
     equation: "L = F_t k_d / pi max(cos, 0) E",
     writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a short chain of f32 operations; a cosine cancels where light grazes",
-    sizes: &[],
-    granularity: Granularity::Scene,
     carriers: &[Carrier::Lambert],
-    needs: &[Need::Light, Need::Picture],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs: Update::picture,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, _at: Scope) {

@@ -19,3 +19,18 @@ pub mod pack_normals;
 pub mod reflectance;
 pub mod smooth_curvature;
 pub mod texture_blur;
+
+use crate::state::stage::{Cpu, Gpu};
+use crate::state::{Carrier, Need, Serves, Stage, Update};
+
+/// A stage of shading by curvature, run again for another shape; it says what of that is different, and the rest.
+const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
+    Stage {
+        module: "shading",
+        carriers: &[Carrier::Cdrf],
+        needs: &[Need::Light, Need::Picture],
+        serves: Serves::TRANSLUCENT,
+        runs: Update::shape,
+        ..Stage::new(cpu, gpu)
+    }
+}

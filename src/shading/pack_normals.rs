@@ -12,27 +12,19 @@ use super::curvature_sums::rough;
 use super::smooth_curvature::kappa as kappa_of;
 use crate::error::Result;
 use crate::layout::{BufferId, KAPPA_LEAST};
-use crate::state::{
-    Carrier, Granularity, Local, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, stage::never,
-};
+use crate::state::{Carrier, Granularity, Local, Pass, Role, Scope, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "pack_normals",
-    module: "shading",
     about: "normal and kappa of each vertex in 8 bytes",
-    equation: "",
+    equation: "floor(32767 n + 1/2); kappa + 2^-17 as a float with 11 bits of fraction",
     writes: &[(BufferId::packed_normals, Role::Output, Tolerance::Exact)],
     reason: "multiplications, additions and floors, each rounded once",
-    sizes: &[],
     granularity: Granularity::Object,
     carriers: &[Carrier::Cdrf, Carrier::Lambert],
-    needs: &[Need::Light, Need::Picture],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs: |update| update.material() || update.placed(),
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Packs a normal, each component from -1 to 1, and a kappa of at least 0.

@@ -16,25 +16,19 @@ use rayon::prelude::*;
 use super::curvature_sums::rough;
 use crate::error::Result;
 use crate::layout::{BufferId, Buffers, KAPPA_RMS, NONE, SMOOTHING_SHARE, SMOOTHING_STEPS};
-use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, wide};
+use crate::state::{Granularity, Pass, Role, Scope, Stage, State, Tolerance, Update, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "smooth_curvature",
-    module: "shading",
     about: "kappa of each vertex from the curvature measures within a radius",
     equation: "Cohen-Steiner and Morvan 2003, section 4: curvature measures",
     writes: &[(BufferId::smooth_kappa, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-4 })],
     reason: "sums of either sign cancel; where it is flat kappa is a root, which magnifies rounding",
-    sizes: &[],
     granularity: Granularity::Object,
-    carriers: &[Carrier::Cdrf],
-    needs: &[Need::Light, Need::Picture],
-    serves: Serves::TRANSLUCENT,
     skip: rough,
     runs: Update::material,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// kappa of a vertex, as shading takes it: smoothed if the frame smooths it.

@@ -11,27 +11,18 @@ use crate::layout::{BufferId, GAUSSIANS, Hit, Unwrapping};
 use crate::lighting::fresnel;
 use crate::lighting::leaving::seen_cosine;
 use crate::lighting::texture::{place, texel};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
-};
+use crate::state::{Carrier, Pass, Role, Scope, Stage, State, Tolerance, Update, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "texture_blur",
-    module: "shading",
     about: "radiance of each pixel from light blurred over the texture (`--transport texture-blur`)",
     equation: "d'Eon et al. 2007, section 5",
     writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 5e-5, floor: 5e-5 })],
     reason: "a place in the texture is off by some 1e-7, times its texels a unit and their contrast",
-    sizes: &[],
-    granularity: Granularity::Scene,
     carriers: &[Carrier::TextureBlur],
-    needs: &[Need::Light, Need::Picture],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs: Update::picture,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// The weighted sum over the Gaussians at texture coordinates whose origin is the texture's upper left corner.

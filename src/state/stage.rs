@@ -94,12 +94,49 @@ pub struct Stage {
     /// Whether it runs in a frame after this update.
     pub runs: fn(&Update) -> bool,
     /// The CPU reference.
-    pub cpu: fn(&mut State, Scope),
+    pub cpu: Cpu,
     /// Records its dispatches.
-    pub gpu: fn(&mut Pass<'_>) -> Result<()>,
+    pub gpu: Gpu,
 }
 
+/// The CPU reference of a stage.
+pub type Cpu = fn(&mut State, Scope);
+/// The function that records the dispatches of a stage.
+pub type Gpu = fn(&mut Pass<'_>) -> Result<()>;
+
 impl Stage {
+    /// A stage that has no place in any frame, and no name. Each module declares from this one what its stages have in
+    /// common, and each stage declares the rest.
+    #[must_use]
+    pub const fn new(cpu: Cpu, gpu: Gpu) -> Self {
+        Self {
+            name: "",
+            module: "",
+            about: "",
+            equation: "",
+            writes: &[],
+            reason: "",
+            sizes: &[],
+            granularity: Granularity::Scene,
+            carriers: &[],
+            needs: &[],
+            serves: Serves::ALL,
+            skip: |_| None,
+            runs: |_| false,
+            cpu,
+            gpu,
+        }
+    }
+
+    /// Whether it declares all that no default can: its names, what it computes by which equation, what it writes, and
+    /// why the tolerances are what they are.
+    #[must_use]
+    pub const fn is_complete(&self) -> bool {
+        let named = !self.name.is_empty() && !self.module.is_empty();
+        let explained = !self.about.is_empty() && !self.equation.is_empty() && !self.reason.is_empty();
+        named && explained && !self.writes.is_empty()
+    }
+
     /// Whether it writes a buffer.
     #[must_use]
     pub const fn writes(&self, slot: BufferId) -> bool {
@@ -188,9 +225,4 @@ pub enum Size {
     Elements(fn(&State) -> usize),
     /// At first this many: a guess that grows where a frame turns out to need more.
     Grows(fn(&State) -> usize),
-}
-
-/// For stages that no state does without.
-pub fn never(_: &State) -> Option<&'static str> {
-    None
 }

@@ -4,30 +4,21 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::BufferId;
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
-};
+use crate::state::{Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "average",
-    module: "transport",
     about: "radiosity of each vertex: area-weighted mean over the faces around it",
     equation: "Mertens et al. 2003, section 3.2",
     writes: &[(BufferId::vertex_radiosity, Role::Output, Tolerance::Float { relative: 5e-6, floor: 1e-7 })],
     reason: "a short weighted mean of non-negative terms",
-    sizes: &[],
-    granularity: Granularity::Object,
-    carriers: Carrier::ALL,
     needs: &[Need::Light, Need::Picture],
     serves: Serves {
         object: |object, method| (Serves::LIT_BY_FACE.object)(object, method) && !object.by_pixel,
         none: "the receivers are what the pixels show",
     },
-    skip: never,
-    runs: Update::sums,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, _at: Scope) {

@@ -5,10 +5,7 @@ use rayon::prelude::*;
 use super::links::form_factor::{Emitters, QuadratureRule};
 use crate::error::Result;
 use crate::layout::{BufferId, Range};
-use crate::state::{
-    Carrier, Distance, Granularity, Near, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow,
-    stage::never, wide,
-};
+use crate::state::{Carrier, Distance, Near, Pass, Role, Scope, Stage, State, Tolerance, narrow, wide};
 
 /// Most receivers of one dispatch, so that none runs for many seconds.
 const RECEIVERS: u32 = 8192;
@@ -20,21 +17,13 @@ const NEAR_EMITTERS: u32 = 1024;
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "brute",
-    module: "transport",
     about: "radiosity of each face from every face, one sample or the edge form",
     equation: "Mertens et al. 2003, equation 6, without clusters",
     writes: &[(BufferId::radiosity, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-6 })],
     reason: "a sum over all faces in f32: rounding grows with the square root of their number, and e^{-sigma s} by \
              its argument's; the edge form's share is a difference between edges",
-    sizes: &[],
-    granularity: Granularity::Object,
     carriers: &[Carrier::Brute],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
-    runs: Update::sums,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, _at: Scope) {

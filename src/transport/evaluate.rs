@@ -8,7 +8,7 @@ use crate::dipole::form_factor::exact::edge_form_exact;
 use crate::dipole::profile::Dipole;
 use crate::error::Result;
 use crate::layout::BufferId;
-use crate::state::{Granularity, Pass, Role, Scope, Serves, Stage, State, Tolerance, stage::never, wide};
+use crate::state::{Pass, Role, Scope, Stage, State, Tolerance, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
@@ -19,15 +19,7 @@ pub static STAGE: Stage = Stage {
     writes: &[(BufferId::answers, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-5 })],
     reason: "twelve nodes an edge against graded quadrature in f64; edges of a thin triangle cancel, those of a far one \
              too, so that from there on one sample with its second moment is taken",
-    sizes: &[],
-    granularity: Granularity::Scene,
-    carriers: &[],
-    needs: &[],
-    serves: Serves::ALL,
-    skip: never,
-    runs: |_| false,
-    cpu,
-    gpu,
+    ..Stage::new(cpu, gpu)
 };
 
 fn cpu(state: &mut State, _at: Scope) {

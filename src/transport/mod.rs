@@ -13,3 +13,20 @@ pub mod evaluate;
 pub mod links;
 pub mod octree;
 pub mod walk;
+
+use crate::state::stage::{Cpu, Gpu};
+use crate::state::{Carrier, Granularity, Need, Serves, Stage, Update};
+
+/// A stage that carries light through each object, run again wherever radiosity changes; it says what of that is
+/// different, and the rest.
+const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
+    Stage {
+        module: "transport",
+        granularity: Granularity::Object,
+        carriers: Carrier::ALL,
+        needs: &[Need::Light],
+        serves: Serves::TRANSLUCENT,
+        runs: Update::sums,
+        ..Stage::new(cpu, gpu)
+    }
+}

@@ -5,27 +5,18 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::BufferId;
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, narrow, wide,
-};
+use crate::state::{Pass, Role, Scope, Size, Stage, State, Tolerance, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "accumulate",
-    module: "view",
     about: "mean radiance over the samples of each pixel",
     equation: "mean += (radiance - mean) / number of samples so far",
     writes: &[(BufferId::mean, Role::Update, Tolerance::Float { relative: 5e-7, floor: 2e-7 })],
     reason: "three f32 operations",
     sizes: &[(BufferId::mean, Size::Elements(State::pixels))],
-    granularity: Granularity::Scene,
-    carriers: Carrier::ALL,
-    needs: &[Need::Picture],
-    serves: Serves::ALL,
     skip,
-    runs: Update::picture,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn skip(state: &State) -> Option<&'static str> {

@@ -6,27 +6,17 @@ use super::visibility::ray;
 use crate::error::Result;
 use crate::layout::BufferId;
 use crate::lighting::sky;
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, wide,
-};
+use crate::state::{Pass, Role, Scope, Stage, State, Tolerance, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "backdrop",
-    module: "view",
     about: "radiance of pixels that show no object: the environment's image, linear between pixels",
     equation: "the image's latitude and longitude",
     writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a place in the image is an angle in f32, off by some 4e-7, times its pixels a radian and their contrast",
-    sizes: &[],
-    granularity: Granularity::Scene,
-    carriers: Carrier::ALL,
-    needs: &[Need::Picture],
-    serves: Serves::ALL,
     skip,
-    runs: Update::picture,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn skip(state: &State) -> Option<&'static str> {

@@ -13,3 +13,17 @@ pub mod shade_opaque;
 pub mod texture_out;
 pub mod tone;
 pub mod visibility;
+
+use crate::state::stage::{Cpu, Gpu};
+use crate::state::{Carrier, Need, Stage, Update};
+
+/// A stage that makes the picture, once for all pixels; it says what of that is different, and the rest.
+const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
+    Stage {
+        module: "view",
+        carriers: Carrier::ALL,
+        needs: &[Need::Picture],
+        runs: Update::picture,
+        ..Stage::new(cpu, gpu)
+    }
+}

@@ -15,13 +15,12 @@ use crate::layout::{
     UNBOUNDED_SPREAD,
 };
 use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never, wide,
+    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, wide,
 };
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "pixel_receivers",
-    module: "view",
     about: "receivers at the points that pixels show, grouped into blocks of nearby points in a tile of 4 x 4 pixels",
     equation: "the hit triangle's corners by their weights",
     writes: &[
@@ -36,10 +35,8 @@ pub static STAGE: Stage = Stage {
     carriers: &[Carrier::Blocks],
     needs: &[Need::Light, Need::Picture],
     serves: Serves { object: |object, _| object.by_pixel, none: "the receivers are triangles" },
-    skip: never,
     runs: Update::view,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 pub use crate::layout::TILE_BLOCKS as LAYERS;

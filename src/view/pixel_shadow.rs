@@ -9,14 +9,11 @@ use crate::error::Result;
 use crate::layout::{BufferId, LIGHT_SKY_RAY, NONE, OPAQUE_BY_PIXEL, ObjectParams, REFLECTION_NONE, Rays};
 use crate::lighting::pixel_light::pixel_light;
 use crate::lighting::shadow::{RAYS, free};
-use crate::state::{
-    Carrier, Granularity, Local, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update,
-};
+use crate::state::{Local, Need, Pass, Role, Scope, Size, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "pixel_shadow",
-    module: "view",
     about: "whether each light reaches the point that a pixel shows: rays through the tree, one bit per ray",
     equation: "the visibility in equation 5; any triangle between blocks",
     writes: &[
@@ -28,14 +25,9 @@ pub static STAGE: Stage = Stage {
         BufferId::pixel_lit,
         Size::Elements(|state| state.data.camera.first().map_or(0, |c| c.shadow_words as usize) * state.pixels()),
     )],
-    granularity: Granularity::Scene,
-    carriers: Carrier::ALL,
     needs: &[Need::Light, Need::Picture],
-    serves: Serves::ALL,
     skip,
-    runs: Update::picture,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn skip(state: &State) -> Option<&'static str> {

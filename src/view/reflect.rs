@@ -18,27 +18,18 @@ use crate::layout::{
 use crate::lighting::irradiance::{arrival, reaches_pixel};
 use crate::lighting::pixel_light::pixel_light;
 use crate::lighting::{fresnel, sky};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, wide,
-};
+use crate::state::{Need, Pass, Role, Scope, Stage, State, Tolerance, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "reflect",
-    module: "view",
     about: "reflection of lights and environment towards the eye: Phong lobe or GGX microfacets",
     equation: "Walter et al. 2007, equations 20, 33; Heitz 2014, equation 99; Lafortune and Willems 1994",
     writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 5e-5, floor: 2e-5 })],
     reason: "a narrow lobe multiplies a cosine's rounding by its exponent or by 2 / alpha; the image as in backdrop",
-    sizes: &[],
-    granularity: Granularity::Scene,
-    carriers: Carrier::ALL,
     needs: &[Need::Light, Need::Picture],
-    serves: Serves::ALL,
     skip,
-    runs: Update::picture,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn skip(state: &State) -> Option<&'static str> {

@@ -9,28 +9,19 @@ use crate::error::Result;
 use crate::layout::BufferId;
 use crate::lighting::fresnel;
 use crate::lighting::leaving::seen_cosine;
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, narrow, wide,
-};
+use crate::state::{Pass, Role, Scope, Size, Stage, State, Tolerance, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "shade",
-    module: "view",
     about: "radiance of each pixel: Fresnel transmittance times radiosity over pi",
     equation: "Mertens et al. 2003, equation 3",
     writes: &[(BufferId::radiance, Role::Output, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a short chain of f32 operations; near the critical angle (eta < 1) transmittance grows like a root, and one \
              rounding of the cosine, 1e-7, is worth 2e-5 where 1e-5 of the squares are left",
     sizes: &[(BufferId::radiance, Size::Elements(State::pixels))],
-    granularity: Granularity::Scene,
-    carriers: Carrier::ALL,
-    needs: &[Need::Picture],
-    serves: Serves::ALL,
     skip,
-    runs: Update::picture,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn skip(state: &State) -> Option<&'static str> {

@@ -13,27 +13,18 @@ use crate::layout::{BufferId, Hit, Light};
 use crate::lighting::fresnel;
 use crate::lighting::irradiance::{SkyRays, entering, reaches_pixel};
 use crate::lighting::pixel_light::pixel_light;
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
-};
+use crate::state::{Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "shade_opaque",
-    module: "view",
     about: "radiance of each pixel that shows an opaque object: albedo times irradiance at that point over pi",
     equation: "Lambert: L = F_t albedo E / pi; E of Mertens et al. 2003, equation 5",
     writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a short sum of products; a cosine cancels where light grazes",
-    sizes: &[],
-    granularity: Granularity::Scene,
-    carriers: Carrier::ALL,
     needs: &[Need::Light, Need::Picture],
     serves: Serves { object: |object, _| object.plain(), none: "no opaque object is lit where the pixels show it" },
-    skip: never,
-    runs: Update::picture,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Radiance of one pixel; none unless it shows an opaque object lit per pixel.

@@ -5,27 +5,18 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::layout::{BufferId, Hit, TEXTURE_LEAVES};
 use crate::lighting::texture::{factor, place, untextured};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, wide,
-};
+use crate::state::{Need, Pass, Role, Scope, Stage, State, Tolerance, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "texture_out",
-    module: "view",
     about: "radiance of each pixel that shows the object times the texture there, linear between texels",
     equation: "d'Eon et al. 2007, post-scatter texturing",
     writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 2e-5, floor: 2e-5 })],
     reason: "a place in the texture is off by some 1e-7, times its texels a unit and their contrast",
-    sizes: &[],
-    granularity: Granularity::Scene,
-    carriers: Carrier::ALL,
     needs: &[Need::Light, Need::Picture],
-    serves: Serves::ALL,
     skip: |state| untextured(state, TEXTURE_LEAVES),
-    runs: Update::picture,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Radiance of a pixel after the texture.

@@ -7,27 +7,18 @@ use super::picture::byte;
 use crate::error::Result;
 use crate::layout::BufferId;
 use crate::scene::Tone;
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, stage::never,
-};
+use crate::state::{Pass, Role, Scope, Size, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "tone",
-    module: "view",
     about: "each pixel as it is shown: exposure, tone curve and sRGB curve, 8 bits a channel",
     equation: "the number of thresholds that radiance reaches",
     writes: &[(BufferId::shown, Role::Output, Tolerance::Exact)],
     reason: "comparisons",
     sizes: &[(BufferId::shown, Size::Elements(State::pixels))],
-    granularity: Granularity::Scene,
-    carriers: Carrier::ALL,
-    needs: &[Need::Picture],
-    serves: Serves::ALL,
-    skip: never,
     runs: |update| update.change.tone,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// The least radiance that is shown as 1, as 2, ... as 255: infinite where none is.

@@ -6,27 +6,18 @@ use crate::error::Result;
 use crate::geometry::trace::trace;
 use crate::geometry::widen::team;
 use crate::layout::{BufferId, Camera, Hit, NONE};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
-};
+use crate::state::{Pass, Role, Scope, Size, Stage, State, Tolerance, Update};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "visibility",
-    module: "view",
     about: "primary rays through the tree: triangle, barycentric weights and depth of each pixel",
     equation: "sides of edges, seen along the ray; nearest by cross-multiplied fractions",
     writes: &[(BufferId::hits, Role::Output, Tolerance::Float { relative: 2e-6, floor: 1e-6 })],
     reason: "the triangle is a decision, bit for bit; weights and depth are one f32 division each",
     sizes: &[(BufferId::hits, Size::Elements(State::pixels))],
-    granularity: Granularity::Scene,
-    carriers: Carrier::ALL,
-    needs: &[Need::Picture],
-    serves: Serves::ALL,
-    skip: never,
     runs: Update::view,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// The ray from the eye through a pixel, exactly as in the shader. It is not normalised, so nothing is divided.

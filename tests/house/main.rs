@@ -139,7 +139,7 @@ const ORDINARY: &[(&str, &str, &str)] = &[
     ("environment", "src/view/reflect.rs", "a kernel of another stage"),
     ("irradiance", "src/measure/stress/solve.rs", "a value in the table of cases"),
     ("push", "src/cli/devices.rs", "bytes of push constants"),
-    ("push", "src/gpu/axes.rs", "push descriptors and push constants"),
+    ("push", "src/gpu/choices.rs", "push descriptors and push constants"),
     ("irradiance", "src/cli/view/inspect.rs", "a layer of an OpenEXR picture"),
     ("irradiance", "src/cli/view/turn.rs", "a key of a light"),
 ];

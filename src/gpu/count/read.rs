@@ -5,28 +5,17 @@ use std::collections::BTreeMap;
 use spirq::spirv::{Decoration, GLOp, Op, StorageClass};
 
 use super::tally::{Block, Traffic};
-use crate::gpu::spirv_module::Instruction;
+use crate::gpu::spirv_module::{Declared, Instruction, instructions};
 
-/// What a module declares, as far as counting needs it. Keys are ids.
-#[derive(Default)]
-pub(super) struct Module {
-    types: BTreeMap<u32, TypeSize>,
-    /// The first word of each constant.
-    constants: BTreeMap<u32, u32>,
+/// What the values of a module are, as far as counting needs it. Keys are ids.
+pub(super) struct Module<'a> {
+    pub(super) declared: Declared<'a>,
     /// The type of each value.
     values: BTreeMap<u32, u32>,
-    /// The binding of each variable that has one.
-    bindings: BTreeMap<u32, u32>,
     /// The binding behind each pointer into a buffer.
     pointers: BTreeMap<u32, u32>,
     /// The instruction set GLSL.std.450.
     glsl: u32,
-    /// The function that a kernel begins with.
-    pub(super) entry: u32,
-    /// The type of 32-bit unsigned integers.
-    pub(super) uint: Option<u32>,
-    /// The type of booleans.
-    pub(super) boolean: Option<u32>,
 }
 
 /// How large a type is.
@@ -49,90 +38,70 @@ struct Cost {
     exps: u32,
 }
 
-impl Module {
-    fn size(&self, ty: u32) -> TypeSize {
-        self.types.get(&ty).copied().unwrap_or(WORD)
+impl<'a> Module<'a> {
+    /// Reads a module.
+    pub(super) fn of(words: &'a [u32]) -> Self {
+        const STORAGE_BUFFER: u32 = StorageClass::StorageBuffer as u32;
+        let declared = Declared::of(words);
+        let (mut values, mut pointers, mut glsl, mut typed) = (BTreeMap::new(), BTreeMap::new(), 0, false);
+        for Instruction { op, operands, .. } in instructions(words) {
+            match (op, operands) {
+                (Some(Op::ExtInstImport), [id, ..]) => glsl = *id,
+                (Some(Op::Variable), [_, id, STORAGE_BUFFER, ..]) => {
+                    pointers.extend(declared.decoration(*id, Decoration::Binding).map(|binding| (*id, binding)));
+                }
+                (Some(Op::AccessChain | Op::InBoundsAccessChain), [_, id, base, ..]) => {
+                    let binding = pointers.get(base).copied();
+                    pointers.extend(binding.map(|binding| (*id, binding)));
+                }
+                _ => {}
+            }
+            // After the first type, an instruction that begins with a type gives a value of that type.
+            typed |= op.is_some_and(|op| (Op::TypeVoid..=Op::TypeFunction).contains(&op));
+            if let [ty, value, ..] = operands
+                && typed
+                && op.is_none_or(|op| op > Op::TypeFunction)
+                && declared.types.contains_key(ty)
+            {
+                values.insert(*value, *ty);
+            }
+        }
+        Self { declared, values, pointers, glsl }
     }
 
-    fn size_of_value(&self, value: u32) -> Option<TypeSize> {
-        self.values.get(&value).and_then(|ty| self.types.get(ty)).copied()
+    /// The size of a type.
+    fn size(&self, ty: u32) -> TypeSize {
+        let single = |bytes| TypeSize { components: 1, bytes };
+        match self.declared.types.get(&ty) {
+            Some((Op::TypeInt | Op::TypeFloat, [bits, ..])) => single(bits / 8),
+            Some((Op::TypeVector | Op::TypeMatrix, [part, count])) => {
+                let TypeSize { components, bytes } = self.size(*part);
+                TypeSize { components: components * count, bytes: bytes * count }
+            }
+            Some((Op::TypeArray, [part, length])) => {
+                let count = self.declared.constants.get(length).copied().unwrap_or(1);
+                single(self.size(*part).bytes * count)
+            }
+            Some((Op::TypeStruct, members)) => single(members.iter().map(|member| self.size(*member).bytes).sum()),
+            Some((Op::TypeVoid | Op::TypeRuntimeArray | Op::TypePointer | Op::TypeFunction, _)) => single(0),
+            _ => WORD,
+        }
     }
 
     fn bytes_of(&self, value: u32) -> u64 {
-        self.size_of_value(value).unwrap_or(WORD).bytes.into()
-    }
-
-    /// Takes in what an instruction declares.
-    pub(super) fn declare(&mut self, instruction: Instruction<'_>) {
-        const BINDING: u32 = Decoration::Binding as u32;
-        const STORAGE_BUFFER: u32 = StorageClass::StorageBuffer as u32;
-        let Instruction { op, operands, .. } = instruction;
-        match (op, operands) {
-            (Some(Op::ExtInstImport), [id, ..]) => self.glsl = *id,
-            (Some(Op::EntryPoint), [_, id, ..]) => self.entry = *id,
-            (Some(Op::Decorate), [id, BINDING, number]) => {
-                self.bindings.insert(*id, *number);
-            }
-            (Some(Op::TypeBool), [id]) => {
-                self.boolean = Some(*id);
-                self.types.insert(*id, WORD);
-            }
-            (Some(Op::TypeInt | Op::TypeFloat), [id, bits, ..]) => {
-                // Width 32, no sign; a float has no operand for the sign.
-                if operands == [*id, 32, 0] {
-                    self.uint = Some(*id);
-                }
-                self.types.insert(*id, TypeSize { components: 1, bytes: bits / 8 });
-            }
-            (Some(Op::TypeVector | Op::TypeMatrix), [id, part, count]) => {
-                let TypeSize { components, bytes } = self.size(*part);
-                self.types.insert(*id, TypeSize { components: components * count, bytes: bytes * count });
-            }
-            (Some(Op::TypeArray), [id, part, length]) => {
-                let count = self.constants.get(length).copied().unwrap_or(1);
-                self.types.insert(*id, TypeSize { components: 1, bytes: self.size(*part).bytes * count });
-            }
-            (Some(Op::TypeStruct), [id, members @ ..]) => {
-                let bytes = members.iter().map(|member| self.size(*member).bytes).sum();
-                self.types.insert(*id, TypeSize { components: 1, bytes });
-            }
-            (Some(Op::TypeVoid | Op::TypeRuntimeArray | Op::TypePointer | Op::TypeFunction), [id, ..]) => {
-                self.types.insert(*id, TypeSize { components: 1, bytes: 0 });
-            }
-            (Some(Op::Constant), [_, id, value]) => {
-                self.constants.insert(*id, *value);
-            }
-            (Some(Op::Variable), [_, id, STORAGE_BUFFER, ..]) => {
-                if let Some(&binding) = self.bindings.get(id) {
-                    self.pointers.insert(*id, binding);
-                }
-            }
-            (Some(Op::AccessChain | Op::InBoundsAccessChain), [_, id, base, ..]) => {
-                if let Some(&binding) = self.pointers.get(base) {
-                    self.pointers.insert(*id, binding);
-                }
-            }
-            _ => {}
-        }
-        // After the declarations of types, an instruction that begins with a type gives a value of that type.
-        if let [ty, value, ..] = operands
-            && op.is_none_or(|op| op > Op::TypeFunction)
-            && self.types.contains_key(ty)
-        {
-            self.values.insert(*value, *ty);
-        }
+        self.values.get(&value).map_or(WORD, |ty| self.size(*ty)).bytes.into()
     }
 
     /// The binding of a variable that is a buffer.
     #[cfg(feature = "measure")]
     pub(super) fn binding(&self, variable: u32) -> Option<u32> {
-        self.bindings.get(&variable).copied()
+        self.declared.decoration(variable, Decoration::Binding)
     }
 
     /// Whether a value is known to be an unsigned integer.
     #[cfg(feature = "measure")]
     pub(super) fn is_unsigned(&self, value: u32) -> bool {
-        self.uint.is_some_and(|uint| self.values.get(&value) == Some(&uint))
+        self.values.get(&value).is_some_and(|ty| self.declared.types.get(ty) == Some(&(Op::TypeInt, &[32, 0])))
     }
 
     /// Adds what an instruction does to its block.
@@ -186,23 +155,7 @@ impl Module {
 
 /// Whether an instruction reads a word and writes it in one step.
 fn replaces(op: Op) -> bool {
-    matches!(
-        op,
-        Op::AtomicExchange
-            | Op::AtomicCompareExchange
-            | Op::AtomicCompareExchangeWeak
-            | Op::AtomicIIncrement
-            | Op::AtomicIDecrement
-            | Op::AtomicIAdd
-            | Op::AtomicISub
-            | Op::AtomicSMin
-            | Op::AtomicUMin
-            | Op::AtomicSMax
-            | Op::AtomicUMax
-            | Op::AtomicAnd
-            | Op::AtomicOr
-            | Op::AtomicXor
-    )
+    (Op::AtomicExchange..=Op::AtomicXor).contains(&op)
 }
 
 /// What a function of GLSL.std.450 costs whose result has `n` components, and whose first argument has `argument`.

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use spirq::spirv::Op;
 
 use super::read::Module;
-use super::write::Rewriter;
+use super::write::Counters;
 use crate::gpu::reflect::reflect;
-use crate::gpu::spirv_module::instructions;
+use crate::gpu::spirv_module::Edited;
 
 /// A kernel that notes how far it reaches.
 pub(crate) struct Touching {
@@ -22,18 +22,19 @@ pub(crate) struct Touching {
 pub(crate) fn touching(name: &str, words: &[u32]) -> Option<Touching> {
     let strides: BTreeMap<u32, usize> = reflect(name, words).ok()?.strides;
     let notes: Vec<(u32, usize)> = strides.into_iter().collect();
-    let mut module = Module::default();
-    instructions(words).for_each(|instruction| module.declare(instruction));
-    let mut out = Rewriter::new(words, &module, notes.len() as u32)?;
-    for instruction in instructions(words) {
+    let module = Module::of(words);
+    let mut out = Edited::begin(words)?;
+    let counters = Counters::declare(&mut out, &module.declared, notes.len() as u32);
+    let words = out.finish(words, |out, instruction| {
         // The variable, its only member, the element.
         if let (Some(Op::AccessChain | Op::InBoundsAccessChain), [_, _, base, _, index, ..]) =
             (instruction.op, instruction.operands)
             && let Some(note) = module.binding(*base).and_then(|b| notes.iter().position(|(own, _)| *own == b))
         {
-            out.note(note as u32, *index, module.is_unsigned(*index));
+            counters.note(out, note as u32, *index, module.is_unsigned(*index));
         }
-        out.pass(instruction);
-    }
-    Some(Touching { words: out.finish(), notes })
+        counters.keep(out, instruction);
+        Some(())
+    })?;
+    Some(Touching { words, notes })
 }

@@ -24,7 +24,7 @@ pub(in super::super) fn words_for(device: &LogicalDevice, name: &str) -> Result<
     let words = words_of(name)?;
     let across = || -> Result<u32> {
         let found = reflect(name, &words)?;
-        let chosen = device.choices().group(name).filter(|_| found.open.contains(&GROUP_ID));
+        let chosen = device.choices().group(name).filter(|_| found.constants.contains_key(&GROUP_ID));
         Ok(chosen.unwrap_or(found.across))
     };
     let alone = has_subgroups(&words) && !device.grants_full_subgroups(across()?);

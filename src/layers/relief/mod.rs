@@ -24,30 +24,19 @@ use crate::error::Result;
 use crate::geometry::trace::UNFINISHED;
 pub use crate::layout::GRAZING;
 use crate::layout::{BufferId, Hit, MAP_LAYERS, MAPPED_BY_ISLANDS, MAPPED_BY_UVS, MAPPED_NOT, NONE};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
-};
+use crate::state::{Pass, Role, Scope, Stage, State, Tolerance, narrow, wide};
 pub use full::Kept;
 use ray::Ray;
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "relief",
-    module: "layers",
     about: "light scattered once in the layers beneath each visible point",
     equation: "Francois et al. 2006, equations 1 to 5, 9 to 13, 15, corrected",
     writes: &[(BufferId::radiance, Role::Update, Tolerance::Float { relative: 1e-4, floor: 2e-5 })],
     reason: "an exponential's depth is off by some roundings of its own size, and a place in the maps by 1e-7 times their \
              texels and contrast",
-    sizes: &[],
-    granularity: Granularity::Scene,
-    carriers: Carrier::ALL,
-    needs: &[Need::Light, Need::Picture],
-    serves: Serves { object: |object, _| object.layered, none: "no material has layers" },
-    skip: never,
-    runs: Update::picture,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, _at: Scope) {

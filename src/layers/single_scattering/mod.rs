@@ -31,15 +31,11 @@ use crate::layout::{BufferId, Hit, InnerRay, LIGHT_DIRECTIONAL, Light, SINGLE_ST
 use crate::lighting::fresnel::transmittance;
 use crate::lighting::irradiance::{arrival, reaches};
 use crate::lighting::shadow::RAYS;
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, narrow, stage::never,
-    wide,
-};
+use crate::state::{Carrier, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "single_scattering",
-    module: "layers",
     about: "light scattered once in the medium beneath each visible point, refracted in and out",
     equation: "Hanrahan and Krueger 1993, equation 8; Jensen et al. 2001, equation 6 and section 4.1",
     writes: &[
@@ -50,14 +46,9 @@ pub static STAGE: Stage = Stage {
     reason: "which triangles rays meet is decided bit for bit; a distance is one division, a cosine cancels where light \
              grazes, and an exponential's depth is off by some roundings of its own size",
     sizes: &[(BufferId::inner_rays, Size::Elements(|state| state.pixels().min(RAYS)))],
-    granularity: Granularity::Scene,
     carriers: &[Carrier::Blocks, Carrier::Links, Carrier::Octree, Carrier::Brute, Carrier::Cdrf, Carrier::Nothing],
-    needs: &[Need::Light, Need::Picture],
     serves: Serves { object: |object, _| object.scatters_once, none: "no material has single_scattering = true" },
-    skip: never,
-    runs: Update::picture,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Radiance that a half-space scatters once towards the cosine `eye`, per irradiance of a distant light on a plane that

@@ -1,13 +1,18 @@
 //! Single form factors: the stage `evaluate` and brute force, against graded quadrature in `f64`.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 use rayon::prelude::*;
+use serde::Deserialize;
 
+use super::meshes::turn;
+use super::setup::Setup;
 use super::{Found, Plant, Worst};
 use crate::dipole::form_factor::exact::edge_form_exact;
 use crate::dipole::form_factor::{Distance, vector_area};
 use crate::dipole::profile::Dipole;
-use crate::error::Result;
+use crate::error::{Input, Result};
 use crate::gpu::Device;
 use crate::layout::{BUFFER_IDS, BufferId, Query};
 use crate::lighting::fresnel::{boundary, diffuse_internal_exact};
@@ -28,6 +33,63 @@ pub struct Pair {
     pub point: DVec3,
     /// The media.
     pub media: Media,
+}
+
+/// Triangles, points and media by name.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Lists {
+    /// Corners.
+    triangles: BTreeMap<String, Vec<[[f64; 3]; 3]>>,
+    points: BTreeMap<String, Vec<Place>>,
+    media: BTreeMap<String, Vec<Media>>,
+}
+
+/// A place relative to a triangle.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Place {
+    /// Barycentric weights.
+    at: [f64; 3],
+    /// Offset from there in the triangle's frame, z along its normal.
+    #[serde(default)]
+    off: [f64; 3],
+}
+
+/// All combinations of triangles, points and media: names of lists.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Combinations {
+    triangles: Vec<String>,
+    points: Vec<String>,
+    media: Vec<String>,
+    /// Whether triangles stay where they are; others are rotated and moved so that no coordinate is a round number.
+    #[serde(default)]
+    as_is: bool,
+}
+
+impl Combinations {
+    /// The combinations.
+    pub(super) fn pairs(&self, lists: &Lists) -> Result<Vec<Pair>> {
+        fn listed<'a, T>(lists: &'a BTreeMap<String, Vec<T>>, names: &[String]) -> Result<Vec<&'a T>> {
+            let list = |name| lists.get(name).ok_or_else(|| Input::new("no such list").found(name));
+            Ok(names.iter().map(list).collect::<std::result::Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+        }
+        let (turned, offset) = match self.as_is {
+            true => (DVec3::from_array as fn([f64; 3]) -> DVec3, DVec3::ZERO),
+            false => ((|v| turn(DVec3::from_array(v))) as fn([f64; 3]) -> DVec3, DVec3::new(0.313, -0.771, 0.119)),
+        };
+        let (points, media) = (listed(&lists.points, &self.points)?, listed(&lists.media, &self.media)?);
+        let mut pairs = Vec::new();
+        for corners in listed(&lists.triangles, &self.triangles)? {
+            let triangle = corners.map(|corner| turned(corner) + offset);
+            for Place { at: [a, b, c], off } in &points {
+                let point = *a * triangle[0] + *b * triangle[1] + *c * triangle[2] + turned(*off);
+                pairs.extend(media.iter().map(|media| Pair { triangle, point, media: **media }));
+            }
+        }
+        Ok(pairs)
+    }
 }
 
 /// Share of R_full above which a form factor must not be zero; below it the edges of a thin triangle cancel.
@@ -71,7 +133,7 @@ impl Pair {
 
     /// A scene of two triangles: the lit one, and a small one around the point that faces away from the light.
     fn scene(&self) -> Result<Scene> {
-        let mut scene = super::solve::scene(&[])?;
+        let mut scene = Setup::default().scene(&[])?;
         let normal = vector_area(&self.triangle).try_normalize().unwrap_or(DVec3::Z);
         let spread = self.triangle.iter().map(|corner| corner.distance(self.point)).fold(0.0, f64::max);
         let (u, v) = normal.any_orthonormal_pair();

@@ -1,4 +1,6 @@
-//! Meshes of the extreme cases, built in code because import would reject some of them.
+//! Meshes of the extreme cases.
+
+use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
 
@@ -33,16 +35,23 @@ pub(super) fn sheet(xs: &[f64], ys: &[f64]) -> Mesh {
     mesh(positions, triangles)
 }
 
-/// Equally spaced coordinates from 0 to 1.
-pub(super) fn even(cells: u32) -> Vec<f64> {
-    (0..=cells).map(|k| f64::from(k) / f64::from(cells)).collect()
-}
-
-/// The same with a second line after each inner one, at `width` of the spacing.
-pub(super) fn doubled(cells: u32, width: f64) -> Vec<f64> {
+/// Coordinates of grid lines from 0 to 1: with a second line after each inner one, at this width of a cell, unless 0.
+pub(super) fn lines(cells: u32, width: f64) -> Vec<f64> {
+    if width == 0.0 {
+        return (0..=cells).map(|k| f64::from(k) / f64::from(cells)).collect();
+    }
     let step = 1.0 / f64::from(cells);
     let pair = |k: u32| [f64::from(k) * step, (f64::from(k) + width) * step];
     [0.0].into_iter().chain((1..cells).flat_map(pair)).chain([1.0]).collect()
+}
+
+/// A closed triangle fan: a cone on a flat disc.
+pub(super) fn cone(count: u32, radius: f64, height: f64) -> Mesh {
+    let angle = |k: u32| TAU * f64::from(k) / f64::from(count);
+    let rim = (0..count).map(|k| DVec3::new(radius * angle(k).cos(), radius * angle(k).sin(), 0.0));
+    let positions = [DVec3::new(0.0, 0.0, height), DVec3::ZERO].into_iter().chain(rim).collect();
+    let next = |k: u32| 2 + (k + 1) % count;
+    turned(mesh(positions, (0..count).flat_map(|k| [[0, 2 + k, next(k)], [1, next(k), 2 + k]]).collect()))
 }
 
 /// Joins two meshes.

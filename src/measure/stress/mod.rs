@@ -1,25 +1,29 @@
 //! Extreme cases: scenes and form factors at the limits of the input, each with the program's behaviour, the bound on
-//! its error against `f64`, and the reason for that bound.
+//! its error against `f64`, and the reason for that bound. They are in `cases.toml`.
 //!
 //! A case passes if every value is finite, none is negative, none is zero where there must be light, and the errors
 //! are within the case's bounds, for the device's usual method and for brute force in `f32`.
 
 mod diffusion;
 pub mod factor;
-mod factors;
-mod materials;
 mod meshes;
-mod places;
+mod setup;
 mod shade;
 mod solve;
 mod walk;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Deserializer};
 
 use crate::error::{Input, Result};
 use crate::gpu::Device;
 use crate::measure::norms::Norms;
 
 /// Bound on an error; no unit. Below 1, or else an all-black result would pass.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 pub struct Bound {
     /// Bound on the L2 error sqrt(sum A dB^2 / sum A B^2); for form factors, on the root mean square of the scaled
     /// errors.
@@ -28,53 +32,79 @@ pub struct Bound {
     pub max: f64,
 }
 
-/// For results that must be exactly zero.
-pub const ZERO: Bound = Bound { l2: 0.0, max: 0.0 };
-
-/// A bound of about three times the largest error measured on the CPU, lavapipe and SwiftShader: the error that the
-/// case's reason explains, with a margin for drivers that round differently.
-const fn within(l2: f64, max: f64) -> Bound {
-    Bound { l2, max }
-}
-
-/// The bound for most scenes, and its reason.
-const USUAL: Bound = within(4e-4, 2.5e-3);
-const USUAL_REASON: &str = "links to second order at the default tolerance of 1e-3: their errors cancel in part, to about \
-                            1e-4; brute force takes one sample with its second moment up to chi = 0.1, much the same";
-/// The same for sheets, where near and far faces contribute alike.
-const SHEET: Bound = within(1e-3, 4e-3);
-const SHEET_REASON: &str = "on a sheet distant faces count as much as near ones, so more links err, and together: up to the \
-                            tolerance; \
-                            brute force as elsewhere";
-
 /// One extreme case.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Case {
     /// Its name, as `--only` takes it.
-    pub name: &'static str,
+    #[serde(deserialize_with = "leaked")]
+    pub name: Text,
     /// What the program does here, and how that differs from the ordinary case.
-    pub fallback: &'static str,
+    #[serde(deserialize_with = "leaked")]
+    pub fallback: Text,
     /// Bound for the device's usual method; for form factors, for the stage `evaluate`.
     pub bound: Bound,
-    /// Bound for brute force in `f32` on the same device.
+    /// Bound for brute force in `f32` on the same device, or what stands in its place.
     pub brute: Bound,
     /// The reason for the bounds.
-    pub reason: &'static str,
+    #[serde(deserialize_with = "leaked")]
+    pub reason: Text,
     /// What the case computes.
-    kind: Kind,
+    compute: Compute,
+}
+
+/// A text of the file of cases, which is read once.
+type Text = &'static str;
+
+fn leaked<'de, D: Deserializer<'de>>(from: D) -> std::result::Result<Text, D::Error> {
+    String::deserialize(from).map(|text| &*text.leak())
 }
 
 /// What a case computes.
-enum Kind {
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Compute {
     /// Form factors of single triangles at single points, by the edge form.
-    Factors(fn() -> Vec<factor::Pair>),
+    Factors(factor::Combinations),
     /// The radiosity of a scene.
-    Scene(fn() -> Result<solve::Setup>),
+    Radiosity(setup::Setup),
     /// A picture by the CDRF: in closed form, and from the table in the place of brute force.
-    Shade(fn() -> Result<crate::scene::Scene>),
+    Shading(setup::Setup),
     /// A random walk through a scene: against the CPU's, and its balance in the place of brute force.
-    Walk(fn() -> Result<crate::scene::Scene>),
+    Walk(setup::Setup),
     /// Diffusion: against the CPU's, and what is left of the equation in the place of brute force.
-    Diffusion(fn() -> Result<crate::scene::Scene>),
+    Diffusion(setup::Setup),
+}
+
+/// The file of cases.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    /// What the cases of a class have in common, by its name.
+    class: BTreeMap<String, toml::Table>,
+    /// What form factors are computed of.
+    lists: factor::Lists,
+    /// The cases.
+    case: Vec<toml::Table>,
+}
+
+/// All cases: single form factors, materials, positions and meshes, light, shading by curvature, random walks,
+/// diffusion. Also the lists of what form factors are computed of.
+static CASES: LazyLock<std::result::Result<(Vec<Case>, factor::Lists), String>> = LazyLock::new(|| {
+    let File { class, lists, case } = toml::from_str(include_str!("cases.toml")).map_err(|e| e.to_string())?;
+    let complete = |mut case: toml::Table| {
+        let class = case.remove("class").and_then(|name| class.get(name.as_str()?)).ok_or("a case of no class")?;
+        for (key, value) in class {
+            case.entry(key.clone()).or_insert_with(|| value.clone());
+        }
+        case.try_into().map_err(|error| error.to_string())
+    };
+    Ok((case.into_iter().map(complete).collect::<std::result::Result<_, String>>()?, lists))
+});
+
+/// The cases, and the lists of what form factors are computed of.
+fn cases() -> Result<&'static (Vec<Case>, factor::Lists)> {
+    CASES.as_ref().map_err(|error| Input::new(error).file(Path::new("cases.toml")).into())
 }
 
 /// Errors of one method in one case, worst channel.
@@ -89,6 +119,20 @@ pub struct Worst {
 impl From<Norms> for Worst {
     fn from(norms: Norms) -> Self {
         Self { l2: norms.l2, max: norms.max }
+    }
+}
+
+impl Worst {
+    /// The errors of values against the expected ones, all of the same weight; the largest is relative to the root mean
+    /// square of `count` values.
+    fn of(pairs: impl Iterator<Item = (f32, f32)>, count: usize) -> Self {
+        let (mut whole, mut apart, mut most) = (0.0, 0.0, 0f64);
+        for (expected, value) in pairs.map(|(expected, value)| (f64::from(expected), f64::from(value))) {
+            whole += expected * expected;
+            apart += (expected - value).powi(2);
+            most = most.max((expected - value).abs());
+        }
+        Self { l2: (apart / whole).sqrt(), max: most / (whole / count.max(1) as f64).sqrt() }
     }
 }
 
@@ -160,49 +204,28 @@ impl Found {
     }
 }
 
-/// All cases: single form factors, materials, meshes, positions and lights, shading by curvature, random walks,
-/// diffusion.
-fn cases() -> impl Iterator<Item = &'static Case> {
-    factors::CASES
-        .iter()
-        .chain(materials::CASES)
-        .chain(places::CASES)
-        .chain(shade::CASES)
-        .chain(walk::CASES)
-        .chain(diffusion::CASES)
-}
-
 /// Runs the cases whose name contains `only`, on a device or, without one, on the CPU.
 pub fn stress(device: Option<&Device>, only: &str, plant: Option<Plant>) -> Result<Vec<Outcome>> {
-    let chosen: Vec<_> = cases().filter(|case| case.name.contains(only)).collect();
+    let (cases, lists) = cases()?;
+    let chosen: Vec<_> = cases.iter().filter(|case| case.name.contains(only)).collect();
     if chosen.is_empty() {
-        let names: Vec<_> = cases().map(|case| case.name).collect();
+        let names: Vec<_> = cases.iter().map(|case| case.name).collect();
         return Err(Input::new("no case has this in its name").found(only).expected(names.join("; ")).into());
     }
-    chosen.into_iter().map(|case| run(case, device, plant)).collect()
+    chosen.into_iter().map(|case| run(case, lists, device, plant)).collect()
 }
 
-fn run(case: &'static Case, device: Option<&Device>, plant: Option<Plant>) -> Result<Outcome> {
-    let (usual, brute, octree) = match case.kind {
-        Kind::Factors(pairs) => {
-            let [usual, brute] = factor::run(&pairs(), device, plant)?;
-            (usual, brute, None)
-        }
-        Kind::Shade(make) => {
-            let [usual, brute] = shade::run(&make()?, device, plant)?;
-            (usual, brute, None)
-        }
-        Kind::Walk(make) => {
-            let [usual, brute] = walk::run(&make()?, device, plant)?;
-            (usual, brute, None)
-        }
-        Kind::Diffusion(make) => {
-            let [usual, brute] = diffusion::run(&make()?, device, plant)?;
-            (usual, brute, None)
-        }
-        Kind::Scene(make) => {
-            let [usual, brute, octree] = solve::run(&make()?, device, plant)?;
-            (usual, brute, Some(octree.error))
+fn run(case: &'static Case, lists: &factor::Lists, device: Option<&Device>, plant: Option<Plant>) -> Result<Outcome> {
+    let mut octree = None;
+    let [usual, brute] = match &case.compute {
+        Compute::Factors(combinations) => factor::run(&combinations.pairs(lists)?, device, plant)?,
+        Compute::Shading(setup) => shade::run(&setup.scene(&[])?, device, plant)?,
+        Compute::Walk(setup) => walk::run(setup, device, plant)?,
+        Compute::Diffusion(setup) => diffusion::run(&setup.scene(&[])?, device, plant)?,
+        Compute::Radiosity(setup) => {
+            let [usual, brute, by_octree] = solve::run(setup, device, plant)?;
+            octree = Some(by_octree.error);
+            [usual, brute]
         }
     };
     let sound = !usual.unsound && !brute.unsound;
@@ -225,14 +248,15 @@ mod tests {
 
     #[test]
     fn every_case_says_what_it_does_and_darkness_fails_its_bound() {
-        let mut names: Vec<_> = cases().map(|case| case.name).collect();
-        names.sort_unstable();
-        names.dedup();
-        assert_eq!(names.len(), cases().count(), "two cases have one name");
-        for case in cases() {
+        let (cases, lists) = cases().unwrap();
+        for (k, case) in cases.iter().enumerate() {
+            assert!(cases[..k].iter().all(|other| other.name != case.name), "two cases are called {}", case.name);
             assert!(!case.fallback.is_empty() && !case.reason.is_empty(), "{}", case.name);
             for bound in [case.bound, case.brute] {
                 assert!(bound.l2 < 1.0 && bound.max < 1.0 && bound.l2 <= bound.max, "{}", case.name);
+            }
+            if let Compute::Factors(combinations) = &case.compute {
+                assert!(!combinations.pairs(lists).unwrap().is_empty(), "{}", case.name);
             }
         }
     }

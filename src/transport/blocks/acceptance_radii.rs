@@ -19,10 +19,7 @@ use crate::layout::{
     AREA_CHI, BLOCK_CLASSES, BufferId, DROPPED_SHARE, ERROR_LAWS, EXPANDED_SHARE, Emitter, FARTHEST, LAW_AREA,
     LAW_EXPANSION, LAW_MAGNITUDE, LAW_MOMENTS, LAW_SAMPLE, ObjectParams, RANGE_DEPTH, RANGE_ENTRIES, SAMPLE_CHI,
 };
-use crate::state::{
-    Carrier, Field, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
-    wide,
-};
+use crate::state::{Carrier, Field, Pass, Role, Scope, Size, Stage, State, Tolerance, Update, wide};
 use crate::transport::diffusion::layer_gain;
 
 /// Tolerances: the rounding of a logarithm, 60 x 2^-24, moves the argument by that share of the table's depth.
@@ -35,7 +32,6 @@ const EMITTER: &[Field] = &[
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "acceptance_radii",
-    module: "transport/blocks",
     about: "the oracle as distances: beyond which a node is dropped, expanded, linked directly, or takes area points",
     equation: "factor W tau^n strength sum_j z_j p(s_j) (q2/(2 s_j^2))^n <= error x level, solved for the distance",
     writes: &[
@@ -45,14 +41,9 @@ pub static STAGE: Stage = Stage {
     ],
     reason: "logarithms of up to 60 binary orders and a bisection: rounding moves the argument by up to 1e-5",
     sizes: &[(BufferId::ranges, Size::Elements(|_| ERROR_LAWS * (RANGE_ENTRIES + 2)))],
-    granularity: Granularity::Group,
     carriers: &[Carrier::Blocks, Carrier::Diffusion],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn runs(update: &Update) -> bool {

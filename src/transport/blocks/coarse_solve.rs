@@ -8,10 +8,7 @@ use crate::dipole::derivatives::{ClusterMoments, GroupProfile};
 use crate::dipole::distance2;
 use crate::error::Result;
 use crate::layout::{BufferId, COARSE_SAMPLES, Moment, NONE, Sample};
-use crate::state::{
-    Carrier, Field, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
-    wide,
-};
+use crate::state::{Field, Pass, Role, Scope, Size, Stage, State, Tolerance, wide};
 
 /// Number of samples of each kind: drawn evenly among the faces, and drawn by the light that enters.
 const HALF: usize = COARSE_SAMPLES / 2;
@@ -25,7 +22,6 @@ const SAMPLE: &[Field] = &[
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "coarse_solve",
-    module: "transport/blocks",
     about: "root mean square of the radiosity, from a coarse solution at 256 receivers",
     equation: "B_rms^2 = sum_k B_k^2 A_k / (n q_k sum A), clusters taken as one where chi < 0.3",
     writes: &[
@@ -37,14 +33,7 @@ pub static STAGE: Stage = Stage {
         (BufferId::samples, Size::Elements(|_| COARSE_SAMPLES)),
         (BufferId::reference_level, Size::Elements(|_| 1)),
     ],
-    granularity: Granularity::Group,
-    carriers: &[Carrier::Blocks],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
-    runs: Update::transport,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, at: Scope) {

@@ -14,15 +14,11 @@ use crate::dipole::form_factor::gauss::{Node, legendre};
 use crate::dipole::form_factor::points::{SIX, sampled};
 use crate::error::Result;
 use crate::layout::{BLOCK_RECEIVERS, BufferId, Buffers, Emitter, Expansion, Range, Runs, Sphere};
-use crate::state::{
-    Carrier, Granularity, Group, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
-    wide,
-};
+use crate::state::{Granularity, Group, Pass, Role, Scope, Size, Stage, State, Tolerance, Update, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "gather",
-    module: "transport/blocks",
     about: "sums over each block's lists: expanded once per block, or evaluated at each receiver",
     equation: "B += W [p0 + (p1 tr Q + p2 d.Q.d)/2] (C.1); near triangles: equation 6 by area points or the edge form",
     writes: &[
@@ -37,13 +33,8 @@ pub static STAGE: Stage = Stage {
         Size::Elements(|state| if state.method.estimate { state.extent().receivers } else { 0 }),
     )],
     granularity: Granularity::Batch,
-    carriers: &[Carrier::Blocks],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs: Update::sums_receivers,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Near triangles per block and dispatch: lavapipe silently ends an invocation's loops after 65,535 iterations in

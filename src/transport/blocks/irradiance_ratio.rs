@@ -8,25 +8,17 @@ use crate::error::Result;
 use crate::layout::{
     BufferId, COARSE_SAMPLES, CONTRAST_DOUBLINGS, CONTRAST_LEAST, CONTRAST_ROOTS, CONTRAST_STEPS, ObjectParams, Sample,
 };
-use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update};
+use crate::state::{Pass, Role, Scope, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "irradiance_ratio",
-    module: "transport/blocks",
     about: "contrast of the light: root mean square irradiance over the reference level, rounded up; kept lists hold for any light of this contrast",
     equation: "least q of 2^(k/4) with (q B_rms)^2 >= mean of E^2; the mean over the samples of `coarse_solve`",
     writes: &[(BufferId::counters, Role::Update, Tolerance::Exact)],
     reason: "a decision: additions, multiplications and comparisons in f32, the same everywhere",
-    sizes: &[],
-    granularity: Granularity::Group,
-    carriers: &[Carrier::Blocks],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
     skip: |state| (!state.method.any_light).then_some("lists are made for the light of their frame"),
-    runs: Update::transport,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// The contrast of one channel, from the mean square of irradiance relative to its mean (`square`), and the light and

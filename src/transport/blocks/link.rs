@@ -13,14 +13,11 @@ use crate::layout::{
     BLOCK_CLASSES, BLOCK_RECEIVERS, BufferId, Emitter, GROUP_SIZE, LINK_AREA, LINK_DIRECT, LINK_DROPPED, LINK_EDGE,
     LINK_EXPANDED, LINK_KEPT, LINK_KINDS, LINK_OPENED, LINK_SHIFT, MOST_DIRECT, Range, Runs, Sphere,
 };
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
-};
+use crate::state::{Carrier, Granularity, Pass, Role, Scope, Size, Stage, State, Tolerance, Update};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "link",
-    module: "transport/blocks",
     about: "the lists of each block: emitters to expand, to link directly, or to integrate by area points or the edge form",
     equation: "Mertens et al. 2003, section 5.2, by contribution: |x - c|^2 >= (radius of the rule + radius of the block)^2",
     writes: &[
@@ -44,12 +41,8 @@ pub static STAGE: Stage = Stage {
     ],
     granularity: Granularity::Batch,
     carriers: &[Carrier::Blocks, Carrier::Diffusion],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn runs(update: &Update) -> bool {

@@ -15,3 +15,16 @@ pub mod pull;
 pub mod push;
 
 pub use crate::layout::BLOCK_RECEIVERS;
+use crate::state::stage::{Cpu, Gpu};
+use crate::state::{Carrier, Granularity, Stage, Update};
+
+/// A stage of transport to blocks, once per group of channels; it says what of that is different, and the rest.
+const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
+    Stage {
+        module: "transport/blocks",
+        granularity: Granularity::Group,
+        carriers: &[Carrier::Blocks],
+        runs: Update::transport,
+        ..super::stage(cpu, gpu)
+    }
+}

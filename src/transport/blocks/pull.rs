@@ -6,10 +6,7 @@ use glam::DVec3;
 use crate::dipole::form_factor::ladder::chi_distance;
 use crate::error::Result;
 use crate::layout::{BufferId, COARSE_CHI, Moment, NONE, SecondMoments};
-use crate::state::{
-    Carrier, Field, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow,
-    stage::never, wide,
-};
+use crate::state::{Carrier, Field, Pass, Role, Scope, Stage, State, Tolerance, Update, narrow, wide};
 
 /// Tolerances relative to the value or to the extent.
 const MOMENT: &[Field] = &[
@@ -28,7 +25,6 @@ const SECOND_MOMENTS: &[Field] = &[
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "pull",
-    module: "transport/blocks",
     about: "moments of the light entering every cluster: sum, centroid, second moments; for diffusion, of its area",
     equation: "W = sum A_k E_k, c = sum A_k E_k x_k / W, Q = sum A_k E_k [(x_k-c)(x_k-c)^T + M_k] / W",
     writes: &[
@@ -36,15 +32,9 @@ pub static STAGE: Stage = Stage {
         (BufferId::second_moments, Role::Output, Tolerance::Fields(SECOND_MOMENTS)),
     ],
     reason: "sums climb some 40 levels of f32 rounding, 40 x 2^-24 = 2.4e-6 of the extent",
-    sizes: &[],
-    granularity: Granularity::Group,
     carriers: &[Carrier::Blocks, Carrier::Diffusion],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs: Update::light,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Sums over the faces below a node.

@@ -6,14 +6,11 @@ use rayon::prelude::*;
 use super::estimate;
 use crate::error::Result;
 use crate::layout::{BLOCK_RECEIVERS, BufferId, Expansion, Range};
-use crate::state::{
-    Carrier, Granularity, Need, Object, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never, wide,
-};
+use crate::state::{Granularity, Object, Pass, Role, Scope, Stage, State, Tolerance, Update, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "push",
-    module: "transport/blocks",
     about: "radiosity of each receiver: its own sums, plus its block's expansion at the receiver",
     equation: "B = max(0, received + f + g.d + d.H.d / 2), d from the block's centre (section 3.2, to second order)",
     writes: &[
@@ -21,15 +18,9 @@ pub static STAGE: Stage = Stage {
         (BufferId::radiosity, Role::Output, Tolerance::Float { relative: 2e-5, floor: 1e-6 }),
     ],
     reason: "a short sum whose terms may cancel in part",
-    sizes: &[],
     granularity: Granularity::Object,
-    carriers: &[Carrier::Blocks],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs: Update::sums_receivers,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Bits of the channels that are in any group.

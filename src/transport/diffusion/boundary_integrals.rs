@@ -8,9 +8,7 @@ use super::near_layers::kept;
 use super::sums::{Density, add_up, expanded};
 use crate::error::Result;
 use crate::layout::{BLOCK_RECEIVERS, BufferId, Range};
-use crate::state::{
-    Carrier, Field, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never, wide,
-};
+use crate::state::{Field, Granularity, Pass, Role, Scope, Stage, State, Tolerance, wide};
 use crate::transport::blocks::gather::NEAR_PART;
 
 /// Tolerances of places: absolute, for an object of unit extent; of charges: relative to the largest.
@@ -24,7 +22,6 @@ const PLACE: &[Field] = &[
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "boundary_integrals",
-    module: "transport/diffusion",
     about: "single and double layer at each triangle, of a vector; first, of the light deposited below the surface",
     equation: "v/2 + int v(y) [g/z_b + dg/dn] dA(y), clusters by w g - U.grad g + Y:grad grad g - (Q,U):grad grad grad g/2",
     writes: &[
@@ -38,15 +35,8 @@ pub static STAGE: Stage = Stage {
     ],
     reason: "sums of some hundred terms of both signs, e^-a with the rounding of a; where z_b is small, first moments are \
              large sums that cancel",
-    sizes: &[],
     granularity: Granularity::Iteration,
-    carriers: &[Carrier::Diffusion],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
-    runs: Update::sums,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// What is applied in a run, in order: step 0 is the start.

@@ -9,9 +9,7 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::geometry::placement::turned;
 use crate::layout::{BufferId, Buffers, Deposit};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
-};
+use crate::state::{Pass, Role, Scope, Stage, State, Tolerance, Update, narrow, wide};
 use crate::transport::walk::exact::refracted;
 use crate::transport::walk::hit::{Meeting, meeting};
 use crate::transport::walk::start::{entered, normal};
@@ -19,20 +17,12 @@ use crate::transport::walk::start::{entered, normal};
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "deposit",
-    module: "transport/diffusion",
     about: "where the light that enters each triangle is scattered first, and how much of it",
     equation: "weight = alpha' (1 - e^-tau), l = L (1 - tau / (e^tau - 1)), tau: thickness along the refracted ray over L",
     writes: &[(BufferId::deposits, Role::Output, Tolerance::Float { relative: 1e-4, floor: 1e-6 })],
     reason: "one exponential; rays and their directions are found by additions, multiplications and comparisons",
-    sizes: &[],
-    granularity: Granularity::Object,
-    carriers: &[Carrier::Diffusion],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs: Update::transport,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// The share that collides and, of the mean free path, the mean depth of where it does: over a thickness of `tau` of

@@ -8,14 +8,11 @@ use crate::layout::{
     BufferId, Buffers, GROUP_SIZE, MOST_STEPS, SMALL_COSINES, SMALL_MATRIX, SMALL_NORMS, SMALL_PRODUCTS, SMALL_RIGHT,
     SMALL_SINES,
 };
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never,
-};
+use crate::state::{Granularity, Pass, Role, Scope, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "krylov_step",
-    module: "transport/diffusion",
     about: "a step of GMRES: orthogonalises the newest vector, and finds the residual's norm",
     equation: "w = M v - sum <M v, v_i> v_i, v' = w / |w|, rotations of the small system; Saad and Schultz 1986",
     writes: &[
@@ -23,15 +20,8 @@ pub static STAGE: Stage = Stage {
         (BufferId::small_system, Role::Update, Tolerance::Float { relative: 1e-4, floor: 1e-5 }),
     ],
     reason: "sums over all triangles; what is left of a vector after the others are taken off may be a hundredth of it",
-    sizes: &[],
     granularity: Granularity::Iteration,
-    carriers: &[Carrier::Diffusion],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
-    runs: Update::sums,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// The mean over the area of the product of two vectors, in one channel.

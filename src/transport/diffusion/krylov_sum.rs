@@ -10,14 +10,11 @@ use crate::layout::{
     BufferId, Buffers, CLUSTER_SHARE, MOST_STEPS, RESIDUAL_SPREAD, SMALL_COEFFICIENTS, SMALL_COSINES, SMALL_MATRIX,
     SMALL_NORMS, SMALL_RESIDUAL, SMALL_RIGHT, SMALL_SINES,
 };
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never,
-};
+use crate::state::{Pass, Role, Scope, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "krylov_sum",
-    module: "transport/diffusion",
     about: "the solution: coefficients by back substitution, then the sum of the basis; radiosity",
     equation: "R y = g, B = B_0 + sum y_k v_k",
     writes: &[
@@ -27,15 +24,7 @@ pub static STAGE: Stage = Stage {
         (BufferId::estimate, Role::Update, Tolerance::Float { relative: 1e-3, floor: 1e-5 }),
     ],
     reason: "sums of at most 30 terms",
-    sizes: &[],
-    granularity: Granularity::Object,
-    carriers: &[Carrier::Diffusion],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
-    runs: Update::sums,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// How many steps were taken: as many as the scope says, or, where it does not, all.

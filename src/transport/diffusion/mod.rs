@@ -18,6 +18,13 @@ pub mod near_layers;
 pub mod sums;
 
 use crate::layout::{GAIN_OF_ONE, LEAST_GAIN, ObjectParams};
+use crate::state::stage::{Cpu, Gpu};
+use crate::state::{Carrier, Stage};
+
+/// A stage of diffusion; it says what it has of its own.
+const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
+    Stage { module: "transport/diffusion", carriers: &[Carrier::Diffusion], ..super::stage(cpu, gpu) }
+}
 
 /// The medium of one channel.
 #[derive(Clone, Copy, Debug)]

@@ -10,28 +10,20 @@ use super::near::{by_edges, sampled};
 use crate::dipole::form_factor::gauss::{Node, legendre};
 use crate::error::Result;
 use crate::layout::{BLOCK_RECEIVERS, BufferId, Buffers, Range, Runs};
-use crate::state::{
-    Carrier, Granularity, Need, Object, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, stage::never, wide,
-};
+use crate::state::{Granularity, Object, Pass, Role, Scope, Size, Stage, State, Tolerance, wide};
 use crate::transport::blocks::link::{self, batch};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "near_layers",
-    module: "transport/diffusion",
     about: "single and double layer of each block's near triangles at its receivers, for all steps of the solver",
     equation: "int [g/z_b + dg/dn] dA over a triangle, times z_b over its area, by area points or the edge form",
     writes: &[(BufferId::near_layers, Role::Update, Tolerance::Float { relative: 1e-4, floor: 1e-5 })],
     reason: "quadrature in f32: e^-a with the rounding of a; the edges of a distant triangle cancel",
     sizes: &[(BufferId::near_layers, Size::Elements(|state| state.batch_parts() * room(state)))],
     granularity: Granularity::Batch,
-    carriers: &[Carrier::Diffusion],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs: |update| (link::STAGE.runs)(update),
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Near triangles of a block that are kept, at most.

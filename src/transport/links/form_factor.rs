@@ -5,6 +5,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::LINKS;
 use super::refine::{cluster_rule, rule};
 use crate::dipole::distance2;
 use crate::dipole::form_factor::edge::edge_form;
@@ -15,32 +16,20 @@ use crate::dipole::form_factor::uniform;
 use crate::dipole::profile::{Dipole, kernel};
 use crate::error::Result;
 use crate::layout::{BufferId, Buffers, RULE_AREA, RULE_EDGE, RULE_SAMPLE};
-use crate::state::{
-    Carrier, Distance, Granularity, Near, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update,
-    narrow, stage::never, wide,
-};
+use crate::state::{Distance, Granularity, Near, Pass, Role, Scope, Stage, State, Tolerance, Update, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "form_factor",
-    module: "transport/links",
     about: "form factor of every link: one sample, area points, or the edge form",
     equation: "Mertens et al. 2003, equations 7 to 13, free of cancellation",
     writes: &[(BufferId::factors, Role::Output, Tolerance::Float { relative: 1e-4, floor: 2e-7 })],
     reason: "e^{-a} carries the rounding of a, up to 100 x 2^-24; an edge's integral is rounded at 2^-24 of itself, and \
              the edges of a sliver cancel down to a small share of it, hence the floor of some 3 x 2^-24",
-    sizes: &[(
-        BufferId::factors,
-        Size::Grows(|state| state.chunk_parts() * state.data.object_params[0].link_capacity as usize),
-    )],
+    sizes: &[(BufferId::factors, LINKS)],
     granularity: Granularity::Chunk,
-    carriers: &[Carrier::Links],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs: Update::makes_links,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// How a form factor is evaluated.

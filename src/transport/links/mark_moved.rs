@@ -3,25 +3,18 @@
 use super::not_incremental;
 use crate::error::Result;
 use crate::layout::{ALTERED_MOVED, BufferId};
-use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update};
+use crate::state::{Pass, Role, Scope, Stage, State, Tolerance, Update};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "mark_moved",
-    module: "transport/links",
     about: "clusters with a triangle that has moved since the kept links were made",
     equation: "Mertens et al. 2003, section 5.5",
     writes: &[(BufferId::change_flags, Role::Output, Tolerance::Exact)],
     reason: "comparisons of f32 for equality",
-    sizes: &[],
-    granularity: Granularity::Object,
-    carriers: &[Carrier::Links],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
     skip: not_incremental,
     runs: Update::updates_links,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, _at: Scope) {

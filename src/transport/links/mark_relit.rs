@@ -4,25 +4,18 @@
 use super::not_incremental;
 use crate::error::Result;
 use crate::layout::{ALTERED_RELIT, BufferId};
-use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance};
+use crate::state::{Pass, Role, Scope, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "mark_relit",
-    module: "transport/links",
     about: "clusters with a triangle whose irradiance has changed since the last sum",
     equation: "Mertens et al. 2003, section 5.5",
     writes: &[(BufferId::change_flags, Role::Update, Tolerance::Exact)],
     reason: "comparisons of f32 for equality",
-    sizes: &[],
-    granularity: Granularity::Object,
-    carriers: &[Carrier::Links],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
     skip: not_incremental,
     runs: |update| update.updates_links() && !update.sums_all_links(),
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, _at: Scope) {

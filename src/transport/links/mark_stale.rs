@@ -4,12 +4,11 @@
 use super::not_incremental;
 use crate::error::Result;
 use crate::layout::{BufferId, Range};
-use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance};
+use crate::state::{Granularity, Pass, Role, Scope, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "mark_stale",
-    module: "transport/links",
     about: "all kept links of an object whose material has changed are marked: their form factors wait",
     equation: "Mertens et al. 2003, section 5.5",
     writes: &[
@@ -17,15 +16,10 @@ pub static STAGE: Stage = Stage {
         (BufferId::stale_counts, Role::Update, Tolerance::Exact),
     ],
     reason: "flags and counts",
-    sizes: &[],
     granularity: Granularity::Chunk,
-    carriers: &[Carrier::Links],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
     skip: not_incremental,
     runs: |update| update.incremental && update.change.material && !update.makes_links(),
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, at: Scope) {

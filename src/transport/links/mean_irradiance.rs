@@ -3,27 +3,17 @@
 
 use crate::error::Result;
 use crate::layout::{BufferId, NONE};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
-};
+use crate::state::{Pass, Role, Scope, Stage, State, Tolerance, Update, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "mean_irradiance",
-    module: "transport/links",
     about: "area-weighted mean irradiance of every cluster",
     equation: "Mertens et al. 2003, section 3.2, weighted: sum A_k E_k / sum A_k",
     writes: &[(BufferId::cluster_irradiance, Role::Output, Tolerance::Float { relative: 1e-5, floor: 1e-6 })],
     reason: "a weighted mean a level, some 40 levels of f32 rounding",
-    sizes: &[],
-    granularity: Granularity::Object,
-    carriers: &[Carrier::Links],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs: Update::light,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, _at: Scope) {

@@ -20,7 +20,16 @@ pub mod sum_links;
 pub mod update_form_factors;
 pub mod update_links;
 
-use crate::state::State;
+use crate::state::stage::{Cpu, Gpu};
+use crate::state::{Carrier, Size, Stage, State};
+
+/// A stage of transport by links; it says what it has of its own.
+const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
+    Stage { module: "transport/links", carriers: &[Carrier::Links], ..super::stage(cpu, gpu) }
+}
+
+/// Room for the links of all chunks that are kept at once.
+const LINKS: Size = Size::Grows(|state| state.chunk_parts() * state.data.object_params[0].link_capacity as usize);
 
 /// Why stages that update kept links are skipped, if they are.
 fn not_incremental(state: &State) -> Option<&'static str> {

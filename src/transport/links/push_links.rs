@@ -5,27 +5,16 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{BufferId, NONE};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, narrow, stage::never, wide,
-};
+use crate::state::{Pass, Role, Scope, Stage, State, Tolerance, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "push_links",
-    module: "transport/links",
     about: "radiosity of each face: its own sum plus those of the clusters above it",
     equation: "Mertens et al. 2003, section 3.2",
     writes: &[(BufferId::radiosity, Role::Output, Tolerance::Float { relative: 5e-6, floor: 1e-7 })],
     reason: "a sum of some 40 non-negative terms",
-    sizes: &[],
-    granularity: Granularity::Object,
-    carriers: &[Carrier::Links],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
-    runs: Update::sums,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, _at: Scope) {

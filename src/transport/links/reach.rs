@@ -6,14 +6,11 @@ use rayon::prelude::*;
 use crate::dipole::profile::Dipole;
 use crate::error::Result;
 use crate::layout::{BufferId, FAINTEST};
-use crate::state::{
-    Carrier, Distance, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, stage::never,
-};
+use crate::state::{Carrier, Distance, Pass, Role, Scope, Size, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "reach",
-    module: "transport/links",
     about: "squared distances beyond which 1, 3, 6 or 12 area points suffice for a triangle",
     equation: "chi = tau q2(sigma s) / (2 s^2) solved for s, with q2(a) <= 15 + 5a + a^2",
     writes: &[
@@ -25,14 +22,9 @@ pub static STAGE: Stage = Stage {
         BufferId::cluster_reach,
         Size::Elements(|state| if state.method.projected { state.extent().nodes } else { 0 }),
     )],
-    granularity: Granularity::Object,
     carriers: &[Carrier::Links, Carrier::Brute],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs: |update| if update.keeps { update.material() || update.change.relink } else { update.transport() },
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, _at: Scope) {

@@ -5,25 +5,19 @@ use super::not_incremental;
 use super::sum_links::sum;
 use crate::error::Result;
 use crate::layout::{BufferId, DUE_SUMMED, Range};
-use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance};
+use crate::state::{Granularity, Pass, Role, Scope, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "resum_links",
-    module: "transport/links",
     about: "the same sum, only for nodes whose links, form factors or emitters have changed",
     equation: "Mertens et al. 2003, equation 6",
     writes: &[(BufferId::gathered, Role::Update, Tolerance::Float { relative: 3e-5, floor: 1e-7 })],
     reason: "that of sum_links",
-    sizes: &[],
     granularity: Granularity::Chunk,
-    carriers: &[Carrier::Links],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
     skip: not_incremental,
     runs: |update| !update.sums_all_links() && (update.shape() || update.renews_factors()),
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, at: Scope) {

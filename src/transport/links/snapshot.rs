@@ -4,12 +4,11 @@
 use super::not_incremental;
 use crate::error::Result;
 use crate::layout::BufferId;
-use crate::state::{Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update};
+use crate::state::{Pass, Role, Scope, Size, Stage, State, Tolerance, Update};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "snapshot",
-    module: "transport/links",
     about: "copy of the vertices and clusters that the links were made for; the next frame compares with it",
     equation: "Mertens et al. 2003, section 5.5",
     writes: &[
@@ -18,14 +17,9 @@ pub static STAGE: Stage = Stage {
     ],
     reason: "a copy",
     sizes: &[(BufferId::kept_positions, Size::Elements(|state| state.data.positions.len()))],
-    granularity: Granularity::Object,
-    carriers: &[Carrier::Links],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
     skip: not_incremental,
     runs: Update::shape,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, _at: Scope) {

@@ -4,27 +4,18 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::layout::{BufferId, Range};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, narrow, stage::never, wide,
-};
+use crate::state::{Granularity, Pass, Role, Scope, Stage, State, Tolerance, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "sum_links",
-    module: "transport/links",
     about: "sum of irradiance times form factor over each node's links",
     equation: "Mertens et al. 2003, equation 6",
     writes: &[(BufferId::gathered, Role::Update, Tolerance::Float { relative: 3e-5, floor: 1e-7 })],
     reason: "a sum of non-negative terms in fixed order: n terms of f32 rounding, n up to a few thousand",
-    sizes: &[],
     granularity: Granularity::Chunk,
-    carriers: &[Carrier::Links],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs: |update| update.sums_all_links() && update.sums(),
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, at: Scope) {

@@ -9,14 +9,11 @@ use super::update_links::has_edits;
 use crate::dipole::form_factor::uniform;
 use crate::error::Result;
 use crate::layout::{BufferId, GROUP_SIZE, GROUPS_A_ROW, RULE_AREA, RULE_EDGE, RULE_SAMPLE, Range};
-use crate::state::{
-    Carrier, Distance, Granularity, Near, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, narrow, wide,
-};
+use crate::state::{Distance, Granularity, Near, Pass, Role, Scope, Size, Stage, State, Tolerance, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "update_form_factors",
-    module: "transport/links",
     about: "form factors of kept links that wait for them, up to the budget",
     equation: "Mertens et al. 2003, section 5.5, equations 7 to 13",
     writes: &[
@@ -37,13 +34,9 @@ pub static STAGE: Stage = Stage {
         (BufferId::due_groups, Size::Elements(|_| GROUPS)),
     ],
     granularity: Granularity::Chunk,
-    carriers: &[Carrier::Links],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
     skip: not_incremental,
     runs: |update| update.updates_links() || update.renews_factors(),
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 pub use crate::layout::{DUE_GROUPS as GROUPS, DUE_MERGED as EDITED, DUE_SUMMED as SUMMED};

@@ -7,27 +7,17 @@ use super::exact::{inverse, root};
 use crate::error::Result;
 use crate::geometry::trace::{dot, minus};
 use crate::layout::{BufferId, Buffers, CLEARANCE_SIDE, NONE};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
-};
+use crate::state::{Pass, Role, Scope, Size, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "clearance",
-    module: "transport/walk",
     about: "distances to the surface, or less, over a grid: where photons fly freely",
     equation: "distance to the nearest triangle's bounding box, less half a cell",
     writes: &[(BufferId::clearance, Role::Output, Tolerance::Exact)],
     reason: "decisions hang on it: additions, multiplications and comparisons in f32",
     sizes: &[(BufferId::clearance, Size::Elements(|_| CELLS))],
-    granularity: Granularity::Object,
-    carriers: &[Carrier::Walk],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
-    runs: Update::sums,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// Cells of the grid.

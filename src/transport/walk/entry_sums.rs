@@ -4,14 +4,11 @@
 use super::{blocks, factor, words64};
 use crate::error::Result;
 use crate::layout::{BufferId, Buffers, ENTRY_BLOCK, EntryBlock, EntrySum, ExitSum, Photon, WalkBalance};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
-};
+use crate::state::{Pass, Role, Scope, Size, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "entry_sums",
-    module: "transport/walk",
     about: "area times irradiance of each triangle as an integer, summed up; photons and exits cleared",
     equation: "inclusive scan",
     writes: &[
@@ -26,14 +23,7 @@ pub static STAGE: Stage = Stage {
         BufferId::entry_blocks,
         Size::Elements(|state| state.objects.iter().map(|object| blocks(object.count.faces) + 1).max().unwrap_or(0)),
     )],
-    granularity: Granularity::Object,
-    carriers: &[Carrier::Walk],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
-    runs: Update::sums,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// The light that enters a triangle, per channel.

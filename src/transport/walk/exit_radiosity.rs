@@ -9,14 +9,11 @@ use rayon::prelude::*;
 use super::total;
 use crate::error::Result;
 use crate::layout::BufferId;
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Stage, State, Tolerance, Update, stage::never,
-};
+use crate::state::{Pass, Role, Scope, Stage, State, Tolerance};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "exit_radiosity",
-    module: "transport/walk",
     about: "radiosity of each triangle and its standard error from the photons that left through it",
     equation: "the mean of independent photons, and its variance",
     writes: &[
@@ -25,15 +22,7 @@ pub static STAGE: Stage = Stage {
     ],
     reason: "a few products and quotients; where a large share of all photons leaves through one triangle, the variance \
              is a difference",
-    sizes: &[],
-    granularity: Granularity::Object,
-    carriers: &[Carrier::Walk],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
-    runs: Update::sums,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, _at: Scope) {

@@ -16,6 +16,13 @@ pub mod random_walk;
 pub(super) mod start;
 
 use crate::layout::{Buffers, ENTRY_BLOCK, EntryBlock, EntrySum, ExitSum, WALK_SQUARE_BITS, WALK_WEIGHT};
+use crate::state::stage::{Cpu, Gpu};
+use crate::state::{Carrier, Stage};
+
+/// A stage of the random walk; it says what it has of its own.
+const fn stage(cpu: Cpu, gpu: Gpu) -> Stage {
+    Stage { module: "transport/walk", carriers: &[Carrier::Walk], ..super::stage(cpu, gpu) }
+}
 
 /// A sum of 64 bits from its words.
 #[must_use]

@@ -7,9 +7,7 @@ use super::flight::{Exit, fly};
 use super::start::start;
 use crate::error::Result;
 use crate::layout::{BufferId, Photon, WalkBalance};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
-};
+use crate::state::{Pass, Role, Scope, Size, Stage, State, Tolerance};
 
 /// Flights of a round.
 pub const FLIGHTS: usize = 64;
@@ -19,7 +17,6 @@ const BETWEEN: usize = 8;
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "random_walk",
-    module: "transport/walk",
     about: "photons fly through the object: collisions, absorption, scattering, reflection from within, exit",
     equation: "the radiative transfer equation: free paths of exponential length, Henyey and Greenstein 1941, Fresnel",
     writes: &[
@@ -29,14 +26,7 @@ pub static STAGE: Stage = Stage {
     ],
     reason: "decisions, and integers: one wrong bit sends a photon elsewhere",
     sizes: &[(BufferId::photons, Size::Elements(slots)), (BufferId::balances, Size::Elements(slots))],
-    granularity: Granularity::Object,
-    carriers: &[Carrier::Walk],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
-    runs: Update::sums,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn slots(state: &State) -> usize {

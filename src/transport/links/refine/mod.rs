@@ -11,16 +11,14 @@ pub use self::walk::{Choice, Walk, children, choose, cluster_rule, rule};
 
 use rayon::prelude::*;
 
+use super::LINKS;
 use crate::error::Result;
 use crate::layout::{BufferId, Link, ListCounters, MOST_PAIRS, RULE_AREA, RULE_SAMPLE, Range, Span};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, stage::never,
-};
+use crate::state::{Granularity, Pass, Role, Scope, Size, Stage, State, Tolerance, Update};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "refine",
-    module: "transport/links",
     about: "links between clusters by the two solid-angle thresholds and the planarity measure",
     equation: "Mertens et al. 2003, section 5.2; planarity A'/A of section 5.1.1",
     writes: &[
@@ -34,10 +32,7 @@ pub static STAGE: Stage = Stage {
     reason: "decisions: additions, multiplications and comparisons in f32, the same everywhere",
     sizes: &[
         (BufferId::handed, Size::Grows(|state| state.data.object_params[0].hand_capacity as usize)),
-        (
-            BufferId::links,
-            Size::Grows(|state| state.chunk_parts() * state.data.object_params[0].link_capacity as usize),
-        ),
+        (BufferId::links, LINKS),
         (
             BufferId::area_links,
             Size::Grows(|state| state.chunk_parts() * state.data.object_params[0].area_capacity as usize),
@@ -48,13 +43,8 @@ pub static STAGE: Stage = Stage {
         ),
     ],
     granularity: Granularity::Chunk,
-    carriers: &[Carrier::Links],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
-    skip: never,
     runs: Update::makes_links,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 /// One receiver's decisions, in order.

@@ -15,17 +15,14 @@ use rayon::prelude::*;
 
 use super::refine::open;
 use super::update_form_factors::groups;
+use super::{LINKS, not_incremental};
 use crate::error::Result;
 use crate::layout::{ALTERED_MOVED, BufferId, Buffers, DUE_MERGED, Link, MOST_PAIRS, PAIR_BOTH, Range, Span};
-use crate::state::{
-    Carrier, Granularity, Need, Pass, Role, Scope, Serves, Size, Stage, State, Tolerance, Update, narrow, wide,
-};
-use crate::transport::links::not_incremental;
+use crate::state::{Granularity, Pass, Role, Scope, Size, Stage, State, Tolerance, Update, narrow, wide};
 
 /// The stage's declaration.
 pub static STAGE: Stage = Stage {
     name: "update_links",
-    module: "transport/links",
     about: "kept links demoted and promoted where a cluster is altered; those that touch one are marked",
     equation: "Mertens et al. 2003, section 5.5; Forsyth et al. 1994",
     writes: &[
@@ -46,19 +43,12 @@ pub static STAGE: Stage = Stage {
     sizes: &[
         (BufferId::added_links, Size::Grows(|state| state.data.object_params[0].edit_capacity as usize)),
         (BufferId::removed_links, Size::Grows(|state| state.data.object_params[0].edit_capacity as usize)),
-        (
-            BufferId::stale,
-            Size::Grows(|state| state.chunk_parts() * state.data.object_params[0].link_capacity as usize),
-        ),
+        (BufferId::stale, LINKS),
     ],
     granularity: Granularity::Chunk,
-    carriers: &[Carrier::Links],
-    needs: &[Need::Light],
-    serves: Serves::TRANSLUCENT,
     skip: not_incremental,
     runs: Update::updates_links,
-    cpu,
-    gpu,
+    ..super::stage(cpu, gpu)
 };
 
 fn cpu(state: &mut State, at: Scope) {
