@@ -28,8 +28,7 @@ pub struct BareArguments {
     #[arg(long, value_name = "FILE")]
     environment: Option<String>,
     /// A mesh alone: N frames from all around it, `-o name-%04d.png`.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=10000),
-          conflicts_with_all = ["frames", "view", "times"])]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=10000))]
     turntable: Option<u32>,
 }
 

@@ -36,11 +36,12 @@ pub struct Arguments {
     #[arg(long)]
     aov: bool,
     /// Show something other than light.
-    #[arg(long, value_enum, conflicts_with = "aov")]
+    #[arg(long, value_enum, conflicts_with_all = ["aov", "turntable"])]
     view: Option<View>,
     /// Render these frames, both ends included, each to its own file: `-o frame-%04d.png`. Frames do not depend on
     /// one another.
-    #[arg(long, value_name = "A..B", conflicts_with_all = ["view", "frame", "times"], allow_hyphen_values = true)]
+    #[arg(long, value_name = "A..B", conflicts_with_all = ["view", "frame", "times", "turntable"],
+          allow_hyphen_values = true)]
     frames: Option<String>,
     /// With --frames: skip frames whose file exists.
     #[arg(long, requires = "frames")]
@@ -49,7 +50,7 @@ pub struct Arguments {
     #[arg(long, value_name = "X,Y", requires = "view")]
     pick: Option<String>,
     /// Print each stage's time, and the wall time beside them.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "turntable")]
     times: bool,
 }
 

@@ -45,7 +45,8 @@ fn every_help_has_an_example() {
     let here = folder(&[]);
     for command in commands() {
         let (out, err) = good(&here, &format!("{command} --help"));
-        assert!(out.contains(&format!("Example: milkglass {command}")), "{command}: {out}");
+        let example = out.split("Example: milkglass ").nth(1);
+        assert!(example.is_some_and(|text| text.contains(&command)), "{command}: {out}");
         assert!(err.is_empty(), "{command}: {err}");
     }
     assert!(good(&here, "--version").0.starts_with("milkglass "));
