@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
-use super::{DeviceArgument, MemoryArgument, check_messages, validation};
+use super::{DeviceArgument, MemoryArgument, check_messages, validation, write};
 use milkglass::error::{Input, Result};
-use milkglass::internals::view::atomic_file::{ready, write_atomically};
-use milkglass::measure::eval::{self, answers};
+use milkglass::internals::view::atomic_file::ready;
+use milkglass::measure::eval::{Formula, Kind, answers};
 
 /// Arguments of `eval`.
 #[derive(Args)]
@@ -37,29 +37,6 @@ pub struct Arguments {
 /// Bytes of memory per byte of a table.
 const COPIES: u64 = 128;
 
-/// What is evaluated.
-#[derive(Clone, Copy, ValueEnum)]
-enum Kind {
-    /// Form factor of a triangle and a point.
-    FormFactor,
-    /// The diffuse reflectance profile.
-    Profile,
-    /// Single scattering of a flat slab of layers.
-    Layered,
-    /// The curvature-dependent reflectance function.
-    Cdrf,
-}
-
-/// Formula for the diffuse Fresnel reflectance in the boundary condition.
-#[derive(Clone, Copy, Default, ValueEnum)]
-enum Formula {
-    /// The published polynomial.
-    #[default]
-    Paper,
-    /// The closed form.
-    Exact,
-}
-
 /// Evaluates every row and writes the results beside the input's columns.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let file = &arguments.input;
@@ -69,19 +46,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     ready([("-o", Some(&arguments.output))])?;
     super::announce_pipe(file);
     let text = arguments.memory.files().stream(file, COPIES).map_err(|e| Input::new(e.to_string()).file(file))?;
-    let kind = match arguments.kind {
-        Kind::FormFactor => eval::Kind::FormFactor,
-        Kind::Profile => eval::Kind::Profile,
-        Kind::Layered => eval::Kind::Layered,
-        Kind::Cdrf => eval::Kind::Cdrf,
-    };
-    let formula = match arguments.fresnel {
-        Formula::Paper => eval::Formula::Paper,
-        Formula::Exact => eval::Formula::Exact,
-    };
     let mut opened = None;
     let open = || arguments.device.open(validation()).inspect(|device| opened.clone_from(device));
-    let bytes = answers(kind, formula, file, &text, open)?;
+    let bytes = answers(arguments.kind, arguments.fresnel, file, &text, open)?;
     check_messages(opened.as_ref())?;
-    write_atomically(&arguments.output, |beside| std::fs::write(beside, bytes).map_err(|e| e.to_string()))
+    write(&arguments.output, bytes)
 }

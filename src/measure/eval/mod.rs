@@ -21,8 +21,9 @@ use crate::transport::evaluate;
 
 /// The function to evaluate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Kind {
-    /// Form factor between a triangle and a point.
+    /// Form factor of a triangle and a point.
     FormFactor,
     /// The diffuse reflectance profile.
     Profile,
@@ -47,6 +48,7 @@ impl Kind {
 
 /// The formula for the diffuse Fresnel reflectance in the boundary condition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Formula {
     /// The published polynomial.
     #[default]
